@@ -280,6 +280,24 @@ def images(folder):
             page.render(scale=1.6).to_pil().save(folder / f"{file.stem}-{number:02}.png")
 
 
+def methods(zwidth, root, engine, folder):
+    """What was done in words, by both; each word of the Markdown stands on the page, where it has letters alone."""
+    told = {form: checks.run(zwidth, "--root", root, "methods", STUDY, "--format", form) for form in ("md", "tex", "typ")}
+    words = sorted({word for word in re.findall(r"(?<![\w\\])[A-Za-z]{4,}(?![\w\\])", told["md"])})
+    (folder / "methods.typ").write_text(told["typ"])
+    (folder / "methods.tex").write_text(
+        "\\documentclass{article}\\usepackage[T1]{fontenc}\\usepackage{lmodern}\\begin{document}\n" + told["tex"] + "\\end{document}\n"
+    )
+    done = subprocess.run([engine, "-interaction=nonstopmode", "methods.tex"], cwd=folder, capture_output=True, text=True, check=False)
+    told_wrong = [line for line in done.stdout.splitlines() if line.startswith("!") or "Missing character" in line]
+    checks.check(f"{engine}: methods compile", done.returncode == 0 and not told_wrong, told_wrong[:3])
+    (folder / "methods-typst.pdf").write_bytes(typst.compile(str(folder / "methods.typ"), root="/", ignore_system_fonts=True))
+    for name in ("methods.pdf", "methods-typst.pdf"):
+        there = squeezed(read(folder / name))
+        lost = [word for word in words if word not in there]
+        checks.check(f"{name}: every word of {len(words)}", len(words) > 100 and not lost, lost[:5])
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--zwidth", type=Path, required=True, help="the program")
@@ -307,6 +325,7 @@ def main():
             reports, _ = hostile.made(given.zwidth.resolve(), Path(other))
             captions(given.engine, "hostile texts", reports, folder)
             hostile_tables(given.engine, reports, folder)
+        methods(given.zwidth.resolve(), given.root.resolve(), given.engine, folder)
         if given.keep:
             images(folder)
     same_by_command(given.zwidth.resolve(), given.root.resolve(), tex)

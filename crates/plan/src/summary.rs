@@ -1,6 +1,7 @@
 //! Stage `summary`: the page a person reads first.
 
 use crate::drawing::Drawing;
+use crate::methods::recorded;
 use crate::trials::name;
 use crate::{average, compare, freemotion, ladder, likert, metrics, report, tables, trade};
 use rayon::prelude::*;
@@ -243,8 +244,6 @@ fn contrasts_of(files: &Files) -> Vec<PathBuf> {
     files.compared.iter().map(|[_, contrasts]| contrasts.clone()).collect()
 }
 
-/// The participant of recordings in which nobody took part, as of a device driven by its own motor.
-const NOBODY: &str = "none";
 /// The table of the metrics by condition, from the summary's folder on.
 const CONDITIONS: &str = "tables/conditions.md";
 /// The table of the thesis' statements.
@@ -252,26 +251,7 @@ const STATEMENTS: &str = "tables/thesis.md";
 
 fn facts(data: &StudyData, found: &Findings) -> Summary {
     let counting: Vec<_> = data.counting().collect();
-    let asked = data.answers();
-    let with_samples =
-        counting.iter().map(|t| (t.meta.participant.clone(), t.meta.session.clone(), t.meta.trial));
-    let with_answers = asked.iter().map(|a| (a.participant.clone(), a.session.clone(), a.trial));
-    let trials: BTreeSet<_> = with_samples.chain(with_answers).collect();
-    let sessions: BTreeSet<_> = trials.iter().map(|(p, s, _)| (p, s)).collect();
-    let people: BTreeSet<_> =
-        trials.iter().map(|(p, _, _)| p).filter(|p| p.as_str() != NOBODY).collect();
-    let mut sources = BTreeMap::new();
-    // By the footers, wherever there is one.
-    for trial in &data.trials {
-        *sources.entry(trial.meta.source).or_default() += 1;
-    }
-    for log in &data.sessions {
-        *sources.entry(log.record.source).or_default() +=
-            log.record.trials.iter().filter(|t| !t.samples).count();
-    }
-    for sweep in &data.sweeps {
-        *sources.entry(sweep.source).or_default() += 1;
-    }
+    let recorded = recorded(data);
     let scenes = counting
         .iter()
         .filter_map(|t| data.study.environment(&t.meta.environment))
@@ -282,12 +262,12 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
     Summary {
         title: data.study.title.clone(),
         device: data.study.device.name.clone(),
-        participants: people.len(),
-        sessions: sessions.len(),
-        trials: trials.len(),
-        sweeps: data.sweeps.len(),
+        participants: recorded.participants,
+        sessions: recorded.sessions,
+        trials: recorded.trials,
+        sweeps: recorded.sweeps,
         undrawn: crate::figures::without_own(data),
-        sources,
+        sources: recorded.sources,
         left_out: left_out(data, found),
         care: found.with_care.iter().map(|finding| remark(data, finding)).collect(),
         limits: no_lever

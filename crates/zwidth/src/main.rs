@@ -62,6 +62,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Open(command) => commands::open::open(root, &command, screen),
         Command::Figure(command) => commands::figure::figure(root, &command, screen),
         Command::Table(command) => commands::table::table(root, &command, screen),
+        Command::Methods(command) => commands::methods::methods(root, &command, screen),
         Command::Why(command) => commands::why::why(root, &command, screen),
         Command::Trace(command) => commands::trace::trace(root, &command, screen),
         Command::Completions { shell } => commands::shell::completions(shell, screen),

@@ -4,7 +4,7 @@
 //! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of
 //! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`],
 //! [`model_table`] (2, 3), [`components_table`] and [`device_table`] (4), [`weight_table`] (Appendix A), and its statements,
-//! [`thesis_table`]. [`page_html`] is the summary as a page with the trials in it. No files and no
+//! [`thesis_table`]. [`methods`] are what was done, in words. [`page_html`] is the summary as a page with the trials in it. No files and no
 //! clock: data in, text and tables out.
 
 mod actuation;
@@ -16,6 +16,7 @@ mod evidence;
 mod facts;
 mod findings;
 mod gallery;
+mod methods;
 mod model;
 mod page;
 mod people;
@@ -32,6 +33,7 @@ pub use design::{device_table, modes_table};
 pub use evidence::Known;
 pub use findings::{Finding, findings};
 pub use gallery::{Gallery, Shown};
+pub use methods::{MethodsForm, MethodsPart, Recorded, methods};
 pub use model::model_table;
 pub use page::{
     Columns, Contents, Course, Event, Page, TURNED, Turn, TurnedError, condition_script, page_html,

@@ -343,6 +343,18 @@ fn every_listing_is_json_where_it_is_asked_for() {
 }
 
 #[test]
+fn methods_in_words_count_what_was_recorded() {
+    let root = shipped::finished();
+    zwidth(root.path(), &["methods", "thesis-twin"])
+        .exits(0)
+        .says(&["1 participant, 1 session, 36 trials that count", "All data are simulated"]);
+    zwidth(root.path(), &["methods", "thesis-twin", "--format", "tex"])
+        .exits(0)
+        .says(&["\\subsection{Statistics}"]);
+    zwidth(root.path(), &["methods", "nowhere"]).exits(1).one_error();
+}
+
+#[test]
 fn the_exit_code_is_1_where_it_failed_and_2_where_the_arguments_are_bad() {
     let empty = tempfile::tempdir().unwrap();
     zwidth(empty.path(), &["run"]).exits(1).one_error().says(&["raw", "--root"]);

@@ -8,6 +8,7 @@ use crate::limits::{
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use zwidth_report::MethodsForm;
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
 use zwidth_stability::Quantity;
 use zwidth_study::{ParticipantId, SessionId, StudyId};
@@ -91,6 +92,8 @@ pub(crate) enum Command {
     Figure(Figure),
     /// Print a table of a study, or list its tables
     Table(Table),
+    /// Print what was done in words, with its sources: for a thesis' methods chapter
+    Methods(Methods),
     /// What a result was last made from, and why a run would make it again
     Why(Traced),
     /// The raw files behind a result, and the jobs between; also of a copy that lies elsewhere
@@ -552,6 +555,15 @@ pub(crate) struct Table {
     pub(crate) format: Format,
 }
 
+#[derive(Debug, clap::Args)]
+pub(crate) struct Methods {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The form in which to print them: Markdown, LaTeX or Typst
+    #[arg(long, default_value = MethodsForm::ALL[0].0, value_parser = methods_forms())]
+    pub(crate) format: MethodsForm,
+}
+
 /// A result asked about.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Traced {
@@ -567,6 +579,14 @@ fn text_formats() -> impl TypedValueParser<Value = Format> {
     PossibleValuesParser::new(values).try_map(move |word| {
         let of_word = text().find(|format| format.extension() == word);
         of_word.ok_or_else(|| format!("'{word}' is no format"))
+    })
+}
+
+/// The forms of the methods, by the extensions of their files.
+fn methods_forms() -> impl TypedValueParser<Value = MethodsForm> {
+    PossibleValuesParser::new(MethodsForm::ALL.map(|(word, _)| word)).try_map(|word| {
+        let found = MethodsForm::ALL.into_iter().find(|(known, _)| *known == word);
+        found.map(|(_, form)| form).ok_or_else(|| format!("'{word}' is no format"))
     })
 }
 

@@ -11,6 +11,7 @@ pub(crate) mod import;
 pub(crate) mod ladder;
 pub(crate) mod list;
 mod locate;
+pub(crate) mod methods;
 mod near;
 pub(crate) mod new;
 pub(crate) mod open;

@@ -1,0 +1,44 @@
+//! What the methods in words speak of: what was recorded, and which stages a run has for it.
+
+use crate::{compare, identify, replay};
+use std::collections::{BTreeMap, BTreeSet};
+use zwidth_report::Recorded;
+use zwidth_store::StudyData;
+
+/// The participant of recordings in which nobody took part, as of a device driven by its own motor.
+const NOBODY: &str = "none";
+
+/// What was recorded for a study and is made of it.
+pub fn recorded(data: &StudyData) -> Recorded {
+    let answers = data.answers();
+    let with_samples =
+        data.counting().map(|t| (t.meta.participant.clone(), t.meta.session.clone(), t.meta.trial));
+    let with_answers = answers.iter().map(|a| (a.participant.clone(), a.session.clone(), a.trial));
+    let trials: BTreeSet<_> = with_samples.chain(with_answers).collect();
+    let sessions: BTreeSet<_> = trials.iter().map(|(p, s, _)| (p, s)).collect();
+    let people: BTreeSet<_> =
+        trials.iter().map(|(p, _, _)| p).filter(|p| p.as_str() != NOBODY).collect();
+    let mut sources = BTreeMap::new();
+    // By the footers, wherever there is one.
+    for trial in &data.trials {
+        *sources.entry(trial.meta.source).or_default() += 1;
+    }
+    for log in &data.sessions {
+        *sources.entry(log.record.source).or_default() +=
+            log.record.trials.iter().filter(|t| !t.samples).count();
+    }
+    for sweep in &data.sweeps {
+        *sources.entry(sweep.source).or_default() += 1;
+    }
+    Recorded {
+        participants: people.len(),
+        sessions: sessions.len(),
+        trials: trials.len(),
+        sweeps: data.sweeps.len(),
+        sources,
+        compared: compare::compared(data),
+        answers: !answers.is_empty(),
+        replayed: !replay::jobs(data).is_empty(),
+        identified: identify::known_plant(data).is_some(),
+    }
+}

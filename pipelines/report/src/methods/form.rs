@@ -1,0 +1,50 @@
+//! The methods as Markdown, LaTeX and Typst.
+
+use super::MethodsPart;
+use zwidth_tables::{escape_latex, escape_markdown, typst_expression};
+
+/// A form of text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MethodsForm {
+    /// Markdown.
+    #[default]
+    Markdown,
+    /// LaTeX, to be put into a document.
+    Latex,
+    /// Typst, to be included.
+    Typst,
+}
+
+impl MethodsForm {
+    /// Every form, with the word for it.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("md", Self::Markdown), ("tex", Self::Latex), ("typ", Self::Typst)];
+
+    /// The text in this form.
+    pub fn written(self, parts: &[MethodsPart]) -> String {
+        let blocks: Vec<String> = parts
+            .iter()
+            .flat_map(|part| {
+                let paragraphs = part.paragraphs.iter().map(|text| self.paragraph(text));
+                [self.heading(part.heading)].into_iter().chain(paragraphs).collect::<Vec<_>>()
+            })
+            .collect();
+        blocks.join("\n\n") + "\n"
+    }
+
+    fn heading(self, text: &str) -> String {
+        match self {
+            Self::Markdown => format!("## {}", escape_markdown(text)),
+            Self::Latex => format!("\\subsection{{{}}}", escape_latex(text)),
+            Self::Typst => format!("== {text}"),
+        }
+    }
+
+    fn paragraph(self, text: &str) -> String {
+        match self {
+            Self::Markdown => escape_markdown(text),
+            Self::Latex => escape_latex(text),
+            Self::Typst => format!("#({})", typst_expression(text)),
+        }
+    }
+}

@@ -1,0 +1,330 @@
+//! The methods of a study in words, ready for a thesis' methods chapter: what was recorded, what was computed from it, with
+//! which numbers, and where each method is from.
+//!
+//! Only what the study has is said: a study without a wall has no sentence about one. Nothing is said of why.
+
+mod form;
+mod sources;
+mod statistics;
+#[cfg(test)]
+mod tests;
+
+pub use form::MethodsForm;
+
+use crate::people::{count, sources as origins};
+use sources::Cited;
+use std::collections::BTreeMap;
+use zwidth_study::{
+    ActuatorKind, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Source, Study,
+    VelocityFilter,
+};
+use zwidth_tables::given;
+
+/// What was recorded for a study and made of it, as far as its methods speak of it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Recorded {
+    /// Participants with at least one trial that counts.
+    pub participants: usize,
+    /// Sessions of all participants together.
+    pub sessions: usize,
+    /// Trials that count.
+    pub trials: usize,
+    /// Sweeps of actuators and sensors.
+    pub sweeps: usize,
+    /// How many of these trials and sweeps come from where.
+    pub sources: BTreeMap<Source, usize>,
+    /// Metrics that modes are compared by, in order.
+    pub compared: Vec<String>,
+    /// Whether answers were given.
+    pub answers: bool,
+    /// Whether trials are replayed through the model.
+    pub replayed: bool,
+    /// Whether the plant is identified from trials.
+    pub identified: bool,
+}
+
+/// A heading and what stands below it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MethodsPart {
+    heading: &'static str,
+    paragraphs: Vec<String>,
+}
+
+/// The methods of `study`, as computed by this program of that version.
+pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<MethodsPart> {
+    let mut cited = Cited::default();
+    let parts = [
+        ("Apparatus", apparatus(study)),
+        ("Conditions", conditions(study)),
+        ("Procedure", procedure(study)),
+        ("Data", data(recorded)),
+        ("Measures", measures(study, recorded, &mut cited)),
+        ("Model", model(study, recorded, &mut cited)),
+        ("Statistics", statistics::paragraphs(study, recorded, &mut cited)),
+        ("Software", vec![software(study, version)]),
+    ];
+    let mut parts: Vec<MethodsPart> = parts
+        .into_iter()
+        .filter(|(_, paragraphs)| !paragraphs.is_empty())
+        .map(|(heading, paragraphs)| MethodsPart { heading, paragraphs })
+        .collect();
+    let sources = cited.listed();
+    if !sources.is_empty() {
+        parts.push(MethodsPart { heading: "Sources", paragraphs: sources });
+    }
+    parts
+}
+
+fn apparatus(study: &Study) -> Vec<String> {
+    let (device, control, axis) = (&study.device, &study.control, study.coordinate);
+    if study.environments.iter().all(|e| e.scene == Scene::None) {
+        return Vec::new();
+    }
+    let mut said = vec![format!("The device was: {}.", device.name)];
+    if let Some(lever) = device.lever_m {
+        said.push(format!(
+            "The lever was {} mm long from its axis to the finger.",
+            plain(lever * 1e3)
+        ));
+    }
+    if let (Some(low), Some(high)) = (device.theta_min_rad, device.theta_max_rad) {
+        said.push(format!(
+            "Its work space reached from {} to {}.",
+            given(low, "rad", axis),
+            given(high, "rad", axis)
+        ));
+    }
+    said.push(format!("The control loop ran at {} Hz.", plain(control.rate_hz)));
+    if let Some(rate) = device.force_rate_hz {
+        said.push(format!("The force sensor gave {} new values per second.", plain(rate)));
+    }
+    said.push(match control.velocity {
+        VelocityFilter::Difference => {
+            "Velocity was the difference of the last two angles over their time.".to_owned()
+        }
+        VelocityFilter::SecondOrder { cutoff_hz } => format!(
+            "Velocity was the angle through a differentiator with a critically damped second-order \
+             low-pass of {} Hz, which delays it by {:.1} ms.",
+            plain(cutoff_hz),
+            1e3 / (core::f64::consts::PI * cutoff_hz)
+        ),
+    });
+    said.push(format!(
+        "A trial stopped where the measured force exceeded {} N.",
+        plain(control.force_limit_n)
+    ));
+    vec![said.join(" ")]
+}
+
+fn conditions(study: &Study) -> Vec<String> {
+    let environments: Vec<String> =
+        study.environments.iter().filter_map(|e| environment(study, e)).collect();
+    let modes: Vec<String> = study.modes.iter().filter_map(mode).collect();
+    let mut said = Vec::new();
+    if !environments.is_empty() {
+        said.push(environments.join(" "));
+    }
+    if !modes.is_empty() && !environments.is_empty() {
+        let let_go = study.modes.iter().any(|mode| mode.has(ActuatorKind::Brake)).then(|| {
+            format!(
+                " The brake let go where the user's force fell below {} N while the lever did not \
+                 move on.",
+                plain(study.control.let_go_n)
+            )
+        });
+        said.push(modes.join(" ") + &let_go.unwrap_or_default());
+    }
+    said
+}
+
+fn environment(study: &Study, environment: &Environment) -> Option<String> {
+    let axis = study.coordinate;
+    let spring = |spring: zwidth_study::Spring| {
+        format!(
+            "a virtual spring of {} that rests at {}",
+            given(spring.stiffness_n_per_rad, "N/rad", axis),
+            given(spring.rest_rad, "rad", axis)
+        )
+    };
+    let rendered = match environment.scene {
+        Scene::None => return None,
+        Scene::Free => "no force".to_owned(),
+        Scene::Spring(of) => spring(of),
+        Scene::SpringWall { spring: of, wall_rad } => {
+            let wall = given(wall_rad, "rad", axis);
+            format!("{}, with a wall from {wall} on", spring(of))
+        }
+    };
+    Some(format!("The environment '{}' rendered {rendered}.", environment.label))
+}
+
+fn mode(mode: &Mode) -> Option<String> {
+    let volts =
+        |max_v: Option<f64>| max_v.map(|v| format!(" (up to {} V)", plain(v))).unwrap_or_default();
+    let (motor, brake) = (volts(mode.motor_max_v), volts(mode.brake_max_v));
+    let law = match mode.law()? {
+        ModeLaw::Active => format!("the motor{motor} gave the force on both ways"),
+        ModeLaw::Passive => format!("the brake{brake} gave the force on both ways"),
+        ModeLaw::Hybrid => format!(
+            "the brake{brake} gave the force while the lever moved into the object, and the \
+             motor{motor} while it was held or moved back"
+        ),
+    };
+    Some(format!("In mode '{}' {law}.", mode.label))
+}
+
+fn procedure(study: &Study) -> Vec<String> {
+    let design = &study.design;
+    let mut said = vec![format!(
+        "Each condition (environment and mode) was to be presented {} per session.",
+        match design.repeats {
+            1 => "once".to_owned(),
+            n => format!("{n} times"),
+        }
+    )];
+    if study.modes.len() > 1 {
+        said.push(
+            match design.order {
+                OrderScheme::Williams => {
+                    "The order of the modes was drawn from Williams squares, a row for each repeat; \
+                     blocks of one environment followed each other, counterbalanced."
+                }
+                OrderScheme::Constrained => {
+                    "The order of the modes was drawn at random, no mode more than twice in a row; \
+                     blocks of one environment followed each other, counterbalanced."
+                }
+            }
+            .to_owned(),
+        );
+    }
+    if design.familiarisation > 0 {
+        said.push(format!(
+            "{} came first and {} not analysed.",
+            count(design.familiarisation as usize, "practice trial"),
+            if design.familiarisation == 1 { "was" } else { "were" }
+        ));
+    }
+    said.push(format!(
+        "A trial took at most {} s, with at least {} s until the next.",
+        plain(design.trial_limit_s),
+        plain(design.pause_s)
+    ));
+    if design.blinded {
+        said.push("Modes were sealed until the session was over.".to_owned());
+    }
+    if !study.questions.is_empty() {
+        let asked = study.questions.iter().map(|question| {
+            format!("“{}” ({})", question.text.trim_end_matches('.'), question.scale.name())
+        });
+        said.push(format!(
+            "Participants were asked how far they agreed with: {}.",
+            asked.collect::<Vec<_>>().join("; ")
+        ));
+    }
+    vec![said.join(" ")]
+}
+
+fn data(recorded: &Recorded) -> Vec<String> {
+    let counted = [
+        (recorded.participants, "participant"),
+        (recorded.sessions, "session"),
+        (recorded.trials, "trial that counts"),
+        (recorded.sweeps, "sweep of an actuator or sensor"),
+    ];
+    let counted: Vec<String> = counted
+        .into_iter()
+        .filter(|(n, _)| *n > 0)
+        .map(|(n, what)| match (n, what.split_once(' ')) {
+            (1, _) => format!("1 {what}"),
+            (_, Some(("trial", rest))) => format!("{n} trials {}", rest.replace("counts", "count")),
+            (_, Some((noun, rest))) => format!("{n} {noun}s {rest}"),
+            (_, None) => format!("{n} {what}s"),
+        })
+        .collect();
+    if counted.is_empty() {
+        return Vec::new();
+    }
+    let origin = origins(&recorded.sources)
+        .map(|told| format!("{} {}", told.mark.unwrap_or_default(), told.text).trim().to_owned());
+    let sentence = format!("The data are {}.", counted.join(", "));
+    vec![[origin, Some(sentence)].into_iter().flatten().collect::<Vec<_>>().join(" ")]
+}
+
+fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
+    if recorded.trials == 0 {
+        return Vec::new();
+    }
+    let (analysis, axis) = (&study.analysis, study.coordinate);
+    let (onset, offset) =
+        (given(analysis.onset_rad_s, "rad/s", axis), given(analysis.offset_rad_s, "rad/s", axis));
+    let mut said = vec![format!(
+        "A movement began where |θ̇| first exceeded {onset} and ended where it fell below {offset} \
+         after it had last exceeded {onset}. Compression is the way from there to the first sample of \
+         the largest θ, decompression the way back to the end. Smoothness is the spectral arc length \
+         of |θ̇| {}. Repeats were averaged over time from the onset of movement, and over the angle \
+         with time stretched so that start, wall contact, reversal and end coincide.",
+        cited.cite("balasubramanian")
+    )];
+    let has = |is: fn(&Scene) -> bool| study.environments.iter().any(|e| is(&e.scene));
+    if has(|scene| scene.spring().is_some()) {
+        said.push(format!(
+            "Force discrepancy is D(θ) = F(compression) − F(decompression) of the user's force on {} \
+             even angles that both ways cover; its interval is that of a line through D with standard \
+             errors that allow for correlated samples {}. Stiffness is the slope of F against θ over \
+             the compression below saturation, from the continuous pair of a line and a plateau with \
+             the least sum of squares {}.",
+            analysis.grid_points,
+            cited.cite("newey"),
+            cited.cite("hudson")
+        ));
+    }
+    if has(|scene| scene.wall_rad().is_some()) {
+        said.push(
+            "Penetration of the wall is the largest θ − θ_wall, with straight lines between samples."
+                .to_owned(),
+        );
+    }
+    said
+}
+
+fn model(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
+    let mut said = Vec::new();
+    if recorded.identified {
+        said.push(format!(
+            "Mass, damping, dry friction and lags of the actuators were fitted to every other repeat \
+             of each condition by the balance of forces in weak form: the equation of motion times \
+             hats of 100 ms, integrated, where the lever moved in one direction. Their standard \
+             errors are from leaving out each trial in turn, with Satterthwaite's degrees of freedom \
+             {}.",
+            cited.cite("bell")
+        ));
+    }
+    if recorded.replayed {
+        let plant = match study.replay {
+            ReplayModel::ByEye => "mass and damping by eye (0.1 kg, 1 N s/rad)",
+            ReplayModel::Auto => "the cheapest model that a person could not tell from the fullest",
+        };
+        let fitted = if recorded.identified { ", and with the fitted plant" } else { "" };
+        said.push(format!(
+            "The recorded force of each trial was put into M L θ̈ = F_O + F_ex − B θ̇ with {plant}{fitted}; \
+             between switches the equation is linear and was solved by its exact flow. Model and \
+             recording were compared by limits of agreement over trials {}.",
+            cited.cite("bland")
+        ));
+    }
+    said
+}
+
+fn software(study: &Study, version: &str) -> String {
+    format!(
+        "All numbers, figures and tables were made from the raw files of the study '{}' by zwidth \
+         {version}, with intervals at {} %.",
+        study.id,
+        plain(100.0 * study.analysis.confidence)
+    )
+}
+
+/// A number of study.toml with the digits that it has.
+fn plain(value: f64) -> String {
+    zwidth_tables::number(value, None)
+}

@@ -1,0 +1,51 @@
+//! The papers that methods are from.
+
+/// Key, how it is cited, the whole entry.
+pub(super) const SOURCES: [(&str, &str, &str); 15] = [
+    (
+        "balasubramanian",
+        "Balasubramanian et al. 2015",
+        "Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet 2015, J. NeuroEng. Rehabil. 12:112",
+    ),
+    ("bell", "Bell & McCaffrey 2002", "Bell & McCaffrey 2002, Survey Methodology 28:169"),
+    ("bland", "Bland & Altman 1999", "Bland & Altman 1999, Stat. Methods Med. Res. 8:135"),
+    ("cumming", "Cumming 2012", "Cumming 2012, Understanding the New Statistics, Routledge"),
+    (
+        "edgington",
+        "Edgington & Onghena 2007",
+        "Edgington & Onghena 2007, Randomization Tests, 4th ed., Chapman & Hall/CRC",
+    ),
+    ("fisher", "Fisher 1935", "Fisher 1935, The Design of Experiments, Oliver & Boyd"),
+    ("hedeker", "Hedeker & Gibbons 1994", "Hedeker & Gibbons 1994, Biometrics 50:933"),
+    ("holm", "Holm 1979", "Holm 1979, Scand. J. Statist. 6:65"),
+    ("hudson", "Hudson 1966", "Hudson 1966, J. Am. Stat. Assoc. 61:1097"),
+    ("kenward", "Kenward & Roger 1997", "Kenward & Roger 1997, Biometrics 53:983"),
+    ("mcgraw", "McGraw & Wong 1996", "McGraw & Wong 1996, Psychol. Methods 1:30"),
+    ("newey", "Newey & West 1987", "Newey & West 1987, Econometrica 55:703"),
+    ("schuirmann", "Schuirmann 1987", "Schuirmann 1987, J. Pharmacokinet. Biopharm. 15:657"),
+    ("welch", "Welch 1947", "Welch 1947, Biometrika 34:28"),
+    ("wilcoxon", "Wilcoxon 1945", "Wilcoxon 1945, Biometrics Bull. 1:80"),
+];
+
+/// The sources that a text names, to be listed below it.
+#[derive(Debug, Default)]
+pub(super) struct Cited(Vec<&'static str>);
+
+impl Cited {
+    /// `(Holm 1979)`; the source will be listed.
+    pub(super) fn cite(&mut self, key: &str) -> String {
+        let Some((_, short, whole)) = SOURCES.iter().find(|(known, ..)| *known == key) else {
+            return String::new();
+        };
+        if !self.0.contains(whole) {
+            self.0.push(whole);
+        }
+        format!("({short})")
+    }
+
+    /// The whole entries, by name.
+    pub(super) fn listed(mut self) -> Vec<String> {
+        self.0.sort_unstable();
+        self.0.into_iter().map(|entry| format!("{entry}.")).collect()
+    }
+}

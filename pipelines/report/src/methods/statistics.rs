@@ -1,0 +1,123 @@
+//! How modes, sessions and answers are compared, in words.
+
+use super::sources::Cited;
+use super::{Recorded, plain};
+use zwidth_study::{Bound, Families, Study};
+
+pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
+    if recorded.compared.is_empty() {
+        return Vec::new();
+    }
+    let mut said = vec![compared(study, recorded)];
+    said.push(if recorded.participants > 1 { between(cited) } else { within(cited) });
+    said.push(claims(study, cited));
+    if recorded.answers {
+        said.push(answers(recorded, cited));
+    }
+    if recorded.sessions > recorded.participants && recorded.participants > 1 {
+        said.push(format!(
+            "Sessions were compared with each participant's first by limits of agreement {} and \
+             intraclass correlation {}.",
+            cited.cite("bland"),
+            cited.cite("mcgraw")
+        ));
+    }
+    said
+}
+
+fn compared(study: &Study, recorded: &Recorded) -> String {
+    let label = |id: &zwidth_study::ModeId| {
+        study.mode(id).map_or_else(|| id.to_string(), |mode| mode.label.clone())
+    };
+    let contrasts = study.compare.contrasts.iter();
+    let contrasts: Vec<String> =
+        contrasts.map(|c| format!("{} − {}", label(&c.mode), label(&c.against))).collect();
+    let primary = study.compare.primary.to_string();
+    let others: Vec<&str> =
+        recorded.compared.iter().map(String::as_str).filter(|name| *name != primary).collect();
+    let exploratory = match others.as_slice() {
+        [] => String::new(),
+        others => format!(" Exploratory were {}.", others.join(", ")),
+    };
+    let primary = if recorded.compared.contains(&primary) {
+        format!("The primary measure was {primary}.")
+    } else {
+        format!("The primary measure, {primary}, does not exist in these data.")
+    };
+    format!(
+        "These differences between modes were compared in each environment: {}. {primary}{exploratory}",
+        contrasts.join(", ")
+    )
+}
+
+/// Several participants: each gives one difference.
+fn between(cited: &mut Cited) -> String {
+    format!(
+        "The unit of analysis was the participant: each one's repeats were averaged, then the sessions, \
+         and each participant gave one difference. Its mean was tested by Student's t with n − 1 \
+         degrees of freedom; beside it stand the sign-flip test {}, the signed-rank test {} and a \
+         randomisation test over the orders that the design could have drawn {}. d_av is the difference \
+         over the root mean of the modes' variances between participants {}. A mixed model with \
+         participant and participant × mode as random effects was fitted to all trials by REML, with \
+         degrees of freedom after Kenward and Roger {}; no claim rests on it.",
+        cited.cite("fisher"),
+        cited.cite("wilcoxon"),
+        cited.cite("edgington"),
+        cited.cite("cumming"),
+        cited.cite("kenward")
+    )
+}
+
+/// One participant: trials are the units, and nothing is said of anybody else.
+fn within(cited: &mut Cited) -> String {
+    format!(
+        "With one participant the units were trials, and every number describes this participant alone. \
+         Claims rest on a randomisation test of the null that no trial depended on its mode: 9,999 \
+         orders were drawn anew by the rules that drew the actual one {}. Welch's interval {} with \
+         sessions as strata stands beside it as a description.",
+        cited.cite("edgington"),
+        cited.cite("welch")
+    )
+}
+
+fn claims(study: &Study, cited: &mut Cited) -> String {
+    let compare = &study.compare;
+    let family = match compare.families {
+        Families::Metric => "over all environments",
+        Families::Environment => "in one environment",
+    };
+    let mut said = format!(
+        "A difference of the primary measure was claimed where its p value, adjusted over the contrasts \
+         {family} by Holm's method {}, was below {}; intervals are at {} % and not adjusted.",
+        cited.cite("holm"),
+        plain(compare.alpha),
+        plain(100.0 * compare.level)
+    );
+    if !compare.bounds.is_empty() {
+        let bounds = compare.bounds.iter().map(|(metric, bound)| match bound {
+            Bound::Absolute(value) => format!("{metric}: {}", plain(*value)),
+            Bound::Weber(share) => {
+                format!("{metric}: {} % of the commanded value", plain(100.0 * share))
+            }
+        });
+        said += &format!(
+            " Equivalence was tested by two one-sided tests {} against the bounds {}.",
+            cited.cite("schuirmann"),
+            bounds.collect::<Vec<_>>().join(", ")
+        );
+    }
+    said
+}
+
+fn answers(recorded: &Recorded, cited: &mut Cited) -> String {
+    let tally = "Answers are ordinal: they were counted, and two modes compared by P(A > B) + ½ P(A = B) over \
+                 pairs of repeats";
+    if recorded.participants < 2 {
+        return format!("{tally}.");
+    }
+    format!(
+        "{tally}, averaged over participants; beside it stands the odds ratio of a cumulative-logit model \
+         with participant and participant × mode as random effects {}.",
+        cited.cite("hedeker")
+    )
+}

@@ -1,0 +1,77 @@
+use super::*;
+
+fn recorded(participants: usize) -> Recorded {
+    Recorded {
+        participants,
+        sessions: participants,
+        trials: 36 * participants,
+        sources: BTreeMap::from([(Source::Twin, 36 * participants)]),
+        compared: ["discrepancy_user_mean_n", "duration_s"].map(str::to_owned).to_vec(),
+        answers: true,
+        replayed: true,
+        identified: true,
+        ..Recorded::default()
+    }
+}
+
+fn text(study: &Study, recorded: &Recorded) -> String {
+    MethodsForm::Markdown.written(&methods(study, recorded, "1.2.3"))
+}
+
+#[test]
+fn numbers_of_the_study_stand_in_its_methods() {
+    let mut study = zwidth_testing::study();
+    study.control.rate_hz = 517.0;
+    study.analysis.grid_points = 313;
+    study.compare.alpha = 0.013;
+    study.design.repeats = 9;
+    let said = text(&study, &recorded(3));
+    for number in ["517 Hz", "313", "below 0.013", "9 times", "zwidth 1.2.3"] {
+        assert!(said.contains(number), "{number} in {said}");
+    }
+    assert!(said.contains("All data are simulated"), "{said}");
+}
+
+#[test]
+fn of_one_participant_nothing_is_said_of_people() {
+    let study = zwidth_testing::study();
+    let (one, three) = (text(&study, &recorded(1)), text(&study, &recorded(3)));
+    assert!(one.contains("describes this participant alone") && !one.contains("Student's t"));
+    assert!(three.contains("Student's t") && !three.contains("alone"));
+}
+
+#[test]
+fn a_source_is_listed_where_it_is_cited_and_nowhere_else() {
+    let study = zwidth_testing::study();
+    let said = text(&study, &recorded(1));
+    for (_, short, whole) in sources::SOURCES {
+        let whole = zwidth_tables::escape_markdown(whole);
+        let short = zwidth_tables::escape_markdown(&format!("({short})"));
+        assert_eq!(said.contains(&short), said.contains(&whole), "{short} in {said}");
+    }
+}
+
+#[test]
+fn what_a_study_lacks_has_no_sentence() {
+    let mut study = zwidth_testing::study();
+    let walled = text(&study, &recorded(1));
+    study.environments.retain(|environment| environment.scene.wall_rad().is_none());
+    let without = text(&study, &recorded(1));
+    assert!(walled.contains("wall is the largest") && !without.contains("wall is the largest"));
+    let nothing = text(&study, &Recorded::default());
+    for heading in ["## Data", "## Measures", "## Model", "## Statistics", "## Sources"] {
+        assert!(walled.contains(heading) && !nothing.contains(heading), "{heading}");
+    }
+}
+
+#[test]
+fn texts_of_a_study_are_escaped_in_every_form() {
+    let mut study = zwidth_testing::study();
+    "a_b\\input{x} #eval(\"y\")".clone_into(&mut study.device.name);
+    let parts = methods(&study, &recorded(1), "1");
+    let latex = MethodsForm::Latex.written(&parts);
+    assert!(latex.contains(r"\textbackslash{}input\{x\}") && !latex.contains(r"\input"));
+    let typst = MethodsForm::Typst.written(&parts);
+    assert!(typst.contains(r#"#eval(\"y\")"#), "{typst}");
+    assert!(typst.lines().all(|l| l.is_empty() || l.starts_with("== ") || l.starts_with("#(\"")));
+}
