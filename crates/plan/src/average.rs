@@ -46,6 +46,7 @@ fn job(data: &StudyData, repeats: &Repeats) -> Job {
         Alignment::ALL.map(|alignment| aligned(&data.layout, repeats, alignment)).to_vec(),
         make,
     )
+    .of_part(&repeats.key)
 }
 
 fn make(

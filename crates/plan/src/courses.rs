@@ -65,7 +65,8 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
             let Some(output) = file(data, &session, environment) else { continue };
             let (of, inputs) = asked(data, &session, environment);
             let name = format!("courses {} {}", session.who(), environment.id);
-            jobs.push(Job::new(STAGE, name, of, inputs, vec![output], make));
+            let part = format!("{}.{}", session.ids().join("."), environment.id);
+            jobs.push(Job::new(STAGE, name, of, inputs, vec![output], make).of_part(part));
         }
     }
     jobs

@@ -125,18 +125,14 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let (key, trials) = (condition.key(), &condition.trials);
         let first = &trials[..1];
         let of = OfTrials::new(laddered.clone(), first);
-        jobs.push(Job::new(STAGE, format!("ladder {key}"), of, files(first), tables.clone(), make));
+        let name = format!("ladder {key}");
+        let job = Job::new(STAGE, name, of, files(first), tables.clone(), make);
+        jobs.push(job.of_part(&key));
         let outputs = vec![held_out_of(data, condition.environment, condition.mode)];
         let inputs = (files(trials), tables);
         let of = OfTrials::new(laddered, trials);
-        jobs.push(Job::new(
-            STAGE,
-            format!("ladder held out {key}"),
-            of,
-            inputs,
-            outputs,
-            make_held_out,
-        ));
+        let name = format!("ladder held out {key}");
+        jobs.push(Job::new(STAGE, name, of, inputs, outputs, make_held_out).of_part(&key));
     }
     let of = |c: &Condition| held_out_of(data, c.environment, c.mode);
     let held_out = conditions.iter().map(of).collect::<Vec<_>>();

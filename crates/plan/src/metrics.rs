@@ -82,6 +82,7 @@ fn condition_job(data: &StudyData, repeats: &Repeats) -> Job {
         vec![of_condition(&data.layout, repeats), events_of(&data.layout, repeats)],
         make_condition,
     )
+    .of_part(&repeats.key)
 }
 
 /// The metrics of a condition's trials that need the identified plant.
@@ -95,6 +96,7 @@ fn plant_job(data: &StudyData, repeats: &Repeats, plant: Option<[PathBuf; 2]>) -
         vec![with_plant(&data.layout, repeats)],
         make_with_plant,
     )
+    .of_part(&repeats.key)
 }
 
 /// The metrics of all conditions in one table, and by condition.

@@ -73,13 +73,15 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let output = of_condition(&data.layout, repeats);
         let name = format!("replay {}", repeats.who);
         Job::new(STAGE, name, modelled(repeats), files(&repeats.trials), vec![output], make_by_eye)
+            .of_part(&repeats.key)
     };
     let plant = identify::tables(data).into_iter().next();
     let fitted = |repeats: &Repeats| {
         let output = fitted_of_condition(&data.layout, repeats);
         let inputs = (files(&repeats.trials), plant.clone()?);
         let name = format!("replay {} fitted", repeats.who);
-        Some(Job::new(STAGE, name, modelled(repeats), inputs, vec![output], make_fitted))
+        let job = Job::new(STAGE, name, modelled(repeats), inputs, vec![output], make_fitted);
+        Some(job.of_part(&repeats.key))
     };
     let auto = |repeats: &Repeats| {
         let output = auto_of_condition(&data.layout, repeats);
@@ -87,7 +89,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let name = format!("replay {} auto", repeats.who);
         let OfTrials { trials, stage: modelled } = modelled(repeats);
         let of = OfTrials { trials, stage: Chosen { modelled, auto: Auto::of(&data.study) } };
-        Some(Job::new(STAGE, name, of, inputs, vec![output], make_auto))
+        Some(Job::new(STAGE, name, of, inputs, vec![output], make_auto).of_part(&repeats.key))
     };
     let conditions: Vec<Repeats> = rendered(data).collect();
     let all = |repeats: &Repeats| {

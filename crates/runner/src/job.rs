@@ -105,6 +105,9 @@ pub struct Job {
     pub stage: Stage,
     /// Its name within the study, unique: `metrics P01_S01`.
     pub name: String,
+    /// The part of the study whose trials it takes, `P01.S01.spring.hybrid`: all jobs of a part are
+    /// one shard's ([`crate::Shard`]). None of a job of the whole study.
+    pub part: Option<String>,
     /// Everything but files that the outputs depend on, as canonical text: JSON in the order of
     /// the declaration, or its hash where that is long.
     pub parameters: String,
@@ -151,6 +154,7 @@ impl Job {
         Self {
             stage,
             name: name.into(),
+            part: None,
             parameters: written.unwrap_or_default(),
             inputs: files,
             origins: Vec::new(),
@@ -164,6 +168,12 @@ impl Job {
     #[must_use]
     pub fn tolerant(self) -> Self {
         Self { tolerant: true, ..self }
+    }
+
+    /// The same, of a part of the study.
+    #[must_use]
+    pub fn of_part(self, part: impl Into<String>) -> Self {
+        Self { part: Some(part.into()), ..self }
     }
 
     /// The same, with the files from which its parameters come.

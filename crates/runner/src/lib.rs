@@ -18,26 +18,37 @@
 //! Jobs that do not need each other run in parallel. A failed job fails alone; jobs that need its
 //! outputs are passed over and say so.
 //!
+//! A [`Shard`] makes a share of what is derived from trials, and says in a manifest what it made. It
+//! writes nothing else, so that shards may run at the same time, on one disk or on several.
+//! [`survey`] says which shards' results are those of the study as it is, and what is missing;
+//! [`merge`] adds their records to the study's, and their files where these lie elsewhere.
+//!
 //! A run writes and removes by its [`Results`] alone: below `derived/<study>` and
 //! `reports/<study>`, whatever the records of earlier runs say.
 
 mod change;
 mod hashes;
 mod job;
+mod manifest;
+mod merge;
 mod plan;
 mod provenance;
 mod record;
 mod results;
 mod run;
+mod shard;
 mod state;
+mod survey;
 mod trace;
 
 pub use change::{Change, Field, FileChange, How};
 pub use job::{Inputs, Job, JobError, Made, Making, Stage, strip_root};
-pub use plan::wanted;
+pub use merge::{Merged, merge};
 pub use provenance::{ORIGIN, Provenance, origins};
 pub use record::{Record, Records};
 pub use results::Results;
-pub use run::{Done, JobEnd, Options, Report, run};
+pub use run::{Done, JobEnd, Options, Report, run, wanted};
+pub use shard::{MOST_SHARDS, Shard};
 pub use state::{Again, State, states};
+pub use survey::{Share, Survey, survey};
 pub use trace::{Source, Step, Trace, trace};

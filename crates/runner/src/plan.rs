@@ -28,7 +28,7 @@ pub(crate) fn levels(jobs: &[Job]) -> Vec<Vec<usize>> {
         let ready: Vec<usize> =
             waiting.iter().copied().filter(|i| needs[*i].is_disjoint(&waiting)).collect();
         let level = if ready.is_empty() { waiting.iter().copied().collect() } else { ready };
-        waiting.retain(|i| !level.contains(i));
+        level.iter().for_each(|i| _ = waiting.remove(i));
         levels.push(level);
     }
     levels
@@ -50,8 +50,8 @@ pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool) -> Vec<boo
     }
 }
 
-/// Which jobs a run looks at: all, or those that are called so ([`Job::is_called`]) and those whose
+/// All jobs, or those that are called so ([`Job::is_called`]) and those whose
 /// outputs they need.
-pub fn wanted(jobs: &[Job], only: Option<&str>) -> Vec<bool> {
+pub(crate) fn named(jobs: &[Job], only: Option<&str>) -> Vec<bool> {
     with_needs(jobs, |job| only.is_none_or(|name| job.is_called(name)))
 }

@@ -49,7 +49,7 @@ impl Record {
     }
 
     /// The first file it names that no record of the study's can name, and why.
-    fn names_elsewhere(&self, layout: &Layout) -> Option<String> {
+    pub(crate) fn names_elsewhere(&self, layout: &Layout) -> Option<String> {
         let outputs = self.outputs.keys().map(|path| (path, Results::named(layout, path).err()));
         let inputs = self.inputs.keys().chain(self.origins.keys());
         let inputs = inputs.map(|path| (path, relative(path).err()));
@@ -69,7 +69,7 @@ impl Record {
 pub struct Records(pub(crate) BTreeMap<String, Record>);
 
 /// Largest file of records that is read, bytes (256 MiB): a hundred thousand jobs.
-const MOST_RECORDS: u64 = 1 << 28;
+pub(crate) const MOST_RECORDS: u64 = 1 << 28;
 
 impl Records {
     /// Reads the records of a study, and says which of them are not believed. A missing file gives
@@ -87,7 +87,7 @@ impl Records {
             );
             StoreError::new(&path, what, "nothing is to be done; the file is written anew")
         };
-        let Some(bytes) = results.read_records(MOST_RECORDS)? else {
+        let Some(bytes) = results.read(&path, MOST_RECORDS)? else {
             return Ok(Default::default());
         };
         let bytes = match bytes {

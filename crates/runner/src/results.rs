@@ -4,7 +4,7 @@
 //! path is held against the two folders that are a run's own, by its text and then, whenever
 //! something is opened or removed, on the disk, where no folder on the way may be a link.
 
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use zwidth_store::{
     Entry, Files, Layout, MOST_BYTES, StoreError, hex_blake3, replace, unfinished_below,
@@ -93,33 +93,47 @@ impl<'a> Results<'a> {
         self.remove(path)
     }
 
-    /// Reads the records' file, of at most `most` bytes; nothing if there is none. What keeps it
-    /// from being read is the inner error.
+    /// Reads a file of the study's results, of at most `most` bytes; nothing if there is none. What
+    /// keeps it from being read is the inner error.
     ///
     /// # Errors
     /// A link on the way to it.
-    pub(crate) fn read_records(
+    pub(crate) fn read(
         &self,
+        path: &Path,
         most: u64,
     ) -> Result<Option<Result<Vec<u8>, StoreError>>, StoreError> {
-        let path = Self::records_file(self.layout);
-        self.check(&path)?;
-        let read = || self.files.read(&path, most).map_err(|e| StoreError::io(&path, "read", &e));
-        Ok(self.files.kind(&path).map(|_| read()))
+        self.check(path)?;
+        let read = || self.files.read(path, most).map_err(|e| StoreError::io(path, "read", &e));
+        Ok(self.files.kind(path).map(|_| read()))
+    }
+
+    /// The names in a folder of the study's results; none if there is no such folder.
+    ///
+    /// # Errors
+    /// A link on the way to it; a folder that cannot be listed.
+    pub(crate) fn list(&self, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
+        self.check_way(folder)?;
+        if self.files.kind(folder).is_none() {
+            return Ok(Vec::new());
+        }
+        let found = self.files.list(folder).map_err(|e| StoreError::io(folder, "list", &e))?;
+        Ok(found.into_iter().map(|(path, _)| path).collect())
+    }
+
+    /// Removes a folder of the study's results if nothing lies in it.
+    pub(crate) fn remove_empty(&self, folder: &Path) {
+        if self.check(folder).is_ok() {
+            // One that has something in it stays, and costs nothing.
+            let _ = self.files.remove_folder(folder);
+        }
     }
 
     /// Removes what writes of earlier runs that were cut short have left, unless another run of the
     /// study goes on, and keeps later runs from doing so until what is returned is dropped. It
     /// costs nothing but litter if that fails.
     pub(crate) fn hold(&self) -> Option<File> {
-        let folder = self.layout.derived();
-        self.check_way(&folder).ok()?;
-        for folder in [self.layout.root().join("derived"), folder.clone()] {
-            if self.files.kind(&folder).is_none() {
-                self.files.create_folder(&folder).ok()?;
-            }
-        }
-        let held = File::open(&folder).ok()?;
+        let held = self.open_derived()?;
         // Alone: what lies here unfinished is nobody's work.
         if held.try_lock().is_ok() {
             self.sweep();
@@ -128,6 +142,43 @@ impl<'a> Results<'a> {
         // Nothing is written before this: a run that sweeps in between takes nothing from this one.
         held.lock_shared().ok()?;
         Some(held)
+    }
+
+    /// The same, without removing anything: on a disk that several machines share, not every lock
+    /// is known to all of them, and what lies here unfinished may be another's work.
+    pub(crate) fn hold_beside_others(&self) -> Option<File> {
+        let held = self.open_derived()?;
+        held.lock_shared().ok()?;
+        Some(held)
+    }
+
+    /// Keeps runs and shards away until what is returned is dropped, where the disk knows locks.
+    ///
+    /// # Errors
+    /// One of them goes on.
+    pub(crate) fn hold_alone(&self) -> Result<Option<File>, StoreError> {
+        let Some(held) = self.open_derived() else { return Ok(None) };
+        match held.try_lock() {
+            Ok(()) => Ok(Some(held)),
+            Err(TryLockError::WouldBlock) => Err(StoreError::new(
+                &self.layout.derived(),
+                "a run or a shard of the study goes on here",
+                "wait for its end, then try again",
+            )),
+            Err(TryLockError::Error(_)) => Ok(None),
+        }
+    }
+
+    /// The study's derived folder, made if there is none.
+    fn open_derived(&self) -> Option<File> {
+        let folder = self.layout.derived();
+        self.check_way(&folder).ok()?;
+        for folder in [self.layout.root().join("derived"), folder.clone()] {
+            if self.files.kind(&folder).is_none() {
+                self.files.create_folder(&folder).ok()?;
+            }
+        }
+        File::open(&folder).ok()
     }
 
     fn sweep(&self) {

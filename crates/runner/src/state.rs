@@ -53,13 +53,23 @@ pub fn states<'j>(
     records: &Records,
     chosen: impl Fn(&Job) -> bool,
 ) -> Vec<State<'j>> {
+    states_by(&Hashes::default(), jobs, root, records, chosen)
+}
+
+/// The same, by hashes of which some are known already.
+pub(crate) fn states_by<'j>(
+    hashes: &Hashes,
+    jobs: &'j [Job],
+    root: &Path,
+    records: &Records,
+    chosen: impl Fn(&Job) -> bool,
+) -> Vec<State<'j>> {
     let wanted = with_needs(jobs, chosen);
-    let hashes = Hashes::default();
     let mut states = Vec::new();
     for level in levels(jobs) {
         let work: Vec<&Job> = level.into_iter().filter(|i| wanted[*i]).map(|i| &jobs[i]).collect();
         let state = |job: &&'j Job| {
-            let now = Record::now(job, root, &hashes);
+            let now = Record::now(job, root, hashes);
             State {
                 job,
                 changes: changes(records.get(&job.name), &now, &hashes.of(root, &job.outputs)),

@@ -41,6 +41,8 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
     let root = if args.root == Path::new(".") { Path::new("") } else { &args.root };
     match args.command {
         Command::Run(command) => commands::run::run(root, &command, screen),
+        Command::Shards(command) => commands::shards::shards(root, &command, screen),
+        Command::Merge(command) => commands::merge::merge(root, &command, screen),
         Command::New { study } => commands::new::new(root, study, screen),
         Command::Acquire(command) => commands::acquire::acquire(root, &command, screen),
         Command::Check(command) => commands::check::check(root, &command, screen),

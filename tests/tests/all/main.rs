@@ -32,6 +32,7 @@ mod resuming;
 mod rig;
 mod running;
 mod schema;
+mod shards;
 mod shipped;
 mod small;
 mod source;

@@ -3,7 +3,7 @@
 
 use crate::change::{Change, first_change};
 use crate::hashes::{Hashes, show_path};
-use crate::plan::{needs, wanted};
+use crate::plan::needs;
 use crate::provenance::provenance;
 use crate::record::Record;
 use crate::{Job, Made, Making, Provenance, Records, Results};
@@ -13,20 +13,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 use zwidth_store::{StoreError, hex_blake3};
 
-/// How to run.
-#[derive(Debug, Clone, Default)]
-pub struct Options {
-    /// Make everything again.
-    pub fresh: bool,
-    /// Say what would be made, and why; make nothing.
-    pub dry_run: bool,
-    /// Only jobs that are called so ([`Job::is_called`]), and what they need.
-    pub only: Option<String>,
-    /// BLAKE3 of files that were read already, hexadecimal.
-    pub known: Vec<(PathBuf, String)>,
-    /// Outputs say nothing of their making: their bytes are their content alone.
-    pub without_origin: bool,
-}
+mod options;
+
+pub use options::{Options, wanted};
+use options::{records_before, save};
 
 /// How a job ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -78,12 +68,21 @@ pub fn run(
     options: &Options,
     done: &(dyn Fn(&Report) + Sync),
 ) -> Result<Done, StoreError> {
-    let (read, mut board) = rayon::join(|| Records::read(results), || Board::new(jobs, options));
+    let wanted = wanted(jobs, results, options)?;
+    let (read, mut board) = rayon::join(
+        || records_before(jobs, &wanted, results, options),
+        || Board::new(jobs, &wanted),
+    );
     let (before, mut remarks) = read?;
-    let _held = if options.dry_run { None } else { results.hold() };
+    let _held = match (options.dry_run, options.shard) {
+        (true, _) => None,
+        (false, Some(_)) => results.hold_beside_others(),
+        (false, None) => results.hold(),
+    };
     board.records = before.clone();
     // Those that are not believed go from their file too.
-    board.unsaved = !remarks.is_empty();
+    // A shard that has nothing to make says so, too.
+    board.unsaved = !remarks.is_empty() || options.shard.is_some();
     let (hashes, board) = (Hashes::new(&options.known), Mutex::new(board));
     let run = Run { jobs, before, results, options, done, hashes, board };
     for begun in [Board::ready, Board::in_a_circle] {
@@ -96,11 +95,11 @@ pub fn run(
     if let Some(error) = disk {
         // What was made is remembered where there is room for that; the first error is the one to
         // report.
-        let _ = records.write(results);
+        let _ = save(&records, results, options);
         return Err(error);
     }
     remarks.extend(stayed);
-    if options.only.is_none() && !options.dry_run {
+    if options.only.is_none() && options.shard.is_none() && !options.dry_run {
         unsaved |= !unplanned(jobs, &mut records).is_empty();
         let planned: BTreeSet<&PathBuf> = jobs.iter().flat_map(|job| &job.outputs).collect();
         // Of jobs that are gone all, of the others what they no longer make.
@@ -108,7 +107,7 @@ pub fn run(
         remarks.extend(made.flat_map(|record| remove_unplanned(&planned, record, results)));
     }
     if unsaved && !options.dry_run {
-        records.write(results)?;
+        save(&records, results, options)?;
     }
     Ok(Done { reports: reports.into_iter().flatten().collect(), remarks })
 }
@@ -152,9 +151,10 @@ struct Board<'j> {
 }
 
 impl Board<'_> {
-    fn new(jobs: &[Job], options: &Options) -> Self {
-        let wanted = wanted(jobs, options.only.as_deref());
+    fn new(jobs: &[Job], wanted: &[bool]) -> Self {
         let needs = needs(jobs);
+        // What nobody asked for is not waited for: it lies there.
+        let waits_for = |i: usize| needs[i].iter().filter(|maker| wanted[**maker]).count();
         let mut readers = vec![Vec::new(); jobs.len()];
         for i in (0..jobs.len()).filter(|i| wanted[*i]) {
             needs[i].iter().for_each(|maker| readers[*maker].push(i));
@@ -166,11 +166,7 @@ impl Board<'_> {
             failed: BTreeSet::new(),
             reports: jobs.iter().map(|_| None).collect(),
             readers,
-            waits: needs
-                .iter()
-                .zip(wanted)
-                .map(|(needs, wanted)| wanted.then_some(needs.len()))
-                .collect(),
+            waits: (0..jobs.len()).map(|i| wanted[i].then(|| waits_for(i))).collect(),
             large: jobs.iter().map(reads_much).collect(),
             large_runs: false,
             held: VecDeque::new(),
@@ -307,7 +303,7 @@ impl<'j> Run<'j> {
             && !self.options.dry_run
             && board.saved.elapsed().as_secs_f64() >= SAVED_EVERY_S
         {
-            board.records.write(self.results)?;
+            save(&board.records, self.results, self.options)?;
             (board.unsaved, board.saved) = (false, Instant::now());
         }
         Ok(())

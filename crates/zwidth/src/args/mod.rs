@@ -9,6 +9,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use zwidth_report::MethodsForm;
+use zwidth_runner::{MOST_SHARDS, Shard};
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
 use zwidth_stability::Quantity;
 use zwidth_study::{ParticipantId, SessionId, StudyId};
@@ -44,6 +45,10 @@ pub(crate) struct Args {
 pub(crate) enum Command {
     /// The main job: raw data to every figure, table and summary; does only what changed
     Run(Run),
+    /// Which shards of a study have made their share (`run --shard`), and what is missing
+    Shards(Shards),
+    /// Put the results of a study's shards together; then `run` makes the rest
+    Merge(Merge),
     /// Write a commented study.toml for a new study
     New {
         /// The study's id: a folder's name under raw/
@@ -117,12 +122,39 @@ pub(crate) struct Run {
     /// Only this stage, figure or table, and what it needs
     #[arg(long, value_name = "STAGE|FIGURE|TABLE")]
     pub(crate) only: Option<String>,
+    /// Only the share I of N of what is derived from trials, to be merged later: 3/7
+    #[arg(long, value_name = "I/N", conflicts_with = "only")]
+    pub(crate) shard: Option<Shard>,
     /// Say what would be made, and why; make nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
     /// Files say nothing of their making, so that two programs' bytes can be compared
     #[arg(long, hide = true)]
     pub(crate) without_origin: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Shards {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Only shards that something is missing of
+    #[arg(long)]
+    pub(crate) missing: bool,
+    /// How many shards there are [default: as many as the manifests say]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SHARDS)))]
+    pub(crate) of: Option<u32>,
+    /// Other data folders in which shards were made
+    #[arg(long, value_name = "DIR", num_args = 1..)]
+    pub(crate) from: Vec<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Merge {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Other data folders in which shards were made; nothing there is changed
+    #[arg(long, value_name = "DIR", num_args = 1..)]
+    pub(crate) from: Vec<PathBuf>,
 }
 
 #[derive(Debug, clap::Args)]

@@ -11,6 +11,7 @@ pub(crate) mod import;
 pub(crate) mod ladder;
 pub(crate) mod list;
 mod locate;
+pub(crate) mod merge;
 pub(crate) mod methods;
 mod near;
 pub(crate) mod new;
@@ -20,6 +21,8 @@ pub(crate) mod power;
 pub(crate) mod recover;
 mod resume;
 pub(crate) mod run;
+mod sharded;
+pub(crate) mod shards;
 pub(crate) mod shell;
 pub(crate) mod simulate;
 pub(crate) mod stability;
@@ -33,7 +36,7 @@ pub(crate) mod why;
 
 use anyhow::{Context as _, bail};
 use std::path::{Path, PathBuf};
-use zwidth_store::{Layout, StoreError};
+use zwidth_store::{Layout, StoreError, StudyData};
 use zwidth_study::StudyId;
 
 /// The studies named, or all there are under `raw/`.
@@ -96,6 +99,13 @@ fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {
         bail!("there is no study under {}; make one with `zwidth new STUDY`", raw.display());
     }
     Ok(ids)
+}
+
+/// The hashes of the raw files that reading a study has read.
+fn hashes_read(data: &StudyData) -> Vec<(PathBuf, String)> {
+    let trials = data.trials.iter().map(|t| (t.path.clone(), t.blake3.clone()));
+    let sweeps = data.sweeps.iter().map(|s| (s.path.clone(), s.blake3.clone()));
+    trials.chain(sweeps).collect()
 }
 
 /// Whether a folder is a study's: one with recordings stays one without its study.toml, which is

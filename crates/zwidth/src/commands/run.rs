@@ -1,7 +1,7 @@
 //! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
 
 use super::near::did_you_mean;
-use super::{join_findings, nameless, studies};
+use super::{hashes_read, join_findings, nameless, studies};
 use crate::args::Run;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -75,20 +75,20 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let mut jobs = plan::jobs(&data, &found);
     jobs.extend(on_demand(&data, &jobs, command));
     check_only(&jobs, command)?;
-    let trials = data.trials.iter().map(|t| (t.path.clone(), t.blake3.clone()));
-    let sweeps = data.sweeps.iter().map(|s| (s.path.clone(), s.blake3.clone()));
     let options = Options {
         fresh: command.fresh,
         dry_run: command.dry_run,
         only: command.only.clone(),
-        known: trials.chain(sweeps).collect(),
+        shard: command.shard,
+        known: hashes_read(&data),
         without_origin: command.without_origin,
     };
-    let bars = screen.bars(lengths(&jobs, command.only.as_deref()));
-    let done = |report: &Report| bars.done(report.stage, &report.name);
     // Not waited for: what a power cut spoils no longer has the hash in its record, and is made
     // again.
-    let done = run_jobs(&jobs, &Results::new(layout, &Unsynced), &options, &done);
+    let results = Results::new(layout, &Unsynced);
+    let bars = screen.bars(lengths(&jobs, &wanted(&jobs, &results, &options)?));
+    let done = |report: &Report| bars.done(report.stage, &report.name);
+    let done = run_jobs(&jobs, &results, &options, &done);
     bars.clear();
     let Done { reports, remarks } = done?;
     let left_out = words(&found.left_out).chain(plan::chosen_in_vain(&data));
@@ -107,10 +107,9 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
 }
 
 /// How many jobs of each stage a run looks at.
-fn lengths(jobs: &[Job], only: Option<&str>) -> Vec<(&'static str, usize)> {
-    let wanted = wanted(jobs, only);
+fn lengths(jobs: &[Job], wanted: &[bool]) -> Vec<(&'static str, usize)> {
     let of = |stage: &str| {
-        jobs.iter().zip(&wanted).filter(|(job, wanted)| **wanted && job.stage.name == stage).count()
+        jobs.iter().zip(wanted).filter(|(job, wanted)| **wanted && job.stage.name == stage).count()
     };
     plan::STAGES.into_iter().map(|stage| (stage, of(stage))).filter(|(_, n)| *n > 0).collect()
 }
@@ -202,8 +201,9 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
         .iter()
         .for_each(|e| screen.warn(format!("{} could not be made: {}", e.name, e.why)));
     let layout = &data.layout;
+    let of = command.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
     screen.result(format!(
-        "{}: {} {verb}, {} up to date, in {:.2} s",
+        "{}{of}: {} {verb}, {} up to date, in {:.2} s",
         outcome.study,
         outcome.made.len(),
         outcome.up_to_date,

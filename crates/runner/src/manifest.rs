@@ -1,0 +1,196 @@
+//! The manifest of a shard: what it made, from which inputs, with which version and parameters.
+//!
+//! A shard writes its own outputs and its own manifest, and nothing else: shards that run at the
+//! same time never write the same file. Each write is of a whole file or none.
+
+use crate::record::{MOST_RECORDS, Records};
+use crate::{Results, Shard};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use zwidth_store::{Layout, StoreError, from_json, hex_blake3};
+
+/// The version of the program.
+pub(crate) const PROGRAM: &str = env!("CARGO_PKG_VERSION");
+
+/// What a shard says of itself.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Manifest {
+    /// The version of the program that made it.
+    pub(crate) zwidth: String,
+    /// The study.
+    pub(crate) study: String,
+    pub(crate) shard: Shard,
+    /// What it made, and what of its own it found made.
+    pub(crate) records: Records,
+}
+
+/// A manifest that was found.
+pub(crate) struct Found {
+    pub(crate) path: PathBuf,
+    /// The shard, by the file's name.
+    pub(crate) shard: Shard,
+    /// BLAKE3 of the file's content; empty where it cannot be read.
+    pub(crate) blake3: String,
+    /// What stands in it, or why that cannot be used.
+    pub(crate) manifest: Result<Manifest, StoreError>,
+}
+
+impl Manifest {
+    /// What a shard of this study says of itself with these records.
+    pub(crate) fn new(layout: &Layout, shard: Shard, records: Records) -> Self {
+        let study = layout.study().to_string();
+        Self { zwidth: PROGRAM.to_owned(), study, shard, records }
+    }
+
+    /// Writes it whole.
+    pub(crate) fn write(&self, results: &Results) -> Result<(), StoreError> {
+        let path = file(results.layout(), self.shard);
+        let text = serde_json::to_vec(self).map_err(|e| {
+            StoreError::new(&path, e.to_string(), "this is a defect of zwidth; please report it")
+        })?;
+        results.write(&path, &text)
+    }
+
+    /// Reads the manifest of a shard; none if there is none.
+    ///
+    /// # Errors
+    /// A link on the way to it.
+    pub(crate) fn read(results: &Results, shard: Shard) -> Result<Option<Found>, StoreError> {
+        let path = file(results.layout(), shard);
+        let Some(read) = results.read(&path, MOST_RECORDS)? else { return Ok(None) };
+        let blake3 = read.as_ref().map_or_else(|_| String::new(), |bytes| hex_blake3(bytes));
+        let manifest = match read {
+            Ok(bytes) => parsed(results.layout(), shard, &path, &bytes),
+            Err(error) => Err(refusal(results.layout(), shard, &path, &error.what)),
+        };
+        Ok(Some(Found { path, shard, blake3, manifest }))
+    }
+
+    /// All manifests of a study, by shard.
+    ///
+    /// # Errors
+    /// A link on the way to them; a folder that cannot be listed.
+    pub(crate) fn all(results: &Results) -> Result<Vec<Found>, StoreError> {
+        let names = results.list(&folder(results.layout()))?;
+        let mut shards: Vec<Shard> = names.iter().filter_map(|path| named(path)).collect();
+        shards.sort_by_key(|shard| (shard.of(), shard.number()));
+        let read = shards.into_iter().map(|shard| Self::read(results, shard));
+        read.filter_map(Result::transpose).collect()
+    }
+}
+
+/// Where manifests lie.
+pub(crate) fn folder(layout: &Layout) -> PathBuf {
+    layout.derived().join("shards")
+}
+
+/// `derived/<study>/shards/3-of-7.json`.
+fn file(layout: &Layout, shard: Shard) -> PathBuf {
+    folder(layout).join(file_name(shard))
+}
+
+fn file_name(shard: Shard) -> String {
+    format!("{}-of-{}.json", shard.number(), shard.of())
+}
+
+/// The shard that a file is the manifest of, by its name.
+fn named(path: &Path) -> Option<Shard> {
+    let name = path.file_name()?.to_str()?;
+    let (number, of) = name.strip_suffix(".json")?.split_once("-of-")?;
+    let shard = format!("{number}/{of}").parse().ok()?;
+    (file_name(shard) == name).then_some(shard)
+}
+
+/// What stands in a manifest, if that can be the manifest of this shard.
+fn parsed(
+    layout: &Layout,
+    shard: Shard,
+    path: &Path,
+    bytes: &[u8],
+) -> Result<Manifest, StoreError> {
+    let refused = |what: String| refusal(layout, shard, path, &what);
+    let damaged = |what: String| refused(format!("its manifest is damaged: {what}"));
+    let text = std::str::from_utf8(bytes).map_err(|e| damaged(e.to_string()))?;
+    let manifest: Manifest = from_json(text).map_err(|e| damaged(e.to_string()))?;
+    if manifest.shard != shard || manifest.study != layout.study().as_str() {
+        let (study, of) = (&manifest.study, manifest.shard);
+        return Err(damaged(format!("it says that it is shard {of} of the study {study:?}")));
+    }
+    if manifest.zwidth != PROGRAM {
+        let made = &manifest.zwidth;
+        return Err(refused(format!("zwidth {made:?} made it, and this is zwidth {PROGRAM}")));
+    }
+    let elsewhere = |(job, record): (&str, &crate::Record)| {
+        record.names_elsewhere(layout).map(|why| format!("the job {job:?}: {why}"))
+    };
+    let wrong = manifest.records.iter().find_map(elsewhere);
+    wrong.map_or(Ok(manifest), |why| Err(damaged(why)))
+}
+
+/// A shard is refused, and what to do about it.
+pub(crate) fn refusal(layout: &Layout, shard: Shard, path: &Path, why: &str) -> StoreError {
+    let remedy = format!(
+        "run it again (`zwidth run {} --shard {shard}`), or remove this manifest",
+        layout.study()
+    );
+    StoreError::new(path, format!("shard {shard} is refused: {why}"), remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use zwidth_store::RealFiles;
+
+    fn read_as(text: &str, name: &str) -> Vec<(String, Result<Manifest, String>)> {
+        let folder_ = tempfile::tempdir().unwrap();
+        let layout = Layout::new(folder_.path(), "s".parse().unwrap());
+        fs::create_dir_all(folder(&layout)).unwrap();
+        fs::write(folder(&layout).join(name), text).unwrap();
+        let found = Manifest::all(&Results::new(&layout, &RealFiles)).unwrap();
+        let told = |m: Result<Manifest, StoreError>| m.map_err(|e| e.to_string());
+        found.into_iter().map(|f| (f.shard.to_string(), told(f.manifest))).collect()
+    }
+
+    fn text(shard: &str, study: &str, version: &str) -> String {
+        format!(r#"{{"zwidth":"{version}","study":"{study}","shard":"{shard}","records":{{}}}}"#)
+    }
+
+    #[test]
+    fn a_manifest_is_found_by_its_name_and_comes_back_as_it_was_written() {
+        let folder_ = tempfile::tempdir().unwrap();
+        let layout = Layout::new(folder_.path(), "s".parse().unwrap());
+        let results = Results::new(&layout, &RealFiles);
+        for (number, of) in [(10, 64), (9, 64), (1, 2)] {
+            let shard = Shard::new(number, of).unwrap();
+            Manifest::new(&layout, shard, Records::default()).write(&results).unwrap();
+        }
+        let found = Manifest::all(&results).unwrap();
+        let shards: Vec<String> = found.iter().map(|f| f.shard.to_string()).collect();
+        assert_eq!(shards, ["1/2", "9/64", "10/64"]);
+        assert!(found.iter().all(|f| f.manifest.as_ref().is_ok_and(|m| m.shard == f.shard)));
+        let none = Manifest::read(&results, Shard::new(2, 2).unwrap()).unwrap();
+        assert!(none.is_none());
+    }
+
+    #[test]
+    fn a_damaged_a_strange_and_an_older_manifest_are_refused_by_the_shard_they_are_of() {
+        assert!(read_as(&text("3/7", "s", PROGRAM), "3-of-7.json")[0].1.is_ok());
+        for (text, words) in [
+            (text("3/7", "s", "0.0.9"), "zwidth \"0.0.9\" made it, and this is zwidth"),
+            (text("2/7", "s", PROGRAM), "is damaged: it says that it is shard 2/7"),
+            (text("3/7", "t", PROGRAM), "of the study \"t\""),
+            ("{".to_owned(), "its manifest is damaged"),
+            (String::new(), "its manifest is damaged"),
+        ] {
+            let found = read_as(&text, "3-of-7.json");
+            let (shard, Err(error)) = &found[0] else { panic!("{found:?}") };
+            assert_eq!(shard, "3/7");
+            assert!(error.contains("shard 3/7 is refused") && error.contains(words), "{error}");
+            assert!(error.contains("zwidth run s --shard 3/7"), "{error}");
+        }
+        for other in ["3-of-7", "8-of-7.json", "03-of-7.json", ".3-of-7.json.17.tmp", "a.json"] {
+            assert!(read_as(&text("3/7", "s", PROGRAM), other).is_empty(), "{other}");
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! Merging: the union of the records of shards whose keys are those of the study as it is, and of
+//! their files where these lie elsewhere.
+
+use crate::manifest::folder;
+use crate::survey::{Offer, Share, Survey, content, survey};
+use crate::{Job, Results, Shard};
+use std::path::PathBuf;
+use zwidth_store::{StoreError, hex_blake3};
+
+/// What came of a merge.
+pub struct Merged<'r, 'j> {
+    /// What there is now, what was refused, and why.
+    pub survey: Survey<'r>,
+    /// The shards that were merged, each with how many jobs of it.
+    pub shards: Vec<(Shard, usize)>,
+    /// How many files were copied from other roots.
+    pub copied: usize,
+    /// What the shards were to make.
+    pub shares: Vec<Share<'j>>,
+}
+
+/// Merges the shards whose results lie in the study's own folder or in those of other roots.
+///
+/// Files of other roots are copied, then the records are written, whole, and only then the
+/// manifests in the study's own folder go, since all that they say stands in the records: a merge
+/// that is killed anywhere is done again. In other roots nothing is changed.
+///
+/// # Errors
+/// A run of the study goes on in its folder; a file that cannot be copied; records that cannot be
+/// written.
+pub fn merge<'r, 'j>(
+    jobs: &'j [Job],
+    (own, others): (&'r Results<'r>, &'r [Results<'r>]),
+    known: &[(PathBuf, String)],
+) -> Result<Merged<'r, 'j>, StoreError> {
+    let _held = own.hold_alone()?;
+    let mut survey = survey(jobs, (own, others), known)?;
+    // Before files are copied that other jobs wait for.
+    let shares = survey.shares(jobs, None);
+    let (mut shards, mut copied) = (Vec::new(), 0);
+    for offer in &survey.accepted {
+        if !offer.is_own {
+            copied += copy(offer, own)?;
+        }
+        let records = &offer.manifest.records;
+        survey
+            .records
+            .0
+            .extend(records.0.iter().map(|(name, record)| (name.clone(), record.clone())));
+        shards.push((offer.manifest.shard, records.0.len()));
+    }
+    if !shards.is_empty() {
+        survey.records.write(own)?;
+    }
+    for offer in survey.accepted.iter().filter(|offer| offer.is_own) {
+        // One that stays is merged again the next time.
+        survey.remarks.extend(own.remove_made(&offer.path, &offer.blake3).err());
+    }
+    own.remove_empty(&folder(own.layout()));
+    Ok(Merged { survey, shards, copied, shares })
+}
+
+/// Copies the files of a shard; how many.
+fn copy(offer: &Offer, own: &Results) -> Result<usize, StoreError> {
+    let records = offer.manifest.records.iter();
+    let outputs: Vec<(&String, &String)> =
+        records.flat_map(|(_, record)| &record.outputs).collect();
+    for (path, hash) in &outputs {
+        let failed =
+            |what: String| StoreError::new(&offer.results.root().join(path), what, "merge again");
+        let bytes = content(offer.results, path).map_err(failed)?;
+        if hex_blake3(&bytes) != **hash {
+            return Err(failed("it has changed since the merge began".to_owned()));
+        }
+        own.write(&own.root().join(path), &bytes)?;
+    }
+    Ok(outputs.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{JobEnd, Made, Options, Records, Stage, run};
+    use std::fs;
+    use tempfile::TempDir;
+    use zwidth_store::{Layout, RealFiles};
+
+    /// A study of three parts: each has a job of its own, and one that reads besides what all give.
+    struct World {
+        _folder: TempDir,
+        layout: Layout,
+    }
+
+    impl World {
+        fn new() -> Self {
+            let folder = tempfile::tempdir().unwrap();
+            let layout = Layout::new(folder.path(), "s".parse().unwrap());
+            fs::create_dir_all(layout.raw()).unwrap();
+            for part in ["a", "b", "c"] {
+                fs::write(layout.raw().join(part), part).unwrap();
+            }
+            Self { _folder: folder, layout }
+        }
+
+        fn jobs(&self) -> Vec<Job> {
+            let (raw, derived) = (self.layout.raw(), self.layout.derived());
+            let job = |name: String, inputs: Vec<PathBuf>, output: &str| {
+                let stage = Stage { name: "s", version: 1 };
+                Job::new(stage, name, (), inputs, vec![derived.join(output)], |(), inputs, _| {
+                    let texts: Result<Vec<_>, _> = inputs.iter().map(fs::read).collect();
+                    Ok(Made { outputs: vec![texts?.concat()], ..Made::default() })
+                })
+            };
+            let parts = ["a", "b", "c"];
+            let own = |p: &str| job(format!("own {p}"), vec![raw.join(p)], p).of_part(p);
+            let all = parts.iter().map(|p| derived.join(p)).collect();
+            let after = |p: &str| {
+                let inputs = vec![derived.join(p), derived.join("all")];
+                job(format!("after {p}"), inputs, &format!("after {p}")).of_part(p)
+            };
+            let mut jobs: Vec<Job> = parts.iter().map(|p| after(p)).collect();
+            jobs.push(job("all".to_owned(), all, "all"));
+            jobs.extend(parts.iter().map(|p| own(p)));
+            jobs
+        }
+
+        fn results(&self) -> Results<'_> {
+            Results::new(&self.layout, &RealFiles)
+        }
+
+        /// Names of what a run makes, of a shard or of the whole.
+        fn run(&self, shard: Option<&str>) -> Vec<String> {
+            let shard = shard.map(|shard| shard.parse().unwrap());
+            let options = Options { shard, ..Options::default() };
+            let done = run(&self.jobs(), &self.results(), &options, &|_| {}).unwrap();
+            let made = done.reports.into_iter().filter(|r| matches!(r.verdict, JobEnd::Made(_)));
+            let mut names: Vec<String> = made.map(|report| report.name).collect();
+            names.sort();
+            names
+        }
+
+        fn merge(&self, others: &[Results]) -> (usize, Vec<String>) {
+            let (jobs, own) = (self.jobs(), self.results());
+            let merged = merge(&jobs, (&own, others), &[]).unwrap();
+            let refused = merged.survey.refused.iter().map(ToString::to_string).collect();
+            (merged.shards.iter().map(|(_, jobs)| jobs).sum(), refused)
+        }
+
+        fn shards(&self) -> PathBuf {
+            folder(&self.layout)
+        }
+    }
+
+    #[test]
+    fn a_shard_leaves_the_records_alone_and_merged_shards_leave_nothing_but_them() {
+        let world = World::new();
+        let mut made: Vec<String> =
+            (1..=3).flat_map(|i| world.run(Some(&format!("{i}/3")))).collect();
+        made.sort();
+        assert_eq!(made, ["own a", "own b", "own c"]);
+        assert!(!Results::records_file(&world.layout).exists());
+        assert!(world.run(Some("1/3")).is_empty(), "by its manifest");
+        assert_eq!(world.merge(&[]), (3, Vec::new()));
+        assert!(!world.shards().exists());
+        assert_eq!(world.run(None), ["after a", "after b", "after c", "all"]);
+        let (whole, other) = (World::new(), Records::read(&world.results()).unwrap().0);
+        whole.run(None);
+        assert_eq!(Records::read(&whole.results()).unwrap().0, other, "as after one run");
+    }
+
+    #[test]
+    fn in_a_second_round_shards_make_what_needed_all_of_the_first() {
+        let world = World::new();
+        world.run(Some("1/1"));
+        world.merge(&[]);
+        let options = Options { only: Some("all".to_owned()), ..Options::default() };
+        run(&world.jobs(), &world.results(), &options, &|_| {}).unwrap();
+        assert_eq!(world.run(Some("1/1")), ["after a", "after b", "after c"]);
+        assert_eq!(world.merge(&[]), (6, Vec::new()));
+        assert!(world.run(None).is_empty());
+    }
+
+    #[test]
+    fn after_a_change_shards_make_what_it_changed_and_are_not_refused_for_what_rests_on_it() {
+        let world = World::new();
+        world.run(None);
+        fs::write(world.layout.raw().join("a"), "A").unwrap();
+        let made: Vec<String> = (1..=3).flat_map(|i| world.run(Some(&format!("{i}/3")))).collect();
+        assert_eq!(made, ["own a"]);
+        assert_eq!(world.merge(&[]), (3, Vec::new()));
+        assert_eq!(world.run(None), ["after a", "after b", "after c", "all"]);
+    }
+
+    #[test]
+    fn a_shard_elsewhere_is_copied_and_one_that_made_something_else_of_the_same_is_refused() {
+        let (world, other, liar) = (World::new(), World::new(), World::new());
+        other.run(Some("1/1"));
+        liar.run(Some("1/1"));
+        let manifest = liar.shards().join("1-of-1.json");
+        let text = fs::read_to_string(&manifest).unwrap();
+        let hash = hex_blake3(b"a");
+        let outputs = format!("\"outputs\":{{\"derived/s/a\":\"{hash}\"");
+        assert!(text.contains(&outputs), "{text}");
+        let lie = outputs.replace(&hash, &hex_blake3(b"lie"));
+        fs::write(&manifest, text.replace(&outputs, &lie)).unwrap();
+        fs::write(liar.layout.derived().join("a"), "lie").unwrap();
+        let (jobs, refused) = world.merge(&[other.results(), liar.results()]);
+        assert_eq!(jobs, 3);
+        assert!(
+            matches!(refused.as_slice(), [one] if one.contains("another shard made something else")),
+            "{refused:?}"
+        );
+        assert_eq!(fs::read_to_string(world.layout.derived().join("a")).unwrap(), "a");
+        assert!(other.shards().exists(), "nothing elsewhere is changed");
+    }
+
+    #[test]
+    fn a_merge_waits_for_runs_and_one_that_was_cut_off_is_done_again() {
+        let world = World::new();
+        world.run(Some("1/1"));
+        let manifest = world.shards().join("1-of-1.json");
+        let text = fs::read(&manifest).unwrap();
+        let (jobs, results) = (world.jobs(), world.results());
+        let running = results.hold_beside_others();
+        let error = merge(&jobs, (&results, &[]), &[]).err().unwrap();
+        assert!(error.to_string().contains("a run or a shard of the study goes on"), "{error}");
+        drop(running);
+        assert_eq!(world.merge(&[]), (3, Vec::new()));
+        // Cut off before the manifest went.
+        fs::create_dir_all(world.shards()).unwrap();
+        fs::write(&manifest, text).unwrap();
+        assert_eq!(world.merge(&[]), (3, Vec::new()));
+        assert_eq!(world.merge(&[]), (0, Vec::new()));
+    }
+
+    #[test]
+    fn what_is_missing_is_told_by_shard_as_far_as_it_can_be_made() {
+        let world = World::new();
+        let b = Shard::of_part("b", 3).unwrap();
+        for shard in Shard::all(3).filter(|shard| *shard != b) {
+            world.run(Some(&shard.to_string()));
+        }
+        let (jobs, own) = (world.jobs(), world.results());
+        let missing = |of| {
+            let found = survey(&jobs, (&own, &[]), &[]).unwrap();
+            let shares = found.shares(&jobs, of).into_iter().filter(|s| !s.missing.is_empty());
+            shares.map(|s| (s.shard, s.missing)).collect::<Vec<_>>()
+        };
+        assert!(missing(None).iter().any(|(shard, jobs)| *shard == b && jobs.contains(&"own b")));
+        assert_eq!(missing(Some(1)), [(Shard::new(1, 1).unwrap(), vec!["own b"])]);
+        world.run(Some(&b.to_string()));
+        assert!(missing(None).is_empty());
+    }
+}

@@ -1,0 +1,74 @@
+//! How to run: which jobs, and where a run reads and writes down what was made from what.
+
+use crate::hashes::Hashes;
+use crate::manifest::Manifest;
+use crate::plan::named;
+use crate::shard::share;
+use crate::{Job, Records, Results, Shard};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use zwidth_store::StoreError;
+
+/// How to run.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Make everything again.
+    pub fresh: bool,
+    /// Say what would be made, and why; make nothing.
+    pub dry_run: bool,
+    /// Only jobs that are called so ([`Job::is_called`]), and what they need.
+    pub only: Option<String>,
+    /// Only the jobs of this shard that can be made now. What they make is told by the shard's
+    /// manifest; the records of the study stay as they are until it is merged.
+    pub shard: Option<Shard>,
+    /// BLAKE3 of files that were read already, hexadecimal.
+    pub known: Vec<(PathBuf, String)>,
+    /// Outputs say nothing of their making: their bytes are their content alone.
+    pub without_origin: bool,
+}
+
+/// Which jobs a run looks at.
+///
+/// # Errors
+/// Records of the study that a shard cannot look for: a link on the way to them.
+pub fn wanted(jobs: &[Job], results: &Results, options: &Options) -> Result<Vec<bool>, StoreError> {
+    let Some(shard) = options.shard else { return Ok(named(jobs, options.only.as_deref())) };
+    let (records, _) = Records::read(results)?;
+    Ok(share(jobs, shard, results.root(), &records, &Hashes::new(&options.known)))
+}
+
+/// The records that a run begins with, and what is wrong with them. A shard has what its own
+/// manifest says besides, and of all that the jobs it looks at: records of others may be outdated.
+pub(super) fn records_before(
+    jobs: &[Job],
+    wanted: &[bool],
+    results: &Results,
+    options: &Options,
+) -> Result<(Records, Vec<StoreError>), StoreError> {
+    let (mut records, mut remarks) = Records::read(results)?;
+    let Some(shard) = options.shard else { return Ok((records, remarks)) };
+    match Manifest::read(results, shard)?.map(|found| found.manifest) {
+        Some(Ok(manifest)) => records.0.extend(manifest.records.0),
+        Some(Err(error)) => {
+            let remedy = "nothing is to be done; it is written anew";
+            remarks.push(StoreError::new(&error.path, error.what, remedy));
+        }
+        None => {}
+    }
+    let own = jobs.iter().zip(wanted).filter(|(_, wanted)| **wanted);
+    let own: BTreeSet<&str> = own.map(|(job, _)| job.name.as_str()).collect();
+    records.0.retain(|name, _| own.contains(name.as_str()));
+    Ok((records, remarks))
+}
+
+/// Saves the records of a run: the study's, or the manifest of its shard.
+pub(super) fn save(
+    records: &Records,
+    results: &Results,
+    options: &Options,
+) -> Result<(), StoreError> {
+    match options.shard {
+        Some(shard) => Manifest::new(results.layout(), shard, records.clone()).write(results),
+        None => records.write(results),
+    }
+}

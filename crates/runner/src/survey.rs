@@ -1,0 +1,204 @@
+//! What shards have made of a study, held against the study as it is.
+
+use crate::change::{Change, first_change};
+use crate::hashes::{Hashes, show_path};
+use crate::manifest::{Found, Manifest, refusal};
+use crate::plan::{levels, with_needs};
+use crate::record::Record;
+use crate::shard::ready;
+use crate::{Job, Records, Results, Shard};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use zwidth_store::{MOST_BYTES, StoreError, hex_blake3};
+
+/// What there is of a study's parts.
+pub struct Survey<'r> {
+    /// The study's own records.
+    pub(crate) records: Records,
+    /// Shards that made what a run would make now, by their manifests.
+    pub(crate) accepted: Vec<Offer<'r>>,
+    /// Why each of the others is refused.
+    pub refused: Vec<StoreError>,
+    /// What is wrong with the study's own records.
+    pub remarks: Vec<StoreError>,
+    /// How many shards there are, by each manifest.
+    counts: BTreeSet<u32>,
+    /// Whether each job has up-to-date results, in the study's own folder or in a shard's.
+    there: Vec<bool>,
+    /// Whether each job has them by the study's own records.
+    up_to_date: Vec<bool>,
+}
+
+/// A shard's manifest, and where its results lie.
+pub(crate) struct Offer<'r> {
+    pub(crate) results: &'r Results<'r>,
+    /// Whether these are in the study's own folder.
+    pub(crate) is_own: bool,
+    pub(crate) path: PathBuf,
+    /// BLAKE3 of the manifest.
+    pub(crate) blake3: String,
+    pub(crate) manifest: Manifest,
+    /// Why it is refused, once that is known.
+    refused: Option<String>,
+}
+
+/// The jobs of one shard.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Share<'j> {
+    /// The shard.
+    pub shard: Shard,
+    /// How many jobs it can make as things are.
+    pub jobs: usize,
+    /// The names of those without up-to-date results.
+    pub missing: Vec<&'j str>,
+}
+
+impl Survey<'_> {
+    /// How many shards the manifests speak of; none if there are none, or they differ.
+    pub fn count(&self) -> Option<u32> {
+        self.counts.first().copied().filter(|_| self.counts.len() == 1)
+    }
+
+    /// What each of so many shards has to make, as far as what that takes is there, and what of it
+    /// is missing. Without a number as many as manifests speak of; one if that is unknown.
+    pub fn shares<'j>(&self, jobs: &'j [Job], of: Option<u32>) -> Vec<Share<'j>> {
+        let of = of.or(self.count()).unwrap_or(1);
+        let shard_of = |job: &Job| Shard::of_part(job.part.as_ref()?, of);
+        let mut shares: BTreeMap<Shard, Share> = Shard::all(of)
+            .map(|shard| (shard, Share { shard, jobs: 0, missing: Vec::new() }))
+            .collect();
+        let ready = ready(jobs, shard_of, &self.up_to_date);
+        for ((job, shard), there) in jobs.iter().zip(ready).zip(&self.there) {
+            let Some(share) = shard.and_then(|shard| shares.get_mut(&shard)) else { continue };
+            share.jobs += 1;
+            share.missing.extend((!there).then_some(job.name.as_str()));
+        }
+        shares.into_values().collect()
+    }
+}
+
+/// Looks at the manifests in the study's own results and in those of other roots. `known` are
+/// hashes of files that were read already.
+///
+/// # Errors
+/// Records or manifests that cannot be looked for: a link on the way to them.
+pub fn survey<'r>(
+    jobs: &[Job],
+    (own, others): (&'r Results<'r>, &'r [Results<'r>]),
+    known: &[(PathBuf, String)],
+) -> Result<Survey<'r>, StoreError> {
+    let (records, remarks) = Records::read(own)?;
+    let (mut offers, mut refused, mut counts) = (Vec::new(), Vec::new(), BTreeSet::new());
+    let roots = std::iter::once((own, true)).chain(others.iter().map(|results| (results, false)));
+    for (results, is_own) in roots {
+        for Found { path, shard, blake3, manifest } in Manifest::all(results)? {
+            counts.insert(shard.of());
+            match manifest {
+                Ok(manifest) => {
+                    let refused = unplanned(jobs, &manifest);
+                    offers.push(Offer { results, is_own, path, blake3, manifest, refused });
+                }
+                Err(error) => refused.push(error),
+            }
+        }
+    }
+    let (up_to_date, there) = compare(jobs, own, &records, &mut offers, known);
+    let layout = own.layout();
+    refused.extend(offers.iter().filter_map(|offer| {
+        let why = offer.refused.as_ref()?;
+        Some(refusal(layout, offer.manifest.shard, &offer.path, why))
+    }));
+    offers.retain(|offer| offer.refused.is_none());
+    Ok(Survey { records, accepted: offers, refused, remarks, counts, there, up_to_date })
+}
+
+/// A job of a manifest that the study does not have.
+fn unplanned(jobs: &[Job], manifest: &Manifest) -> Option<String> {
+    let planned: BTreeSet<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
+    let mut names = manifest.records.iter().map(|(name, _)| name);
+    let other = names.find(|name| !planned.contains(name))?;
+    Some(format!("it was made from other inputs: the study has no job {other:?} now"))
+}
+
+/// Holds what shards offer against each job as a run would find it now: refuses those that made
+/// something of other inputs, and says which jobs have up-to-date results by the study's own
+/// records, and which have them anywhere.
+fn compare(
+    jobs: &[Job],
+    own: &Results,
+    records: &Records,
+    offers: &mut [Offer],
+    known: &[(PathBuf, String)],
+) -> (Vec<bool>, Vec<bool>) {
+    let (root, hashes) = (own.root(), Hashes::new(known));
+    let mut is_own = vec![false; jobs.len()];
+    let mut offered: Vec<Vec<usize>> = vec![Vec::new(); jobs.len()];
+    // Those that others need first: what a shard made is what its next job read.
+    let wanted = with_needs(jobs, |job| job.part.is_some());
+    for i in levels(jobs).into_iter().flatten().filter(|i| wanted[*i]) {
+        let job = &jobs[i];
+        let now = Record::now(job, root, &hashes);
+        let before = records.get(&job.name);
+        is_own[i] = before.is_some_and(|before| {
+            first_change(before, &now, || hashes.of(root, &job.outputs)).is_none()
+        });
+        let mut first: Option<Record> = None;
+        for (k, offer) in offers.iter_mut().enumerate().filter(|(_, o)| o.refused.is_none()) {
+            let Some(record) = offer.manifest.records.get(&job.name) else { continue };
+            match why_not(job, &now, record, (own, offer.results), first.as_ref()) {
+                Some(why) => offer.refused = Some(format!("{}: {why}", job.name)),
+                None => {
+                    first.get_or_insert_with(|| record.clone());
+                    offered[i].push(k);
+                }
+            }
+        }
+        for (path, hash) in first.iter().flat_map(|record| &record.outputs) {
+            hashes.set(&root.join(path), hash.clone());
+        }
+    }
+    // One that was refused for a later job offers nothing.
+    let is_there = |i: usize| is_own[i] || offered[i].iter().any(|k| offers[*k].refused.is_none());
+    let there = (0..jobs.len()).map(is_there).collect();
+    (is_own, there)
+}
+
+/// Why what a shard made of a job is not what a run would make now.
+fn why_not(
+    job: &Job,
+    now: &Record,
+    record: &Record,
+    (own, results): (&Results, &Results),
+    other: Option<&Record>,
+) -> Option<String> {
+    // Its outputs are held against the files below.
+    if let Some(change) = first_change(record, now, || record.outputs.clone()) {
+        let how = match change {
+            Change::Version { .. } => "by another version",
+            Change::Parameters { .. } => "with other parameters",
+            _ => "from other inputs",
+        };
+        return Some(format!("it was made {how}: {change}"));
+    }
+    let declared: BTreeSet<String> =
+        job.outputs.iter().map(|path| show_path(own.root(), path)).collect();
+    if record.outputs.keys().ne(&declared) {
+        return Some("it names other results than the job has".to_owned());
+    }
+    if other.is_some_and(|other| other.outputs != record.outputs) {
+        return Some("another shard made something else of the same inputs".to_owned());
+    }
+    let differs = |(path, hash): (&String, &String)| match content(results, path) {
+        Ok(bytes) if hex_blake3(&bytes) == *hash => None,
+        Ok(_) => Some(format!("its result {path} is another than it made")),
+        Err(why) => Some(format!("its result {path} is not there: {why}")),
+    };
+    record.outputs.iter().find_map(differs)
+}
+
+/// What a file of a shard's results holds.
+pub(crate) fn content(results: &Results, path: &str) -> Result<Vec<u8>, String> {
+    let path = Results::named(results.layout(), path)?;
+    let read = results.read(&path, MOST_BYTES).map_err(|error| error.what)?;
+    read.ok_or("it is missing")?.map_err(|error| error.what)
+}

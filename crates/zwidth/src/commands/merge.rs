@@ -1,0 +1,66 @@
+//! `zwidth merge`: the results of shards become the study's.
+
+use super::sharded::{Sharded, line};
+use crate::args::Merge;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use serde::Serialize;
+use std::path::Path;
+use zwidth_runner::{Share, merge as merge_shards};
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Outcome {
+    study: String,
+    merged: Vec<String>,
+    jobs: usize,
+    copied: usize,
+    refused: Vec<String>,
+    missing: Vec<String>,
+}
+
+pub(crate) fn merge(root: &Path, command: &Merge, screen: &Screen) -> anyhow::Result<Exit> {
+    let sharded = Sharded::load(root, &command.study, &command.from)?;
+    let (own, others) = sharded.results();
+    let merged = merge_shards(&sharded.jobs, (&own, &others), &sharded.known)?;
+    let survey = &merged.survey;
+    survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
+    survey.refused.iter().for_each(|error| screen.error(&anyhow::anyhow!("{error}")));
+    let missing: Vec<&Share> = merged.shares.iter().filter(|s| !s.missing.is_empty()).collect();
+    missing.iter().for_each(|share| screen.warn(line(share)));
+    let outcome = Outcome {
+        study: command.study.to_string(),
+        merged: merged.shards.iter().map(|(shard, _)| shard.to_string()).collect(),
+        jobs: merged.shards.iter().map(|(_, jobs)| jobs).sum(),
+        copied: merged.copied,
+        refused: survey.refused.iter().map(ToString::to_string).collect(),
+        missing: missing.iter().map(|share| share.shard.to_string()).collect(),
+    };
+    if screen.json {
+        screen.listing(&outcome)?;
+    } else {
+        screen.result(text(&outcome));
+    }
+    let nothing = outcome.merged.is_empty() && !outcome.refused.is_empty();
+    let is_whole = outcome.refused.is_empty() && missing.is_empty() && survey.remarks.is_empty();
+    Ok(match (nothing, is_whole) {
+        (true, _) => Exit::Failed,
+        (false, true) => Exit::Fine,
+        (false, false) => Exit::Partly,
+    })
+}
+
+fn text(outcome: &Outcome) -> String {
+    let Outcome { study, merged, jobs, copied, refused, missing } = outcome;
+    if merged.is_empty() {
+        return format!("{study}: no shard was merged");
+    }
+    let count = |n: usize, one: &str| format!("{n} {one}{}", if n == 1 { "" } else { "s" });
+    let mut parts = vec![format!("{} merged", count(merged.len(), "shard")), count(*jobs, "job")];
+    if *copied > 0 {
+        parts.push(format!("{} copied", count(*copied, "file")));
+    }
+    let left = [(refused.len(), "refused"), (missing.len(), "incomplete")];
+    parts.extend(left.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
+    format!("{study}: {}; `zwidth run {study}` makes the rest", parts.join(", "))
+}

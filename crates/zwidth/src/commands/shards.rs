@@ -1,0 +1,45 @@
+//! `zwidth shards`: which shards have made their share, and what is missing.
+
+use super::sharded::{Sharded, line};
+use crate::args::Shards;
+use crate::exit::Exit;
+use crate::screen::Screen;
+use serde::Serialize;
+use std::path::Path;
+use zwidth_runner::{Share, survey};
+
+/// What `--json` prints of a shard.
+#[derive(Serialize)]
+struct Entry<'a> {
+    shard: String,
+    jobs: usize,
+    missing: &'a [&'a str],
+}
+
+pub(crate) fn shards(root: &Path, command: &Shards, screen: &Screen) -> anyhow::Result<Exit> {
+    let sharded = Sharded::load(root, &command.study, &command.from)?;
+    let (own, others) = sharded.results();
+    let survey = survey(&sharded.jobs, (&own, &others), &sharded.known)?;
+    survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
+    survey.refused.iter().for_each(|error| screen.error(&anyhow::anyhow!("{error}")));
+    if command.of.or(survey.count()).is_none() {
+        screen.say("The manifests do not say how many shards there are: as one (--of N)");
+    }
+    let shares = survey.shares(&sharded.jobs, command.of);
+    let is_told = |share: &&Share| !command.missing || !share.missing.is_empty();
+    let told: Vec<&Share> = shares.iter().filter(is_told).collect();
+    if screen.json {
+        screen.listing(&told.iter().map(|share| entry(share)).collect::<Vec<_>>())?;
+    } else {
+        told.iter().for_each(|share| screen.result(line(share)));
+    }
+    let missing: usize = shares.iter().map(|share| share.missing.len()).sum();
+    let jobs: usize = shares.iter().map(|share| share.jobs).sum();
+    screen.say(format!("{}: {} of {jobs} jobs are there", command.study, jobs - missing));
+    let is_whole = missing == 0 && survey.refused.is_empty() && survey.remarks.is_empty();
+    Ok(if is_whole { Exit::Fine } else { Exit::Partly })
+}
+
+fn entry<'a>(share: &'a Share) -> Entry<'a> {
+    Entry { shard: share.shard.to_string(), jobs: share.jobs, missing: &share.missing }
+}
