@@ -11,6 +11,7 @@
 pub mod board;
 pub mod firmata;
 pub mod frame;
+pub mod hostile;
 pub mod message;
 mod open;
 mod rate;

@@ -107,8 +107,8 @@ pub enum TemplateError {
         /// Which.
         word: &'static str,
     },
-    /// Two fields with nothing between them.
-    #[error("nothing parts {{{word}}} from the field before it")]
+    /// Two fields with nothing between them that could be told from a number.
+    #[error("nothing that is no digit parts {{{word}}} from the field before it")]
     Adjacent {
         /// The second.
         word: &'static str,
@@ -150,7 +150,7 @@ impl Template {
             if field != Field::Any && fields.iter().any(|(known, _)| *known == field) {
                 return Err(TemplateError::Twice { word });
             }
-            if fields.last().is_some_and(|(_, between)| between.is_empty()) {
+            if fields.last().is_some_and(|(_, between)| !can_part(between)) {
                 return Err(TemplateError::Adjacent { word });
             }
             fields.push((field, behind.as_bytes().to_vec()));
@@ -216,6 +216,11 @@ fn named(word: &str, may: &[Field]) -> Result<Field, TemplateError> {
             known: known.collect::<Vec<_>>().join(", "),
         }
     })
+}
+
+/// Whether a text can part two numbers.
+fn can_part(between: &[u8]) -> bool {
+    between.first().is_some_and(|first| !first.is_ascii_digit() && *first != b'-')
 }
 
 /// Where a text begins in a longer one. What parts two fields is not empty.
@@ -285,7 +290,9 @@ mod tests {
             ("{count}", "{t_ms}, {t_us}, {counts}, {hx711}, {any}"),
             ("{motor_pwm} {counts}", "{motor_pwm} is no field"),
             ("{counts},{counts}", "twice"),
-            ("{t_ms}{counts}", "nothing parts {counts}"),
+            ("{t_ms}{counts}", "no digit parts {counts}"),
+            ("{t_ms}0,{counts}", "no digit parts {counts}"),
+            ("{t_ms}-{counts}", "no digit parts {counts}"),
             ("{t_ms}", "{counts} is missing"),
             ("{counts}\n{hx711}", "one line"),
             (&format!("{}{{counts}}", "x".repeat(124)), "at most 128"),
