@@ -6,7 +6,9 @@ use flate2::{Compression, Crc};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
+use zwidth_device::mock::Mock;
 use zwidth_link::message::{Drive, FromBoard, Seen, ToBoard};
+use zwidth_link::{AngleAt, Board, Link, Settings, board, hostile as rig};
 use zwidth_store::{
     Journal, Layout, Memory, Protocol, Quantity, Samples, Sweep, Trial, TrialFile, append_events,
     hostile, record_bytes, sweep_bytes, trial_bytes,
@@ -19,6 +21,18 @@ use zwidth_study::{
 const UTC: &str = "2026-01-01T00:00:00Z";
 
 type Any = Box<dyn std::error::Error>;
+
+/// A rig that speaks Firmata, with the angle there.
+pub fn firmata_settings(angle: AngleAt) -> Settings {
+    let can = zwidth_device::mock::capabilities();
+    board::settings(Link::Firmata, angle, 100.0, &can, Path::new("/dev/cell"))
+}
+
+/// A rig that prints lines.
+pub fn text_settings() -> Settings {
+    let can = zwidth_device::mock::capabilities();
+    board::settings(Link::Text, AngleAt::I2c, 100.0, &can, Path::new("/dev/cell"))
+}
 
 /// Writes them all, from the workspace's folder on.
 pub fn write() -> Result<(), Any> {
@@ -125,6 +139,22 @@ pub fn write() -> Result<(), Any> {
         let (bytes, length) = frame.encode();
         put("wire", name, &bytes[..length])?;
     }
+
+    for (name, angle) in [("analog", AngleAt::Analog(0)), ("i2c", AngleAt::I2c)] {
+        // What a host asks, what the board answers, what the host says to that, and readings.
+        let settings = firmata_settings(angle);
+        let mut board = Board::by(&settings, Mock::default(), Vec::new())?;
+        let (asks, mut answers) = (b"\xf9\xf0\x79\xf7\xf0\x6b\xf7\xf0\x69\xf7", Vec::new());
+        board.take(0.0, asks, &mut answers)?;
+        let said = rig::hear(&settings, &answers)?.said;
+        let mut readings = Vec::new();
+        board.take(1.0, &said, &mut readings)?;
+        put("firmata", &format!("{name}_asks"), asks)?;
+        put("firmata", &format!("{name}_answers"), &[answers, readings].concat())?;
+        put("firmata", &format!("{name}_says"), &said)?;
+    }
+    put("lines", "board", b"{t_us},{counts},{hx711}\n5,6,7\n8300,2048,-8123\r\n")?;
+    put("lines", "host", b"t={t_ms} {any}; {counts}!\nM-255 B0\nK2 17\nt=3 x; 12!\n")?;
 
     put("csv", "plain", b"# made by hand\nt,angle,force\n0,0.1,1e-3\n0.01,\"0,2\",-2\n")?;
     put("csv", "crlf", b"\xef\xbb\xbft;\"a \"\"b\"\"\"\r\n1;2\r\n")?;

@@ -1,12 +1,17 @@
 //! One reader each.
 
+use crate::seeds::{firmata_settings, text_settings};
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
+use zwidth_device::mock::Mock;
 use zwidth_dynamics::{ModelScene, System};
 use zwidth_import::Mapping;
 use zwidth_import::readers::readers;
+use zwidth_link::firmata::{End, I2cReply, I2cRequest, Parser, Pin};
 use zwidth_link::frame::Frames;
 use zwidth_link::message::{FromBoard, ToBoard};
+use zwidth_link::text::{Field, Lines, Template};
+use zwidth_link::{AngleAt, Board, Settings, hostile as rig};
 use zwidth_runner::{Records, Results};
 use zwidth_store::{Layout, Memory, hostile};
 use zwidth_study::{Calibration, Study, StudyId, study_changes};
@@ -15,7 +20,7 @@ use zwidth_study::{Calibration, Study, StudyId, study_changes};
 pub type Target = Box<dyn Fn(&[u8]) + Send + Sync>;
 
 /// Every target of our own files by its name, which is the folder of its seeds.
-const OURS: [(&str, fn(&[u8])); 14] = [
+const OURS: [(&str, fn(&[u8])); 16] = [
     ("journal", journal),
     ("events", events),
     ("head", head),
@@ -30,6 +35,8 @@ const OURS: [(&str, fn(&[u8])); 14] = [
     ("sweep", sweep),
     ("whole", whole),
     ("wire", wire),
+    ("firmata", firmata),
+    ("lines", lines),
 ];
 
 pub fn named(name: &str) -> Option<Target> {
@@ -86,6 +93,69 @@ fn wire(bytes: &[u8]) {
             assert_eq!(FromBoard::read(&message.frame(frame.sequence)), Some(message));
         }
     }
+}
+
+/// Bytes of either end of Firmata: what is read of them is written as it was read; then both ends
+/// hear them.
+fn firmata(bytes: &[u8]) {
+    for end in [End::Host, End::Board] {
+        let mut parser = Parser::new(end);
+        for byte in bytes {
+            let Some(message) = parser.push(*byte) else { continue };
+            let mut written = Vec::new();
+            message.write(&mut written);
+            let (last, head) = written.split_last().expect("a message has a byte");
+            let mut again = Parser::new(end);
+            assert!(head.iter().all(|byte| again.push(*byte).is_none()));
+            assert_eq!(again.push(*last), Some(message));
+        }
+    }
+    let low: Vec<u8> = bytes.iter().map(|byte| byte & 0x7F).collect();
+    let pins = Pin::read_all(&low);
+    assert_eq!(Pin::read_all(&Pin::write_all(&pins)), pins);
+    if let Some(request) = I2cRequest::read(&low) {
+        assert_eq!(I2cRequest::read(&request.data()), Some(request));
+    }
+    if let Some(reply) = I2cReply::read(&low) {
+        assert_eq!(I2cReply::read(&reply.data()), Some(reply));
+    }
+    for angle in [AngleAt::Analog(0), AngleAt::I2c] {
+        both_ends(&firmata_settings(angle), bytes);
+    }
+}
+
+/// Lines of a template that is the first of them: what is read is written as it was read; then both
+/// ends hear them.
+fn lines(bytes: &[u8]) {
+    const FIELDS: [Field; 5] =
+        [Field::Millis, Field::Micros, Field::Counts, Field::Hx711, Field::Any];
+    let at = bytes.iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len());
+    if let Ok(template) = Template::parse(&text(&bytes[..at]), &FIELDS, &[]) {
+        let mut lines = Lines::from_anywhere();
+        for byte in &bytes[at..] {
+            let Some(values) = lines.push(*byte).and_then(|line| template.read(line)) else {
+                continue;
+            };
+            let mut written = Vec::new();
+            template.write(&values, &mut written);
+            assert!(written.len() < template.longest() + 1 || template.has(Field::Any));
+            let line = written.strip_suffix(b"\n").expect("a line ends");
+            assert!(template.has(Field::Any) || template.read(line) == Some(values));
+        }
+    }
+    both_ends(&text_settings(), bytes);
+}
+
+/// A host and a board that hear these bytes.
+fn both_ends(settings: &Settings, bytes: &[u8]) {
+    if let Ok(told) = rig::hear(settings, bytes) {
+        assert!(told.counts.len() <= bytes.len() && told.damaged <= bytes.len() as u64);
+    }
+    let mut board = Board::by(settings, Mock::default(), Vec::new()).expect("settings");
+    let mut out = Vec::new();
+    board.take(0.0, bytes, &mut out).expect("a device that is there");
+    // The longest answer to three bytes is what all pins can do.
+    assert!(out.len() <= 200 * (bytes.len() + 4), "{} bytes said to {}", out.len(), bytes.len());
 }
 
 fn record(bytes: &[u8]) {

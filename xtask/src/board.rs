@@ -1,32 +1,63 @@
 //! `cargo xtask board`: a board with the twin behind it, at the end of a line that looks like a
 //! serial port: `zwidth acquire STUDY … --device rig:PORT` records from it.
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
+use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use zwidth_device::{Person, Twin, TwinParameters};
-use zwidth_link::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
-use zwidth_link::{Board, Pair, Wire as _};
+use zwidth_device::{Device as _, Person, Twin, TwinParameters};
+use zwidth_link::{AngleAt, Board, Link, Pair, Wire as _, board};
 use zwidth_study::Study;
 
 /// How long it waits for bytes before it looks whether its watchdog is due.
 const TURN: Duration = Duration::from_millis(1);
+/// Readings a second of a link that streams.
+const STREAM_HZ: f64 = 200.0;
+
+/// What a board may speak, by the chore's words.
+const LINKS: [(&str, Link, AngleAt); 5] = [
+    ("framed", Link::Framed, AngleAt::I2c),
+    ("firmata", Link::Firmata, AngleAt::Analog(0)),
+    (UNO, Link::Firmata, AngleAt::Analog(0)),
+    ("firmata-i2c", Link::Firmata, AngleAt::I2c),
+    ("text", Link::Text, AngleAt::I2c),
+];
+/// Firmata with the 10 bits of an Arduino Uno's analog input: some hosts know no others.
+const UNO: &str = "firmata-uno";
+const UNO_BITS: u8 = 10;
 
 /// Runs until it is stopped. The study says which environments its participant meets.
-pub(crate) fn run(study: &Path, seed: u64) -> anyhow::Result<()> {
+pub(crate) fn run(study: &Path, link: &str, seed: u64) -> anyhow::Result<()> {
     let text = std::fs::read_to_string(study).with_context(|| study.display().to_string())?;
     let study = Study::from_toml(&text).map_err(|faults| anyhow::anyhow!("{faults:?}"))?;
+    let Some((word, link, angle)) = LINKS.iter().find(|(word, _, _)| *word == link) else {
+        bail!("a board speaks {}", LINKS.map(|(word, _, _)| word).join(", "));
+    };
     let twin = Twin::new(TwinParameters::default(), Person::draw(seed), seed)?;
-    let (mut board, mut line) = (Board::new(twin, study.environments), Pair::open()?);
+    let (mut line, mut cell) = (Pair::open()?, Pair::open()?);
+    let settings = board::settings(*link, *angle, STREAM_HZ, twin.capabilities(), cell.port());
+    let mut board = match &settings.firmata {
+        Some(pins) if *word == UNO => {
+            Board::firmata(twin, study.environments, pins.clone(), UNO_BITS)
+        }
+        _ => Board::by(&settings, twin, study.environments)?,
+    };
     println!("a board is at {}", line.port().display());
-    println!(
-        "rig.toml for it: newtons_per_count = {NEWTONS_PER_COUNT}, zero_counts = {ZERO_COUNTS:?}"
-    );
+    println!("rig.toml for it:\n\n{}", toml::to_string(&settings)?);
     let began = Instant::now();
     loop {
         let (mut bytes, mut out) = ([0; 256], Vec::new());
         let came = line.receive(&mut bytes, TURN)?;
         board.take(began.elapsed().as_secs_f64(), &bytes[..came], &mut out)?;
-        line.send(&out)?;
+        send(&mut line, &out)?;
+        send(&mut cell, &board.load_cell())?;
+    }
+}
+
+/// What nobody reads is gone, as on a real line.
+fn send(line: &mut Pair, bytes: &[u8]) -> anyhow::Result<()> {
+    match line.send(bytes) {
+        Err(e) if matches!(e.kind(), ErrorKind::TimedOut | ErrorKind::WouldBlock) => Ok(()),
+        sent => Ok(sent?),
     }
 }

@@ -46,6 +46,8 @@ fn kinds() -> Vec<Kind> {
         ("sweep", "a sweep's Parquet file", BINARY, 16_384),
         ("whole", "any text file of a study, and what verify says of it", BINARY, 4096),
         ("wire", "what a board and its host send", TEXT, 1024),
+        ("firmata", "what a board that speaks Firmata and its host send", TEXT, 512),
+        ("lines", "what a board that prints lines and its host send", TEXT, 512),
     ];
     let ours = ours.map(|(name, about, runs, longest)| {
         let about = about.to_owned();

@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 
 const CHORES: &str =
     "cargo xtask thesis-twin                write raw/thesis-twin anew (the same bytes every time)
-cargo xtask board STUDY.TOML [SEED]    a board with the simulated device at the end of a serial line, to record from [1]
+cargo xtask board STUDY.TOML [LINK [SEED]] a board with the simulated device at the end of a serial line, to record from; it speaks
+    framed, firmata, firmata-uno, firmata-i2c or text [framed, seed 1]
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
 cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
@@ -46,7 +47,10 @@ fn main() -> anyhow::Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["thesis-twin"] => twin::write(Path::new(".")),
-        ["board", study, rest @ ..] => board::run(Path::new(study), number(rest.first(), 1)?),
+        ["board", study, rest @ ..] => {
+            let link = rest.first().copied().unwrap_or("framed");
+            board::run(Path::new(study), link, number(rest.get(1), 1)?)
+        }
         ["soak", "kill", rest @ ..] => {
             let kills = number(rest.first(), 1000)?;
             soak::kill::kill(&soak::program()?, &scratch("kill"), kills, number(rest.get(1), 1)?)

@@ -1,6 +1,7 @@
 //! Messages: what the two ends tell each other.
 
 use crate::frame::{Frame, MOST_PAYLOAD};
+use zwidth_study::Voltages;
 
 /// The version of the protocol that this is.
 pub const PROTOCOL: u8 = 1;
@@ -186,6 +187,42 @@ impl FromBoard {
 }
 
 impl Drive {
+    /// Voltages as shares of the full scale, rounded towards 0: never more than was asked for.
+    pub fn of(voltages: Voltages, full: Voltages) -> Self {
+        let share = |volts: f64, full_v: f64| match full_v > 0.0 {
+            true => (volts / full_v * f64::from(i16::MAX)) as i16,
+            false => 0,
+        };
+        let brake = share(voltages.brake_v, full.brake_v).max(0);
+        Self { motor: share(voltages.motor_v, full.motor_v), brake }
+    }
+
+    /// The voltages again.
+    pub fn voltages(self, full: Voltages) -> Voltages {
+        let share = |part: i16| f64::from(part) / f64::from(i16::MAX);
+        Voltages {
+            motor_v: share(self.motor) * full.motor_v,
+            brake_v: share(self.brake) * full.brake_v,
+        }
+    }
+
+    /// As whole steps of outputs with so many steps each, of which none is more than was asked
+    /// for.
+    pub fn steps(self, motor: u16, brake: u16) -> [i32; 2] {
+        let steps = |part: i16, full: u16| i32::from(part) * i32::from(full) / i32::from(i16::MAX);
+        [steps(self.motor, motor), steps(self.brake, brake)]
+    }
+
+    /// From such steps, at least what they are: [`Drive::steps`] gives the same ones again.
+    pub fn of_steps([motor, brake]: [i32; 2], motor_full: u16, brake_full: u16) -> Self {
+        let part = |steps: i32, full: u16| {
+            let full = i32::from(full).max(1);
+            let up = (steps.abs().min(full) * i32::from(i16::MAX) + full - 1) / full;
+            (up * steps.signum()) as i16
+        };
+        Self { motor: part(motor, motor_full), brake: part(brake, brake_full).max(0) }
+    }
+
     fn bytes(self) -> [u8; 4] {
         let ([a, b], [c, d]) = (self.motor.to_le_bytes(), self.brake.to_le_bytes());
         [a, b, c, d]

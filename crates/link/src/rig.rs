@@ -2,7 +2,9 @@
 
 use crate::frame::{Frames, MOST_WIRE};
 use crate::message::{Description, Drive, FromBoard, PROTOCOL, Seen, ToBoard, mark, status};
-use crate::{Settings, Turning, Wire};
+use crate::rate::line_rate_hz;
+use crate::shaft::Shaft;
+use crate::{Settings, Wire};
 use std::io;
 use std::time::{Duration, Instant};
 use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
@@ -15,17 +17,10 @@ const HELLO_EVERY: Duration = Duration::from_millis(200);
 /// An answer that does not come within this share of a tick is waited for no longer: the reading
 /// before it stands, with its age.
 const PATIENCE_SHARE: f64 = 0.4;
-/// A lever is at rest at its stop where its count moves by no more than this, turns of the shaft.
-const STILL_TURNS: f64 = 0.01;
 /// At homing the board is asked for so long.
 const HOMING: Duration = Duration::from_millis(250);
-/// A stop is where it was at the last homing to within this, turns of the shaft: 2.6° of the
-/// prototype's lever.
-const SAME_STOP_TURNS: f64 = 0.05;
 /// The questions whose time is kept. One unanswered so long ago is answered no more.
 const KEPT: usize = 16;
-/// Bits of a byte on a serial line: a start, eight, a stop.
-const BITS: f64 = 10.0;
 
 /// A board behind a wire.
 pub struct Rig<W> {
@@ -34,7 +29,7 @@ pub struct Rig<W> {
     capabilities: Capabilities,
     /// Full scale, V.
     full: Voltages,
-    counts_per_turn: u16,
+    shaft: Shaft,
     /// The study's environments: a marker tells a place among them.
     environments: Vec<EnvironmentId>,
     /// What has come and is not looked at yet: of so many bytes those from the one place to the
@@ -47,8 +42,6 @@ pub struct Rig<W> {
     /// When the last questions were asked, host time, s, by their number.
     asked: [(u16, f64); KEPT],
     last: Option<Known>,
-    /// The count at the stop, from the first homing on.
-    stop_counts: Option<u16>,
     /// What was commanded last.
     drive: Drive,
     /// The board has begun anew since the last homing.
@@ -81,9 +74,9 @@ impl<W: Wire> Rig<W> {
         settings.check()?;
         let mut rig = Self {
             wire,
-            capabilities: unknown(),
+            capabilities: settings.unknown(),
             full: Voltages::OFF,
-            counts_per_turn: 1,
+            shaft: Shaft::new(1, settings.turning),
             environments,
             bytes: [0; MOST_WIRE],
             taken: 0,
@@ -92,7 +85,6 @@ impl<W: Wire> Rig<W> {
             sequence: 0,
             asked: [(0, 0.0); KEPT],
             last: None,
-            stop_counts: None,
             drive: Drive::default(),
             reset: false,
             late: 0,
@@ -100,7 +92,7 @@ impl<W: Wire> Rig<W> {
         };
         let board = rig.introduce()?;
         rig.full = Voltages { motor_v: volts(board.motor_mv), brake_v: volts(board.brake_mv) };
-        rig.counts_per_turn = board.counts_per_turn;
+        rig.shaft.counts_per_turn = board.counts_per_turn;
         rig.capabilities = capabilities(&board, &rig.settings)?;
         rig.reset = false;
         Ok(rig)
@@ -114,7 +106,7 @@ impl<W: Wire> Rig<W> {
     /// As if the stop had been at another count at the first homing.
     #[cfg(test)]
     pub(crate) fn forget_stop(&mut self, counts: u16) {
-        self.stop_counts = Some(counts);
+        self.shaft.stop_counts = Some(counts);
     }
 
     /// Asks until the board says who it is.
@@ -129,7 +121,7 @@ impl<W: Wire> Rig<W> {
                 }
             }
         }
-        let what = format!("nothing answers at {} baud", self.settings.baud);
+        let what = format!("nothing answers at {} baud", self.settings.baud());
         let remedy = "check port and baud in rig.toml, and that the board runs the framed firmware (docs/rig.md)";
         Err(self.unable(what, remedy))
     }
@@ -213,28 +205,12 @@ impl<W: Wire> Rig<W> {
         let force = f64::from(seen.force) - self.settings.zero_counts;
         Ok(Reading {
             t_device_s: Some(t_us as f64 * 1e-6),
-            angle: Angle::Counts(self.upwards(seen.counts)),
+            angle: Angle::Counts(self.shaft.upwards(seen.counts)),
             angle_age_s: since_s + f64::from(seen.angle_age_us) * 1e-6,
             force_n: force * self.settings.newtons_per_count,
             force_age_s: Some(since_s + f64::from(seen.force_age_us) * 1e-6),
             extra: Extra::default(),
         })
-    }
-
-    /// A count as of a sensor that counts up with +θ.
-    fn upwards(&self, counts: u16) -> u16 {
-        match self.settings.turning {
-            Turning::Up => counts,
-            Turning::Down => {
-                (self.counts_per_turn - counts % self.counts_per_turn) % self.counts_per_turn
-            }
-        }
-    }
-
-    /// Turns of the shaft from one count to another, the shorter way.
-    fn turns(&self, from: u16, to: u16) -> f64 {
-        let share = (f64::from(to) - f64::from(from)) / f64::from(self.counts_per_turn);
-        share - share.round()
     }
 
     fn patience(&self) -> Duration {
@@ -266,18 +242,11 @@ impl<W: Wire> Device for Rig<W> {
         while began.elapsed() < HOMING {
             self.poll(now_s + began.elapsed().as_secs_f64(), HELLO_EVERY)?;
             let counts = self.last.ok_or_else(|| self.lost("it does not answer"))?.seen.counts;
-            let turns = self.turns(*first.get_or_insert(counts), counts);
-            if turns.abs() > STILL_TURNS {
-                let what =
-                    format!("the lever moves by {:.1} % of a shaft's turn", 100.0 * turns.abs());
-                return Err(
-                    self.unable(what, "hold it still against its lower stop, then home again")
-                );
-            }
+            self.shaft.rested(*first.get_or_insert(counts), counts).map_err(|what| {
+                self.unable(what, "hold it still against its lower stop, then home again")
+            })?;
         }
-        let counts = first.unwrap_or_default();
-        let stop = *self.stop_counts.get_or_insert(counts);
-        if self.turns(stop, counts).abs() > SAME_STOP_TURNS {
+        if !self.shaft.is_stop(first.unwrap_or_default()) {
             let what = "the lever is not where its stop was before".to_owned();
             return Err(self.unable(what, "hold it against its lower stop, then home again"));
         }
@@ -291,10 +260,7 @@ impl<W: Wire> Device for Rig<W> {
     }
 
     fn write(&mut self, _now_s: f64, voltages: Voltages) -> Result<(), DeviceError> {
-        self.drive = Drive {
-            motor: share(voltages.motor_v, self.full.motor_v),
-            brake: share(voltages.brake_v, self.full.brake_v).max(0),
-        };
+        self.drive = Drive::of(voltages, self.full);
         self.send(&ToBoard::Write(self.drive))
     }
 
@@ -308,29 +274,8 @@ impl<W: Wire> Device for Rig<W> {
     }
 }
 
-/// A voltage as a share of the full scale, rounded towards 0: never more than was asked for.
-fn share(volts: f64, full_v: f64) -> i16 {
-    if full_v > 0.0 { (volts / full_v * f64::from(i16::MAX)) as i16 } else { 0 }
-}
-
 fn volts(millivolts: u32) -> f64 {
     f64::from(millivolts) * 1e-3
-}
-
-/// Before a board has said who it is.
-fn unknown() -> Capabilities {
-    Capabilities {
-        name: "rig".to_owned(),
-        rate_hz: 1.0,
-        force_rate_hz: 1.0,
-        counts_per_turn: None,
-        shaft_per_lever: 1.0,
-        motor_max_v: 0.0,
-        brake_max_v: 0.0,
-        watchdog_s: None,
-        source: Source::Recorded,
-        channels: Vec::new(),
-    }
 }
 
 /// What a board can do behind its wire.
@@ -349,7 +294,7 @@ fn capabilities(board: &Description, settings: &Settings) -> Result<Capabilities
     }
     Ok(Capabilities {
         name: board.name.clone(),
-        rate_hz: (1e6 / f64::from(board.period_us)).min(wire_rate_hz(settings.baud)),
+        rate_hz: (1e6 / f64::from(board.period_us)).min(wire_rate_hz(settings.baud())),
         force_rate_hz: 1e6 / f64::from(board.force_period_us),
         counts_per_turn: Some(u32::from(board.counts_per_turn)),
         shaft_per_lever: settings.shaft_per_lever,
@@ -373,7 +318,7 @@ pub(crate) fn wire_rate_hz(baud: u32) -> f64 {
         drive: Drive::default(),
     });
     let (_, length) = seen.frame(0).encode();
-    f64::from(baud) / BITS / length as f64
+    line_rate_hz(baud, length)
 }
 
 /// A wire that a caller keeps.

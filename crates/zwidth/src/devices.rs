@@ -7,7 +7,7 @@ use std::str::FromStr;
 use zwidth_acquire::number;
 use zwidth_device::check::Step;
 use zwidth_device::{Device, Person, Playback, Twin, TwinParameters};
-use zwidth_link::{Rig, Serial, Settings};
+use zwidth_link::Settings;
 use zwidth_store::{Samples, Signal, hex_blake3, read_trial};
 use zwidth_study::{Environment, Flags, ParticipantId, Sample, SessionId, Voltages};
 
@@ -58,6 +58,8 @@ pub(crate) struct Occasion<'a> {
     pub(crate) rig: Option<&'a Settings>,
     /// The study's environments.
     pub(crate) environments: &'a [Environment],
+    /// Ticks a second that the study asks for.
+    pub(crate) rate_hz: f64,
     /// The lower end of the work space, rad.
     pub(crate) theta_min_rad: Option<f64>,
     /// What the simulated device's participant and noise are drawn from.
@@ -73,7 +75,7 @@ pub(crate) fn open(spec: &DeviceSpec, occasion: &Occasion) -> anyhow::Result<Box
     let theta_min_rad = occasion.theta_min_rad;
     match spec {
         DeviceSpec::Twin => Ok(Box::new(twin(occasion, false)?)),
-        DeviceSpec::Rig(port) => Ok(Box::new(rig(port.as_deref(), occasion)?)),
+        DeviceSpec::Rig(port) => rig(port.as_deref(), occasion),
         DeviceSpec::Playback(path) => {
             let trial = read_trial(path, Signal::all())?;
             let stop_rad = theta_min_rad.context("study.toml: device.theta_min_deg is missing")?;
@@ -83,17 +85,13 @@ pub(crate) fn open(spec: &DeviceSpec, occasion: &Occasion) -> anyhow::Result<Box
 }
 
 /// The board at a port.
-fn rig(port: Option<&Path>, occasion: &Occasion) -> anyhow::Result<Rig<Serial>> {
+fn rig(port: Option<&Path>, occasion: &Occasion) -> anyhow::Result<Box<dyn Device>> {
     let settings = occasion.rig.context(
         "a rig needs its load cell's scale: write newtons_per_count = … into rig.toml beside study.toml (docs/rig.md)",
     )?;
-    settings.check()?;
-    let port = port.or(settings.port.as_deref());
-    let port =
-        port.context("which port is the board at? --device rig:PORT, or port in rig.toml")?;
+    settings.check_loop(occasion.rate_hz)?;
     let environments = occasion.environments.iter().map(|e| e.id.clone()).collect();
-    let wire = Serial::open(port, settings.baud)?;
-    Ok(Rig::connect(wire, settings.clone(), environments)?)
+    Ok(zwidth_link::open(port, settings, environments)?)
 }
 
 /// Whether a device's lever needs a hand to get to its stop.

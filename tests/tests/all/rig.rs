@@ -1,7 +1,7 @@
 //! Sessions over a serial line: the program at one end, at the other a board with the twin behind
 //! it, which remembers what it saw.
 
-use crate::acquire::{Desk, Live};
+use crate::acquire::{Desk, Live, TRIALS};
 use crate::folders::files;
 use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +12,7 @@ use zwidth_device::{
     Capabilities, Cue, Device, DeviceError, Person, Reading, Twin, TwinParameters,
 };
 use zwidth_link::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
-use zwidth_link::{Board, Pair, Wire as _};
+use zwidth_link::{AngleAt, Board, Link, Pair, Wire as _, board};
 use zwidth_store::{Signal, read_trial};
 use zwidth_study::{Study, Voltages};
 
@@ -183,4 +183,124 @@ fn a_rig_that_cannot_be_used_is_refused_before_anything_is_written() {
     fs::write(desk.root().join("raw/small/rig.toml"), "newtons_per_count = 0.0").unwrap();
     live(&["--device", "rig"], "newtons_per_count is 0");
     assert!(!desk.root().join("raw/small/sessions").exists());
+}
+
+/// A board at the end of a line that speaks any link, and the counts that it sent.
+struct Speaking {
+    port: String,
+    sent: Arc<Mutex<Vec<u16>>>,
+    unplugged: Arc<AtomicBool>,
+}
+
+impl Speaking {
+    /// Of a link that streams, so many readings a second: the loop needs 1.25 times as many.
+    fn new(desk: &Desk, link: Link, angle: AngleAt, rate_hz: f64) -> Self {
+        let text = fs::read_to_string(desk.root().join("raw/small/study.toml")).unwrap();
+        let environments = Study::from_toml(&text).unwrap().environments;
+        let twin = Twin::new(TwinParameters::default(), Person::draw(3), 5).unwrap();
+        let capabilities = Capabilities { rate_hz: RATE_HZ, ..twin.capabilities().clone() };
+        let (mut line, mut cell) = (Pair::open().unwrap(), Pair::open().unwrap());
+        let mut settings = board::settings(link, angle, rate_hz, &capabilities, cell.port());
+        if let Some(lines) = &mut settings.text {
+            // Twenty forces a second are too few for a motor: they come at a port of their own.
+            lines.line = "{t_us},{counts}".to_owned();
+            settings.hx711 =
+                board::settings(Link::Firmata, angle, rate_hz, &capabilities, cell.port()).hx711;
+        }
+        let rig = toml::to_string(&settings).unwrap();
+        fs::write(desk.root().join("raw/small/rig.toml"), rig).unwrap();
+        let (sent, unplugged) = (Arc::<Mutex<Vec<u16>>>::default(), Arc::<AtomicBool>::default());
+        let (telling, gone) = (Arc::clone(&sent), Arc::clone(&unplugged));
+        let device = Remembering { twin, capabilities, seen: Arc::default() };
+        let board = Board::by(&settings, device, environments).unwrap();
+        let mut board = board.telling(move |reading| telling.lock().unwrap().extend(reading.raw()));
+        let port = line.port().to_string_lossy().into_owned();
+        thread::spawn(move || {
+            let began = Instant::now();
+            while !gone.load(Ordering::Relaxed) {
+                let (mut bytes, mut out) = ([0; 64], Vec::new());
+                let came = line.receive(&mut bytes, Duration::from_millis(1)).unwrap();
+                board.take(began.elapsed().as_secs_f64(), &bytes[..came], &mut out).unwrap();
+                // What nobody reads is gone: the program looks at it from homing on.
+                let _ = line.send(&out);
+                let _ = cell.send(&board.load_cell());
+            }
+        });
+        Self { port, sent, unplugged }
+    }
+}
+
+impl Drop for Speaking {
+    fn drop(&mut self) {
+        self.unplugged.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Every trial of a session that goes by itself, as counts without those that repeat the one before,
+/// and those that the board sent.
+fn session_over(link: Link, angle: AngleAt) -> (Vec<Vec<u16>>, Vec<u16>) {
+    let desk = Desk::slow();
+    desk.edit_study("pause_s = 3.0", "pause_s = 0.5");
+    desk.edit_study("trial_limit_s = 4.0", "trial_limit_s = 2.0");
+    let board = Speaking::new(&desk, link, angle, 20.0);
+    let device = format!("rig:{}", board.port);
+    // A machine that stands still for so long that safety stops a trial goes on as often as it takes.
+    let session = || {
+        let mut live = Live::new(&desk, &["--auto", "--no-watchdog", "--device", &device]);
+        live.until_any(&["done 7 of 7", "left "]).starts_with("done")
+            && live.child.wait().unwrap().success()
+    };
+    while !session() {}
+    desk.verify();
+    let trials = files(&desk.root().join("raw/small/trials"), "parquet");
+    assert!(trials.len() >= TRIALS, "{} trials", trials.len());
+    let counts = |path: &std::path::PathBuf| {
+        let trial = read_trial(path, Signal::all()).unwrap();
+        assert_eq!(trial.meta.source.as_str(), "twin", "a simulated board's data are simulated");
+        let raw = trial.samples.get(Signal::ThetaRaw).unwrap();
+        let mut counts: Vec<u16> = raw.iter().map(|raw| *raw as u16).collect();
+        counts.dedup();
+        counts
+    };
+    let mut sent = board.sent.lock().unwrap().clone();
+    sent.dedup();
+    (trials.iter().map(counts).collect(), sent)
+}
+
+/// Nothing is lost, nothing changed, nothing out of turn.
+fn every_reading_of_a_session_arrives(link: Link, angle: AngleAt) {
+    let (trials, sent) = session_over(link, angle);
+    for trial in &trials {
+        assert!(sent.windows(trial.len()).any(|window| window == trial), "{trial:?} of {sent:?}");
+    }
+    assert!(trials.iter().any(|trial| trial.len() > 10), "{trials:?}");
+}
+
+#[test]
+fn a_session_over_firmata_with_an_analog_sensor_has_every_reading_that_was_sent() {
+    every_reading_of_a_session_arrives(Link::Firmata, AngleAt::Analog(0));
+}
+
+#[test]
+fn a_session_over_firmata_with_an_i2c_sensor_has_every_reading_that_was_sent() {
+    every_reading_of_a_session_arrives(Link::Firmata, AngleAt::I2c);
+}
+
+#[test]
+fn a_session_over_lines_of_text_has_every_reading_that_was_sent() {
+    every_reading_of_a_session_arrives(Link::Text, AngleAt::I2c);
+}
+
+#[test]
+fn a_session_over_frames_has_what_the_board_sent_in_its_order() {
+    let (trials, sent) = session_over(Link::Framed, AngleAt::I2c);
+    for trial in &trials {
+        // Where an answer is late on a busy machine, the one before stands.
+        let mut rest = sent.iter();
+        assert!(
+            trial.iter().all(|count| rest.any(|known| known == count)),
+            "{trial:?} of {sent:?}"
+        );
+    }
+    assert!(trials.iter().any(|trial| trial.len() > 10), "{trials:?}");
 }

@@ -72,7 +72,18 @@ impl Bench {
         let trials = self.trials();
         let (rig, environments) = (self.rig.as_ref(), self.study.environments.as_slice());
         let twin = &self.twin;
-        Occasion { twin, rig, environments, theta_min_rad, seed, participant, session, trials }
+        let rate_hz = self.study.control.rate_hz;
+        Occasion {
+            twin,
+            rig,
+            environments,
+            rate_hz,
+            theta_min_rad,
+            seed,
+            participant,
+            session,
+            trials,
+        }
     }
 
     /// The same for a session that goes on by the study it began with, at the rate asked for.

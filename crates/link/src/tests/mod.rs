@@ -1,8 +1,10 @@
 //! A rig at the one end, a board with the twin at the other, and what goes wrong between them.
 
+mod streams;
+
 use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
 use crate::rig::wire_rate_hz;
-use crate::{Board, Pair, Rig, Serial, Settings, Turning, Wire};
+use crate::{Board, Link, Pair, Rig, Serial, Settings, Turning, Wire};
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -13,7 +15,12 @@ use zwidth_study::{Environment, Study, Voltages};
 fn settings() -> Settings {
     Settings {
         port: None,
-        baud: 500_000,
+        baud: None,
+        link: Link::Framed,
+        simulated: false,
+        firmata: None,
+        text: None,
+        hx711: None,
         newtons_per_count: NEWTONS_PER_COUNT,
         zero_counts: ZERO_COUNTS,
         shaft_per_lever: zwidth_device::SHAFT_PER_LEVER,
@@ -120,7 +127,7 @@ fn a_rig_says_of_itself_what_its_board_said() {
 fn a_slow_line_carries_fewer_ticks() {
     // An answer is 31 bytes on the wire, of ten bits each.
     assert!((wire_rate_hz(115_200) - 115_200.0 / 310.0).abs() < 1e-9);
-    let slow = Settings { baud: 57_600, ..settings() };
+    let slow = Settings { baud: Some(57_600), ..settings() };
     let rig = Rig::connect(Near::new(), slow, Vec::new()).unwrap();
     assert!((rig.capabilities().rate_hz - 57_600.0 / 310.0).abs() < 1e-9);
 }
@@ -269,14 +276,14 @@ fn settings_and_boards_that_make_no_sense_are_refused() {
         (Settings { newtons_per_count: 0.0, ..settings() }, "newtons_per_count"),
         (Settings { zero_counts: f64::NAN, ..settings() }, "zero_counts"),
         (Settings { shaft_per_lever: -1.0, ..settings() }, "shaft_per_lever"),
-        (Settings { baud: 0, ..settings() }, "baud"),
+        (Settings { baud: Some(0), ..settings() }, "baud"),
     ];
     for (settings, name) in bad {
         let error = Rig::connect(Near::new(), settings, Vec::new()).err().unwrap();
         assert!(error.to_string().contains(name), "{error}");
     }
     let read: Settings = toml::from_str("newtons_per_count = 2e-5").unwrap();
-    assert_eq!((read.baud, read.turning), (500_000, Turning::Up));
+    assert_eq!((read.baud(), read.turning), (500_000, Turning::Up));
     assert!(toml::from_str::<Settings>("newtons_per_count = 2e-5\nbuad = 3").is_err());
 }
 

@@ -1,0 +1,87 @@
+//! The board's end of frames.
+
+use super::device::{Behind, counts, force_counts};
+use crate::frame::Frames;
+use crate::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, status};
+use zwidth_device::{Device, DeviceError, Reading};
+use zwidth_study::Source;
+
+/// What it hears, and whether it has just begun.
+#[derive(Default)]
+pub(super) struct Framed {
+    frames: Frames,
+    /// What is said when it has begun: of a board that was reset unasked.
+    begins: bool,
+}
+
+impl Framed {
+    pub(super) fn reset(&mut self) {
+        *self = Self { begins: true, ..Self::default() };
+    }
+
+    pub(super) fn take<D: Device>(
+        &mut self,
+        behind: &mut Behind<D>,
+        now_s: f64,
+        bytes: &[u8],
+        out: &mut Vec<u8>,
+    ) -> Result<(), DeviceError> {
+        if std::mem::take(&mut self.begins) {
+            send(&FromBoard::Description(description(behind)), 0, out);
+        }
+        for byte in bytes {
+            let Some(frame) = self.frames.push(*byte) else { continue };
+            match ToBoard::read(&frame) {
+                Some(ToBoard::Hello) => {
+                    send(&FromBoard::Description(description(behind)), frame.sequence, out);
+                }
+                Some(ToBoard::Poll) => {
+                    let reading = behind.tell(now_s)?;
+                    send(&FromBoard::Seen(seen(behind, now_s, &reading)), frame.sequence, out);
+                }
+                Some(ToBoard::Write(drive)) => behind.write(now_s, drive)?,
+                Some(ToBoard::Mark { code, number }) => behind.mark(now_s, code, number)?,
+                None => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+fn description<D: Device>(behind: &Behind<D>) -> Description {
+    let can = behind.capabilities();
+    let micros = |hz: f64| (1e6 / hz).round() as u32;
+    let millivolts = |volts: f64| (volts * 1e3).floor() as u32;
+    Description {
+        protocol: PROTOCOL,
+        period_us: micros(can.rate_hz),
+        force_period_us: micros(can.force_rate_hz),
+        counts_per_turn: can.counts_per_turn.map_or(0, |counts| counts as u16),
+        motor_mv: millivolts(can.motor_max_v),
+        brake_mv: millivolts(can.brake_max_v),
+        watchdog_ms: behind.watchdog_s.map_or(0, |s| (s * 1e3).round() as u16),
+        simulated: can.source == Source::Twin,
+        name: format!("board with {}", can.name),
+    }
+}
+
+fn seen<D: Device>(behind: &Behind<D>, now_s: f64, reading: &Reading) -> Seen {
+    let (force, is_saturated) = force_counts(reading);
+    let saturated = if is_saturated { status::FORCE_SATURATED } else { 0 };
+    let watchdog = if behind.tripped { status::WATCHDOG } else { 0 };
+    let micros = |s: f64| (s * 1e6).round();
+    Seen {
+        t_us: (micros(reading.t_device_s.unwrap_or(now_s)) as u64 & u64::from(u32::MAX)) as u32,
+        counts: counts(reading),
+        angle_age_us: micros(reading.angle_age_s) as u16,
+        force,
+        force_age_us: micros(reading.force_age_s.unwrap_or(0.0)) as u32,
+        status: saturated | watchdog,
+        drive: behind.drive,
+    }
+}
+
+fn send(message: &FromBoard, sequence: u16, out: &mut Vec<u8>) {
+    let (bytes, length) = message.frame(sequence).encode();
+    out.extend(&bytes[..length]);
+}

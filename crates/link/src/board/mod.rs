@@ -1,0 +1,187 @@
+//! The board's end of each link, with a device behind it.
+//!
+//! What a firmware does in C, here with the twin or any other device in the place of sensors and
+//! drivers: bytes in, bytes out. A rig is tried on it without a board. One that speaks frames has a
+//! watchdog; sketches that speak Firmata or print lines have none, and so it has none there.
+
+mod device;
+mod framed;
+mod sketch;
+mod uno;
+mod usual;
+
+pub use device::{NEWTONS_PER_COUNT, ZERO_COUNTS};
+pub use usual::settings;
+
+use crate::message::Drive;
+use crate::{Firmata, Link, Settings, Text};
+use device::{Behind, counts, force_counts};
+use framed::Framed;
+use sketch::Sketch;
+use uno::{Act, Uno};
+use zwidth_device::{Device, DeviceError, Reading};
+use zwidth_study::Environment;
+
+/// A board.
+pub struct Board<D> {
+    behind: Behind<D>,
+    speech: Speech,
+    /// When it sends the next reading unasked, s.
+    due_s: f64,
+    /// When the load cell's own port prints the next value, s, and what it has to print.
+    weigh_s: f64,
+    cell: Vec<u8>,
+}
+
+/// What it speaks.
+enum Speech {
+    Framed(Framed),
+    Firmata(Uno),
+    Text(Sketch),
+}
+
+impl<D: Device> Board<D> {
+    /// One that speaks frames; the host marks the environments by their places.
+    pub fn new(device: D, environments: Vec<Environment>) -> Self {
+        Self::with(Behind::new(device, environments, true), Speech::Framed(Framed::default()))
+    }
+
+    /// One that speaks Firmata, with the device at these pins and an analog input of so many bits,
+    /// up to 14.
+    pub fn firmata(device: D, environments: Vec<Environment>, pins: Firmata, bits: u8) -> Self {
+        let uno = Uno::new(pins, bits.min(14));
+        Self::with(Behind::new(device, environments, false), Speech::Firmata(uno))
+    }
+
+    /// One that prints lines.
+    ///
+    /// # Errors
+    /// Templates that are none.
+    pub fn text(
+        device: D,
+        environments: Vec<Environment>,
+        text: &Text,
+    ) -> Result<Self, DeviceError> {
+        let sketch = Sketch::new(text)?;
+        Ok(Self::with(Behind::new(device, environments, false), Speech::Text(sketch)))
+    }
+
+    /// One that speaks what these settings say; over Firmata with all of the sensor's 12 bits.
+    ///
+    /// # Errors
+    /// Templates that are none.
+    pub fn by(
+        settings: &Settings,
+        device: D,
+        environments: Vec<Environment>,
+    ) -> Result<Self, DeviceError> {
+        match (settings.link, &settings.firmata, &settings.text) {
+            (Link::Firmata, Some(pins), _) => {
+                Ok(Self::firmata(device, environments, pins.clone(), 12))
+            }
+            (Link::Text, _, Some(text)) => Self::text(device, environments, text),
+            _ => Ok(Self::new(device, environments)),
+        }
+    }
+
+    fn with(behind: Behind<D>, speech: Speech) -> Self {
+        Self { behind, speech, due_s: 0.0, weigh_s: 0.0, cell: Vec::new() }
+    }
+
+    /// Tells every reading whose angle it sends, as it sends it.
+    #[must_use]
+    pub fn telling(mut self, told: impl FnMut(&Reading) + Send + 'static) -> Self {
+        self.behind.told = Box::new(told);
+        self
+    }
+
+    /// Begins anew, as after a press on its button: 0 V, and it says who it is.
+    ///
+    /// # Errors
+    /// A device that is lost.
+    pub fn reset(&mut self, now_s: f64) -> Result<(), DeviceError> {
+        match &mut self.speech {
+            Speech::Framed(framed) => framed.reset(),
+            Speech::Firmata(uno) => uno.reset(),
+            Speech::Text(sketch) => sketch.reset(now_s),
+        }
+        self.behind.off(now_s)
+    }
+
+    /// The voltages that are out.
+    pub fn drive(&self) -> Drive {
+        self.behind.drive
+    }
+
+    /// Takes bytes of the host; what it says to them goes behind `out`. To be called without bytes,
+    /// too, as time goes by.
+    ///
+    /// # Errors
+    /// A device that is lost.
+    pub fn take(&mut self, now_s: f64, bytes: &[u8], out: &mut Vec<u8>) -> Result<(), DeviceError> {
+        self.behind.watch(now_s)?;
+        match &mut self.speech {
+            Speech::Framed(framed) => return framed.take(&mut self.behind, now_s, bytes, out),
+            Speech::Firmata(uno) => {
+                uno.begin(out);
+                for byte in bytes {
+                    let Some(act) = uno.take(*byte, out) else { continue };
+                    match act {
+                        Act::Write(drive) => self.behind.write(now_s, drive)?,
+                        Act::Mark(code, number) => self.behind.mark(now_s, code, number)?,
+                        Act::Read(what) => {
+                            let reading = self.behind.read(now_s)?;
+                            uno.tell(&what, counts(&reading), out);
+                        }
+                    }
+                }
+            }
+            Speech::Text(sketch) => {
+                for byte in bytes {
+                    sketch.take(*byte, &mut self.behind, now_s)?;
+                }
+            }
+        }
+        self.stream(now_s, out)
+    }
+
+    /// What the load cell's own port prints: the values since the last call.
+    pub fn load_cell(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.cell)
+    }
+
+    /// Sends a reading, and prints a value of the load cell, where one is due.
+    fn stream(&mut self, now_s: f64, out: &mut Vec<u8>) -> Result<(), DeviceError> {
+        let (period_s, has_cell) = match &self.speech {
+            Speech::Framed(_) => return Ok(()),
+            Speech::Firmata(uno) => (uno.period_s(), true),
+            Speech::Text(sketch) => (sketch.period_s(), !sketch.prints_force()),
+        };
+        let force_period_s = 1.0 / self.behind.capabilities().force_rate_hz;
+        if has_cell && is_due(&mut self.weigh_s, force_period_s, now_s) {
+            let (force, _) = force_counts(&self.behind.read(now_s)?);
+            self.cell.extend(format!("{force}\r\n").bytes());
+        }
+        if !is_due(&mut self.due_s, period_s, now_s) {
+            return Ok(());
+        }
+        let reading = self.behind.tell(now_s)?;
+        match &mut self.speech {
+            Speech::Framed(_) => {}
+            Speech::Firmata(uno) => uno.sample(counts(&reading), out),
+            Speech::Text(sketch) => sketch.print(now_s, &reading, out),
+        }
+        Ok(())
+    }
+}
+
+/// Whether something is due that comes at each period, and when it is next. Its average is kept,
+/// unless time stood still: as StandardFirmata has it.
+fn is_due(due_s: &mut f64, period_s: f64, now_s: f64) -> bool {
+    let is_due = now_s >= *due_s;
+    if is_due {
+        let next_s = *due_s + period_s;
+        *due_s = if next_s < now_s { now_s + period_s } else { next_s };
+    }
+    is_due
+}

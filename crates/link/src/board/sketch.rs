@@ -1,0 +1,73 @@
+//! A sketch that prints lines and takes commands.
+
+use super::device::{Behind, counts, force_counts};
+use crate::message::Drive;
+use crate::text::{Field, Lines, Values};
+use crate::{Templates, Text};
+use zwidth_device::{Device, DeviceError, Reading};
+
+pub(super) struct Sketch {
+    templates: Templates,
+    lines: Lines,
+    pwm_full: u16,
+    period_s: f64,
+    /// When it began, s: its clock counts from there.
+    began_s: f64,
+}
+
+impl Sketch {
+    pub(super) fn new(text: &Text) -> Result<Self, DeviceError> {
+        Ok(Self {
+            templates: text.templates()?,
+            lines: Lines::from_start(),
+            pwm_full: text.pwm_full,
+            period_s: 1.0 / text.rate_hz,
+            began_s: 0.0,
+        })
+    }
+
+    pub(super) fn reset(&mut self, now_s: f64) {
+        (self.lines, self.began_s) = (Lines::from_start(), now_s);
+    }
+
+    pub(super) fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    pub(super) fn prints_force(&self) -> bool {
+        self.templates.line.has(Field::Hx711)
+    }
+
+    /// A line that is no command of its does nothing.
+    pub(super) fn take<D: Device>(
+        &mut self,
+        byte: u8,
+        behind: &mut Behind<D>,
+        now_s: f64,
+    ) -> Result<(), DeviceError> {
+        let Some(line) = self.lines.push(byte) else { return Ok(()) };
+        let number = |values: &Values, field| values.get(field).unwrap_or_default();
+        if let Some(values) = self.templates.command.read(line) {
+            let steps =
+                [Field::MotorPwm, Field::BrakePwm].map(|field| number(&values, field) as i32);
+            return behind.write(now_s, Drive::of_steps(steps, self.pwm_full, self.pwm_full));
+        }
+        let mark = self.templates.mark.as_ref().and_then(|mark| mark.read(line));
+        mark.map_or(Ok(()), |values| {
+            let (code, which) = (number(&values, Field::Code), number(&values, Field::Number));
+            behind.mark(now_s, code as u8, which as u16)
+        })
+    }
+
+    pub(super) fn print(&self, now_s: f64, reading: &Reading, out: &mut Vec<u8>) {
+        let since_s = reading.t_device_s.unwrap_or(now_s) - self.began_s;
+        // A clock of 32 bits, round after the last.
+        let clock = |per_s: f64| i64::from(((since_s * per_s).round() as i64) as u32);
+        let values = Values::default()
+            .with(Field::Millis, clock(1e3))
+            .with(Field::Micros, clock(1e6))
+            .with(Field::Counts, counts(reading))
+            .with(Field::Hx711, force_counts(reading).0);
+        self.templates.line.write(&values, out);
+    }
+}

@@ -1,0 +1,294 @@
+//! A board that speaks Firmata as StandardFirmata 2.5 does, with the pins of an Arduino Uno. Its analog input
+//! may have other bits than the Uno's 10.
+//!
+//! Source: github.com/firmata/arduino, StandardFirmata.ino: 19 ms between samples until it is told
+//! another interval; a channel is told at once when its reporting is switched on; up to eight
+//! readings of the I²C bus at each interval.
+
+use crate::firmata::host::{AS5600, RAW_ANGLE, SIMULATED};
+use crate::firmata::{
+    End, I2cReply, I2cRequest, Message, Mode, Parser, Pin, id, string, two, unstring,
+};
+use crate::message::Drive;
+use crate::{AngleAt, Firmata};
+
+const PINS: u8 = 20;
+/// The first analog channel's pin.
+const A0: u8 = 14;
+const PWM_PINS: [u8; 6] = [3, 5, 6, 9, 10, 11];
+const I2C_PINS: [u8; 2] = [18, 19];
+const SENSOR_BITS: u8 = 12;
+const PWM_BITS: u8 = 8;
+const PWM_FULL: u16 = 255;
+const INTERVAL_MS: u16 = 19;
+const MOST_READS: usize = 8;
+/// The AS5600's register STATUS, and its bit "magnet was detected" (data sheet, Fig. 23).
+const STATUS: u8 = 0x0B;
+const MAGNET: u8 = 0x20;
+const PROTOCOL: (u8, u8) = (2, 5);
+
+/// What its device is to do.
+pub(super) enum Act {
+    /// These voltages.
+    Write(Drive),
+    /// A marker.
+    Mark(u8, u16),
+    /// A reading, for this.
+    Read(What),
+}
+
+/// What a reading is told for.
+pub(super) enum What {
+    /// An analog channel.
+    Channel(u8),
+    /// Bytes of a device at the I²C bus.
+    I2c(I2cRequest),
+}
+
+pub(super) struct Uno {
+    at: Firmata,
+    /// Bits of the analog input.
+    bits: u8,
+    parser: Parser,
+    /// Mode, and what was written to it.
+    pins: [(u8, u16); PINS as usize],
+    /// Channels that are told.
+    told: u16,
+    reads: Vec<I2cRequest>,
+    interval_ms: u16,
+    /// It has just begun and says who it is.
+    begins: bool,
+}
+
+impl Uno {
+    pub(super) fn new(at: Firmata, bits: u8) -> Self {
+        Self {
+            at,
+            bits,
+            parser: Parser::new(End::Host),
+            pins: std::array::from_fn(|pin| (first_mode(pin as u8) as u8, 0)),
+            told: 0,
+            reads: Vec::new(),
+            interval_ms: INTERVAL_MS,
+            begins: true,
+        }
+    }
+
+    pub(super) fn reset(&mut self) {
+        *self = Self::new(self.at.clone(), self.bits);
+    }
+
+    pub(super) fn period_s(&self) -> f64 {
+        f64::from(self.interval_ms.max(1)) * 1e-3
+    }
+
+    /// What it says unasked when it has begun.
+    pub(super) fn begin(&mut self, out: &mut Vec<u8>) {
+        if std::mem::take(&mut self.begins) {
+            version(out);
+            firmware(out);
+        }
+    }
+
+    /// Takes a byte; what its device is to do then.
+    pub(super) fn take(&mut self, byte: u8, out: &mut Vec<u8>) -> Option<Act> {
+        match self.parser.push(byte)? {
+            Message::Analog { channel, value } => self.set(channel, value),
+            Message::Digital { port, pins } => {
+                let set = |(pin, bit)| (8 * port + pin, pins >> bit & 1);
+                let written: Vec<_> = (0..8).map(|bit| set((bit, bit))).collect();
+                written.into_iter().filter_map(|(pin, on)| self.output(pin, on.into())).last()
+            }
+            Message::DigitalPin { pin, on } => self.output(pin, on.into()),
+            Message::PinMode { pin, mode } => self.mode(pin, mode),
+            Message::ReportAnalog { channel, on } => {
+                let bit = 1 << channel;
+                self.told = if on { self.told | bit } else { self.told & !bit };
+                on.then_some(Act::Read(What::Channel(channel)))
+            }
+            Message::VersionQuery => {
+                version(out);
+                None
+            }
+            Message::Reset => {
+                let at = self.at.clone();
+                *self = Self { begins: false, ..Self::new(at, self.bits) };
+                Some(Act::Write(Drive::default()))
+            }
+            Message::Sysex { id, data } => {
+                let data = data.to_vec();
+                self.longer(id, &data, out)
+            }
+            Message::ReportDigital { .. } | Message::Version { .. } => None,
+        }
+    }
+
+    /// A longer message.
+    fn longer(&mut self, id: u8, data: &[u8], out: &mut Vec<u8>) -> Option<Act> {
+        let mut answer = |id, data: &[u8]| Message::Sysex { id, data }.write(out);
+        match (id, data) {
+            (id::FIRMWARE, _) => firmware(out),
+            (id::CAPABILITY_QUERY, _) => {
+                answer(id::CAPABILITIES, &Pin::write_all(&pins(self.bits)))
+            }
+            (id::ANALOG_MAPPING_QUERY, _) => {
+                let channels: Vec<u8> = (0..PINS).map(|pin| channel(pin).unwrap_or(127)).collect();
+                answer(id::ANALOG_MAPPING, &channels);
+            }
+            (id::PIN_STATE_QUERY, [pin, ..]) => {
+                let (mode, value) = *self.pins.get(usize::from(*pin))?;
+                let [low, high] = two(value);
+                answer(id::PIN_STATE, &[*pin, mode, low, high]);
+            }
+            (id::EXTENDED_ANALOG, [pin, low, rest @ ..]) => {
+                let high = rest.first().copied().unwrap_or_default();
+                return self.set(*pin, crate::firmata::joined(*low, high));
+            }
+            (id::SAMPLING_INTERVAL, [low, high, ..]) => {
+                self.interval_ms = crate::firmata::joined(*low, *high).max(1);
+            }
+            (id::STRING, _) => return marker(&unstring(data)),
+            (id::I2C_REQUEST, _) => match I2cRequest::read(data) {
+                Some(read @ I2cRequest::Read { again: false, .. }) => {
+                    return Some(Act::Read(What::I2c(read)));
+                }
+                Some(read @ I2cRequest::Read { .. }) if self.reads.len() < MOST_READS => {
+                    self.reads.push(read);
+                }
+                Some(I2cRequest::Read { .. }) => answer(id::STRING, &string("too many queries")),
+                Some(I2cRequest::Stop { address }) => {
+                    self.reads.retain(|read| !matches!(read, I2cRequest::Read { address: known, .. } if *known == address));
+                }
+                Some(I2cRequest::Write { .. }) | None => {}
+            },
+            _ => {}
+        }
+        None
+    }
+
+    /// Tells a reading.
+    pub(super) fn tell(&self, what: &What, counts: u16, out: &mut Vec<u8>) {
+        match what {
+            What::Channel(channel) => {
+                let ours = self.at.angle == AngleAt::Analog(*channel);
+                // The sensor's 12 bits as this input sees them.
+                let seen = u32::from(counts) << self.bits >> SENSOR_BITS;
+                let value = if ours { seen as u16 } else { 0 };
+                Message::Analog { channel: *channel, value }.write(out);
+            }
+            What::I2c(request) => {
+                let I2cRequest::Read { address, register, length, .. } = request else { return };
+                let register = register.unwrap_or_default();
+                let bytes: Vec<u8> = if *address == AS5600 {
+                    (0..*length).map(|i| as5600(register.wrapping_add(i), counts)).collect()
+                } else {
+                    Vec::new()
+                };
+                if bytes.is_empty() {
+                    let text = string("I2C: Too few bytes received");
+                    Message::Sysex { id: id::STRING, data: &text }.write(out);
+                }
+                let reply = I2cReply { address: *address, register, bytes };
+                Message::Sysex { id: id::I2C_REPLY, data: &reply.data() }.write(out);
+            }
+        }
+    }
+
+    /// What it sends at each interval.
+    pub(super) fn sample(&self, counts: u16, out: &mut Vec<u8>) {
+        for pin in 0..PINS {
+            let analog = self.pins[usize::from(pin)].0 == Mode::Analog as u8;
+            let Some(channel) = channel(pin).filter(|_| analog) else { continue };
+            if self.told >> channel & 1 == 1 {
+                self.tell(&What::Channel(channel), counts, out);
+            }
+        }
+        for read in &self.reads {
+            self.tell(&What::I2c(read.clone()), counts, out);
+        }
+    }
+
+    fn mode(&mut self, pin: u8, mode: u8) -> Option<Act> {
+        *self.pins.get_mut(usize::from(pin))? = (mode, 0);
+        self.written(pin)
+    }
+
+    /// A pin of pulses.
+    fn set(&mut self, pin: u8, value: u16) -> Option<Act> {
+        let (mode, held) = self.pins.get_mut(usize::from(pin))?;
+        (*mode == Mode::Pwm as u8).then(|| *held = value.min(PWM_FULL))?;
+        self.written(pin)
+    }
+
+    /// A digital pin.
+    fn output(&mut self, pin: u8, value: u16) -> Option<Act> {
+        let (mode, held) = self.pins.get_mut(usize::from(pin))?;
+        (*mode == Mode::Output as u8).then(|| *held = value)?;
+        self.written(pin)
+    }
+
+    /// The voltages that its pins stand for, after one of them was written to.
+    fn written(&self, pin: u8) -> Option<Act> {
+        let Firmata { motor_pwm, motor_direction, motor_reversed, brake_pwm, .. } = self.at;
+        if ![motor_pwm, motor_direction, brake_pwm].contains(&pin) {
+            return None;
+        }
+        let held =
+            |pin: u8| self.pins.get(usize::from(pin)).map_or(0, |(_, held)| i32::from(*held));
+        let forwards = (held(motor_direction) != 0) != motor_reversed;
+        let motor = if forwards { held(motor_pwm) } else { -held(motor_pwm) };
+        Some(Act::Write(Drive::of_steps([motor, held(brake_pwm)], PWM_FULL, PWM_FULL)))
+    }
+}
+
+/// A pin's mode after a reset.
+fn first_mode(pin: u8) -> Mode {
+    if pin >= A0 { Mode::Analog } else { Mode::Output }
+}
+
+fn channel(pin: u8) -> Option<u8> {
+    pin.checked_sub(A0)
+}
+
+/// What its pins can do; the first two are its serial line's.
+fn pins(analog_bits: u8) -> Vec<Pin> {
+    let of_pin = |pin: u8| {
+        let modes = [
+            (pin >= 2, Mode::Input, 1),
+            (pin >= 2, Mode::Output, 1),
+            (pin >= A0, Mode::Analog, analog_bits),
+            (PWM_PINS.contains(&pin), Mode::Pwm, PWM_BITS),
+            (I2C_PINS.contains(&pin), Mode::I2c, 1),
+        ];
+        let able = modes.iter().filter(|(able, _, _)| *able).map(|(_, mode, bits)| (*mode, *bits));
+        Pin::new(&able.collect::<Vec<_>>())
+    };
+    (0..PINS).map(of_pin).collect()
+}
+
+fn version(out: &mut Vec<u8>) {
+    Message::Version { major: PROTOCOL.0, minor: PROTOCOL.1 }.write(out);
+}
+
+fn firmware(out: &mut Vec<u8>) {
+    let name = string(&format!("{SIMULATED} board"));
+    let data = [&[PROTOCOL.0, PROTOCOL.1], name.as_slice()].concat();
+    Message::Sysex { id: id::FIRMWARE, data: &data }.write(out);
+}
+
+/// A byte of the AS5600: its angle's high byte first (data sheet, Fig. 21).
+fn as5600(register: u8, counts: u16) -> u8 {
+    let [high, low] = (counts & 0x0FFF).to_be_bytes();
+    match register {
+        STATUS => MAGNET,
+        RAW_ANGLE => high,
+        _ if register == RAW_ANGLE + 1 => low,
+        _ => 0,
+    }
+}
+
+/// `mark CODE NUMBER`, as our host says it.
+fn marker(text: &str) -> Option<Act> {
+    let (code, number) = text.strip_prefix("mark ")?.split_once(' ')?;
+    Some(Act::Mark(code.parse().ok()?, number.parse().ok()?))
+}

@@ -1,0 +1,370 @@
+//! A board that sends readings unasked as a device, and a load cell that may have a port of its own.
+//!
+//! Readings are handed out in the order in which they came, one for each look, so that none is lost
+//! where the loop was late; the loop looks more often than they come ([`LOOKS_PER_READING`]), which
+//! works off what has piled up. Between two of them the last one stands, with its age: from when the
+//! host took it in, so up to one look too young.
+
+use crate::message::{Drive, mark};
+use crate::rate::LOOKS_PER_READING;
+use crate::shaft::Shaft;
+use crate::talk::{Facts, Heard, Plan, Talk};
+use crate::text::{Field, Lines, Template};
+use crate::{Hx711, Settings, Wire};
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
+use zwidth_study::{EnvironmentId, Extra, Source, Voltages};
+
+/// A board may take so long to begin after its port was opened, and so long to its first reading.
+const BEGIN: Duration = Duration::from_secs(4);
+/// So often it is asked who it is meanwhile.
+const HELLO_EVERY: Duration = Duration::from_millis(200);
+/// At homing the lever must rest for so long, s.
+const HOMING_S: f64 = 0.25;
+/// It is waited for so long, s.
+const HOMING_MOST_S: f64 = 2.0;
+/// Readings that may pile up: more than come within [`AWAY_S`]. Of a board that sends more often
+/// than it was said to, the oldest are dropped; before that safety finds them too old.
+const MOST_WAITING: usize = 512;
+/// What came while nobody looked for so long is dropped, s: buffers keep the oldest of it, and how
+/// old that is nobody knows.
+const AWAY_S: f64 = 0.25;
+/// Values that an HX711 gives at most, Hz (data sheet, "Output Data Rate").
+const HX711_HZ: f64 = 80.0;
+/// Bytes that are taken in at one look at most: no wire brings more in a tick.
+const MOST_BYTES: usize = 16_384;
+
+/// A board that sends readings unasked.
+pub(crate) struct Stream<W> {
+    wire: W,
+    talk: Box<dyn Talk>,
+    cell: Option<Cell<W>>,
+    settings: Settings,
+    plan: Plan,
+    capabilities: Capabilities,
+    environments: Vec<EnvironmentId>,
+    shaft: Shaft,
+    waiting: VecDeque<Known>,
+    last: Option<Known>,
+    /// The load cell's newest value at its own port, counts, and when it came, s.
+    force: Option<(i32, f64)>,
+    /// The board's clock: the last step, and all of them.
+    ticks: Option<(u32, u64)>,
+    /// When it was looked last, s.
+    looked_s: f64,
+    reset: bool,
+    out: Vec<u8>,
+}
+
+/// A reading that came.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    counts: u16,
+    ticks: Option<u64>,
+    /// The force that came with it.
+    force: Option<i32>,
+    came_s: f64,
+}
+
+/// A load cell at a wire of its own.
+pub(crate) struct Cell<W> {
+    wire: W,
+    lines: Lines,
+    template: Template,
+    port: String,
+    rate_hz: f64,
+    damaged: u64,
+}
+
+impl<W: Wire> Cell<W> {
+    /// # Errors
+    /// A template that is none.
+    pub(crate) fn new(wire: W, settings: &Hx711) -> Result<Self, DeviceError> {
+        let (template, rate_hz) = (settings.template()?, settings.rate_hz);
+        let port = settings.port.display().to_string();
+        Ok(Self { wire, lines: Lines::from_anywhere(), template, port, rate_hz, damaged: 0 })
+    }
+
+    /// The newest value that has come.
+    fn newest(&mut self) -> std::io::Result<Option<i32>> {
+        let (mut newest, mut bytes) = (None, [0; 256]);
+        for _ in 0..MOST_BYTES / bytes.len() {
+            let came = self.wire.receive(&mut bytes, Duration::ZERO)?;
+            for byte in &bytes[..came] {
+                let Some(line) = self.lines.push(*byte) else { continue };
+                let value = self.template.read(line).and_then(|values| values.get(Field::Hx711));
+                let value = value.and_then(|value| i32::try_from(value).ok());
+                self.damaged += u64::from(value.is_none());
+                newest = value.or(newest);
+            }
+            if came < bytes.len() {
+                break;
+            }
+        }
+        Ok(newest)
+    }
+}
+
+impl<W: Wire> Stream<W> {
+    /// Hears the board at the other end. `environments`: the study's, in its order.
+    ///
+    /// # Errors
+    /// No answer, no reading, no force; a board that cannot do what the settings say.
+    pub(crate) fn connect(
+        wire: W,
+        cell: Option<Cell<W>>,
+        talk: Box<dyn Talk>,
+        settings: Settings,
+        environments: Vec<EnvironmentId>,
+    ) -> Result<Self, DeviceError> {
+        let mut stream = Self {
+            plan: talk.plan(),
+            capabilities: settings.unknown(),
+            shaft: Shaft::new(1, settings.turning),
+            waiting: VecDeque::with_capacity(MOST_WAITING),
+            last: None,
+            force: None,
+            ticks: None,
+            looked_s: 0.0,
+            reset: false,
+            out: Vec::with_capacity(256),
+            wire,
+            talk,
+            cell,
+            environments,
+            settings,
+        };
+        let facts = stream.introduce()?;
+        stream.shaft.counts_per_turn = facts.counts_per_turn;
+        stream.capabilities = stream.capabilities(&facts);
+        stream.say(|talk, out| talk.begin(out))?;
+        stream.first()?;
+        Ok(stream)
+    }
+
+    /// Pieces on the wires that were no message.
+    pub(crate) fn damaged(&self) -> u64 {
+        let cell = self.cell.as_ref().map_or(0, |cell| cell.lines.damaged() + cell.damaged);
+        self.talk.damaged() + cell
+    }
+
+    fn capabilities(&self, facts: &Facts) -> Capabilities {
+        let in_lines_hz = self.plan.rate_hz.min(HX711_HZ);
+        let force_rate_hz = self.cell.as_ref().map_or(in_lines_hz, |cell| cell.rate_hz);
+        let known = self.settings.unknown();
+        Capabilities {
+            name: facts.name.clone(),
+            rate_hz: LOOKS_PER_READING * self.plan.rate_hz,
+            force_rate_hz,
+            counts_per_turn: Some(facts.counts_per_turn.into()),
+            motor_max_v: self.plan.full.motor_v,
+            brake_max_v: self.plan.full.brake_v,
+            source: if facts.simulated { Source::Twin } else { known.source },
+            ..known
+        }
+    }
+
+    /// Asks until the board has said enough.
+    fn introduce(&mut self) -> Result<Facts, DeviceError> {
+        let began = Instant::now();
+        while began.elapsed() < BEGIN {
+            self.say(|talk, out| talk.hello(out))?;
+            let until = Instant::now() + HELLO_EVERY;
+            while let Some(wait) = until.checked_duration_since(Instant::now()) {
+                self.take_in(0.0, wait)?;
+                if let Some(facts) = self.talk.facts() {
+                    return facts;
+                }
+            }
+        }
+        let (baud, damaged) = (self.settings.baud(), self.damaged());
+        let what =
+            format!("nothing understood came at {baud} baud, {damaged} pieces not understood");
+        Err(self.unable(what, "check port, link and baud in rig.toml, and what runs on the board"))
+    }
+
+    /// Waits for the first reading and the first force.
+    fn first(&mut self) -> Result<(), DeviceError> {
+        let began = Instant::now();
+        while began.elapsed() < BEGIN {
+            self.take_in(0.0, Duration::from_millis(10))?;
+            if self.waiting.back().is_some_and(|known| self.force_with(known).is_some()) {
+                self.reset = false;
+                return Ok(());
+            }
+        }
+        let Some(cell) = self.cell.as_ref().filter(|_| self.force.is_none()) else {
+            let remedy = "check the angle sensor and its place in rig.toml";
+            return Err(self.unable("it sends no readings".to_owned(), remedy));
+        };
+        let what = format!("no line of the load cell came at {}", cell.port);
+        Err(self.unable(what, "check the table [hx711] in rig.toml, and what runs there"))
+    }
+
+    fn say(&mut self, what: impl FnOnce(&mut dyn Talk, &mut Vec<u8>)) -> Result<(), DeviceError> {
+        self.out.clear();
+        what(&mut *self.talk, &mut self.out);
+        self.wire.send(&self.out).map_err(|e| self.lost(&e.to_string()))
+    }
+
+    /// Takes in what has come; waits for the first of it for so long.
+    fn take_in(&mut self, now_s: f64, wait: Duration) -> Result<(), DeviceError> {
+        let (mut bytes, mut wait) = ([0; 256], wait);
+        let before = self.waiting.len();
+        for _ in 0..MOST_BYTES / bytes.len() {
+            let came = self.wire.receive(&mut bytes, std::mem::take(&mut wait));
+            let came = came.map_err(|e| self.lost(&e.to_string()))?;
+            bytes[..came].iter().for_each(|byte| self.hear(*byte, now_s));
+            if came < bytes.len() {
+                break;
+            }
+        }
+        self.date(before, now_s);
+        let Some(cell) = &mut self.cell else { return Ok(()) };
+        let newest = cell.newest();
+        let newest = newest.map_err(|e| self.lost(&format!("the load cell's port: {e}")))?;
+        self.force = newest.map(|force| (force, now_s)).or(self.force);
+        Ok(())
+    }
+
+    fn hear(&mut self, byte: u8, now_s: f64) {
+        match self.talk.push(byte) {
+            Some(Heard::Reading { ticks, counts, force }) => {
+                let ticks = ticks.map(|ticks| self.passed(ticks));
+                if self.waiting.len() == MOST_WAITING {
+                    self.waiting.pop_front();
+                }
+                self.waiting.push_back(Known { counts, ticks, force, came_s: now_s });
+            }
+            Some(Heard::Reset) => self.reset = true,
+            None => {}
+        }
+    }
+
+    /// All steps of the board's clock; one that goes back has begun anew.
+    fn passed(&mut self, ticks: u32) -> u64 {
+        let (last, all) = self.ticks.unwrap_or((ticks, ticks.into()));
+        let passed = ticks.wrapping_sub(last);
+        self.reset |= passed > u32::MAX / 2;
+        let all = if passed > u32::MAX / 2 { ticks.into() } else { all + u64::from(passed) };
+        self.ticks = Some((ticks, all));
+        all
+    }
+
+    /// Readings that came together came one after another, but not before the last look.
+    fn date(&mut self, before: usize, now_s: f64) {
+        let (period_s, looked_s) = (1.0 / self.plan.rate_hz, self.looked_s.min(now_s));
+        for (behind, known) in (0_u32..).zip(self.waiting.iter_mut().skip(before).rev()) {
+            known.came_s = (now_s - f64::from(behind) * period_s).max(looked_s);
+        }
+        self.looked_s = now_s;
+    }
+
+    /// The force that belongs to a reading, counts, and when it came, s.
+    fn force_with(&self, known: &Known) -> Option<(i32, f64)> {
+        known.force.map(|force| (force, known.came_s)).or(self.force)
+    }
+
+    /// Drops what has come, and waits for what comes next.
+    fn catch_up(&mut self, now_s: f64) -> Result<(), DeviceError> {
+        self.take_in(now_s, Duration::ZERO)?;
+        self.waiting.clear();
+        self.take_in(now_s, HELLO_EVERY)
+    }
+
+    /// The next reading, or the last one again.
+    fn reading(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        if self.reset {
+            return Err(self.lost("the board has begun anew"));
+        }
+        self.last = self.waiting.pop_front().or(self.last);
+        let known = self.last.ok_or_else(|| self.lost("it sends no readings"))?;
+        let force = self.force_with(&known);
+        let (force, force_s) = force.ok_or_else(|| self.lost("no force has come"))?;
+        Ok(Reading {
+            t_device_s: known.ticks.map(|ticks| ticks as f64 * self.plan.tick_s),
+            angle: Angle::Counts(self.shaft.upwards(known.counts)),
+            angle_age_s: (now_s - known.came_s).max(0.0),
+            force_n: (f64::from(force) - self.settings.zero_counts)
+                * self.settings.newtons_per_count,
+            force_age_s: Some((now_s - force_s).max(0.0)),
+            extra: Extra::default(),
+        })
+    }
+
+    fn lost(&self, what: &str) -> DeviceError {
+        DeviceError::Lost { device: self.capabilities.name.clone(), what: what.to_owned() }
+    }
+
+    fn unable(&self, what: String, remedy: &str) -> DeviceError {
+        let device = self.capabilities.name.clone();
+        DeviceError::Unable { device, what, remedy: remedy.to_owned() }
+    }
+}
+
+impl<W: Wire> Device for Stream<W> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        self.take_in(now_s, Duration::ZERO)?;
+        self.waiting.clear();
+        (self.last, self.ticks, self.reset) = (None, None, false);
+        self.say(|talk, out| {
+            talk.begin(out);
+            talk.mark(mark::HOMING, 0, out);
+        })?;
+        let (began, mut rest, mut moved) = (Instant::now(), None, String::new());
+        loop {
+            let passed_s = began.elapsed().as_secs_f64();
+            self.take_in(now_s + passed_s, HELLO_EVERY)?;
+            while let Some(known) = self.waiting.pop_front() {
+                self.last = Some(known);
+                let (since_s, counts) = *rest.get_or_insert((passed_s, known.counts));
+                if let Err(what) = self.shaft.rested(counts, known.counts) {
+                    (rest, moved) = (None, what);
+                } else if passed_s - since_s >= HOMING_S {
+                    if !self.shaft.is_stop(counts) {
+                        let what = "the lever is not where its stop was before".to_owned();
+                        let remedy = "hold it against its lower stop, then home again";
+                        return Err(self.unable(what, remedy));
+                    }
+                    return self.reading(now_s + passed_s);
+                }
+            }
+            if passed_s > HOMING_MOST_S {
+                let remedy = "hold it still against its lower stop, then home again";
+                return match self.last {
+                    Some(_) => Err(self.unable(moved, remedy)),
+                    None => Err(self.lost("it sends no readings")),
+                };
+            }
+        }
+    }
+
+    fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        if now_s - self.looked_s > AWAY_S {
+            self.catch_up(now_s)?;
+        }
+        self.take_in(now_s, Duration::ZERO)?;
+        self.reading(now_s)
+    }
+
+    fn write(&mut self, _now_s: f64, voltages: Voltages) -> Result<(), DeviceError> {
+        let drive = Drive::of(voltages, self.plan.full);
+        self.say(|talk, out| talk.write(drive, out))
+    }
+
+    fn begin(&mut self, _now_s: f64, cue: &Cue<'_>) {
+        let place = self.environments.iter().position(|id| *id == cue.environment.id);
+        let environment = place.and_then(|place| u16::try_from(place).ok()).unwrap_or(u16::MAX);
+        let number = u16::try_from(cue.trial).unwrap_or(u16::MAX);
+        // A marker that does not arrive harms nothing; the next reading tells of a lost wire.
+        let _ = self.say(|talk, out| {
+            talk.mark(mark::ENVIRONMENT, environment, out);
+            talk.mark(mark::TRIAL, number, out);
+        });
+    }
+}

@@ -1,0 +1,336 @@
+//! What stands in a line: words, and fields with numbers.
+
+use super::MOST_LINE;
+
+/// What a field of a line is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Field {
+    /// `{t_ms}`: the board's clock, ms, as `millis()` has it: round after 2³² of them.
+    Millis,
+    /// `{t_us}`: the board's clock, µs, as `micros()` has it: round after 2³² of them.
+    Micros,
+    /// `{counts}`: the angle sensor's count.
+    Counts,
+    /// `{hx711}`: the load cell's count, 24 bits (HX711 data sheet: 800000h … 7FFFFFh).
+    Hx711,
+    /// `{any}`: something else, of up to [`MOST_ANY`] bytes.
+    Any,
+    /// `{motor_pwm}`: of a command, the motor's voltage as a share of the full scale, with its sign.
+    MotorPwm,
+    /// `{brake_pwm}`: the same of the brake.
+    BrakePwm,
+    /// `{code}`: of a marker, what happened.
+    Code,
+    /// `{number}`: of a marker, which.
+    Number,
+}
+
+/// Longest text that `{any}` stands for, bytes: what keeps a line's length, and so its rate, known.
+pub const MOST_ANY: usize = 16;
+
+/// Every field: its word, its lowest and highest number.
+const FIELDS: [(&str, Field, i64, i64); 9] = [
+    ("t_ms", Field::Millis, 0, u32::MAX as i64),
+    ("t_us", Field::Micros, 0, u32::MAX as i64),
+    ("counts", Field::Counts, 0, u16::MAX as i64),
+    ("hx711", Field::Hx711, -0x80_0000, 0x7F_FFFF),
+    ("any", Field::Any, 0, 0),
+    ("motor_pwm", Field::MotorPwm, i16::MIN as i64, i16::MAX as i64),
+    ("brake_pwm", Field::BrakePwm, 0, i16::MAX as i64),
+    ("code", Field::Code, 0, u8::MAX as i64),
+    ("number", Field::Number, 0, u16::MAX as i64),
+];
+
+impl Field {
+    fn facts(self) -> &'static (&'static str, Self, i64, i64) {
+        &FIELDS[self as usize]
+    }
+
+    fn word(self) -> &'static str {
+        self.facts().0
+    }
+
+    /// Longest text of it, bytes.
+    fn longest(self) -> usize {
+        let (_, _, lowest, highest) = *self.facts();
+        let digits = |number: i64| number.to_string().len();
+        if self == Self::Any { MOST_ANY } else { digits(lowest).max(digits(highest)) }
+    }
+
+    /// A number of it; none that is no decimal number, or beyond its ends. Blanks around it are
+    /// those of a number that was printed to a width.
+    fn read(self, text: &[u8]) -> Option<i64> {
+        let (_, _, lowest, highest) = *self.facts();
+        let text = std::str::from_utf8(text.trim_ascii()).ok()?;
+        let digits = text.strip_prefix('-').unwrap_or(text);
+        let decimal = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
+        let number: i64 = text.parse().ok().filter(|_| decimal)?;
+        (lowest..=highest).contains(&number).then_some(number)
+    }
+}
+
+/// What stood in a line's fields, or is to stand there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Values([Option<i64>; FIELDS.len()]);
+
+impl Values {
+    /// With one more.
+    #[must_use]
+    pub fn with(mut self, field: Field, number: impl Into<i64>) -> Self {
+        self.0[field as usize] = Some(number.into());
+        self
+    }
+
+    /// What stood in a field.
+    pub fn get(&self, field: Field) -> Option<i64> {
+        self.0[field as usize]
+    }
+}
+
+/// Why a text is no template.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TemplateError {
+    /// A `{` without its `}`.
+    #[error("a {{ has no }}")]
+    Open,
+    /// A field that is not known here.
+    #[error("{{{word}}} is no field of it; there are {known}")]
+    Unknown {
+        /// What stood there.
+        word: String,
+        /// What may stand there.
+        known: String,
+    },
+    /// A field that stands there twice.
+    #[error("{{{word}}} stands there twice")]
+    Twice {
+        /// Which.
+        word: &'static str,
+    },
+    /// Two fields with nothing between them that could be told from a number.
+    #[error("nothing that is no digit parts {{{word}}} from the field before it")]
+    Adjacent {
+        /// The second.
+        word: &'static str,
+    },
+    /// A field that must be there.
+    #[error("{{{word}}} is missing")]
+    Missing {
+        /// Which.
+        word: &'static str,
+    },
+    /// A line's end within it, or a line that is too long.
+    #[error("it must be one line of at most {MOST_LINE} bytes with its numbers")]
+    Long,
+}
+
+/// What stands in a line: some text, then fields with text behind each.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Template {
+    before: Vec<u8>,
+    fields: Vec<(Field, Vec<u8>)>,
+}
+
+impl Template {
+    /// From a text as `"{t_ms},{counts},{hx711}"`; a line's end behind it is no part of it.
+    /// `may`: the fields that make sense, `must`: those among them that are needed.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &str, may: &[Field], must: &[Field]) -> Result<Self, TemplateError> {
+        let text = text.strip_suffix('\n').unwrap_or(text);
+        let text = text.strip_suffix('\r').unwrap_or(text);
+        let mut parts = text.split('{');
+        let before = parts.next().unwrap_or_default().as_bytes().to_vec();
+        let mut fields: Vec<(Field, Vec<u8>)> = Vec::new();
+        for part in parts {
+            let (word, behind) = part.split_once('}').ok_or(TemplateError::Open)?;
+            let field = named(word, may)?;
+            let word = field.word();
+            if field != Field::Any && fields.iter().any(|(known, _)| *known == field) {
+                return Err(TemplateError::Twice { word });
+            }
+            if fields.last().is_some_and(|(_, between)| !can_part(between)) {
+                return Err(TemplateError::Adjacent { word });
+            }
+            fields.push((field, behind.as_bytes().to_vec()));
+        }
+        let template = Self { before, fields };
+        if let Some(field) = must.iter().find(|field| !template.has(**field)) {
+            return Err(TemplateError::Missing { word: field.word() });
+        }
+        if text.contains(['\n', '\r']) || template.longest() > MOST_LINE + 2 {
+            return Err(TemplateError::Long);
+        }
+        Ok(template)
+    }
+
+    /// Whether a field stands in it.
+    pub fn has(&self, field: Field) -> bool {
+        self.fields.iter().any(|(known, _)| *known == field)
+    }
+
+    /// Bytes of its longest line on the wire, with `\r\n` as `Serial.println` ends it.
+    pub fn longest(&self) -> usize {
+        let fields = self.fields.iter().map(|(field, behind)| field.longest() + behind.len());
+        self.before.len() + fields.sum::<usize>() + 2
+    }
+
+    /// The numbers of a line; none of a line of another form.
+    pub fn read(&self, line: &[u8]) -> Option<Values> {
+        let mut rest = line.strip_prefix(self.before.as_slice())?;
+        let mut values = Values::default();
+        for (i, (field, behind)) in self.fields.iter().enumerate() {
+            let last = i + 1 == self.fields.len();
+            let end =
+                if last { rest.len().checked_sub(behind.len())? } else { find(rest, behind)? };
+            let text = &rest[..end];
+            rest = rest[end..].strip_prefix(behind.as_slice())?;
+            if *field == Field::Any {
+                (text.len() <= MOST_ANY).then_some(())?;
+            } else {
+                values = values.with(*field, field.read(text)?);
+            }
+        }
+        rest.is_empty().then_some(values)
+    }
+
+    /// Writes a line with these numbers; a field without one is a 0.
+    pub fn write(&self, values: &Values, out: &mut Vec<u8>) {
+        out.extend(&self.before);
+        for (field, behind) in &self.fields {
+            let (_, _, lowest, highest) = *field.facts();
+            let number = values.get(*field).unwrap_or(0).clamp(lowest, highest);
+            out.extend(number.to_string().bytes());
+            out.extend(behind);
+        }
+        out.push(b'\n');
+    }
+}
+
+fn named(word: &str, may: &[Field]) -> Result<Field, TemplateError> {
+    may.iter().copied().find(|field| field.word() == word).ok_or_else(|| {
+        let known = may.iter().map(|field| format!("{{{}}}", field.word()));
+        TemplateError::Unknown {
+            word: word.to_owned(),
+            known: known.collect::<Vec<_>>().join(", "),
+        }
+    })
+}
+
+/// Whether a text can part two numbers.
+fn can_part(between: &[u8]) -> bool {
+    between.first().is_some_and(|first| !first.is_ascii_digit() && *first != b'-')
+}
+
+/// Where a text begins in a longer one. What parts two fields is not empty.
+fn find(text: &[u8], part: &[u8]) -> Option<usize> {
+    text.windows(part.len().max(1)).position(|window| window == part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SEEN: [Field; 5] =
+        [Field::Millis, Field::Micros, Field::Counts, Field::Hx711, Field::Any];
+
+    fn template(text: &str) -> Result<Template, TemplateError> {
+        Template::parse(text, &SEEN, &[Field::Counts])
+    }
+
+    #[test]
+    fn every_field_is_found_by_its_place_in_the_list() {
+        assert!(FIELDS.iter().enumerate().all(|(i, (_, field, _, _))| *field as usize == i));
+    }
+
+    #[test]
+    fn numbers_are_read_where_the_template_says() {
+        let line = template("t={t_ms}, {counts}/{any}; {hx711} N\r\n").unwrap();
+        let expect = Values::default()
+            .with(Field::Millis, 4_294_967_295_i64)
+            .with(Field::Counts, 4095)
+            .with(Field::Hx711, -8_388_608);
+        assert_eq!(line.read(b"t=4294967295, 4095/x; -8388608 N"), Some(expect));
+        assert_eq!(line.read(b"t=  12, 7/; 3 N").and_then(|v| v.get(Field::Counts)), Some(7));
+    }
+
+    #[test]
+    fn a_line_of_another_form_is_none() {
+        let line = template("{counts},{hx711}").unwrap();
+        for bad in [
+            &b""[..],
+            b"12",
+            b"12,",
+            b",3",
+            b"12,3,4",
+            b"-1,3",
+            b"65536,3",
+            b"1,8388608",
+            b"1.5,3",
+            b"+1,3",
+            b"0x1,3",
+            b"1 2,3",
+            b"\xff,3",
+            b"99999999999999999999,3",
+        ] {
+            assert_eq!(line.read(bad), None, "{}", String::from_utf8_lossy(bad));
+        }
+        assert_eq!(
+            template("{any},{counts}").unwrap().read(&[&[b'x'; 17][..], b",1"].concat()),
+            None
+        );
+    }
+
+    #[test]
+    fn a_text_that_is_no_template_is_refused_with_its_reason() {
+        for (text, says) in [
+            ("{counts", "no }"),
+            ("{count}", "{t_ms}, {t_us}, {counts}, {hx711}, {any}"),
+            ("{motor_pwm} {counts}", "{motor_pwm} is no field"),
+            ("{counts},{counts}", "twice"),
+            ("{t_ms}{counts}", "no digit parts {counts}"),
+            ("{t_ms}0,{counts}", "no digit parts {counts}"),
+            ("{t_ms}-{counts}", "no digit parts {counts}"),
+            ("{t_ms}", "{counts} is missing"),
+            ("{counts}\n{hx711}", "one line"),
+            (&format!("{}{{counts}}", "x".repeat(124)), "at most 128"),
+        ] {
+            let error = template(text).unwrap_err().to_string();
+            assert!(error.contains(says), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn the_longest_line_is_known() {
+        let line = template("{t_ms},{counts},{hx711}").unwrap();
+        assert_eq!(line.longest(), "4294967295,65535,-8388608\r\n".len());
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_is_read(
+            t in 0..=u32::MAX, counts in any::<u16>(), force in -0x80_0000..=0x7F_FFFF_i32,
+        ) {
+            let line = template("{t_us} c{counts} {hx711}!").unwrap();
+            let values =
+                Values::default().with(Field::Micros, t).with(Field::Counts, counts).with(Field::Hx711, force);
+            let mut out = Vec::new();
+            line.write(&values, &mut out);
+            prop_assert_eq!(out.pop(), Some(b'\n'));
+            prop_assert!(out.len() + 2 <= line.longest());
+            prop_assert_eq!(line.read(&out), Some(values));
+        }
+
+        #[test]
+        fn any_bytes_are_read_or_refused(
+            text in "(\\{(t_ms|counts|hx711|any|x)\\}|[a-z,; {}]){0,6}",
+            line in prop::collection::vec(any::<u8>(), 0..40),
+        ) {
+            if let Ok(template) = Template::parse(&text, &SEEN, &[]) {
+                let _ = template.read(&line);
+            }
+        }
+    }
+}
