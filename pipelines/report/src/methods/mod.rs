@@ -43,6 +43,14 @@ pub struct Recorded {
     pub identified: bool,
 }
 
+impl Recorded {
+    /// Whether others took all that there is: how, is not known.
+    fn is_foreign(&self) -> bool {
+        let ours = |source: &Source| matches!(source, Source::Recorded | Source::Twin);
+        !self.sources.is_empty() && !self.sources.keys().any(ours)
+    }
+}
+
 /// A heading and what stands below it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MethodsPart {
@@ -54,9 +62,9 @@ pub struct MethodsPart {
 pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<MethodsPart> {
     let mut cited = Cited::default();
     let parts = [
-        ("Apparatus", apparatus(study)),
+        ("Apparatus", apparatus(study, recorded)),
         ("Conditions", conditions(study)),
-        ("Procedure", procedure(study)),
+        ("Procedure", procedure(study, recorded)),
         ("Data", data(recorded)),
         ("Measures", measures(study, recorded, &mut cited)),
         ("Model", model(study, recorded, &mut cited)),
@@ -75,7 +83,7 @@ pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<Methods
     parts
 }
 
-fn apparatus(study: &Study) -> Vec<String> {
+fn apparatus(study: &Study, recorded: &Recorded) -> Vec<String> {
     let (device, control, axis) = (&study.device, &study.control, study.coordinate);
     if study.environments.iter().all(|e| e.scene == Scene::None) {
         return Vec::new();
@@ -93,6 +101,9 @@ fn apparatus(study: &Study) -> Vec<String> {
             given(low, "rad", axis),
             given(high, "rad", axis)
         ));
+    }
+    if recorded.is_foreign() {
+        return vec![said.join(" ")];
     }
     said.push(format!("The control loop ran at {} Hz.", plain(control.rate_hz)));
     if let Some(rate) = device.force_rate_hz {
@@ -173,8 +184,11 @@ fn mode(mode: &Mode) -> Option<String> {
     Some(format!("In mode '{}' {law}.", mode.label))
 }
 
-fn procedure(study: &Study) -> Vec<String> {
+fn procedure(study: &Study, recorded: &Recorded) -> Vec<String> {
     let design = &study.design;
+    if recorded.is_foreign() {
+        return asked(study).into_iter().collect();
+    }
     let mut said = vec![format!(
         "Each condition (environment and mode) was to be presented {} per session.",
         match design.repeats {
@@ -212,16 +226,16 @@ fn procedure(study: &Study) -> Vec<String> {
     if design.blinded {
         said.push("Modes were sealed until the session was over.".to_owned());
     }
-    if !study.questions.is_empty() {
-        let asked = study.questions.iter().map(|question| {
-            format!("“{}” ({})", question.text.trim_end_matches('.'), question.scale.name())
-        });
-        said.push(format!(
-            "Participants were asked how far they agreed with: {}.",
-            asked.collect::<Vec<_>>().join("; ")
-        ));
-    }
+    said.extend(asked(study));
     vec![said.join(" ")]
+}
+
+fn asked(study: &Study) -> Option<String> {
+    let asked = study.questions.iter().map(|question| {
+        format!("“{}” ({})", question.text.trim_end_matches('.'), question.scale.name())
+    });
+    let asked: Vec<String> = asked.collect();
+    (!asked.is_empty()).then(|| format!("Participants answered: {}.", asked.join("; ")))
 }
 
 fn data(recorded: &Recorded) -> Vec<String> {
@@ -247,7 +261,9 @@ fn data(recorded: &Recorded) -> Vec<String> {
     let origin = origins(&recorded.sources)
         .map(|told| format!("{} {}", told.mark.unwrap_or_default(), told.text).trim().to_owned());
     let sentence = format!("The data are {}.", counted.join(", "));
-    vec![[origin, Some(sentence)].into_iter().flatten().collect::<Vec<_>>().join(" ")]
+    let foreign = "How they were taken is described by those who took them.".to_owned();
+    let foreign = recorded.is_foreign().then_some(foreign);
+    vec![[origin, Some(sentence), foreign].into_iter().flatten().collect::<Vec<_>>().join(" ")]
 }
 
 fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {

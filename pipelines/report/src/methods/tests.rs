@@ -75,3 +75,15 @@ fn texts_of_a_study_are_escaped_in_every_form() {
     assert!(typst.contains(r#"#eval(\"y\")"#), "{typst}");
     assert!(typst.lines().all(|l| l.is_empty() || l.starts_with("== ") || l.starts_with("#(\"")));
 }
+
+#[test]
+fn of_recordings_of_others_no_loop_and_no_order_is_told() {
+    let study = zwidth_testing::study();
+    let own = text(&study, &recorded(1));
+    let foreign = Recorded { sources: BTreeMap::from([(Source::Imported, 36)]), ..recorded(1) };
+    let foreign = text(&study, &foreign);
+    for words in ["control loop ran", "Williams", "A trial took at most"] {
+        assert!(own.contains(words) && !foreign.contains(words), "{words}");
+    }
+    assert!(foreign.contains("described by those who took them"), "{foreign}");
+}
