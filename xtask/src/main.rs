@@ -4,6 +4,7 @@
 mod bits;
 mod board;
 mod encodings;
+mod firmware;
 mod fuzz;
 mod pictures;
 mod sheet;
@@ -20,6 +21,7 @@ const CHORES: &str =
     "cargo xtask thesis-twin                write raw/thesis-twin anew (the same bytes every time)
 cargo xtask board STUDY.TOML [LINK [SEED]] a board with the simulated device at the end of a serial line, to record from; it speaks
     framed, firmata, firmata-uno, firmata-i2c or text [framed, seed 1]
+cargo xtask firmware COMMAND…          our host at our firmware, which COMMAND runs in an emulator: readings, voltages, noise, the watchdog
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
 cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
@@ -51,6 +53,7 @@ fn main() -> anyhow::Result<()> {
             let link = rest.first().copied().unwrap_or("framed");
             board::run(Path::new(study), link, number(rest.get(1), 1)?)
         }
+        ["firmware", command @ ..] => firmware::run(command),
         ["soak", "kill", rest @ ..] => {
             let kills = number(rest.first(), 1000)?;
             soak::kill::kill(&soak::program()?, &scratch("kill"), kills, number(rest.get(1), 1)?)

@@ -227,6 +227,9 @@ impl<W: Wire> Rig<W> {
     }
 }
 
+/// Messages from before homing that are dropped there at most.
+const MOST_OLD: usize = 64;
+
 /// A reading is not looked for in more bytes than this: no wire brings them in a tick.
 const MOST_BYTES: usize = 64 * MOST_WIRE;
 
@@ -236,6 +239,12 @@ impl<W: Wire> Device for Rig<W> {
     }
 
     fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        // What a board said when its port was opened, and to each question who it is, is known by now.
+        for _ in 0..MOST_OLD {
+            if self.receive(Duration::ZERO)?.is_none() {
+                break;
+            }
+        }
         (self.last, self.reset) = (None, false);
         self.send(&ToBoard::Mark { code: mark::HOMING, number: 0 })?;
         let (began, mut first) = (Instant::now(), None);

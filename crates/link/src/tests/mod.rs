@@ -249,6 +249,15 @@ fn a_board_that_begins_anew_is_lost_until_it_is_homed() {
 }
 
 #[test]
+fn a_board_that_begins_when_its_port_is_opened_says_twice_who_it_is_and_can_be_homed() {
+    let wire = Near::new();
+    wire.board(|board, now_s| board.reset(now_s)).unwrap();
+    let mut rig = connect(&wire);
+    rig.home(0.0).unwrap();
+    rig.read(0.5).unwrap();
+}
+
+#[test]
 fn homing_again_where_the_stop_is_not_is_refused() {
     let (wire, mut rig) = running();
     // The twin's board brings its lever to the stop; a rig whose memory has another stop refuses it.
