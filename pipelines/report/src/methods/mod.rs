@@ -4,52 +4,23 @@
 //! Only what the study has is said: a study without a wall has no sentence about one. Nothing is said of why.
 
 mod form;
+mod recorded;
 mod sources;
 mod statistics;
 #[cfg(test)]
 mod tests;
 
 pub use form::MethodsForm;
+pub use recorded::Recorded;
 
 use crate::people::{count, sources as origins};
+use recorded::plain;
 use sources::Cited;
-use std::collections::BTreeMap;
 use zwidth_study::{
-    ActuatorKind, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Source, Study,
+    ActuatorKind, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Study,
     VelocityFilter,
 };
 use zwidth_tables::given;
-
-/// What was recorded for a study and made of it, as far as its methods speak of it.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Recorded {
-    /// Participants with at least one trial that counts.
-    pub participants: usize,
-    /// Sessions of all participants together.
-    pub sessions: usize,
-    /// Trials that count.
-    pub trials: usize,
-    /// Sweeps of actuators and sensors.
-    pub sweeps: usize,
-    /// How many of these trials and sweeps come from where.
-    pub sources: BTreeMap<Source, usize>,
-    /// Metrics that modes are compared by, in order.
-    pub compared: Vec<String>,
-    /// Whether answers were given.
-    pub answers: bool,
-    /// Whether trials are replayed through the model.
-    pub replayed: bool,
-    /// Whether the plant is identified from trials.
-    pub identified: bool,
-}
-
-impl Recorded {
-    /// Whether others took all that there is: how, is not known.
-    fn is_foreign(&self) -> bool {
-        let ours = |source: &Source| matches!(source, Source::Recorded | Source::Twin);
-        !self.sources.is_empty() && !self.sources.keys().any(ours)
-    }
-}
 
 /// A heading and what stands below it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -338,9 +309,4 @@ fn software(study: &Study, version: &str) -> String {
         study.id,
         plain(100.0 * study.analysis.confidence)
     )
-}
-
-/// A number of study.toml with the digits that it has.
-fn plain(value: f64) -> String {
-    zwidth_tables::number(value, None)
 }

@@ -1,7 +1,7 @@
 //! How modes, sessions and answers are compared, in words.
 
+use super::recorded::{Recorded, plain};
 use super::sources::Cited;
-use super::{Recorded, plain};
 use zwidth_study::{Bound, Families, Study};
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {

@@ -1,4 +1,6 @@
 use super::*;
+use std::collections::BTreeMap;
+use zwidth_study::Source;
 
 fn recorded(participants: usize) -> Recorded {
     Recorded {

@@ -1,0 +1,40 @@
+//! What the methods speak of.
+
+use std::collections::BTreeMap;
+use zwidth_study::Source;
+
+/// What was recorded for a study and made of it, as far as its methods speak of it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Recorded {
+    /// Participants with at least one trial that counts.
+    pub participants: usize,
+    /// Sessions of all participants together.
+    pub sessions: usize,
+    /// Trials that count.
+    pub trials: usize,
+    /// Sweeps of actuators and sensors.
+    pub sweeps: usize,
+    /// How many of these trials and sweeps come from where.
+    pub sources: BTreeMap<Source, usize>,
+    /// Metrics that modes are compared by, in order.
+    pub compared: Vec<String>,
+    /// Whether answers were given.
+    pub answers: bool,
+    /// Whether trials are replayed through the model.
+    pub replayed: bool,
+    /// Whether the plant is identified from trials.
+    pub identified: bool,
+}
+
+impl Recorded {
+    /// Whether others took all that there is: how, is not known.
+    pub(super) fn is_foreign(&self) -> bool {
+        let ours = |source: &Source| matches!(source, Source::Recorded | Source::Twin);
+        !self.sources.is_empty() && !self.sources.keys().any(ours)
+    }
+}
+
+/// A number of study.toml with the digits that it has.
+pub(super) fn plain(value: f64) -> String {
+    zwidth_tables::number(value, None)
+}
