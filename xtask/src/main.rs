@@ -1,6 +1,7 @@
 //! Chores of the workspace: `cargo xtask NAME`.
 #![allow(clippy::print_stdout)] // a chore tells what it did
 
+mod bench;
 mod bits;
 mod board;
 mod encodings;
@@ -25,6 +26,7 @@ cargo xtask firmware COMMAND…          our host at our firmware, which COMMAND
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
 cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
+cargo xtask bench [read] [NAME…]       every bench beside its peers, or those named; writes benches/RESULTS.md, and fails where a committed ratio is 10 % worse (read: as measured last, nothing is run)
 cargo xtask bits                       the main job's bytes: one thread, many, other processors (qemu-user), as written down
 cargo xtask bits --without-origin      only their content, without what files say of their making, against what is written down
 cargo xtask bits renew                 writes that content down
@@ -67,6 +69,7 @@ fn main() -> anyhow::Result<()> {
         }
         // What `soak watchdog` runs and cuts off.
         ["soak", "host", socket] => soak::watchdog::host(Path::new(socket)),
+        ["bench", rest @ ..] => bench::bench(rest),
         ["bits", how @ ..] => {
             let how = match how {
                 [] => bits::How::AllWays,

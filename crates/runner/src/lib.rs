@@ -43,6 +43,7 @@ mod trace;
 
 pub use change::{Change, Field, FileChange, How};
 pub use job::{Inputs, Job, JobError, Made, Making, Stage, strip_root};
+pub use manifest::waiting;
 pub use merge::{Merged, merge};
 pub use provenance::{ORIGIN, Provenance, origins};
 pub use record::{Record, Records};

@@ -79,6 +79,15 @@ impl Manifest {
     }
 }
 
+/// How many shards of a study have left a manifest in its own folder, which no merge has taken in.
+///
+/// # Errors
+/// A link on the way to them; a folder that cannot be listed.
+pub fn waiting(results: &Results) -> Result<usize, StoreError> {
+    let names = results.list(&folder(results.layout()))?;
+    Ok(names.iter().filter(|path| named(path).is_some()).count())
+}
+
 /// Where manifests lie.
 pub(crate) fn folder(layout: &Layout) -> PathBuf {
     layout.derived().join("shards")
@@ -171,6 +180,29 @@ mod tests {
         assert!(found.iter().all(|f| f.manifest.as_ref().is_ok_and(|m| m.shard == f.shard)));
         let none = Manifest::read(&results, Shard::new(2, 2).unwrap()).unwrap();
         assert!(none.is_none());
+    }
+
+    #[test]
+    fn whichever_bit_of_a_manifest_is_wrong_it_is_read_or_refused_by_its_shard() {
+        let record = r#"{"stage":"a","version":1,"parameters":"{}","inputs":{"raw/s/a":"00"},
+            "outputs":{"derived/s/a":"00"},"problems":[],"origin":""}"#;
+        let whole = text("3/7", "s", PROGRAM).replace("{}}", &format!("{{\"a\":{record}}}}}"));
+        let (folder_, shard) = (tempfile::tempdir().unwrap(), Shard::new(3, 7).unwrap());
+        let layout = Layout::new(folder_.path(), "s".parse().unwrap());
+        let path = file(&layout, shard);
+        let read = |bytes: &[u8]| parsed(&layout, shard, &path, bytes);
+        assert_eq!(read(whole.as_bytes()).unwrap().records.iter().count(), 1);
+        let cut = (0..whole.len()).map(|length| whole.as_bytes()[..length].to_vec());
+        let flipped = (0..8 * whole.len()).map(|bit| {
+            let mut bytes = whole.clone().into_bytes();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            bytes
+        });
+        for bytes in cut.chain(flipped) {
+            if let Err(error) = read(&bytes) {
+                assert!(error.what.starts_with("shard 3/7 is refused: "), "{error}");
+            }
+        }
     }
 
     #[test]

@@ -79,6 +79,8 @@ fn shared_out_merged_and_run_is_the_same_bytes_as_one_run() {
         assert_eq!(manifests.len(), of, "a manifest each, and no records");
         let missing = zwidth(root.path(), &["shards", STUDY, "--missing"]).exits(0);
         assert_eq!(missing.out, "", "of {of}");
+        let early = zwidth(root.path(), &["run", STUDY, "--dry-run", "--only", "average"]).exits(0);
+        early.says(&[&format!("manifests of {of} shards are not merged"), "zwidth merge"]);
         let merged = zwidth(root.path(), &["merge", STUDY, "--json"]).exits(0).json();
         assert_eq!((&merged["copied"], &merged["jobs"]), (&0.into(), &18.into()), "{merged}");
         // What needs the plant, which all trials give, is not of the first round.

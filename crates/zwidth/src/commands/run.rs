@@ -11,7 +11,9 @@ use std::path::Path;
 use std::time::Instant;
 use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
-use zwidth_runner::{Done, Job, JobEnd, Options, Report, Results, run as run_jobs, wanted};
+use zwidth_runner::{
+    Done, Job, JobEnd, Options, Report, Results, run as run_jobs, waiting, wanted,
+};
 use zwidth_store::{Layout, RealFiles, StoreError, StudyData, findings};
 
 /// What `--json` prints of a study.
@@ -86,6 +88,7 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     // Not waited for: what a power cut spoils no longer has the hash in its record, and is made
     // again.
     let results = Results::new(layout, &Unsynced);
+    tell_waiting(&results, layout, command, screen)?;
     let bars = screen.bars(lengths(&jobs, &wanted(&jobs, &results, &options)?));
     let done = |report: &Report| bars.done(report.stage, &report.name);
     let done = run_jobs(&jobs, &results, &options, &done);
@@ -104,6 +107,24 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
         tell(&data, &reports, &outcome, command, screen);
     }
     Ok(outcome)
+}
+
+/// A run does not see what shards have made until it is merged.
+fn tell_waiting(
+    results: &Results,
+    layout: &Layout,
+    command: &Run,
+    screen: &Screen,
+) -> anyhow::Result<()> {
+    let waiting = if command.shard.is_some() { 0 } else { waiting(results)? };
+    if waiting > 0 {
+        let study = layout.study();
+        screen.warn(format!(
+            "{study}: manifests of {waiting} shards are not merged, and what they made is made again; \
+             `zwidth merge {study}` first"
+        ));
+    }
+    Ok(())
 }
 
 /// How many jobs of each stage a run looks at.
