@@ -232,7 +232,7 @@ def words(what, text, files):
 
 
 def squeezed(text):
-    return re.sub(r"[\s\u00ad\u2010\ufffe-]", "", text)
+    return re.sub(r"[\s\x02\u00ad\u2010\ufffe-]", "", text)
 
 
 def same_by_command(zwidth, root, files):

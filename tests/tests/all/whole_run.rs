@@ -345,12 +345,11 @@ fn every_listing_is_json_where_it_is_asked_for() {
 #[test]
 fn methods_in_words_count_what_was_recorded() {
     let root = shipped::finished();
-    zwidth(root.path(), &["methods", "thesis-twin"])
-        .exits(0)
-        .says(&["1 participant, 1 session, 36 trials that count", "All data are simulated"]);
-    zwidth(root.path(), &["methods", "thesis-twin", "--format", "tex"])
-        .exits(0)
-        .says(&["\\subsection{Statistics}"]);
+    let told = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0).out;
+    assert!(told.contains("1 participant, 1 session, 36 trials that count"), "{told}");
+    assert!(told.contains("All data are simulated"), "{told}");
+    let latex = zwidth(root.path(), &["methods", "thesis-twin", "--format", "tex"]).exits(0).out;
+    assert!(latex.contains("\\subsection{Statistics}"), "{latex}");
     zwidth(root.path(), &["methods", "nowhere"]).exits(1).one_error();
 }
 
