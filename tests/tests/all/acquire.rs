@@ -5,7 +5,7 @@ use crate::binary::{Ran, binary, ran, zwidth};
 use crate::folders::{files, listing};
 use serde_json::Value;
 use std::fs;
-use std::io::{BufRead as _, BufReader, Write as _};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use tempfile::TempDir;
@@ -149,8 +149,11 @@ impl Live {
         let mut all = String::new();
         loop {
             let mut line = String::new();
-            let read = self.says.read_line(&mut line).unwrap();
-            assert!(read > 0, "none of {starts:?} came: {all}");
+            if self.says.read_line(&mut line).unwrap() == 0 {
+                let mut told = String::new();
+                self.child.stderr.as_mut().unwrap().read_to_string(&mut told).unwrap();
+                panic!("none of {starts:?} came: {all}{told}");
+            }
             if starts.iter().any(|start| line.starts_with(start)) {
                 return line;
             }

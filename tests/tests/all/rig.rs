@@ -247,8 +247,10 @@ fn session_over(link: Link, angle: AngleAt) -> (Vec<Vec<u16>>, Vec<u16>) {
     // A machine that stands still for so long that safety stops a trial goes on as often as it takes.
     let session = || {
         let mut live = Live::new(&desk, &["--auto", "--no-watchdog", "--device", &device]);
-        live.until_any(&["done 7 of 7", "left "]).starts_with("done")
-            && live.child.wait().unwrap().success()
+        let is_done = live.until_any(&["done 7 of 7", "left "]).starts_with("done");
+        // Until it has ended the study is its own, and the next session would be refused.
+        let status = live.child.wait().unwrap();
+        is_done && status.success()
     };
     while !session() {}
     desk.verify();
