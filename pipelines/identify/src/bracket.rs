@@ -17,7 +17,7 @@ pub struct Switching<'a> {
 }
 
 /// Between which forces the threshold lies, N.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bracket {
     /// Largest force at which the brake let go; `None` where it never did.
     pub low_n: Option<f64>,
@@ -33,11 +33,21 @@ impl Bracket {
     /// on, a lever that does not move on (θ̇ ≤ 0) keeps it while the user's force is at least
     /// the threshold, and gets the motor once it is below.
     pub fn of<'a>(trials: impl IntoIterator<Item = Switching<'a>>) -> Self {
-        let mut bracket = Self { low_n: None, high_n: None, releases: 0 };
+        let mut bracket = Self::default();
         for trial in trials {
             bracket.narrow(&trial);
         }
         bracket
+    }
+
+    /// The bracket that the trials of both leave.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            low_n: self.low_n.into_iter().chain(other.low_n).reduce(f64::max),
+            high_n: self.high_n.into_iter().chain(other.high_n).reduce(f64::min),
+            releases: self.releases + other.releases,
+        }
     }
 
     fn narrow(&mut self, of: &Switching) {
@@ -76,6 +86,12 @@ mod tests {
         let moving = trial(&[1.0, 1.0, 1.0, 1.0, 1.0, 1.0], &[0.0, 3.0, 3.0, 3.0, 3.0, 3.0]);
         assert_eq!(Bracket::of([moving, still]), found);
         assert_eq!(Bracket::of([]), Bracket { low_n: None, high_n: None, releases: 0 });
+        // trial by trial is the same
+        let earlier = trial(&[1.0, 1.0, 0.0, 0.0, 0.0, 0.0], &[0.0, 3.0, 3.0, 0.0, 0.0, 0.0]);
+        let earlier = Switching { motor_v: &[0.0, 0.0, 0.0, -8.0, 0.0, 0.0], ..earlier };
+        let apart = Bracket::of([earlier]).and(found).and(Bracket::default());
+        assert_eq!(apart, Bracket::of([earlier, still]));
+        assert_eq!(apart, Bracket { low_n: Some(2.1), high_n: Some(2.1), releases: 2 });
     }
 
     #[test]

@@ -7,12 +7,14 @@ use crate::replayable::{is_replayable, rendering};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_identify::{Bracket, IdentifyError, Parameter, Recording, Switching, Task};
 use zwidth_metrics::Plant;
 use zwidth_replay::{Balance, Drive, Judged, Parameters, Rendering, ReplayError};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
+use zwidth_study::{ParticipantId, TrialMeta};
 use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "identify", version: zwidth_identify::VERSION };
@@ -119,11 +121,32 @@ fn replayable(data: &StudyData) -> impl Iterator<Item = &TrialEntry> {
     data.counting().filter(|t| is_replayable(data, t))
 }
 
+/// So many samples are fitted and judged at most: 1,000 trials of 4 s at 1 kHz. A plant has six
+/// parameters, and its error shrinks with the root of the trials; time and memory grow with them.
+const MOST_SAMPLES: usize = 4_000_000;
+
+/// Whose trials are fitted and judged, of trials with so many samples each: everybody's, or in a
+/// large study those of so many participants, evenly spread over the list, as keep within `most`
+/// samples; one participant's at least.
+fn chosen<'p>(trials: &[(&'p ParticipantId, usize)], most: usize) -> BTreeSet<&'p ParticipantId> {
+    let all: usize = trials.iter().map(|(_, rows)| rows).sum();
+    let people: BTreeSet<_> = trials.iter().map(|(who, _)| *who).collect();
+    if all <= most {
+        return people;
+    }
+    let people: Vec<_> = people.into_iter().collect();
+    let kept = (people.len() * most / all).max(1);
+    (0..kept).map(|k| people[k * people.len() / kept]).collect()
+}
+
 /// What the fit depends on besides the trials.
 #[derive(Serialize)]
 struct Fit {
     /// How each trial was rendered.
     renderings: Vec<Rendering>,
+    /// How many trials the study has for it, if not all of them are taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    of_trials: Option<usize>,
     level: f64,
     let_go_n: f64,
     plant: [Parameter; P],
@@ -133,10 +156,15 @@ struct Fit {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let trials: Vec<_> = replayable(data).collect();
-    if trials.is_empty() {
+    let all: Vec<_> = replayable(data).collect();
+    if all.is_empty() {
         return Vec::new();
     }
+    let there = all.len();
+    let rows: Vec<_> = all.iter().map(|trial| (&trial.meta.participant, trial.rows)).collect();
+    let people = chosen(&rows, MOST_SAMPLES);
+    let trials: Vec<_> =
+        all.into_iter().filter(|trial| people.contains(&trial.meta.participant)).collect();
     let study = &data.study;
     let rendered = |trial: &&TrialEntry| {
         let meta = &trial.meta;
@@ -145,6 +173,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     };
     let fit = Fit {
         renderings: trials.iter().filter_map(rendered).collect(),
+        of_trials: (trials.len() < there).then_some(there),
         level: study.analysis.confidence,
         let_go_n: study.control.let_go_n,
         plant: PLANT,
@@ -157,42 +186,57 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 fn make(of: &OfTrials<Fit>, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
     let fit = &of.stage;
-    // Those that cannot be read keep the others with their own renderings.
-    let read = |i: usize| {
+    // One by one: what the fit needs of a trial is a third of its samples.
+    let one = |i: usize| {
         let (trial, problem) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all());
-        (trial.into_iter().next().zip(fit.renderings.get(i)), problem)
+        // Those that cannot be read keep the others with their own renderings.
+        let Some((trial, how)) = trial.into_iter().next().zip(fit.renderings.get(i)) else {
+            return (Bracket::default(), Ok(None), problem);
+        };
+        (Bracket::of(switching(&trial, how)), fitted_trial(trial, how), problem)
     };
-    let read: Vec<_> = (0..files.len()).into_par_iter().map(read).collect();
-    let mut problems: Vec<String> = read.iter().flat_map(|(_, problem)| problem.clone()).collect();
-    let trials: Vec<(Trial, &Rendering)> = read.into_iter().filter_map(|(t, _)| t).collect();
-    let (fitted, more) = fitted_trials(&trials);
+    let read: Vec<_> = (0..files.len()).into_par_iter().map(one).collect();
+    let (mut bracket, mut fitted, mut problems) = (Bracket::default(), Vec::new(), Vec::new());
+    for (of_trial, found, problem) in read {
+        bracket = bracket.and(of_trial);
+        fitted.push(found);
+        problems.extend(problem);
+    }
+    let (fitted, more) = split(fitted);
     problems.extend(more);
+    let fitted: Vec<Fitted> = fitted.into_iter().flatten().collect();
     let mut tables = tables_of(&fitted, fit)?;
-    let bracket = Bracket::of(trials.iter().filter_map(|(trial, how)| switching(trial, how)));
     tables.insert(2, zwidth_identify::threshold(&bracket, fit.let_go_n)?);
+    if let Some(there) = fit.of_trials {
+        let note = format!(
+            "Of {there} trials that a plant can be fitted to, those of participants evenly spread over \
+             the list were taken: {} trials.",
+            files.len()
+        );
+        tables = tables.into_iter().map(|table| table.with_note(note.clone())).collect();
+    }
     write_tables(&tables, making, problems)
 }
 
 /// A trial that can be fitted and replayed.
-struct Fitted<'t> {
-    trial: &'t Trial,
+struct Fitted {
+    meta: TrialMeta,
     balance: Balance,
     judged: Judged,
 }
 
-/// Every trial that can be fitted and replayed; those to which that does not apply are no problem.
-fn fitted_trials<'t>(trials: &'t [(Trial, &Rendering)]) -> (Vec<Fitted<'t>>, Vec<String>) {
-    let both = |trial: &'t Trial, how: &Rendering| {
-        let judged = Judged::new(Drive::new(trial, how)?);
-        Ok(Fitted { trial, balance: Balance::new(trial, how)?, judged })
+/// A trial made ready, if it can be fitted and replayed; one to which that does not apply is no
+/// problem.
+fn fitted_trial(trial: Trial, how: &Rendering) -> Result<Option<Fitted>, String> {
+    let both = || {
+        let judged = Judged::new(Drive::new(&trial, how)?);
+        Ok((Balance::new(&trial, how)?, judged))
     };
-    let one = |(trial, how): &'t (Trial, &Rendering)| match both(trial, how) {
-        Ok(fitted) => Ok(Some(fitted)),
+    match both() {
+        Ok((balance, judged)) => Ok(Some(Fitted { meta: trial.meta, balance, judged })),
         Err(ReplayError::WhyNot(_)) => Ok(None),
         Err(error) => Err(format!("{}: {error}", name(&trial.meta))),
-    };
-    let (found, problems) = split(trials.par_iter().map(one).collect());
-    (found.into_iter().flatten().collect(), problems)
+    }
 }
 
 /// What the controller saw and did; `None` where that was not recorded, or the mode has not both
@@ -212,7 +256,7 @@ fn switching<'t>(trial: &'t Trial, how: &Rendering) -> Option<Switching<'t>> {
 fn tables_of(trials: &[Fitted], fit: &Fit) -> Result<Vec<Table>, JobError> {
     let recordings: Vec<Recording> = trials
         .iter()
-        .map(|t| Recording { meta: &t.trial.meta, observed: t.balance.measured_ns() })
+        .map(|t| Recording { meta: &t.meta, observed: t.balance.measured_ns() })
         .collect();
     let task = Task { parameters: &fit.plant, starts: &fit.starts, level: fit.level };
     let explain = |i: usize, p: &[f64; P]| Some(trials[i].balance.needed_ns(&plant(p)));

@@ -82,6 +82,20 @@ fn trial(study: &Study, mode: &str, repeat: u32) -> Trial {
 }
 
 #[test]
+fn a_large_study_is_fitted_by_the_trials_of_participants_spread_over_its_list() {
+    let people: Vec<ParticipantId> = (0..10).map(|i| format!("P{i:02}").parse().unwrap()).collect();
+    let trials: Vec<_> = people.iter().flat_map(|who| [(who, 300), (who, 100)]).collect();
+    let names = |most| -> Vec<&str> {
+        chosen(&trials, most).into_iter().map(ParticipantId::as_str).collect()
+    };
+    assert_eq!(names(4000).len(), 10);
+    assert_eq!(names(3999).len(), 9);
+    assert_eq!(names(1300), ["P00", "P03", "P06"]);
+    assert_eq!(names(1), ["P00"], "somebody's");
+    assert!(chosen(&[], 1).is_empty());
+}
+
+#[test]
 fn without_noise_every_parameter_comes_back_to_a_millionth() {
     let (study, calibration) = (study(), Calibration::thesis());
     let repeats =
