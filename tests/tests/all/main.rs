@@ -39,3 +39,4 @@ mod source;
 mod story;
 mod survey;
 mod whole_run;
+mod words;
