@@ -10,6 +10,7 @@ use crate::regular::text;
 use crate::sealed::known;
 use crate::walk::files_below;
 use crate::{Entry, Files, Layout, SessionLog, Signal, StoreError, TrialEntry};
+use rayon::prelude::*;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -34,8 +35,16 @@ pub(crate) fn read_sessions(
     });
     // By logs too: one whose record is gone is a finding.
     let names: BTreeSet<String> = found.iter().filter_map(|path| name_in(path)).collect();
-    for name in names {
-        match read_session(files, layout, &name, problems) {
+    let read: Vec<_> = names
+        .into_par_iter()
+        .map(|name| {
+            let mut problems = Vec::new();
+            (read_session(files, layout, &name, &mut problems), problems, name)
+        })
+        .collect();
+    for (session, found, name) in read {
+        problems.extend(found);
+        match session {
             Ok(session) => sessions.push(session),
             Err(problem) => {
                 problems.push(problem);

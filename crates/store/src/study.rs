@@ -217,6 +217,16 @@ impl StudyData {
         self.trials.iter().filter(|t| t.counts())
     }
 
+    /// The trials of each session, whether or not they count.
+    pub fn by_session(&self) -> BTreeMap<(&ParticipantId, &SessionId), Vec<&TrialEntry>> {
+        let mut sessions: BTreeMap<_, Vec<&TrialEntry>> = BTreeMap::new();
+        for trial in &self.trials {
+            let of = (&trial.meta.participant, &trial.meta.session);
+            sessions.entry(of).or_default().push(trial);
+        }
+        sessions
+    }
+
     /// Every answer that counts: from events, and from trial files for their environment's question
     /// (an event overrides the file). Sorted by participant, session, trial and question.
     pub fn answers(&self) -> Vec<Answer> {
@@ -234,8 +244,10 @@ impl StudyData {
         }
         // Behind the files, each log in its order: what is put in later takes the place of an
         // earlier answer.
+        let trials = self.by_session();
         for log in &self.sessions {
-            let conditions = self.counting_conditions(log);
+            let of_session = trials.get(&(&log.record.participant, &log.record.session));
+            let conditions = self.counting_conditions(log, of_session.map_or(&[], Vec::as_slice));
             for event in &log.events {
                 let Event::Answer { trial, question, value, time_ms } = event else { continue };
                 let Some(condition) = conditions.get(trial) else { continue };
@@ -250,7 +262,11 @@ impl StudyData {
 
     /// The conditions of a session's trials that count, with or without samples. Those of a sealed
     /// session are codes, which no study knows, and drop out.
-    fn counting_conditions(&self, log: &SessionLog) -> BTreeMap<u32, Condition> {
+    fn counting_conditions(
+        &self,
+        log: &SessionLog,
+        of_session: &[&TrialEntry],
+    ) -> BTreeMap<u32, Condition> {
         let mut conditions: BTreeMap<u32, Condition> = log
             .trials
             .iter()
@@ -262,11 +278,8 @@ impl StudyData {
         conditions.retain(|_, c| {
             self.study.environment(&c.environment).is_some() && self.study.mode(&c.mode).is_some()
         });
-        let SessionRecord { participant, session, .. } = &log.record;
-        let of_session = self
-            .counting()
-            .filter(|t| t.meta.participant == *participant && t.meta.session == *session);
-        conditions.extend(of_session.map(|t| (t.meta.trial, t.meta.condition())));
+        let counting = of_session.iter().filter(|trial| trial.counts());
+        conditions.extend(counting.map(|trial| (trial.meta.trial, trial.meta.condition())));
         conditions
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::columns::numbers;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use zwidth_frames::{Aggregate, Frame, FrameError, Statistic};
 use zwidth_study::Condition;
 use zwidth_tables::{Field, Table, TableError, Type, of_trials, split_unit};
@@ -42,22 +43,18 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
     let of = |columns: &[Vec<Option<String>>; 2], row: usize| {
         [columns[0][row].clone(), columns[1][row].clone()]
     };
-    let mut sessions = Vec::new();
+    // In the order of their first rows.
+    let mut sessions = BTreeMap::new();
     let mut keys = Vec::new();
     for row in 0..metrics.height() {
         let (session, condition) = (of(&people, row), of(&condition, row));
-        let known = sessions.iter().position(|s| *s == session);
+        let number = sessions.len();
+        let number = *sessions.entry(session).or_insert(number);
         let is = |c: &Condition| {
             [Some(c.environment.as_str()), Some(c.mode.as_str())]
                 == condition.each_ref().map(Option::as_deref)
         };
-        keys.push((
-            known.unwrap_or(sessions.len()),
-            conditions.iter().position(is).unwrap_or(conditions.len()),
-        ));
-        if known.is_none() {
-            sessions.push(session);
-        }
+        keys.push((number, conditions.iter().position(is).unwrap_or(conditions.len())));
     }
     Ok(metrics.sorted(|row| keys[row]))
 }

@@ -3,7 +3,7 @@
 //! meet, because they do not know each other.
 
 use crate::making::{derived, split, write_tables};
-use crate::replayable::{is_replayable, rendering};
+use crate::replayable::{rendering, replayable};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -117,10 +117,6 @@ fn plant(
     Parameters { mass_kg, damping_ns_per_rad, friction_n, motor_lag_s, brake_on_s, brake_off_s }
 }
 
-fn replayable(data: &StudyData) -> impl Iterator<Item = &TrialEntry> {
-    data.counting().filter(|t| is_replayable(data, t))
-}
-
 /// So many samples are fitted and judged at most: 1,000 trials of 4 s at 1 kHz. A plant has six
 /// parameters, and its error shrinks with the root of the trials; time and memory grow with them.
 const MOST_SAMPLES: usize = 4_000_000;
@@ -163,7 +159,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let there = all.len();
     let rows: Vec<_> = all.iter().map(|trial| (&trial.meta.participant, trial.rows)).collect();
     let people = chosen(&rows, MOST_SAMPLES);
-    let trials: Vec<_> =
+    let trials: Vec<&TrialEntry> =
         all.into_iter().filter(|trial| people.contains(&trial.meta.participant)).collect();
     let study = &data.study;
     let rendered = |trial: &&TrialEntry| {

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_acquire::left_to_do;
-use zwidth_store::{Layout, StudyData, TrialEntry};
+use zwidth_store::{Layout, SessionLog, StudyData, TrialEntry};
 use zwidth_study::{Channel, Condition, Kind, StudyId};
 
 #[derive(Serialize)]
@@ -72,25 +72,23 @@ fn listing(layout: &Layout) -> anyhow::Result<Listing> {
     for sweep in &data.sweeps {
         *sweeps.entry(sweep.actuator.to_string()).or_default() += 1;
     }
+    let trials = data.by_session();
+    let of_session = |log: &SessionLog| {
+        let of = (&log.record.participant, &log.record.session);
+        session(&data, log, trials.get(&of).map_or(&[], Vec::as_slice))
+    };
     Ok(Listing {
         study: layout.study().to_string(),
         title: data.study.title.clone(),
         schema: data.study.schema.number(),
         channels: data.study.channels.clone(),
-        sessions: data.sessions.iter().map(|log| session(&data, log)).collect(),
+        sessions: data.sessions.iter().map(of_session).collect(),
         sweeps,
         unreadable: data.problems.iter().map(ToString::to_string).collect(),
     })
 }
 
-fn session(data: &StudyData, log: &zwidth_store::SessionLog) -> Session {
-    let trials: Vec<&TrialEntry> = data
-        .trials
-        .iter()
-        .filter(|t| {
-            t.meta.participant == log.record.participant && t.meta.session == log.record.session
-        })
-        .collect();
+fn session(data: &StudyData, log: &SessionLog, trials: &[&TrialEntry]) -> Session {
     let sealed = log.is_sealed();
     // A sealed trial that nothing else keeps out will count.
     let counts = |t: &&&TrialEntry| TrialEntry { sealed: None, ..(**t).clone() }.counts();
@@ -107,7 +105,7 @@ fn session(data: &StudyData, log: &zwidth_store::SessionLog) -> Session {
         left_out: left_out
             .filter_map(|t| Some(format!("trial {}: {}", t.meta.trial, t.why_not()?)))
             .collect(),
-        missing: if sealed { Vec::new() } else { missing(data, &trials) },
+        missing: if sealed { Vec::new() } else { missing(data, trials) },
     }
 }
 
