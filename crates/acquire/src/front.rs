@@ -16,8 +16,8 @@ pub trait Front {
 
     /// The next input by a person, waiting for one at most `wait`; none if there was none. Only the
     /// inputs of people come from here: [`Input::Start`], [`Input::Answer`], [`Input::Skip`],
-    /// [`Input::Repeat`], [`Input::Exclude`], [`Input::Note`], [`Input::Stop`],
-    /// [`Input::Quit`].
+    /// [`Input::Repeat`], [`Input::Exclude`], [`Input::Note`], [`Input::Of`],
+    /// [`Input::Stop`], [`Input::Quit`].
     ///
     /// # Errors
     /// A terminal or a pipe that is gone.

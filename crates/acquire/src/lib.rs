@@ -23,7 +23,7 @@ mod view;
 pub use auto::{Auto, Nobody};
 pub use careful::Careful;
 pub use error::AcquireError;
-pub use flow::Input;
+pub use flow::{About, Input};
 pub use front::Front;
 pub use left::left_to_do;
 pub use number::number;

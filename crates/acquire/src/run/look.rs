@@ -54,14 +54,15 @@ fn current(place: usize, flow: &Flow, plan: &Plan, session: &Session) -> Current
     let mode = session.modes.get(place).filter(|_| !session.blinded);
     let label = |id| plan.study.mode(id).map(|m| m.label.clone());
     let environment = plan.study.environment(&slot.trial.environment);
+    let (trial, repeats) = flow.number_at(place);
     Current {
-        trial: slot.trial.trial,
+        trial,
         place: place + 1,
         kind: slot.trial.kind,
         environment: environment
             .map_or_else(|| slot.trial.environment.to_string(), |e| e.label.clone()),
         mode: mode.and_then(label),
-        repeats: slot.repeats,
+        repeats,
     }
 }
 

@@ -26,8 +26,8 @@ use zwidth_device::check::{Finding, Step, check_device};
 use zwidth_device::{
     Attendant, Capabilities, Clock, Device, Guard, Limits, Station, Timing, TrialPlan, Trip,
 };
-use zwidth_store::{Files, append_events, sync_names};
-use zwidth_study::{Check, Event, Study};
+use zwidth_store::{Entered, Files, append_events, sync_names};
+use zwidth_study::{Check, Event, ExperimenterId, Study};
 
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
 const WAIT: Duration = Duration::from_millis(50);
@@ -63,6 +63,8 @@ pub struct Options {
     pub check: fn(Step) -> bool,
     /// The motor of a device without a watchdog may be used; each trial is marked.
     pub no_watchdog: bool,
+    /// Who sits before it, by their code: it stands beside each event.
+    pub by: Option<ExperimenterId>,
     /// Raised by a stop key: the running trial ends at its next tick.
     pub stop: Arc<AtomicBool>,
     /// Raised by a signal that ends the program: the session is left in order.
@@ -246,7 +248,7 @@ impl<'a> Runner<'a> {
                     self.log(event)?;
                     None
                 }
-                Action::Refuse(why) => {
+                Action::Refuse(why) | Action::Tell(why) => {
                     self.view.say(why);
                     None
                 }
@@ -285,7 +287,8 @@ impl<'a> Runner<'a> {
         let utc = (self.utc)(self.attendant.now_s());
         let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
         self.view.say(look::event(&event));
-        Ok(append_events(&self.files, &path, &utc, &[event])?)
+        let entered = Entered { utc: &utc, by: self.options.by.as_ref() };
+        Ok(append_events(&self.files, &path, entered, &[event])?)
     }
 
     /// Tells what is to be known of the session, and keeps it in its log.

@@ -14,8 +14,10 @@ use zwidth_device::{
     Controller, Histogram, Reading, Seen, Station, Timing, TrialEnd, TrialPlan, TrialRun,
     TrialTask, Trip, watch,
 };
-use zwidth_store::{Files, Journal, Protocol, TrialFile, append_events, check_session};
-use zwidth_study::{Environment, Event, Flags, Given, Mode, PlannedTrial, Sample, Study};
+use zwidth_store::{Entered, Files, Journal, Protocol, TrialFile, append_events, check_session};
+use zwidth_study::{
+    Environment, Event, ExperimenterId, Flags, Given, Mode, PlannedTrial, Sample, Study,
+};
 
 /// Why a trial was cut that a signal ended.
 const SIGNAL: &str = "a signal ended the program";
@@ -61,6 +63,7 @@ impl<'a> Runner<'a> {
             plan: self.plan,
             session: &self.session,
             stop,
+            by: self.options.by.as_ref(),
             quit: &self.options.quit,
             drawn: Instant::now(),
             error: None,
@@ -331,6 +334,7 @@ struct Desk<'a> {
     plan: &'a Plan,
     session: &'a Session,
     stop: &'a AtomicBool,
+    by: Option<&'a ExperimenterId>,
     quit: &'a AtomicBool,
     drawn: Instant,
     error: Option<AcquireError>,
@@ -368,11 +372,12 @@ impl Desk<'_> {
     fn act(&mut self, live: &mut Live<'_>, action: Action) -> Result<(), AcquireError> {
         match action {
             Action::Halt => self.stop.store(true, Ordering::SeqCst),
-            Action::Refuse(why) => live.view.say(why),
+            Action::Refuse(why) | Action::Tell(why) => live.view.say(why),
             Action::Log(event) => {
                 let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
                 live.view.say(look::event(&event));
-                append_events(self.files, &path, &(self.utc)(0.0), &[event])?;
+                let entered = Entered { utc: &(self.utc)(0.0), by: self.by };
+                append_events(self.files, &path, entered, &[event])?;
             }
             _ => {}
         }

@@ -143,6 +143,7 @@ fn one(
         by_hand: false,
         check: checks_itself(&DeviceSpec::Twin),
         no_watchdog: false,
+        by: None,
         stop: Default::default(),
         quit: Default::default(),
     };

@@ -147,6 +147,7 @@ impl Desk {
             by_hand: false,
             check: |_| false,
             no_watchdog: false,
+            by: None,
             stop: Arc::default(),
             quit: Arc::default(),
         };

@@ -35,12 +35,14 @@ fn words(view: &View, entry: Option<&Entry>) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn entries() -> [Option<Entry>; 5] {
+fn entries() -> [Option<Entry>; 7] {
     [
         None,
-        Some(Entry::Note("a note".into())),
+        Some(Entry::Note(None, "a note".into())),
         Some(Entry::Answer("-3".into())),
-        Some(Entry::Exclude(String::new())),
+        Some(Entry::Exclude(None, String::new())),
+        Some(Entry::Which("12".into())),
+        Some(Entry::Trial(12)),
         Some(Entry::Sure(Ask::Quit)),
     ]
 }
@@ -50,7 +52,7 @@ fn the_stop_key_stands_in_the_last_row_in_every_phase_whatever_is_typed_and_howe
  {
     for phase in phases() {
         for entry in entries() {
-            let typing = matches!(entry, Some(Entry::Note(_) | Entry::Exclude(_)));
+            let typing = matches!(entry, Some(Entry::Note(..) | Entry::Exclude(..)));
             let runs = matches!(phase, Phase::Trial { .. });
             let key = if typing && !runs { " Ctrl-C STOP " } else { " Space STOP " };
             for size in [(120, 40), SMALLEST, (40, 6), (16, 1)] {
@@ -188,11 +190,11 @@ fn values_are_shown_while_they_are_those_of_the_device() {
 
 #[test]
 fn what_is_typed_and_what_is_asked_is_in_sight() {
-    let note = Entry::Note("the finger slipped ".into());
+    let note = Entry::Note(None, "the finger slipped ".into());
     assert!(words(&view(Phase::Ready, false), Some(&note)).contains("Note: the finger slipped _"));
-    let long = Entry::Note("x".repeat(150) + " the end");
+    let long = Entry::Note(None, "x".repeat(150) + " the end");
     assert!(words(&view(asked(), false), Some(&long)).contains("the end_"));
-    let repeat = Entry::Sure(Ask::Repeat);
+    let repeat = Entry::Sure(Ask::Repeat(None));
     let text = words(&view(Phase::Pause { left_s: 3.2, pause_s: 5.0 }, false), Some(&repeat));
     assert!(
         text.contains("Do the last trial again?") && text.contains("y yes any other key no"),
