@@ -3,6 +3,7 @@
 
 mod auto;
 mod careful;
+mod course;
 mod error;
 pub mod flow;
 mod folder;
@@ -16,6 +17,7 @@ mod run;
 mod screen;
 mod session;
 mod tape;
+mod told;
 mod unsynced;
 pub mod vault;
 mod view;
@@ -33,5 +35,8 @@ pub use plan::Plan;
 pub use run::{Options, Outcome, Parts, run};
 pub use screen::{Look, Screen};
 pub use session::{Session, calibration_blake3, seed_of};
+pub use told::check_value;
 pub use unsynced::Unsynced;
-pub use view::{CheckLine, Current, MESSAGES, Phase, Point, TRACE_HZ, TRACE_POINTS, Timing, View};
+pub use view::{
+    Cell, CheckLine, Course, Current, MESSAGES, Phase, Point, TRACE_HZ, TRACE_POINTS, Timing, View,
+};

@@ -1,6 +1,6 @@
 //! Plain mode: a line in, a line out, for scripts, tests and people who read with their ears.
 //!
-//! Lines in: `start`, `answer N` (or `N` alone), `skip`, `repeat`, `exclude REASON`, `note TEXT`,
+//! Lines in: `start`, `answer N` (or `N` alone), `skip`, `hold`, `repeat`, `exclude REASON`, `note TEXT`,
 //! `stop`, `quit`; of any trial that ended `trial N` and one of `exclude REASON`, `note TEXT`,
 //! `repeat`, `ask`, which asks its questions again. They are taken in order, each when the session waits for somebody; so a script
 //! may say everything at once. `stop` alone is obeyed the moment it is read, and what was said
@@ -25,7 +25,7 @@ pub struct Plain<W> {
     waiting: VecDeque<Result<Input, String>>,
     out: W,
     view: View,
-    shown: Option<(Phase, Option<u32>)>,
+    shown: Option<(Phase, bool, Option<u32>)>,
     /// Whether the end of the input ends the session.
     ends: bool,
 }
@@ -69,10 +69,11 @@ impl<W: Write> Plain<W> {
 
     /// Whether the session can do something with this input now.
     fn is_time_for(&self, input: &Result<Input, String>) -> bool {
-        let busy = matches!(
-            self.view.phase,
-            Phase::Check | Phase::Homing | Phase::Trial { .. } | Phase::Pause { .. }
-        );
+        let busy = match self.view.phase {
+            Phase::Check | Phase::Homing | Phase::Trial { .. } => true,
+            Phase::Pause { .. } => !self.view.held,
+            _ => false,
+        };
         !busy || matches!(input, Ok(Input::Stop | Input::Note(_)) | Err(_))
     }
 }
@@ -83,7 +84,7 @@ impl<W: Write> Front for Plain<W> {
         for message in view.messages.iter().skip(view.messages.len() - fresh) {
             writeln!(self.out, "{message}")?;
         }
-        let now = (still(&view.phase), view.trial.as_ref().map(|t| t.trial));
+        let now = (still(&view.phase), view.held, view.trial.as_ref().map(|t| t.trial));
         if self.shown.as_ref() != Some(&now) {
             writeln!(self.out, "{}", line(view))?;
             self.shown = Some(now);
@@ -130,6 +131,7 @@ fn parse(line: &str) -> Result<Input, String> {
         ("start", "") => Ok(Input::Start),
         ("skip", "") => Ok(Input::Skip),
         ("repeat", "") => Ok(Input::Repeat),
+        ("hold", "") => Ok(Input::Hold),
         ("stop", _) => Ok(Input::Stop),
         ("quit", "") => Ok(Input::Quit),
         ("trial", about) => of_trial(about),
@@ -140,7 +142,7 @@ fn parse(line: &str) -> Result<Input, String> {
         }
         (n, "") if n.parse::<i16>().is_ok() => Ok(Input::Answer(n.parse().unwrap_or(0))),
         _ => Err(format!(
-            "'{line}' is not understood: start, answer NUMBER, skip, repeat, exclude REASON, note TEXT, trial NUMBER and \
+            "'{line}' is not understood: start, answer NUMBER, skip, hold, repeat, exclude REASON, note TEXT, trial NUMBER and \
              one of those three or ask, stop, quit"
         )),
     }
@@ -189,6 +191,7 @@ fn line(view: &View) -> String {
             let steps = scale.range().split_once(" in ").map(|(_, steps)| format!(", in {steps}"));
             format!("question {text} ({first} to {last}{})", steps.unwrap_or_default())
         }
+        Phase::Pause { .. } if view.held => "pause, held: start or hold ends it".to_owned(),
         Phase::Pause { left_s, .. } => format!("pause {left_s:.1} s"),
         Phase::Stopped { why } => format!("stopped {why} (start goes on, quit ends)"),
         Phase::Done => format!("done {} of {}", view.done, view.total),

@@ -66,7 +66,7 @@ impl Flow {
         let asks_other = matches!(self.phase, Phase::Question { place: open, .. } if open != place);
         if !asks_other && matches!(self.phase, Phase::Question { .. } | Phase::Ready | Phase::Done)
         {
-            self.go_on();
+            actions.extend(self.go_on());
         }
         actions
     }
@@ -96,7 +96,7 @@ impl Flow {
             )));
         }
         if self.phase == Phase::Done {
-            self.go_on();
+            actions.extend(self.go_on());
         }
         actions
     }

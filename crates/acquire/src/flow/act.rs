@@ -19,6 +19,7 @@ impl Flow {
             Input::Start => self.start(),
             Input::Answer(value) => self.answer(value),
             Input::Skip => self.skip(),
+            Input::Hold => self.hold(),
             Input::Repeat => self.repeat(),
             Input::Exclude(reason) => self.exclude(reason),
             Input::Note(text) => note(self.subject(), text),
@@ -50,10 +51,12 @@ impl Flow {
             return Vec::new();
         }
         match self.open {
-            Some((place, asked)) => self.ask(place, asked, true),
+            Some((place, asked)) => {
+                self.ask(place, asked, true);
+                Vec::new()
+            }
             None => self.go_on(),
         }
-        Vec::new()
     }
 
     /// Opens a question of the trial at `place`.
@@ -63,22 +66,37 @@ impl Flow {
     }
 
     /// After a question: to the trial's next one, or on.
-    fn after(&mut self, place: usize, asked: usize) {
+    fn after(&mut self, place: usize, asked: usize) -> Vec<Action> {
         let next = asked + 1;
         self.open = (next < self.places[place].questions.len()).then_some((place, next));
         match self.open {
-            Some((place, next)) => self.ask(place, next, true),
+            Some((place, next)) => {
+                self.ask(place, next, true);
+                Vec::new()
+            }
             None => self.go_on(),
         }
     }
 
-    /// To the pause, what is left of it; to the next trial; or to the end.
-    pub(super) fn go_on(&mut self) {
+    /// To the pause, what is left of it; to the next trial, before the first one by the device check;
+    /// or to the end.
+    pub(super) fn go_on(&mut self) -> Vec<Action> {
         self.phase = match self.here() {
             None => Phase::Done,
-            Some(_) if self.rest_s > 0.0 => Phase::Pause,
+            Some(_) if !self.checked => Phase::Check,
+            Some(_) if self.rest_s > 0.0 || self.held => Phase::Pause,
             Some(_) => Phase::Ready,
         };
+        if self.phase == Phase::Check { vec![Action::Check] } else { Vec::new() }
+    }
+
+    /// Holds the pause before the next trial, or no longer.
+    fn hold(&mut self) -> Vec<Action> {
+        if !matches!(self.phase, Phase::Pause | Phase::Ready) {
+            return refuse("there is no pause to hold");
+        }
+        self.held = !self.held;
+        self.go_on()
     }
 
     fn failed(&mut self, why: String) -> Vec<Action> {
@@ -103,10 +121,7 @@ impl Flow {
             // `max` takes the 0 where dt is not a number.
             self.rest_s = (self.rest_s - dt_s.max(0.0)).max(0.0);
         }
-        if self.phase == Phase::Pause && self.rest_s == 0.0 {
-            self.go_on();
-        }
-        Vec::new()
+        if self.phase == Phase::Pause && self.rest_s == 0.0 { self.go_on() } else { Vec::new() }
     }
 
     fn start(&mut self) -> Vec<Action> {
@@ -124,6 +139,7 @@ impl Flow {
                 self.phase = Phase::Check;
                 vec![Action::Check]
             }
+            (Phase::Pause, _) if self.held => self.hold(),
             (Phase::Pause, _) => refuse(format!("the pause has {:.1} s to go", self.rest_s)),
             (Phase::Question { place, asked, .. }, _) => {
                 let range = self.asked(*place, *asked).map(|q| q.scale.range()).unwrap_or_default();
@@ -150,10 +166,10 @@ impl Flow {
             }
             End::Complete => {
                 let mut actions = vec![self.finish(place, None)];
-                match halted {
-                    Some(halt) => actions.extend(self.halt_idle(halt)),
+                actions.extend(match halted {
+                    Some(halt) => self.halt_idle(halt),
                     None => self.go_on(),
-                }
+                });
                 actions
             }
         }
@@ -205,8 +221,7 @@ impl Flow {
             let given = Given { value, time_ms: self.took_ms() };
             self.finish(place, Some(given))
         };
-        self.after(place, asked);
-        vec![action]
+        [vec![action], self.after(place, asked)].concat()
     }
 
     /// From the question to now, ms. None where no time goes by, as in a simulated session.
@@ -224,8 +239,8 @@ impl Flow {
         let Phase::Question { place, asked, late } = self.phase else {
             return refuse("no question is open");
         };
-        let actions = if late { Vec::new() } else { vec![self.finish(place, None)] };
-        self.after(place, asked);
+        let mut actions = if late { Vec::new() } else { vec![self.finish(place, None)] };
+        actions.extend(self.after(place, asked));
         actions
     }
 

@@ -48,6 +48,8 @@ pub enum Input {
     Answer(i16),
     /// The question stays without an answer.
     Skip,
+    /// Hold the pause until this comes again, or somebody starts.
+    Hold,
     /// Do the last trial again.
     Repeat,
     /// The last trial does not count, and why.
@@ -213,6 +215,8 @@ pub struct Flow {
     pause_s: f64,
     /// What is left of the pause, s.
     rest_s: f64,
+    /// Whether the pause goes on until somebody ends it.
+    held: bool,
     /// For how long the open question has been shown, s; none until time went by.
     asked_s: Option<f64>,
     /// Whether the device passed its check.
@@ -257,6 +261,11 @@ impl Flow {
             true => (self.next_number, Some(trial.trial)),
             false => (trial.trial, *repeats),
         }
+    }
+
+    /// Whether the pause goes on until somebody ends it.
+    pub(crate) fn is_held(&self) -> bool {
+        self.held
     }
 
     /// What is left of the pause, s.

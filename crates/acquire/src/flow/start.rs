@@ -46,13 +46,18 @@ impl Flow {
             next_number,
             pause_s,
             rest_s: if files.is_empty() { 0.0 } else { pause_s },
+            held: false,
             asked_s: None,
             checked: false,
             by_hand: false,
         };
         let mut actions = flow.replace_cut_trials(&files);
         flow.open = flow.last.and_then(|i| Some((i, flow.left_open(i, &files, events)?)));
-        actions.push(Action::Check);
+        // Where nothing is left to do, nothing is checked, and no lever is homed.
+        match flow.open {
+            Some((place, asked)) if flow.here().is_none() => flow.ask(place, asked, true),
+            _ => actions.extend(flow.go_on()),
+        }
         (flow, actions)
     }
 

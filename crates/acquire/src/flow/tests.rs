@@ -276,6 +276,50 @@ fn an_excluded_trial_is_missing_and_offered_at_the_end_unless_it_is_repeated_bef
 }
 
 #[test]
+fn a_session_that_is_done_needs_no_device_until_a_trial_is_to_be_done_again() {
+    let file = |trial, settled| Recorded { trial, complete: true, settled };
+    let all = [file(1, true), file(2, true), file(3, true)];
+    let (mut flow, first) = Flow::begin(order(3), PAUSE_S, &all, &[]);
+    assert_eq!((flow.phase(), first), (&Phase::Done, Vec::new()));
+    assert_eq!(flow.step(Input::Repeat).last(), Some(&Action::Check));
+    assert_eq!(flow.phase(), &Phase::Check);
+    let of = Input::Of(2, About::Exclude("x".into()));
+    let (mut flow, _) = Flow::begin(order(3), PAUSE_S, &all, &[]);
+    assert_eq!(flow.step(of).last(), Some(&Action::Check));
+    // The last question is asked without it.
+    let open = [file(1, true), file(2, true), file(3, false)];
+    let (mut flow, first) = Flow::begin(order(3), PAUSE_S, &open, &[]);
+    assert_eq!(first, []);
+    assert_eq!(flow.phase(), &Phase::Question { place: 2, asked: 0, late: true });
+    flow.step(Input::Answer(3));
+    assert_eq!(flow.phase(), &Phase::Done);
+}
+
+#[test]
+fn a_pause_that_is_held_goes_on_until_somebody_ends_it() {
+    let mut flow = ready();
+    run_one(&mut flow);
+    feed(&mut flow, [Input::Hold, Input::Elapsed(100.0)]);
+    assert_eq!((flow.phase(), flow.is_held()), (&Phase::Pause, true));
+    feed(&mut flow, [Input::Start]);
+    assert_eq!(
+        (flow.phase(), flow.is_held()),
+        (&Phase::Ready, false),
+        "Enter ends the pause alone"
+    );
+    feed(&mut flow, [Input::Hold, Input::Elapsed(100.0)]);
+    assert_eq!(flow.phase(), &Phase::Pause);
+    feed(&mut flow, [Input::Hold]);
+    assert_eq!(flow.phase(), &Phase::Ready);
+    // One that is held and let go keeps what is left of the pause.
+    run_one(&mut flow);
+    feed(&mut flow, [Input::Hold, Input::Hold]);
+    assert_eq!((flow.phase(), flow.rest_s()), (&Phase::Pause, PAUSE_S));
+    let mut fresh = fresh(3);
+    assert!(is_refused(&fresh.step(Input::Hold), "no pause to hold"));
+}
+
+#[test]
 fn an_excluded_trial_is_missing_when_the_session_is_resumed_and_one_to_practise_never() {
     let files: Vec<Recorded> =
         (1..=3).map(|trial| Recorded { trial, complete: true, settled: true }).collect();
@@ -457,7 +501,7 @@ fn inputs() -> impl Strategy<Value = Vec<Option<Input>>> {
     let one = prop_oneof![
         6 => Just(Some(Input::Checked)), 6 => Just(Some(Input::Homed)), 10 => Just(Some(Input::Start)),
         10 => Just(Some(Input::Ended(End::Complete))), 3 => Just(Some(Input::Ended(End::Cut("cut".into())))),
-        10 => (0_i16..7).prop_map(|a| Some(Input::Answer(a))), 2 => Just(Some(Input::Skip)),
+        10 => (0_i16..7).prop_map(|a| Some(Input::Answer(a))), 2 => Just(Some(Input::Skip)), 1 => Just(Some(Input::Hold)),
         10 => (0.0..9.0_f64).prop_map(|dt| Some(Input::Elapsed(dt))), 2 => Just(Some(Input::Repeat)),
         1 => (1_u32..9, about()).prop_map(|(trial, about)| Some(Input::Of(trial, about))),
         1 => Just(Some(Input::Exclude("why".into()))), 1 => Just(Some(Input::Note("note".into()))),
@@ -526,7 +570,7 @@ proptest! {
         flow = resume(&mut world);
         for _ in 0..=3 * TRIALS {
             let whole = [
-                Input::Checked, Input::Homed, Input::Answer(3), Input::Elapsed(PAUSE_S), Input::Start,
+                Input::Hold, Input::Hold, Input::Checked, Input::Homed, Input::Answer(3), Input::Elapsed(PAUSE_S), Input::Start,
                 Input::Ended(End::Complete), Input::Answer(3), Input::Elapsed(PAUSE_S),
             ];
             whole.into_iter().for_each(|i| play(&mut world, &mut flow, i));

@@ -11,12 +11,13 @@ mod look;
 mod tests;
 mod trial;
 
+use crate::course::course;
 use crate::flow::{Action, EMERGENCY_STOP, Flow, Input, Phase};
 use crate::folder::{StudyFolder, Within};
 use crate::plan::Plan;
 use crate::session::Session;
 use crate::tape::Tape;
-use crate::{AcquireError, Front, View};
+use crate::{AcquireError, Course, Front, View};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,6 +32,13 @@ use zwidth_study::{Check, Event, ExperimenterId, Study};
 
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
 const WAIT: Duration = Duration::from_millis(50);
+
+/// The steps of the device check that need no mass, and what is done in each.
+const STEPS: [(Step, &str); 3] = [
+    (Step::Rest, "the sensors at rest, for 2 s"),
+    (Step::Hand, "the lever all the way and back, for 4 s"),
+    (Step::Actuators, "motor and brake, switched on for a moment"),
+];
 
 /// What is told when a blinded session begins or goes on.
 const BLINDED: &str = "blinded: no name, record or screen tells a mode, but whoever opens a trial's file can read it from \
@@ -108,6 +116,8 @@ struct Runner<'a> {
     stopped: Option<String>,
     /// The clock at the last look, s.
     seen_s: f64,
+    /// The clock before the first trial of this life, s, and what was done by then.
+    began: Option<(f64, usize)>,
 }
 
 /// Runs a session from where it stands to where it is left. The study's lock is the caller's.
@@ -158,6 +168,7 @@ pub fn run<'a>(
             timing: Timing::default(),
             stopped: None,
             seen_s,
+            began: None,
         };
         runner.begin(first).and_then(|()| runner.go_on())?;
         Ok(runner.outcome())
@@ -236,6 +247,7 @@ impl<'a> Runner<'a> {
                 Action::Check => Some(self.check()?),
                 Action::Home => Some(self.home()?),
                 Action::Run(trial) => {
+                    self.began = self.began.or(Some((self.attendant.now_s(), self.flow.done())));
                     let end = self.record(&trial)?;
                     self.seen_s = self.attendant.now_s(); // the trial is no part of the pause after it
                     Some(Input::Ended(end))
@@ -300,8 +312,9 @@ impl<'a> Runner<'a> {
     /// a later one into the log. What is not good enough is told, not forbidden: that is a
     /// person's to judge.
     fn check(&mut self) -> Result<Input, AcquireError> {
-        self.show()?;
-        let found = match self.checked() {
+        let found = self.checked()?;
+        self.view.step = None;
+        let found = match found {
             Ok(found) => found,
             Err(trip) => return Ok(Input::Failed(format!("device check: {trip}"))),
         };
@@ -332,13 +345,32 @@ impl<'a> Runner<'a> {
         Ok(Input::Checked)
     }
 
-    fn checked(&mut self) -> Result<Vec<Finding>, Trip> {
+    /// Goes through the steps of the check one by one, each shown while it lasts.
+    fn checked(&mut self) -> Result<Result<Vec<Finding>, Trip>, AcquireError> {
+        let steps = STEPS.into_iter().filter(|step| (self.options.check)(step.0));
+        let steps: Vec<_> = steps.collect();
+        let mut found = Vec::new();
+        for (i, (step, what)) in steps.iter().enumerate() {
+            self.view.step = Some(format!("Step {} of {}: {what}", i + 1, steps.len()));
+            self.show()?;
+            match self.check_step(*step) {
+                Ok(more) => found.extend(more),
+                Err(trip) => return Ok(Err(trip)),
+            }
+        }
+        if steps.is_empty() {
+            self.show()?;
+        }
+        Ok(Ok(found))
+    }
+
+    fn check_step(&mut self, one: Step) -> Result<Vec<Finding>, Trip> {
         let (calibration, rate_hz) = (&self.plan.calibration, self.rate_hz);
-        let (steps, stop) = (self.options.check, &*self.options.stop);
+        let stop = &*self.options.stop;
         self.attendant.ask(move |station| {
             let Station { device, clock, guard, .. } = station;
-            let mut able = |step| steps(step);
-            check_device(*device, *clock, guard, calibration, rate_hz, None, stop, &mut able)
+            let mut is_it = |step| step == one;
+            check_device(*device, *clock, guard, calibration, rate_hz, None, stop, &mut is_it)
         })?
     }
 
@@ -355,7 +387,18 @@ impl<'a> Runner<'a> {
 
     fn show(&mut self) -> Result<(), AcquireError> {
         look::refresh(&mut self.view, &self.flow, self.plan, &self.session);
+        self.view.course = self.course();
         self.front.show(&self.view)
+    }
+
+    /// How long the session takes, so far and still.
+    fn course(&mut self) -> Course {
+        let now_s = self.attendant.now_s();
+        let (began_s, before) = self.began.unwrap_or((now_s, self.flow.done()));
+        let design = &self.plan.study.design;
+        let (done, all) = (self.flow.done(), self.flow.places().len());
+        let planned_s = design.trial_limit_s + design.pause_s;
+        course(now_s - began_s, done.saturating_sub(before), all - done, planned_s)
     }
 
     fn outcome(self) -> Outcome {

@@ -168,6 +168,7 @@ fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
         KeyCode::Char('n') if of("n") => (Some(Entry::Note(None, String::new())), None),
         KeyCode::Char('x') if of("x") => (Some(Entry::Exclude(None, String::new())), None),
         KeyCode::Char('r') if of("r") => (Some(Entry::Sure(Ask::Repeat(None))), None),
+        KeyCode::Char('p') if of("p") => (None, Some(Input::Hold)),
         KeyCode::Char('t') if of("t") => (Some(Entry::Which(String::new())), None),
         KeyCode::Char('q') if of("q") => (Some(Entry::Sure(Ask::Quit)), None),
         _ => (None, None),
@@ -211,6 +212,7 @@ pub(super) fn commands(phase: &Phase) -> Vec<(Cow<'static, str>, &'static str)> 
     const NOTE: (&str, &str) = ("n", "note");
     const EXCLUDE: (&str, &str) = ("x", "exclude");
     const REPEAT: (&str, &str) = ("r", "repeat");
+    const HOLD: (&str, &str) = ("p", "hold");
     const TRIAL: (&str, &str) = ("t", "trial");
     const QUIT: (&str, &str) = ("q", "quit");
     let fixed: &[(&str, &str)] = match phase {
@@ -219,7 +221,8 @@ pub(super) fn commands(phase: &Phase) -> Vec<(Cow<'static, str>, &'static str)> 
         Phase::Ready => &[("Enter", "start"), NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
         Phase::Trial { .. } | Phase::Left => &[],
         Phase::Question { .. } => &[("s", "skip"), NOTE, EXCLUDE, REPEAT, QUIT],
-        Phase::Pause { .. } | Phase::Done => &[NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
+        Phase::Pause { .. } => &[HOLD, NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
+        Phase::Done => &[NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
         Phase::Stopped { .. } => &[("Enter", "go on"), NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
     };
     let answers = match phase {

@@ -249,6 +249,34 @@ fn before_the_first_trial_the_device_check_stands_where_the_traces_will() {
 }
 
 #[test]
+fn what_is_done_of_each_condition_and_how_long_the_rest_takes_is_in_sight_between_trials() {
+    let pause = Phase::Pause { left_s: 3.2, pause_s: 5.0 };
+    for phase in [Phase::Ready, pause.clone(), Phase::Done] {
+        let text = words(&view(phase.clone(), false), None);
+        assert!(text.contains("Spring: Active 1 of 6, Passive 1 of 6, Hybrid 0 of 6"), "{text}");
+        assert!(text.contains("11 of 39 done · 3 min, about 7 min to go"), "{text}");
+        let text = words(&view(phase, true), None);
+        assert!(text.contains("Spring 2 of 18 Spring + wall 2 of 18"), "{text}");
+    }
+    let mut many = view(pause.clone(), false);
+    many.cells.extend(view(pause.clone(), false).cells.into_iter().map(|mut cell| {
+        cell.environment += " again";
+        cell
+    }));
+    assert!(words(&many, None).contains("Spring 2 of 18 · Spring + wall 2 of 18 · Spring again"));
+    let mut held = view(pause, false);
+    held.held = true;
+    assert!(words(&held, None).contains("The pause is held; both actuators are off."));
+}
+
+#[test]
+fn the_device_check_says_how_far_it_is() {
+    let mut view = view(Phase::Check, false);
+    view.step = Some("Step 2 of 3: the lever all the way and back, for 4 s".into());
+    assert!(words(&view, None).contains("DEVICE CHECK Step 2 of 3: the lever all the way"));
+}
+
+#[test]
 fn messages_are_shown_whole_the_newest_last() {
     let mut view = view(asked(), false);
     view.say("a message of two lines: ".to_owned() + &"word ".repeat(20));
