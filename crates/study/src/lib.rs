@@ -36,7 +36,7 @@ pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{Bound, Compare, Contrast, Families};
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
-pub use event::{Event, Given, SealedTrial};
+pub use event::{Event, Given, Moment, SealedTrial};
 pub use figures::{Alignment, Alignments, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, Schema, TrialForm};
 pub use id::{

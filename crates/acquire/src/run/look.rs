@@ -116,6 +116,7 @@ pub(super) fn event(event: &Event) -> String {
         }
         Event::Excluded { trial, reason } => format!("trial {trial} excluded: {reason}"),
         Event::Note { trial, text } => format!("{}note: {text}", of(trial)),
+        Event::Marker { trial, moment, .. } => format!("trial {trial}: marker {}", moment.as_str()),
         Event::Unsealed { .. } => "unsealed".to_owned(),
         Event::StudyAccepted { .. } => "the changed study.toml was accepted".to_owned(),
     }

@@ -7,6 +7,7 @@
 
 mod idle;
 mod look;
+mod mark;
 #[cfg(test)]
 mod tests;
 mod trial;
@@ -14,10 +15,11 @@ mod trial;
 use crate::course::course;
 use crate::flow::{Action, EMERGENCY_STOP, Flow, Input, Phase};
 use crate::folder::{StudyFolder, Within};
+use crate::markers::Markers;
 use crate::plan::Plan;
 use crate::session::Session;
 use crate::tape::Tape;
-use crate::{AcquireError, Course, Front, View};
+use crate::{AcquireError, Course, Front, Target, View};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -71,6 +73,8 @@ pub struct Options {
     pub check: fn(Step) -> bool,
     /// The motor of a device without a watchdog may be used; each trial is marked.
     pub no_watchdog: bool,
+    /// The programs that are told of each trial's start, contact, end and answer.
+    pub markers: Vec<Target>,
     /// Who sits before it, by their code: it stands beside each event.
     pub by: Option<ExperimenterId>,
     /// Raised by a stop key: the running trial ends at its next tick.
@@ -112,6 +116,9 @@ struct Runner<'a> {
     answer: Option<i16>,
     view: View,
     timing: Timing,
+    markers: Markers,
+    /// The last trial that ran, the clock when it had ended, s, and its last sample's time, s.
+    ran: Option<(u32, f64, f64)>,
     /// What stopped the session, while it is stopped.
     stopped: Option<String>,
     /// The clock at the last look, s.
@@ -166,6 +173,8 @@ pub fn run<'a>(
             answer: None,
             view,
             timing: Timing::default(),
+            markers: Markers::to(&options.markers),
+            ran: None,
             stopped: None,
             seen_s,
             began: None,
@@ -223,6 +232,7 @@ impl<'a> Runner<'a> {
                 _ => None,
             };
             self.files.check()?;
+            self.tell_unsent()?;
             self.show()?;
             let idle = self.idle()?;
             let now_s = self.attendant.now_s();
@@ -253,10 +263,16 @@ impl<'a> Runner<'a> {
                     Some(Input::Ended(end))
                 }
                 Action::Finish { trial, complete, likert } => {
+                    if likert.is_some() {
+                        self.mark_answer(trial)?;
+                    }
                     self.finish(trial, complete, likert)?;
                     None
                 }
                 Action::Log(event) => {
+                    if let Event::Answer { trial, .. } = event {
+                        self.mark_answer(trial)?;
+                    }
                     self.log(event)?;
                     None
                 }

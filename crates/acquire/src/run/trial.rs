@@ -1,5 +1,6 @@
 //! One trial: run, journaled, shown, and made a file.
 
+use super::mark::Marking;
 use super::{Runner, look};
 use crate::flow::{Action, EMERGENCY_STOP, End, Flow, Input};
 use crate::plan::Plan;
@@ -53,6 +54,7 @@ impl<'a> Runner<'a> {
             view: &mut self.view,
             blinded: self.session.blinded,
             pace: Pace::new(plan.rate_hz),
+            marking: Marking::new(&self.markers, trial.trial),
         };
         let stop = &*self.options.stop;
         let mut desk = Desk {
@@ -79,11 +81,16 @@ impl<'a> Runner<'a> {
         }
         let _ = live.tape.write(); // what it finds is in `error`
         live.tell();
+        let (last_s, sent) = live.marking.end();
         let mut tape = live.tape;
         if let Some(error) = tape.error.take() {
             return Err(error.into());
         }
-        self.conclude(trial.trial, tape, &run)
+        let now_s = self.attendant.now_s();
+        self.ran = last_s.map(|last_s| (trial.trial, now_s, last_s));
+        let end = self.conclude(trial.trial, tape, &run)?;
+        self.keep_markers(&sent)?;
+        Ok(end)
     }
 
     /// Nothing is recorded onto a session that is not whole any more.
@@ -250,6 +257,7 @@ struct Live<'a> {
     view: &'a mut View,
     blinded: bool,
     pace: Pace,
+    marking: Marking<'a>,
 }
 
 /// A sample that is early by this share of a period is on time: its time is a difference of two
@@ -302,6 +310,7 @@ impl Pace {
 impl Live<'_> {
     fn add(&mut self, sample: &Sample) -> ControlFlow<()> {
         self.pace.add(sample);
+        self.marking.add(sample);
         if let crate::Phase::Trial { t_s, .. } = &mut self.view.phase {
             *t_s = sample.t_s;
         }

@@ -8,6 +8,7 @@ use crate::limits::{
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use zwidth_acquire::Target;
 use zwidth_report::MethodsForm;
 use zwidth_runner::{MOST_SHARDS, Shard};
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
@@ -230,6 +231,9 @@ pub(crate) struct Acquire {
     /// Your code, which stands beside everything that is kept in the session's log; no name
     #[arg(long, value_name = "E1")]
     pub(crate) by: Option<ExperimenterId>,
+    /// Programs that are told of each trial's start, contact, end and answer (docs/acquire.md)
+    #[arg(long, value_name = "tcp:HOST:PORT,osc:HOST:PORT", value_delimiter = ',')]
+    pub(crate) markers: Vec<Target>,
     /// Go on with a session although study.toml has changed in what it records: by the session's
     /// own copy; its log says so
     #[arg(long)]

@@ -144,6 +144,7 @@ fn one(
         check: checks_itself(&DeviceSpec::Twin),
         no_watchdog: false,
         by: None,
+        markers: Vec::new(),
         stop: Default::default(),
         quit: Default::default(),
     };

@@ -148,6 +148,7 @@ impl Desk {
             check: |_| false,
             no_watchdog: false,
             by: None,
+            markers: Vec::new(),
             stop: Arc::default(),
             quit: Arc::default(),
         };

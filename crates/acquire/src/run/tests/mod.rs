@@ -1,4 +1,5 @@
 mod in_memory;
+mod marks;
 #[cfg(unix)]
 mod moved;
 mod secret;
@@ -64,6 +65,7 @@ impl Desk {
             check: |_| false,
             no_watchdog: false,
             by: None,
+            markers: Vec::new(),
             stop: Arc::default(),
             quit: Arc::default(),
         };
