@@ -261,6 +261,12 @@ pub(crate) struct Check {
     /// A simulated clock: as fast as the machine can (simulated devices only)
     #[arg(long)]
     pub(crate) fast: bool,
+    /// Ask for what a hand must do before each step; without it only steps that need none are done
+    #[arg(long)]
+    pub(crate) ask: bool,
+    /// A known mass for the load cell, kg; asked for after the tare
+    #[arg(long, value_name = "KG", value_parser = positive, requires = "ask")]
+    pub(crate) mass: Option<f64>,
 }
 
 #[derive(Debug, clap::Args)]
