@@ -3,11 +3,13 @@
 
 mod auto;
 mod careful;
+mod course;
 mod error;
 pub mod flow;
 mod folder;
 mod front;
 mod left;
+mod markers;
 mod number;
 mod own;
 mod plain;
@@ -16,6 +18,7 @@ mod run;
 mod screen;
 mod session;
 mod tape;
+mod told;
 mod unsynced;
 pub mod vault;
 mod view;
@@ -23,9 +26,10 @@ mod view;
 pub use auto::{Auto, Nobody};
 pub use careful::Careful;
 pub use error::AcquireError;
-pub use flow::Input;
+pub use flow::{About, Input};
 pub use front::Front;
 pub use left::left_to_do;
+pub use markers::Target;
 pub use number::number;
 pub use own::own_study;
 pub use plain::Plain;
@@ -33,5 +37,8 @@ pub use plan::Plan;
 pub use run::{Options, Outcome, Parts, run};
 pub use screen::{Look, Screen};
 pub use session::{Session, calibration_blake3, seed_of};
+pub use told::check_value;
 pub use unsynced::Unsynced;
-pub use view::{CheckLine, Current, MESSAGES, Phase, Point, TRACE_HZ, TRACE_POINTS, Timing, View};
+pub use view::{
+    Cell, CheckLine, Course, Current, MESSAGES, Phase, Point, TRACE_HZ, TRACE_POINTS, Timing, View,
+};

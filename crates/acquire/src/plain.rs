@@ -1,12 +1,14 @@
 //! Plain mode: a line in, a line out, for scripts, tests and people who read with their ears.
 //!
-//! Lines in: `start`, `answer N` (or `N` alone), `skip`, `repeat`, `exclude REASON`, `note TEXT`,
-//! `stop`, `quit`. They are taken in order, each when the session waits for somebody; so a script
+//! Lines in: `start`, `answer N` (or `N` alone), `skip`, `hold`, `repeat`, `exclude REASON`, `note TEXT`,
+//! `stop`, `quit`; of any trial that ended `trial N` and one of `exclude REASON`, `note TEXT`,
+//! `repeat`, `ask`, which asks its questions again. They are taken in order, each when the session waits for somebody; so a script
 //! may say everything at once. `stop` alone is obeyed the moment it is read, and what was said
 //! before it and not yet taken is forgotten. The end of the input is `quit`.
 //!
 //! Lines out: one a phase, one a message.
 
+use crate::flow::About;
 use crate::{AcquireError, Front, Input, Phase, View};
 use std::collections::VecDeque;
 use std::io::{BufRead, Write};
@@ -23,7 +25,7 @@ pub struct Plain<W> {
     waiting: VecDeque<Result<Input, String>>,
     out: W,
     view: View,
-    shown: Option<(Phase, Option<u32>)>,
+    shown: Option<(Phase, bool, Option<u32>)>,
     /// Whether the end of the input ends the session.
     ends: bool,
 }
@@ -67,10 +69,11 @@ impl<W: Write> Plain<W> {
 
     /// Whether the session can do something with this input now.
     fn is_time_for(&self, input: &Result<Input, String>) -> bool {
-        let busy = matches!(
-            self.view.phase,
-            Phase::Check | Phase::Homing | Phase::Trial { .. } | Phase::Pause { .. }
-        );
+        let busy = match self.view.phase {
+            Phase::Check | Phase::Homing | Phase::Trial { .. } => true,
+            Phase::Pause { .. } => !self.view.held,
+            _ => false,
+        };
         !busy || matches!(input, Ok(Input::Stop | Input::Note(_)) | Err(_))
     }
 }
@@ -81,7 +84,7 @@ impl<W: Write> Front for Plain<W> {
         for message in view.messages.iter().skip(view.messages.len() - fresh) {
             writeln!(self.out, "{message}")?;
         }
-        let now = (still(&view.phase), view.trial.as_ref().map(|t| t.trial));
+        let now = (still(&view.phase), view.held, view.trial.as_ref().map(|t| t.trial));
         if self.shown.as_ref() != Some(&now) {
             writeln!(self.out, "{}", line(view))?;
             self.shown = Some(now);
@@ -128,8 +131,10 @@ fn parse(line: &str) -> Result<Input, String> {
         ("start", "") => Ok(Input::Start),
         ("skip", "") => Ok(Input::Skip),
         ("repeat", "") => Ok(Input::Repeat),
+        ("hold", "") => Ok(Input::Hold),
         ("stop", _) => Ok(Input::Stop),
         ("quit", "") => Ok(Input::Quit),
+        ("trial", about) => of_trial(about),
         ("exclude", reason) => Ok(Input::Exclude(reason.to_owned())),
         ("note", text) => Ok(Input::Note(text.to_owned())),
         ("answer", n) => {
@@ -137,9 +142,29 @@ fn parse(line: &str) -> Result<Input, String> {
         }
         (n, "") if n.parse::<i16>().is_ok() => Ok(Input::Answer(n.parse().unwrap_or(0))),
         _ => Err(format!(
-            "'{line}' is not understood: start, answer NUMBER, skip, repeat, exclude REASON, note TEXT, stop, quit"
+            "'{line}' is not understood: start, answer NUMBER, skip, hold, repeat, exclude REASON, note TEXT, trial NUMBER and \
+             one of those three or ask, stop, quit"
         )),
     }
+}
+
+/// What is said of a trial: its number, and what.
+fn of_trial(words: &str) -> Result<Input, String> {
+    let (number, rest) = words.split_once(char::is_whitespace).unwrap_or((words, ""));
+    let trial = number.parse().map_err(|_| format!("'{number}' is no trial: a number"))?;
+    let (word, text) = rest.trim().split_once(char::is_whitespace).unwrap_or((rest.trim(), ""));
+    let about = match (word, text.trim()) {
+        ("exclude", reason) => About::Exclude(reason.to_owned()),
+        ("note", text) => About::Note(text.to_owned()),
+        ("repeat", "") => About::Repeat,
+        ("ask", "") => About::Ask,
+        _ => {
+            return Err(format!(
+                "'{rest}' is not understood of trial {trial}: exclude REASON, note TEXT, repeat, ask"
+            ));
+        }
+    };
+    Ok(Input::Of(trial, about))
 }
 
 /// The phase without what runs on in it.
@@ -166,6 +191,7 @@ fn line(view: &View) -> String {
             let steps = scale.range().split_once(" in ").map(|(_, steps)| format!(", in {steps}"));
             format!("question {text} ({first} to {last}{})", steps.unwrap_or_default())
         }
+        Phase::Pause { .. } if view.held => "pause, held: start or hold ends it".to_owned(),
         Phase::Pause { left_s, .. } => format!("pause {left_s:.1} s"),
         Phase::Stopped { why } => format!("stopped {why} (start goes on, quit ends)"),
         Phase::Done => format!("done {} of {}", view.done, view.total),
@@ -226,6 +252,28 @@ mod tests {
         assert_eq!(next(&mut plain, question()), Input::Answer(3));
         assert_eq!(next(&mut plain, Phase::Ready), Input::Repeat);
         assert_eq!(next(&mut plain, Phase::Ready), Input::Quit);
+    }
+
+    #[test]
+    fn any_trial_is_spoken_of_by_its_number() {
+        let (mut plain, _) = plain(
+            "trial 3 exclude  the phone rang\ntrial 3 note a b\ntrial 12 repeat\ntrial 1 ask\ntrial x ask\ntrial 1\n",
+        );
+        let expect = [
+            (3, About::Exclude("the phone rang".into())),
+            (3, About::Note("a b".into())),
+            (12, About::Repeat),
+            (1, About::Ask),
+        ];
+        for (trial, about) in expect {
+            assert_eq!(next(&mut plain, Phase::Ready), Input::Of(trial, about));
+        }
+        assert_eq!(next(&mut plain, Phase::Ready), Input::Quit);
+        let told = String::from_utf8(plain.out).unwrap();
+        assert!(
+            told.contains("'x' is no trial") && told.contains("understood of trial 1"),
+            "{told}"
+        );
     }
 
     #[test]

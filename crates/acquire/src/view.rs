@@ -39,6 +39,15 @@ pub struct View {
     pub done: usize,
     /// Trials of the order.
     pub total: usize,
+    /// What is done of each part of the order: of each condition, or of each environment where
+    /// modes are hidden. Familiarisation is in none.
+    pub cells: Vec<Cell>,
+    /// How long the session takes, this time.
+    pub course: Course,
+    /// Whether the pause goes on until somebody ends it.
+    pub held: bool,
+    /// The step of the device check that goes on, and what is done in it.
+    pub step: Option<String>,
     /// Work space, rad.
     pub theta_range_rad: (f64, f64),
     /// Where the environment's wall begins, rad, where it has one.
@@ -97,6 +106,28 @@ pub enum Phase {
     Done,
     /// Nothing more happens.
     Left,
+}
+
+/// Trials of one kind that are done.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cell {
+    /// The environment's label.
+    pub environment: String,
+    /// The mode's label; none in a blinded session.
+    pub mode: Option<String>,
+    /// How many are done.
+    pub done: usize,
+    /// How many there are.
+    pub of: usize,
+}
+
+/// How long a session takes, since it was begun or gone on with.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Course {
+    /// Since the first trial, s.
+    pub elapsed_s: f64,
+    /// What is expected to be left, s; none when nothing is.
+    pub left_s: Option<f64>,
 }
 
 /// The trial a screen speaks of.

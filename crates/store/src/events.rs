@@ -8,7 +8,7 @@ use crate::regular::text;
 use crate::{Files, RealFiles, StoreError, hex_blake3, replace};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use zwidth_study::Event;
+use zwidth_study::{Event, ExperimenterId};
 
 /// Largest log that is read, bytes: a hundred thousand events and more.
 const MOST_LOG: u64 = 1 << 26;
@@ -18,18 +18,50 @@ const MOST_LOG: u64 = 1 << 26;
 struct Line {
     /// When it was written, UTC, RFC 3339.
     utc: String,
+    /// Who had it written, by their code, where that was said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    by: Option<ExperimenterId>,
     #[serde(rename = "what")]
     event: Event,
-    /// BLAKE3 over the previous line's digest, the time and the event: a changed or missing line
-    /// shows.
+    /// BLAKE3 over the previous line's digest, the time, who, and the event: a changed or missing
+    /// line shows.
     blake3: String,
 }
 
-fn digest(previous: &str, utc: &str, event: &Event) -> Result<String, serde_json::Error> {
-    Ok(hex_blake3(format!("{previous}\n{utc}\n{}", serde_json::to_string(event)?).as_bytes()))
+/// What is written beside each event: when, UTC, and who had it written, where that was said.
+#[derive(Debug, Clone, Copy)]
+pub struct Entered<'a> {
+    /// The time in RFC 3339.
+    pub utc: &'a str,
+    /// Who, by their code.
+    pub by: Option<&'a ExperimenterId>,
 }
 
-/// Appends events in one synced write. `utc` is the time in RFC 3339.
+impl<'a> From<&'a str> for Entered<'a> {
+    fn from(utc: &'a str) -> Self {
+        Self { utc, by: None }
+    }
+}
+
+impl<'a> From<&'a String> for Entered<'a> {
+    fn from(utc: &'a String) -> Self {
+        utc.as_str().into()
+    }
+}
+
+fn digest(
+    previous: &str,
+    entered: Entered<'_>,
+    event: &Event,
+) -> Result<String, serde_json::Error> {
+    // A line without a code has the digest that it always had; an event begins with a brace, which
+    // no code does.
+    let by = entered.by.map(|by| format!("{by}\n")).unwrap_or_default();
+    let event = serde_json::to_string(event)?;
+    Ok(hex_blake3(format!("{previous}\n{}\n{by}{event}", entered.utc).as_bytes()))
+}
+
+/// Appends events in one synced write.
 ///
 /// Killed meanwhile, each line is there whole or can be seen to be unfinished; [`crate::recover`]
 /// mends the log then.
@@ -37,15 +69,15 @@ fn digest(previous: &str, utc: &str, event: &Event) -> Result<String, serde_json
 /// # Errors
 /// A log that cannot be read to its end, because nothing may follow a line that is in doubt; the
 /// write that failed.
-pub fn append_events(
+pub fn append_events<'a>(
     files: &dyn Files,
     path: &Path,
-    utc: &str,
+    entered: impl Into<Entered<'a>>,
     events: &[Event],
 ) -> Result<(), StoreError> {
     let mut digests = digests_of(files, path)?;
     standing(files, path, &digests)?;
-    let text = chained(path, &mut digests, utc, events)?;
+    let text = chained(path, &mut digests, entered.into(), events)?;
     let folder = folder_of(path);
     create_folders(files, folder)
         .and_then(|()| files.open_append(path)?.append_synced(text.as_bytes()))
@@ -59,16 +91,17 @@ pub fn append_events(
 fn chained(
     path: &Path,
     digests: &mut Vec<String>,
-    utc: &str,
+    entered: Entered<'_>,
     events: &[Event],
 ) -> Result<String, StoreError> {
     let mut text = String::new();
     for event in events {
         let previous = digests.last().map(String::as_str).unwrap_or_default();
-        let chained = digest(previous, utc, event);
+        let chained = digest(previous, entered, event);
         let blake3 =
             chained.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
-        let line = Line { utc: utc.to_owned(), event: event.clone(), blake3: blake3.clone() };
+        let (utc, by) = (entered.utc.to_owned(), entered.by.cloned());
+        let line = Line { utc, by, event: event.clone(), blake3: blake3.clone() };
         let json = serde_json::to_string(&line);
         text += &json.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
         text.push('\n');
@@ -87,7 +120,7 @@ pub fn new_log(
     events: &[Event],
 ) -> Result<Vec<(PathBuf, Vec<u8>)>, StoreError> {
     let mut digests = Vec::new();
-    let text = chained(path, &mut digests, utc, events)?;
+    let text = chained(path, &mut digests, utc.into(), events)?;
     let head = head_bytes(path, &digests)?.map(|head| (head_of(path), head));
     Ok(std::iter::once((path.to_owned(), text.into_bytes())).chain(head).collect())
 }
@@ -218,8 +251,8 @@ fn lines_of(path: &Path, text: &str) -> Result<Vec<Line>, StoreError> {
         };
         let line: Line =
             from_json(json).map_err(|e| error(format!("not a readable event: {e}")))?;
-        let expected =
-            digest(&previous, &line.utc, &line.event).map_err(|e| error(e.to_string()))?;
+        let entered = Entered { utc: &line.utc, by: line.by.as_ref() };
+        let expected = digest(&previous, entered, &line.event).map_err(|e| error(e.to_string()))?;
         if line.blake3 != expected {
             return Err(error(
                 "the checksum does not match: a line was changed or is missing".to_owned(),
@@ -254,6 +287,23 @@ mod tests {
         let events = read_events(&log(folder.path())).unwrap();
         assert_eq!(events.len(), 3);
         assert!(matches!(events[2], Event::Note { .. }));
+    }
+
+    #[test]
+    fn who_had_a_line_written_is_part_of_what_its_checksum_keeps() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = log(folder.path());
+        let by = ExperimenterId::new("E1").unwrap();
+        let entered = Entered { utc: UTC, by: Some(&by) };
+        let answer = Event::Note { trial: Some(1), text: "once more".into() };
+        append_events(&RealFiles, &path, entered, &[answer.clone()]).unwrap();
+        assert_eq!(read_events(&path).unwrap().last(), Some(&answer));
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.lines().last().unwrap().contains(r#""by":"E1""#), "{text}");
+        for other in ["\"E2\"", "null"] {
+            fs::write(&path, text.replace("\"E1\"", other)).unwrap();
+            assert_eq!(read_events(&path).unwrap_err().row, Some(4), "{other}");
+        }
     }
 
     #[test]

@@ -67,7 +67,7 @@ pub use columns::Columns;
 pub use content::Content;
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
-pub use events::{append_events, new_log, read_events};
+pub use events::{Entered, append_events, new_log, read_events};
 pub use form::check_form;
 pub use frame::Protocol;
 pub use hash::{file_blake3, hex_blake3};

@@ -248,6 +248,7 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
             Event::Excluded { reason, .. } => trial.excluded = Some(reason.clone()),
             Event::Answer { .. }
             | Event::Note { .. }
+            | Event::Marker { .. }
             | Event::Unsealed { .. }
             | Event::StudyAccepted { .. }
             | Event::LaidDown { .. }

@@ -66,6 +66,18 @@ pub enum Event {
         /// The remark.
         text: String,
     },
+    /// A moment of the trial was told to other programs, or was to be.
+    Marker {
+        /// Trial number.
+        trial: u32,
+        /// Which moment.
+        moment: Moment,
+        /// Since the trial's start by the host's clock, as in the trial's file, µs.
+        t_us: u64,
+        /// The device's own clock, µs, where it has one and the moment is a sample's.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        device_us: Option<u64>,
+    },
     /// The sealed order of modes was opened. It is true only if it verifies against the session's
     /// commitment ([`crate::Seal`]).
     Unsealed {
@@ -80,6 +92,32 @@ pub enum Event {
         /// BLAKE3 of that `study.toml`, hexadecimal.
         study_blake3: String,
     },
+}
+
+/// A moment of a trial that others may want to know of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Moment {
+    /// Its first sample.
+    Start,
+    /// Its first sample past the wall.
+    Contact,
+    /// Its last sample.
+    End,
+    /// An answer to one of its questions.
+    Answer,
+}
+
+impl Moment {
+    /// Its name.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::Contact => "contact",
+            Self::End => "end",
+            Self::Answer => "answer",
+        }
+    }
 }
 
 /// An answer as it was given (not reversed).
@@ -108,6 +146,7 @@ impl Event {
             Self::Recorded { trial, .. }
             | Self::Answer { trial, .. }
             | Self::Superseded { trial, .. }
+            | Self::Marker { trial, .. }
             | Self::Excluded { trial, .. } => Some(*trial),
             Self::Note { trial, .. } => *trial,
             Self::LaidDown { .. }

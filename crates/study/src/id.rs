@@ -138,6 +138,8 @@ ids! {
     StudyId = "study", unless refused_as_name;
     /// A participant's code. Names of people never enter a file.
     ParticipantId = "participant", unless refused_as_name;
+    /// An experimenter's code. Names of people never enter a file.
+    ExperimenterId = "experimenter", unless refused;
     /// A session of one participant.
     SessionId = "session", unless refused_as_name;
     /// An environment of the study, such as `spring_wall`.

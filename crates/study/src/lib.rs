@@ -36,12 +36,12 @@ pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{Bound, Compare, Contrast, Families};
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
-pub use event::{Event, Given, SealedTrial};
+pub use event::{Event, Given, Moment, SealedTrial};
 pub use figures::{Alignment, Alignments, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, Schema, TrialForm};
 pub use id::{
-    ActuatorId, ChannelId, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId,
-    SceneFigureId, SessionId, StudyId,
+    ActuatorId, ChannelId, EnvironmentId, ExperimenterId, IdError, MetricId, ModeId, ParticipantId,
+    QuestionId, SceneFigureId, SessionId, StudyId,
 };
 pub use law::{ActuatorKind, ModeLaw};
 pub use locate::{line_of, toml_error};

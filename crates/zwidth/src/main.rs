@@ -50,6 +50,9 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
             commands::characterise::characterise(root, &command, screen)
         }
         Command::Twin(command) => commands::twin::twin(root, &command, screen),
+        Command::Exclude(command) => commands::said::exclude(root, &command, screen),
+        Command::Note(command) => commands::said::note(root, &command, screen),
+        Command::Answer(command) => commands::said::answer(root, &command, screen),
         Command::Unseal(command) => commands::unseal::unseal(root, &command, screen),
         Command::Recover(command) => commands::recover::recover(root, &command, screen),
         Command::Import(command) => commands::import::import(root, &command, screen),

@@ -85,7 +85,7 @@ impl Desk {
         fs::write(&path, text.replacen(from, to, 1)).unwrap();
     }
 
-    fn session(&self) -> Value {
+    pub(crate) fn session(&self) -> Value {
         zwidth(self.root(), &["--json", "list", "small"]).json()[0]["sessions"][0].clone()
     }
 
@@ -101,7 +101,7 @@ impl Desk {
         assert!(verified.out.contains("no findings"), "{verified:#?}");
     }
 
-    fn trials(&self) -> usize {
+    pub(crate) fn trials(&self) -> usize {
         files(&self.root().join("raw/small/trials"), "parquet").len()
     }
 }

@@ -31,6 +31,7 @@ mod resuming;
 #[cfg(unix)]
 mod rig;
 mod running;
+mod said;
 mod schema;
 mod shards;
 mod shipped;

@@ -1,5 +1,6 @@
 //! One input at a time: what it changes, and what is to be done.
 
+use super::about::note;
 use super::{Action, EMERGENCY_STOP, End, Flow, Halt, Input, Phase};
 use zwidth_study::{Event, Given, Question};
 
@@ -18,9 +19,11 @@ impl Flow {
             Input::Start => self.start(),
             Input::Answer(value) => self.answer(value),
             Input::Skip => self.skip(),
+            Input::Hold => self.hold(),
             Input::Repeat => self.repeat(),
             Input::Exclude(reason) => self.exclude(reason),
-            Input::Note(text) => self.note(text),
+            Input::Note(text) => note(self.subject(), text),
+            Input::Of(trial, about) => self.about(trial, about),
             Input::Stop => self.halt(Halt::Stop),
             Input::Quit => self.halt(Halt::Quit),
         }
@@ -47,35 +50,53 @@ impl Flow {
         if self.phase != Phase::Homing {
             return Vec::new();
         }
-        match self.last.zip(self.open) {
-            Some((place, asked)) => self.ask(place, asked, true),
-            _ => self.go_on(),
+        match self.open {
+            Some((place, asked)) => {
+                self.ask(place, asked, true);
+                Vec::new()
+            }
+            None => self.go_on(),
         }
-        Vec::new()
     }
 
     /// Opens a question of the trial at `place`.
-    fn ask(&mut self, place: usize, asked: usize, late: bool) {
+    pub(super) fn ask(&mut self, place: usize, asked: usize, late: bool) {
         self.asked_s = None;
         self.phase = Phase::Question { place, asked, late };
     }
 
     /// After a question: to the trial's next one, or on.
-    fn after(&mut self, place: usize, asked: usize) {
-        self.open = Some(asked + 1).filter(|next| *next < self.places[place].questions.len());
+    fn after(&mut self, place: usize, asked: usize) -> Vec<Action> {
+        let next = asked + 1;
+        self.open = (next < self.places[place].questions.len()).then_some((place, next));
         match self.open {
-            Some(next) => self.ask(place, next, true),
+            Some((place, next)) => {
+                self.ask(place, next, true);
+                Vec::new()
+            }
             None => self.go_on(),
         }
     }
 
-    /// To the pause, what is left of it; to the next trial; or to the end.
-    fn go_on(&mut self) {
+    /// To the pause, what is left of it; to the next trial, before the first one by the device check;
+    /// or to the end.
+    pub(super) fn go_on(&mut self) -> Vec<Action> {
         self.phase = match self.here() {
             None => Phase::Done,
-            Some(_) if self.rest_s > 0.0 => Phase::Pause,
+            Some(_) if !self.checked => Phase::Check,
+            Some(_) if self.rest_s > 0.0 || self.held => Phase::Pause,
             Some(_) => Phase::Ready,
         };
+        if self.phase == Phase::Check { vec![Action::Check] } else { Vec::new() }
+    }
+
+    /// Holds the pause before the next trial, or no longer.
+    fn hold(&mut self) -> Vec<Action> {
+        if !matches!(self.phase, Phase::Pause | Phase::Ready) {
+            return refuse("there is no pause to hold");
+        }
+        self.held = !self.held;
+        self.go_on()
     }
 
     fn failed(&mut self, why: String) -> Vec<Action> {
@@ -100,17 +121,17 @@ impl Flow {
             // `max` takes the 0 where dt is not a number.
             self.rest_s = (self.rest_s - dt_s.max(0.0)).max(0.0);
         }
-        if self.phase == Phase::Pause && self.rest_s == 0.0 {
-            self.go_on();
-        }
-        Vec::new()
+        if self.phase == Phase::Pause && self.rest_s == 0.0 { self.go_on() } else { Vec::new() }
     }
 
     fn start(&mut self) -> Vec<Action> {
         match (&self.phase, self.here()) {
             (Phase::Ready, Some(place)) => {
+                // One that was excluded, and is offered, gives its place away only now.
+                let again = self.places[place].done.then(|| self.supersede(place));
                 self.phase = Phase::Trial { halted: None };
-                vec![Action::Run(self.places[place].trial.clone())]
+                let run = Action::Run(self.places[place].trial.clone());
+                again.into_iter().chain([run]).collect()
             }
             (Phase::AtStop, _) => self.home(),
             (Phase::Stopped { .. }, _) if self.checked => self.home(),
@@ -118,6 +139,7 @@ impl Flow {
                 self.phase = Phase::Check;
                 vec![Action::Check]
             }
+            (Phase::Pause, _) if self.held => self.hold(),
             (Phase::Pause, _) => refuse(format!("the pause has {:.1} s to go", self.rest_s)),
             (Phase::Question { place, asked, .. }, _) => {
                 let range = self.asked(*place, *asked).map(|q| q.scale.range()).unwrap_or_default();
@@ -134,6 +156,7 @@ impl Flow {
             return Vec::new();
         };
         self.last = Some(place);
+        self.ended.insert(self.places[place].trial.trial);
         self.rest_s = self.pause_s;
         match end {
             End::Cut(why) => self.cut(place, why, halted),
@@ -143,10 +166,10 @@ impl Flow {
             }
             End::Complete => {
                 let mut actions = vec![self.finish(place, None)];
-                match halted {
-                    Some(halt) => actions.extend(self.halt_idle(halt)),
+                actions.extend(match halted {
+                    Some(halt) => self.halt_idle(halt),
                     None => self.go_on(),
-                }
+                });
                 actions
             }
         }
@@ -164,10 +187,11 @@ impl Flow {
     }
 
     /// The trial at `place` is done: its file can be made.
-    fn finish(&mut self, place: usize, likert: Option<Given>) -> Action {
+    pub(super) fn finish(&mut self, place: usize, likert: Option<Given>) -> Action {
         let slot = &mut self.places[place];
         slot.done = true;
-        self.open = Some(usize::from(likert.is_some())).filter(|open| *open < slot.questions.len());
+        let open = usize::from(likert.is_some());
+        self.open = (open < slot.questions.len()).then_some((place, open));
         Action::Finish { trial: slot.trial.trial, complete: true, likert }
     }
 
@@ -178,7 +202,7 @@ impl Flow {
         let slot = &mut self.places[place];
         let trial = std::mem::replace(&mut slot.trial.trial, by);
         slot.repeats = Some(trial);
-        slot.done = false;
+        (slot.done, slot.excluded) = (false, false);
         Action::Log(Event::Superseded { trial, by })
     }
 
@@ -197,8 +221,7 @@ impl Flow {
             let given = Given { value, time_ms: self.took_ms() };
             self.finish(place, Some(given))
         };
-        self.after(place, asked);
-        vec![action]
+        [vec![action], self.after(place, asked)].concat()
     }
 
     /// From the question to now, ms. None where no time goes by, as in a simulated session.
@@ -216,52 +239,9 @@ impl Flow {
         let Phase::Question { place, asked, late } = self.phase else {
             return refuse("no question is open");
         };
-        let actions = if late { Vec::new() } else { vec![self.finish(place, None)] };
-        self.after(place, asked);
+        let mut actions = if late { Vec::new() } else { vec![self.finish(place, None)] };
+        actions.extend(self.after(place, asked));
         actions
-    }
-
-    fn repeat(&mut self) -> Vec<Action> {
-        if matches!(self.phase, Phase::Trial { .. }) {
-            return refuse("a trial is running: stop it first; it is then done again");
-        }
-        let Some(place) = self.last else { return refuse("there is no trial to do again yet") };
-        let mut actions = match self.phase {
-            Phase::Question { late: false, .. } => vec![self.finish(place, None)],
-            _ => Vec::new(),
-        };
-        if !self.places[place].done {
-            let Some(trial) = self.places[place].repeats else {
-                return refuse("it is open anyway");
-            };
-            return refuse(format!("trial {trial} is to be done again already"));
-        }
-        actions.push(self.supersede(place));
-        self.open = None;
-        if matches!(self.phase, Phase::Question { .. } | Phase::Ready | Phase::Done) {
-            self.go_on();
-        }
-        actions
-    }
-
-    fn exclude(&mut self, reason: String) -> Vec<Action> {
-        if matches!(self.phase, Phase::Trial { .. }) {
-            return refuse("a trial is running: exclude it when it has ended");
-        }
-        let reason = reason.trim().to_owned();
-        match self.subject() {
-            _ if reason.is_empty() => refuse("an exclusion needs its reason"),
-            None => refuse("there is no trial to exclude yet"),
-            Some(trial) => vec![Action::Log(Event::Excluded { trial, reason })],
-        }
-    }
-
-    fn note(&self, text: String) -> Vec<Action> {
-        let text = text.trim().to_owned();
-        if text.is_empty() {
-            return refuse("the note is empty");
-        }
-        vec![Action::Log(Event::Note { trial: self.subject(), text })]
     }
 
     fn halt(&mut self, halt: Halt) -> Vec<Action> {
@@ -300,6 +280,6 @@ impl Flow {
     }
 }
 
-fn refuse(why: impl Into<String>) -> Vec<Action> {
+pub(super) fn refuse(why: impl Into<String>) -> Vec<Action> {
     vec![Action::Refuse(why.into())]
 }

@@ -7,17 +7,24 @@
 //! ```
 //!
 //! The order is a row of *places*; each holds one trial. A trial that is repeated, or that was cut
-//! short, gives its place to a new trial **right away**: the conditions that count then follow each
-//! other exactly as drawn, and blocks stay blocks. Numbers are never used twice: the new trial
-//! takes the next free number after the order's last, and the event `superseded` names both.
+//! short, gives its place to a new trial **right away**: if it was the last one, the conditions that
+//! count follow each other exactly as drawn, and blocks stay blocks. Numbers are never used twice:
+//! the new trial takes the next free number after the order's last, and the event `superseded` names
+//! both.
+//!
+//! A trial that was excluded is **missing**: its place counts as open, and is offered once all others
+//! are done, unless somebody asks for the repeat before. Only then does it give its place away. A
+//! familiarisation trial counts nowhere, so that nothing is missing without it.
 
+mod about;
 mod act;
 mod start;
 #[cfg(test)]
 mod tests;
 
 pub use start::Recorded;
-use zwidth_study::{Event, Given, PlannedTrial, Question};
+use std::collections::BTreeSet;
+use zwidth_study::{Event, Given, Kind, PlannedTrial, Question};
 
 /// What a stop by key is called.
 pub const EMERGENCY_STOP: &str = "emergency stop";
@@ -41,16 +48,33 @@ pub enum Input {
     Answer(i16),
     /// The question stays without an answer.
     Skip,
+    /// Hold the pause until this comes again, or somebody starts.
+    Hold,
     /// Do the last trial again.
     Repeat,
     /// The last trial does not count, and why.
     Exclude(String),
     /// A remark on the trial at hand.
     Note(String),
+    /// Something about a trial of the session, by its number.
+    Of(u32, About),
     /// Emergency stop.
     Stop,
     /// End the session here; it can be resumed.
     Quit,
+}
+
+/// What may be said about any trial of a session, at any time at which none runs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum About {
+    /// It does not count, and why.
+    Exclude(String),
+    /// A remark on it.
+    Note(String),
+    /// Do it again, right away.
+    Repeat,
+    /// Ask its questions again: what is answered now is what counts.
+    Ask,
 }
 
 /// How a trial ended.
@@ -86,6 +110,8 @@ pub enum Action {
     },
     /// Append to the event log.
     Log(Event),
+    /// Tell what follows from an input.
+    Tell(String),
     /// Tell that an input was refused, and why; nothing changed.
     Refuse(String),
     /// The session is over for now.
@@ -151,9 +177,21 @@ pub struct Place {
     pub questions: Vec<Question>,
     /// Whether it ran to its end.
     pub done: bool,
+    /// Whether it was excluded, and would count otherwise.
+    pub excluded: bool,
 }
 
 impl Place {
+    /// Whether it has a trial that was not excluded.
+    pub(crate) fn is_settled(&self) -> bool {
+        self.done && !self.excluded
+    }
+
+    /// Whether it would be missed if its trial were excluded.
+    fn counts(&self) -> bool {
+        self.trial.kind == Kind::Trial
+    }
+
     /// The trial that ended here last: the one before the repeat that waits.
     fn ended(&self) -> u32 {
         self.repeats.filter(|_| !self.done).unwrap_or(self.trial.trial)
@@ -167,14 +205,18 @@ pub struct Flow {
     places: Vec<Place>,
     /// The place whose trial ended last.
     last: Option<usize>,
-    /// Which of the last trial's questions is open although its file is finished.
-    open: Option<usize>,
+    /// A place, and which of its questions is open although its trial's file is finished.
+    open: Option<(usize, usize)>,
+    /// Numbers of trials that ended, with whatever end.
+    ended: BTreeSet<u32>,
     /// The number of the next repeat.
     next_number: u32,
     /// Shortest pause between trials, s.
     pause_s: f64,
     /// What is left of the pause, s.
     rest_s: f64,
+    /// Whether the pause goes on until somebody ends it.
+    held: bool,
     /// For how long the open question has been shown, s; none until time went by.
     asked_s: Option<f64>,
     /// Whether the device passed its check.
@@ -199,14 +241,31 @@ impl Flow {
         &self.places
     }
 
-    /// The first place that is not done: the trial in progress, or the next one.
+    /// The first place that is not done, the trial in progress or the next one; after all of them
+    /// the first whose trial was excluded.
     pub(crate) fn here(&self) -> Option<usize> {
-        self.places.iter().position(|p| !p.done)
+        let open = self.places.iter().position(|p| !p.done);
+        open.or_else(|| self.places.iter().position(|p| !p.is_settled()))
     }
 
-    /// Places that are done.
+    /// Places that are done, with a trial that was not excluded.
     pub(crate) fn done(&self) -> usize {
-        self.places.iter().filter(|p| p.done).count()
+        self.places.iter().filter(|p| p.is_settled()).count()
+    }
+
+    /// The number of the trial at hand or to come at a place, and the one that it repeats.
+    pub(crate) fn number_at(&self, place: usize) -> (u32, Option<u32>) {
+        let Place { trial, repeats, .. } = &self.places[place];
+        let asked = matches!(self.phase, Phase::Question { place: open, .. } if open == place);
+        match self.places[place].done && !asked && self.here() == Some(place) {
+            true => (self.next_number, Some(trial.trial)),
+            false => (trial.trial, *repeats),
+        }
+    }
+
+    /// Whether the pause goes on until somebody ends it.
+    pub(crate) fn is_held(&self) -> bool {
+        self.held
     }
 
     /// What is left of the pause, s.

@@ -1,7 +1,7 @@
 //! A session laid out: fresh, or from what was recorded of it before.
 
 use super::{Action, Flow, Phase, Place};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_study::{Event, PlannedTrial, Question, QuestionId};
 
 /// A trial of the session that has a file.
@@ -20,7 +20,7 @@ impl Flow {
     /// `recorded`; `events` are its log. Its first actions.
     ///
     /// A place is done if the trial that holds it last is complete. A trial that was cut short
-    /// gives its place to a new one, right away.
+    /// gives its place to a new one, right away; one that was excluded when nothing else is to be done.
     pub(crate) fn begin(
         order: Vec<(PlannedTrial, Vec<Question>)>,
         pause_s: f64,
@@ -33,23 +33,31 @@ impl Flow {
         let next_number = used.chain(successors.values().copied()).max().unwrap_or(0) + 1;
         let places: Vec<Place> = order
             .into_iter()
-            .map(|(trial, questions)| place(trial, questions, &successors, &files))
+            .map(|(trial, questions)| {
+                place(trial, questions, &successors, &files, &excluded(events))
+            })
             .collect();
         let mut flow = Self {
             phase: Phase::Check,
             last: places.iter().take_while(|p| p.done).count().checked_sub(1),
             places,
             open: None,
+            ended: files.keys().copied().collect(),
             next_number,
             pause_s,
             rest_s: if files.is_empty() { 0.0 } else { pause_s },
+            held: false,
             asked_s: None,
             checked: false,
             by_hand: false,
         };
         let mut actions = flow.replace_cut_trials(&files);
-        flow.open = flow.last.and_then(|i| flow.left_open(i, &files, events));
-        actions.push(Action::Check);
+        flow.open = flow.last.and_then(|i| Some((i, flow.left_open(i, &files, events)?)));
+        // Where nothing is left to do, nothing is checked, and no lever is homed.
+        match flow.open {
+            Some((place, asked)) if flow.here().is_none() => flow.ask(place, asked, true),
+            _ => actions.extend(flow.go_on()),
+        }
         (flow, actions)
     }
 
@@ -66,7 +74,8 @@ impl Flow {
         let is_answer = |event: &Event, id: &QuestionId| matches!(event, Event::Answer { trial: of, question, .. } if *of == trial.trial && question == id);
         let open =
             questions.iter().position(|q| !events.iter().any(|event| is_answer(event, &q.id)));
-        open.filter(|_| self.here().is_none_or(|next| self.places[next].repeats.is_none()))
+        let is_new = |next: usize| self.places[next].repeats.is_none() || self.places[next].done;
+        open.filter(|_| self.here().is_none_or(is_new))
     }
 
     fn replace_cut_trials(&mut self, files: &BTreeMap<u32, Recorded>) -> Vec<Action> {
@@ -85,11 +94,21 @@ fn successors(events: &[Event]) -> BTreeMap<u32, u32> {
     events.iter().filter_map(pair).collect()
 }
 
+/// The trials that were excluded.
+fn excluded(events: &[Event]) -> BTreeSet<u32> {
+    let one = |event: &Event| match event {
+        Event::Excluded { trial, .. } => Some(*trial),
+        _ => None,
+    };
+    events.iter().filter_map(one).collect()
+}
+
 fn place(
     mut trial: PlannedTrial,
     questions: Vec<Question>,
     successors: &BTreeMap<u32, u32>,
     files: &BTreeMap<u32, Recorded>,
+    excluded: &BTreeSet<u32>,
 ) -> Place {
     let mut repeats = None;
     while let Some(by) = successors.get(&trial.trial) {
@@ -97,5 +116,7 @@ fn place(
         trial.trial = *by;
     }
     let done = files.get(&trial.trial).is_some_and(|r| r.complete);
-    Place { trial, repeats, questions, done }
+    let excluded = excluded.contains(&trial.trial);
+    let place = Place { trial, repeats, questions, done, excluded: false };
+    Place { excluded: excluded && place.counts(), ..place }
 }

@@ -21,7 +21,8 @@ impl Runner<'_> {
             return Ok(vec![Input::Answer(answer)]);
         }
         let mut inputs = Vec::new();
-        let rests = *self.flow.phase() == Phase::Pause && !self.options.live;
+        let rests =
+            *self.flow.phase() == Phase::Pause && !self.flow.is_held() && !self.options.live;
         let found = match self.flow.phase() {
             Phase::Pause if rests => self.rest(),
             Phase::Ready | Phase::Question { .. } | Phase::Pause => self.attendant.fault(),

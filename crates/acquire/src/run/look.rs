@@ -1,8 +1,10 @@
 //! From what goes on to what is shown.
 
+use crate::course;
 use crate::flow::{self, Flow};
 use crate::plan::Plan;
 use crate::session::Session;
+use crate::told::check_value;
 use crate::view::{CheckLine, Current, Phase, Timing, View};
 use zwidth_device::{Capabilities, Histogram};
 use zwidth_study::{Check, Event, Source};
@@ -39,6 +41,9 @@ pub(super) fn refresh_trial(view: &mut View, flow: &Flow, plan: &Plan, session: 
         _ => flow.here(),
     };
     view.done = flow.done();
+    view.held = flow.is_held();
+    let modes = (!session.blinded).then_some(session.modes.as_slice());
+    view.cells = course::cells(flow, modes, &plan.study);
     view.trial = place.map(|place| current(place, flow, plan, session));
     // In the pause the trace still is that of the trial that ended.
     if matches!(flow.phase(), flow::Phase::Pause) {
@@ -54,14 +59,15 @@ fn current(place: usize, flow: &Flow, plan: &Plan, session: &Session) -> Current
     let mode = session.modes.get(place).filter(|_| !session.blinded);
     let label = |id| plan.study.mode(id).map(|m| m.label.clone());
     let environment = plan.study.environment(&slot.trial.environment);
+    let (trial, repeats) = flow.number_at(place);
     Current {
-        trial: slot.trial.trial,
+        trial,
         place: place + 1,
         kind: slot.trial.kind,
         environment: environment
             .map_or_else(|| slot.trial.environment.to_string(), |e| e.label.clone()),
         mode: mode.and_then(label),
-        repeats: slot.repeats,
+        repeats,
     }
 }
 
@@ -110,6 +116,7 @@ pub(super) fn event(event: &Event) -> String {
         }
         Event::Excluded { trial, reason } => format!("trial {trial} excluded: {reason}"),
         Event::Note { trial, text } => format!("{}note: {text}", of(trial)),
+        Event::Marker { trial, moment, .. } => format!("trial {trial}: marker {}", moment.as_str()),
         Event::Unsealed { .. } => "unsealed".to_owned(),
         Event::StudyAccepted { .. } => "the changed study.toml was accepted".to_owned(),
     }
@@ -117,24 +124,13 @@ pub(super) fn event(event: &Event) -> String {
 
 /// A line of the device check for the screen.
 pub(super) fn check_line(check: &Check) -> CheckLine {
-    CheckLine { name: check.name.clone(), value: value(check), ok: check.ok }
+    CheckLine { name: check.name.clone(), value: check_value(check), ok: check.ok }
 }
 
 /// A line of the device check in words.
 pub(super) fn check_words(check: &Check) -> String {
     let verdict = if check.ok { "ok" } else { "not good enough" };
-    format!("{} {}, {verdict}", check.name, value(check))
-}
-
-fn value(check: &Check) -> String {
-    // Four digits tell a good device from a bad one; the record holds them all.
-    let size = check.value.abs();
-    let number = if size == 0.0 || (1e-2..1e5).contains(&size) {
-        format!("{:.4}", check.value).trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        format!("{:.3e}", check.value)
-    };
-    if check.unit == "1" { number } else { format!("{number} {}", check.unit) }
+    format!("{} {}, {verdict}", check.name, check_value(check))
 }
 
 /// How a trial's loop keeps its time, for the screen. Counted are missed deadlines, and dropouts.

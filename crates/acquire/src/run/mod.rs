@@ -7,16 +7,19 @@
 
 mod idle;
 mod look;
+mod mark;
 #[cfg(test)]
 mod tests;
 mod trial;
 
+use crate::course::course;
 use crate::flow::{Action, EMERGENCY_STOP, Flow, Input, Phase};
 use crate::folder::{StudyFolder, Within};
+use crate::markers::Markers;
 use crate::plan::Plan;
 use crate::session::Session;
 use crate::tape::Tape;
-use crate::{AcquireError, Front, View};
+use crate::{AcquireError, Course, Front, Target, View};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,11 +29,18 @@ use zwidth_device::check::{Finding, Step, check_device};
 use zwidth_device::{
     Attendant, Capabilities, Clock, Device, Guard, Limits, Station, Timing, TrialPlan, Trip,
 };
-use zwidth_store::{Files, append_events, sync_names};
-use zwidth_study::{Check, Event, Study};
+use zwidth_store::{Entered, Files, append_events, sync_names};
+use zwidth_study::{Check, Event, ExperimenterId, Study};
 
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
 const WAIT: Duration = Duration::from_millis(50);
+
+/// The steps of the device check that need no mass, and what is done in each.
+const STEPS: [(Step, &str); 3] = [
+    (Step::Rest, "the sensors at rest, for 2 s"),
+    (Step::Hand, "the lever all the way and back, for 4 s"),
+    (Step::Actuators, "motor and brake, switched on for a moment"),
+];
 
 /// What is told when a blinded session begins or goes on.
 const BLINDED: &str = "blinded: no name, record or screen tells a mode, but whoever opens a trial's file can read it from \
@@ -63,6 +73,10 @@ pub struct Options {
     pub check: fn(Step) -> bool,
     /// The motor of a device without a watchdog may be used; each trial is marked.
     pub no_watchdog: bool,
+    /// The programs that are told of each trial's start, contact, end and answer.
+    pub markers: Vec<Target>,
+    /// Who sits before it, by their code: it stands beside each event.
+    pub by: Option<ExperimenterId>,
     /// Raised by a stop key: the running trial ends at its next tick.
     pub stop: Arc<AtomicBool>,
     /// Raised by a signal that ends the program: the session is left in order.
@@ -102,10 +116,15 @@ struct Runner<'a> {
     answer: Option<i16>,
     view: View,
     timing: Timing,
+    markers: Markers,
+    /// The last trial that ran, the clock when it had ended, s, and its last sample's time, s.
+    ran: Option<(u32, f64, f64)>,
     /// What stopped the session, while it is stopped.
     stopped: Option<String>,
     /// The clock at the last look, s.
     seen_s: f64,
+    /// The clock before the first trial of this life, s, and what was done by then.
+    began: Option<(f64, usize)>,
 }
 
 /// Runs a session from where it stands to where it is left. The study's lock is the caller's.
@@ -154,8 +173,11 @@ pub fn run<'a>(
             answer: None,
             view,
             timing: Timing::default(),
+            markers: Markers::to(&options.markers),
+            ran: None,
             stopped: None,
             seen_s,
+            began: None,
         };
         runner.begin(first).and_then(|()| runner.go_on())?;
         Ok(runner.outcome())
@@ -210,6 +232,7 @@ impl<'a> Runner<'a> {
                 _ => None,
             };
             self.files.check()?;
+            self.tell_unsent()?;
             self.show()?;
             let idle = self.idle()?;
             let now_s = self.attendant.now_s();
@@ -234,19 +257,26 @@ impl<'a> Runner<'a> {
                 Action::Check => Some(self.check()?),
                 Action::Home => Some(self.home()?),
                 Action::Run(trial) => {
+                    self.began = self.began.or(Some((self.attendant.now_s(), self.flow.done())));
                     let end = self.record(&trial)?;
                     self.seen_s = self.attendant.now_s(); // the trial is no part of the pause after it
                     Some(Input::Ended(end))
                 }
                 Action::Finish { trial, complete, likert } => {
+                    if likert.is_some() {
+                        self.mark_answer(trial)?;
+                    }
                     self.finish(trial, complete, likert)?;
                     None
                 }
                 Action::Log(event) => {
+                    if let Event::Answer { trial, .. } = event {
+                        self.mark_answer(trial)?;
+                    }
                     self.log(event)?;
                     None
                 }
-                Action::Refuse(why) => {
+                Action::Refuse(why) | Action::Tell(why) => {
                     self.view.say(why);
                     None
                 }
@@ -285,7 +315,8 @@ impl<'a> Runner<'a> {
         let utc = (self.utc)(self.attendant.now_s());
         let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
         self.view.say(look::event(&event));
-        Ok(append_events(&self.files, &path, &utc, &[event])?)
+        let entered = Entered { utc: &utc, by: self.options.by.as_ref() };
+        Ok(append_events(&self.files, &path, entered, &[event])?)
     }
 
     /// Tells what is to be known of the session, and keeps it in its log.
@@ -297,8 +328,9 @@ impl<'a> Runner<'a> {
     /// a later one into the log. What is not good enough is told, not forbidden: that is a
     /// person's to judge.
     fn check(&mut self) -> Result<Input, AcquireError> {
-        self.show()?;
-        let found = match self.checked() {
+        let found = self.checked()?;
+        self.view.step = None;
+        let found = match found {
             Ok(found) => found,
             Err(trip) => return Ok(Input::Failed(format!("device check: {trip}"))),
         };
@@ -329,13 +361,32 @@ impl<'a> Runner<'a> {
         Ok(Input::Checked)
     }
 
-    fn checked(&mut self) -> Result<Vec<Finding>, Trip> {
+    /// Goes through the steps of the check one by one, each shown while it lasts.
+    fn checked(&mut self) -> Result<Result<Vec<Finding>, Trip>, AcquireError> {
+        let steps = STEPS.into_iter().filter(|step| (self.options.check)(step.0));
+        let steps: Vec<_> = steps.collect();
+        let mut found = Vec::new();
+        for (i, (step, what)) in steps.iter().enumerate() {
+            self.view.step = Some(format!("Step {} of {}: {what}", i + 1, steps.len()));
+            self.show()?;
+            match self.check_step(*step) {
+                Ok(more) => found.extend(more),
+                Err(trip) => return Ok(Err(trip)),
+            }
+        }
+        if steps.is_empty() {
+            self.show()?;
+        }
+        Ok(Ok(found))
+    }
+
+    fn check_step(&mut self, one: Step) -> Result<Vec<Finding>, Trip> {
         let (calibration, rate_hz) = (&self.plan.calibration, self.rate_hz);
-        let (steps, stop) = (self.options.check, &*self.options.stop);
+        let stop = &*self.options.stop;
         self.attendant.ask(move |station| {
             let Station { device, clock, guard, .. } = station;
-            let mut able = |step| steps(step);
-            check_device(*device, *clock, guard, calibration, rate_hz, None, stop, &mut able)
+            let mut is_it = |step| step == one;
+            check_device(*device, *clock, guard, calibration, rate_hz, None, stop, &mut is_it)
         })?
     }
 
@@ -352,7 +403,18 @@ impl<'a> Runner<'a> {
 
     fn show(&mut self) -> Result<(), AcquireError> {
         look::refresh(&mut self.view, &self.flow, self.plan, &self.session);
+        self.view.course = self.course();
         self.front.show(&self.view)
+    }
+
+    /// How long the session takes, so far and still.
+    fn course(&mut self) -> Course {
+        let now_s = self.attendant.now_s();
+        let (began_s, before) = self.began.unwrap_or((now_s, self.flow.done()));
+        let design = &self.plan.study.design;
+        let (done, all) = (self.flow.done(), self.flow.places().len());
+        let planned_s = design.trial_limit_s + design.pause_s;
+        course(now_s - began_s, done.saturating_sub(before), all - done, planned_s)
     }
 
     fn outcome(self) -> Outcome {

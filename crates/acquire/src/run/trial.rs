@@ -1,5 +1,6 @@
 //! One trial: run, journaled, shown, and made a file.
 
+use super::mark::Marking;
 use super::{Runner, look};
 use crate::flow::{Action, EMERGENCY_STOP, End, Flow, Input};
 use crate::plan::Plan;
@@ -14,8 +15,10 @@ use zwidth_device::{
     Controller, Histogram, Reading, Seen, Station, Timing, TrialEnd, TrialPlan, TrialRun,
     TrialTask, Trip, watch,
 };
-use zwidth_store::{Files, Journal, Protocol, TrialFile, append_events, check_session};
-use zwidth_study::{Environment, Event, Flags, Given, Mode, PlannedTrial, Sample, Study};
+use zwidth_store::{Entered, Files, Journal, Protocol, TrialFile, append_events, check_session};
+use zwidth_study::{
+    Environment, Event, ExperimenterId, Flags, Given, Mode, PlannedTrial, Sample, Study,
+};
 
 /// Why a trial was cut that a signal ended.
 const SIGNAL: &str = "a signal ended the program";
@@ -51,6 +54,7 @@ impl<'a> Runner<'a> {
             view: &mut self.view,
             blinded: self.session.blinded,
             pace: Pace::new(plan.rate_hz),
+            marking: Marking::new(&self.markers, trial.trial),
         };
         let stop = &*self.options.stop;
         let mut desk = Desk {
@@ -61,6 +65,7 @@ impl<'a> Runner<'a> {
             plan: self.plan,
             session: &self.session,
             stop,
+            by: self.options.by.as_ref(),
             quit: &self.options.quit,
             drawn: Instant::now(),
             error: None,
@@ -76,11 +81,16 @@ impl<'a> Runner<'a> {
         }
         let _ = live.tape.write(); // what it finds is in `error`
         live.tell();
+        let (last_s, sent) = live.marking.end();
         let mut tape = live.tape;
         if let Some(error) = tape.error.take() {
             return Err(error.into());
         }
-        self.conclude(trial.trial, tape, &run)
+        let now_s = self.attendant.now_s();
+        self.ran = last_s.map(|last_s| (trial.trial, now_s, last_s));
+        let end = self.conclude(trial.trial, tape, &run)?;
+        self.keep_markers(&sent)?;
+        Ok(end)
     }
 
     /// Nothing is recorded onto a session that is not whole any more.
@@ -247,6 +257,7 @@ struct Live<'a> {
     view: &'a mut View,
     blinded: bool,
     pace: Pace,
+    marking: Marking<'a>,
 }
 
 /// A sample that is early by this share of a period is on time: its time is a difference of two
@@ -299,6 +310,7 @@ impl Pace {
 impl Live<'_> {
     fn add(&mut self, sample: &Sample) -> ControlFlow<()> {
         self.pace.add(sample);
+        self.marking.add(sample);
         if let crate::Phase::Trial { t_s, .. } = &mut self.view.phase {
             *t_s = sample.t_s;
         }
@@ -331,6 +343,7 @@ struct Desk<'a> {
     plan: &'a Plan,
     session: &'a Session,
     stop: &'a AtomicBool,
+    by: Option<&'a ExperimenterId>,
     quit: &'a AtomicBool,
     drawn: Instant,
     error: Option<AcquireError>,
@@ -368,11 +381,12 @@ impl Desk<'_> {
     fn act(&mut self, live: &mut Live<'_>, action: Action) -> Result<(), AcquireError> {
         match action {
             Action::Halt => self.stop.store(true, Ordering::SeqCst),
-            Action::Refuse(why) => live.view.say(why),
+            Action::Refuse(why) | Action::Tell(why) => live.view.say(why),
             Action::Log(event) => {
                 let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
                 live.view.say(look::event(&event));
-                append_events(self.files, &path, &(self.utc)(0.0), &[event])?;
+                let entered = Entered { utc: &(self.utc)(0.0), by: self.by };
+                append_events(self.files, &path, entered, &[event])?;
             }
             _ => {}
         }

@@ -54,8 +54,19 @@ pub(super) fn keys(view: &View, entry: Option<&Entry>, look: Look) -> Line<'stat
         vec![Span::styled(format!(" {} STOP ", stop_key(entry)), look.style(Role::Stop))];
     let commands = match entry {
         None => commands(&view.phase),
-        Some(Entry::Note(_)) => vec![("Enter".into(), "keep the note"), ("Esc".into(), "drop it")],
-        Some(Entry::Exclude(_)) => vec![("Enter".into(), "exclude"), ("Esc".into(), "do not")],
+        Some(Entry::Note(..)) => vec![("Enter".into(), "keep the note"), ("Esc".into(), "drop it")],
+        Some(Entry::Exclude(..)) => vec![("Enter".into(), "exclude"), ("Esc".into(), "do not")],
+        Some(Entry::Which(_)) => vec![("Enter".into(), "that trial"), ("Esc".into(), "none")],
+        Some(Entry::Trial(_)) => {
+            let keys = [
+                ("n", "note"),
+                ("x", "exclude"),
+                ("r", "repeat"),
+                ("a", "ask again"),
+                ("Esc", "none"),
+            ];
+            keys.map(|(key, does)| (key.into(), does)).to_vec()
+        }
         Some(Entry::Answer(_)) => vec![("Enter".into(), "answer"), ("Esc".into(), "take it back")],
         Some(Entry::Sure(_)) => vec![("y".into(), "yes"), ("any other key".into(), "no")],
     };
@@ -82,11 +93,20 @@ pub(super) fn entry(entry: &Entry, look: Look, width: usize) -> Vec<Line<'static
 
 fn words(entry: &Entry) -> String {
     match entry {
-        Entry::Note(text) => format!("Note: {text}_"),
+        Entry::Note(None, text) => format!("Note: {text}_"),
+        Entry::Note(Some(trial), text) => format!("Note on trial {trial}: {text}_"),
+        Entry::Which(text) => format!("Number of the trial: {text}_"),
+        Entry::Trial(trial) => format!("Trial {trial}: what of it?"),
         Entry::Answer(text) => format!("Answer: {text}_"),
-        Entry::Exclude(text) => format!("The last trial does not count, because: {text}_"),
-        Entry::Sure(Ask::Repeat) => {
+        Entry::Exclude(None, text) => format!("The last trial does not count, because: {text}_"),
+        Entry::Exclude(Some(trial), text) => {
+            format!("Trial {trial} does not count, because: {text}_")
+        }
+        Entry::Sure(Ask::Repeat(None)) => {
             "Do the last trial again? It stays, marked as superseded.".into()
+        }
+        Entry::Sure(Ask::Repeat(Some(trial))) => {
+            format!("Do trial {trial} again? It stays, marked as superseded.")
         }
         Entry::Sure(Ask::Skip) => "Leave the question without an answer?".into(),
         Entry::Sure(Ask::Quit) => {

@@ -5,6 +5,7 @@
 //! While a remark is typed a space is a space and Esc takes the line back: Ctrl-C is the stop key
 //! then, and the screen says so. Nothing can be typed while a trial runs: an open line is dropped.
 
+use crate::flow::About;
 use crate::{Input, Phase};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use std::borrow::Cow;
@@ -18,10 +19,14 @@ const LONGEST_NUMBER: usize = 6;
 /// What is typed or asked at the foot of the screen.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Entry {
-    /// A remark on the trial.
-    Note(String),
-    /// The reason why the trial does not count.
-    Exclude(String),
+    /// A remark on a trial: the last one, if none is named.
+    Note(Option<u32>, String),
+    /// The reason why a trial does not count: the last one, if none is named.
+    Exclude(Option<u32>, String),
+    /// The number of the trial of which something is to be said.
+    Which(String),
+    /// That trial: what is to be said of it.
+    Trial(u32),
     /// The number of an answer that no single key gives.
     Answer(String),
     /// Yes or no.
@@ -31,8 +36,8 @@ pub(super) enum Entry {
 /// What is only done after a yes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ask {
-    /// Do the last trial again.
-    Repeat,
+    /// Do a trial again: the last one, if none is named.
+    Repeat(Option<u32>),
     /// Leave the question without an answer.
     Skip,
     /// End the session here.
@@ -52,13 +57,40 @@ pub(super) fn press(
     match entry.filter(|_| !running) {
         _ if is_control_c(key) => (None, Some(Input::Stop)),
         entry if key.modifiers.contains(KeyModifiers::CONTROL) => (entry, None),
-        Some(Entry::Note(text)) => typed(key.code, text, Entry::Note, Input::Note),
-        Some(Entry::Exclude(text)) => typed(key.code, text, Entry::Exclude, Input::Exclude),
-        Some(Entry::Answer(_)) if key.code == KeyCode::Esc => (None, None),
+        Some(Entry::Note(of, text)) => typed(
+            key.code,
+            text,
+            |text| Entry::Note(of, text),
+            |text| on(of, text, Input::Note, About::Note),
+        ),
+        Some(Entry::Exclude(of, text)) => typed(
+            key.code,
+            text,
+            |text| Entry::Exclude(of, text),
+            |text| on(of, text, Input::Exclude, About::Exclude),
+        ),
+        Some(Entry::Answer(_) | Entry::Which(_) | Entry::Trial(_)) if key.code == KeyCode::Esc => {
+            (None, None)
+        }
         _ if matches!(key.code, KeyCode::Char(' ') | KeyCode::Esc) => (None, Some(Input::Stop)),
         Some(Entry::Answer(text)) => number(key.code, text),
+        Some(Entry::Which(text)) => which(key.code, text),
+        Some(Entry::Trial(trial)) => of_trial(key.code, trial),
         Some(Entry::Sure(ask)) => (None, is_yes(key.code).then(|| ask.input())),
         None => command(key.code, phase),
+    }
+}
+
+/// A text on the last trial, or on the one that is named.
+fn on(
+    of: Option<u32>,
+    text: String,
+    last: fn(String) -> Input,
+    about: fn(String) -> About,
+) -> Input {
+    match of {
+        None => last(text),
+        Some(trial) => Input::Of(trial, about(text)),
     }
 }
 
@@ -73,8 +105,8 @@ fn is_yes(code: KeyCode) -> bool {
 fn typed(
     code: KeyCode,
     mut text: String,
-    entry: fn(String) -> Entry,
-    input: fn(String) -> Input,
+    entry: impl Fn(String) -> Entry,
+    input: impl Fn(String) -> Input,
 ) -> (Option<Entry>, Option<Input>) {
     match code {
         KeyCode::Enter if text.trim().is_empty() => return (None, None),
@@ -100,6 +132,28 @@ fn number(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
     (Some(Entry::Answer(text)), None)
 }
 
+/// Types the number of a trial; Enter chooses it.
+fn which(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
+    match code {
+        KeyCode::Enter => return (text.parse().ok().map(Entry::Trial), None),
+        KeyCode::Backspace => drop(text.pop()),
+        KeyCode::Char(c) if c.is_ascii_digit() && text.len() < LONGEST_NUMBER => text.push(c),
+        _ => {}
+    }
+    (Some(Entry::Which(text)), None)
+}
+
+/// What is to be said of a trial; any key that says nothing drops it.
+fn of_trial(code: KeyCode, trial: u32) -> (Option<Entry>, Option<Input>) {
+    match lower(code) {
+        KeyCode::Char('n') => (Some(Entry::Note(Some(trial), String::new())), None),
+        KeyCode::Char('x') => (Some(Entry::Exclude(Some(trial), String::new())), None),
+        KeyCode::Char('r') => (Some(Entry::Sure(Ask::Repeat(Some(trial)))), None),
+        KeyCode::Char('a') => (None, Some(Input::Of(trial, About::Ask))),
+        _ => (None, None),
+    }
+}
+
 fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
     let of = |c| commands(phase).iter().any(|(keys, _)| *keys == c);
     match lower(code) {
@@ -111,9 +165,11 @@ fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
             (Some(Entry::Answer(c.to_string())), None)
         }
         KeyCode::Char('s') if of("s") => (Some(Entry::Sure(Ask::Skip)), None),
-        KeyCode::Char('n') if of("n") => (Some(Entry::Note(String::new())), None),
-        KeyCode::Char('x') if of("x") => (Some(Entry::Exclude(String::new())), None),
-        KeyCode::Char('r') if of("r") => (Some(Entry::Sure(Ask::Repeat)), None),
+        KeyCode::Char('n') if of("n") => (Some(Entry::Note(None, String::new())), None),
+        KeyCode::Char('x') if of("x") => (Some(Entry::Exclude(None, String::new())), None),
+        KeyCode::Char('r') if of("r") => (Some(Entry::Sure(Ask::Repeat(None))), None),
+        KeyCode::Char('p') if of("p") => (None, Some(Input::Hold)),
+        KeyCode::Char('t') if of("t") => (Some(Entry::Which(String::new())), None),
         KeyCode::Char('q') if of("q") => (Some(Entry::Sure(Ask::Quit)), None),
         _ => (None, None),
     }
@@ -156,15 +212,18 @@ pub(super) fn commands(phase: &Phase) -> Vec<(Cow<'static, str>, &'static str)> 
     const NOTE: (&str, &str) = ("n", "note");
     const EXCLUDE: (&str, &str) = ("x", "exclude");
     const REPEAT: (&str, &str) = ("r", "repeat");
+    const HOLD: (&str, &str) = ("p", "hold");
+    const TRIAL: (&str, &str) = ("t", "trial");
     const QUIT: (&str, &str) = ("q", "quit");
     let fixed: &[(&str, &str)] = match phase {
         Phase::Check | Phase::Homing => &[NOTE, QUIT],
         Phase::AtStop => &[("Enter", "it is there"), NOTE, QUIT],
-        Phase::Ready => &[("Enter", "start"), NOTE, EXCLUDE, REPEAT, QUIT],
+        Phase::Ready => &[("Enter", "start"), NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
         Phase::Trial { .. } | Phase::Left => &[],
         Phase::Question { .. } => &[("s", "skip"), NOTE, EXCLUDE, REPEAT, QUIT],
-        Phase::Pause { .. } | Phase::Done => &[NOTE, EXCLUDE, REPEAT, QUIT],
-        Phase::Stopped { .. } => &[("Enter", "go on"), NOTE, EXCLUDE, REPEAT, QUIT],
+        Phase::Pause { .. } => &[HOLD, NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
+        Phase::Done => &[NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
+        Phase::Stopped { .. } => &[("Enter", "go on"), NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
     };
     let answers = match phase {
         Phase::Question { scale, .. } if has_keys(scale) => {
@@ -181,7 +240,7 @@ pub(super) fn commands(phase: &Phase) -> Vec<(Cow<'static, str>, &'static str)> 
 /// The stop key as the screen writes it.
 pub(super) fn stop_key(entry: Option<&Entry>) -> &'static str {
     match entry {
-        Some(Entry::Note(_) | Entry::Exclude(_)) => "Ctrl-C",
+        Some(Entry::Note(..) | Entry::Exclude(..)) => "Ctrl-C",
         _ => "Space",
     }
 }
@@ -189,7 +248,8 @@ pub(super) fn stop_key(entry: Option<&Entry>) -> &'static str {
 impl Ask {
     fn input(self) -> Input {
         match self {
-            Self::Repeat => Input::Repeat,
+            Self::Repeat(None) => Input::Repeat,
+            Self::Repeat(Some(trial)) => Input::Of(trial, About::Repeat),
             Self::Skip => Input::Skip,
             Self::Quit => Input::Quit,
         }
@@ -242,7 +302,7 @@ mod tests {
             check(" ", &phase, &[Input::Stop]);
             check("\u{1b}", &phase, &[Input::Stop]);
             let control_c = KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL);
-            for entry in [None, Some(Entry::Note("a".into())), Some(Entry::Sure(Ask::Quit))] {
+            for entry in [None, Some(Entry::Note(None, "a".into())), Some(Entry::Sure(Ask::Quit))] {
                 assert_eq!(press(control_c, &phase, entry), (None, Some(Input::Stop)));
             }
         }
@@ -295,7 +355,7 @@ mod tests {
 
     #[test]
     fn while_a_trial_runs_no_key_but_stop_does_anything() {
-        check("\n12345nxrqsy", &TRIAL, &[]);
+        check("\n12345nxrtqsy", &TRIAL, &[]);
     }
 
     #[test]
@@ -322,9 +382,29 @@ mod tests {
     }
 
     #[test]
+    fn any_trial_is_chosen_by_its_number_and_then_said_what_of_it() {
+        let of = |trial, about| [Input::Of(trial, about)];
+        check(
+            "t12\nxthe phone rang\n",
+            &Phase::Ready,
+            &of(12, About::Exclude("the phone rang".into())),
+        );
+        check("t3\nnslowly\n", &Phase::Done, &of(3, About::Note("slowly".into())));
+        check("T3\nRY", &Phase::Ready, &of(3, About::Repeat));
+        check("t1\u{8}2\na", &Phase::Ready, &of(2, About::Ask));
+        check("t3\nrn", &Phase::Ready, &[]);
+        check("t3\nz", &Phase::Ready, &[]);
+        check("t\n", &Phase::Ready, &[]);
+        check("t3\u{1b}", &Phase::Ready, &[]);
+        check("t3\n\u{1b}", &Phase::Ready, &[]);
+        check("t3 ", &Phase::Ready, &[Input::Stop]);
+        check("t3\n ", &Phase::Ready, &[Input::Stop]);
+    }
+
+    #[test]
     fn a_line_is_dropped_when_a_trial_runs_so_that_space_stops_it() {
         let (entry, input) =
-            press(key(KeyCode::Char(' ')), &TRIAL, Some(Entry::Note("half a".into())));
+            press(key(KeyCode::Char(' ')), &TRIAL, Some(Entry::Note(None, "half a".into())));
         assert_eq!((entry, input), (None, Some(Input::Stop)));
     }
 

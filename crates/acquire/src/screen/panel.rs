@@ -2,7 +2,7 @@
 
 use super::look::{Look, Role};
 use super::text::{fit, width, wrap};
-use crate::{CheckLine, Current, Phase, View};
+use crate::{Cell, CheckLine, Current, Phase, View};
 use ratatui::text::{Line, Span};
 use zwidth_study::{AnswerScale, Kind};
 
@@ -63,8 +63,11 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
         lines
     };
     match &view.phase {
-        Phase::Check if view.checks.is_empty() => plain(CHECK),
-        Phase::Check => checks(&view.checks, look, limit),
+        Phase::Check => match (&view.step, view.checks.is_empty()) {
+            (Some(step), _) => plain(step),
+            (None, true) => plain("The device is being checked."),
+            (None, false) => checks(&view.checks, look, limit),
+        },
         Phase::AtStop => [plain(AT_STOP), after_gap(checks(&view.checks, look, limit))].concat(),
         Phase::Homing => [plain(HOMING), after_gap(checks(&view.checks, look, limit))].concat(),
         // Before the first trial there is no trace to look at, but a device.
@@ -73,19 +76,25 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
             let found = if all { checks } else { bad_checks };
             [plain(READY), after_gap(found(&view.checks, look, limit))].concat()
         }
-        Phase::Ready => plain(READY),
+        Phase::Ready => [plain(READY), cells(view, limit)].concat(),
         Phase::Trial { .. } => {
             plain("The trial runs until its time is up. Space stops it at once, at 0 V.")
         }
         Phase::Question { text, scale } => question(text, scale, look, limit),
-        Phase::Pause { .. } => then_next(plain("Rest. Both actuators are off.")),
+        Phase::Pause { .. } => {
+            let rest = if view.held { HELD } else { "Rest. Both actuators are off." };
+            [then_next(plain(rest)), cells(view, limit)].concat()
+        }
         Phase::Stopped { why } => then_next(stopped(why, look, limit)),
-        Phase::Done => plain("Every trial is done and stored; q ends the session."),
+        Phase::Done => {
+            let done = plain("Every trial is done and stored; q ends the session.");
+            [done, cells(view, limit)].concat()
+        }
         Phase::Left => plain("The session is closed."),
     }
 }
 
-const CHECK: &str = "The device is being checked; the actuators are switched on for a moment.";
+const HELD: &str = "The pause is held; both actuators are off. p or Enter ends it.";
 
 const READY: &str = "Finger on the lever. Enter starts the trial.";
 
@@ -94,6 +103,37 @@ const AT_STOP: &str = "Hold the lever still against its lower stop. Enter says t
 
 const HOMING: &str = "The lever must rest against its lower stop; both actuators are off. \
     Without this the angle is unknown, and nothing is switched on.";
+
+/// What is done of each condition: a line an environment where there are few, else what is done of
+/// each environment in one.
+fn cells(view: &View, limit: usize) -> Vec<Line<'static>> {
+    const LINES: usize = 2;
+    let mut environments: Vec<(&str, Vec<&Cell>)> = Vec::new();
+    for cell in &view.cells {
+        match environments.last_mut().filter(|(name, _)| *name == cell.environment) {
+            Some((_, cells)) => cells.push(cell),
+            None => environments.push((&cell.environment, vec![cell])),
+        }
+    }
+    let of_mode = |cell: &&Cell| {
+        let mode = cell.mode.as_ref().filter(|_| !view.blinded);
+        mode.map(|mode| format!("{mode} {} of {}", cell.done, cell.of))
+    };
+    let total = |(name, cells): &(&str, Vec<&Cell>)| {
+        let sum = |of: fn(&Cell) -> usize| cells.iter().map(|cell| of(cell)).sum::<usize>();
+        format!("{name} {} of {}", sum(|c| c.done), sum(|c| c.of))
+    };
+    let line = |one: &(&str, Vec<&Cell>)| {
+        let modes: Option<Vec<String>> = one.1.iter().map(of_mode).collect();
+        modes.map_or_else(|| total(one), |modes| format!("{}: {}", one.0, modes.join(", ")))
+    };
+    let lines: Vec<String> = environments.iter().map(line).collect();
+    if lines.len() <= LINES && lines.iter().all(|line| width(line) <= limit) {
+        return lines.into_iter().map(Line::raw).collect();
+    }
+    let totals: Vec<String> = environments.iter().map(total).collect();
+    vec![Line::raw(fit(&totals.join(" · "), limit))]
+}
 
 fn after_gap(lines: Vec<Line<'static>>) -> Vec<Line<'static>> {
     [vec![Line::default()], lines].concat()

@@ -5,7 +5,8 @@ use super::keys::Entry;
 use super::look::{Look, Role, to_ascii};
 use super::text::{bar, fit, width, wrap};
 use super::{panel, place, trace};
-use crate::{Phase, View};
+use crate::course::in_words;
+use crate::{Course, Phase, View};
 use ratatui::Frame;
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Margin, Rect};
@@ -123,7 +124,18 @@ fn title(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
 }
 
 fn progress(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
+    let Course { elapsed_s, left_s } = view.course;
+    let time = match (elapsed_s > 0.0, left_s) {
+        (true, Some(left_s)) => {
+            format!(" · {}, about {} to go", in_words(elapsed_s), in_words(left_s))
+        }
+        (true, None) => format!(" · {}", in_words(elapsed_s)),
+        (false, Some(left_s)) => format!(" · about {} to go", in_words(left_s)),
+        (false, None) => String::new(),
+    };
     let done = format!("{} of {} done", view.done, view.total);
+    let whole = format!("{done}{time}");
+    let done = if width(&whole) <= usize::from(area.width) { whole } else { done };
     let cells = usize::from(area.width).saturating_sub(width(&done) + 2);
     let bar = bar(view.done as f64 / view.total as f64, cells);
     ends(&bar, Role::Quiet, Line::raw(done), look, area, buffer);

@@ -243,7 +243,7 @@ mod tests {
         shared.take(&key(KeyCode::Char('n')));
         shared.take(&key(KeyCode::Char('a')));
         let (_, entry) = shared.wait_for_change().unwrap();
-        assert_eq!(entry, Some(Entry::Note("a".into())));
+        assert_eq!(entry, Some(Entry::Note(None, "a".into())));
     }
 
     #[test]

@@ -8,11 +8,12 @@ use crate::limits::{
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use zwidth_acquire::Target;
 use zwidth_report::MethodsForm;
 use zwidth_runner::{MOST_SHARDS, Shard};
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
 use zwidth_stability::Quantity;
-use zwidth_study::{ParticipantId, SessionId, StudyId};
+use zwidth_study::{ExperimenterId, ParticipantId, QuestionId, SessionId, StudyId};
 use zwidth_tables::Format;
 
 /// Force-feedback studies: from raw recordings to figures, tables and a summary.
@@ -62,6 +63,12 @@ pub(crate) enum Command {
     Characterise(Characterise),
     /// A whole study on the simulated device, at once
     Twin(Twin),
+    /// A recorded trial does not count, and why: it is missing until it is done again
+    Exclude(Exclude),
+    /// Add a remark to a session, or to one of its trials
+    Note(Note),
+    /// Give an answer after the session; it counts in place of an earlier one, which is kept
+    Answer(Answer),
     /// Open a blinded session's seal: its modes are known from then on
     Unseal(Unseal),
     /// After a kill or a power cut: journals become trials, half-written files go
@@ -221,6 +228,12 @@ pub(crate) struct Acquire {
     /// Use the motor of a device without a watchdog; every trial is marked
     #[arg(long)]
     pub(crate) no_watchdog: bool,
+    /// Your code, which stands beside everything that is kept in the session's log; no name
+    #[arg(long, value_name = "E1")]
+    pub(crate) by: Option<ExperimenterId>,
+    /// Programs that are told of each trial's start, contact, end and answer (docs/acquire.md)
+    #[arg(long, value_name = "tcp:HOST:PORT,osc:HOST:PORT", value_delimiter = ',')]
+    pub(crate) markers: Vec<Target>,
     /// Go on with a session although study.toml has changed in what it records: by the session's
     /// own copy; its log says so
     #[arg(long)]
@@ -248,6 +261,12 @@ pub(crate) struct Check {
     /// A simulated clock: as fast as the machine can (simulated devices only)
     #[arg(long)]
     pub(crate) fast: bool,
+    /// Ask for what a hand must do before each step; without it only steps that need none are done
+    #[arg(long)]
+    pub(crate) ask: bool,
+    /// A known mass for the load cell, kg; asked for after the tare
+    #[arg(long, value_name = "KG", value_parser = positive, requires = "ask")]
+    pub(crate) mass: Option<f64>,
 }
 
 #[derive(Debug, clap::Args)]
@@ -312,6 +331,59 @@ pub(crate) struct Twin {
     pub(crate) untidy: bool,
     #[command(flatten)]
     pub(crate) keys: Keys,
+}
+
+/// A session that was recorded, and who says something of it.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Said {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The participant
+    #[arg(long, short, value_name = "P01")]
+    pub(crate) participant: ParticipantId,
+    /// The session
+    #[arg(long, short, value_name = "S01")]
+    pub(crate) session: SessionId,
+    /// Your code, which is kept with it; no name
+    #[arg(long, value_name = "E1")]
+    pub(crate) by: Option<ExperimenterId>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Exclude {
+    #[command(flatten)]
+    pub(crate) said: Said,
+    /// The trial's number
+    #[arg(long, value_name = "N")]
+    pub(crate) trial: u32,
+    /// Why it does not count
+    pub(crate) reason: String,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Note {
+    #[command(flatten)]
+    pub(crate) said: Said,
+    /// The trial's number [default: a remark on the session]
+    #[arg(long, value_name = "N")]
+    pub(crate) trial: Option<u32>,
+    /// The remark
+    pub(crate) text: String,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Answer {
+    #[command(flatten)]
+    pub(crate) said: Said,
+    /// The trial's number
+    #[arg(long, value_name = "N")]
+    pub(crate) trial: u32,
+    /// The question [default: the only one that is asked after that trial]
+    #[arg(long, value_name = "ID")]
+    pub(crate) question: Option<QuestionId>,
+    /// The answer, a number of the question's scale
+    #[arg(allow_negative_numbers = true)]
+    pub(crate) value: i16,
 }
 
 #[derive(Debug, clap::Args)]

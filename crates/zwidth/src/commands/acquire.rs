@@ -64,6 +64,8 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         by_hand,
         check: checks_itself(&command.device),
         no_watchdog: command.no_watchdog,
+        by: command.by.clone(),
+        markers: command.markers.clone(),
         stop: raised_by_signals()?,
         quit: raised_by_signals()?,
     };

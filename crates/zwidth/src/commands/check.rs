@@ -2,15 +2,18 @@
 
 use super::device::{bench, clock, raised_by_signals};
 use super::recover::lock;
-use crate::args::Check;
+use crate::args;
 use crate::devices::{checks_itself, open};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
 use serde::Serialize;
+use std::io::{BufRead, Write, stderr, stdin};
 use std::path::Path;
-use zwidth_device::check::{Finding, check_device};
+use zwidth_acquire::check_value;
+use zwidth_device::check::{Finding, Step, check_device};
 use zwidth_device::{Guard, Limits};
+use zwidth_study::Check;
 
 /// Seed of the simulated device and its clock.
 const SEED: u64 = 1;
@@ -24,7 +27,7 @@ struct Line {
     about: &'static str,
 }
 
-pub(crate) fn check(root: &Path, command: &Check, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn check(root: &Path, command: &args::Check, screen: &Screen) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), command.rate)?;
     let _lock = lock(&bench.layout, "zwidth check")?;
     let (nobody, none) = ("check".parse()?, "check".parse()?);
@@ -32,7 +35,11 @@ pub(crate) fn check(root: &Path, command: &Check, screen: &Screen) -> anyhow::Re
     let capabilities = device.capabilities().clone();
     let rate_hz = bench.study.control.rate_hz.min(capabilities.rate_hz);
     let mut guard = Guard::new(&capabilities, Limits::of(&bench.study)?, false);
-    let mut able = checks_itself(&command.device);
+    // A question is no result: it goes where messages go.
+    let alone = checks_itself(&command.device);
+    let mut able = |step| {
+        if command.ask { asked(step, &mut stdin().lock(), &mut stderr()) } else { alone(step) }
+    };
     let stop = raised_by_signals()?;
     let mut clock = clock(command.fast, SEED);
     let found = check_device(
@@ -41,7 +48,7 @@ pub(crate) fn check(root: &Path, command: &Check, screen: &Screen) -> anyhow::Re
         &mut guard,
         &bench.calibration,
         rate_hz,
-        None,
+        command.mass,
         &stop,
         &mut able,
     )?;
@@ -63,8 +70,59 @@ fn line(Finding { check, about }: Finding) -> Line {
 }
 
 fn text(l: &Line) -> String {
-    let unit = if l.unit == "1" { "" } else { &l.unit };
+    let check = Check { name: l.name.clone(), value: l.value, unit: l.unit.clone(), ok: l.ok };
     let verdict = if l.ok { "ok" } else { "NOT GOOD ENOUGH" };
     let about = if l.ok { String::new() } else { format!("\n      {}", l.about) };
-    format!("  {:<20} {:>10.4} {unit:<4} {verdict}{about}", l.name, l.value)
+    format!("  {:<20} {:>12}  {verdict}{about}", l.name, check_value(&check))
+}
+
+/// Says what a hand must do before a step, and waits for its answer: Enter when it is done, `s` to
+/// leave the step out. What moves the lever needs a `y`, and the end of the input consents to nothing.
+fn asked(step: Step, answers: &mut dyn BufRead, out: &mut dyn Write) -> bool {
+    let (what, consent) = match step {
+        Step::Rest => ("Lever against its lower stop, hands off. Enter when it is.".to_owned(), false),
+        Step::Load(mass_kg) => (
+            format!("Hang {mass_kg} kg from the load cell so that it pulls towards the wall. Enter when it hangs still."),
+            false,
+        ),
+        Step::Hand => (
+            "Lever against its lower stop. After Enter move it all the way to the upper stop and back, within 4 s.".to_owned(),
+            false,
+        ),
+        Step::Actuators => (
+            "Lever against its lower stop, hands off: motor and brake are switched on for a moment, and the lever moves. y lets them."
+                .to_owned(),
+            true,
+        ),
+    };
+    // Who cannot be asked has not consented.
+    if writeln!(out, "{what} (s leaves this step out)").is_err() {
+        return false;
+    }
+    let mut line = String::new();
+    let read = answers.read_line(&mut line).unwrap_or(0);
+    match line.trim() {
+        _ if read == 0 => false,
+        "" => !consent,
+        "y" | "Y" => true,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_done_after_enter_and_one_that_moves_the_lever_after_a_yes_alone() {
+        let says = |step, mut line: &[u8]| asked(step, &mut line, &mut std::io::sink());
+        for step in [Step::Rest, Step::Load(0.2), Step::Hand] {
+            assert!(says(step, b"\n") && says(step, b"y\n"), "{step:?}");
+            assert!(!says(step, b"s\n") && !says(step, b""), "{step:?}");
+        }
+        assert!(says(Step::Actuators, b"y\n"));
+        for line in [&b"\n"[..], b"s\n", b"n\n", b""] {
+            assert!(!says(Step::Actuators, line), "{line:?}");
+        }
+    }
 }

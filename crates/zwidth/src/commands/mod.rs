@@ -21,6 +21,7 @@ pub(crate) mod power;
 pub(crate) mod recover;
 mod resume;
 pub(crate) mod run;
+pub(crate) mod said;
 mod sharded;
 pub(crate) mod shards;
 pub(crate) mod shell;
@@ -36,8 +37,8 @@ pub(crate) mod why;
 
 use anyhow::{Context as _, bail};
 use std::path::{Path, PathBuf};
-use zwidth_store::{Layout, StoreError, StudyData};
-use zwidth_study::StudyId;
+use zwidth_store::{Layout, SessionLog, StoreError, StudyData};
+use zwidth_study::{ParticipantId, SessionId, StudyId};
 
 /// The studies named, or all there are under `raw/`.
 fn studies(root: &Path, named: Vec<StudyId>) -> anyhow::Result<Vec<Layout>> {
@@ -99,6 +100,23 @@ fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {
         bail!("there is no study under {}; make one with `zwidth new STUDY`", raw.display());
     }
     Ok(ids)
+}
+
+/// A session that must be there.
+fn session<'a>(
+    data: &'a StudyData,
+    participant: &ParticipantId,
+    session: &SessionId,
+) -> anyhow::Result<&'a SessionLog> {
+    let is_this = |log: &&SessionLog| {
+        log.record.participant == *participant && log.record.session == *session
+    };
+    let study = data.layout.study();
+    data.sessions.iter().find(is_this).with_context(|| {
+        format!(
+            "there is no session {session} of {participant} in {study} that can be read; see `zwidth list {study}`"
+        )
+    })
 }
 
 /// The hashes of the raw files that reading a study has read.

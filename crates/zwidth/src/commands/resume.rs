@@ -22,6 +22,9 @@ pub(super) fn resume(root: &Path, command: &Acquire, blinded: bool) -> String {
     with("--device", (*device != DeviceSpec::Twin).then(|| device.to_string()));
     with("--rate", rate.map(|hz| hz.to_string()));
     with("--seed", seed.filter(|_| !blinded).map(|seed| seed.to_string()));
+    let markers: Vec<String> = command.markers.iter().map(ToString::to_string).collect();
+    with("--markers", (!markers.is_empty()).then(|| markers.join(",")));
+    with("--by", command.by.as_ref().map(ToString::to_string));
     with("--key", command.keys.folder.as_ref().map(|folder| folder.display().to_string()));
     with("--root", (root != Path::new("")).then(|| root.display().to_string()));
     let switches = [
@@ -107,6 +110,12 @@ mod tests {
                 keys: Keys {
                     folder: (!i.is_multiple_of(4)).then(|| paths[(i / 4) % paths.len()].into()),
                 },
+                markers: ["tcp:[::1]:9000", "osc:localhost:57120"][..i % 3]
+                    .iter()
+                    .map(|to| to.parse().unwrap())
+                    .collect(),
+                by: [None, Some("E1".parse().unwrap()), Some("-e".parse().unwrap())][(i / 4) % 3]
+                    .clone(),
                 plain: i & 1 > 0,
                 ascii: i & 2 > 0,
                 auto: i & 4 > 0,

@@ -143,6 +143,8 @@ fn one(
         by_hand: false,
         check: checks_itself(&DeviceSpec::Twin),
         no_watchdog: false,
+        by: None,
+        markers: Vec::new(),
         stop: Default::default(),
         quit: Default::default(),
     };

@@ -3,20 +3,20 @@
 
 use super::device::keys;
 use super::recover::{lock, now};
-use super::{join_findings, study};
+use super::{join_findings, session, study};
 use crate::args::Unseal;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
 use std::path::Path;
 use zwidth_acquire::{left_to_do, vault};
-use zwidth_store::{Raw, RealFiles, SessionLog, StudyData, append_events};
+use zwidth_store::{Raw, RealFiles, StudyData, append_events};
 
 pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
     let lock = lock(&layout, "zwidth unseal")?;
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
-    let log = session(&data, command)?;
+    let log = session(&data, &command.participant, &command.session)?;
     let name = format!("session {} of {}", command.session, command.participant);
     if log.seal.is_some() {
         screen.say(format!("{name} is unsealed already"));
@@ -44,20 +44,4 @@ pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::
         "{name} is unsealed: its order is the one that was committed to before the first trial"
     ));
     Ok(Exit::Fine)
-}
-
-fn session<'a>(data: &'a StudyData, command: &Unseal) -> anyhow::Result<&'a SessionLog> {
-    let is_this = |log: &&SessionLog| {
-        log.record.participant == command.participant && log.record.session == command.session
-    };
-    let Some(log) = data.sessions.iter().find(is_this) else {
-        bail!(
-            "there is no session {} of {} in {} that can be read; see `zwidth list {}`",
-            command.session,
-            command.participant,
-            command.study,
-            command.study
-        );
-    };
-    Ok(log)
 }

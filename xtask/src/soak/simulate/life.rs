@@ -147,6 +147,8 @@ impl Desk {
             by_hand: false,
             check: |_| false,
             no_watchdog: false,
+            by: None,
+            markers: Vec::new(),
             stop: Arc::default(),
             quit: Arc::default(),
         };

@@ -2,7 +2,7 @@
 
 use super::world::Draw;
 use std::time::Duration;
-use zwidth_acquire::{AcquireError, Front, Input, Phase, View};
+use zwidth_acquire::{About, AcquireError, Front, Input, Phase, View};
 
 /// Stops after which even the most patient person leaves.
 const MOST_STOPS: u32 = 6;
@@ -33,8 +33,21 @@ impl<'a> Person<'a> {
             2 => Input::Stop,
             3 => Input::Exclude("the phone rang".to_owned()),
             4 => Input::Repeat,
+            5 => self.of_any_trial(),
             _ => Input::Start,
         }
+    }
+
+    /// Something about one of the first trials.
+    fn of_any_trial(&mut self) -> Input {
+        let trial = 1 + self.draw.below(8) as u32;
+        let about = match self.draw.below(4) {
+            0 => About::Exclude("the phone rang".to_owned()),
+            1 => About::Note("slowly".to_owned()),
+            2 => About::Repeat,
+            _ => About::Ask,
+        };
+        Input::Of(trial, about)
     }
 
     fn question(&mut self) -> Input {
@@ -73,7 +86,7 @@ impl Front for Person<'_> {
             Phase::Trial { .. } if !self.diligent && self.draw.one_in(400) => Some(Input::Stop),
             _ => None,
         };
-        if matches!(input, Some(Input::Repeat)) {
+        if matches!(input, Some(Input::Repeat | Input::Of(_, About::Repeat))) {
             self.done = 0; // a trial done again is done no longer
         }
         Ok(input)

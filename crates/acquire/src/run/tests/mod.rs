@@ -1,4 +1,5 @@
 mod in_memory;
+mod marks;
 #[cfg(unix)]
 mod moved;
 mod secret;
@@ -63,6 +64,8 @@ impl Desk {
             by_hand: false,
             check: |_| false,
             no_watchdog: false,
+            by: None,
+            markers: Vec::new(),
             stop: Arc::default(),
             quit: Arc::default(),
         };
@@ -182,8 +185,13 @@ fn repeats_exclusions_and_notes_end_up_in_the_log() {
     let why = |n: u32| data.trials.iter().find(|t| t.meta.trial == n).unwrap().why_not();
     assert_eq!(why(2).as_deref(), Some("superseded by trial 8"));
     assert_eq!(why(8), None);
-    assert_eq!(why(3).as_deref(), Some("excluded: the phone rang"));
-    let note = Event::Note { trial: Some(4), text: "slowly".into() };
+    // It was missing, and done again at the end.
+    assert_eq!(why(3).as_deref(), Some("superseded by trial 9"));
+    assert_eq!(why(9), None);
+    let excluded = Event::Excluded { trial: 3, reason: "the phone rang".into() };
+    assert!(data.sessions[0].events.contains(&excluded), "{:?}", data.sessions[0].events);
+    // What was excluded is done no longer: four are when the fifth has ended.
+    let note = Event::Note { trial: Some(5), text: "slowly".into() };
     assert!(data.sessions[0].events.contains(&note), "{:?}", data.sessions[0].events);
     assert_eq!(verify(&desk.plan.layout), []);
 }

@@ -1,6 +1,6 @@
 //! Views for tests: a session in each of its phases.
 
-use crate::{CheckLine, Current, Phase, Point, Timing, View};
+use crate::{Cell, CheckLine, Course, Current, Phase, Point, Timing, View};
 use zwidth_study::{AnswerScale, Kind, Voltages, template};
 
 /// The longest question of the commented `study.toml`: the thesis' second.
@@ -76,6 +76,8 @@ pub(super) fn view(phase: Phase, blinded: bool) -> View {
         }),
         done: 11,
         total: 39,
+        cells: cells(blinded),
+        course: Course { elapsed_s: 160.0, left_s: Some(410.0) },
         theta_range_rad: (-45_f64.to_radians(), 45_f64.to_radians()),
         wall_rad: Some(26.6_f64.to_radians()),
         timing: Timing {
@@ -103,6 +105,23 @@ pub(super) fn view(phase: Phase, blinded: bool) -> View {
         view.say(message);
     }
     view
+}
+
+/// Two environments of three modes, with a trial in all cells but one.
+fn cells(blinded: bool) -> Vec<Cell> {
+    let cell = |environment: &str, mode: Option<&str>, done, of| Cell {
+        environment: environment.into(),
+        mode: mode.map(str::to_owned),
+        done,
+        of,
+    };
+    let environments = ["Spring", "Spring + wall"];
+    if blinded {
+        return environments.map(|e| cell(e, None, 2, 18)).to_vec();
+    }
+    let modes = ["Active", "Passive", "Hybrid"];
+    let of = |e| modes.map(|mode| cell(e, Some(mode), usize::from(mode != "Hybrid"), 6));
+    environments.map(of).concat()
 }
 
 fn hide(point: Point) -> Point {

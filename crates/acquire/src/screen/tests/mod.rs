@@ -35,12 +35,14 @@ fn words(view: &View, entry: Option<&Entry>) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn entries() -> [Option<Entry>; 5] {
+fn entries() -> [Option<Entry>; 7] {
     [
         None,
-        Some(Entry::Note("a note".into())),
+        Some(Entry::Note(None, "a note".into())),
         Some(Entry::Answer("-3".into())),
-        Some(Entry::Exclude(String::new())),
+        Some(Entry::Exclude(None, String::new())),
+        Some(Entry::Which("12".into())),
+        Some(Entry::Trial(12)),
         Some(Entry::Sure(Ask::Quit)),
     ]
 }
@@ -50,7 +52,7 @@ fn the_stop_key_stands_in_the_last_row_in_every_phase_whatever_is_typed_and_howe
  {
     for phase in phases() {
         for entry in entries() {
-            let typing = matches!(entry, Some(Entry::Note(_) | Entry::Exclude(_)));
+            let typing = matches!(entry, Some(Entry::Note(..) | Entry::Exclude(..)));
             let runs = matches!(phase, Phase::Trial { .. });
             let key = if typing && !runs { " Ctrl-C STOP " } else { " Space STOP " };
             for size in [(120, 40), SMALLEST, (40, 6), (16, 1)] {
@@ -188,11 +190,11 @@ fn values_are_shown_while_they_are_those_of_the_device() {
 
 #[test]
 fn what_is_typed_and_what_is_asked_is_in_sight() {
-    let note = Entry::Note("the finger slipped ".into());
+    let note = Entry::Note(None, "the finger slipped ".into());
     assert!(words(&view(Phase::Ready, false), Some(&note)).contains("Note: the finger slipped _"));
-    let long = Entry::Note("x".repeat(150) + " the end");
+    let long = Entry::Note(None, "x".repeat(150) + " the end");
     assert!(words(&view(asked(), false), Some(&long)).contains("the end_"));
-    let repeat = Entry::Sure(Ask::Repeat);
+    let repeat = Entry::Sure(Ask::Repeat(None));
     let text = words(&view(Phase::Pause { left_s: 3.2, pause_s: 5.0 }, false), Some(&repeat));
     assert!(
         text.contains("Do the last trial again?") && text.contains("y yes any other key no"),
@@ -244,6 +246,34 @@ fn before_the_first_trial_the_device_check_stands_where_the_traces_will() {
         "{text}"
     );
     assert!(!text.contains("velocity"), "{text}");
+}
+
+#[test]
+fn what_is_done_of_each_condition_and_how_long_the_rest_takes_is_in_sight_between_trials() {
+    let pause = Phase::Pause { left_s: 3.2, pause_s: 5.0 };
+    for phase in [Phase::Ready, pause.clone(), Phase::Done] {
+        let text = words(&view(phase.clone(), false), None);
+        assert!(text.contains("Spring: Active 1 of 6, Passive 1 of 6, Hybrid 0 of 6"), "{text}");
+        assert!(text.contains("11 of 39 done · 3 min, about 7 min to go"), "{text}");
+        let text = words(&view(phase, true), None);
+        assert!(text.contains("Spring 2 of 18 Spring + wall 2 of 18"), "{text}");
+    }
+    let mut many = view(pause.clone(), false);
+    many.cells.extend(view(pause.clone(), false).cells.into_iter().map(|mut cell| {
+        cell.environment += " again";
+        cell
+    }));
+    assert!(words(&many, None).contains("Spring 2 of 18 · Spring + wall 2 of 18 · Spring again"));
+    let mut held = view(pause, false);
+    held.held = true;
+    assert!(words(&held, None).contains("The pause is held; both actuators are off."));
+}
+
+#[test]
+fn the_device_check_says_how_far_it_is() {
+    let mut view = view(Phase::Check, false);
+    view.step = Some("Step 2 of 3: the lever all the way and back, for 4 s".into());
+    assert!(words(&view, None).contains("DEVICE CHECK Step 2 of 3: the lever all the way"));
 }
 
 #[test]

@@ -1,0 +1,107 @@
+//! How far a session is: what is done of each condition, and how long the rest will take.
+
+use crate::flow::{Flow, Place};
+use crate::view::{Cell, Course};
+use zwidth_study::{Kind, ModeId, Study};
+
+/// What is done of each condition, in the order's order; modes are those of the places, or none
+/// where they are hidden.
+pub(crate) fn cells(flow: &Flow, modes: Option<&[ModeId]>, study: &Study) -> Vec<Cell> {
+    let mut cells: Vec<Cell> = Vec::new();
+    for (i, place) in flow.places().iter().enumerate().filter(|(_, p)| is_counted(p)) {
+        let environment = &place.trial.environment;
+        let label = study.environment(environment).map(|e| e.label.clone());
+        let environment = label.unwrap_or_else(|| environment.to_string());
+        let mode = modes.and_then(|modes| study.mode(modes.get(i)?)).map(|m| m.label.clone());
+        let same = |c: &Cell| (&c.environment, &c.mode) == (&environment, &mode);
+        let at = cells.iter().position(same).unwrap_or_else(|| {
+            cells.push(Cell { environment, mode, done: 0, of: 0 });
+            cells.len() - 1
+        });
+        cells[at].of += 1;
+        cells[at].done += usize::from(place.is_settled());
+    }
+    // By the study's order, not by the one drawn.
+    let rank = |c: &Cell| {
+        let environment = study.environments.iter().position(|e| e.label == c.environment);
+        (environment, study.modes.iter().position(|m| Some(&m.label) == c.mode.as_ref()))
+    };
+    cells.sort_by_key(rank);
+    cells
+}
+
+fn is_counted(place: &Place) -> bool {
+    place.trial.kind == Kind::Trial
+}
+
+/// How long the rest will take: each trial as long as those since the first one took, pauses and
+/// questions with them; before any of them is done, as long as is planned.
+pub(crate) fn course(elapsed_s: f64, done: usize, left: usize, planned_s: f64) -> Course {
+    let each_s = if done > 0 { elapsed_s / done as f64 } else { planned_s };
+    Course { elapsed_s, left_s: (left > 0).then_some(each_s * left as f64) }
+}
+
+/// A time in words, no finer than a person would say it.
+pub(crate) fn in_words(s: f64) -> String {
+    const MINUTE_S: f64 = 60.0;
+    // Past the highest number of minutes nobody reads them.
+    let minutes = (s / MINUTE_S).round() as u64;
+    match minutes {
+        _ if s < 1.5 * MINUTE_S => format!("{s:.0} s"),
+        0..60 => format!("{minutes} min"),
+        _ => format!("{} h {:02} min", minutes / 60, minutes % 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flow::Recorded;
+    use zwidth_study::{Event, PlannedTrial, template};
+
+    #[test]
+    fn a_condition_is_counted_by_what_is_done_and_not_excluded() {
+        let study = Study::from_toml(&template(&"demo".parse().unwrap())).unwrap();
+        let trial = |trial: u32| PlannedTrial {
+            trial,
+            repeat: 1,
+            kind: if trial == 1 { Kind::Familiarisation } else { Kind::Trial },
+            environment: study.environments[usize::from(trial > 4)].id.clone(),
+            mode: study.modes[trial as usize % 2].id.clone(),
+            samples: true,
+        };
+        let order: Vec<_> = (1..=6).map(|n| (trial(n), Vec::new())).collect();
+        let modes: Vec<ModeId> = order.iter().map(|(t, _)| t.mode.clone()).collect();
+        let files: Vec<Recorded> =
+            (1..=4).map(|trial| Recorded { trial, complete: true, settled: true }).collect();
+        let excluded = Event::Excluded { trial: 3, reason: "x".into() };
+        let (flow, _) = Flow::begin(order, 5.0, &files, &[excluded]);
+        let counts = |modes| -> Vec<(usize, usize)> {
+            cells(&flow, modes, &study).iter().map(|c| (c.done, c.of)).collect()
+        };
+        assert_eq!(counts(Some(&modes)), [(2, 2), (0, 1), (0, 1), (0, 1)]);
+        assert_eq!(counts(None), [(2, 3), (0, 2)]);
+        assert!(cells(&flow, None, &study).iter().all(|c| c.mode.is_none()));
+    }
+
+    #[test]
+    fn the_rest_takes_as_long_as_the_trials_before_and_what_is_planned_before_the_first() {
+        assert_eq!(course(0.0, 0, 10, 9.0).left_s, Some(90.0));
+        assert_eq!(course(100.0, 4, 10, 9.0).left_s, Some(250.0));
+        assert_eq!(course(100.0, 4, 0, 9.0).left_s, None);
+    }
+
+    #[test]
+    fn a_time_is_told_no_finer_than_a_person_would() {
+        for (s, words) in [
+            (0.0, "0 s"),
+            (42.4, "42 s"),
+            (89.0, "89 s"),
+            (90.0, "2 min"),
+            (3599.0, "1 h 00 min"),
+            (7500.0, "2 h 05 min"),
+        ] {
+            assert_eq!(in_words(s), words, "{s}");
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! What is said about a trial that ended: it is excluded, done again, asked again, remarked on.
+
+use super::act::refuse;
+use super::{About, Action, Flow, Phase};
+use zwidth_study::Event;
+
+impl Flow {
+    /// Something about the trial of that number.
+    pub(super) fn about(&mut self, trial: u32, about: About) -> Vec<Action> {
+        match about {
+            About::Note(_) if !self.knows(trial) => refuse(format!("there is no trial {trial}")),
+            About::Note(text) => note(Some(trial), text),
+            _ if matches!(self.phase, Phase::Trial { .. }) => {
+                refuse("a trial is running: that can be asked for when it has ended")
+            }
+            _ if !self.ended.contains(&trial) => {
+                refuse(format!("there is no trial {trial} that has ended"))
+            }
+            About::Exclude(reason) => self.exclude_trial(trial, reason),
+            About::Repeat => self.held(trial).map_or_else(refuse, |place| self.repeat_at(place)),
+            About::Ask => self.held(trial).map_or_else(refuse, |place| self.ask_again(place)),
+        }
+    }
+
+    /// Whether the session has a trial of that number.
+    fn knows(&self, trial: u32) -> bool {
+        self.ended.contains(&trial) || self.places.iter().any(|p| p.trial.trial == trial)
+    }
+
+    /// The place that a trial holds; who it gave it to.
+    fn held(&self, trial: u32) -> Result<usize, String> {
+        let holder = self.places.iter().position(|p| p.trial.trial == trial);
+        let again = || match self.places.iter().find(|p| p.repeats == Some(trial)) {
+            Some(p) if !p.done => format!("trial {trial} is to be done again already"),
+            Some(p) => format!("trial {trial} was done again as trial {}", p.trial.trial),
+            None => format!("trial {trial} was done again"),
+        };
+        holder.ok_or_else(again)
+    }
+
+    /// The last trial again.
+    pub(super) fn repeat(&mut self) -> Vec<Action> {
+        if matches!(self.phase, Phase::Trial { .. }) {
+            return refuse("a trial is running: stop it first; it is then done again");
+        }
+        match self.last {
+            Some(place) => self.repeat_at(place),
+            None => refuse("there is no trial to do again yet"),
+        }
+    }
+
+    fn repeat_at(&mut self, place: usize) -> Vec<Action> {
+        // The trial whose first question is open has no file yet.
+        let waits =
+            matches!(self.phase, Phase::Question { place: open, late: false, .. } if open == place);
+        let mut actions: Vec<Action> =
+            waits.then(|| self.finish(place, None)).into_iter().collect();
+        if !self.places[place].done {
+            let Some(trial) = self.places[place].repeats else {
+                return refuse("it is open anyway");
+            };
+            return refuse(format!("trial {trial} is to be done again already"));
+        }
+        actions.push(self.supersede(place));
+        self.open = self.open.filter(|(open, _)| *open != place);
+        let asks_other = matches!(self.phase, Phase::Question { place: open, .. } if open != place);
+        if !asks_other && matches!(self.phase, Phase::Question { .. } | Phase::Ready | Phase::Done)
+        {
+            actions.extend(self.go_on());
+        }
+        actions
+    }
+
+    /// The last trial does not count.
+    pub(super) fn exclude(&mut self, reason: String) -> Vec<Action> {
+        if matches!(self.phase, Phase::Trial { .. }) {
+            return refuse("a trial is running: exclude it when it has ended");
+        }
+        match self.subject() {
+            Some(trial) => self.exclude_trial(trial, reason),
+            None => refuse("there is no trial to exclude yet"),
+        }
+    }
+
+    fn exclude_trial(&mut self, trial: u32, reason: String) -> Vec<Action> {
+        let reason = reason.trim().to_owned();
+        if reason.is_empty() {
+            return refuse("an exclusion needs its reason");
+        }
+        let mut actions = vec![Action::Log(Event::Excluded { trial, reason })];
+        let held = self.held(trial).ok().filter(|place| self.places[*place].counts());
+        if let Some(place) = held {
+            self.places[place].excluded = true;
+            actions.push(Action::Tell(format!(
+                "trial {trial} is missing now: it is done again at the end, or right away if it is repeated"
+            )));
+        }
+        if self.phase == Phase::Done {
+            actions.extend(self.go_on());
+        }
+        actions
+    }
+
+    /// The questions of a trial once more. The event of an answer takes the place of the one
+    /// before, which stays where it was kept.
+    fn ask_again(&mut self, place: usize) -> Vec<Action> {
+        match self.phase {
+            Phase::Question { .. } => refuse("a question is open: answer it first, or skip it"),
+            Phase::Ready | Phase::Pause | Phase::Done
+                if self.places[place].questions.is_empty() =>
+            {
+                refuse("nothing is asked about that trial")
+            }
+            Phase::Ready | Phase::Pause | Phase::Done if self.places[place].done => {
+                self.ask(place, 0, true);
+                Vec::new()
+            }
+            Phase::Ready | Phase::Pause | Phase::Done => refuse("that trial is to be done again"),
+            _ => refuse("the session is not ready for a question"),
+        }
+    }
+}
+
+/// A remark on a trial, or on the session.
+pub(super) fn note(trial: Option<u32>, text: String) -> Vec<Action> {
+    match text.trim() {
+        "" => refuse("the note is empty"),
+        text => vec![Action::Log(Event::Note { trial, text: text.to_owned() })],
+    }
+}

@@ -1,0 +1,53 @@
+//! Where markers go.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A program that is told of each marker.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Target {
+    /// A line of JSON over TCP, to whoever listens at `host:port`.
+    Tcp(String),
+    /// A message of Open Sound Control in a UDP packet, to `host:port`.
+    Osc(String),
+}
+
+impl FromStr for Target {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (kind, address) = text.split_once(':').unwrap_or((text, ""));
+        let port = address.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+        let has_port = port.is_some_and(|(_, port)| port.parse::<u16>().is_ok_and(|port| port > 0));
+        match kind {
+            "tcp" if has_port => Ok(Self::Tcp(address.to_owned())),
+            "osc" if has_port => Ok(Self::Osc(address.to_owned())),
+            _ => Err("write tcp:HOST:PORT or osc:HOST:PORT".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tcp(address) => write!(f, "tcp:{address}"),
+            Self::Osc(address) => write!(f, "osc:{address}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_target_is_written_as_it_is_read_and_needs_a_host_and_a_port() {
+        for good in ["tcp:localhost:9000", "osc:127.0.0.1:57120", "tcp:[::1]:9000"] {
+            assert_eq!(good.parse::<Target>().unwrap().to_string(), good);
+        }
+        for bad in ["", "tcp", "tcp:", "tcp:host", "tcp::9", "udp:host:9", "osc:host:0", "osc:h:x"]
+        {
+            assert!(bad.parse::<Target>().unwrap_err().contains("HOST:PORT"), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! What is said of trials after they were recorded: `zwidth exclude`, `note`, `answer`, and the same
+//! within a session. Events alone; no file changes.
+
+use crate::acquire::{Desk, Live, TRIALS};
+use crate::binary::{Ran, zwidth};
+use crate::folders::listing;
+use serde_json::Value;
+use std::fs;
+use zwidth_tables::Table;
+
+/// A session of which all trials are done, each answered with 3.
+fn done() -> Desk {
+    let desk = Desk::new(false);
+    desk.acquire(&("start\n3\n".repeat(TRIALS) + "quit\n"), &[]).exits(0);
+    desk
+}
+
+/// A command on that session.
+fn say(desk: &Desk, command: &str, more: &[&str]) -> Ran {
+    let session = [command, "small", "-p", "P01", "-s", "S01"];
+    zwidth(desk.root(), &[&session, more].concat())
+}
+
+/// A command on that session that says this.
+#[track_caller]
+fn told(desk: &Desk, command: &str, more: &[&str], words: &str) {
+    let ran = say(desk, command, more).exits(0);
+    assert!(ran.out.contains(words), "{ran:#?}");
+}
+
+fn log(desk: &Desk) -> Vec<Value> {
+    let path = desk.root().join("raw/small/sessions/P01_S01.events.jsonl");
+    let text = fs::read_to_string(path).unwrap();
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// The answers that count: trial and value.
+fn answers(desk: &Desk) -> Vec<(i64, i64)> {
+    zwidth(desk.root(), &["run", "--only", "likert"]).exits(0);
+    let path = desk.root().join("derived/small/answers.parquet");
+    let table = Table::from_parquet(&path).unwrap();
+    let column = |name| table.integers(name).unwrap().into_iter().flatten();
+    column("trial").zip(column("answer")).collect()
+}
+
+#[test]
+fn an_excluded_trial_never_counts_and_is_missing_until_it_is_done_again() {
+    let desk = done();
+    let files = listing(&desk.root().join("raw/small/trials"));
+    let by = ["--trial", "3", "the phone rang", "--by", "E1"];
+    told(
+        &desk,
+        "exclude",
+        &by,
+        "trial 3 is excluded; it is missing until it is done again: `zwidth acquire small -p P01",
+    );
+    let line = log(&desk).pop().unwrap();
+    assert_eq!((&line["by"], &line["what"]["reason"]), (&"E1".into(), &"the phone rang".into()));
+    assert!(line["utc"].as_str().is_some_and(|utc| utc.ends_with('Z')), "{line}");
+    let session = desk.session();
+    assert_eq!((&session["trials_that_count"], &session["to_go"]), (&5.into(), &1.into()));
+    assert_eq!(session["left_out"][0], "trial 3: excluded: the phone rang");
+    assert_eq!(listing(&desk.root().join("raw/small/trials")), files, "nothing is overwritten");
+    assert_eq!(answers(&desk).len(), 5);
+    desk.verify();
+    let ran = desk.acquire("start\n4\nquit\n", &[]).exits(0);
+    assert!(ran.out.contains("ready 8 (place 3 of 7)"), "{}", ran.out);
+    assert!(
+        ran.out.contains("again for trial 3") && ran.out.contains("done 7 of 7"),
+        "{}",
+        ran.out
+    );
+    let session = desk.session();
+    assert_eq!((&session["trials_that_count"], &session["to_go"]), (&6.into(), &0.into()));
+    assert_eq!(answers(&desk).last(), Some(&(8, 4)));
+    desk.verify();
+}
+
+#[test]
+fn an_answer_that_is_given_later_counts_and_the_first_one_is_kept() {
+    let desk = done();
+    told(&desk, "answer", &["--trial", "4", "5"], "answered with 5, in place of 3, which is kept");
+    told(&desk, "answer", &["--trial", "4", "2", "--by", "E2"], "in place of 5");
+    let of_four = |answers: Vec<(i64, i64)>| answers.into_iter().find(|(trial, _)| *trial == 4);
+    assert_eq!(of_four(answers(&desk)), Some((4, 2)));
+    let values: Vec<Value> = log(&desk)
+        .into_iter()
+        .filter(|line| line["what"]["event"] == "answer" && line["what"]["trial"] == 4)
+        .map(|line| line["what"]["value"].clone())
+        .collect();
+    assert!(values.ends_with(&[5.into(), 2.into()]), "{values:?}");
+    desk.verify();
+}
+
+#[test]
+fn a_note_belongs_to_a_trial_or_to_the_session() {
+    let desk = done();
+    told(&desk, "note", &["--trial", "2", "looked away"], "kept with trial 2");
+    told(&desk, "note", &["left-handed"], "kept with the session");
+    let what: Vec<Value> =
+        log(&desk).into_iter().rev().take(2).map(|l| l["what"].clone()).collect();
+    assert_eq!((&what[0]["trial"], &what[0]["text"]), (&Value::Null, &"left-handed".into()));
+    assert_eq!((&what[1]["trial"], &what[1]["text"]), (&2.into(), &"looked away".into()));
+    desk.verify();
+}
+
+#[test]
+fn what_cannot_be_said_is_refused_with_the_reason_and_nothing_is_written() {
+    let desk = Desk::new(false);
+    desk.acquire("start\n3\nstart\n3\nquit\n", &[]).exits(3);
+    let before = listing(&desk.root().join("raw"));
+    for (command, more, words) in [
+        ("exclude", &["--trial", "2", " "][..], "an exclusion needs its reason"),
+        ("exclude", &["--trial", "5", "x"], "trial 5 is still to be done"),
+        ("exclude", &["--trial", "99", "x"], "no trial 99: they are 1 to 7"),
+        ("note", &["--trial", "99", "x"], "no trial 99"),
+        ("note", &[""], "the note is empty"),
+        ("answer", &["--trial", "5", "3"], "trial 5 is still to be done"),
+        ("answer", &["--trial", "2", "6"], "6 is no answer to felt_"),
+        ("answer", &["--trial", "2", "-1"], "-1 is no answer to felt_"),
+        ("answer", &["--trial", "2", "3", "--question", "mood"], "mood is not asked after trial 2"),
+    ] {
+        say(&desk, command, more).exits(1).one_error().says(&[words]);
+    }
+    let other = ["note", "small", "-p", "P09", "-s", "S01", "x"];
+    zwidth(desk.root(), &other).exits(1).says(&["no session S01 of P09", "zwidth list small"]);
+    assert_eq!(listing(&desk.root().join("raw")), before);
+}
+
+#[test]
+fn while_a_session_runs_it_is_said_there() {
+    let desk = Desk::slow();
+    let mut live = Live::new(&desk, &[]);
+    live.until("check");
+    say(&desk, "note", &["x"]).exits(1).one_error().says(&["in use: zwidth acquire, process "]);
+    live.say("quit");
+    live.child.wait().unwrap();
+}
+
+#[test]
+fn in_a_session_any_trial_is_excluded_asked_again_remarked_on_and_done_again() {
+    let desk = Desk::new(false);
+    let lines = "start\n3\n".repeat(4)
+        + "trial 2 exclude the phone rang\ntrial 3 ask\n5\ntrial 2 note twice\ntrial 4 repeat\n"
+        + &"start\n4\n".repeat(5)
+        + "quit\n";
+    let ran = desk.acquire(&lines, &["--by", "E1"]).exits(0);
+    for words in [
+        "trial 2 excluded: the phone rang",
+        "trial 2 is missing now",
+        "trial 3: answered 5",
+        "trial 2: note: twice",
+        "ready 8 (place 4 of 7)",
+        "ready 9 (place 2 of 7)",
+        "again for trial 2",
+        "done 7 of 7",
+    ] {
+        assert!(ran.out.contains(words), "{words}: {}", ran.out);
+    }
+    desk.verify();
+    assert_eq!((desk.trials(), desk.session()["trials_that_count"].clone()), (9, 6.into()));
+    let said = log(&desk).into_iter().filter(|line| line["what"]["event"] == "excluded");
+    assert!(said.into_iter().all(|line| line["by"] == "E1"));
+    assert_eq!(answers(&desk).iter().find(|(trial, _)| *trial == 3), Some(&(3, 5)));
+}
