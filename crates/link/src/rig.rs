@@ -347,7 +347,7 @@ fn capabilities(board: &Description, settings: &Settings) -> Result<Capabilities
         motor_max_v: volts(board.motor_mv),
         brake_max_v: volts(board.brake_mv),
         watchdog_s: (board.watchdog_ms > 0).then(|| f64::from(board.watchdog_ms) * 1e-3),
-        source: if board.simulated { Source::Twin } else { Source::Recorded },
+        source: if board.simulated { Source::Twin } else { settings.unknown().source },
         channels: Vec::new(),
     })
 }
