@@ -23,19 +23,19 @@ const STEPS: u16 = 255;
 const FORCES: u32 = 10;
 
 /// The emulator.
-struct Emulator {
+pub(crate) struct Emulator {
     child: Child,
     hears: ChildStdin,
     says: BufReader<ChildStdout>,
     /// What the microcontroller said and nobody has received.
-    said: Vec<u8>,
+    pub(crate) said: Vec<u8>,
     /// Pulses of motor and brake, and the direction.
     out: [u16; 3],
     us: u64,
 }
 
 impl Emulator {
-    fn start(command: &[&str]) -> anyhow::Result<Self> {
+    pub(crate) fn start(command: &[&str]) -> anyhow::Result<Self> {
         let (program, rest) = command.split_first().context("which command runs the emulator?")?;
         let mut command = Command::new(program);
         let piped = command.args(rest).stdin(Stdio::piped()).stdout(Stdio::piped());
@@ -46,12 +46,12 @@ impl Emulator {
     }
 
     /// What its sensors see.
-    fn set(&mut self, what: &str, value: i32) -> io::Result<()> {
+    pub(crate) fn set(&mut self, what: &str, value: i32) -> io::Result<()> {
         writeln!(self.hears, "{what} {value}")
     }
 
     /// Gives it bytes and lets it run.
-    fn run(&mut self, us: u32, bytes: &[u8]) -> io::Result<()> {
+    pub(crate) fn run(&mut self, us: u32, bytes: &[u8]) -> io::Result<()> {
         let digits: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
         writeln!(self.hears, "run {us} {digits}")?;
         self.hears.flush()?;

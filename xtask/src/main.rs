@@ -7,6 +7,7 @@ mod board;
 mod encodings;
 mod firmware;
 mod fuzz;
+mod hx711;
 mod pictures;
 mod sheet;
 mod soak;
@@ -23,9 +24,12 @@ const CHORES: &str =
 cargo xtask board STUDY.TOML [LINK [SEED]] a board with the simulated device at the end of a serial line, to record from; it speaks
     framed, firmata, firmata-uno, firmata-i2c or text [framed, seed 1]
 cargo xtask firmware COMMAND…          our host at our firmware, which COMMAND runs in an emulator: readings, voltages, noise, the watchdog
+cargo xtask hx711 COMMAND…             our reader at the load cell's sketch, which COMMAND runs in an emulator with an HX711 at its pins
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
 cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
+cargo xtask soak wire [EVERY]          a session over each link with one message gone wrong, for every (or every so-manieth) message and trouble [1]
+cargo xtask soak wire-sessions         sessions of 36 trials over each link at its rate, in simulated time: no reading is lost
 cargo xtask bench [read] [NAME…]       every bench beside its peers, or those named; writes benches/RESULTS.md, and fails where a committed ratio is 10 % worse (read: as measured last, nothing is run)
 cargo xtask bits                       the main job's bytes: one thread, many, other processors (qemu-user), as written down
 cargo xtask bits --without-origin      only their content, without what files say of their making, against what is written down
@@ -56,6 +60,7 @@ fn main() -> anyhow::Result<()> {
             board::run(Path::new(study), link, number(rest.get(1), 1)?)
         }
         ["firmware", command @ ..] => firmware::run(command),
+        ["hx711", command @ ..] => hx711::run(command),
         ["soak", "kill", rest @ ..] => {
             let kills = number(rest.first(), 1000)?;
             soak::kill::kill(&soak::program()?, &scratch("kill"), kills, number(rest.get(1), 1)?)
@@ -67,6 +72,8 @@ fn main() -> anyhow::Result<()> {
             let cuts = number(rest.first(), 100)?;
             soak::watchdog::watchdog(&scratch("watchdog"), cuts, number(rest.get(1), 1)?)
         }
+        ["soak", "wire", rest @ ..] => soak::wire::wire(number(rest.first(), 1)?),
+        ["soak", "wire-sessions"] => soak::wire::whole(),
         // What `soak watchdog` runs and cuts off.
         ["soak", "host", socket] => soak::watchdog::host(Path::new(socket)),
         ["bench", rest @ ..] => bench::bench(rest),

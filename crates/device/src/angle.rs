@@ -197,6 +197,9 @@ pub(crate) fn rad_per_count(counts_per_turn: u32, shaft_per_lever: f64) -> f64 {
 }
 
 #[cfg(test)]
+mod motions;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::mock;

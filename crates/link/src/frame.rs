@@ -100,6 +100,11 @@ impl Frames {
         frame
     }
 
+    /// Forgets what came since the last 0: another line begins.
+    pub fn begin_anew(&mut self) {
+        (self.length, self.overlong) = (0, false);
+    }
+
     /// Pieces between two zeros that were no frame, so far.
     pub fn damaged(&self) -> u64 {
         self.damaged

@@ -14,11 +14,13 @@ pub mod frame;
 pub mod hostile;
 pub mod message;
 mod open;
+mod patience;
 mod rate;
 mod rig;
 mod serial;
 mod settings;
 mod shaft;
+pub mod simulated;
 mod stream;
 mod talk;
 #[cfg(test)]
@@ -27,7 +29,7 @@ pub mod text;
 mod wire;
 
 pub use board::Board;
-pub use open::open;
+pub use open::{open, over};
 pub use rig::Rig;
 #[cfg(unix)]
 pub use serial::Pair;

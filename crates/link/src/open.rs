@@ -23,14 +23,29 @@ pub fn open(
         what: "no port is named".to_owned(),
         remedy: "which port is the board at? --device rig:PORT, or port in rig.toml".to_owned(),
     })?;
+    let wire = Serial::open(port, settings.baud())?;
+    let cell = settings.hx711.as_ref().filter(|_| settings.link != Link::Framed);
+    let cell = cell.map(|cell| Serial::open(&cell.port, cell.baud)).transpose()?;
+    over(wire, cell, settings, environments)
+}
+
+/// A rig over wires that are there: the board's, and the load cell's where it has one of its own.
+///
+/// # Errors
+/// Those of [`open`].
+pub fn over<W: Wire + 'static>(
+    wire: W,
+    cell: Option<W>,
+    settings: &Settings,
+    environments: Vec<EnvironmentId>,
+) -> Result<Box<dyn Device>, DeviceError> {
+    settings.check()?;
     let Some(talk) = talk(settings)? else {
-        let wire = Serial::open(port, settings.baud())?;
         return Ok(Box::new(Rig::connect(wire, settings.clone(), environments)?));
     };
-    let wire = Serial::open(port, settings.baud())?;
-    let cell = settings.hx711.as_ref();
-    let cell = cell.map(|cell| Serial::open(&cell.port, cell.baud)).transpose()?;
-    connect(wire, cell, talk, settings, environments)
+    let cell = cell.zip(settings.hx711.as_ref());
+    let cell = cell.map(|(wire, settings)| Cell::new(wire, settings)).transpose()?;
+    Ok(Box::new(Stream::connect(wire, cell, talk, settings.clone(), environments)?))
 }
 
 /// The host's end of a link that streams; none of frames.
@@ -40,16 +55,4 @@ pub(crate) fn talk(settings: &Settings) -> Result<Option<Box<dyn Talk>>, DeviceE
         (Link::Text, _, Some(sketch)) => Some(Box::new(text::Host::new(settings, sketch)?)),
         _ => None,
     })
-}
-
-fn connect<W: Wire + 'static>(
-    wire: W,
-    cell: Option<W>,
-    talk: Box<dyn Talk>,
-    settings: &Settings,
-    environments: Vec<EnvironmentId>,
-) -> Result<Box<dyn Device>, DeviceError> {
-    let cell = cell.zip(settings.hx711.as_ref());
-    let cell = cell.map(|(wire, settings)| Cell::new(wire, settings)).transpose()?;
-    Ok(Box::new(Stream::connect(wire, cell, talk, settings.clone(), environments)?))
 }

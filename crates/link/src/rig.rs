@@ -2,11 +2,11 @@
 
 use crate::frame::{Frames, MOST_WIRE};
 use crate::message::{Description, Drive, FromBoard, PROTOCOL, Seen, ToBoard, mark, status};
-use crate::rate::line_rate_hz;
+use crate::patience::{Patience, wire_rate_hz};
 use crate::shaft::Shaft;
 use crate::{Settings, Wire};
 use std::io;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
 use zwidth_study::{EnvironmentId, Extra, Source, Voltages};
 
@@ -14,9 +14,6 @@ use zwidth_study::{EnvironmentId, Extra, Source, Voltages};
 const BEGIN: Duration = Duration::from_secs(4);
 /// So often it is asked who it is meanwhile.
 const HELLO_EVERY: Duration = Duration::from_millis(200);
-/// An answer that does not come within this share of a tick is waited for no longer: the reading
-/// before it stands, with its age.
-const PATIENCE_SHARE: f64 = 0.4;
 /// At homing the board is asked for so long.
 const HOMING: Duration = Duration::from_millis(250);
 /// The questions whose time is kept. One unanswered so long ago is answered no more.
@@ -41,12 +38,17 @@ pub struct Rig<W> {
     sequence: u16,
     /// When the last questions were asked, host time, s, by their number.
     asked: [(u16, f64); KEPT],
+    /// When the last one was, s.
+    asked_s: f64,
+    patience: Patience,
     last: Option<Known>,
     /// What was commanded last.
     drive: Drive,
     /// The board has begun anew since the last homing.
     reset: bool,
-    /// Questions that were not answered in time.
+    /// The wire is gone since then.
+    gone: bool,
+    /// Looks that found no newer answer.
     late: u64,
 }
 
@@ -84,9 +86,12 @@ impl<W: Wire> Rig<W> {
             frames: Frames::default(),
             sequence: 0,
             asked: [(0, 0.0); KEPT],
+            asked_s: 0.0,
+            patience: Patience::at(settings.baud()),
             last: None,
             drive: Drive::default(),
             reset: false,
+            gone: false,
             late: 0,
             settings,
         };
@@ -98,7 +103,7 @@ impl<W: Wire> Rig<W> {
         Ok(rig)
     }
 
-    /// Questions that were not answered in time, and pieces on the wire that were no message.
+    /// Looks that found no newer answer than the one before, and pieces on the wire that were no message.
     pub fn faults(&self) -> [u64; 2] {
         [self.late, self.frames.damaged()]
     }
@@ -111,11 +116,12 @@ impl<W: Wire> Rig<W> {
 
     /// Asks until the board says who it is.
     fn introduce(&mut self) -> Result<Description, DeviceError> {
-        let began = Instant::now();
-        while began.elapsed() < BEGIN {
+        let began = self.wire.now();
+        while self.wire.now() - began < BEGIN {
             self.send(&ToBoard::Hello)?;
-            let until = Instant::now() + HELLO_EVERY;
-            while let Some(wait) = until.checked_duration_since(Instant::now()) {
+            let until = self.wire.now() + HELLO_EVERY;
+            while let Some(wait) = until.checked_sub(self.wire.now()).filter(|wait| !wait.is_zero())
+            {
                 if let Some(FromBoard::Description(board)) = self.receive(wait)? {
                     return Ok(board);
                 }
@@ -129,12 +135,35 @@ impl<W: Wire> Rig<W> {
     fn send(&mut self, message: &ToBoard) -> Result<(), DeviceError> {
         self.sequence = self.sequence.wrapping_add(1);
         let (bytes, length) = message.frame(self.sequence).encode();
-        self.wire.send(&bytes[..length]).map_err(|e| self.lost(&e.to_string()))
+        self.wire.send(&bytes[..length]).map_err(|e| self.break_off(&e))
+    }
+
+    /// The wire failed.
+    fn break_off(&mut self, why: &io::Error) -> DeviceError {
+        self.gone |= why.kind() != io::ErrorKind::TimedOut;
+        self.lost(&why.to_string())
+    }
+
+    /// Connects anew, and asks whether it is the same board.
+    fn come_back(&mut self) -> Result<(), DeviceError> {
+        self.wire.reopen().map_err(|e| {
+            let remedy = "plug the board in where it was, then home again";
+            self.unable(format!("the port cannot be opened again: {e}"), remedy)
+        })?;
+        (self.gone, self.taken, self.came) = (false, 0, 0);
+        self.frames.begin_anew();
+        let board = self.introduce()?;
+        if capabilities(&board, &self.settings)? != self.capabilities {
+            self.gone = true;
+            let what = format!("another board is at the port now, {}", board.name);
+            return Err(self.unable(what, "plug in the one that the session began with"));
+        }
+        self.write(0.0, Voltages::OFF)
     }
 
     /// The next message that is in what has come, or that comes within `wait`.
     fn receive(&mut self, wait: Duration) -> Result<Option<FromBoard>, DeviceError> {
-        let until = Instant::now() + wait;
+        let until = self.wire.now() + wait;
         for _ in 0..MOST_BYTES {
             let Some(byte) = self.byte(until)? else { return Ok(None) };
             let Some(frame) = self.frames.push(byte) else { continue };
@@ -149,11 +178,11 @@ impl<W: Wire> Rig<W> {
     }
 
     /// The next byte; none that comes before `until`.
-    fn byte(&mut self, until: Instant) -> Result<Option<u8>, DeviceError> {
+    fn byte(&mut self, until: Duration) -> Result<Option<u8>, DeviceError> {
         if self.taken == self.came {
-            let left = until.saturating_duration_since(Instant::now());
+            let left = until.saturating_sub(self.wire.now());
             let came = self.wire.receive(&mut self.bytes, left);
-            (self.taken, self.came) = (0, came.map_err(|e| self.lost(&e.to_string()))?);
+            (self.taken, self.came) = (0, came.map_err(|e| self.break_off(&e))?);
         }
         let byte = self.bytes[..self.came].get(self.taken).copied();
         self.taken += usize::from(byte.is_some());
@@ -167,27 +196,33 @@ impl<W: Wire> Rig<W> {
             return;
         }
         let passed_us = self.last.map_or(0, |last| seen.t_us.wrapping_sub(last.seen.t_us));
+        // A clock that goes back has begun anew, though nobody said so.
+        self.reset |= passed_us > u32::MAX / 2;
         let t_us = self.last.map_or(u64::from(seen.t_us), |last| last.t_us + u64::from(passed_us));
         self.last = Some(Known { seen, asked_s, t_us });
     }
 
-    /// Asks what the board sees, and waits for the answer for so long.
-    fn poll(&mut self, now_s: f64, wait: Duration) -> Result<(), DeviceError> {
+    /// Asks what the board sees, and waits for the answer for so long; whether it came.
+    fn poll(&mut self, now_s: f64, wait: Duration) -> Result<bool, DeviceError> {
+        let before_s = self.last.map(|last| last.asked_s);
         let next = self.sequence.wrapping_add(1);
         self.asked[usize::from(next) % KEPT] = (next, now_s);
+        self.asked_s = now_s;
         self.send(&ToBoard::Poll)?;
-        let until = Instant::now() + wait;
+        let until = self.wire.now() + wait;
         while self.last.is_none_or(|last| last.asked_s < now_s) {
-            let left = until.saturating_duration_since(Instant::now());
-            if self.receive(left)?.is_none() {
-                self.late += 1;
-                return Ok(());
-            }
+            let left = until.saturating_sub(self.wire.now());
+            let came = self.receive(left)?;
             if self.reset {
                 return Err(self.lost("the board has begun anew"));
             }
+            if came.is_none() {
+                let newest_s = self.last.map(|last| last.asked_s);
+                self.late += u64::from(newest_s == before_s);
+                return Ok(false);
+            }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// The newest answer as a reading.
@@ -213,10 +248,6 @@ impl<W: Wire> Rig<W> {
         })
     }
 
-    fn patience(&self) -> Duration {
-        Duration::from_secs_f64(PATIENCE_SHARE / self.capabilities.rate_hz)
-    }
-
     fn lost(&self, what: &str) -> DeviceError {
         DeviceError::Lost { device: self.capabilities.name.clone(), what: what.to_owned() }
     }
@@ -239,6 +270,9 @@ impl<W: Wire> Device for Rig<W> {
     }
 
     fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        if self.gone {
+            self.come_back()?;
+        }
         // What a board said when its port was opened, and to each question who it is, is known by now.
         for _ in 0..MOST_OLD {
             if self.receive(Duration::ZERO)?.is_none() {
@@ -247,9 +281,10 @@ impl<W: Wire> Device for Rig<W> {
         }
         (self.last, self.reset) = (None, false);
         self.send(&ToBoard::Mark { code: mark::HOMING, number: 0 })?;
-        let (began, mut first) = (Instant::now(), None);
-        while began.elapsed() < HOMING {
-            self.poll(now_s + began.elapsed().as_secs_f64(), HELLO_EVERY)?;
+        let (began, mut first) = (self.wire.now(), None);
+        while self.wire.now() - began < HOMING {
+            let passed = self.wire.now() - began;
+            self.poll(now_s + passed.as_secs_f64(), HELLO_EVERY)?;
             let counts = self.last.ok_or_else(|| self.lost("it does not answer"))?.seen.counts;
             self.shaft.rested(*first.get_or_insert(counts), counts).map_err(|what| {
                 self.unable(what, "hold it still against its lower stop, then home again")
@@ -264,7 +299,9 @@ impl<W: Wire> Device for Rig<W> {
     }
 
     fn read(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
-        self.poll(now_s, self.patience())?;
+        let wait = self.patience.of(now_s - self.asked_s);
+        let came = self.poll(now_s, wait)?;
+        self.patience.learn(came, !wait.is_zero());
         self.reading(now_s)
     }
 
@@ -310,33 +347,7 @@ fn capabilities(board: &Description, settings: &Settings) -> Result<Capabilities
         motor_max_v: volts(board.motor_mv),
         brake_max_v: volts(board.brake_mv),
         watchdog_s: (board.watchdog_ms > 0).then(|| f64::from(board.watchdog_ms) * 1e-3),
-        source: if board.simulated { Source::Twin } else { Source::Recorded },
+        source: if board.simulated { Source::Twin } else { settings.unknown().source },
         channels: Vec::new(),
     })
-}
-
-/// Ticks a second that a serial line carries: its longer way has one answer in each, Hz.
-pub(crate) fn wire_rate_hz(baud: u32) -> f64 {
-    let seen = FromBoard::Seen(Seen {
-        t_us: 0,
-        counts: 0,
-        angle_age_us: 0,
-        force: 0,
-        force_age_us: 0,
-        status: 0,
-        drive: Drive::default(),
-    });
-    let (_, length) = seen.frame(0).encode();
-    line_rate_hz(baud, length)
-}
-
-/// A wire that a caller keeps.
-impl<W: Wire + ?Sized> Wire for Box<W> {
-    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
-        (**self).receive(into, wait)
-    }
-
-    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        (**self).send(bytes)
-    }
 }

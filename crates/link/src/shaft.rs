@@ -57,3 +57,37 @@ impl Shaft {
         share - share.round()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn homing_takes_a_lever_that_rests_at_its_stop_and_no_other(
+            counts_per_turn in 100..=u16::MAX,
+            stop in any::<prop::sample::Index>(),
+            off_turns in -0.5..0.5_f64,
+            noise_turns in -0.5..0.5_f64,
+        ) {
+            let per_turn = f64::from(counts_per_turn);
+            let stop = stop.index(counts_per_turn.into()) as u16;
+            let at = |turns: f64| {
+                let counts = (f64::from(stop) + turns * per_turn).round();
+                counts.rem_euclid(per_turn) as u16
+            };
+            let mut shaft = Shaft::new(counts_per_turn, Turning::Up);
+            prop_assert!(shaft.is_stop(stop), "the first one is the stop");
+            // What lies within one count of a limit may fall to either side of it.
+            let near = |turns: f64, limit: f64| (turns.abs() - limit).abs() < 1.0 / per_turn;
+            if !near(off_turns, SAME_STOP_TURNS) {
+                prop_assert_eq!(shaft.is_stop(at(off_turns)), off_turns.abs() < SAME_STOP_TURNS);
+            }
+            if !near(noise_turns, STILL_TURNS) {
+                let rested = shaft.rested(stop, at(noise_turns)).is_ok();
+                prop_assert_eq!(rested, noise_turns.abs() < STILL_TURNS);
+            }
+        }
+    }
+}

@@ -12,7 +12,8 @@ use crate::talk::{Facts, Heard, Plan, Talk};
 use crate::text::{Field, Lines, Template};
 use crate::{Hx711, Settings, Wire};
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::io;
+use std::time::Duration;
 use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
 use zwidth_study::{EnvironmentId, Extra, Source, Voltages};
 
@@ -54,6 +55,10 @@ pub(crate) struct Stream<W> {
     /// When it was looked last, s.
     looked_s: f64,
     reset: bool,
+    /// The wire, or the load cell's, is gone since then.
+    gone: bool,
+    /// Readings that came twice.
+    twice: u64,
     out: Vec<u8>,
 }
 
@@ -86,8 +91,14 @@ impl<W: Wire> Cell<W> {
         Ok(Self { wire, lines: Lines::from_anywhere(), template, port, rate_hz, damaged: 0 })
     }
 
+    /// Opens its port anew: a line that began before is none.
+    fn begin_anew(&mut self) -> io::Result<()> {
+        self.lines = Lines::from_anywhere();
+        self.wire.reopen()
+    }
+
     /// The newest value that has come.
-    fn newest(&mut self) -> std::io::Result<Option<i32>> {
+    fn newest(&mut self) -> io::Result<Option<i32>> {
         let (mut newest, mut bytes) = (None, [0; 256]);
         for _ in 0..MOST_BYTES / bytes.len() {
             let came = self.wire.receive(&mut bytes, Duration::ZERO)?;
@@ -128,6 +139,8 @@ impl<W: Wire> Stream<W> {
             ticks: None,
             looked_s: 0.0,
             reset: false,
+            gone: false,
+            twice: 0,
             out: Vec::with_capacity(256),
             wire,
             talk,
@@ -146,7 +159,34 @@ impl<W: Wire> Stream<W> {
     /// Pieces on the wires that were no message.
     pub(crate) fn damaged(&self) -> u64 {
         let cell = self.cell.as_ref().map_or(0, |cell| cell.lines.damaged() + cell.damaged);
-        self.talk.damaged() + cell
+        self.talk.damaged() + self.twice + cell
+    }
+
+    /// A wire failed.
+    fn break_off(&mut self, whose: &str, why: &io::Error) -> DeviceError {
+        self.gone |= why.kind() != io::ErrorKind::TimedOut;
+        self.lost(&format!("{whose}{why}"))
+    }
+
+    /// Connects anew, and asks whether it is the same board.
+    fn come_back(&mut self) -> Result<(), DeviceError> {
+        let opened = self.wire.reopen();
+        let opened = opened.and_then(|()| self.cell.as_mut().map_or(Ok(()), Cell::begin_anew));
+        opened.map_err(|e| {
+            let remedy = "plug the board in where it was, then home again";
+            self.unable(format!("the port cannot be opened again: {e}"), remedy)
+        })?;
+        self.gone = false;
+        self.talk.begin_anew();
+        let facts = self.introduce()?;
+        if self.capabilities(&facts) != self.capabilities {
+            self.gone = true;
+            let what = format!("another board is at the port now, {}", facts.name);
+            return Err(self.unable(what, "plug in the one that the session began with"));
+        }
+        self.force = None;
+        self.say(|talk, out| talk.begin(out))?;
+        self.first()
     }
 
     fn capabilities(&self, facts: &Facts) -> Capabilities {
@@ -167,11 +207,12 @@ impl<W: Wire> Stream<W> {
 
     /// Asks until the board has said enough.
     fn introduce(&mut self) -> Result<Facts, DeviceError> {
-        let began = Instant::now();
-        while began.elapsed() < BEGIN {
+        let began = self.wire.now();
+        while self.wire.now() - began < BEGIN {
             self.say(|talk, out| talk.hello(out))?;
-            let until = Instant::now() + HELLO_EVERY;
-            while let Some(wait) = until.checked_duration_since(Instant::now()) {
+            let until = self.wire.now() + HELLO_EVERY;
+            while let Some(wait) = until.checked_sub(self.wire.now()).filter(|wait| !wait.is_zero())
+            {
                 self.take_in(0.0, wait)?;
                 if let Some(facts) = self.talk.facts() {
                     return facts;
@@ -186,8 +227,8 @@ impl<W: Wire> Stream<W> {
 
     /// Waits for the first reading and the first force.
     fn first(&mut self) -> Result<(), DeviceError> {
-        let began = Instant::now();
-        while began.elapsed() < BEGIN {
+        let began = self.wire.now();
+        while self.wire.now() - began < BEGIN {
             self.take_in(0.0, Duration::from_millis(10))?;
             if self.waiting.back().is_some_and(|known| self.force_with(known).is_some()) {
                 self.reset = false;
@@ -205,7 +246,7 @@ impl<W: Wire> Stream<W> {
     fn say(&mut self, what: impl FnOnce(&mut dyn Talk, &mut Vec<u8>)) -> Result<(), DeviceError> {
         self.out.clear();
         what(&mut *self.talk, &mut self.out);
-        self.wire.send(&self.out).map_err(|e| self.lost(&e.to_string()))
+        self.wire.send(&self.out).map_err(|e| self.break_off("", &e))
     }
 
     /// Takes in what has come; waits for the first of it for so long.
@@ -214,7 +255,7 @@ impl<W: Wire> Stream<W> {
         let before = self.waiting.len();
         for _ in 0..MOST_BYTES / bytes.len() {
             let came = self.wire.receive(&mut bytes, std::mem::take(&mut wait));
-            let came = came.map_err(|e| self.lost(&e.to_string()))?;
+            let came = came.map_err(|e| self.break_off("", &e))?;
             bytes[..came].iter().for_each(|byte| self.hear(*byte, now_s));
             if came < bytes.len() {
                 break;
@@ -223,7 +264,7 @@ impl<W: Wire> Stream<W> {
         self.date(before, now_s);
         let Some(cell) = &mut self.cell else { return Ok(()) };
         let newest = cell.newest();
-        let newest = newest.map_err(|e| self.lost(&format!("the load cell's port: {e}")))?;
+        let newest = newest.map_err(|e| self.break_off("the load cell's port: ", &e))?;
         self.force = newest.map(|force| (force, now_s)).or(self.force);
         Ok(())
     }
@@ -231,7 +272,10 @@ impl<W: Wire> Stream<W> {
     fn hear(&mut self, byte: u8, now_s: f64) {
         match self.talk.push(byte) {
             Some(Heard::Reading { ticks, counts, force }) => {
-                let ticks = ticks.map(|ticks| self.passed(ticks));
+                let ticks = match ticks.map(|ticks| self.passed(ticks)) {
+                    Some(None) => return self.twice += 1,
+                    ticks => ticks.flatten(),
+                };
                 if self.waiting.len() == MOST_WAITING {
                     self.waiting.pop_front();
                 }
@@ -242,14 +286,21 @@ impl<W: Wire> Stream<W> {
         }
     }
 
-    /// All steps of the board's clock; one that goes back has begun anew.
-    fn passed(&mut self, ticks: u32) -> u64 {
-        let (last, all) = self.ticks.unwrap_or((ticks, ticks.into()));
+    /// All steps of the board's clock; one that goes back has begun anew. None of a reading that came
+    /// before: its clock goes further between two.
+    fn passed(&mut self, ticks: u32) -> Option<u64> {
+        let Some((last, all)) = self.ticks else {
+            self.ticks = Some((ticks, ticks.into()));
+            return Some(ticks.into());
+        };
         let passed = ticks.wrapping_sub(last);
+        if passed == 0 && self.plan.tick_s * self.plan.rate_hz < 1.0 {
+            return None;
+        }
         self.reset |= passed > u32::MAX / 2;
         let all = if passed > u32::MAX / 2 { ticks.into() } else { all + u64::from(passed) };
         self.ticks = Some((ticks, all));
-        all
+        Some(all)
     }
 
     /// Readings that came together came one after another, but not before the last look.
@@ -309,6 +360,9 @@ impl<W: Wire> Device for Stream<W> {
     }
 
     fn home(&mut self, now_s: f64) -> Result<Reading, DeviceError> {
+        if self.gone {
+            self.come_back()?;
+        }
         self.take_in(now_s, Duration::ZERO)?;
         self.waiting.clear();
         (self.last, self.ticks, self.reset) = (None, None, false);
@@ -316,9 +370,9 @@ impl<W: Wire> Device for Stream<W> {
             talk.begin(out);
             talk.mark(mark::HOMING, 0, out);
         })?;
-        let (began, mut rest, mut moved) = (Instant::now(), None, String::new());
+        let (began, mut rest, mut moved) = (self.wire.now(), None, String::new());
         loop {
-            let passed_s = began.elapsed().as_secs_f64();
+            let passed_s = (self.wire.now() - began).as_secs_f64();
             self.take_in(now_s + passed_s, HELLO_EVERY)?;
             while let Some(known) = self.waiting.pop_front() {
                 self.last = Some(known);

@@ -45,6 +45,9 @@ pub(crate) enum Heard {
 pub(crate) trait Talk: Send {
     fn plan(&self) -> Plan;
 
+    /// Forgets what was heard: another board may be there now.
+    fn begin_anew(&mut self);
+
     /// Asks the board who it is.
     fn hello(&mut self, out: &mut Vec<u8>);
 

@@ -1,7 +1,11 @@
 //! A wire: bytes out, bytes in, never longer than a deadline.
 
 use std::io;
-use std::time::Duration;
+use std::sync::LazyLock;
+use std::time::{Duration, Instant};
+
+/// What the machine's time is counted from.
+static BEGAN: LazyLock<Instant> = LazyLock::new(Instant::now);
 
 /// Two ends with bytes between them.
 pub trait Wire: Send {
@@ -16,4 +20,36 @@ pub trait Wire: Send {
     /// # Errors
     /// A wire that is gone, or that takes nothing any more.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
+
+    /// The time by which its waits go, since some moment: the machine's, unless the wire is simulated.
+    fn now(&self) -> Duration {
+        BEGAN.elapsed()
+    }
+
+    /// Connects anew what was gone.
+    ///
+    /// # Errors
+    /// What still is gone.
+    fn reopen(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A wire that a caller keeps.
+impl<W: Wire + ?Sized> Wire for Box<W> {
+    fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
+        (**self).receive(into, wait)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        (**self).send(bytes)
+    }
+
+    fn now(&self) -> Duration {
+        (**self).now()
+    }
+
+    fn reopen(&mut self) -> io::Result<()> {
+        (**self).reopen()
+    }
 }

@@ -82,7 +82,7 @@ pub use plausible::Asked;
 pub use raw::Raw;
 pub use read::{
     TrialFooter, read_channels, read_entries, read_footer, read_parquet, read_parquet_columns,
-    read_trial, read_trial_and_channels,
+    read_trial, read_trial_and_channels, read_trial_from,
 };
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover, unfinished_below};

@@ -112,7 +112,11 @@ pub(crate) fn read_whole_trial(files: &dyn Files, path: &Path) -> Result<Trial, 
     read_some(files, path, Signal::all().collect(), &|_| true)
 }
 
-pub(crate) fn read_trial_from(
+/// [`read_trial`] from any disk.
+///
+/// # Errors
+/// Those of [`read_trial`].
+pub fn read_trial_from(
     files: &dyn Files,
     path: &Path,
     signals: impl IntoIterator<Item = Signal>,

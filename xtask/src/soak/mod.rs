@@ -11,6 +11,7 @@ pub(crate) mod simulate;
 pub(crate) mod statistics;
 pub(crate) mod thesis;
 pub(crate) mod watchdog;
+pub(crate) mod wire;
 
 use anyhow::{Context as _, bail};
 use std::path::{Path, PathBuf};

@@ -120,8 +120,10 @@ impl Guard {
     pub fn home(&mut self, device: &mut dyn Device, now_s: f64) -> Result<(), DeviceError> {
         let proved = self.tracking.take().is_some_and(|tracking| tracking.proved);
         self.ceiling = None;
-        device.write(now_s, Voltages::OFF)?;
+        let written = device.write(now_s, Voltages::OFF);
         let reading = device.home(now_s)?;
+        // A device that was lost may be back now.
+        written.or_else(|_| device.write(now_s, Voltages::OFF))?;
         let (stop_rad, t_s) = (self.limits.theta_min_rad, now_s - reading.angle_age_s);
         let homed = Homed::at_stop(&self.capabilities, stop_rad, t_s, &reading)?;
         self.tracking = Some(Tracking { homed, t_s, theta_rad: stop_rad, proved });

@@ -34,14 +34,32 @@ pub(crate) struct Host {
     pins: Firmata,
     interval_ms: u16,
     version: Option<[u8; 2]>,
-    name: Option<String>,
-    capabilities: Vec<Pin>,
+    name: Twice<String>,
+    capabilities: Twice<Vec<Pin>>,
     /// The analog channel of each pin.
-    channels: Vec<u8>,
+    channels: Twice<Vec<u8>>,
     /// Questions for the version that were not answered yet.
     asked: u32,
     /// The motor was commanded towards +θ last.
     forwards: bool,
+}
+
+/// What a board said of itself. Firmata has no check: so it is asked twice, and the same must come again.
+#[derive(Debug, Default)]
+struct Twice<T> {
+    said: Option<T>,
+    sure: bool,
+}
+
+impl<T: PartialEq> Twice<T> {
+    fn hear(&mut self, said: T) {
+        self.sure |= self.said.as_ref() == Some(&said);
+        self.said = Some(said);
+    }
+
+    fn sure(&self) -> Option<&T> {
+        self.said.as_ref().filter(|_| self.sure)
+    }
 }
 
 impl Host {
@@ -65,16 +83,16 @@ impl Host {
             pins: pins.clone(),
             interval_ms: interval_ms as u16,
             version: None,
-            name: None,
-            capabilities: Vec::new(),
-            channels: Vec::new(),
+            name: Twice::default(),
+            capabilities: Twice::default(),
+            channels: Twice::default(),
             asked: 0,
             forwards: true,
         })
     }
 
     fn able(&self, pin: u8, mode: Mode) -> Option<u8> {
-        self.capabilities.get(usize::from(pin))?.bits(mode)
+        self.capabilities.sure()?.get(usize::from(pin))?.bits(mode)
     }
 
     /// A pin that must be able to do this; if it is not, those that are are named.
@@ -90,7 +108,7 @@ impl Host {
     }
 
     fn pin_of(&self, channel: u8) -> Option<u8> {
-        let pin = self.channels.iter().position(|known| *known == channel)?;
+        let pin = self.channels.sure()?.iter().position(|known| *known == channel)?;
         u8::try_from(pin).ok()
     }
 
@@ -105,7 +123,8 @@ impl Host {
             }
             AngleAt::Analog(channel) => {
                 let pin = self.pin_of(channel).ok_or_else(|| {
-                    let known = self.channels.iter().filter(|channel| **channel < 16);
+                    let known = self.channels.sure().into_iter().flatten();
+                    let known = known.filter(|channel| **channel < 16);
                     let known: Vec<String> = known.map(|channel| format!("A{channel}")).collect();
                     let remedy = format!("choose one of {} in rig.toml", known.join(", "));
                     self.unable(format!("it has no analog channel A{channel}"), remedy)
@@ -131,7 +150,7 @@ impl Host {
     }
 
     fn unable(&self, what: String, remedy: String) -> DeviceError {
-        let device = self.name.clone().unwrap_or_else(|| "Firmata board".to_owned());
+        let device = self.name.sure().cloned().unwrap_or_else(|| "Firmata board".to_owned());
         DeviceError::Unable { device, what, remedy }
     }
 
@@ -166,22 +185,32 @@ impl Talk for Host {
         Plan { rate_hz: 1e3 / f64::from(self.interval_ms), full, tick_s: 0.0 }
     }
 
+    fn begin_anew(&mut self) {
+        self.parser = Parser::new(End::Board);
+        (self.version, self.asked, self.forwards) = (None, 0, true);
+        (self.name, self.capabilities, self.channels) =
+            (Twice::default(), Twice::default(), Twice::default());
+    }
+
     fn hello(&mut self, out: &mut Vec<u8>) {
         self.asked += 1;
         Message::VersionQuery.write(out);
-        for question in [id::FIRMWARE, id::CAPABILITY_QUERY, id::ANALOG_MAPPING_QUERY] {
+        let questions = [id::FIRMWARE, id::CAPABILITY_QUERY, id::ANALOG_MAPPING_QUERY];
+        for question in [questions, questions].concat() {
             sysex(question, &[], out);
         }
     }
 
     fn facts(&self) -> Option<Result<Facts, DeviceError>> {
-        let name = self.name.as_deref()?;
-        let asked = self.version.is_some() && !self.channels.is_empty();
-        (asked && !self.capabilities.is_empty()).then(|| self.known(name))
+        let name = self.name.sure()?;
+        let asked = self.version.is_some() && self.channels.sure().is_some();
+        (asked && self.capabilities.sure().is_some()).then(|| self.known(name))
     }
 
     fn begin(&mut self, out: &mut Vec<u8>) {
         let Firmata { motor_pwm, brake_pwm, motor_direction, .. } = self.pins;
+        // A version from here on is one that a board says when it has begun.
+        self.asked = 0;
         let modes =
             [(motor_pwm, Mode::Pwm), (brake_pwm, Mode::Pwm), (motor_direction, Mode::Output)];
         for (pin, mode) in modes {
@@ -219,15 +248,15 @@ impl Talk for Host {
             }
             Message::Sysex { id: id::FIRMWARE, data } => {
                 let ([major, minor], name) = data.split_first_chunk::<2>()?;
-                self.name = Some(format!("{} {major}.{minor}", super::unstring(name)));
+                self.name.hear(format!("{} {major}.{minor}", super::unstring(name)));
                 None
             }
             Message::Sysex { id: id::CAPABILITIES, data } => {
-                self.capabilities = Pin::read_all(data);
+                self.capabilities.hear(Pin::read_all(data));
                 None
             }
             Message::Sysex { id: id::ANALOG_MAPPING, data } => {
-                self.channels = data.to_vec();
+                self.channels.hear(data.to_vec());
                 None
             }
             Message::Sysex { id: id::I2C_REPLY, data } => {

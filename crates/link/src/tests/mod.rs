@@ -1,9 +1,11 @@
 //! A rig at the one end, a board with the twin at the other, and what goes wrong between them.
 
+mod slow;
 mod streams;
+mod unplugged;
 
 use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
-use crate::rig::wire_rate_hz;
+use crate::patience::wire_rate_hz;
 use crate::{Board, Link, Pair, Rig, Serial, Settings, Turning, Wire};
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -51,6 +51,10 @@ impl Talk for Host {
         Plan { rate_hz: self.sketch.rate_hz, full, tick_s }
     }
 
+    fn begin_anew(&mut self) {
+        (self.lines, self.heard) = (Lines::from_anywhere(), false);
+    }
+
     /// It prints unasked.
     fn hello(&mut self, _: &mut Vec<u8>) {}
 

@@ -1,0 +1,119 @@
+//! What must hold after a session, whatever happened to one of its messages.
+
+use super::Over;
+use super::lever::{Counted, force_counts};
+use super::session::Ended;
+use std::collections::BTreeSet;
+use std::path::Path;
+use zwidth_link::Link;
+use zwidth_link::message::Drive;
+use zwidth_link::simulated::Trouble;
+use zwidth_store::{Signal, StudyData, read_trial_from, verify_kept};
+use zwidth_study::Status;
+
+/// Judges what a session left.
+///
+/// # Errors
+/// The promise that was broken.
+pub(super) fn judge(over: Over, trouble: Option<Trouble>, ended: &Ended) -> Result<(), String> {
+    if ended.done != ended.total {
+        return Err(format!("{} of {} trials are done", ended.done, ended.total));
+    }
+    if ended.drive != Drive::default() {
+        return Err(format!("the board still gives a voltage: {:?}", ended.drive));
+    }
+    if ended.left_on && over.link == Link::Framed {
+        return Err("a voltage stayed on without its cable".to_owned());
+    }
+    if let Some(finding) = verify_kept(&ended.disk, &ended.layout).first() {
+        return Err(format!("verify finds: {finding}"));
+    }
+    let data = StudyData::load_from(&ended.disk, &ended.layout).map_err(|e| format!("{e:?}"))?;
+    let whole = data.trials.iter().filter(|trial| trial.meta.status == Status::Complete);
+    if whole.count() < ended.total {
+        return Err("a finished trial is gone".to_owned());
+    }
+    let may = trouble.map_or(0, |trouble| over.believes(trouble));
+    let mut wrong = Vec::new();
+    for trial in &data.trials {
+        wrong.extend(wrong_readings(over, trouble, ended, &trial.path)?);
+    }
+    if wrong.len() > may {
+        return Err(format!("recorded is what the board never saw, {may} may be: {wrong:?}"));
+    }
+    Ok(())
+}
+
+/// The readings of a trial as they came over the wire, without those that repeat the one before.
+pub(super) fn readings(ended: &Ended, path: &Path) -> Result<Vec<Recorded>, String> {
+    let trial = read_trial_from(&ended.disk, path, Signal::all()).map_err(|e| e.to_string())?;
+    let column = |signal| trial.samples.get(signal).ok_or_else(|| format!("no {signal:?}"));
+    let (raw, forces) = (column(Signal::ThetaRaw)?, column(Signal::ForceEx)?);
+    let times = trial.samples.get(Signal::DeviceTime);
+    let mut readings: Vec<_> = (0..raw.len())
+        .map(|i| {
+            let t_us = times.map(|times| (times[i] * 1e6).round() as u64);
+            (t_us, raw[i] as u16, force_counts(forces[i]))
+        })
+        .collect();
+    readings.dedup();
+    Ok(readings)
+}
+
+/// A reading of a trial: the board's clock, µs, where it has one, and the counts of angle and force.
+pub(super) type Recorded = (Option<u64>, u16, i32);
+
+/// The readings of a trial that the board never saw: over frames and lines by its clock, angle and force together;
+/// over Firmata, which has no clock and brings the force by another way, by each of the two, and by the
+/// angle's way forward.
+fn wrong_readings(
+    over: Over,
+    trouble: Option<Trouble>,
+    ended: &Ended,
+    path: &Path,
+) -> Result<Vec<Recorded>, String> {
+    let readings = readings(ended, path)?;
+    let seen: BTreeSet<Counted> = ended.seen.iter().copied().collect();
+    if over.link == Link::Firmata {
+        // Behind a late marker the lever goes its way at another time than its trial.
+        let forwards = !matches!(trouble, Some(Trouble::Late(_)));
+        return Ok(wrong_apart(&seen, &readings, forwards));
+    }
+    // A sketch that begins anew begins its clock anew.
+    let by_clock = over.link == Link::Framed || trouble != Some(Trouble::Reset);
+    let pairs: BTreeSet<(u16, i32)> = seen.iter().map(|(_, a, f)| (*a, *f)).collect();
+    let wrong = readings.into_iter().filter(|(t_us, angle, force)| match t_us {
+        Some(t_us) if by_clock => !seen.contains(&(*t_us, *angle, *force)),
+        _ => !pairs.contains(&(*angle, *force)),
+    });
+    Ok(wrong.collect())
+}
+
+/// Those whose angle or whose force is none that was seen, or whose angle goes back; each once.
+fn wrong_apart(seen: &BTreeSet<Counted>, readings: &[Recorded], forwards: bool) -> Vec<Recorded> {
+    let angles: BTreeSet<u16> = seen.iter().map(|(_, angle, _)| *angle).collect();
+    let forces: BTreeSet<i32> = seen.iter().map(|(_, _, force)| *force).collect();
+    let (mut wrong, mut strange_angle, mut strange_force) = (Vec::new(), None, None);
+    let mut last = readings.first().map(|(_, angle, _)| *angle);
+    for reading in readings {
+        let (_, angle, force) = *reading;
+        let back = forwards && last.is_some_and(|last| !forward(last, angle));
+        if (back || !angles.contains(&angle)) && strange_angle != Some(angle) {
+            strange_angle = Some(angle);
+            wrong.push(*reading);
+        }
+        if !forces.contains(&force) && strange_force != Some(force) {
+            strange_force = Some(force);
+            wrong.push(*reading);
+        }
+        // What follows a wrong angle is judged by the right one before it.
+        last = if strange_angle == Some(angle) { last } else { Some(angle) };
+    }
+    wrong
+}
+
+/// Whether one count follows another on the lever's way forward, round and round.
+fn forward(from: u16, to: u16) -> bool {
+    const PER_TURN: u16 = 4096;
+    to.wrapping_sub(from) % PER_TURN < PER_TURN / 2
+}

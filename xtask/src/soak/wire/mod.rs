@@ -1,0 +1,198 @@
+//! Whole sessions over each link on a simulated clock, and every message of one gone wrong.
+//!
+//! A session of a few short trials is recorded once to count its messages: what the host says, what the board
+//! says, what a load cell at a port of its own says. Then it is recorded again for each of them and each thing
+//! that can happen to it: dropped, twice, a bit turned over, half of it, late by more than the other port's next
+//! message (so that the two ports' messages change places) or by much more, the board begins anew, the
+//! cable is pulled and plugged in again. After each the session must have come to its end, every
+//! finished trial lie there whole, the board be at 0 V, and no sample be one that the board never saw. What links
+//! without a check may believe is said in [`Over::believes`], and in docs/rig.md.
+
+mod judge;
+mod lever;
+mod session;
+mod whole;
+
+pub(crate) use whole::whole;
+
+use crate::tried::{Tried, note};
+use anyhow::{bail, ensure};
+use judge::judge;
+use session::{Ended, record};
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+use zwidth_link::simulated::{Trouble, Way};
+use zwidth_link::{AngleAt, Link};
+
+/// What happens to a message, and what it is called where it is counted.
+const TROUBLES: [(&str, Trouble); 8] = [
+    ("dropped", Trouble::Drop),
+    ("twice", Trouble::Duplicate),
+    ("a bit turned over", Trouble::Corrupt),
+    ("half of it", Trouble::Half),
+    ("late by 30 ms, behind the other port's", Trouble::Late(0.03)),
+    ("late by 300 ms", Trouble::Late(0.3)),
+    ("the board begins anew", Trouble::Reset),
+    ("its cable pulled and plugged in again", Trouble::Unplug(1.0)),
+];
+/// Broken promises that are told one by one.
+const TOLD: usize = 10;
+/// Sessions at once.
+const AT_ONCE: usize = 2;
+
+/// A link as it is tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Over {
+    pub(crate) name: &'static str,
+    pub(crate) link: Link,
+    pub(crate) angle: AngleAt,
+}
+
+/// The links.
+pub(crate) const LINKS: [Over; 4] = [
+    Over { name: "framed", link: Link::Framed, angle: AngleAt::I2c },
+    Over { name: "firmata", link: Link::Firmata, angle: AngleAt::Analog(0) },
+    Over { name: "firmata-i2c", link: Link::Firmata, angle: AngleAt::I2c },
+    Over { name: "text", link: Link::Text, angle: AngleAt::I2c },
+];
+
+impl Over {
+    /// Readings of a trial that may be wrong after this happened to a message. Frames have a check. Without one a
+    /// turned bit may make another number, and half a message joined to the next one another message.
+    fn believes(self, trouble: Trouble) -> usize {
+        match trouble {
+            Trouble::Corrupt | Trouble::Half if self.link != Link::Framed => 1,
+            _ => 0,
+        }
+    }
+}
+
+/// One session with one message gone wrong.
+#[derive(Debug, Clone, Copy)]
+struct Case {
+    over: Over,
+    way: Way,
+    nth: u64,
+    name: &'static str,
+    trouble: Trouble,
+}
+
+/// Every `every`th case of a link: each message, each trouble.
+fn cases(over: Over, every: usize) -> Result<Vec<Case>, String> {
+    let clean = record(over, None)?;
+    judge(over, None, &clean)?;
+    let of = |way: Way| (0..clean.said[way as usize]).map(move |nth| (way, nth));
+    let all = Way::ALL.into_iter().flat_map(of).flat_map(|(way, nth)| {
+        TROUBLES.map(|(name, trouble)| Case { over, way, nth, name, trouble })
+    });
+    Ok(all.step_by(every).collect())
+}
+
+/// One case; how often the session was stopped, or what broke.
+fn one(case: Case) -> Result<u32, String> {
+    let Case { over, way, nth, name, trouble } = case;
+    let ended: Result<Ended, String> = record(over, Some((way, nth, trouble)));
+    let judged = ended.and_then(|ended| judge(over, Some(trouble), &ended).map(|()| ended.stops));
+    judged.map_err(|why| format!("{}, {way:?} {nth} {name}: {why}", over.name))
+}
+
+/// Cases that are tried; how many, how often their sessions were stopped, and what broke.
+fn tried(cases: &[Case]) -> (BTreeMap<&'static str, [u64; 2]>, Vec<String>) {
+    let next = AtomicUsize::new(0);
+    let found = Mutex::new((BTreeMap::<&'static str, [u64; 2]>::new(), Vec::new()));
+    let work = || {
+        while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let judged = one(*case);
+            let Ok(mut found) = found.lock() else { return };
+            let counts = found.0.entry(case.name).or_default();
+            counts[0] += 1;
+            match judged {
+                Ok(stops) => counts[1] += u64::from(stops > 0),
+                Err(why) => found.1.push(why),
+            }
+        }
+    };
+    std::thread::scope(|scope| (0..AT_ONCE).for_each(|_| drop(scope.spawn(work))));
+    found.into_inner().unwrap_or_default()
+}
+
+/// Every `every`th message of a session over each link gone wrong in every way.
+pub(crate) fn wire(every: usize) -> anyhow::Result<()> {
+    if cfg!(debug_assertions) {
+        return super::optimised(&["wire", &every.to_string()]);
+    }
+    matrix(every)
+}
+
+fn matrix(every: usize) -> anyhow::Result<()> {
+    let began = Instant::now();
+    let (mut times, mut broken) = (0, Vec::new());
+    for over in LINKS {
+        let cases = cases(over, every).map_err(|why| anyhow::anyhow!("{}: {why}", over.name))?;
+        let (counts, why) = tried(&cases);
+        println!(
+            "{}: {} sessions, {} promises broken, {:.0} s so far",
+            over.name,
+            cases.len(),
+            why.len(),
+            began.elapsed().as_secs_f64()
+        );
+        for (name, [all, stopped]) in counts {
+            println!("{all:>10}  {name}; {stopped} of them stopped it, and it went on");
+        }
+        times += cases.len() as u64;
+        broken.extend(why);
+    }
+    broken.iter().take(TOLD).for_each(|why| println!("{why}"));
+    println!("{} promises broken", broken.len());
+    note(&Tried {
+        what: "sessions over a serial line, each with one message gone wrong".to_owned(),
+        command: format!("cargo xtask soak wire {every}"),
+        times,
+        broken: broken.len() as u64,
+        seconds: began.elapsed().as_secs_f64(),
+    })?;
+    ensure!(times > 0, "nothing was tried");
+    if !broken.is_empty() {
+        bail!("a message that goes wrong breaks a promise");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn some_messages_of_a_session_over_each_link_gone_wrong_break_no_promise() {
+        for over in LINKS {
+            // No multiple of the number of troubles, so that each comes to its turn.
+            let cases = cases(over, 101).unwrap();
+            assert!(cases.len() > 20, "{}: {} cases", over.name, cases.len());
+            let (counts, broken) = tried(&cases);
+            assert_eq!(broken, Vec::<String>::new());
+            assert_eq!(counts.len(), TROUBLES.len());
+        }
+    }
+
+    #[test]
+    fn a_wrong_sample_and_a_voltage_that_stays_are_found_out() {
+        let over = LINKS[0];
+        let mut ended = record(over, None).unwrap();
+        assert_eq!(judge(over, None, &ended), Ok(()));
+        ended.drive.motor = 1;
+        assert!(judge(over, None, &ended).unwrap_err().contains("voltage"));
+        ended.drive.motor = 0;
+        ended.told.remove(ended.told.len() / 2);
+        ended.seen.clear();
+        assert!(judge(over, None, &ended).unwrap_err().contains("never saw"));
+    }
+
+    #[test]
+    #[ignore = "every message: minutes; .ci/long has the chore"]
+    fn every_message_of_a_session_over_each_link_gone_wrong_breaks_no_promise() {
+        matrix(1).unwrap();
+    }
+}

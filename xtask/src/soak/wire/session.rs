@@ -1,0 +1,262 @@
+//! One session over one link, on a disk in memory.
+
+use super::Over;
+use super::lever::{Counted, Remembering, Seen, Told, counted, lever};
+use jiff::{SignedDuration, Timestamp};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use zwidth_acquire::{AcquireError, Front, Input, Options, Parts, Phase, Plan, Session, View, run};
+use zwidth_device::mock::{self, Mock};
+use zwidth_device::{Capabilities, Device};
+use zwidth_link::message::Drive;
+use zwidth_link::simulated::{Bench, Trouble, Way};
+use zwidth_link::{Board, Link, Settings, board, over};
+use zwidth_store::{Layout, Memory};
+use zwidth_study::{Calibration, Study, template};
+
+/// Readings a second of a link that streams; its loop is 1.25 times as fast.
+const STREAM_HZ: f64 = 100.0;
+/// Ticks a second over frames.
+const FRAMED_HZ: f64 = 120.0;
+/// A line that is slow enough for few messages while homing, baud.
+const FRAMED_BAUD: u32 = 115_200;
+const CELL_BAUD: u32 = 115_200;
+/// What a board needs for an answer, s.
+const THINKS_S: f64 = 0.2e-3;
+/// Longest trial, s.
+const LIMIT_S: f64 = 0.4;
+/// A program that found no board is started again so often, after so long, s.
+const STARTS: u32 = 3;
+const AGAIN_S: f64 = 1.5;
+/// After a stop somebody looks at the rig for so long, s.
+const LOOKS_S: f64 = 2.0;
+/// Stops after which even the most patient person leaves.
+const MOST_STOPS: u32 = 6;
+/// The board's watchdog has run out by then, s.
+const LATER_S: f64 = 1.0;
+const BEGIN: &str = "2026-01-01T08:00:00Z";
+
+/// What a session left.
+pub(super) struct Ended {
+    pub(super) disk: Memory,
+    pub(super) layout: Layout,
+    pub(super) done: usize,
+    pub(super) total: usize,
+    /// How often it was stopped.
+    pub(super) stops: u32,
+    /// What was out after all, and whether a voltage stayed on without a cable.
+    pub(super) drive: Drive,
+    pub(super) left_on: bool,
+    /// Readings that the board sent in their order, and all that it saw.
+    pub(super) told: Vec<Counted>,
+    pub(super) seen: Vec<Counted>,
+    /// Messages of each way.
+    pub(super) said: [u64; 3],
+}
+
+/// A session: its study, what the host is told of its board, and the line.
+pub(super) struct Setting {
+    pub(super) study_toml: String,
+    pub(super) rig: Settings,
+}
+
+/// The short session of three trials over a link, of which this message goes wrong.
+///
+/// # Errors
+/// A session that does not come to its end.
+pub(super) fn record(link: Over, trouble: Option<(Way, u64, Trouble)>) -> Result<Ended, String> {
+    let (device, seen) = (lever(), Seen::default());
+    let rate_hz = if link.link == Link::Framed { FRAMED_HZ } else { 1.25 * STREAM_HZ };
+    let mut rig = board::settings(
+        link.link,
+        link.angle,
+        STREAM_HZ,
+        &mock::capabilities(),
+        "/dev/cell".as_ref(),
+    );
+    rig.baud = (link.link == Link::Framed).then_some(FRAMED_BAUD);
+    let setting = Setting { study_toml: short_study(rate_hz)?, rig };
+    played::<Mock>(&setting, device, &seen, trouble, false)
+}
+
+/// Plays a session to its end; `answers` where the device has a participant.
+pub(super) fn played<D: Device + Told + 'static>(
+    setting: &Setting,
+    device: D,
+    seen: &Seen,
+    trouble: Option<(Way, u64, Trouble)>,
+    answers: bool,
+) -> Result<Ended, String> {
+    let (disk, plan) = plan(&setting.study_toml)?;
+    let rig = &setting.rig;
+    let told_to = Arc::new(Mutex::new(Vec::new()));
+    let telling = Arc::clone(&told_to);
+    let device = Remembering::new(device, seen);
+    let board = Board::by(rig, device, plan.study.environments.clone()).map_err(told)?;
+    let last = Arc::clone(seen);
+    let board = board.telling(move |reading| {
+        // What the board tells is what it has just seen; its clock is the device's own.
+        let seen = last.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((t_us, _, _)) = seen.last() else { return };
+        let counted = counted(*t_us as f64 * 1e-6, reading);
+        telling.lock().unwrap_or_else(PoisonError::into_inner).push(counted);
+    });
+    let bench = Bench::new(board, rig.baud(), CELL_BAUD, THINKS_S);
+    if let Some((way, nth, trouble)) = trouble {
+        bench.trouble(way, nth, trouble);
+    }
+    let mut device = connected(&bench, rig, &plan)?;
+    let mut person = Person { bench: bench.clone(), phase: Phase::Check, stops: 0 };
+    let (mut clock, begin) = (bench.clone(), BEGIN.parse::<Timestamp>().map_err(told)?);
+    let utc = move |now_s: f64| {
+        let since = SignedDuration::from_millis((now_s * 1e3) as i64);
+        begin.checked_add(since).unwrap_or(begin).to_string()
+    };
+    let options = Options {
+        live: false,
+        answers,
+        by_hand: false,
+        check: |_| false,
+        no_watchdog: true,
+        stop: Arc::default(),
+        quit: Arc::default(),
+    };
+    let session = Session::open(&plan, device.capabilities(), &disk).map_err(told)?;
+    let parts = Parts {
+        device: &mut *device,
+        clock: &mut clock,
+        files: &disk,
+        front: &mut person,
+        utc: &utc,
+    };
+    let outcome = run(&plan, session, &options, parts).map_err(told)?;
+    drop(device);
+    bench.wait(LATER_S);
+    if trouble.is_some() && !bench.happened() {
+        return Err("nothing happened to its message".to_owned());
+    }
+    let own =
+        |list: &Mutex<Vec<Counted>>| list.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    Ok(Ended {
+        disk,
+        layout: plan.layout,
+        done: outcome.done,
+        total: outcome.total,
+        stops: person.stops,
+        drive: bench.drive(),
+        left_on: bench.left_on(),
+        told: own(&told_to),
+        seen: own(seen),
+        said: Way::ALL.map(|way| bench.said(way)),
+    })
+}
+
+/// The rig, if need be at another start of the program.
+fn connected<D: Device + Told + 'static>(
+    bench: &Bench<Remembering<D>>,
+    rig: &Settings,
+    plan: &Plan,
+) -> Result<Box<dyn Device>, String> {
+    let mut why = String::new();
+    for _ in 0..STARTS {
+        let ids = plan.study.environments.iter().map(|e| e.id.clone()).collect();
+        let cell = rig.hx711.is_some().then(|| bench.cell());
+        match over(bench.wire(), cell, rig, ids) {
+            Ok(device) => return Ok(device),
+            Err(error) => why = error.to_string(),
+        }
+        bench.wait(AGAIN_S);
+    }
+    Err(format!("no board is found: {why}"))
+}
+
+/// Somebody who starts each trial, answers, and after a stop looks at the rig and goes on.
+struct Person<D> {
+    bench: Bench<D>,
+    phase: Phase,
+    stops: u32,
+}
+
+impl<D: Device> Front for Person<D> {
+    fn show(&mut self, view: &View) -> Result<(), AcquireError> {
+        self.phase.clone_from(&view.phase);
+        Ok(())
+    }
+
+    fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
+        Ok(match self.phase {
+            Phase::Ready | Phase::AtStop => Some(Input::Start),
+            Phase::Question { .. } => Some(Input::Answer(3)),
+            Phase::Done => Some(Input::Quit),
+            Phase::Stopped { .. } => {
+                self.stops += 1;
+                self.bench.wait(LOOKS_S);
+                Some(if self.stops > MOST_STOPS { Input::Quit } else { Input::Start })
+            }
+            _ => {
+                self.bench.wait(wait.as_secs_f64());
+                None
+            }
+        })
+    }
+}
+
+/// The template's study with one environment and short trials.
+fn short_study(rate_hz: f64) -> Result<String, String> {
+    let mut table: toml::Table = template(&id()?).parse().map_err(told)?;
+    let environments = table.get_mut("environments").and_then(toml::Value::as_array_mut);
+    environments.ok_or("the template lost its environments")?.truncate(1);
+    for (of, key, value) in [
+        ("design", "repeats", toml::Value::from(1)),
+        ("design", "familiarisation", 0.into()),
+        ("design", "trial_limit_s", LIMIT_S.into()),
+        ("design", "pause_s", 0.4.into()),
+        ("control", "rate_hz", rate_hz.into()),
+    ] {
+        let of = table.get_mut(of).and_then(toml::Value::as_table_mut);
+        of.map(|of| of.insert(key.to_owned(), value)).ok_or("the template lost a table")?;
+    }
+    toml::to_string(&table).map_err(told)
+}
+
+pub(super) fn id() -> Result<zwidth_study::StudyId, String> {
+    "wire".parse().map_err(told)
+}
+
+/// A study on a disk of its own.
+fn plan(study_toml: &str) -> Result<(Memory, Plan), String> {
+    let (disk, layout) = (Memory::new(), Layout::new(Path::new("/simulated"), id()?));
+    let study = Study::from_toml(study_toml).map_err(|e| format!("{e:?}"))?;
+    disk.put(&layout.study_toml(), study_toml.as_bytes());
+    let plan = Plan {
+        layout,
+        study_toml: study_toml.as_bytes().to_vec(),
+        participant: "P01".parse().map_err(told)?,
+        session: "S01".parse().map_err(told)?,
+        calibration: Calibration::thesis(),
+        software: "simulation 1".to_owned(),
+        rate_hz: study.control.rate_hz,
+        study,
+        seed: None,
+        keys: PathBuf::from("/simulated/keys"),
+        secret: [9; 32],
+        accept_study_change: false,
+    };
+    Ok((disk, plan))
+}
+
+/// What a device of this link can do at so many readings a second.
+pub(super) fn settings(
+    link: Over,
+    rate_hz: f64,
+    can: &Capabilities,
+    baud: Option<u32>,
+) -> Settings {
+    let rig = board::settings(link.link, link.angle, rate_hz, can, "/dev/cell".as_ref());
+    Settings { baud, ..rig }
+}
+
+pub(super) fn told(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
