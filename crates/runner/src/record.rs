@@ -85,7 +85,7 @@ impl Records {
             let what = format!(
                 "the records of earlier runs cannot be read, so everything is made again: {what}"
             );
-            StoreError::new(&path, what, "nothing is to be done; the file is written anew")
+            StoreError::new(&path, what, "you need not do anything; the file is written anew")
         };
         let Some(bytes) = results.read(&path, MOST_RECORDS)? else {
             return Ok(Default::default());
@@ -105,8 +105,8 @@ impl Records {
             match record.names_elsewhere(results.layout()) {
                 None => _ = believed.insert(job, record),
                 Some(why) => {
-                    let what = format!("the record of the job {job:?} is passed by: {why}");
-                    let remedy = "nothing is to be done; find out who wrote it";
+                    let what = format!("the record of {job:?} is ignored: {why}");
+                    let remedy = "nothing is lost: its results are made again; find out what wrote the record";
                     remarks.push(StoreError::new(&path, what, remedy));
                 }
             }

@@ -47,7 +47,7 @@ impl<'a> Results<'a> {
         let study = layout.study().as_str();
         match path.split('/').collect::<Vec<_>>().as_slice() {
             ["derived" | "reports", of, _, ..] if *of == study => Ok(layout.root().join(path)),
-            _ => Err(format!("it lies neither below derived/{study} nor below reports/{study}")),
+            _ => Err(format!("it is neither below derived/{study} nor below reports/{study}")),
         }
     }
 
@@ -72,7 +72,7 @@ impl<'a> Results<'a> {
             Some(Entry::File) => {
                 self.files.remove(path).map_err(|e| StoreError::io(path, "remove", &e))
             }
-            Some(_) => Err(StoreError::new(path, "it is no file, and was not removed", BY_HAND)),
+            Some(_) => Err(StoreError::new(path, "it is not a file, and was not removed", BY_HAND)),
         }
     }
 
@@ -196,7 +196,8 @@ impl<'a> Results<'a> {
             StoreError::new(path, format!("not a result of the study: {why}"), DEFECT)
         };
         let below_root = path.strip_prefix(self.root()).map_err(|e| refused(e.to_string()))?;
-        let text = below_root.to_str().ok_or_else(|| refused("its name is no text".to_owned()))?;
+        let text =
+            below_root.to_str().ok_or_else(|| refused("its name is not UTF-8".to_owned()))?;
         Self::named(self.layout, &text.replace(std::path::MAIN_SEPARATOR, "/")).map_err(refused)?;
         path.parent().map_or(Ok(()), |folder| self.check_way(folder))
     }
@@ -237,11 +238,11 @@ fn in_the_way(folder: &Path, kind: Entry) -> StoreError {
 /// Why not, in words.
 pub(crate) fn relative(path: &str) -> Result<(), String> {
     if path.split('/').any(|part| matches!(part, "" | "." | "..")) {
-        return Err("it does not lead down from the data folder".to_owned());
+        return Err("it leads out of the data folder".to_owned());
     }
     // On Windows a backslash parts folders, and a colon names a drive.
     if path.contains(|c: char| c == '\\' || c == ':' || c.is_control()) {
-        return Err("it has a sign in it that no path of ours has".to_owned());
+        return Err("it has a character that no path of zwidth has".to_owned());
     }
     Ok(())
 }

@@ -190,7 +190,7 @@ fn why_not(
     }
     let differs = |(path, hash): (&String, &String)| match content(results, path) {
         Ok(bytes) if hex_blake3(&bytes) == *hash => None,
-        Ok(_) => Some(format!("its result {path} is another than it made")),
+        Ok(_) => Some(format!("its result {path} is not the one it made")),
         Err(why) => Some(format!("its result {path} is not there: {why}")),
     };
     record.outputs.iter().find_map(differs)

@@ -57,7 +57,7 @@ pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
         let (participant, session) = (&log.record.participant, &log.record.session);
         let changes = matters(log, &study, &hash)?;
         Some(format!(
-            "study.toml is another than when {participant} {session} was laid down, and was accepted: {changes}"
+            "study.toml has changed since {participant} {session} began, and was accepted: {changes}"
         ))
     });
     notes.collect()

@@ -66,11 +66,14 @@ fn chained(
     for event in events {
         let previous = digests.last().map(String::as_str).unwrap_or_default();
         let chained = digest(previous, utc, event);
-        let blake3 =
-            chained.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
+        let blake3 = chained.map_err(|e| {
+            StoreError::new(path, e.to_string(), "this is a defect of zwidth, please report it")
+        })?;
         let line = Line { utc: utc.to_owned(), event: event.clone(), blake3: blake3.clone() };
         let json = serde_json::to_string(&line);
-        text += &json.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
+        text += &json.map_err(|e| {
+            StoreError::new(path, e.to_string(), "this is a defect of zwidth, please report it")
+        })?;
         text.push('\n');
         digests.push(blake3);
     }

@@ -50,8 +50,13 @@ pub(crate) fn write_head(
 pub(crate) fn head_bytes(log: &Path, digests: &[String]) -> Result<Option<Vec<u8>>, StoreError> {
     let Some(blake3) = digests.last().cloned() else { return Ok(None) };
     let text = serde_json::to_string(&Head { lines: digests.len(), blake3 });
-    let text =
-        text.map_err(|e| StoreError::new(&head_of(log), e.to_string(), "please report this"))?;
+    let text = text.map_err(|e| {
+        StoreError::new(
+            &head_of(log),
+            e.to_string(),
+            "this is a defect of zwidth, please report it",
+        )
+    })?;
     Ok(Some((text + "\n").into_bytes()))
 }
 

@@ -109,8 +109,9 @@ impl Journal {
         match channels.position(|values| values.iter().any(|value| !value.is_finite())) {
             None => Ok(()),
             Some(row) => {
-                let what = "a channel of the device is not a number";
-                Err(StoreError::new(&self.path, what, "look at the device").row0(row))
+                let what = "a value of one of the device's channels is not a finite number";
+                let remedy = "check the sensor of that channel and its cable";
+                Err(StoreError::new(&self.path, what, remedy).row0(row))
             }
         }
     }
@@ -162,8 +163,13 @@ impl Journal {
                 "end the trial, then run `zwidth recover`",
             ));
         }
-        let defect =
-            |e: serde_json::Error| StoreError::new(&self.path, e.to_string(), "please report this");
+        let defect = |e: serde_json::Error| {
+            StoreError::new(
+                &self.path,
+                e.to_string(),
+                "this is a defect of zwidth, please report it",
+            )
+        };
         let (bytes, chain) = encode(frame, self.chain).map_err(defect)?;
         let written = self.file.append_synced(&[before, &bytes].concat());
         self.broken = written.is_err();

@@ -24,7 +24,7 @@ pub enum SealError {
     NotASeal(String),
     /// The order is not the one that was committed to.
     #[error(
-        "nonce and order give the commitment {found}, but the session was laid down with {committed}; \
+        "nonce and order give the commitment {found}, but the session began with {committed}; \
          only the seal of this very session opens it"
     )]
     OtherOrder {

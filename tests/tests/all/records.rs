@@ -74,7 +74,7 @@ fn check(path: impl Fn(&World) -> String, file: impl Fn(&World) -> PathBuf) {
         "read with care: ",
         "records.json",
         "figure of before",
-        "is passed by",
+        "is ignored",
         "find out who wrote it",
     ];
     world.run().exits(3).says(&words).says(&[&path]);

@@ -59,8 +59,7 @@ impl Check<'_> {
                     Some(alignment) => _ = found.insert(id.to_owned(), alignment),
                     None => self.error(&at, format!("{value} must be {}", words())),
                 },
-                _ => self
-                    .error(&at, format!("has no meaning here; a figure has the key {ALIGNMENT}")),
+                _ => self.error(&at, format!("is not used here; a figure has the key {ALIGNMENT}")),
             }
         }
     }
