@@ -1,8 +1,8 @@
 //! The results of a study, and the one handle by which a run writes and removes them.
 //!
-//! What a record names is a claim: whoever can write one could else have any file removed. So a
-//! path is held against the two folders that are a run's own, by its text and then, whenever
-//! something is opened or removed, on the disk, where no folder on the way may be a link.
+//! A path in a record cannot be trusted: whoever can write a record could have any file removed. So
+//! each path must be below one of a run's two own folders. Its text is checked first, and then,
+//! whenever something is opened or removed, the disk: no folder on the way may be a link.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ impl<'a> Results<'a> {
     /// A file of the study's results as records name it: relative to the root, with `/`.
     ///
     /// # Errors
-    /// Why it is none, in words.
+    /// Why the path is not one of a result, in words.
     pub(crate) fn named(layout: &Layout, path: &str) -> Result<PathBuf, String> {
         relative(path)?;
         let study = layout.study().as_str();
@@ -61,7 +61,7 @@ impl<'a> Results<'a> {
         replace(self.files, path, bytes)
     }
 
-    /// Removes an output that its own job made, or was to make; none is fine.
+    /// Removes an output that its own job made, or was to make. It may be missing.
     ///
     /// # Errors
     /// Those of [`Results::write`].
@@ -93,8 +93,8 @@ impl<'a> Results<'a> {
         self.remove(path)
     }
 
-    /// Reads a file of the study's results, of at most `most` bytes; nothing if there is none. What
-    /// keeps it from being read is the inner error.
+    /// Reads a file of the study's results, of at most `most` bytes; `None` if it is missing. The
+    /// inner error says why it cannot be read.
     ///
     /// # Errors
     /// A link on the way to it.
@@ -108,7 +108,7 @@ impl<'a> Results<'a> {
         Ok(self.files.kind(path).map(|_| read()))
     }
 
-    /// The names in a folder of the study's results; none if there is no such folder.
+    /// The names in a folder of the study's results; empty if there is no such folder.
     ///
     /// # Errors
     /// A link on the way to it; a folder that cannot be listed.
@@ -129,9 +129,9 @@ impl<'a> Results<'a> {
         }
     }
 
-    /// Removes what writes of earlier runs that were cut short have left, unless another run of the
-    /// study goes on, and keeps later runs from doing so until what is returned is dropped. It
-    /// costs nothing but litter if that fails.
+    /// Removes the half-written files of earlier runs that were cut short, unless another run of
+    /// the study is going on. Later runs do not remove anything until the returned value is
+    /// dropped. If this fails, only litter stays.
     pub(crate) fn hold(&self) -> Option<File> {
         let held = self.open_derived()?;
         // Alone: what lies here unfinished is nobody's work.
