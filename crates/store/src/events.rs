@@ -130,7 +130,7 @@ pub(crate) fn take_back_events(
     Ok(())
 }
 
-/// The digests of a log's lines. A missing log has none.
+/// The digests of a log's lines. A missing log has no lines.
 fn digests_of(files: &dyn Files, path: &Path) -> Result<Vec<String>, StoreError> {
     if files.kind(path).is_none() {
         return Ok(Vec::new());
@@ -147,7 +147,7 @@ fn digests_of(files: &dyn Files, path: &Path) -> Result<Vec<String>, StoreError>
     Ok(lines_of(path, &text)?.into_iter().map(|line| line.blake3).collect())
 }
 
-/// The events of a log, in order. A missing log has none.
+/// The events of a log, in order. A missing log has no lines.
 ///
 /// # Errors
 /// A line that is not JSON, an unknown event, a checksum that does not follow from the line before;

@@ -46,7 +46,7 @@ pub(crate) fn write_head(
     head_bytes(log, digests)?.map_or(Ok(()), |bytes| replace(files, &head_of(log), &bytes))
 }
 
-/// The bytes of the head of a log with these digests of its lines; an empty log has none.
+/// The bytes of the head of a log with these digests of its lines; an empty log has no head.
 pub(crate) fn head_bytes(log: &Path, digests: &[String]) -> Result<Option<Vec<u8>>, StoreError> {
     let Some(blake3) = digests.last().cloned() else { return Ok(None) };
     let text = serde_json::to_string(&Head { lines: digests.len(), blake3 });

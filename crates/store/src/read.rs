@@ -318,7 +318,7 @@ impl ParquetFile {
         Ok(Self { path: path.to_owned(), content, metadata: Arc::new(metadata), footer, rows })
     }
 
-    /// Opens a recording: a file without rows is none.
+    /// Opens a recording: a file without rows is not one.
     pub(crate) fn open_recording(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
         let file = Self::open(files, path)?;
         if file.rows == 0 {
