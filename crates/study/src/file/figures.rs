@@ -81,7 +81,7 @@ fn words() -> String {
     Alignment::ALL.map(|a| format!("\"{}\"", a.as_str())).join(" or ")
 }
 
-/// Why no figure's id begins so, if none can.
+/// Why no figure can have an id that begins so; `None` if one can.
 fn unknown(id: &str, environments: &[&str]) -> Option<String> {
     let parts: Vec<&str> = id.split('.').collect();
     match parts.as_slice() {
