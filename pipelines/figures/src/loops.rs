@@ -20,7 +20,7 @@ pub const LOOPS: FigureKind = FigureKind {
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 55.0;
 
-/// One panel a mode, one loop an environment.
+/// One panel per mode, one loop per environment.
 pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableError> {
     let words = Words::new(about.coordinate);
     let load = scenes.first().map_or(Signal::ForceEx, EnvironmentData::load);
