@@ -14,9 +14,9 @@ fn summarised() -> impl Iterator<Item = &'static str> {
     numbers().filter(|(_, summarised)| *summarised).map(|(name, _)| name)
 }
 
-/// One row a participant, session and condition, sessions in the order of the trials and the
+/// One row per participant, session and condition, sessions in the order of the trials and the
 /// conditions of each in that of `conditions`: number of trials, then mean and standard deviation
-/// (n − 1) of each summarised metric over the trials that have it. Null where none has; the
+/// (n − 1) of each summarised metric over the trials that have it. Null if no trial has it; the
 /// deviation is null for a single trial. A metric that no trial has is left out.
 ///
 /// # Errors
@@ -63,7 +63,7 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
 }
 
 /// The metrics of several conditions as one table in the order of participant, session and trial;
-/// `None` for none.
+/// `None` without tables.
 ///
 /// # Errors
 /// Tables that are not of this stage.

@@ -45,7 +45,7 @@ pub struct TrialEvent {
     pub t_s: f64,
 }
 
-/// In the order of time; none of a kind that the recording does not tell.
+/// In the order of time. Kinds that the recording does not tell are left out.
 pub(crate) fn trial_events(
     signals: &Signals,
     movement: &Movement,
@@ -70,7 +70,7 @@ pub(crate) fn trial_events(
     events
 }
 
-/// One row an event of trials, in the order given: which trial it is, `event`, `t_s`.
+/// One row per event of trials, in the order given: which trial it is, `event`, `t_s`.
 ///
 /// # Errors
 /// A time that is not finite.

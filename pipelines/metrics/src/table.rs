@@ -1,13 +1,13 @@
-//! The rows as a table: SI units, one row a trial.
+//! The rows as a table: SI units, one row per trial.
 
 use crate::columns::{GROUPS, Get, PLANT_GROUPS, Spec};
 use crate::{PlantMetrics, TrialMetrics};
 use std::collections::BTreeMap;
 use zwidth_tables::{Column, Table, TableError, Values, identity};
 
-/// One row a trial, in the order given: which trial it is, then every metric. SI units; null where
-/// a metric does not apply or the recording lacks what it needs. The columns' definitions stand at
-/// the fields of [`TrialMetrics`]'s parts and, by column, in `docs/analysis.md`.
+/// One row per trial, in the order given: which trial it is, then every metric. SI units; null
+/// where a metric does not apply or the recording lacks what it needs. The columns' definitions
+/// stand at the fields of [`TrialMetrics`]'s parts and, by column, in `docs/analysis.md`.
 ///
 /// # Errors
 /// A metric that is not finite.
@@ -17,7 +17,7 @@ pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
     Table::new("metrics", "Metrics, one row a trial", columns)
 }
 
-/// One row a trial, in the order given: which trial it is, then every metric that rests on the
+/// One row per trial, in the order given: which trial it is, then every metric that rests on the
 /// plant.
 ///
 /// # Errors
