@@ -15,7 +15,7 @@ struct Component {
 }
 
 /// What the device is made of, one row a component, with its function and what `study.toml` says of
-/// it. A number that is known of none of them has no column.
+/// it. A number that is not known of any of them has no column.
 ///
 /// # Errors
 /// A number that is not finite.

@@ -81,7 +81,7 @@ pub struct Summary {
     pub matrix: Matrix,
     /// What the trials show: sentences, each with where it can be seen.
     pub shown: Vec<Made>,
-    /// How the thesis' statements stand, a sentence; empty where none was judged.
+    /// How the thesis' statements stand, a sentence; empty if no statement was judged.
     pub statements: String,
     /// Those that are judged.
     pub judged: Vec<Told>,
