@@ -32,7 +32,7 @@ pub enum StabilityError {
         /// Most cells.
         most: usize,
     },
-    /// A line of a file of stiffness and damping that is none.
+    /// A line of a file of stiffness and damping that cannot be read.
     #[error(
         "line {line} of the boundary: {what}; give the columns K and B (or K_n_per_m and B_ns_per_m) with a number in each, not below 0"
     )]
