@@ -54,7 +54,7 @@ pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableE
             keep_together(who)
         ))),
         description: format!(
-            "{who}: {load_word} against {} there and back, one panel a mode, one loop an environment.",
+            "{who}: {load_word} against {} there and back, one panel per mode, one loop per environment.",
             words.position_word()
         ),
         width_mm: if panels.len() == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },

@@ -172,7 +172,7 @@ pub fn trials(trials: &[TrialErrors]) -> Result<Table, TableError> {
     ]);
     Table::new(
         "identify.trials",
-        "Errors of the plant, by eye and fitted, one row a trial",
+        "Errors of the plant, by eye and fitted, one row per trial",
         columns,
     )
 }

@@ -68,7 +68,7 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
 /// # Errors
 /// Tables that are not of this stage.
 pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, TableError> {
-    of_trials("metrics", "Metrics, one row a trial", conditions)
+    of_trials("metrics", "Metrics, one row per trial", conditions)
 }
 
 /// What is made of a metric's values in one condition.

@@ -82,7 +82,7 @@ pub fn events_table(trials: &[(&TrialMeta, &[TrialEvent])]) -> Result<Table, Tab
     columns.push(Column::text("event", "onset, contact, reversal, let_go or end", kind));
     let time = each().map(|(_, event)| Some(event.t_s));
     columns.push(Column::float("t_s", "s", "when, as the trial's samples count time", time));
-    Table::new("events", "What happened in each trial, one row an event", columns)
+    Table::new("events", "What happened in each trial, one row per event", columns)
 }
 
 #[cfg(test)]

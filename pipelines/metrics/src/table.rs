@@ -14,7 +14,7 @@ use zwidth_tables::{Column, Table, TableError, Values, identity};
 pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
     let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
     columns.extend(GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
-    Table::new("metrics", "Metrics, one row a trial", columns)
+    Table::new("metrics", "Metrics, one row per trial", columns)
 }
 
 /// One row per trial, in the order given: which trial it is, then every metric that rests on the
@@ -25,7 +25,7 @@ pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
 pub fn plant_table(rows: &[PlantMetrics]) -> Result<Table, TableError> {
     let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
     columns.extend(PLANT_GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
-    Table::new("metrics", "Metrics that rest on the plant, one row a trial", columns)
+    Table::new("metrics", "Metrics that rest on the plant, one row per trial", columns)
 }
 
 /// The table of metrics with those that rest on the plant beside them; null for a trial that has no

@@ -325,7 +325,7 @@ mod tests {
             undrawn: 0,
             tables: vec![Made {
                 path: "tables/metrics.md".to_owned(),
-                caption: "Metrics, a row a trial".to_owned(),
+                caption: "Metrics, one row per trial".to_owned(),
             }],
             left_out: vec![Remark {
                 what: "P01 S01 trial 17".to_owned(),
@@ -365,7 +365,7 @@ Of 2 statements, 1 is supported.
 
 ## Tables
 
-- [Metrics, a row a trial](tables/metrics.md)
+- [Metrics, one row per trial](tables/metrics.md)
 
 ## Left out
 

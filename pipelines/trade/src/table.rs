@@ -63,7 +63,7 @@ fn columns(rows: &[Row]) -> Vec<Column> {
         }),
         text("solver", "the solver", &|row| row.1.setting.solver.to_owned()),
         float("step_s", "s", "its step", &|row| row.1.setting.step_s()),
-        float("tolerance", "1", "its relative error a step", &|row| {
+        float("tolerance", "1", "its relative error per step", &|row| {
             tolerance(row).filter(|t| *t > 0.0)
         }),
         text("verdict", "what the run is worth", &|row| {
