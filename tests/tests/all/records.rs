@@ -75,7 +75,7 @@ fn check(path: impl Fn(&World) -> String, file: impl Fn(&World) -> PathBuf) {
         "records.json",
         "figure of before",
         "is ignored",
-        "find out who wrote it",
+        "find out what wrote the record",
     ];
     world.run().exits(3).says(&words).says(&[&path]);
     assert_eq!(world.others(), before, "{path}");
