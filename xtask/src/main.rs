@@ -8,6 +8,7 @@ mod encodings;
 mod firmware;
 mod fuzz;
 mod hx711;
+mod messages;
 mod pictures;
 mod sheet;
 mod soak;
@@ -47,6 +48,7 @@ cargo xtask soak extremes [SCENES]      scenes at the extremes; writes docs/extr
 cargo xtask soak r [SETS [SEED]]       statistics against R, SciPy and statsmodels on so many random data sets [1000]
 cargo xtask soak null [STUDIES [PART]] tests, intervals and power on studies without an effect, or those tests of null_studies whose names have PART [40000, all]
 cargo xtask fuzz TARGET|all|seeds [RUNS] any bytes for a reader, or for all of them; or the files they begin from, anew [10000000 or 1000000]
+cargo xtask messages                   every text that a person can be told, with its file and line
 cargo xtask reliability                write what was tried into docs/reliability.md
 cargo xtask encodings STUDY            measure column encodings on a study under raw/: size and speed";
 
@@ -146,6 +148,7 @@ fn main() -> anyhow::Result<()> {
             let runs = rest.first().map(|runs| number(Some(runs), 0)).transpose()?;
             fuzz::fuzz(which, runs)
         }
+        ["messages"] => messages::list(Path::new(".")),
         ["reliability"] => tried::reliability(),
         ["encodings", study] => encodings::measure(Path::new("."), study),
         _ => bail!("the chores are\n{CHORES}"),
@@ -157,7 +160,9 @@ fn number<T: std::str::FromStr<Err: std::error::Error + Send + Sync + 'static>>(
     word: Option<&&str>,
     default: T,
 ) -> anyhow::Result<T> {
-    word.map_or(Ok(default), |word| word.parse().with_context(|| format!("'{word}' is no number")))
+    word.map_or(Ok(default), |word| {
+        word.parse().with_context(|| format!("'{word}' is not a number"))
+    })
 }
 
 /// A folder for what a chore makes, beside the system's other temporary ones.

@@ -15,7 +15,7 @@ pub enum AcquireError {
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// The session on the disk was laid down with other things than those at hand.
-    #[error("{session}: cannot go on with it: {}; begin a new session, or bring back what it began with", .differences.join("; "))]
+    #[error("cannot go on with {session}: {}; begin a new session, or restore what this one began with", .differences.join("; "))]
     Differs {
         /// The session's record.
         session: PathBuf,
@@ -73,7 +73,9 @@ fn not_whole(session: &str, findings: &[StoreError]) -> String {
         0 | 1 => String::new(),
         n => format!(" (and {} more: `zwidth verify` lists them)", n - 1),
     };
-    format!("nothing is recorded onto session {session}, which is not whole: {first}{more}")
+    format!(
+        "session {session} is incomplete or damaged, so nothing more is recorded in it: {first}{more}"
+    )
 }
 
 /// What became of the study's folder, and what to do.

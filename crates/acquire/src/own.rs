@@ -43,9 +43,9 @@ pub(crate) fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, Acqui
     let control = Control { rate_hz: plan.study.control.rate_hz, ..own.control };
     if plan.study != (Study { control, ..own.clone() }) {
         return Err(AcquireError::Refused {
-            what: "the session goes on by its own copy of study.toml, and another study was given"
+            what: "the session has to go on with its own copy of study.toml, and was given another"
                 .to_owned(),
-            remedy: "please report this".to_owned(),
+            remedy: "this is a defect of zwidth, please report it".to_owned(),
         });
     }
     if log.studies().any(|known| known == hash) {
@@ -89,7 +89,7 @@ pub(crate) fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, Acqui
 fn unknown_change(log: &SessionLog) -> AcquireError {
     AcquireError::Refused {
         what: format!(
-            "{}: study.toml is another than when the session began, and the session has no copy of it, so what changed \
+            "{}: study.toml has changed since the session began, and the session has no copy of it, so what changed \
              is not known",
             log.path.display()
         ),

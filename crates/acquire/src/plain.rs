@@ -137,9 +137,10 @@ fn parse(line: &str) -> Result<Input, String> {
         ("trial", about) => of_trial(about),
         ("exclude", reason) => Ok(Input::Exclude(reason.to_owned())),
         ("note", text) => Ok(Input::Note(text.to_owned())),
-        ("answer", n) => {
-            n.parse().map(Input::Answer).map_err(|_| format!("'{n}' is no answer: a number"))
-        }
+        ("answer", n) => n
+            .parse()
+            .map(Input::Answer)
+            .map_err(|_| format!("'{n}' is not an answer: give a number")),
         (n, "") if n.parse::<i16>().is_ok() => Ok(Input::Answer(n.parse().unwrap_or(0))),
         _ => Err(format!(
             "'{line}' is not understood: start, answer NUMBER, skip, hold, repeat, exclude REASON, note TEXT, trial NUMBER and \
@@ -315,7 +316,7 @@ mod tests {
         let told = String::from_utf8(plain.out).unwrap();
         assert!(
             told.contains("'begin' is not understood: start")
-                && told.contains("'much' is no answer"),
+                && told.contains("'much' is not an answer"),
             "{told}"
         );
     }

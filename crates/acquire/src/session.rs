@@ -53,10 +53,10 @@ impl Session {
         if let Some(environment) = plan.study.environments.iter().find(|e| e.scene == Scene::None) {
             return Err(AcquireError::Refused {
                 what: format!(
-                    "environment {} renders nothing, so no trial can be recorded in it",
+                    "environment {} has kind = \"none\", so no trial can be recorded in it",
                     environment.id
                 ),
-                remedy: "give it a kind in study.toml".to_owned(),
+                remedy: "give it another kind in study.toml, for instance \"spring\"".to_owned(),
             });
         }
         check_channels(&plan.study, device)?;
@@ -135,7 +135,7 @@ impl Plan {
 pub fn calibration_blake3(calibration: &Calibration) -> Result<String, AcquireError> {
     let text = calibration.to_toml().map_err(|e| AcquireError::Refused {
         what: e.to_string(),
-        remedy: "mend the calibration's file".to_owned(),
+        remedy: "correct calibration.toml beside study.toml".to_owned(),
     })?;
     Ok(hex_blake3(text.as_bytes()))
 }

@@ -31,10 +31,10 @@ pub fn check_apart(folder: &Path, layout: &Layout) -> Result<(), AcquireError> {
     if data.iter().any(|data| vault.starts_with(data)) {
         return Err(AcquireError::Refused {
             what: format!(
-                "{} lies in the data, so whoever reads them could read the seals",
+                "the folder of the seals, {}, is inside the data folder, where all who read the data could read the seals",
                 folder.display()
             ),
-            remedy: "name a folder elsewhere with --key".to_owned(),
+            remedy: "name a folder outside of raw/, derived/ and reports/ with --key".to_owned(),
         });
     }
     Ok(())
@@ -65,8 +65,9 @@ pub fn keep(
     seal: &Seal,
 ) -> Result<(), AcquireError> {
     let path = seal_path(folder, study, &record.participant, &record.session, &seal.commitment());
-    let text =
-        seal.to_json().map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))?;
+    let text = seal.to_json().map_err(|e| {
+        StoreError::new(&path, e.to_string(), "this is a defect of zwidth, please report it")
+    })?;
     if files.read(&path, MOST_SEAL).is_ok_and(|there| there == text.as_bytes()) {
         ours_alone(files, &path)?;
     } else {
@@ -106,7 +107,7 @@ pub fn find(
     let path = seal_path(folder, study, &record.participant, &record.session, commitment);
     let text = text(files, &path).map_err(|e| {
         let remedy =
-            "the seal lies where the session was begun: name that folder with --key, or copy the file here";
+            "the seal is where the session was begun: name that folder with --key, or copy the file here";
         StoreError::new(&path, format!("cannot read the session's seal: {e}"), remedy)
     })?;
     let wrong = |e: zwidth_study::SealError| StoreError::new(&path, e.to_string(), "see --key");
@@ -142,7 +143,7 @@ pub fn seed(
     let wrong = |_| {
         StoreError::new(
             &path,
-            "it holds no seed, a number below 2⁶⁴",
+            "it should hold a seed, a whole number below 2⁶⁴, and does not",
             "restore the file from a copy",
         )
     };

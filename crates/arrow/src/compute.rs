@@ -39,7 +39,7 @@ pub fn floats(column: &dyn Array) -> Result<Float64Array, ArrowError> {
             let values = floats(dictionary.values())?;
             Ok(take(&values, dictionary.keys(), None)?.as_primitive().clone())
         }
-        other => Err(ArrowError::CastError(format!("{other} is no type of numbers"))),
+        other => Err(ArrowError::CastError(format!("{other} is not a type of numbers"))),
     }
 }
 
@@ -86,7 +86,7 @@ mod tests {
     #[test]
     fn words_are_refused() {
         let refused = floats(&StringArray::from(vec!["1"])).unwrap_err().to_string();
-        assert!(refused.contains("Utf8 is no type of numbers"), "{refused}");
+        assert!(refused.contains("Utf8 is not a type of numbers"), "{refused}");
         assert!(floats(&BooleanArray::from(vec![true])).is_err());
     }
 }

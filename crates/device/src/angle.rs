@@ -24,8 +24,8 @@ const HOME_RAD: f64 = 2.0 * TAU / 360.0;
 pub enum AngleFault {
     /// The step is too far from the predicted one.
     #[error(
-        "the angle moved {step_turns:.3} turns of the shaft where {predicted_turns:.3} were expected, {REFUSED_TURN} turns \
-         off at most: the turn is lost"
+        "the angle moved {step_turns:.3} turns of the shaft where {predicted_turns:.3} were expected, more than {REFUSED_TURN} \
+         turns off: the turns can no longer be counted"
     )]
     Jump {
         /// The step as the shortest one, turns of the shaft.
@@ -34,7 +34,7 @@ pub enum AngleFault {
         predicted_turns: f64,
     },
     /// A code the sensor does not have.
-    #[error("the angle sensor gave {raw}; its codes end at {last}")]
+    #[error("the angle sensor gave {raw}, and its largest code is {last}")]
     Code {
         /// The code.
         raw: u16,
@@ -42,7 +42,7 @@ pub enum AngleFault {
         last: i64,
     },
     /// The sensor gave an angle where it gave counts at homing, or the other way round.
-    #[error("the angle sensor changed between counts and angles")]
+    #[error("the angle sensor switched between counts and angles")]
     Kind,
 }
 
@@ -151,8 +151,9 @@ impl Homed {
         };
         let sensor = match (reading.angle, capabilities.counts_per_turn) {
             (Angle::Counts(raw), Some(counts)) => Sensor::Shaft {
-                unwrap: Unwrap::start(counts, t_s, raw)
-                    .map_err(|fault| unable(fault.to_string(), "check the angle sensor"))?,
+                unwrap: Unwrap::start(counts, t_s, raw).map_err(|fault| {
+                    unable(fault.to_string(), "check the angle sensor and its cable")
+                })?,
                 at_stop: i64::from(raw),
                 rad_per_count: rad_per_count(counts, capabilities.shaft_per_lever),
             },
@@ -168,7 +169,7 @@ impl Homed {
             _ => {
                 return Err(unable(
                     AngleFault::Kind.to_string(),
-                    "correct the device's description",
+                    "correct what the board says of its angle sensor (docs/rig.md)",
                 ));
             }
         };
@@ -277,7 +278,7 @@ mod tests {
     #[test]
     fn a_code_the_sensor_does_not_have_is_refused() {
         let fault = Unwrap::start(PER_TURN, 0.0, 0).unwrap().follow(0.001, 4096).unwrap_err();
-        assert_eq!(fault.to_string(), "the angle sensor gave 4096; its codes end at 4095");
+        assert_eq!(fault.to_string(), "the angle sensor gave 4096, and its largest code is 4095");
     }
 
     #[test]

@@ -37,7 +37,9 @@ pub enum DynamicsError {
     },
     /// The state left the numbers that the equations can go on with: an entry is infinite, or
     /// beyond 1e100.
-    #[error("the state is no longer finite at t = {t_s} s; {suspect} is the extreme parameter")]
+    #[error(
+        "the state is no longer finite at t = {t_s} s; {suspect} is furthest from its usual size: check it"
+    )]
     NotFinite {
         /// Time at which it was seen, s.
         t_s: f64,
@@ -46,7 +48,7 @@ pub enum DynamicsError {
     },
     /// The run needs more work than allowed, for instance because it bounces without end.
     #[error(
-        "more than {limit} {what} up to t = {t_s} s; {suspect} is the extreme parameter: shorten the run or soften it"
+        "more than {limit} {what} up to t = {t_s} s; {suspect} is furthest from its usual size: shorten the run or soften it"
     )]
     TooMuchWork {
         /// The work limit that was passed.

@@ -1,7 +1,7 @@
 //! Queries over tables, by polars: a [`Frame`] is made of a table, grouped, and becomes a table
 //! again.
 //!
-//! No other place knows polars, so that only what stands on queries waits for it to compile.
+//! No other crate uses polars, so that only crates with queries wait for it to compile.
 //! Polars groups by its in-memory engine with stable order: the same table gives the same bits.
 
 use polars::prelude::{self as pl, ChunkAgg as _, ChunkVar as _, IntoColumn, NamedFrom};
@@ -21,7 +21,7 @@ pub enum FrameError {
         /// What polars said.
         source: pl::PolarsError,
     },
-    /// What came of it is no table.
+    /// The result does not make a table.
     #[error(transparent)]
     Table(#[from] TableError),
 }
@@ -29,7 +29,7 @@ pub enum FrameError {
 /// What is made of the rows of a group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Statistic {
-    /// Mean of the values that are there; null where none is.
+    /// Mean of the values that are there; null if there are no values.
     Mean,
     /// Standard deviation (n − 1) of the values that are there; null for fewer than two.
     Deviation,
@@ -42,9 +42,9 @@ pub enum Statistic {
 pub struct Aggregate {
     /// The column whose values are taken.
     pub of: String,
-    /// What is made of them.
+    /// The statistic.
     pub statistic: Statistic,
-    /// The name of the column that comes of it.
+    /// The name of the resulting column.
     pub name: String,
 }
 
@@ -137,7 +137,7 @@ fn summary(
     pl::DataFrame::new(groups.len(), columns)
 }
 
-/// A number of rows in memory, which fits.
+/// A number of rows in memory, which fits into the type.
 fn whole(rows: usize) -> i64 {
     i64::try_from(rows).unwrap_or(i64::MAX)
 }

@@ -94,7 +94,7 @@ impl Check<'_> {
             ("questions", shape.questions.is_some(), kind == Likert),
         ] {
             if given && !used {
-                self.error(table, "has no meaning for this kind of mapping; remove it");
+                self.error(table, "is not used in a mapping of this kind; remove it");
             }
         }
     }
@@ -105,7 +105,10 @@ impl Check<'_> {
             Regex::new(pattern).map_err(|e| {
                 // The reason stands in the last line, below the pattern.
                 let why = e.to_string();
-                format!("is no regular expression: {}", why.lines().next_back().unwrap_or_default())
+                format!(
+                    "is not a regular expression: {}",
+                    why.lines().next_back().unwrap_or_default()
+                )
             }),
         )
     }
@@ -255,7 +258,7 @@ pub(super) mod tests {
             "\"force_ex_n\"",
             "\"force\"",
             13,
-            "'force' is no column of a trial; use one of t_device_s, theta_rad",
+            "'force' is not a column of a trial; use one of t_device_s, theta_rad",
         );
         check(&good, "\"force_ex_n\"", "\"t_s\"", 13, "mapped in [time]");
         check(
@@ -286,9 +289,9 @@ pub(super) mod tests {
             "needs either from (a column) or rate_hz",
         );
         check(&good, "[time]", "[file]\ndecimal = \";\"\n[time]", 10, "must be \".\" or \",\"");
-        check(&good, "[time]", "[name]\npattern = '('\n[time]", 10, "no regular expression");
-        check(&good, "\"hybrid\"", "{ name = \"mode\" }", 7, "no named group (?<mode>…)");
-        check(&good, "[time]", "[questions]\n[time]", 9, "questions: has no meaning");
+        check(&good, "[time]", "[name]\npattern = '('\n[time]", 10, "not a regular expression");
+        check(&good, "\"hybrid\"", "{ name = \"mode\" }", 7, "not a named group (?<mode>…)");
+        check(&good, "[time]", "[questions]\n[time]", 9, "questions: is not used");
     }
 
     #[test]

@@ -17,7 +17,7 @@ impl Check<'_> {
     ) -> Option<Content> {
         let who = self.who(trial, groups);
         if who.as_ref().is_some_and(|w| w.likert.is_some()) {
-            self.error("trial.likert", "has no meaning for this kind of mapping; remove it");
+            self.error("trial.likert", "is not used in a mapping of this kind; remove it");
         }
         let is_timed = shape.time.is_some() || !shape.times.is_empty();
         let time_unit = self.time_unit(shape.time_unit.as_deref(), is_timed);
@@ -35,7 +35,7 @@ impl Check<'_> {
     /// A column a question.
     fn wide_form(&mut self, shape: QuestionsShape) -> Option<Asked> {
         if shape.time.is_some() {
-            let what = "belongs to a table with a row an answer; list the columns of times by question in \
+            let what = "belongs to a table with one row per answer; list the columns of times by question in \
                         [questions.times]";
             self.error("questions.time", what);
         }
@@ -64,7 +64,7 @@ impl Check<'_> {
             [("columns", !shape.columns.is_empty()), ("times", !shape.times.is_empty())]
         {
             if is_given {
-                let what = "has no meaning beside question and answer, which stand for a row an answer; remove it";
+                let what = "is not used beside question and answer, which mean one row per answer; remove it";
                 self.error(&format!("questions.{key}"), what);
             }
         }
@@ -80,7 +80,7 @@ impl Check<'_> {
         match text {
             None if is_timed => self.error(key, "is missing; s, ms, µs, ns or min"),
             Some(_) if !is_timed => {
-                self.error(key, "has no meaning without a column of times; remove it")
+                self.error(key, "is not used without a column of times; remove it")
             }
             _ => {}
         }
@@ -88,7 +88,7 @@ impl Check<'_> {
         let found = unit::find(text).filter(|unit| unit.dimension == Dimension::Time);
         self.keep(
             key,
-            found.ok_or_else(|| format!("'{text}' is no unit of time: s, ms, µs, ns or min")),
+            found.ok_or_else(|| format!("'{text}' is not a unit of time: s, ms, µs, ns or min")),
         )
     }
 }

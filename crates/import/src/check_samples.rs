@@ -28,7 +28,7 @@ impl Check<'_> {
                 if t.unit.is_some() || t.offset.is_some() || t.zero.is_some() {
                     self.error(
                         "time",
-                        "unit, offset and zero have no meaning beside rate_hz; remove them",
+                        "unit, offset and zero are not used beside rate_hz; remove them",
                     );
                 }
                 Some(Time::Rate { rate_hz })
@@ -107,7 +107,7 @@ impl Check<'_> {
             Signal::from_name(&c.to).ok_or_else(|| {
                 let names = COLUMNS.iter().map(|c| c.name).filter(|n| *n != Signal::Time.name());
                 format!(
-                    "'{}' is no column of a trial; use one of {}",
+                    "'{}' is not a column of a trial; use one of {}",
                     c.to,
                     names.collect::<Vec<_>>().join(", ")
                 )
@@ -137,7 +137,7 @@ impl Check<'_> {
                 {
                     self.error(
                         at,
-                        "unit, sign, scale, offset and zero have no meaning beside derive; remove them",
+                        "unit, sign, scale, offset and zero are not used beside derive; remove them",
                     );
                 }
                 let key = format!("{at}.derive");
@@ -170,14 +170,14 @@ impl Check<'_> {
 
 /// What `derive` asks for: `derivative of theta_rad`, `integral of theta_dot_rad_s`.
 fn derived(rule: &str, to: Signal, known: &[SignalFrom]) -> Result<Rule, String> {
-    let form = "write \"derivative of …\" or \"integral of …\" with a column of ours";
+    let form = "write \"derivative of …\" or \"integral of …\" with a column of a trial, for instance theta_rad";
     let (is_derivative, name) = match rule.split_once(" of ") {
         Some(("derivative", name)) => (true, name),
         Some(("integral", name)) => (false, name),
         _ => return Err(format!("'{rule}' is not understood; {form}")),
     };
-    let of =
-        Signal::from_name(name).ok_or_else(|| format!("'{name}' is no column of ours; {form}"))?;
+    let of = Signal::from_name(name)
+        .ok_or_else(|| format!("'{name}' is not a column of a trial; {form}"))?;
     if !known.iter().any(|k| k.to == of) {
         return Err(format!("'{name}' must be mapped by a [[column]] above this one"));
     }
@@ -220,8 +220,8 @@ mod tests {
             18,
             "is not in rad/s, the unit of theta_dot_rad_s: force_ex_n is in N",
         );
-        check(&good, "theta_rad", "thta_rad", 18, "'thta_rad' is no column of ours");
+        check(&good, "theta_rad", "thta_rad", 18, "'thta_rad' is not a column of a trial");
         check(&good, "derivative of", "slope of", 18, "write \"derivative of …\"");
-        check(&good, "derive =", "unit = \"rad/s\"\nderive =", 16, "no meaning beside derive");
+        check(&good, "derive =", "unit = \"rad/s\"\nderive =", 16, "are not used beside derive");
     }
 }

@@ -27,7 +27,7 @@ impl Check<'_> {
             .required("response", response)
             .and_then(|q| self.quantity("response", q, wide.is_some()));
         if wide.is_some() && time.is_some() {
-            self.error("time", "has no meaning beside [wide]; remove it");
+            self.error("time", "is not used beside [wide]; remove it");
         }
         let time = time.map(|t| self.time(t));
         let labels = SweepLabels { actuator: actuator?, sweep: number };
@@ -57,7 +57,7 @@ impl Check<'_> {
     ) -> Option<(Option<ColumnRef>, QuantityFrom)> {
         match (&q.from, wide) {
             (Some(_), true) => {
-                self.error(&format!("{at}.from"), "has no meaning beside [wide]; remove it")
+                self.error(&format!("{at}.from"), "is not used beside [wide]; remove it")
             }
             (None, false) => self.error(&format!("{at}.from"), "is missing; name the column"),
             _ => {}
@@ -96,7 +96,7 @@ unit = \"N\"
     fn a_wide_sweep_needs_its_group_and_has_no_columns() {
         assert!(Mapping::from_toml(WIDE, Path::new("map.toml")).is_ok());
         check(WIDE, "?<value>", "", 5, "needs a group (?<value>…)");
-        check(WIDE, "unit = \"V\"", "unit = \"V\"\nfrom = 1", 10, "no meaning beside [wide]");
+        check(WIDE, "unit = \"V\"", "unit = \"V\"\nfrom = 1", 10, "not used beside [wide]");
         check(WIDE, "unit = \"V\"", "unit = \" \"", 9, "must not be empty");
         check(WIDE, "\"response\"", "\"both\"", 6, "unknown variant `both`");
     }

@@ -173,7 +173,7 @@ fn mapping(path: &Path, table: &Table, format: Option<Format>, written: Option<W
             );
         }
         None => text.push_str(
-            "[time]\nrate_hz = \"TODO\"        # no column of time was found: samples a second\n",
+            "[time]\nrate_hz = \"TODO\"        # no column of time was found: samples per second\n",
         ),
     }
     for column in &columns {

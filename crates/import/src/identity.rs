@@ -184,7 +184,7 @@ fn duplicates(
         let path = context.layout.trial(&i.participant, &i.session, p.trial);
         let exists = context.files.kind(&path).is_some();
         if exists {
-            let also = format!("lies at {} already", context.layout.shown(&path).display());
+            let also = format!("is at {} already", context.layout.shown(&path).display());
             errors.push(duplicate(also, AGAIN));
         }
         *sessions.entry((&i.participant, &i.session)).or_insert(false) |= exists;
@@ -330,7 +330,7 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
         let errors =
             world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&file)).unwrap_err();
         assert!(
-            errors[0].what.contains("duplicate trial: trial 1 of P01 S01 lies at raw/demo/trials"),
+            errors[0].what.contains("duplicate trial: trial 1 of P01 S01 is at raw/demo/trials"),
             "{errors:?}"
         );
         let second = format!("{ONE}trial = 2\n");

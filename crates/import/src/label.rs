@@ -77,7 +77,7 @@ impl LabelShape {
             (None, Some(name)) if groups.contains(&name.as_str()) => From::Name(name),
             (None, Some(name)) => {
                 return Err(format!(
-                    "'{name}' is no named group (?<{name}>…) of the pattern in [name]"
+                    "'{name}' is not a named group (?<{name}>…) of the pattern in [name]"
                 ));
             }
             _ => return Err("needs either column or name".to_owned()),
@@ -143,7 +143,7 @@ impl Label {
         let digits = theirs.bytes().all(|b| b.is_ascii_digit());
         if self.digits > 0 && !digits {
             return Err(format!(
-                "'{theirs}' is no whole number, which digits = {} asks for",
+                "'{theirs}' is not a whole number, which digits = {} asks for",
                 self.digits
             ));
         }
@@ -178,7 +178,7 @@ mod tests {
         check("x = { column = 2, prefix = \"P\" }", "120", Ok("P120"));
         check("x = { name = \"mode\", translate = { A = \"active\" } }", "A", Ok("active"));
         check("x = { name = \"mode\", translate = { A = \"active\" } }", "B", Err("which has A"));
-        check("x = { column = 2, digits = 2 }", "x", Err("no whole number"));
+        check("x = { column = 2, digits = 2 }", "x", Err("not a whole number"));
     }
 
     #[test]
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn a_label_that_comes_from_nowhere_is_refused() {
         for (toml, words) in [
-            ("x = { name = \"nothing\" }", "no named group"),
+            ("x = { name = \"nothing\" }", "not a named group"),
             ("x = { prefix = \"P\" }", "either column or name"),
             ("x = { column = 1, name = \"mode\" }", "either column or name"),
             ("x = { colum = 1 }", "expected a fixed value"),

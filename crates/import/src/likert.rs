@@ -75,11 +75,11 @@ fn question_columns(
     let study = context.study;
     let error = |what: String, remedy: &str| StoreError::new(&context.mapping.path, what, remedy);
     if let Some(id) = listed.keys().find(|id| study.question(id).is_none()) {
-        let what = format!("[questions.columns] has '{id}', which is no question of study.toml");
+        let what = format!("[questions.columns] has '{id}', which is not a question of study.toml");
         return Err(error(what, "add it to study.toml, or remove it from the mapping"));
     }
     if let Some(id) = times.keys().find(|id| study.question(id).is_none()) {
-        let what = format!("[questions.times] has '{id}', which is no question of study.toml");
+        let what = format!("[questions.times] has '{id}', which is not a question of study.toml");
         return Err(error(what, "add it to study.toml, or remove it from the mapping"));
     }
     let with_time = |id: &QuestionId, column| (id.clone(), column, times.get(id).cloned());
@@ -239,7 +239,7 @@ trial = { column = \"order\" }
         check(MAP, "1;4;2", "1;agree;2", "the answer 'agree'", Some(("Wall?", 2)));
         check(MAP, "passive;1", "passive;2", "duplicate trial: trial 2 of P01 S01", None);
         check(MAP, "Wall?", "Walls?", "column Wall?: the column is missing", None);
-        check(MAP, "x;12;", "x;Ann;", "'Ann' is no whole number", Some(("who", 3)));
+        check(MAP, "x;12;", "x;Ann;", "'Ann' is not a whole number", Some(("who", 3)));
         check(
             MAP,
             "x;12;active",
@@ -248,6 +248,6 @@ trial = { column = \"order\" }
             Some(("mode", 3)),
         );
         let odd = format!("{MAP}[questions.columns]\nnothing = 5\n");
-        check(&odd, "x", "x", "'nothing', which is no question of study.toml", None);
+        check(&odd, "x", "x", "'nothing', which is not a question of study.toml", None);
     }
 }

@@ -257,7 +257,7 @@ impl Mapping {
         let bytes =
             read_named(path, MOST_MAPPING).map_err(|e| vec![StoreError::io(path, "read", &e)])?;
         let text = String::from_utf8(bytes).map_err(|e| {
-            let what = format!("byte {} is no text (UTF-8)", e.utf8_error().valid_up_to());
+            let what = format!("byte {} is not UTF-8", e.utf8_error().valid_up_to());
             vec![StoreError::new(path, what, "save the mapping as UTF-8")]
         })?;
         Self::from_toml(&text, path)

@@ -151,7 +151,10 @@ impl Growing {
                     .as_dictionary_opt::<Int32Type>()
                     .and_then(|d| d.downcast_dict::<StringArray>());
                 let words = words.ok_or_else(|| {
-                    ParquetError::General("its text is of an odd type".to_owned())
+                    ParquetError::General(
+                        "its text has a type that cannot be read; save it as plain strings"
+                            .to_owned(),
+                    )
                 })?;
                 for word in words {
                     *text += word.map_or(0, str::len);

@@ -116,12 +116,12 @@ fn check_channel(context: &Context, channel: &ChannelFrom) -> Result<(), StoreEr
     let id = channel.to.as_str();
     match known {
         None => error(
-            format!("'{id}' is no channel of study.toml"),
+            format!("'{id}' is not a channel of study.toml"),
             "add it to [[channels]] before the first trial, or remove it from the mapping",
         ),
         Some(known) if known.unit != channel.unit => error(
             format!("'{id}' is in '{}' in study.toml, and in '{}' here", known.unit, channel.unit),
-            "name the study's unit, and turn the values into it by sign, scale and offset",
+            "write the study's unit, and convert the values to it with sign, scale and offset",
         ),
         Some(_) => Ok(()),
     }

@@ -556,7 +556,7 @@ mod tests {
         let world = World::with(&text);
         let file = world.file("a.csv", "t,f,g\n0,0,1.5\n1,1,-2\n");
         world.refuses(&map("grip_n", "mN"), &file, "'grip_n' is in 'N' in study.toml", None);
-        world.refuses(&map("hum", "N"), &file, "'hum' is no channel of study.toml", None);
+        world.refuses(&map("hum", "N"), &file, "'hum' is not a channel of study.toml", None);
         world.refuses(&map("t_s", "N"), &file, "a column of every trial file", None);
         let bad = world.file("b.csv", "t,f,g\n0,0,1.5\n1,1,x\n");
         world.refuses(&map("grip_n", "N"), &bad, "x", Some(("g", 2)));

@@ -52,7 +52,7 @@ pub(super) fn entries(bytes: &[u8]) -> Result<Vec<Entry>, String> {
     let tail = &bytes[from..];
     let end = (0..=tail.len().saturating_sub(END_LENGTH)).rev();
     let end = end.into_iter().find(|at| tail[*at..].starts_with(END));
-    let end = from + end.ok_or("it is no archive, or cut off: it has no directory")?;
+    let end = from + end.ok_or("it is not an archive, or was cut off: it has no directory")?;
     let count = usize::from(u16_at(bytes, end + 10).ok_or_else(cut)?);
     let mut at = u32_at(bytes, end + 16).ok_or_else(cut)?;
     if count > MOST_COLUMNS {

@@ -174,7 +174,7 @@ impl<W: Wire> Rig<W> {
             }
             return Ok(FromBoard::read(&frame));
         }
-        Err(self.lost("it sends without an end and nothing of it is a message"))
+        Err(self.lost("it keeps sending, and nothing that it sends is a message of this link"))
     }
 
     /// The next byte; none that comes before `until`.

@@ -83,7 +83,7 @@ impl TryFrom<String> for AngleAt {
             Some(channel) => Ok(Self::Analog(channel)),
             None if text == "i2c" => Ok(Self::I2c),
             None => Err(format!(
-                "'{text}' is no place of an angle sensor: \"A0\" to \"A15\", or \"i2c\""
+                "'{text}' is not a place of an angle sensor: \"A0\" to \"A15\", or \"i2c\""
             )),
         }
     }
@@ -176,7 +176,7 @@ impl Text {
 }
 
 fn named(key: &str, parsed: Result<Template, TemplateError>) -> Result<Template, DeviceError> {
-    parsed.map_err(|e| unable(format!("{key} is no template: {e}"), "mend it (docs/rig.md)"))
+    parsed.map_err(|e| unable(format!("{key}: {e}"), "correct it in rig.toml (docs/rig.md)"))
 }
 
 /// A load cell at a port of its own: an HX711 whose counts a sketch prints, one in a line.
@@ -326,10 +326,10 @@ impl Settings {
         }
         Err(unable(
             format!(
-                "the loop looks {rate_hz} times a second, and the board sends {stream_hz} readings"
+                "the loop reads {rate_hz} times per second, and the board sends {stream_hz} readings per second"
             ),
             &format!(
-                "for none to be lost raise rate_hz in study.toml to {needed_hz}, or lower the board's"
+                "so that none is lost, raise rate_hz in study.toml to {needed_hz}, or lower the board's"
             ),
         ))
     }
@@ -375,7 +375,7 @@ pub(crate) fn within(
     let most = most_hz.floor();
     Err(unable(
         format!(
-            "{what} come {rate_hz} times a second, and {baud} baud carry {most} of them at most"
+            "{what} come {rate_hz} times per second, and {baud} baud carry at most {most} of them"
         ),
         &format!("lower the rate, or raise {key} in rig.toml and on the board"),
     ))

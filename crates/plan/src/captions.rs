@@ -1,4 +1,4 @@
-//! The captions of all figures in one file a format, for documents.
+//! The captions of all figures in one file per format, for documents.
 
 use crate::drawing::{Drawing, STAGE};
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ pub(crate) fn job(data: &StudyData, figures: &[Drawing]) -> Job {
     Job::new(STAGE, STEM, names, files, outputs, make).tolerant()
 }
 
-/// Of a figure that could not be made there is no caption.
+/// A figure that could not be made has no caption.
 fn make(names: &Vec<String>, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
     let mut captions = Vec::new();
     for (name, file) in names.iter().zip(files).filter(|(_, file)| file.exists()) {

@@ -38,7 +38,7 @@ fn files_of(data: &StudyData, id: &ActuatorId) -> Vec<PathBuf> {
     data.sweeps.iter().filter(|s| s.actuator == *id).map(|s| s.path.clone()).collect()
 }
 
-/// Reads sweeps; one of other quantities than the first is left out and told.
+/// Reads sweeps. A sweep of other quantities than the first one is left out and reported.
 pub(crate) fn read_sweeps(files: &[PathBuf]) -> (Vec<Sweep>, Vec<String>) {
     let (sweeps, mut problems) = split(files.iter().map(|f| read_sweep(f)).collect());
     let Some(first) = sweeps.first().cloned() else { return (sweeps, problems) };
@@ -113,8 +113,8 @@ fn samples(sweep: &Sweep) -> zwidth_characterise::Sweep<'_> {
     zwidth_characterise::Sweep { command: &sweep.command_values, response: &sweep.response_values }
 }
 
-/// The calibration, where motor and brake were both swept. No comment, no provenance: the same
-/// curves give the same hash, whoever writes them.
+/// The calibration, if motor and brake were both swept. It has no comment and no provenance, so
+/// that the same curves give the same hash, whoever writes them.
 fn calibrate(
     (): &(),
     (motor, brake): &([PathBuf; 3], [PathBuf; 3]),

@@ -78,7 +78,7 @@ pub fn spreads(layout: &Layout, metric: &str) -> [PathBuf; 2] {
 }
 
 /// The metrics that are compared: those that trials of this study can have, the primary one first.
-/// None in a study with one mode.
+/// Empty in a study with one mode.
 pub fn compared(data: &StudyData) -> Vec<String> {
     let tried: BTreeSet<_> = data.counting().map(|trial| &trial.meta.mode).collect();
     if tried.len() < 2 {
@@ -114,7 +114,7 @@ fn wanted(study: &Study) -> Vec<String> {
     wanted
 }
 
-/// What study.toml says of metrics that there are not, and of bounds that say nothing.
+/// What study.toml says of metrics that do not exist, and of bounds that have no effect.
 pub(crate) fn asked_in_vain(study: &Study) -> Vec<String> {
     let unknown = wanted(study).into_iter().filter(|metric| !zwidth_metrics::is_number(metric));
     let unknown = unknown.map(|metric| {
@@ -241,8 +241,8 @@ fn order(log: &SessionLog, study: &Study) -> SessionOrder {
     SessionOrder { participant, session, drawn }
 }
 
-/// The trials that were done in the place of another, which may have been done in that of a third:
-/// the number of each, and the number that the order gave the place.
+/// The trials that repeat another one, which may itself repeat a third: the number of each, and the
+/// number of the trial that the order had in this place.
 fn repeated(events: &[Event]) -> Vec<[u32; 2]> {
     let mut found: Vec<[u32; 2]> = Vec::new();
     for event in events {

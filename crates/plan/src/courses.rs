@@ -26,7 +26,7 @@ pub(crate) fn file(
     is_any.then(|| derived(&data.layout, format!("courses/{key}.parquet")))
 }
 
-/// What depends on typical trials depends on this besides files.
+/// What the results on typical trials depend on besides files.
 #[derive(Serialize)]
 pub(crate) struct Typical {
     /// In the order of the study, each with how it was rendered.

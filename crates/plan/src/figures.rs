@@ -85,15 +85,15 @@ pub fn captions(data: &StudyData) -> Vec<(String, String)> {
     all(data).into_iter().map(|Drawing { caption, .. }| (caption.stem(), caption.text())).collect()
 }
 
-/// The figure of that name, described from what its job reads, and what had to be left out; none
+/// The figure of that name, described from what its job reads, and what had to be left out; `None`
 /// where the study has no such figure.
 pub fn describe(data: &StudyData, stem: &str) -> Option<Result<(Figure, Vec<String>), JobError>> {
     let drawing = all(data).into_iter().find(|drawing| drawing.caption.stem() == stem)?;
     Some((drawing.describe)())
 }
 
-/// The choices of study.toml for figures that the study does not have (of a kind that it lacks is
-/// no mistake), for sessions, and for metrics that there are not.
+/// The choices of study.toml for figures, sessions and metrics that the study does not have. A
+/// choice for a kind of figure that the study lacks is not a mistake.
 pub fn chosen_in_vain(data: &StudyData) -> Vec<String> {
     let study = &data.study;
     let chosen: Vec<&str> =
@@ -148,7 +148,7 @@ struct Files {
     metrics: Vec<PathBuf>,
     /// Against time.
     averages: Vec<PathBuf>,
-    /// Against position; none where they are the same.
+    /// Against position; empty where they are the same.
     loops: Vec<PathBuf>,
 }
 

@@ -102,8 +102,8 @@ fn held_out_of(data: &StudyData, environment: &Environment, mode: &Mode) -> Path
     derived(&data.layout, format!("ladder/{}.{}.held_out.parquet", environment.id, mode.id))
 }
 
-/// The table that says with which model a condition is replayed; none where a study replays by eye,
-/// or no trial of the condition can be.
+/// The table that says with which model a condition is replayed; `None` where a study replays by
+/// eye, or no trial of the condition can be.
 pub(crate) fn of_replay(data: &StudyData, of: &Repeats) -> Option<PathBuf> {
     let is_any = of.trials.iter().any(|t| is_replayable(data, t));
     (is_asked(&data.study) && is_any).then(|| held_out_of(data, of.environment, of.mode))
@@ -157,7 +157,8 @@ fn draw(synthetic: &bool, tables: &Vec<PathBuf>) -> Figured {
 }
 
 /// Models, effects and interactions of each condition of a study that has a recording, with so many
-/// points: what `zwidth ladder STUDY` prints. `told` hears of each condition before it is made.
+/// points: what `zwidth ladder STUDY` prints. `told` is called with each condition before it is
+/// made.
 ///
 /// # Errors
 /// A condition of which no model can be made.

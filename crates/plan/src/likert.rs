@@ -9,7 +9,8 @@ use zwidth_store::{Answer, StudyData};
 
 const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
 
-/// Everything that a tally depends on: the answers are joined from several files, and are none.
+/// Everything that a tally depends on: the answers are joined from several files, and are
+/// not a file themselves.
 #[derive(Serialize)]
 struct Asked {
     scheme: Scheme,

@@ -37,7 +37,7 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     drawings
 }
 
-/// The numbers of pages, from 1 on; a single one has none.
+/// The numbers of pages, from 1 on; a single page has no number.
 pub(crate) fn number_pages(pages: usize) -> Vec<Option<String>> {
     (1..=pages).map(|number| (pages > 1).then(|| number.to_string())).collect()
 }

@@ -5,8 +5,8 @@ use zwidth_store::{Samples, Trial};
 use zwidth_study::{Measured, is_felt};
 use zwidth_tables::{Column, Values};
 
-/// The study's metrics that are numbers and say what somebody could feel; none where they cannot be
-/// computed.
+/// The study's metrics that are numbers and say what somebody could feel; empty where they cannot
+/// be computed.
 pub(crate) fn measured(trial: &Trial, parameters: &Parameters) -> Vec<Measured> {
     let row = zwidth_metrics::trial_metrics(trial, parameters);
     let table = row.ok().and_then(|row| zwidth_metrics::table(&[row]).ok());

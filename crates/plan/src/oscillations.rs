@@ -14,7 +14,7 @@ use zwidth_tables::Table;
 /// What became of the trials that were asked about.
 #[derive(Debug)]
 pub struct Oscillations {
-    /// A row a trial.
+    /// One row per trial.
     pub trials: Vec<(TrialMeta, Oscillation)>,
     /// Whether the plant is the study's own, as `zwidth run` fitted it; else it is the thesis', by
     /// eye.

@@ -1,5 +1,5 @@
-//! Stage `page`: the summary for a browser, `index.html`, and a script of samples a condition beside
-//! it, which the page loads when somebody asks for those trials.
+//! Stage `page`: the summary for a browser, `index.html`, and beside it one script of samples per
+//! condition, which the page loads when somebody asks for those trials.
 
 use crate::conditions::{Repeats, sessions};
 use crate::drawing::Drawing;
@@ -192,7 +192,7 @@ fn name(signal: Signal) -> Option<&'static str> {
     })
 }
 
-/// The columns of a table by the page's names; what is null is no number.
+/// The columns of a table by the page's names; null stays null.
 fn columns(table: &Table, named: &[(&'static str, &str)], rows: &[usize]) -> Columns {
     let column = |(name, column): &(&'static str, &str)| {
         let values = table.floats(column).ok()?;

@@ -32,7 +32,7 @@ pub fn analysis(study: &Study) -> Value {
 /// The largest plan that is read, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// What the study's plan says of its analysis; none without a plan.
+/// What the study's plan says of its analysis; `None` without a plan.
 pub(crate) fn preregistered(data: &StudyData) -> Option<Preregistered> {
     let bytes = match read_regular(&plan_file(&data.layout), MOST_BYTES) {
         Ok(bytes) => bytes,

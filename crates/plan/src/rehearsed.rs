@@ -42,7 +42,7 @@ fn conditions(data: &StudyData) -> Vec<Repeats<'_>> {
     measured_conditions(data).take_while(is_room).collect()
 }
 
-/// What a study's trade of setups would be made of; none where no condition has angle and force.
+/// What a study's trade of setups would be made of; `None` where no condition has angle and force.
 pub fn rehearsal(data: &StudyData) -> Option<Rehearsal> {
     let of = |t: &&TrialEntry| {
         let TrialMeta { participant, session, environment, mode, trial, .. } = &t.meta;
@@ -65,10 +65,11 @@ pub fn rehearsed_trials(data: &StudyData) -> usize {
     trials * (1 + Setup::others(&data.study).len())
 }
 
-/// Every metric at every setup, a row each by condition, and the same in short. The same bits on any number of threads.
+/// Every metric at every setup, one row per condition, and the same in short. Any number of threads
+/// gives the same bits.
 ///
 /// # Errors
-/// A twin that makes no sense; metrics that are no numbers.
+/// Parameters of a twin that cannot be; metrics that are not numbers.
 pub fn rehearsed(
     data: &StudyData,
     twin_of: &TwinOf<'_>,
@@ -130,7 +131,7 @@ fn condition(
     Ok((twin_table(&repeats.key, &rehearsals, &bounds)?, stops))
 }
 
-/// The metrics of a trial at a setup; in words why there are none.
+/// The metrics of a trial at a setup, or why there are none, in words.
 fn trial(
     entry: &TrialEntry,
     twin: &Twin,

@@ -54,7 +54,7 @@ struct Modelled {
     plant: Parameters,
 }
 
-/// What those depend on that are by the model which the ladder chose.
+/// What the replays by the model that the ladder chose depend on besides its trials.
 #[derive(Serialize)]
 struct Chosen {
     modelled: Modelled,
@@ -123,7 +123,7 @@ fn make_by_eye(
     write_tables(&[zwidth_replay::table(&rows)?], making, problems)
 }
 
-/// Without rows where nothing was fitted. Trials that cannot be replayed the job by eye tells.
+/// Without rows if nothing was fitted. The job by eye reports trials that cannot be replayed.
 fn make_fitted(
     of: &OfTrials<Modelled>,
     (files, plant): &(Vec<PathBuf>, PathBuf),
@@ -142,7 +142,7 @@ fn make_fitted(
     write_tables(&[zwidth_replay::table(&rows)?], making, Vec::new())
 }
 
-/// By the model that the ladder chose. Trials that cannot be replayed the job by eye tells.
+/// By the model that the ladder chose. The job by eye reports trials that cannot be replayed.
 fn make_auto(
     of: &OfTrials<Chosen>,
     (files, chosen): &(Vec<PathBuf>, PathBuf),

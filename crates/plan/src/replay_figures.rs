@@ -1,4 +1,4 @@
-//! Figure 24: for a session and each environment with a spring, one trial a mode beside the model
+//! Figure 24: for a session and each environment with a spring, one trial per mode beside the model
 //! that is given its external force, by eye and fitted: what the stage `replay` derived.
 
 use crate::conditions::Session;

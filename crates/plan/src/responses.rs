@@ -19,11 +19,11 @@ pub struct Responses {
 }
 
 /// Impedance against frequency by condition, over all participants: what they feel is the device's. A
-/// condition that was recorded for too short a time is left out; without a lever's length there is
-/// none.
+/// condition that was recorded for too short a time is left out. The list is empty if the lever's
+/// length is not known.
 ///
 /// # Errors
-/// None that trials can cause.
+/// No trial can cause one.
 pub fn responses(data: &StudyData) -> Result<Responses, JobError> {
     let mut all = Responses { responses: Vec::new(), sources: Vec::new(), problems: Vec::new() };
     let Some(lever_m) = data.study.device.lever_m else { return Ok(all) };
@@ -46,7 +46,7 @@ pub fn responses(data: &StudyData) -> Result<Responses, JobError> {
     Ok(all)
 }
 
-/// Angle and force of a trial; none where one was not recorded, or a column is of another length.
+/// Angle and force of a trial; `None` where one was not recorded, or a column is of another length.
 fn recording(trial: &Trial) -> Option<Recording<'_>> {
     let t_s = trial.samples.get(Signal::Time)?;
     let column = |signal| trial.samples.get(signal).filter(|values| values.len() == t_s.len());

@@ -25,7 +25,7 @@ fn files(data: &StudyData, figure: &SceneFigure) -> Vec<PathBuf> {
     figure.files.iter().map(|file| data.layout.raw().join(file)).collect()
 }
 
-/// What their runs come to, a table each.
+/// The results of their runs, one table each.
 fn tables(data: &StudyData, figure: &SceneFigure) -> Vec<PathBuf> {
     let of = |n| derived(&data.layout, format!("scenes/{}.{n}.parquet", figure.id));
     (1..=figure.files.len()).map(of).collect()

@@ -310,7 +310,7 @@ fn remark(data: &StudyData, finding: &StoreError) -> Remark {
     }
 }
 
-/// A table that has nothing in it, and so shows nothing.
+/// The remark that a table is empty, if it has no rows.
 fn empty(table: &Listed, rows: usize) -> Option<Remark> {
     (rows == 0).then(|| Remark { what: table.path.clone(), why: "the table has no row".to_owned() })
 }

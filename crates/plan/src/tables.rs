@@ -101,8 +101,8 @@ fn make(how: &Printed, input: &PathBuf, making: &Making) -> Result<Made, JobErro
     Ok(Made { outputs: write(&table, &files, &how.wording, making.from)?, ..Made::default() })
 }
 
-/// The bytes of a printed table's files. For people the conditions have modes beside each other: a
-/// metric a column would take pages.
+/// The bytes of a printed table's files. For people the table of conditions has the modes beside
+/// each other: with one metric per column it would take pages.
 ///
 /// # Errors
 /// Those of [`Table::to_bytes`].

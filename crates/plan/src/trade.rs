@@ -33,7 +33,7 @@ pub struct Traded {
 }
 
 impl Traded {
-    /// The study's own metrics of a run, as if it had been recorded; none where they cannot be
+    /// The study's own metrics of a run, as if it had been recorded; empty where they cannot be
     /// computed.
     pub fn measure(&self, course: &Course) -> Vec<Measured> {
         let mut samples = Samples::default();
@@ -139,7 +139,7 @@ fn data_table_of(data: &StudyData) -> Option<PathBuf> {
     lessened_conditions(data).next().is_some().then(|| derived(&data.layout, "trade_data.parquet"))
 }
 
-/// What the trade of a study depends on: no recording.
+/// What the trade of a study depends on. Recordings are not part of it.
 #[derive(Serialize)]
 struct OfStudy {
     scenes: Vec<Traded>,
@@ -226,7 +226,7 @@ fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
     write_tables(&tables, making, Vec::new())
 }
 
-/// A figure a scene.
+/// One figure per scene.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     const KIND: FigureKind = WORK_PRECISION;
     let [settings, summary] = files(&data.layout);

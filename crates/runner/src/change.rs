@@ -16,7 +16,7 @@ pub enum Change {
     NeverMade,
     /// Somebody asked for it.
     Asked,
-    /// The stage's algorithm is another.
+    /// The stage has another version of its algorithm.
     Version {
         /// The version that made it.
         recorded: u32,
@@ -25,19 +25,19 @@ pub enum Change {
     },
     /// Parameters differ.
     Parameters {
-        /// Those that do.
+        /// The parameters that differ.
         fields: Vec<Field>,
     },
-    /// An input.
+    /// An input differs.
     Input(FileChange),
-    /// An output: a missing or an edited one is made again.
+    /// An output differs: if it is missing or was edited, it is made again.
     Output(FileChange),
 }
 
 /// A parameter that differs.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Field {
-    /// Where it stands: `analysis.confidence`, `trials[2].mode`; nothing for the whole.
+    /// Where it is: `analysis.confidence`, `trials[2].mode`; empty for all parameters together.
     pub name: String,
     /// What it was; `None` where there was none.
     pub recorded: Option<Value>,
@@ -81,7 +81,7 @@ pub struct FileChange {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum How {
-    /// Its content is another.
+    /// Its content has changed.
     Changed,
     /// The job did not have it before, or it was missing.
     New,
@@ -89,7 +89,7 @@ pub enum How {
     Missing,
     /// The job does not have it any more.
     Dropped,
-    /// It is itself made again first; whether its content will differ shows then.
+    /// It is made again first. Only then is it known whether its content differs.
     ToBeMade,
 }
 

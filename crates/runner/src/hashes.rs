@@ -13,7 +13,7 @@ pub(crate) const TO_BE_MADE: &str = "to be made";
 pub(crate) struct Hashes(Mutex<HashMap<PathBuf, String>>);
 
 impl Hashes {
-    /// With those of files that were read already.
+    /// Begins with the hashes of files that were read already.
     pub(crate) fn new(known: &[(PathBuf, String)]) -> Self {
         Self(Mutex::new(known.iter().cloned().collect()))
     }
@@ -36,8 +36,8 @@ impl Hashes {
         self.lock().insert(path.to_owned(), hash);
     }
 
-    /// Where nothing is made, an output that would be has no known content, so that what needs it
-    /// shows too.
+    /// In a dry run an output that would be made has no known content, so that the jobs that need
+    /// it are listed too.
     pub(crate) fn forget(&self, paths: &[PathBuf]) {
         for path in paths {
             self.set(path, TO_BE_MADE.to_owned());

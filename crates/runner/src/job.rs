@@ -16,8 +16,8 @@ pub struct Made {
     pub outputs: Vec<Vec<u8>>,
     /// What had to be left out, and why: remembered, and reported at every run.
     pub problems: Vec<String>,
-    /// What is in the outputs and is to be read with care, and why: remembered and reported
-    /// likewise.
+    /// What in the outputs is to be read with care, and why: also remembered and reported at every
+    /// run.
     pub care: Vec<String>,
 }
 
@@ -79,7 +79,7 @@ impl<A: Inputs, B: Inputs, C: Inputs> Inputs for (A, B, C) {
     }
 }
 
-/// Where a job's outputs go, and what they say of their making. No content but that depends on it.
+/// Where a job's outputs go, and what they say of their making. Nothing else in them depends on it.
 pub struct Making<'m> {
     /// What the outputs say of their making.
     pub from: &'m Provenance,
@@ -106,15 +106,15 @@ pub struct Job {
     /// Its name within the study, unique: `metrics P01_S01`.
     pub name: String,
     /// The part of the study whose trials it takes, `P01.S01.spring.hybrid`: all jobs of a part are
-    /// one shard's ([`crate::Shard`]). None of a job of the whole study.
+    /// one shard's ([`crate::Shard`]). `None` for a job of the whole study.
     pub part: Option<String>,
     /// Everything but files that the outputs depend on, as canonical text: JSON in the order of
     /// the declaration, or its hash where that is long.
     pub parameters: String,
     /// Files it reads, each once.
     pub inputs: Vec<PathBuf>,
-    /// Files from which its parameters come. They are told of it; that one of them changes is no
-    /// reason to make it again.
+    /// Files from which its parameters come. The record names them; a change of one of them is not
+    /// a reason to make the job again.
     pub origins: Vec<PathBuf>,
     /// Files it makes.
     pub outputs: Vec<PathBuf>,

@@ -1,7 +1,7 @@
 //! The manifest of a shard: what it made, from which inputs, with which version and parameters.
 //!
 //! A shard writes its own outputs and its own manifest, and nothing else: shards that run at the
-//! same time never write the same file. Each write is of a whole file or none.
+//! same time never write the same file. Each write is of a whole file, or does not happen.
 
 use crate::record::{MOST_RECORDS, Records};
 use crate::{Results, Shard};
@@ -31,7 +31,7 @@ pub(crate) struct Found {
     pub(crate) shard: Shard,
     /// BLAKE3 of the file's content; empty where it cannot be read.
     pub(crate) blake3: String,
-    /// What stands in it, or why that cannot be used.
+    /// Its content, or why that cannot be used.
     pub(crate) manifest: Result<Manifest, StoreError>,
 }
 
@@ -51,7 +51,7 @@ impl Manifest {
         results.write(&path, &text)
     }
 
-    /// Reads the manifest of a shard; none if there is none.
+    /// Reads the manifest of a shard; `None` if there is none.
     ///
     /// # Errors
     /// A link on the way to it.
@@ -110,7 +110,7 @@ fn named(path: &Path) -> Option<Shard> {
     (file_name(shard) == name).then_some(shard)
 }
 
-/// What stands in a manifest, if that can be the manifest of this shard.
+/// The content of a manifest, if it can be the manifest of this shard.
 fn parsed(
     layout: &Layout,
     shard: Shard,
@@ -136,7 +136,7 @@ fn parsed(
     wrong.map_or(Ok(manifest), |why| Err(damaged(why)))
 }
 
-/// A shard is refused, and what to do about it.
+/// The error that refuses a shard, and says what to do about it.
 pub(crate) fn refusal(layout: &Layout, shard: Shard, path: &Path, why: &str) -> StoreError {
     let remedy = format!(
         "run it again (`zwidth run {} --shard {shard}`), or remove this manifest",

@@ -21,13 +21,13 @@ pub struct Merged<'r, 'j> {
 
 /// Merges the shards whose results lie in the study's own folder or in those of other roots.
 ///
-/// Files of other roots are copied, then the records are written, whole, and only then the
-/// manifests in the study's own folder go, since all that they say stands in the records: a merge
-/// that is killed anywhere is done again. In other roots nothing is changed.
+/// First files of other roots are copied, then the records are written, and only then are the
+/// manifests in the study's own folder removed, because the records now say the same. So a merge
+/// that was killed at any point can be done again. Nothing is changed in other roots.
 ///
 /// # Errors
-/// A run of the study goes on in its folder; a file that cannot be copied; records that cannot be
-/// written.
+/// A run of the study is still going on in its folder; a file that cannot be copied; records that
+/// cannot be written.
 pub fn merge<'r, 'j>(
     jobs: &'j [Job],
     (own, others): (&'r Results<'r>, &'r [Results<'r>]),

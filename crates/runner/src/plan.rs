@@ -4,7 +4,7 @@ use crate::Job;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::PathBuf;
 
-/// For each job those whose outputs it reads.
+/// For each job, the jobs whose outputs it reads.
 pub(crate) fn needs(jobs: &[Job]) -> Vec<BTreeSet<usize>> {
     let maker: HashMap<&PathBuf, usize> =
         jobs.iter().enumerate().flat_map(|(i, j)| j.outputs.iter().map(move |o| (o, i))).collect();

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::{Layout, StoreError, from_json};
 
-/// What is remembered of a job that succeeded. Paths are relative to the root, hashes are BLAKE3 of
+/// What is kept of a job that succeeded. Paths are relative to the root, hashes are BLAKE3 of
 /// contents.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Record {
@@ -31,7 +31,7 @@ pub struct Record {
     /// What is to be read with care.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub care: Vec<String>,
-    /// The word that each of its outputs carries ([`crate::ORIGIN`]).
+    /// The origin that each of its outputs carries ([`crate::ORIGIN`]).
     pub origin: String,
 }
 
@@ -48,7 +48,7 @@ impl Record {
         }
     }
 
-    /// The first file it names that no record of the study's can name, and why.
+    /// The first file it names that a record of this study must not name, and why.
     pub(crate) fn names_elsewhere(&self, layout: &Layout) -> Option<String> {
         let outputs = self.outputs.keys().map(|path| (path, Results::named(layout, path).err()));
         let inputs = self.inputs.keys().chain(self.origins.keys());
@@ -73,9 +73,9 @@ pub(crate) const MOST_RECORDS: u64 = 1 << 28;
 
 impl Records {
     /// Reads the records of a study, and says which of them are not believed. A missing file gives
-    /// none, and so does one that cannot be understood: then everything is made again, which is
-    /// always right. A record that names a file which is no result of the study, or an input
-    /// outside of the data folder, is passed by.
+    /// no records, and so does one that cannot be understood: then everything is made again, which
+    /// is always right. A record is ignored if it names an output that is not a result of the
+    /// study, or an input outside of the data folder.
     ///
     /// # Errors
     /// A link on the way to the file.
@@ -85,7 +85,7 @@ impl Records {
             let what = format!(
                 "the records of earlier runs cannot be read, so everything is made again: {what}"
             );
-            StoreError::new(&path, what, "nothing is to be done; the file is written anew")
+            StoreError::new(&path, what, "you need not do anything; the file is written anew")
         };
         let Some(bytes) = results.read(&path, MOST_RECORDS)? else {
             return Ok(Default::default());
@@ -105,8 +105,8 @@ impl Records {
             match record.names_elsewhere(results.layout()) {
                 None => _ = believed.insert(job, record),
                 Some(why) => {
-                    let what = format!("the record of the job {job:?} is passed by: {why}");
-                    let remedy = "nothing is to be done; find out who wrote it";
+                    let what = format!("the record of {job:?} is ignored: {why}");
+                    let remedy = "nothing is lost: its results are made again; find out what wrote the record";
                     remarks.push(StoreError::new(&path, what, remedy));
                 }
             }

@@ -1,8 +1,8 @@
 //! The results of a study, and the one handle by which a run writes and removes them.
 //!
-//! What a record names is a claim: whoever can write one could else have any file removed. So a
-//! path is held against the two folders that are a run's own, by its text and then, whenever
-//! something is opened or removed, on the disk, where no folder on the way may be a link.
+//! A path in a record cannot be trusted: whoever can write a record could have any file removed. So
+//! each path must be below one of a run's two own folders. Its text is checked first, and then,
+//! whenever something is opened or removed, the disk: no folder on the way may be a link.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -41,13 +41,13 @@ impl<'a> Results<'a> {
     /// A file of the study's results as records name it: relative to the root, with `/`.
     ///
     /// # Errors
-    /// Why it is none, in words.
+    /// Why the path is not one of a result, in words.
     pub(crate) fn named(layout: &Layout, path: &str) -> Result<PathBuf, String> {
         relative(path)?;
         let study = layout.study().as_str();
         match path.split('/').collect::<Vec<_>>().as_slice() {
             ["derived" | "reports", of, _, ..] if *of == study => Ok(layout.root().join(path)),
-            _ => Err(format!("it lies neither below derived/{study} nor below reports/{study}")),
+            _ => Err(format!("it is neither below derived/{study} nor below reports/{study}")),
         }
     }
 
@@ -61,7 +61,7 @@ impl<'a> Results<'a> {
         replace(self.files, path, bytes)
     }
 
-    /// Removes an output that its own job made, or was to make; none is fine.
+    /// Removes an output that its own job made, or was to make. It may be missing.
     ///
     /// # Errors
     /// Those of [`Results::write`].
@@ -72,7 +72,7 @@ impl<'a> Results<'a> {
             Some(Entry::File) => {
                 self.files.remove(path).map_err(|e| StoreError::io(path, "remove", &e))
             }
-            Some(_) => Err(StoreError::new(path, "it is no file, and was not removed", BY_HAND)),
+            Some(_) => Err(StoreError::new(path, "it is not a file, and was not removed", BY_HAND)),
         }
     }
 
@@ -93,8 +93,8 @@ impl<'a> Results<'a> {
         self.remove(path)
     }
 
-    /// Reads a file of the study's results, of at most `most` bytes; nothing if there is none. What
-    /// keeps it from being read is the inner error.
+    /// Reads a file of the study's results, of at most `most` bytes; `None` if it is missing. The
+    /// inner error says why it cannot be read.
     ///
     /// # Errors
     /// A link on the way to it.
@@ -108,7 +108,7 @@ impl<'a> Results<'a> {
         Ok(self.files.kind(path).map(|_| read()))
     }
 
-    /// The names in a folder of the study's results; none if there is no such folder.
+    /// The names in a folder of the study's results; empty if there is no such folder.
     ///
     /// # Errors
     /// A link on the way to it; a folder that cannot be listed.
@@ -129,9 +129,9 @@ impl<'a> Results<'a> {
         }
     }
 
-    /// Removes what writes of earlier runs that were cut short have left, unless another run of the
-    /// study goes on, and keeps later runs from doing so until what is returned is dropped. It
-    /// costs nothing but litter if that fails.
+    /// Removes the half-written files of earlier runs that were cut short, unless another run of
+    /// the study is going on. Later runs do not remove anything until the returned value is
+    /// dropped. If this fails, only litter stays.
     pub(crate) fn hold(&self) -> Option<File> {
         let held = self.open_derived()?;
         // Alone: what lies here unfinished is nobody's work.
@@ -196,7 +196,8 @@ impl<'a> Results<'a> {
             StoreError::new(path, format!("not a result of the study: {why}"), DEFECT)
         };
         let below_root = path.strip_prefix(self.root()).map_err(|e| refused(e.to_string()))?;
-        let text = below_root.to_str().ok_or_else(|| refused("its name is no text".to_owned()))?;
+        let text =
+            below_root.to_str().ok_or_else(|| refused("its name is not UTF-8".to_owned()))?;
         Self::named(self.layout, &text.replace(std::path::MAIN_SEPARATOR, "/")).map_err(refused)?;
         path.parent().map_or(Ok(()), |folder| self.check_way(folder))
     }
@@ -237,11 +238,11 @@ fn in_the_way(folder: &Path, kind: Entry) -> StoreError {
 /// Why not, in words.
 pub(crate) fn relative(path: &str) -> Result<(), String> {
     if path.split('/').any(|part| matches!(part, "" | "." | "..")) {
-        return Err("it does not lead down from the data folder".to_owned());
+        return Err("it leads out of the data folder".to_owned());
     }
     // On Windows a backslash parts folders, and a colon names a drive.
     if path.contains(|c: char| c == '\\' || c == ':' || c.is_control()) {
-        return Err("it has a sign in it that no path of ours has".to_owned());
+        return Err("it has a character that no path of zwidth has".to_owned());
     }
     Ok(())
 }

@@ -1,5 +1,5 @@
-//! Shards: one of so many shares of a study's parts, so that many machines can make what is derived
-//! from trials, each its own.
+//! Shards: a study's parts are divided into shares, so that many machines can make what is derived
+//! from trials, one share each.
 
 use crate::hashes::Hashes;
 use crate::plan::{levels, needs};
@@ -17,8 +17,8 @@ pub const MOST_SHARDS: u32 = 1_000_000;
 
 /// Shard `number` of `of`, counted from 1; in words `3/7`.
 ///
-/// A part belongs to the shard that the hash of its name says: which that is depends on nothing
-/// else, neither on the machine nor on what other parts there are.
+/// The hash of a part's name says to which shard the part belongs. This depends on nothing else,
+/// neither on the machine nor on the other parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Shard {
@@ -27,7 +27,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Shard `number` of `of`; none unless 1 ≤ number ≤ of ≤ [`MOST_SHARDS`].
+    /// Shard `number` of `of`; `None` unless 1 ≤ number ≤ of ≤ [`MOST_SHARDS`].
     pub fn new(number: u32, of: u32) -> Option<Self> {
         ((1..=of).contains(&number) && of <= MOST_SHARDS).then_some(Self { number, of })
     }
@@ -97,9 +97,9 @@ impl From<Shard> for String {
 }
 
 /// For each job the shard that can make it now: the one it belongs to, if all that it reads is raw,
-/// up to date by the study's own records, or made by other jobs of that shard. The rest needs
-/// others first, as what rests on the plant that all trials give. So it does not matter which
-/// shards run at the same time, or what they have made so far.
+/// up to date by the study's own records, or made by other jobs of that shard. The other jobs need
+/// results of several shards first, for instance the plant that is identified from all trials. So
+/// it does not matter which shards run at the same time, or what they have made so far.
 pub(crate) fn ready(
     jobs: &[Job],
     shard_of: impl Fn(&Job) -> Option<Shard>,

@@ -15,7 +15,7 @@ use std::path::Path;
 pub enum Again {
     /// Nothing that it depends on differs.
     No,
-    /// It would.
+    /// A run would make it again.
     Yes,
     /// Only if an input that is made again first comes out with another content.
     IfInputsDiffer,
@@ -40,7 +40,7 @@ impl State<'_> {
     }
 }
 
-/// Whether only the making of an input will show if there is a change at all.
+/// Whether it is only known after an input was made again if anything has changed.
 fn is_open(change: &Change) -> bool {
     matches!(change, Change::Input(file) if file.how == How::ToBeMade)
 }
@@ -56,7 +56,7 @@ pub fn states<'j>(
     states_by(&Hashes::default(), jobs, root, records, chosen)
 }
 
-/// The same, by hashes of which some are known already.
+/// The same, where some hashes are known already.
 pub(crate) fn states_by<'j>(
     hashes: &Hashes,
     jobs: &'j [Job],

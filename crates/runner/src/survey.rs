@@ -17,7 +17,7 @@ pub struct Survey<'r> {
     pub(crate) records: Records,
     /// Shards that made what a run would make now, by their manifests.
     pub(crate) accepted: Vec<Offer<'r>>,
-    /// Why each of the others is refused.
+    /// Why each of the other shards is refused.
     pub refused: Vec<StoreError>,
     /// What is wrong with the study's own records.
     pub remarks: Vec<StoreError>,
@@ -54,13 +54,13 @@ pub struct Share<'j> {
 }
 
 impl Survey<'_> {
-    /// How many shards the manifests speak of; none if there are none, or they differ.
+    /// How many shards the manifests speak of; `None` if there are none, or they differ.
     pub fn count(&self) -> Option<u32> {
         self.counts.first().copied().filter(|_| self.counts.len() == 1)
     }
 
-    /// What each of so many shards has to make, as far as what that takes is there, and what of it
-    /// is missing. Without a number as many as manifests speak of; one if that is unknown.
+    /// What each of `of` shards can make now, and what of it is missing. Without a number there are
+    /// as many shards as the manifests say, or one if they do not say.
     pub fn shares<'j>(&self, jobs: &'j [Job], of: Option<u32>) -> Vec<Share<'j>> {
         let of = of.or(self.count()).unwrap_or(1);
         let shard_of = |job: &Job| Shard::of_part(job.part.as_ref()?, of);
@@ -190,7 +190,7 @@ fn why_not(
     }
     let differs = |(path, hash): (&String, &String)| match content(results, path) {
         Ok(bytes) if hex_blake3(&bytes) == *hash => None,
-        Ok(_) => Some(format!("its result {path} is another than it made")),
+        Ok(_) => Some(format!("its result {path} is not the one it made")),
         Err(why) => Some(format!("its result {path} is not there: {why}")),
     };
     record.outputs.iter().find_map(differs)

@@ -68,7 +68,7 @@ pub enum StatsError {
         alpha: f64,
     },
     /// A number given as a probability that is none.
-    #[error("value {index} is {value}, which is no p value: give numbers from 0 to 1")]
+    #[error("value {index} is {value}, which is not a p value: give numbers from 0 to 1")]
     Probability {
         /// Index of the first such value.
         index: usize,

@@ -47,8 +47,8 @@ pub fn accept_study(
     Ok(accepted)
 }
 
-/// What is to be known of a study although it is no finding: changes of `study.toml` that were
-/// accepted.
+/// What a reader of a study should know although it is not a finding: changes of `study.toml` that
+/// were accepted.
 pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
     let Ok((study, hash)) = read_study_from(files, layout) else { return Vec::new() };
     let (sessions, _) = read_sessions(files, layout, &mut Vec::new());
@@ -57,7 +57,7 @@ pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
         let (participant, session) = (&log.record.participant, &log.record.session);
         let changes = matters(log, &study, &hash)?;
         Some(format!(
-            "study.toml is another than when {participant} {session} was laid down, and was accepted: {changes}"
+            "study.toml has changed since {participant} {session} began, and was accepted: {changes}"
         ))
     });
     notes.collect()

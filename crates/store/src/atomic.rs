@@ -1,4 +1,4 @@
-//! Whole files or none: written beside the final name, synced, renamed, the folder synced.
+//! Whole files, or no file: written beside the final name, synced, renamed, the folder synced.
 //!
 //! [`Files`] is the seam at which tests inject faults (a write, sync or rename that fails, a power
 //! cut that drops what was not synced).
@@ -52,7 +52,7 @@ pub trait Files: Sync {
     fn make_private(&self, path: &Path) -> io::Result<()> {
         made_private(path)
     }
-    /// Creates one folder; none is made where there is one.
+    /// Creates one folder, unless it is there already.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
     /// Creates `path`, writes `bytes`, and syncs them to the disk.
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;

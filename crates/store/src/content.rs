@@ -29,7 +29,7 @@ impl Content {
         Self(Kept::Memory(Bytes::from(bytes)))
     }
 
-    /// An open file of `length` bytes, of which none is read yet.
+    /// An open file of `length` bytes, none of them read yet.
     pub(crate) fn on_disk(file: File, length: u64) -> Self {
         Self(Kept::Disk { file: Arc::new(Mutex::new(file)), length })
     }

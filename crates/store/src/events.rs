@@ -98,12 +98,15 @@ fn chained(
     for event in events {
         let previous = digests.last().map(String::as_str).unwrap_or_default();
         let chained = digest(previous, entered, event);
-        let blake3 =
-            chained.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
+        let blake3 = chained.map_err(|e| {
+            StoreError::new(path, e.to_string(), "this is a defect of zwidth, please report it")
+        })?;
         let (utc, by) = (entered.utc.to_owned(), entered.by.cloned());
         let line = Line { utc, by, event: event.clone(), blake3: blake3.clone() };
         let json = serde_json::to_string(&line);
-        text += &json.map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
+        text += &json.map_err(|e| {
+            StoreError::new(path, e.to_string(), "this is a defect of zwidth, please report it")
+        })?;
         text.push('\n');
         digests.push(blake3);
     }
@@ -160,7 +163,7 @@ pub(crate) fn take_back_events(
     Ok(())
 }
 
-/// The digests of a log's lines. A missing log has none.
+/// The digests of a log's lines. A missing log has no lines.
 fn digests_of(files: &dyn Files, path: &Path) -> Result<Vec<String>, StoreError> {
     if files.kind(path).is_none() {
         return Ok(Vec::new());
@@ -177,7 +180,7 @@ fn digests_of(files: &dyn Files, path: &Path) -> Result<Vec<String>, StoreError>
     Ok(lines_of(path, &text)?.into_iter().map(|line| line.blake3).collect())
 }
 
-/// The events of a log, in order. A missing log has none.
+/// The events of a log, in order. A missing log has no lines.
 ///
 /// # Errors
 /// A line that is not JSON, an unknown event, a checksum that does not follow from the line before;

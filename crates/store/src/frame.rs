@@ -92,7 +92,7 @@ impl Protocol {
     }
 }
 
-/// The digest that a frame's own follows: the frame before's, or none.
+/// The digest that a frame's own follows: that of the frame before, if there is one.
 pub(crate) type Chain = [u8; DIGEST];
 
 /// A frame as bytes, and the chain after it.
@@ -280,7 +280,7 @@ fn digest(chain: Chain, body: &[u8]) -> Chain {
     *blake3::Hasher::new().update(&chain).update(body).finalize().as_bytes()
 }
 
-/// Bytes of a row with so many channels; none if no sample has as many.
+/// Bytes of a row with so many channels; `None` if no sample has as many.
 fn row_length(channels: u8) -> Option<usize> {
     let channels = usize::from(channels);
     (1..=MOST_CHANNELS).contains(&channels).then_some(ROW + VALUE * channels)

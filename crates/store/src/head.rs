@@ -46,12 +46,17 @@ pub(crate) fn write_head(
     head_bytes(log, digests)?.map_or(Ok(()), |bytes| replace(files, &head_of(log), &bytes))
 }
 
-/// The bytes of the head of a log with these digests of its lines; an empty log has none.
+/// The bytes of the head of a log with these digests of its lines; an empty log has no head.
 pub(crate) fn head_bytes(log: &Path, digests: &[String]) -> Result<Option<Vec<u8>>, StoreError> {
     let Some(blake3) = digests.last().cloned() else { return Ok(None) };
     let text = serde_json::to_string(&Head { lines: digests.len(), blake3 });
-    let text =
-        text.map_err(|e| StoreError::new(&head_of(log), e.to_string(), "please report this"))?;
+    let text = text.map_err(|e| {
+        StoreError::new(
+            &head_of(log),
+            e.to_string(),
+            "this is a defect of zwidth, please report it",
+        )
+    })?;
     Ok(Some((text + "\n").into_bytes()))
 }
 

@@ -1,6 +1,6 @@
 //! The journal: a trial's samples are safe on the disk while it runs.
 //!
-//! One file a trial in progress, made of checksummed frames ([`crate::frame`]): what is known of
+//! One file per trial in progress, made of checksummed frames ([`crate::frame`]): what is known of
 //! the trial, then rows as they come, then the end. Each append is synced before it returns, so
 //! that a power cut takes no more than the batch that was being written. A finished trial becomes a
 //! Parquet file, and its journal is removed last.
@@ -109,8 +109,9 @@ impl Journal {
         match channels.position(|values| values.iter().any(|value| !value.is_finite())) {
             None => Ok(()),
             Some(row) => {
-                let what = "a channel of the device is not a number";
-                Err(StoreError::new(&self.path, what, "look at the device").row0(row))
+                let what = "a value of one of the device's channels is not a finite number";
+                let remedy = "check the sensor of that channel and its cable";
+                Err(StoreError::new(&self.path, what, remedy).row0(row))
             }
         }
     }
@@ -125,7 +126,7 @@ impl Journal {
     }
 
     /// Makes the trial a finished file, with the answer to its question, and removes the journal.
-    /// The path of the file; none if the trial has no row, so that there is nothing to keep.
+    /// The path of the file; `None` if the trial has no row, so that there is nothing to keep.
     ///
     /// # Errors
     /// A write that failed: the journal is still there then, and [`crate::recover`] goes on where
@@ -162,8 +163,13 @@ impl Journal {
                 "end the trial, then run `zwidth recover`",
             ));
         }
-        let defect =
-            |e: serde_json::Error| StoreError::new(&self.path, e.to_string(), "please report this");
+        let defect = |e: serde_json::Error| {
+            StoreError::new(
+                &self.path,
+                e.to_string(),
+                "this is a defect of zwidth, please report it",
+            )
+        };
         let (bytes, chain) = encode(frame, self.chain).map_err(defect)?;
         let written = self.file.append_synced(&[before, &bytes].concat());
         self.broken = written.is_err();
@@ -266,7 +272,7 @@ impl Journaled {
 /// Reads every whole frame of a journal.
 ///
 /// # Errors
-/// A file that cannot be read, or that is no journal of this version.
+/// A file that cannot be read, or that is not a journal of this version.
 pub(crate) fn read_journal(files: &dyn Files, path: &Path) -> Result<Journaled, StoreError> {
     let bytes = files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
     let (first, framed) = bytes.split_at(MAGIC.len().min(bytes.len()));

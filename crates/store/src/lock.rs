@@ -71,7 +71,8 @@ fn opened(path: &Path) -> io::Result<File> {
 }
 
 /// Why a file is not taken for the lock's.
-const OTHER: &str = ".lock holds something else than who writes to the study, or has a second name";
+const OTHER: &str =
+    ".lock is not the file that zwidth makes there, or has a second name (a hard link); remove it";
 /// Longest owner, bytes.
 const MOST_OWNER: u64 = 1 << 12;
 

@@ -62,7 +62,7 @@ impl<'a> Raw<'a> {
         let top = if path.starts_with(&self.raw) { Some(self.root.as_path()) } else { vault };
         let top = top
             .filter(|_| straight)
-            .ok_or_else(|| refused(path, "this command writes below raw/ of its study only"))?;
+            .ok_or_else(|| refused(path, "this command writes only below raw/ of its study"))?;
         self.check_way(top, path)?;
         Ok(self.files)
     }
@@ -73,7 +73,7 @@ impl<'a> Raw<'a> {
         let folders =
             path.ancestors().skip(1).take_while(|folder| *folder != top && folder.starts_with(top));
         match folders.into_iter().find(|folder| self.files.kind(folder) == Some(Entry::Link)) {
-            Some(link) => Err(refused(link, "this command follows no link below raw/")),
+            Some(link) => Err(refused(link, "this command does not follow a link below raw/")),
             None => Ok(()),
         }
     }
@@ -93,12 +93,12 @@ impl<'a> Raw<'a> {
         if own || self.may == May::Mend {
             return self.here(path);
         }
-        Err(refused(path, "this command removes nothing that was recorded"))
+        Err(refused(path, "this command does not remove what was recorded"))
     }
 }
 
 fn refused(path: &Path, why: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::PermissionDenied, format!("{why}, and not {}", path.display()))
+    io::Error::new(io::ErrorKind::PermissionDenied, format!("{why}: {}", path.display()))
 }
 
 impl Files for Raw<'_> {
@@ -229,7 +229,7 @@ mod tests {
             let raw = Raw::of(&RealFiles, &layout, may).with_vault(&vault);
             for linked in [layout.trials(), vault.join("demo")] {
                 let error = write_new(&raw, &linked.join("new"), b"ours").unwrap_err();
-                assert!(error.to_string().contains("follows no link"), "{error}");
+                assert!(error.to_string().contains("does not follow a link"), "{error}");
                 let theirs = linked.join("theirs");
                 assert!(raw.remove(&theirs).is_err() && raw.open_append(&theirs).is_err());
                 assert!(raw.create_folder(&linked.join("folder")).is_err());

@@ -322,7 +322,7 @@ impl ParquetFile {
         Ok(Self { path: path.to_owned(), content, metadata: Arc::new(metadata), footer, rows })
     }
 
-    /// Opens a recording: a file without rows is none.
+    /// Opens a recording: a file without rows is not one.
     pub(crate) fn open_recording(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
         let file = Self::open(files, path)?;
         if file.rows == 0 {
@@ -429,7 +429,7 @@ fn version(path: &Path, footer: &BTreeMap<String, String>) -> Result<Schema, Sto
 fn form_of(path: &Path, footer: &BTreeMap<String, String>) -> Result<TrialForm, StoreError> {
     let schema = version(path, footer)?;
     let bad = |why: String| {
-        let what = format!("footer key '{CHANNELS}' has no list of channels: {why}");
+        let what = format!("its metadata '{CHANNELS}' do not list channels: {why}");
         StoreError::new(path, what, DAMAGED)
     };
     let channels: Vec<Channel> = match footer.get(CHANNELS) {
@@ -548,12 +548,12 @@ fn meta_from(
     form: &TrialForm,
 ) -> Result<(TrialMeta, TrialFile), StoreError> {
     let bad = |key: &str, value: &str| {
-        StoreError::new(path, format!("footer key '{key}' has the value '{value}'"), DAMAGED)
+        StoreError::new(path, format!("its metadata '{key}' have the value '{value}'"), DAMAGED)
     };
     let mut take = |key: &str| {
-        footer
-            .remove(key)
-            .ok_or_else(|| StoreError::new(path, format!("footer key '{key}' is missing"), DAMAGED))
+        footer.remove(key).ok_or_else(|| {
+            StoreError::new(path, format!("its metadata '{key}' are missing"), DAMAGED)
+        })
     };
     let number = |key: &str, text: String| text.parse::<u32>().map_err(|_| bad(key, &text));
     let kind = take("kind")?;

@@ -71,7 +71,7 @@ fn too_large(length: u64, most: u64) -> io::Error {
 pub(crate) fn text(files: &dyn Files, path: &Path, most: u64) -> Result<String, StoreError> {
     let bytes = files.read(path, most).map_err(|e| StoreError::io(path, "read", &e))?;
     String::from_utf8(bytes).map_err(|e| {
-        let what = format!("byte {} is no text (UTF-8)", e.utf8_error().valid_up_to());
+        let what = format!("byte {} is not UTF-8", e.utf8_error().valid_up_to());
         StoreError::new(path, what, "restore the file from a copy, or save it as UTF-8")
     })
 }

@@ -21,7 +21,8 @@ pub(crate) fn known(record: &SessionRecord, events: &[Event], events_path: &Path
         match opened(record, nonce, order) {
             Ok((seal, trials)) => (known.seal, known.trials) = (Some(seal), trials),
             Err(why) => {
-                let remedy = "nothing is unsealed by it; unseal with the seal that the session was laid down with";
+                let remedy =
+                    "nothing is unsealed by it; unseal with the seal that the session began with";
                 known.problems.push(StoreError::new(events_path, why, remedy).row0(row));
             }
         }
@@ -211,10 +212,7 @@ mod tests {
         let data = sealed.load();
         assert!(data.sessions[0].is_sealed() && data.counting().count() == 0);
         let [problem] = data.problems.as_slice() else { panic!("{:?}", data.problems) };
-        assert!(
-            problem.row == Some(19) && problem.what.contains("was laid down with"),
-            "{problem}"
-        );
+        assert!(problem.row == Some(19) && problem.what.contains("began with"), "{problem}");
         // The right one still opens it, and the wrong one stays a finding.
         sealed.append(sealed.seal.event());
         assert_eq!((sealed.load().counting().count(), verify(&sealed.layout).len()), (6, 1));

@@ -170,11 +170,11 @@ pub(crate) fn join(
             let path = layout.events(&trial.meta.participant, &trial.meta.session);
             silent.entry(path).or_default().push(trial.meta.trial.to_string());
         }
-        trial.excluded = Some("no event log that can be read speaks of it".to_owned());
+        trial.excluded = Some("no event log that can be read mentions it".to_owned());
     }
     let silent = silent.iter().map(|(path, trials)| {
         let words = if trials.len() == 1 { "trial" } else { "trials" };
-        let what = format!("the log does not speak of {words} {}: left out", trials.join(", "));
+        let what = format!("the log does not mention {words} {}: left out", trials.join(", "));
         StoreError::new(path, what, RESTORE)
     });
     silent

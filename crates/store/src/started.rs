@@ -71,7 +71,9 @@ impl Started {
     pub fn begin(&self, disk: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
         let path = layout.import_list();
         let json = serde_json::to_vec(self);
-        let json = json.map_err(|e| StoreError::new(&path, e.to_string(), "please report this"))?;
+        let json = json.map_err(|e| {
+            StoreError::new(&path, e.to_string(), "this is a defect of zwidth, please report it")
+        })?;
         replace(disk, &path, &json)
     }
 

@@ -176,7 +176,7 @@ pub(crate) fn entry(
 const REMEDY: &str = "restore the file from a copy, or import the sweep again";
 
 fn bad_key(path: &Path, name: &str) -> StoreError {
-    StoreError::new(path, format!("footer key '{name}' is not valid"), REMEDY)
+    StoreError::new(path, format!("its metadata '{name}' are not valid"), REMEDY)
 }
 
 /// Reads a sweep; the actuator comes from the path. Checks are those of a trial.
@@ -187,10 +187,9 @@ pub fn read_sweep(path: &Path) -> Result<Sweep, StoreError> {
 pub(crate) fn read_sweep_from(files: &dyn Files, path: &Path) -> Result<Sweep, StoreError> {
     let file = ParquetFile::open_recording(files, path)?;
     let key = |name: &str| {
-        file.footer
-            .get(name)
-            .cloned()
-            .ok_or_else(|| StoreError::new(path, format!("footer key '{name}' is missing"), REMEDY))
+        file.footer.get(name).cloned().ok_or_else(|| {
+            StoreError::new(path, format!("its metadata '{name}' are missing"), REMEDY)
+        })
     };
     let command = Quantity { name: key("command")?, unit: key("command_unit")? };
     let response = Quantity { name: key("response")?, unit: key("response_unit")? };

@@ -81,7 +81,7 @@ fn other(files: &dyn Files, path: &Path) -> StoreError {
 }
 
 fn unknown(layout: &Layout, path: &Path) -> StoreError {
-    let what = "the log of the sweeps does not speak of it: left out";
+    let what = "the log of the sweeps does not mention it: left out";
     StoreError::new(path, what, format!("run `zwidth recover {}` to take it in", layout.study()))
 }
 

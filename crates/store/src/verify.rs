@@ -163,7 +163,7 @@ fn work_space(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<Store
     let high = asked.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
     let row = theta.iter().position(|v| !(low..=high).contains(v))?;
     let what = format!(
-        "{} lies more than {} outside of the work space",
+        "{} is more than {} outside of the work space",
         asked.place(theta[row]),
         match asked.coordinate {
             Coordinate::Rotational => "2°".to_owned(),
@@ -234,7 +234,7 @@ fn event_finding(
     };
     if let Some(trial) = event.trial().filter(|t| !known.contains(t)) {
         return finding(format!(
-            "the event speaks of trial {trial}, which the session's record does not know"
+            "the event is about trial {trial}, which is not in the session's record"
         ));
     }
     match event {

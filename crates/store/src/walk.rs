@@ -1,4 +1,4 @@
-//! What lies below a folder of the data: files, and what is none of ours.
+//! What is below a folder of the data: files, and what zwidth did not make.
 
 use crate::{Entry, Files, StoreError};
 use std::io;

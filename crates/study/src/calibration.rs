@@ -97,7 +97,7 @@ impl Calibration {
     /// Reads a calibration from TOML text.
     ///
     /// # Errors
-    /// Text that is no calibration, or a characteristic that cannot be inverted.
+    /// Text that is not a calibration, or a characteristic that cannot be inverted.
     pub fn from_toml(text: &str) -> Result<Self, CalibrationError> {
         let read: Self = toml::from_str(text)
             .map_err(|e| CalibrationError { actuator: "file", problem: e.to_string() })?;

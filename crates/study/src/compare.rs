@@ -54,6 +54,6 @@ pub enum Families {
 }
 
 impl Compare {
-    /// The level of significance where a study gives none.
+    /// The level of significance if a study does not give one.
     pub const ALPHA: f64 = 0.05;
 }

@@ -56,8 +56,8 @@ impl Default for Alignments {
 /// Which sessions have figures of their own.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum OwnFigures {
-    /// All of a small study; none of one with more than [`Figures::MOST_SESSIONS`], whose figures fill a
-    /// disk and are looked at by nobody.
+    /// All figures of a small study. No figures of a study with more than
+    /// [`Figures::MOST_SESSIONS`] sessions: they would fill a disk, and nobody looks at them.
     #[default]
     OfSmallStudies,
     /// All, however many.

@@ -19,14 +19,14 @@ pub struct IdError {
     pub why: &'static str,
 }
 
-/// Why a text is no id of any kind.
+/// Why a text cannot be an id of any kind.
 fn refused(text: &str) -> Option<&'static str> {
     let good = (1..=MAX_LENGTH).contains(&text.len())
         && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
     (!good).then_some("use 1 to 32 of the letters A-Z a-z, digits, '_' and '-'")
 }
 
-/// Why a text is no id of which files and folders are named.
+/// Why a text cannot be an id that files and folders are named after.
 fn refused_as_name(text: &str) -> Option<&'static str> {
     refused(text).or_else(|| {
         is_device(text).then_some("Windows keeps this name for a device; choose another")
@@ -67,7 +67,7 @@ const COLUMNS: [&str; 23] = [
     "session",
 ];
 
-/// Why a text is no name of a metric.
+/// Why a text cannot be the name of a metric.
 fn refused_as_metric(text: &str) -> Option<&'static str> {
     let is_plain = text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
         && text.starts_with(|c: char| c.is_ascii_lowercase());
@@ -75,7 +75,7 @@ fn refused_as_metric(text: &str) -> Option<&'static str> {
         .or_else(|| (!is_plain).then_some("use lower case, digits and '_', a letter first"))
 }
 
-/// Why a text is no name of a column of a study's own.
+/// Why a text cannot be the name of a study's own column.
 fn refused_as_column(text: &str) -> Option<&'static str> {
     refused_as_metric(text)
         .or_else(|| COLUMNS.contains(&text).then_some("it is a column of every trial file"))
@@ -159,7 +159,7 @@ ids! {
 }
 
 impl MetricId {
-    /// The metric that is primary where a study names none: the mean of the user's force
+    /// The metric that is primary if a study does not name one: the mean of the user's force
     /// discrepancy.
     pub(crate) fn primary() -> Self {
         Self("discrepancy_user_mean_n".to_owned())
@@ -177,7 +177,7 @@ impl ModeId {
         Self(format!("{CODE}{}", &digest.to_hex()[..DIGITS]))
     }
 
-    /// Whether it is such a code; a study gives none of its modes a name like that.
+    /// Whether it is such a code. No mode of a study may have a name like that.
     pub fn is_code(&self) -> bool {
         self.0.starts_with(CODE)
     }

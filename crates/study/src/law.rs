@@ -37,7 +37,7 @@ impl ActuatorKind {
 }
 
 impl ModeLaw {
-    /// Every law. Of those that use the same actuators a mode that names none has the first.
+    /// Every law. A mode that does not name its law has the first one that uses its actuators.
     pub const ALL: [Self; 3] = [Self::Active, Self::Passive, Self::Hybrid];
 
     /// Who is in charge while the lever goes forward (compressing), and while it holds or goes back.

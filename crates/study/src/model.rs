@@ -195,8 +195,8 @@ impl Mode {
         max_v.is_some_and(|v| v > 0.0)
     }
 
-    /// Its law: the one named, else the first that uses the actuators that have a voltage; none
-    /// without any.
+    /// Its law: the one named, else the first that uses the actuators that have a voltage; `None`
+    /// if there is no such law.
     pub fn law(&self) -> Option<ModeLaw> {
         self.law.or_else(|| ModeLaw::ALL.into_iter().find(|law| self.suits(*law)))
     }

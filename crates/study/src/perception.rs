@@ -47,7 +47,7 @@ impl Perception {
     }
 
     /// The difference of two numbers in `unit` that is just noticed at one of them, for a lever of
-    /// `lever_m`; `None` where none is known for that unit. A way is the angle's on the lever's arc;
+    /// `lever_m`; `None` if it is not known for that unit. A way is the angle's on the lever's arc;
     /// work is force along a way: the force's share of it, and no less than the smallest force along
     /// the smallest way.
     pub fn bound(&self, value: f64, unit: &str, lever_m: f64) -> Option<f64> {
@@ -145,7 +145,7 @@ impl VibrationCurve {
     /// The curves that have a name.
     pub const NAMED: [Self; 2] = [Self::Fingertip, Self::Grasped];
 
-    /// Its name in `study.toml`; none for a study's own points.
+    /// Its name in `study.toml`; `None` for a study's own points.
     pub fn name(&self) -> Option<&'static str> {
         match self {
             Self::Fingertip => Some("fingertip"),

@@ -104,7 +104,7 @@ impl AnswerScale {
         (1..=self.points()).map(|place| self.answer_at(place)).collect()
     }
 
-    /// The place of an answer, counted from 1; none where it is no answer.
+    /// The place of an answer, counted from 1; `None` if it is not an answer.
     pub fn place(&self, answer: i16) -> Option<u8> {
         (1..=self.points()).find(|place| self.answer_at(*place) == answer)
     }
@@ -134,7 +134,7 @@ impl AnswerScale {
         }
     }
 
-    /// The word of an answer; none off the scale, and none where it has none.
+    /// The word of an answer; `None` off the scale, or if the answer has no word.
     pub fn word(&self, answer: i16) -> Option<&str> {
         let place = usize::from(self.place(answer)?) - 1;
         match self {
@@ -143,7 +143,7 @@ impl AnswerScale {
         }
     }
 
-    /// An answer with its word: `4 (agree)`; the number alone where it has none.
+    /// An answer with its word: `4 (agree)`; the number alone if it has no word.
     pub fn worded(&self, answer: i16) -> String {
         match self.word(answer) {
             Some(word) => format!("{answer} ({word})"),

@@ -146,7 +146,7 @@ impl Scene {
         }
     }
 
-    /// The force it asks for; none where nothing is rendered.
+    /// The force it asks for; `None` if nothing is rendered.
     pub fn law(&self) -> Option<ForceLaw> {
         match *self {
             Self::None => None,
@@ -171,7 +171,7 @@ impl Scene {
         self.law()?.wall_rad
     }
 
-    /// One of its numbers, in SI units; none that it does not take.
+    /// One of its numbers, in SI units; `None` if it does not take it.
     pub(crate) fn value(&self, quantity: SceneNumber) -> Option<f64> {
         let law = self.law().filter(|_| self.kind().quantities().contains(&quantity))?;
         match quantity {

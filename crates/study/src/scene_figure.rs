@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SceneDrawing {
-    /// Forces against angle and time, and the angle against time, a column a scene.
+    /// Forces against angle and time, and the angle against time, one column per scene.
     #[default]
     Runs,
     /// The external force against time, side by side.
@@ -38,7 +38,7 @@ pub struct SceneFigure {
     /// What is drawn of them.
     #[serde(default)]
     pub draw: SceneDrawing,
-    /// The solver; the exact one where none is named.
+    /// The solver; if it is not named, the exact one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solver: Option<String>,
     /// The step, s, in place of the scenes' own.

@@ -19,12 +19,12 @@ use std::fmt::Write as _;
 /// What is wrong with a seal.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SealError {
-    /// The text is no seal.
+    /// The text is not a seal.
     #[error("not a seal: {0}; restore the file from a copy")]
     NotASeal(String),
     /// The order is not the one that was committed to.
     #[error(
-        "nonce and order give the commitment {found}, but the session was laid down with {committed}; \
+        "nonce and order give the commitment {found}, but the session began with {committed}; \
          only the seal of this very session opens it"
     )]
     OtherOrder {
@@ -167,7 +167,7 @@ impl Seal {
     /// Reads the text of a seal's file.
     ///
     /// # Errors
-    /// Text that is no seal.
+    /// Text that is not a seal.
     pub fn from_json(text: &str) -> Result<Self, SealError> {
         let file: File =
             serde_json::from_str(text).map_err(|e| SealError::NotASeal(e.to_string()))?;

@@ -55,7 +55,7 @@ impl Setup {
         found.map(|q| q.scale.clone()).unwrap_or_default()
     }
 
-    /// The work space of a lever, rad; none of a slide, or where it is not known.
+    /// The work space of a lever, rad; `None` for a slide, or if it is not known.
     pub fn stops_rad(&self) -> Option<[f64; 2]> {
         let stops = [self.device.theta_min_rad?, self.device.theta_max_rad?];
         (self.coordinate == Coordinate::Rotational).then_some(stops)

@@ -75,7 +75,7 @@ impl Format {
 }
 
 impl Table {
-    /// The bytes of the table's files, one a format, with the path of each for errors: CSV and
+    /// The bytes of the table's files, one per format, with the path of each for errors: CSV and
     /// Parquet in SI units as the table is, the others [`Wording::tell`] of `narrow`, which is
     /// rounded and laid out once for all: the table itself, or a form of it that fits a page.
     ///

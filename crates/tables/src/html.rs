@@ -26,7 +26,7 @@ fn heading(column: &Shown) -> String {
     )
 }
 
-/// A cell; digits are no signs of HTML.
+/// A cell. Digits need no escape in HTML.
 fn content(cell: &Cell) -> String {
     match cell {
         Cell::Number(number) if number.exponent.is_none() => number.typeset(),

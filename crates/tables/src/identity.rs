@@ -4,7 +4,7 @@ use crate::{Column, Table, TableError};
 use zwidth_study::TrialMeta;
 
 /// Participant, session, trial, repeat, environment, mode and source: the first columns of every
-/// table with one row a trial.
+/// table with one row per trial.
 pub fn identity(trials: &[&TrialMeta]) -> Vec<Column> {
     let text = |name, description, get: fn(&TrialMeta) -> &str| {
         Column::text(name, description, trials.iter().map(|t| Some(get(t).to_owned())))
@@ -24,7 +24,7 @@ pub fn identity(trials: &[&TrialMeta]) -> Vec<Column> {
 }
 
 /// The rows of several tables of one form about trials, in the order of participant, session and
-/// trial; `None` for no table.
+/// trial; `None` without tables.
 ///
 /// # Errors
 /// Tables whose columns differ, or that do not say which trial a row is about.

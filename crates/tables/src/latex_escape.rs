@@ -96,8 +96,8 @@ const LEVEL: &str = "0123456789-+";
 /// `text` on one line, every sign of TeX escaped, symbols as mathematics.
 ///
 /// Latin letters with accents are left as they are (both engines read UTF-8). A sign outside all of
-/// these is given to engines that have Unicode fonts; pdflatex, which has none, sets its number:
-/// `[U+4E2D]`.
+/// these is given to engines that have Unicode fonts; pdflatex, which has no such fonts, sets its
+/// number: `[U+4E2D]`.
 ///
 /// What a symbol has below the line (`M_O`) is set there.
 pub fn escape(text: &str) -> String {

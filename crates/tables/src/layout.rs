@@ -25,7 +25,7 @@ const DENSE: Page = Page { digits: 78.0, gap_digits: 1.9 };
 const ROOMY_HEAD_LINES: [usize; 3] = [1, 2, usize::MAX];
 /// No text is wrapped to less than this, where its table can be set in one…
 const NARROWEST_TEXT_DIGITS: f64 = 11.0;
-/// …and none is wider than this where it cannot.
+/// …and no text is set wider than this if it cannot.
 const WIDEST_TEXT_DIGITS: f64 = 22.0;
 /// The columns that say what a row is about may take this share of each of several tables.
 const KEYS_SHARE: f64 = 0.5;
@@ -34,7 +34,7 @@ const KEYS_SHARE: f64 = 0.5;
 const EVEN_SHARES: [f64; 4] = [0.7, 0.8, 0.9, 1.0];
 /// Lines of one page, with room for caption and notes.
 const PAGE_LINES: usize = 42;
-/// Lines kept for these.
+/// Lines kept for caption and notes.
 const CAPTION_LINES: usize = 6;
 /// Lines that heading and rules of a table take beside its rows.
 const FRAME_LINES: usize = 3;
@@ -186,8 +186,8 @@ fn sectioned<'a>(all: &[&'a Shown]) -> Option<Layout<'a>> {
     Some(Layout { sections, long, ..layout })
 }
 
-/// The rows at which one of the columns changes, if one does, at most at every other row, and
-/// nothing comes back.
+/// The rows at which one of the columns changes; `None` if no column changes, if they change at
+/// more than every other row, or if a value comes back.
 fn sections(columns: &[&Shown]) -> Option<Sections> {
     let titles: Vec<String> = (0..columns[0].cells.len())
         .map(|row| columns.iter().map(|c| said(c, row)).collect::<Vec<_>>().join(", "))

@@ -15,8 +15,8 @@
 //! | its interval | `slope_ci_low_n_per_rad`, `slope_ci_high_n_per_rad` | `exponent_ci_low`, `exponent_ci_high` | `ci_low`, `ci_high` |
 //!
 //! The unit's suffix is its letters in lower case without `·`, a power as a digit, and `/` as
-//! `_per_` or `_`: `N·m` → `nm`, `rad/s²` → `rad_s2`, `N/rad` → `n_per_rad`; the unit `1` has none.
-//! Columns of one stem and one unit belong together, wherever they stand in the table.
+//! `_per_` or `_`: `N·m` → `nm`, `rad/s²` → `rad_s2`, `N/rad` → `n_per_rad`; the unit `1` has no
+//! suffix. Columns of one stem and one unit belong together, wherever they stand in the table.
 //!
 //! # How a number is rounded for people
 //! Two significant digits of the uncertainty decide the last digit of estimate, standard error and

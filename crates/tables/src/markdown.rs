@@ -17,7 +17,7 @@ pub(crate) fn markdown(&Seen { table, columns, .. }: &Seen) -> String {
     parts.join("\n\n") + "\n"
 }
 
-/// A cell; digits are no signs of Markdown.
+/// A cell. Digits need no escape in Markdown.
 fn content(cell: &Cell) -> String {
     match cell {
         Cell::Number(number) if number.exponent.is_none() => number.typeset(),

@@ -15,7 +15,7 @@ use zwidth_store::{
 const NAME: &str = "table_name";
 const TITLE: &str = "table_title";
 const NOTES: &str = "table_notes";
-/// The kinds of the notes, where one is no general note.
+/// The kinds of the notes, if any of them is not a general note.
 const KINDS: &str = "table_note_kinds";
 
 impl Table {
@@ -57,7 +57,7 @@ impl Table {
         Self::back(path, read_parquet(path)?)
     }
 
-    /// Reads these columns alone, in the order of the file; a name that it lacks is passed by.
+    /// Reads these columns alone, in the order of the file; a name that the file lacks is ignored.
     pub fn columns_from_parquet(path: &Path, names: &[&str]) -> Result<Self, TableError> {
         Self::back(path, read_parquet_columns(path, names)?)
     }

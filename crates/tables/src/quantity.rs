@@ -1,5 +1,5 @@
-//! A quantity in a sentence or at an axis: its number and its unit, as the study's people read it. No sentence types a unit of
-//! its own, or a linear study would speak of radians.
+//! A quantity in a sentence or at an axis: its number and its unit, as the study's people read it.
+//! No sentence names a unit itself: otherwise a linear study would speak of radians.
 
 use crate::rounding::number;
 use crate::unit::shown_unit;

@@ -114,7 +114,7 @@ pub(crate) fn one_line(text: &str) -> String {
     spaced.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// A column as people see it; none where another column has it in its cells.
+/// A column as people see it; `None` where another column has it in its cells.
 fn show(column: &Column, all: &[Column]) -> Option<Shown> {
     let field = &column.field;
     let words = words(field);

@@ -63,7 +63,7 @@ impl Values {
         }
     }
 
-    /// Appends values of the same type; of another none can come.
+    /// Appends values of the same type; the caller never passes another.
     fn append(&mut self, more: &Self) {
         match (self, more) {
             (Self::Float(v), Self::Float(more)) => v.extend_from_slice(more),

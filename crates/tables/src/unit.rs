@@ -52,7 +52,7 @@ pub(crate) fn small_torque() -> Conversion {
     Conversion { unit: "mN·m".to_owned(), factor: MILLI }
 }
 
-/// The suffixes by which a name may carry its unit, the longest first; none for the unit `1`. The
+/// The suffixes by which a name may carry its unit, the longest first; empty for the unit `1`. The
 /// product sign may be left out or be an underscore: `N·m·s/rad` is `nms_per_rad` or
 /// `nm_s_per_rad`.
 pub(crate) fn suffixes(unit: &str) -> Vec<String> {
@@ -72,7 +72,7 @@ pub(crate) fn suffixes(unit: &str) -> Vec<String> {
 }
 
 /// A column's name without its unit, and the suffix that is the unit: `("wall_past_max", "_rad")`.
-/// The suffix is empty where the name carries none.
+/// The suffix is empty if the name has no unit.
 pub fn split_unit<'a>(name: &'a str, unit: &str) -> (&'a str, &'a str) {
     let stem = suffixes(unit).iter().find_map(|suffix| name.strip_suffix(suffix.as_str()));
     name.split_at(stem.unwrap_or(name).len())
@@ -98,7 +98,7 @@ fn slug(unit: &str, solidus: &str, dot: &str) -> String {
 }
 
 /// `name` without the suffix of `unit`, and that suffix's place in [`suffixes`]; the whole name
-/// where it carries none.
+/// if it has no suffix.
 pub(crate) fn stem<'a>(name: &'a str, unit: &str) -> (&'a str, Option<usize>) {
     let found = suffixes(unit)
         .iter()

@@ -44,7 +44,7 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
 fn quantity(word: &str) -> Result<Quantity, String> {
     let words = Quantity::ALL.map(Quantity::as_str);
     let found = Quantity::ALL.into_iter().find(|quantity| quantity.as_str() == word);
-    found.ok_or_else(|| format!("{word:?} is no quantity; take one of {}", words.join(", ")))
+    found.ok_or_else(|| format!("{word:?} is not a quantity; take one of {}", words.join(", ")))
 }
 
 /// Lengths on paper, mm: from a stamp to ISO A0.

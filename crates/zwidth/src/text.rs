@@ -27,6 +27,8 @@ pub(crate) fn scene(path: &Path) -> anyhow::Result<String> {
 fn text(path: &Path, read: io::Result<Vec<u8>>) -> anyhow::Result<String> {
     let bytes = read.map_err(|e| StoreError::io(path, "read", &e))?;
     String::from_utf8(bytes)
-        .map_err(|e| anyhow!("byte {} is no text (UTF-8)", e.utf8_error().valid_up_to()))
+        .map_err(|e| {
+            anyhow!("byte {} is not UTF-8; save the file as UTF-8", e.utf8_error().valid_up_to())
+        })
         .with_context(|| format!("cannot read {}", path.display()))
 }

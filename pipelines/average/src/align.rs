@@ -19,7 +19,7 @@ pub(crate) struct Aligned<'a> {
 }
 
 impl<'a> Aligned<'a> {
-    /// Places `trial` at its onset, or says why it has none.
+    /// Places `trial` at its onset, or says why it has no onset.
     pub(crate) fn new(
         trial: &'a Trial,
         analysis: &Analysis,

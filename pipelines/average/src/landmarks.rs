@@ -37,7 +37,7 @@ pub(crate) type Times = [Option<f64>; 4];
 
 /// The landmarks that every repeat passes, each after the one before; start and end always (they
 /// must be there). A wall that one repeat does not reach, or a reversal that coincides with the end
-/// because a brake holds the lever, is no landmark for any of them.
+/// because a brake holds the lever, is not a landmark for any of them.
 pub(crate) fn shared(repeats: &[Times]) -> Vec<Landmark> {
     let [start, wall, reversal, end] = Landmark::ALL;
     let mut shared = vec![start];

@@ -11,8 +11,9 @@
 //! * **Alignment by landmarks**: in addition, the time of each repeat is warped, piecewise
 //!   linearly, so that its start, wall contact, reversal and end meet the mean times of these over
 //!   the repeats (Kneip & Gasser 1992, Ann. Stat. 20:1266). After the end it is shifted. A landmark
-//!   that one repeat does not pass, or not in this order, is none for the condition. Values are not
-//!   changed, only their times: the mean of θ̇ is not the derivative of the mean of θ.
+//!   that one repeat does not pass, or not in this order, is not a landmark of the condition.
+//!   Values are not changed, only their times: the mean of θ̇ is not the derivative of the mean of
+//!   θ.
 //! * **Grid**: `analysis.grid_points` even times from 0 to where the average ends: the longest time
 //!   that at least half of the repeats reach. Values between samples are on the straight line
 //!   between them.

@@ -25,8 +25,8 @@
 //! it.) One sweep at a time is left out; of a single sweep, one of ten contiguous blocks
 //! (fewer if a block would be shorter than two points), because neighbouring samples are too alike
 //! to test each other. AICc is computed on per-command bins and reported only: samples are not
-//! independent, and it assumes that they are. The spline is no law: it takes part only if every law
-//! lacks fit.
+//! independent, and it assumes that they are. The spline is not a law: it takes part only if every
+//! law lacks fit.
 //!
 //! # What else is said of each
 //! * intervals: percentile bootstrap over whole sweeps, expanded for their small number

@@ -58,7 +58,7 @@ pub(crate) fn judge(
 }
 
 /// The candidate with the smallest cross-validated RMS (the simplest of equals), and the simplest
-/// that is as good for all that can be told. A curve that is no law takes part only if every law
+/// that is as good for all that can be told. A curve that is not a law takes part only if every law
 /// lacks fit.
 fn choose(candidates: &[Candidate]) -> Option<(usize, usize)> {
     let laws_fail =

@@ -25,9 +25,9 @@ pub(crate) struct Cell {
     pub(crate) trials: usize,
     /// Those of them that have the metric.
     pub(crate) n: usize,
-    /// Their mean; none without such a trial.
+    /// Their mean; `None` without such a trial.
     pub(crate) mean: Option<f64>,
-    /// Their standard deviation (n − 1); none for fewer than two.
+    /// Their standard deviation (n − 1); `None` for fewer than two.
     pub(crate) sd: Option<f64>,
 }
 
@@ -43,14 +43,14 @@ pub(crate) struct Cells {
 }
 
 impl Cell {
-    /// Its count, mean and standard deviation; 0 where it has none.
+    /// Its count, mean and standard deviation; 0 if it has no trials.
     pub(crate) fn group(&self) -> Group {
         Group { n: self.n, mean: self.mean.unwrap_or(0.0), sd: self.sd.unwrap_or(0.0) }
     }
 }
 
 impl Cells {
-    /// The cells of a metric. `metrics` has one row a trial. Conditions that the study does not
+    /// The cells of a metric. `metrics` has one row per trial. Conditions that the study does not
     /// have are left out.
     pub(crate) fn of(
         metrics: &Table,

@@ -86,7 +86,7 @@ pub struct Compared {
 /// Compares the modes, participants and sessions of one metric. `metrics` has one row per trial.
 ///
 /// # Errors
-/// A table that lacks a column; a level or bound that is none.
+/// A table that lacks a column; a level or bound that cannot be one.
 pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, CompareError> {
     let measure = &Measure::of(metrics, &parameters.metric)?;
     let cells = Cells::of(metrics, measure, parameters)?;

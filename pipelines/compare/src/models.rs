@@ -200,7 +200,7 @@ fn as_table(
     Ok(if singular { table.with_note_of(NoteKind::Care, pooled) } else { table })
 }
 
-/// The standard deviation of a term; none for one that the model does not have.
+/// The standard deviation of a term; `None` for one that the model does not have.
 fn standard_deviation(fit: &TrialFit, term: Term) -> Option<f64> {
     let place = fit.structure.iter().position(|of| *of == term)?;
     let variance = *fit.fit.terms.get(place)?.covariance.first()?.first()?;

@@ -42,7 +42,7 @@ fn pairs(scores: &[Score], modes: [usize; 2]) -> Vec<[f64; 2]> {
     cells.values().filter_map(mean_of_sessions).collect()
 }
 
-/// The means over the sessions that have both modes; none without one.
+/// The means over the sessions that have both modes; `None` without one.
 fn mean_of_sessions(sessions: &BTreeMap<usize, Sums>) -> Option<[f64; 2]> {
     let whole: Vec<[f64; 2]> = sessions
         .values()

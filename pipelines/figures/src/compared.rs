@@ -322,7 +322,7 @@ fn zero(direction: Direction) -> Layer {
 }
 
 /// Participants compared: everybody's difference with its interval within them, the smallest first,
-/// one panel a contrast, one row of panels an environment.
+/// one panel per contrast, one row of panels per environment.
 ///
 /// # Errors
 /// Tables that are not of the stage `compare`.
@@ -406,7 +406,7 @@ fn caterpillar(
     Ok(Panel { height_mm: Some(height), ..panel })
 }
 
-/// Learning: the mean at each repeat of a condition, one panel an environment, one line a mode.
+/// Learning: the mean at each repeat of a condition, one panel per environment, one line per mode.
 ///
 /// # Errors
 /// Tables that are not of the stage `compare`.
@@ -469,7 +469,7 @@ pub fn repeats_compared(
 }
 
 /// Sessions compared: everybody's change against the mean of the two sessions (Bland–Altman), with
-/// mean change and limits of agreement; one row of panels an environment, one panel a mode.
+/// mean change and limits of agreement; one row of panels per environment, one panel per mode.
 ///
 /// # Errors
 /// Tables that are not of the stage `compare`.

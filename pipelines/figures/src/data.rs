@@ -68,7 +68,7 @@ impl Repeat<'_> {
         self.trial.samples.get(Signal::Time).unwrap_or_default().iter().map(|t| t - zero).collect()
     }
 
-    /// A signal; none where it was not recorded.
+    /// A signal; `None` where it was not recorded.
     pub(crate) fn signal(&self, signal: Signal) -> Option<&[f64]> {
         self.trial.samples.get(signal)
     }
@@ -171,7 +171,7 @@ pub fn average_columns() -> Vec<String> {
     columns
 }
 
-/// The mean of a signal and its band; `None` where the average has none.
+/// The mean of a signal and its band; `None` if the average has no such signal.
 pub(crate) fn mean_curve(average: &Table, signal: Signal) -> Result<Option<MeanCurve>, TableError> {
     let name = |what: &str| format!("{}_{what}_{}", signal.stem(), signal.suffix());
     if !average.fields().any(|f| f.name == name("mean")) {

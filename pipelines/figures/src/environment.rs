@@ -59,7 +59,7 @@ impl Placement {
     }
 }
 
-/// The device and what it renders, as far as it is a lever between stops on a spring; none
+/// The device and what it renders, as far as it is a lever between stops on a spring; `None`
 /// otherwise.
 ///
 /// Angles are true; θ = 0 stands upright, and θ > 0 compresses. Lengths are in lengths of the

@@ -61,7 +61,7 @@ pub(crate) fn at_wall(scene: &EnvironmentData, words: Words) -> Option<(f64, f64
     Some((wall - BEFORE * past, wall + past))
 }
 
-/// An axis of forces cut where only the command goes on, and how far it goes; none where the
+/// An axis of forces cut where only the command goes on, and how far it goes; `None` where the
 /// command lies among the forces or little above them.
 pub(crate) fn without_excess(
     felt: impl IntoIterator<Item = f64>,

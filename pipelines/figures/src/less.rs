@@ -38,8 +38,9 @@ fn row_words(metric: &str) -> String {
     plain(&bare.replace('_', " "))
 }
 
-/// A panel a kind of less, a row a metric whose unit has a change that is just felt, a marker a degree
-/// of it. `changes` is a table of the stage `trade`: of recordings, or of the simulated device.
+/// One panel per kind of less, a row a metric whose unit has a change that is just felt, a marker a
+/// degree of it. `changes` is a table of the stage `trade`: of recordings, or of the simulated
+/// device.
 ///
 /// # Errors
 /// A table that lacks a column.

@@ -1,7 +1,7 @@
 //! Stage: the figures, each described from derived tables and recorded trials; `zwidth-draw` draws
 //! them.
 //!
-//! One file a figure kind; each is a pure function from data to a [`zwidth_draw::Figure`]:
+//! One file per figure kind; each is a pure function from data to a [`zwidth_draw::Figure`]:
 //!
 //! | file | thesis | shows |
 //! |---|---|---|

@@ -102,7 +102,7 @@ impl Wanted {
 }
 
 /// The pages of the overview, from the questions that were answered in each environment: one panel
-/// an environment with one question; else one a group, and one a question without a group.
+/// an environment with one question; else one per group, and one per question without a group.
 pub fn likert_overview(asked: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage> {
     pages(asked.iter().flat_map(|(environment, questions)| overview(environment, questions)))
 }
@@ -196,7 +196,7 @@ fn describe(title: &str, scale: &AnswerScale) -> String {
     format!("{title}: number of answers from {first} to {last}, a row of boxes each; {middle}.")
 }
 
-/// A row a mode, in the study's order.
+/// One row per mode, in the study's order.
 fn count_rows(modes: &[Mode], tally: &Table, wanted: &Wanted) -> Result<Counted, TableError> {
     let texts = |column| tally.texts(column);
     let (environments, of_modes) = (texts("environment")?, texts("mode")?);

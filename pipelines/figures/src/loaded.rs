@@ -17,7 +17,7 @@ pub type Of<'a> = (&'a About, &'a Environment, &'a str, Alignments);
 pub struct Averages {
     /// Those against time.
     pub over_time: BTreeMap<ModeId, Table>,
-    /// Those that force stands against position by; none where they are the same.
+    /// Those that force stands against position by; `None` where they are the same.
     pub over_position: Option<BTreeMap<ModeId, Table>>,
 }
 

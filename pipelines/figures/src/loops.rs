@@ -20,7 +20,7 @@ pub const LOOPS: FigureKind = FigureKind {
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 55.0;
 
-/// One panel a mode, one loop an environment.
+/// One panel per mode, one loop per environment.
 pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableError> {
     let words = Words::new(about.coordinate);
     let load = scenes.first().map_or(Signal::ForceEx, EnvironmentData::load);
@@ -54,7 +54,7 @@ pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableE
             keep_together(who)
         ))),
         description: format!(
-            "{who}: {load_word} against {} there and back, one panel a mode, one loop an environment.",
+            "{who}: {load_word} against {} there and back, one panel per mode, one loop per environment.",
             words.position_word()
         ),
         width_mm: if panels.len() == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },

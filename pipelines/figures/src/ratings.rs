@@ -67,8 +67,8 @@ pub fn ratings_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<RatingsPag
     wanted.chunks(A_PAGE).map(|page| RatingsPage(page.to_vec())).collect()
 }
 
-/// Every answer as a dot, with median, quartiles and mean, a row a mode. `tally` and `answers` are
-/// the tables of the stage `likert`.
+/// Every answer as a dot, with median, quartiles and mean, one row per mode. `tally` and `answers`
+/// are the tables of the stage `likert`.
 ///
 /// # Errors
 /// Tables that are not of that stage.

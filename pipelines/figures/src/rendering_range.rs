@@ -156,7 +156,7 @@ fn ends(about: &About, curve: &Characteristic, max_v: Voltage) -> Vec<Layer> {
     layers
 }
 
-/// A bar a mode: what it reaches on that way.
+/// One bar per mode: what it reaches on that way.
 fn bars(about: &About, way: Way, calibration: &Calibration, column: usize) -> Panel {
     let title = match way {
         Way::Compression => "compressing",

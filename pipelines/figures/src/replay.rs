@@ -49,8 +49,8 @@ struct Replayed {
     fitted: Option<Motion>,
 }
 
-/// The figure of one environment of one session, a column a trial. `courses` is the table of those
-/// trials that the stage `replay` made; its notes go below the figure.
+/// The figure of one environment of one session, one column per trial. `courses` is the table of
+/// those trials that the stage `replay` made; its notes go below the figure.
 ///
 /// # Errors
 /// A table that lacks a column.
@@ -67,7 +67,7 @@ pub fn replay(
     Ok(figure(about, environment, who, &trials, courses.notes()))
 }
 
-/// A mode's trial and its models; `None` where it has none.
+/// A mode's trial and its models; `None` if it has no trial.
 fn replayed(courses: &Table, mode: &Mode) -> Result<Option<Replayed>, TableError> {
     let (modes, series) = (courses.texts("mode")?, courses.texts("series")?);
     let (trials, sources) = (courses.integers("trial")?, courses.texts("source")?);

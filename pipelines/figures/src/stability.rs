@@ -104,7 +104,7 @@ const SYMPLECTIC_EULER: &str = "a step of symplectic Euler is stable below";
 const ABBOTT_OKAMURA: &str = "Abbott–Okamura";
 const DIOLAITI: &str = "Diolaiti";
 
-/// What a limit is called; none for one that another draws: the passive walls of Colgate &
+/// What a limit is called; `None` for one that another draws: the passive walls of Colgate &
 /// Schenkel's closed form are those of the maximum over frequency.
 fn label(limit: &str) -> Option<&'static str> {
     match limit {

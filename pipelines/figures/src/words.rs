@@ -4,7 +4,7 @@ use zwidth_draw::{Axis, markup};
 use zwidth_study::{Coordinate, Source};
 use zwidth_tables::{shown_unit, with_unit};
 
-/// The stamp of a figure made from simulated data; none otherwise.
+/// The stamp of a figure made from simulated data; `None` otherwise.
 pub fn mark(sources: impl IntoIterator<Item = Source>) -> Option<String> {
     let simulated = sources.into_iter().any(Source::is_simulated);
     simulated.then(|| "SYNTHETIC: simulated, not measured".to_owned())
@@ -71,7 +71,7 @@ impl Words {
     }
 }
 
-/// A name from a study as it stands: its stars and underscores are no markup.
+/// A name from a study as it stands: its stars and underscores are not markup.
 pub(crate) fn plain(name: &str) -> String {
     markup::escape(name)
 }

@@ -18,7 +18,7 @@ const NEEDS: &str = "a plant fit needs torque, angle and velocity";
 /// Each side is averaged over stretches of 0.2 s with weights φ that vanish with their derivatives
 /// at both ends: ∫φ τ = c ∫φ + I ∫φ'' θ − b ∫φ' θ + τ_c sgn θ̇ ∫φ + κ ∫φ θ. What a double
 /// differentiation makes of the angle sensor's steps would pull I towards 0; here they average out,
-/// and torque and angle pass through the same weights, so none lags behind the other. A stretch
+/// and torque and angle pass through the same weights, so neither lags behind the other. A stretch
 /// counts where |θ̇| ≥ `analysis.onset_rad_s` with one sign at every sample: stuck, dry friction
 /// takes any value. One stretch a sample, and least squares over all of them.
 #[derive(Debug, Clone, PartialEq)]

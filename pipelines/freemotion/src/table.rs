@@ -1,4 +1,4 @@
-//! The fits as tables: SI units, one row a trial.
+//! The fits as tables: SI units, one row per trial.
 
 use crate::{PlaneFit, PlantFit};
 use zwidth_stats::interval::Estimate;
@@ -50,8 +50,8 @@ const PARTS: [Part; 4] = [
     ("upper end of the interval within this recording", |e| e.ci_high),
 ];
 
-/// One row a trial, in the order given: which trial it is; c, I and b of τ = c + I θ̈ + b θ̇, each
-/// with standard error and interval; how well the plane fits.
+/// One row per trial, in the order given: which trial it is; c, I and b of τ = c + I θ̈ + b θ̇,
+/// each with standard error and interval; how well the plane fits.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -69,7 +69,7 @@ pub fn table(fits: &[PlaneFit]) -> Result<Table, TableError> {
     Ok(doubts(fits).into_iter().fold(Table::new("free_motion", title, columns)?, Table::with_note))
 }
 
-/// One row a trial, in the order given: which trial it is; c, I, b, τ_c and κ of
+/// One row per trial, in the order given: which trial it is; c, I, b, τ_c and κ of
 /// τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ, each with standard error and interval; how well they fit. A
 /// note names what the recording does not show.
 ///
@@ -106,7 +106,7 @@ fn coefficients<'a, F>(
     })
 }
 
-/// A fit that explains less of the torque than this share is none.
+/// A fit that explains less of the torque than this share does not count as a fit.
 const LEAST_R2: f64 = 0.1;
 
 /// What no body can have, and fits that explain nothing: the signals do not go together.

@@ -12,7 +12,7 @@ pub enum IdentifyError {
         /// Trials there are to fit.
         trials: usize,
     },
-    /// The model runs from none of the starts.
+    /// The model does not run from any of the starts.
     #[error(
         "the model does not run on every trial from any of the {starts} starts: give other starts"
     )]

@@ -110,7 +110,7 @@ impl<const P: usize> Kept<P> {
         (self.errors[i], self.slopes[i])
     }
 
-    /// A minimiser steps back from a point that is no better, and never looks at its slopes: they
+    /// A minimiser steps back from a point that is not better, and never looks at its slopes: they
     /// are not made, which spares six runs of seven.
     fn make(&mut self, problem: &Problem<P>, at: &[f64; P]) {
         self.errors = problem.errors(at).concat();

@@ -35,7 +35,7 @@ pub struct Point {
 
 /// The profile of one parameter around a minimum.
 ///
-/// Errors within a trial are alike, so the growth of Σ r² is no likelihood ratio as it stands;
+/// Errors within a trial are alike, so the growth of Σ r² is not a likelihood ratio as it stands;
 /// scaled by (A⁻¹)_jj / V, where V is the parameter's variance whatever the errors are, it is one
 /// to first order (Rotnitzky & Jewell 1990, Biometrika 77:485): in a linear model ((value −
 /// fit)/std_error)².

@@ -51,7 +51,7 @@ fn parameters(rows: &[Estimate]) -> Result<Table, TableError> {
     Table::new("identify", "The plant, by eye and fitted", columns)
 }
 
-/// The covariance of the parameters, one row a pair, each pair once and each with itself; none
+/// The covariance of the parameters, one row per pair, each pair once and each with itself; none
 /// where there is no covariance.
 ///
 /// # Errors
@@ -148,7 +148,7 @@ pub fn threshold(found: &Bracket, set_n: f64) -> Result<Table, TableError> {
     Table::new("identify.threshold", "The brake's let-go threshold, bracketed", columns)
 }
 
-/// The errors, one row a trial.
+/// The errors, one row per trial.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -172,7 +172,7 @@ pub fn trials(trials: &[TrialErrors]) -> Result<Table, TableError> {
     ]);
     Table::new(
         "identify.trials",
-        "Errors of the plant, by eye and fitted, one row a trial",
+        "Errors of the plant, by eye and fitted, one row per trial",
         columns,
     )
 }

@@ -10,7 +10,7 @@ const MOST_INFLATION: f64 = 100.0;
 /// Whether the trials say what a parameter is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Identifiability {
-    /// They do: none of the reasons below.
+    /// They do: no reason below applies.
     Identifiable,
     /// The recordings do not depend on it.
     Insensitive,

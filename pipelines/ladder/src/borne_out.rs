@@ -75,9 +75,9 @@ fn noted(table: Table) -> Result<Table, TableError> {
     Ok(NOTES.into_iter().fold(table, |table, note| table.with_note(note)))
 }
 
-/// A row a condition: the choice, how well it and the fullest model predict, the terms that are least
-/// and most missed, and whether the recordings bear it out. `tables` are of [`held_out_table`]; one
-/// without rows is left out.
+/// One row per condition: the choice, how well it and the fullest model predict, the terms that are
+/// least and most missed, and whether the recordings bear it out. `tables` are of
+/// [`held_out_table`]; one without rows is left out.
 ///
 /// # Errors
 /// Tables that are not of it.

@@ -171,7 +171,7 @@ pub fn interactions(ladder: &Ladder) -> Result<Table, TableError> {
     Ok(Table::new("ladder.interactions", &title, columns)?.with_note(note(ladder)))
 }
 
-/// The set that a table of [`models`] marks as chosen; `None` where none is.
+/// The set that a table of [`models`] marks as chosen; `None` if no set is marked.
 ///
 /// # Errors
 /// A table that is not one of those.

@@ -121,7 +121,7 @@ impl TermSet {
         self.0 == 0
     }
 
-    /// Its words, `friction sampling`; `rigid` for none.
+    /// Its words, `friction sampling`; `rigid` if it has no terms.
     pub fn words(self) -> String {
         let words: Vec<&str> = self.terms().map(LadderTerm::as_str).collect();
         if words.is_empty() { "rigid".to_owned() } else { words.join(" ") }

@@ -24,8 +24,8 @@ impl Counts {
         &self.scale
     }
 
-    /// How often the answer at this place of the scale was chosen, the lowest being the first; none
-    /// off the scale.
+    /// How often the answer at this place of the scale was chosen, the lowest being the first;
+    /// `None` off the scale.
     pub(crate) fn of_point(&self, place: u8) -> Option<usize> {
         self.of.get(usize::from(place).checked_sub(1)?).copied()
     }
@@ -78,13 +78,13 @@ impl Counts {
         (1..).zip(&self.of).map(|(place, n)| (self.scale.answer_at(place).into(), *n as f64))
     }
 
-    /// The mean; none without answers.
+    /// The mean; `None` without answers.
     pub(crate) fn mean(&self) -> Option<f64> {
         let sum: f64 = self.answers().map(|(answer, n)| answer * n).sum();
         (self.n() > 0).then(|| sum / self.n() as f64)
     }
 
-    /// The standard deviation (divisor n − 1); none for fewer than two answers.
+    /// The standard deviation (divisor n − 1); `None` for fewer than two answers.
     pub(crate) fn sd(&self) -> Option<f64> {
         let mean = self.mean().filter(|_| self.n() > 1)?;
         let squares: f64 =

@@ -1,8 +1,8 @@
 //! Stage: tallies of the answers to Likert questions.
 //!
 //! [`tally`] counts, for each environment × mode, how often each point of a question's scale was
-//! chosen: one row a question, and one a group of questions with its answers pooled. An answer to a
-//! reversed question (where agreement speaks against) counts from the other end
+//! chosen: one row per question, and one per group of questions with its answers pooled. An answer
+//! to a reversed question (where agreement speaks against) counts from the other end
 //! (6 − a on a scale from 1 to 5: lowest + highest − a), so that the last point is always the favourable one. Only answers that were given are counted: an unanswered question is not a 0, and
 //! a condition nobody answered for has no row.
 //!

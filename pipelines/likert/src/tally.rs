@@ -87,11 +87,11 @@ impl Scheme {
 }
 
 /// The table of counts, in the order of the study file: for each environment and mode first a row a
-/// question, then a row a group. Columns: `environment`, `mode`, `question` and `reversed` (null in
-/// a pooled row), `group`, `pooled`, `participants`, `n`, `count_1`, `count_2`, … from the lowest
-/// answer to the highest of the longest scale that is counted by points (as scored; null beyond the
-/// last point of the row's own scale, and on one that is longer), `median_low` and `median_high` (the
-/// two middle answers; equal for odd n). Where a question has more than
+/// question, then one row per group. Columns: `environment`, `mode`, `question` and `reversed`
+/// (null in a pooled row), `group`, `pooled`, `participants`, `n`, `count_1`, `count_2`, … from the
+/// lowest answer to the highest of the longest scale that is counted by points (as scored; null
+/// beyond the last point of the row's own scale, and on one that is longer), `median_low` and
+/// `median_high` (the two middle answers; equal for odd n). Where a question has more than
 /// [`AnswerScale::MOST_CATEGORIES`] points also `lowest`, `quartile_1`, `quartile_3`, `highest`,
 /// `mean` and `sd` of its answers.
 ///

@@ -14,10 +14,10 @@ struct Metric<'a> {
     deviations: &'a [Option<f64>],
 }
 
-/// The table of conditions ([`crate::by_condition`]) with a row a participant, session, environment and
-/// metric, and in each mode's columns mean and standard deviation; `modes` are ids and labels, and a
-/// mode that is not among them stands behind them under its id. What an environment has of no mode is
-/// left out. The first row of each block is the number of trials.
+/// The table of conditions ([`crate::by_condition`]) with one row per participant, session,
+/// environment and metric, and in each mode's columns mean and standard deviation; `modes` are ids
+/// and labels, and a mode that is not among them stands behind them under its id. What an
+/// environment has of no mode is left out. The first row of each block is the number of trials.
 ///
 /// # Errors
 /// A table that is not one of conditions, or labels that cannot be names of columns beside each other.

@@ -29,7 +29,7 @@ pub struct Compliance {
     /// Whether θ stays within the work space over the whole recording; an excess of 1 % of the
     /// work space is allowed. Null unless both ends are known.
     pub inside_work_space: Option<bool>,
-    /// Whether all three hold: false if one does not, null if none fails and one is null.
+    /// Whether all three hold: false if one does not; null if one is null and the others hold.
     pub met: Option<bool>,
 }
 

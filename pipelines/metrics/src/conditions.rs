@@ -15,9 +15,9 @@ fn summarised() -> impl Iterator<Item = &'static str> {
     numbers().filter(|(_, summarised)| *summarised).map(|(name, _)| name)
 }
 
-/// One row a participant, session and condition, sessions in the order of the trials and the
+/// One row per participant, session and condition, sessions in the order of the trials and the
 /// conditions of each in that of `conditions`: number of trials, then mean and standard deviation
-/// (n − 1) of each summarised metric over the trials that have it. Null where none has; the
+/// (n − 1) of each summarised metric over the trials that have it. Null if no trial has it; the
 /// deviation is null for a single trial. A metric that no trial has is left out.
 ///
 /// # Errors
@@ -60,12 +60,12 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
 }
 
 /// The metrics of several conditions as one table in the order of participant, session and trial;
-/// `None` for none.
+/// `None` without tables.
 ///
 /// # Errors
 /// Tables that are not of this stage.
 pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, TableError> {
-    of_trials("metrics", "Metrics, one row a trial", conditions)
+    of_trials("metrics", "Metrics, one row per trial", conditions)
 }
 
 /// What is made of a metric's values in one condition.

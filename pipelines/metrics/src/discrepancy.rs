@@ -16,7 +16,7 @@ use zwidth_stats::interval::{Estimate, t_interval};
 /// Each branch is made single-valued by keeping only samples that lie farther along than any
 /// before, then interpolated linearly on `analysis.grid_points` even angles over the range both
 /// branches cover. All null where that is less than a tenth of the compression's angles: a lever
-/// that a brake holds has no decompression, and its path is no loop.
+/// that a brake holds has no decompression, and its path is not a loop.
 ///
 /// **Intervals** speak of this one trial: D is a straight line over the angle plus errors that
 /// resemble their neighbours (Newey–West with a tenth of the points as lags, Student's t with 9

@@ -45,7 +45,7 @@ pub struct TrialEvent {
     pub t_s: f64,
 }
 
-/// In the order of time; none of a kind that the recording does not tell.
+/// In the order of time. Kinds that the recording does not tell are left out.
 pub(crate) fn trial_events(
     signals: &Signals,
     movement: &Movement,
@@ -70,7 +70,7 @@ pub(crate) fn trial_events(
     events
 }
 
-/// One row an event of trials, in the order given: which trial it is, `event`, `t_s`.
+/// One row per event of trials, in the order given: which trial it is, `event`, `t_s`.
 ///
 /// # Errors
 /// A time that is not finite.
@@ -82,7 +82,7 @@ pub fn events_table(trials: &[(&TrialMeta, &[TrialEvent])]) -> Result<Table, Tab
     columns.push(Column::text("event", "onset, contact, reversal, let_go or end", kind));
     let time = each().map(|(_, event)| Some(event.t_s));
     columns.push(Column::float("t_s", "s", "when, as the trial's samples count time", time));
-    Table::new("events", "What happened in each trial, one row an event", columns)
+    Table::new("events", "What happened in each trial, one row per event", columns)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Stage: the metrics of a trial, one row a trial.
+//! Stage: the metrics of a trial, one row per trial.
 //!
 //! [`trial_metrics`] turns one trial into a [`TrialMetrics`], and [`plant_metrics`] into
 //! [`PlantMetrics`], once the plant is known; [`table`] and [`plant_table`] put rows together, [`events_table`] what happened when,
@@ -90,9 +90,9 @@ pub struct TrialMetrics {
     /// How far compression and decompression differ in the user's force; all null where the
     /// environment has no spring.
     pub discrepancy: Discrepancy,
-    /// How the spring was rendered; all null where the environment has none.
+    /// How the spring was rendered; all null if the environment has no spring.
     pub spring: SpringRendering,
-    /// What happened at the wall; all null where the environment has none.
+    /// What happened at the wall; all null if the environment has no wall.
     pub wall: WallContact,
     /// How steadily the device behaved.
     pub stability: Stability,
@@ -107,7 +107,7 @@ pub struct TrialMetrics {
 /// The metrics of `trial`.
 ///
 /// # Errors
-/// Samples without time or of unequal length; a number that is none.
+/// Samples without time or of unequal length; a value that is not a number.
 pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<TrialMetrics, MetricsError> {
     let signals = Signals::of(trial, parameters)?;
     let analysis = &parameters.analysis;

@@ -121,7 +121,7 @@ pub(crate) fn force_band(signals: &Signals, force_rate_hz: Option<f64>) -> Optio
     }
 }
 
-/// The band of a signal whose source gives at most `most_hz` values a second.
+/// The band of a signal whose source gives at most `most_hz` values per second.
 fn band(t: &[f64], y: &[f64], most_hz: f64) -> Option<BandPower> {
     let nyquist_hz = rate_hz(t)?.min(most_hz) / 2.0;
     band_power(t, y, nyquist_hz, BAND_HZ.0, BAND_HZ.1)

@@ -47,7 +47,7 @@ pub struct SpringRendering {
     pub force_rms_error_n: Option<f64>,
     /// F where the lever begins to return, N: at the first sample from the reversal on from which
     /// θ̇ stays below −`analysis.offset_rad_s` until it is below −`analysis.onset_rad_s`, so that
-    /// jitter is no return. Null where it never is, before the end.
+    /// jitter does not count as a return. Null where it never is, before the end.
     pub return_force_n: Option<f64>,
     /// Work the device gives back over work the user puts in: −∫F dθ (reversal → end) / ∫F dθ
     /// (onset → reversal), by the trapezoidal rule, a wall's work included. 1 for an elastic

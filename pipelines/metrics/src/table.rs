@@ -1,23 +1,23 @@
-//! The rows as a table: SI units, one row a trial.
+//! The rows as a table: SI units, one row per trial.
 
 use crate::columns::{GROUPS, Get, PLANT_GROUPS, Spec};
 use crate::{PlantMetrics, TrialMetrics};
 use std::collections::BTreeMap;
 use zwidth_tables::{Column, Table, TableError, Values, identity};
 
-/// One row a trial, in the order given: which trial it is, then every metric. SI units; null where
-/// a metric does not apply or the recording lacks what it needs. The columns' definitions stand at
-/// the fields of [`TrialMetrics`]'s parts and, by column, in `docs/analysis.md`.
+/// One row per trial, in the order given: which trial it is, then every metric. SI units; null
+/// where a metric does not apply or the recording lacks what it needs. The columns' definitions
+/// stand at the fields of [`TrialMetrics`]'s parts and, by column, in `docs/analysis.md`.
 ///
 /// # Errors
 /// A metric that is not finite.
 pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
     let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
     columns.extend(GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
-    Table::new("metrics", "Metrics, one row a trial", columns)
+    Table::new("metrics", "Metrics, one row per trial", columns)
 }
 
-/// One row a trial, in the order given: which trial it is, then every metric that rests on the
+/// One row per trial, in the order given: which trial it is, then every metric that rests on the
 /// plant.
 ///
 /// # Errors
@@ -25,7 +25,7 @@ pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
 pub fn plant_table(rows: &[PlantMetrics]) -> Result<Table, TableError> {
     let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
     columns.extend(PLANT_GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
-    Table::new("metrics", "Metrics that rest on the plant, one row a trial", columns)
+    Table::new("metrics", "Metrics that rest on the plant, one row per trial", columns)
 }
 
 /// The table of metrics with those that rest on the plant beside them; null for a trial that has no

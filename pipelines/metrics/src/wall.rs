@@ -17,7 +17,8 @@ pub(crate) const REBOUND_SHARE: f64 = 0.01;
 const SAME: f64 = 1.001;
 
 /// What happened at a wall that begins at θ_wall; over the whole recording. All null where the
-/// environment has none or θ is not recorded; all but `reached` null where θ never exceeds θ_wall.
+/// environment has no wall or θ is not recorded; all but `reached` null where θ never exceeds
+/// θ_wall.
 ///
 /// Between samples θ and F are taken as straight lines, and only the part of an interval with θ >
 /// θ_wall counts.

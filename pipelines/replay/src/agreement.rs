@@ -175,7 +175,7 @@ fn table(rows: &[Agreement]) -> Result<Table, ReplayError> {
         text("causality", "what went into the model and what came out", |r| &r.of[0]),
         text("mode", "how it was rendered", |r| &r.of[1]),
         text("model", "whose plant: by_eye, the thesis'; fitted, this study's", |r| &r.of[2]),
-        text("quantity", "what is compared, one value a trial", |r| r.quantity),
+        text("quantity", "what is compared, one value per trial", |r| r.quantity),
         text("unit", "unit of the numbers in this row", |r| r.unit),
         Column::integer("n", "1", "trials", rows.iter().map(|r| Some(r.n as i64))),
     ];
@@ -203,7 +203,7 @@ fn table(rows: &[Agreement]) -> Result<Table, ReplayError> {
         number("limit_high_ci_low", "lower end of its interval", |r| r.high.map(|e| e.ci_low)),
         number("limit_high_ci_high", "upper end of its interval", |r| r.high.map(|e| e.ci_high)),
     ]);
-    let title = "Agreement of replay and recording (Bland and Altman), one value a trial";
+    let title = "Agreement of replay and recording (Bland and Altman), one value per trial";
     Ok(Table::new("replay.agreement", title, columns)?)
 }
 

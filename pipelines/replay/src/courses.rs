@@ -30,7 +30,7 @@ pub fn typical(replays: &Table, mode: &str) -> Result<Option<u32>, TableError> {
 }
 
 /// Motion and forces of trials as recorded, and of the models that were given their external force,
-/// one row a sample: `trial`, `mode`, `source`, `series` (`recorded`, `by_eye`, `fitted`), `t_s`,
+/// one row per sample: `trial`, `mode`, `source`, `series` (`recorded`, `by_eye`, `fitted`), `t_s`,
 /// `theta_rad`, `theta_dot_rad_s`, `force_ex_n`, `feedback_n`. Trials to which the replay does not
 /// apply are passed by, and so is a fit that does not run on one. Notes say what the models are.
 ///

@@ -6,7 +6,7 @@ use zwidth_numerics::series::interpolate_all;
 /// Lags up to this are looked for, s: longer than any delay of the device, shorter than a movement.
 const MOST_LAG_S: f64 = 0.5;
 
-/// Steps of the grid are no shorter than this, s: a movement of the hand is smooth over it.
+/// Steps of the grid are at least this long, s: a movement of the hand is smooth over it.
 const LEAST_STEP_S: f64 = 0.005;
 
 /// The lag of `model` behind `recorded`, s: where Pearson's correlation of the two, shifted against

@@ -9,7 +9,7 @@ use zwidth_dynamics::{
 };
 use zwidth_study::{ActuatorKind, Calibration, ForceLaw, ModeLaw, Scene, Study};
 
-/// Lags below this are none, s: far below any sample's interval.
+/// Lags below this count as no lag, s: far below any sample's interval.
 const LEAST_LAG_S: f64 = 1e-6;
 
 /// What is not known of the plant.
@@ -81,9 +81,9 @@ impl Parameters {
 pub struct Rendering {
     /// What was rendered.
     pub rendered: Scene,
-    /// Highest motor voltage of the mode, V; 0 where it uses none.
+    /// Highest motor voltage of the mode, V; 0 if it does not use one.
     pub motor_max_v: f64,
-    /// Highest brake voltage of the mode, V; 0 where it uses none.
+    /// Highest brake voltage of the mode, V; 0 if it does not use one.
     pub brake_max_v: f64,
     /// Which of them is in charge when.
     pub law: Option<ModeLaw>,
@@ -118,7 +118,7 @@ impl Rendering {
         }
     }
 
-    /// Which actuators the mode uses; a mode with none has a motor that gives nothing.
+    /// Which actuators the mode uses; a mode without actuators has a motor that gives nothing.
     fn mode(&self) -> DriveMode {
         let by_motor = |law: ModeLaw| law.drives().map(|drive| drive == ActuatorKind::Motor);
         let of_law = |law| DriveMode::ALL.into_iter().find(|mode| mode.by_motor() == by_motor(law));

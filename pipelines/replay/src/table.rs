@@ -1,4 +1,4 @@
-//! The replays as a table: SI units, one row a trial and causality.
+//! The replays as a table: SI units, one row per trial and causality.
 
 use crate::{Comparison, ReplayError, TrialReplay, VelocityError};
 use zwidth_study::Source;
@@ -45,7 +45,7 @@ const VELOCITIES: [(&str, &str, &str, GetVelocity); 3] = [
     ("velocity_sd_ratio", "1", "SD of the model's velocity over that of the recorded one", |v| v.sd_ratio),
 ];
 
-/// One row a trial and causality, in the order given: which trial, what went in, what came of it,
+/// One row per trial and causality, in the order given: which trial, what went in, what came of it,
 /// the plant, and how far the model departs. Null where it does not apply, and for a model that
 /// diverged: the column `outcome` says which.
 ///
@@ -101,7 +101,7 @@ pub fn table(rows: &[TrialReplay]) -> Result<Table, ReplayError> {
 }
 
 /// The replays of several conditions as one table in the order of participant, session and trial, of a
-/// trial in that of the tables; `None` for none.
+/// trial in that of the tables; `None` without tables.
 ///
 /// # Errors
 /// Tables that are not of this stage.

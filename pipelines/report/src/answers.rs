@@ -35,8 +35,8 @@ impl Median {
     }
 }
 
-/// The median answer to the environment's question in a mode, by the tally; none without a question
-/// or an answer.
+/// The median answer to the environment's question in a mode, by the tally; `None` without a
+/// question or an answer.
 pub(crate) fn median(
     study: &Setup,
     tally: &Table,
@@ -47,7 +47,7 @@ pub(crate) fn median(
     median_of(study, tally, [environment.id.as_str(), mode.id.as_str()], question)
 }
 
-/// The median answer to any question in an environment and a mode; none without an answer.
+/// The median answer to any question in an environment and a mode; `None` without an answer.
 pub(crate) fn median_of(
     study: &Setup,
     tally: &Table,

@@ -40,7 +40,7 @@ pub struct MatrixRow {
     pub environment: EnvironmentId,
     /// Its label.
     pub label: String,
-    /// A cell a mode, where it has a mean: `1.617 ± 0.029 (6)`.
+    /// One cell per mode, where it has a mean: `1.617 ± 0.029 (6)`.
     pub cells: Vec<Option<String>>,
 }
 
@@ -140,7 +140,7 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Result<Vec<Findin
     Ok(found.chain(exploratory).collect())
 }
 
-/// How many contrasts show a difference; where none has a test, that it was not asked.
+/// How many contrasts show a difference; if no contrast has a test, that it was not asked.
 fn answer(table: &Table, primary: bool) -> Result<String, TableError> {
     let verdicts: Vec<String> = table.texts("verdict")?.into_iter().flatten().collect();
     let differ = verdicts.iter().filter(|verdict| verdict.starts_with("different")).count();

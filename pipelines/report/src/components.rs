@@ -15,7 +15,7 @@ struct Component {
 }
 
 /// What the device is made of, one row a component, with its function and what `study.toml` says of
-/// it. A number that is known of none of them has no column.
+/// it. A number that is not known of any of them has no column.
 ///
 /// # Errors
 /// A number that is not finite.
@@ -37,7 +37,7 @@ pub fn components_table(study: &Setup) -> Result<Table, TableError> {
         number("voltage_max_v", "V", "highest voltage that a mode uses", |c| c.voltage_max_v),
         number("mass_kg", "kg", "its mass", |c| c.mass_kg),
         number("resistance_ohm", "Ω", "resistance of its winding", |c| c.resistance_ohm),
-        number("rate_hz", "Hz", "new values a second", |c| c.rate_hz),
+        number("rate_hz", "Hz", "new values per second", |c| c.rate_hz),
     ];
     let columns = columns.into_iter().filter(known).collect();
     let title = format!("Components: {}", study.device.name);

@@ -7,7 +7,7 @@ use zwidth_study::{
 };
 use zwidth_tables::{Column, Table, TableError, shown_unit};
 
-/// Motor and brake as each mode uses them, one row a mode: highest voltages, what acts while
+/// Motor and brake as each mode uses them, one row per mode: highest voltages, what acts while
 /// compressing and while decompressing, and its largest force by `calibration`. `footnote` says
 /// where the calibration is from.
 ///
@@ -41,7 +41,7 @@ pub fn modes_table(
     Ok(Table::new("modes", "Motor and brake as each mode uses them", columns)?.with_note(footnote))
 }
 
-/// A brake acts against the motion alone: on the way back that is no spring's force.
+/// A brake acts against the motion alone: on the way back that is not the force of a spring.
 fn on_way(drive: ActuatorKind, way: usize) -> &'static str {
     if drive == ActuatorKind::Brake && way == 1 {
         "brake, against the return"

@@ -14,7 +14,7 @@ pub struct Known<'a> {
     pub study: &'a Setup,
     /// Forces for voltages.
     pub calibration: &'a Calibration,
-    /// The metrics, one row a trial; none where there is no trial.
+    /// The metrics, one row per trial; `None` where there is no trial.
     pub metrics: Option<&'a Table>,
 }
 

@@ -19,7 +19,7 @@ pub struct Finding {
 
 /// What the trials of a study show, in sentences: for each environment what each mode did, then the
 /// modes against each other, then the answers. Descriptive: means over trials, no sentence goes
-/// beyond them, and none speaks of anybody who did not take part. `metrics` has one row a trial;
+/// beyond them, and none speaks of anybody who did not take part. `metrics` has one row per trial;
 /// `tally` is that of the answers.
 ///
 /// # Errors

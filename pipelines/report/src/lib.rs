@@ -81,7 +81,7 @@ pub struct Summary {
     pub matrix: Matrix,
     /// What the trials show: sentences, each with where it can be seen.
     pub shown: Vec<Made>,
-    /// How the thesis' statements stand, a sentence; empty where none was judged.
+    /// How the thesis' statements stand, a sentence; empty if no statement was judged.
     pub statements: String,
     /// Those that are judged.
     pub judged: Vec<Told>,
@@ -325,7 +325,7 @@ mod tests {
             undrawn: 0,
             tables: vec![Made {
                 path: "tables/metrics.md".to_owned(),
-                caption: "Metrics, a row a trial".to_owned(),
+                caption: "Metrics, one row per trial".to_owned(),
             }],
             left_out: vec![Remark {
                 what: "P01 S01 trial 17".to_owned(),
@@ -365,7 +365,7 @@ Of 2 statements, 1 is supported.
 
 ## Tables
 
-- [Metrics, a row a trial](tables/metrics.md)
+- [Metrics, one row per trial](tables/metrics.md)
 
 ## Left out
 

@@ -27,7 +27,7 @@ pub(crate) struct Origins {
     pub(crate) text: String,
 }
 
-/// Where the data come from; none where there are none.
+/// Where the data come from; `None` where there are none.
 pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<Origins> {
     let present: Vec<(Source, usize)> =
         sources.iter().map(|(s, n)| (*s, *n)).filter(|(_, n)| *n > 0).collect();

@@ -26,7 +26,7 @@ const CLAIMS: [(&str, &str, &str, Find); 11] = [
 ];
 
 /// The pros and cons of the thesis' Table 1, each beside the study's own metric and whether that
-/// supports or contradicts it; `not measured` where the study has none.
+/// supports or contradicts it; `not measured` if the study has no such metric.
 ///
 /// # Errors
 /// Metrics that lack a column.
@@ -208,7 +208,7 @@ fn motor_is_heavy(known: &Known) -> Result<Option<Evidence>, TableError> {
     Ok(mass(known, false))
 }
 
-/// The first environment that fits, and the trials in it of the mode; none without any.
+/// The first environment that fits, and the trials in it of the mode; `None` without any.
 fn trials<'a>(
     known: &Known<'a>,
     mode: Option<&Mode>,

@@ -8,7 +8,7 @@ use zwidth_study::Setup;
 use zwidth_tables::{Table, TableError, quantity};
 
 /// The cheapest run of each scene of a study that a person could not tell from the right one, from the
-/// table `trade_summary`: a sentence a scene. They speak of the model, not of trials.
+/// table `trade_summary`: one sentence per scene. They speak of the model, not of trials.
 ///
 /// # Errors
 /// A table that lacks a column.
@@ -45,7 +45,7 @@ pub fn traded(study: &Setup, table: &Table) -> Result<Vec<Finding>, TableError> 
 }
 
 /// Which terms of the model each condition requires, and whether its recordings bear that out, from the
-/// table `ladder`: a sentence a condition.
+/// table `ladder`: one sentence per condition.
 ///
 /// # Errors
 /// A table that lacks a column.

@@ -108,8 +108,8 @@ impl<'a> Trials<'a> {
         Ok(people)
     }
 
-    /// The mean over participants of each one's mean, sessions with equal weight; none where no trial
-    /// has a value.
+    /// The mean over participants of each one's mean, sessions with equal weight; `None` where no
+    /// trial has a value.
     pub(crate) fn mean(&self, column: &str) -> Result<Option<Mean>, TableError> {
         let people = self.people(column, None)?;
         let trials = people.values().flat_map(BTreeMap::values).map(Vec::len).sum();

@@ -24,7 +24,7 @@ pub struct Summary {
     pub theta_max_rad: f64,
     /// When it was reached first, s.
     pub theta_max_s: f64,
-    /// Changes between forward, rest and backward; none where the solver met no event.
+    /// Changes between forward, rest and backward; `None` where the solver met no event.
     pub motion_changes: Option<usize>,
     /// Sign changes of θ̇ between samples, zeros skipped.
     pub reversals: usize,
@@ -32,7 +32,7 @@ pub struct Summary {
     pub verdict: &'static str,
     /// What the verdict rests on: swings at the step, at half of it, and at a quarter.
     pub swings: [StepSwings; 3],
-    /// The other thing it rests on: the motion as it is known; none where it is not.
+    /// The other thing it rests on: the motion as it is known; `None` where it is not.
     pub reference: Option<KnownMotion>,
     /// The same with the other rule for the command at rest, where the verdict says that it matters.
     pub other_rest_rule: Option<KnownMotion>,

@@ -92,7 +92,7 @@ fn notes(run: &Run) -> [String; 2] {
     ]
 }
 
-/// The events of a run, in order of time. Solvers that do not look for events give none.
+/// The events of a run, in order of time. Empty for solvers that do not look for events.
 ///
 /// # Errors
 /// None that a finished run can cause.

@@ -14,7 +14,7 @@ pub enum StabilityError {
     },
     /// An axis without extent, or without a logarithm where it has one.
     #[error(
-        "{quantity} from {from} to {to} is no axis; give two numbers above 0, the smaller first"
+        "an axis cannot show {quantity} from {from} to {to}; give two numbers above 0, the smaller first"
     )]
     Span {
         /// The quantity's word.
@@ -25,14 +25,14 @@ pub enum StabilityError {
         to: f64,
     },
     /// Too few or too many cells.
-    #[error("{cells} cells a side are no map; take 2 to {most}")]
+    #[error("a map cannot have {cells} cells per side; take 2 to {most}")]
     Cells {
         /// Cells asked for.
         cells: usize,
         /// Most cells.
         most: usize,
     },
-    /// A line of a file of stiffness and damping that is none.
+    /// A line of a file of stiffness and damping that cannot be read.
     #[error(
         "line {line} of the boundary: {what}; give the columns K and B (or K_n_per_m and B_ns_per_m) with a number in each, not below 0"
     )]

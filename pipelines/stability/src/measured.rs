@@ -11,7 +11,7 @@ const PLACES: usize = 9;
 
 /// Points of the limit at evenly spaced places along x: where the lifted map passes 1, the
 /// simulated loop is tried a cell on either side, and the crossing of its swings closed in on. A
-/// point at which the two sides do not differ is none.
+/// point at which the two sides do not differ is not a crossing.
 pub fn measured(map: &Map) -> Option<Curve> {
     let crossings: Vec<(usize, usize)> = (0..PLACES)
         .map(|k| (2 * k + 1) * (map.x.cells - 1) / (2 * PLACES))

@@ -22,7 +22,7 @@ const HEADS: [[&str; 2]; 3] =
 /// What a boundary comes to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// K at B = 0; none where it was not measured.
+    /// K at B = 0; `None` where it was not measured.
     pub undamped: Option<f64>,
     /// The largest K.
     pub largest: f64,
@@ -47,7 +47,7 @@ impl Boundary {
     /// Sorts and checks points (B, K) of unknown units.
     ///
     /// # Errors
-    /// A number that is negative or none; fewer than two; one damping twice.
+    /// A number that is negative or not finite; fewer than two; one damping twice.
     pub fn new(mut points: Vec<[f64; 2]>) -> Result<Self, StabilityError> {
         let wrong = |line: usize, what: String| Err(StabilityError::Boundary { line, what });
         for (i, [b, k]) in points.iter().enumerate() {
@@ -95,7 +95,7 @@ impl Boundary {
     }
 
     /// Where the lifted map of a wall has its limit, from no damping to that at which no wall is
-    /// stable; none for a device that bears any wall.
+    /// stable; `None` for a device that bears any wall.
     ///
     /// # Errors
     /// A wall that makes no sense.
@@ -103,7 +103,7 @@ impl Boundary {
         /// Points, and halvings of the interval in which the last one lies.
         const POINTS: usize = 40;
         const HALVINGS: u32 = 40;
-        /// A wall of this share of the undamped one is none.
+        /// A wall of this share of the undamped one counts as no wall.
         const NONE: f64 = 1e-3;
         let at = |b: f64| SampledWall { wall_damping_ns_per_m: b, ..*wall }.stiffest_stable();
         let Some(undamped) = at(0.0)?.filter(|k| *k > 0.0) else { return Ok(None) };

@@ -77,7 +77,7 @@ pub struct Cell {
     pub setting: Setting,
     /// What the run is worth.
     pub judgement: Judgement,
-    /// How far it is from the right answer; none for a run that failed.
+    /// How far it is from the right answer; `None` for a run that failed.
     pub errors: Option<Errors>,
     /// Work counts of the run, sampled as the scene asks.
     pub work: WorkCounts,
@@ -87,8 +87,8 @@ pub struct Cell {
     pub reversals: usize,
     /// The first gate that it does not pass.
     pub gate: Gate,
-    /// The study's own metrics beside those of the right run; none for a run that failed, where there
-    /// is no study, or for the exact solver beside itself. They judge nothing.
+    /// The study's own metrics beside those of the right run; empty for a run that failed, where
+    /// there is no study, or for the exact solver beside itself. They judge nothing.
     pub metrics: Vec<MetricChange>,
 }
 

@@ -7,7 +7,7 @@ use crate::story::Story;
 use zwidth_dynamics::{ModelScene, System};
 use zwidth_tables::{Column, Table};
 
-/// A row a sample of each run: the setting's solver and step, time, angle. A run that fails has
+/// One row per sample of each run: the setting's solver and step, time, angle. A run that fails has
 /// none.
 ///
 /// # Errors

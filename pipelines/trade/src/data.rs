@@ -53,8 +53,8 @@ struct Row {
 
 /// For everything that is taken from the recordings and each metric: its mean with all of them, how
 /// its changes are spread over the trials, how many trials lose it, and the change that a person
-/// would feel, where one is known for its unit. `whole` and each of `lessened` have a row a trial, in
-/// the same order.
+/// would feel, where one is known for its unit. `whole` and each of `lessened` have one row per
+/// trial, in the same order.
 ///
 /// # Errors
 /// None that tables of one form can cause.

@@ -47,7 +47,7 @@ pub struct MetricChange {
     pub right: Option<f64>,
     /// Of the run.
     pub found: Option<f64>,
-    /// Change over what is just felt; none where that is not known, or one of the two is missing.
+    /// Change over what is just felt; `None` where that is not known, or one of the two is missing.
     pub felt_share: Option<f64>,
 }
 
@@ -57,7 +57,7 @@ impl MetricChange {
         Some(self.found? - self.right?)
     }
 
-    /// The size of the change over the right value's; none where that is 0.
+    /// The size of the change over the right value's; `None` where that is 0.
     pub fn relative(&self) -> Option<f64> {
         let right = self.right.filter(|right| right.abs() > 0.0)?;
         Some((self.change()? / right).abs())

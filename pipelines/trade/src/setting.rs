@@ -41,7 +41,7 @@ impl Setting {
         (named(self.solver).make)(tolerance)
     }
 
-    /// The number: smaller is finer. 0 for none.
+    /// The number: smaller is finer. 0 if it has no number.
     pub fn size(&self) -> f64 {
         match self.fineness {
             Fineness::None => 0.0,

@@ -105,7 +105,7 @@ impl Setup {
     }
 }
 
-/// Metrics of the same trials at the study's own setup and at another, a row a trial.
+/// Metrics of the same trials at the study's own setup and at another, one row per trial.
 #[derive(Debug, Clone)]
 pub struct Rehearsed {
     /// The other setup.

@@ -63,7 +63,7 @@ fn columns(rows: &[Row]) -> Vec<Column> {
         }),
         text("solver", "the solver", &|row| row.1.setting.solver.to_owned()),
         float("step_s", "s", "its step", &|row| row.1.setting.step_s()),
-        float("tolerance", "1", "its relative error a step", &|row| {
+        float("tolerance", "1", "its relative error per step", &|row| {
             tolerance(row).filter(|t| *t > 0.0)
         }),
         text("verdict", "what the run is worth", &|row| {
@@ -142,7 +142,7 @@ pub fn model_words(scene: &ModelScene) -> &'static str {
     }
 }
 
-/// A row a scene: how far its yardstick is proven, and what is recommended and why.
+/// One row per scene: how far its yardstick is proven, and what is recommended and why.
 ///
 /// # Errors
 /// None that finished trades can cause.
@@ -199,8 +199,8 @@ pub fn summary_table(name: &str, title: &str, trades: &[Trade]) -> Result<Table,
     Ok(Table::new(name, title, columns)?.with_note("Model runs, not measurements."))
 }
 
-/// The scene with the recommended step, ready for `zwidth simulate`, with the reason above it; none
-/// where nothing is recommended.
+/// The scene with the recommended step, ready for `zwidth simulate`, with the reason above it;
+/// `None` where nothing is recommended.
 ///
 /// # Errors
 /// A scene that cannot be written as TOML.

@@ -58,9 +58,9 @@ pub struct Yardstick {
     pub system: System,
     /// How far it is proven.
     pub proof: Proof,
-    /// The largest difference of the two solvers' angles, rad; none where one of them cannot run.
+    /// The largest difference of the two solvers' angles, rad; `None` where one of them cannot run.
     pub apart_rad: Option<f64>,
-    /// That of their events' times, s; none where their events differ.
+    /// That of their events' times, s; `None` where their events differ.
     pub apart_s: Option<f64>,
     /// By which solver.
     pub by: &'static str,

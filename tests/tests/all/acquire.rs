@@ -399,7 +399,7 @@ fn a_simulated_study_is_the_same_bytes_on_one_thread_and_on_many_and_other_bytes
     zwidth(desk.root(), &again)
         .exits(1)
         .one_error()
-        .says(&["is there already", "choose another study"]);
+        .says(&["exists already", "choose another study"]);
 }
 
 #[test]

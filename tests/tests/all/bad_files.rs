@@ -153,7 +153,7 @@ fn a_parquet_file_without_rows_and_one_of_a_stranger_are_refused() {
         footer.retain(|key, _| key != "kind");
         fs::write(path, write_parquet(&batch, footer, path).unwrap()).unwrap();
     };
-    check(stranger, &["footer key 'kind' is missing", "restore the file"]);
+    check(stranger, &["its metadata 'kind' are missing", "restore the file"]);
 }
 
 #[test]

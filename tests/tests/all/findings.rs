@@ -84,7 +84,7 @@ fn a_folder_in_the_place_of_a_trial_is_told_by_run_and_summary() {
 #[test]
 fn an_edited_record_is_told_by_run_and_summary() {
     let rename = |s: &Study| edit(&s.record("P01"), "zwidth tests", "zwidth 9.9.9");
-    damaged(rename, &["P01_S01.json", "not the one that the session was laid down with"]);
+    damaged(rename, &["P01_S01.json", "not the one that the session began with"]);
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn what_counts_all_the_same_is_to_be_read_with_care_in_run_and_summary() {
 
     let narrow = study();
     edit(&narrow.layout().study_toml(), "theta_max_deg = 45.0", "theta_max_deg = 20.0");
-    check(&narrow, "Read with care", &["22.07° lies more than 2° outside of the work space"]);
+    check(&narrow, "Read with care", &["22.07° is more than 2° outside of the work space"]);
     assert!(
         section(&summary(&narrow), "Read with care").contains("P01 S01 trial 3, theta_rad, row ")
     );

@@ -74,8 +74,8 @@ fn check(path: impl Fn(&World) -> String, file: impl Fn(&World) -> PathBuf) {
         "read with care: ",
         "records.json",
         "figure of before",
-        "is passed by",
-        "find out who wrote it",
+        "is ignored",
+        "find out what wrote the record",
     ];
     world.run().exits(3).says(&words).says(&[&path]);
     assert_eq!(world.others(), before, "{path}");

@@ -262,7 +262,7 @@ fn a_shard_of_another_version_and_a_damaged_manifest_are_refused_and_the_others_
     let (own, other) = if text.contains(&hash) { ("1/2", "2/2") } else { ("2/2", "1/2") };
     fs::write(&result[0], "another").unwrap();
     let merged = zwidth(root.path(), &["merge", STUDY]).exits(3);
-    let words = [format!("shard {own} is refused"), "is another than it made".to_owned()];
+    let words = [format!("shard {own} is refused"), "is not the one it made".to_owned()];
     assert!(words.iter().all(|word| merged.err.contains(word)), "{merged:#?}");
     assert!(!merged.err.contains(&format!("shard {other} is refused")), "{merged:#?}");
 }

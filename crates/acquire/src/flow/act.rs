@@ -212,7 +212,7 @@ impl Flow {
         };
         let Some(question) = self.asked(place, asked) else { return refuse("no question is open") };
         if !question.scale.has(value) {
-            return refuse(format!("{value} is no answer: {}", question.scale.range()));
+            return refuse(format!("{value} is not an answer: {}", question.scale.range()));
         }
         let action = if late {
             let (trial, question) = (self.places[place].trial.trial, question.id.clone());

@@ -309,7 +309,7 @@ impl<'a> Runner<'a> {
 
     fn log(&mut self, event: Event) -> Result<(), AcquireError> {
         if !self.session.laid_down {
-            self.view.say("not kept: there is no session yet, the device check comes first");
+            self.view.say("not kept: the session begins after the device check");
             return Ok(());
         }
         let utc = (self.utc)(self.attendant.now_s());

@@ -68,8 +68,8 @@ impl Screen {
     pub fn open(look: Look, stop: Arc<AtomicBool>) -> Result<Self, AcquireError> {
         if !(io::stdin().is_terminal() && io::stdout().is_terminal()) {
             return Err(AcquireError::Refused {
-                what: "the screen needs a terminal, and input or output is none".into(),
-                remedy: "use --plain".into(),
+                what: "the screen needs a terminal, and input or output is not one".into(),
+                remedy: "use --plain in scripts and pipes".into(),
             });
         }
         let shared = Arc::new(Shared { state: Mutex::default(), changed: Condvar::new(), stop });

@@ -80,7 +80,7 @@ pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Ve
             angle_hz,
             "Hz",
             fast(angle_hz, nominal_hz),
-            "new angles a second; if too few, check the link and the board's sampling interval",
+            "new angles per second; if too few, check the link and the board's sampling interval",
         ),
         noise(capabilities, looks),
     ];
@@ -88,7 +88,7 @@ pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Ve
     if looks.iter().all(|look| look.reading.force_age_s.is_some()) {
         let (force_hz, nominal_hz) =
             (forces.len() as f64 / span_s, capabilities.force_rate_hz.min(asked_hz));
-        let about = "new forces a second; if too few, check the amplifier's rate switch";
+        let about = "new forces per second; if too few, check the amplifier's rate switch";
         found.push(Finding::new("force rate", force_hz, "Hz", fast(force_hz, nominal_hz), about));
     }
     let (mean_n, sd_n) = mean_and_sd(&forces);
@@ -114,7 +114,7 @@ pub fn by_hand(capabilities: &Capabilities, limits: &Limits, looks: &[Look]) -> 
     let mut found = Vec::new();
     let forces = new_forces_n(looks);
     let pushed: Vec<f64> = forces.into_iter().filter(|n| n.abs() > PUSHED_N).collect();
-    let about = "share of the forces above 1 N that are the lowest or the highest; if many are, the amplifier is at its end";
+    let about = "share of the forces above 1 N that equal the lowest or the highest; if many do, the amplifier is at the end of its range";
     let share = at_ends(&pushed);
     found.push(Finding::new("force saturation", share, "1", share <= SATURATED, about));
     if let Some(counts_per_turn) = capabilities.counts_per_turn {

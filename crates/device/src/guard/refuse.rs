@@ -134,7 +134,7 @@ mod tests {
         let capabilities = Capabilities { force_rate_hz: 10.0, ..mock::capabilities() };
         assert!(
             refused(&capabilities, &mode(Some(8.0), Some(8.0)))
-                .contains("10 times a second, 80 at least")
+                .contains("10 times per second; 80 are needed")
         );
         for mode in [mode(Some(16.0), None), mode(None, Some(8.0))] {
             assert_eq!(refuse(&capabilities, &mode, &Calibration::thesis(), 10.0, false), Ok(()));

@@ -6,10 +6,12 @@ use crate::{AngleFault, DeviceError};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Trip {
     /// The turn of the shaft is not known.
-    #[error("not homed: hold the lever against its lower stop and home")]
+    #[error("the lever is not homed: hold it against its lower stop and home")]
     NotHomed,
     /// No mode was allowed.
-    #[error("no mode was allowed for this trial: arm the guard first")]
+    #[error(
+        "the device was not made ready for this trial: this is a defect of zwidth, please report it"
+    )]
     NotArmed,
     /// The mode is not to be used on this device.
     #[error(transparent)]
@@ -22,7 +24,7 @@ pub enum Trip {
     Angle(#[from] AngleFault),
     /// A sensor has stopped.
     #[error(
-        "no new {sensor} for {age_s:.3} s, {limit_s:.3} s at most: check the sensor's cable, then home again"
+        "no new {sensor} for {age_s:.3} s, more than the {limit_s:.3} s allowed: check the sensor's cable, then home again"
     )]
     Stale {
         /// `angle` or `force`.
@@ -40,7 +42,7 @@ pub enum Trip {
     },
     /// The lever cannot be where it seems to be.
     #[error(
-        "the lever is at {:.1} degrees, outside its work space: the turn is lost or the lever came off; home again",
+        "the lever is at {:.1} degrees, outside its work space: the turns were miscounted or the lever came off; home again",
         theta_rad.to_degrees()
     )]
     Outside {
@@ -49,7 +51,7 @@ pub enum Trip {
     },
     /// The user's force is above the limit.
     #[error(
-        "a force of {force_n:.1} N, {limit_n:.1} N at most: let go; if nobody pushed, check the load cell"
+        "a force of {force_n:.1} N, more than the {limit_n:.1} N allowed: let go; if nobody pushed, check the load cell"
     )]
     Force {
         /// The force, N.
@@ -59,7 +61,7 @@ pub enum Trip {
     },
     /// The loop was away for too long.
     #[error(
-        "the control loop missed {lost_s:.3} s, {limit_s:.3} s at most: close other programs, or ask for a lower rate"
+        "the control loop missed {lost_s:.3} s, more than the {limit_s:.3} s allowed: close other programs, or ask for a lower rate"
     )]
     Deadlines {
         /// What was missed of late, s.
@@ -114,7 +116,7 @@ pub enum Refusal {
     },
     /// The force sensor is too slow to switch on.
     #[error(
-        "mode {mode} switches on the force, which {device} measures {found_hz} times a second, {least_hz} at least: \
+        "mode {mode} switches on the force, which {device} measures {found_hz} times per second; {least_hz} are needed: \
          set the amplifier to its faster rate"
     )]
     SlowForce {
@@ -129,7 +131,7 @@ pub enum Refusal {
     },
     /// The motor could hurt.
     #[error(
-        "mode {mode}: {voltage_v} V are {force_n:.2} N of motor force, {most_n} N at most: lower motor_max_v"
+        "mode {mode}: {voltage_v} V give {force_n:.2} N of motor force, more than the {most_n} N allowed: lower motor_max_v"
     )]
     MotorForce {
         /// Which mode.
@@ -143,7 +145,7 @@ pub enum Refusal {
     },
     /// The device cannot give the mode's voltage.
     #[error(
-        "mode {mode} asks for {asked_v} V of the {actuator}, {device} gives 0 to {most_v} V: correct {actuator}_max_v"
+        "mode {mode} asks for {asked_v} V of the {actuator}, and {device} gives 0 to {most_v} V: correct {actuator}_max_v"
     )]
     Voltage {
         /// Which device.

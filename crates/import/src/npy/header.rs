@@ -82,7 +82,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, &[u8]), String> {
         ));
     }
     let (text, data) = rest.split_at_checked(length).ok_or(CUT)?;
-    let text = std::str::from_utf8(text).map_err(|_| "its header is no text".to_owned())?;
+    let text = std::str::from_utf8(text).map_err(|_| "its header is not text".to_owned())?;
     Ok((header(text)?, data))
 }
 
@@ -92,7 +92,7 @@ fn header(text: &str) -> Result<Header, String> {
     let mut reader = Reader { rest: text.trim_end() };
     let value = reader.value(0).filter(|_| reader.rest.is_empty());
     let Some(Literal::Dict(entries)) = value else {
-        return Err("its header is no list of type, order and shape".to_owned());
+        return Err("its header does not list type, order and shape".to_owned());
     };
     let of = |key: &str| entries.iter().find(|(k, _)| k == key).map(|(_, value)| value);
     let by_columns = matches!(of("fortran_order"), Some(Literal::Bool(true)));
@@ -107,7 +107,7 @@ fn header(text: &str) -> Result<Header, String> {
         _ => None,
     };
     let shape = sizes.iter().map(size).collect::<Option<Vec<_>>>();
-    let shape = shape.ok_or("its shape is none")?;
+    let shape = shape.ok_or("its shape cannot be read")?;
     let (item, members) = members(of("descr").ok_or("it gives no type")?)?;
     Ok(Header { shape, by_columns, item, members })
 }
@@ -198,7 +198,7 @@ fn kind(code: &str) -> Result<(Kind, usize), String> {
 }
 
 fn no_type() -> String {
-    "its type is none that NumPy writes".to_owned()
+    "its type is not one that NumPy writes".to_owned()
 }
 
 /// Whether the first byte is the highest, the letter of the type, and its size.
@@ -216,9 +216,9 @@ fn other(letter: &str) -> Option<&'static str> {
     match letter {
         "b" => Some("it holds yes or no; save it as numbers"),
         "f" | "g" => Some("it holds numbers of 2 or 16 bytes; save it as float64"),
-        "c" => Some("it is complex; save real and imaginary part"),
+        "c" => Some("it holds complex numbers; save real and imaginary part apart"),
         "M" | "m" => Some("it holds dates; save seconds as float64"),
-        "V" => Some("it holds bytes of no type"),
+        "V" => Some("it holds bytes without a type; save it as float64"),
         _ => None,
     }
 }
@@ -253,7 +253,7 @@ impl Kind {
 
     /// A value as text, without the zeros behind it.
     pub(super) fn text(&self, bytes: &[u8]) -> Result<String, String> {
-        let no_text = || "a text in it is none".to_owned();
+        let no_text = || "a text in it cannot be read".to_owned();
         let Self::Unicode { big } = self else {
             let end = bytes.iter().rposition(|b| *b != 0).map_or(0, |last| last + 1);
             return String::from_utf8(bytes[..end].to_vec()).map_err(|_| no_text());

@@ -167,13 +167,17 @@ fn what_a_header_claims_takes_no_memory_and_is_refused_where_it_is_not_there() {
     for (descr, shape, words) in [
         ("'<f8'", "(1000000000000,)", "claims 8000000000000 bytes of values, and 8 are there"),
         ("'<f8'", "(18446744073709551615, 18446744073709551615)", "more values than any file"),
-        ("'<f8'", "(99999999999999999999999,)", "its header is no list"),
-        ("'<f8'", "(-1,)", "its header is no list"),
-        ("'<U9223372036854775807'", "(1,)", "its type is none"),
-        ("'<f8'", "('a',)", "its shape is none"),
+        ("'<f8'", "(99999999999999999999999,)", "its header does not list"),
+        ("'<f8'", "(-1,)", "its header does not list"),
+        ("'<U9223372036854775807'", "(1,)", "its type is not one that NumPy writes"),
+        ("'<f8'", "('a',)", "its shape cannot be read"),
         ("[]", "(1,)", "0 fields"),
-        ("[('a', '<f8', (4294967295, 4294967295, 4294967295))]", "(1,)", "its type is none"),
-        ("((((((((((1,),),),),),),),),),)", "(1,)", "its header is no list"),
+        (
+            "[('a', '<f8', (4294967295, 4294967295, 4294967295))]",
+            "(1,)",
+            "its type is not one that NumPy writes",
+        ),
+        ("((((((((((1,),),),),),),),),),)", "(1,)", "its header does not list"),
         ("'<f8'", "(0, 0)", "8 are there"),
     ] {
         let error = read(&array(descr, "False", shape, &floats(&[0.0]))).unwrap_err();

@@ -95,11 +95,11 @@ pub(super) fn header(xml: &str) -> Result<Header, String> {
     Ok(Header {
         name: name.unwrap_or_default(),
         channels: channels
-            .ok_or_else(|| format!("its channel_count is none from 1 to {MOST_COLUMNS}"))?,
+            .ok_or_else(|| format!("its channel_count is not from 1 to {MOST_COLUMNS}"))?,
         rate_hz: rate
             .filter(|rate| rate.is_finite() && *rate >= 0.0)
-            .ok_or("its nominal_srate is no rate")?,
-        written: format.ok_or("its channel_format is none that is known")?,
+            .ok_or("its nominal_srate is not a rate")?,
+        written: format.ok_or("its channel_format is not known")?,
         labels,
         may_drop,
     })

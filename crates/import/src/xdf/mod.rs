@@ -205,6 +205,6 @@ fn other_rate(times: &[f64], rate_hz: f64) -> Option<String> {
     let found_hz = (times.len() - 1) as f64 / (last - first);
     let is_off = (found_hz - rate_hz).abs() > RATE_OFF * rate_hz;
     is_off.then(|| {
-        format!("the stream says {rate_hz} Hz, and {found_hz:.1} samples a second were recorded")
+        format!("the stream says {rate_hz} Hz, and {found_hz:.1} samples per second were recorded")
     })
 }

@@ -253,12 +253,12 @@ fn a_rate_beyond_what_the_line_carries_is_refused_with_the_reason() {
     };
     // Commands of 12 bytes at 1.25 times the readings' rate: 57,600 / 10 / 12 / 1.25 = 384 Hz.
     connect(&at(AngleAt::Analog(0), 333.0, None));
-    refused(&at(AngleAt::Analog(0), 400.0, None), &["57600 baud carry 384", "raise baud"]);
+    refused(&at(AngleAt::Analog(0), 400.0, None), &["57600 baud carry at most 384", "raise baud"]);
     refused(&at(AngleAt::I2c, 600.0, None), &["384"]);
     refused(&at(AngleAt::I2c, 1001.0, Some(1_000_000)), &["firmata.rate_hz", "sampling interval"]);
     let mut lines = text("{t_us},{counts},{hx711}");
     lines.text.as_mut().unwrap().rate_hz = 500.0;
-    refused(&lines, &["115200 baud carry 426", "raise baud"]);
+    refused(&lines, &["115200 baud carry at most 426", "raise baud"]);
     let mut cell = firmata(AngleAt::I2c);
     cell.hx711.as_mut().unwrap().baud = 300;
     refused(&cell, &["load cell", "hx711.baud"]);
@@ -305,7 +305,7 @@ fn settings_of_a_link_are_checked() {
     let with = |line: &str, command: &str| format!("{lines}line = {line:?}\ncommand = {command:?}");
     refused(&with("{counts}", "{motor_pwm} {brake_pwm}"), "where the force comes from");
     refused(&with("{hx711}", "{motor_pwm} {brake_pwm}"), "{counts} is missing");
-    refused(&with("{counts} {hx711}", "{motor_pwm}"), "command is no template");
+    refused(&with("{counts} {hx711}", "{motor_pwm}"), "command: {brake_pwm} is missing");
     refused(&with("{counts} {hx711}", "{motor_pwm} {brake_pwm}").replace("4096", "1"), "2 or more");
 }
 

@@ -91,10 +91,10 @@ impl Values {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TemplateError {
     /// A `{` without its `}`.
-    #[error("a {{ has no }}")]
+    #[error("a {{ is not closed; add its }}")]
     Open,
     /// A field that is not known here.
-    #[error("{{{word}}} is no field of it; there are {known}")]
+    #[error("{{{word}}} is not a field of this line; its fields are {known}")]
     Unknown {
         /// What stood there.
         word: String,
@@ -102,25 +102,25 @@ pub enum TemplateError {
         known: String,
     },
     /// A field that stands there twice.
-    #[error("{{{word}}} stands there twice")]
+    #[error("{{{word}}} is there twice; take one out")]
     Twice {
         /// Which.
         word: &'static str,
     },
     /// Two fields with nothing between them that could be told from a number.
-    #[error("nothing that is no digit parts {{{word}}} from the field before it")]
+    #[error("put something that is not a digit between {{{word}}} and the field before it")]
     Adjacent {
         /// The second.
         word: &'static str,
     },
     /// A field that must be there.
-    #[error("{{{word}}} is missing")]
+    #[error("{{{word}}} is missing; add it")]
     Missing {
         /// Which.
         word: &'static str,
     },
     /// A line's end within it, or a line that is too long.
-    #[error("it must be one line of at most {MOST_LINE} bytes with its numbers")]
+    #[error("it must be one line, of at most {MOST_LINE} bytes with its numbers")]
     Long,
 }
 
@@ -286,13 +286,13 @@ mod tests {
     #[test]
     fn a_text_that_is_no_template_is_refused_with_its_reason() {
         for (text, says) in [
-            ("{counts", "no }"),
+            ("{counts", "add its }"),
             ("{count}", "{t_ms}, {t_us}, {counts}, {hx711}, {any}"),
-            ("{motor_pwm} {counts}", "{motor_pwm} is no field"),
+            ("{motor_pwm} {counts}", "{motor_pwm} is not a field"),
             ("{counts},{counts}", "twice"),
-            ("{t_ms}{counts}", "no digit parts {counts}"),
-            ("{t_ms}0,{counts}", "no digit parts {counts}"),
-            ("{t_ms}-{counts}", "no digit parts {counts}"),
+            ("{t_ms}{counts}", "not a digit between {counts}"),
+            ("{t_ms}0,{counts}", "not a digit between {counts}"),
+            ("{t_ms}-{counts}", "not a digit between {counts}"),
             ("{t_ms}", "{counts} is missing"),
             ("{counts}\n{hx711}", "one line"),
             (&format!("{}{{counts}}", "x".repeat(124)), "at most 128"),

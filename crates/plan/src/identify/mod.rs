@@ -56,7 +56,7 @@ const NAMES: [&str; 6] = [
 ];
 
 /// The parameters, their profiles, the threshold's bracket, by eye against fitted on trials held
-/// out, the errors trial by trial, and the parameters' covariance; none where no trial can be
+/// out, the errors trial by trial, and the parameters' covariance; empty where no trial can be
 /// replayed.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     let is_any = replayable(data).next().is_some();
@@ -235,8 +235,8 @@ fn fitted_trial(trial: Trial, how: &Rendering) -> Result<Option<Fitted>, String>
     }
 }
 
-/// What the controller saw and did; `None` where that was not recorded, or the mode has not both
-/// motor and brake.
+/// What the controller saw and did; `None` where that was not recorded, or the mode does not have
+/// both motor and brake.
 fn switching<'t>(trial: &'t Trial, how: &Rendering) -> Option<Switching<'t>> {
     let column = |signal| trial.samples.get(signal);
     (how.motor_max_v > 0.0 && how.brake_max_v > 0.0).then_some(())?;
@@ -248,7 +248,7 @@ fn switching<'t>(trial: &'t Trial, how: &Rendering) -> Option<Switching<'t>> {
     })
 }
 
-/// The tables of a fit; empty ones that say why where there is too little to fit.
+/// The tables of a fit. If there is too little to fit, they are empty and say why.
 fn tables_of(trials: &[Fitted], fit: &Fit) -> Result<Vec<Table>, JobError> {
     let recordings: Vec<Recording> = trials
         .iter()

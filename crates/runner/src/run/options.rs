@@ -50,7 +50,7 @@ pub(super) fn records_before(
     match Manifest::read(results, shard)?.map(|found| found.manifest) {
         Some(Ok(manifest)) => records.0.extend(manifest.records.0),
         Some(Err(error)) => {
-            let remedy = "nothing is to be done; it is written anew";
+            let remedy = "you need not do anything; it is written anew";
             remarks.push(StoreError::new(&error.path, error.what, remedy));
         }
         None => {}

@@ -61,7 +61,7 @@ pub(crate) fn check_footer_in(content: &Content) -> Result<(), String> {
     claims_of(&read(from, length)?)
 }
 
-const NO_FOOTER: &str = "it has no footer: it was cut short, or is no Parquet file";
+const NO_FOOTER: &str = "its end is missing: it was cut short, or is not a Parquet file";
 
 fn check_length(bytes: usize) -> Result<(), String> {
     match bytes > MOST_FOOTER {

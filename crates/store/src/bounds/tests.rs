@@ -130,7 +130,7 @@ fn a_footer_longer_than_its_file_is_none() {
     let mut bytes = file(&claims(1));
     let at = bytes.len() - TAIL;
     bytes[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
-    assert!(error(&bytes).contains("it has no footer"));
+    assert!(error(&bytes).contains("its end is missing"));
 }
 
 #[test]

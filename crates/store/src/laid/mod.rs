@@ -52,8 +52,9 @@ pub fn lay_down(
 /// # Errors
 /// A value that JSON cannot hold.
 pub fn record_bytes(path: &Path, record: &SessionRecord) -> Result<Vec<u8>, StoreError> {
-    let text =
-        record.to_json().map_err(|e| StoreError::new(path, e.to_string(), "please report this"))?;
+    let text = record.to_json().map_err(|e| {
+        StoreError::new(path, e.to_string(), "this is a defect of zwidth, please report it")
+    })?;
     Ok(text.into_bytes())
 }
 
@@ -98,7 +99,7 @@ pub(crate) fn check_record(path: &Path, bytes: &[u8], events: &[Event]) -> Resul
     });
     match laid {
         Some(laid) if *laid != hash => {
-            let what = "the record is not the one that the session was laid down with, by its log";
+            let what = "the record is not the one that the session began with, by its log";
             Err(StoreError::new(path, what, RESTORE))
         }
         _ => Ok(()),
@@ -137,8 +138,7 @@ pub(crate) fn is_copy(path: &Path, bytes: &[u8], record: &SessionRecord) -> Resu
     if hex_blake3(bytes) == record.study_blake3 {
         return Ok(());
     }
-    let what =
-        "it is not the study.toml that the session was laid down with, by the hash in its record";
+    let what = "it is not the study.toml that the session began with, by the hash in its record";
     Err(StoreError::new(path, what, RESTORE))
 }
 
@@ -170,9 +170,8 @@ pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<Stri
         .or_else(|| both("device", "device", record.device.as_deref()))
         .or_else(|| both("seed", "seed", seed.as_deref()))
         .or_else(|| {
-            (!accepted).then(|| {
-                "it was recorded under a study.toml that its session does not know".to_owned()
-            })
+            (!accepted)
+                .then(|| "it was recorded with a study.toml that its session never had".to_owned())
         })
 }
 
@@ -204,8 +203,7 @@ pub(crate) fn study_warning(
     }
     let changes = matters(log, study, hash)?;
     let (participant, session) = (&log.record.participant, &log.record.session);
-    let what =
-        format!("study.toml is another than when {participant} {session} was laid down: {changes}");
+    let what = format!("study.toml has changed since {participant} {session} began: {changes}");
     let copy = layout.study_copy(participant, session);
     let as_it_was = match &log.study {
         None => String::new(),

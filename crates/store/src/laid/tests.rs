@@ -144,7 +144,7 @@ fn a_record_that_lost_its_log_beside_a_trial_is_not_laid_down_anew() {
     fs::remove_file(head_of(&log)).unwrap();
     assert_eq!(crate::recover(&RealFiles, &laid.layout, UTC), []);
     assert!(!log.exists() && laid.counting() == 0);
-    assert!(verify(&laid.layout).iter().any(|f| f.what.contains("does not speak of trial 1")));
+    assert!(verify(&laid.layout).iter().any(|f| f.what.contains("does not mention trial 1")));
 }
 
 #[test]

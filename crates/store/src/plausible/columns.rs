@@ -207,7 +207,7 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
          its range",
         100.0 * count / n
     );
-    let remedy = "what was larger is lost: exclude the trial, or say so; check scale and range of the sensor";
+    let remedy = "larger values are lost: exclude the trial, or report it in your methods; check scale and range of the sensor";
     let first = values.iter().position(is_there);
     stands.then(|| Doubt { row: first, ..Doubt::new(signal, what, remedy) })
 }

@@ -36,8 +36,8 @@ const VELOCITIES: [(f64, &str); 8] = [
     (1e-3, "a time in s taken for ms, or a velocity in m/s for mm/s"),
     (60.0 / TAU, "rpm taken for rad/s"),
     (TAU / 60.0, "rad/s taken for rpm"),
-    (TAU, "rad/s taken for turns a second"),
-    (1.0 / TAU, "turns a second taken for rad/s"),
+    (TAU, "rad/s taken for turns per second"),
+    (1.0 / TAU, "turns per second taken for rad/s"),
 ];
 
 /// θ̇ against θ: how far the one says that the lever went, in each stretch, over how far the other does.

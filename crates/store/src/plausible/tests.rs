@@ -19,7 +19,7 @@ fn asked() -> Asked {
     }
 }
 
-/// There and back in 2 s over 77° on that spring, 500 samples a second, with noise of the force.
+/// There and back in 2 s over 77° on that spring, 500 samples per second, with noise of the force.
 fn recording() -> Samples {
     let t: Vec<f64> = (0..1000u32).map(|i| f64::from(i) * 2e-3).collect();
     let (size, omega) = (77_f64.to_radians(), core::f64::consts::PI);

@@ -130,7 +130,7 @@ impl Check<'_> {
     /// What is asked after its trials: one question, or several.
     fn asked(&mut self, at: &str, e: &EnvironmentTable, known: &BTreeSet<&str>) -> Vec<QuestionId> {
         if e.question.is_some() && !e.questions.is_empty() {
-            let what = "has no meaning beside questions; put it into that list".to_owned();
+            let what = "is not used beside questions; put it into that list".to_owned();
             self.error(&format!("{at}.question"), what);
         }
         self.at_most_listed(&format!("{at}.questions"), e.questions.len());
@@ -188,7 +188,7 @@ impl Check<'_> {
                     false => String::new(),
                 };
                 let problem =
-                    format!("has no meaning for this kind of environment and coordinate{meant}");
+                    format!("is not used for this kind of environment and coordinate{meant}");
                 self.error(&format!("{at}.{}", keys[place].0), problem);
             }
         }

@@ -59,8 +59,7 @@ impl Check<'_> {
                     Some(alignment) => _ = found.insert(id.to_owned(), alignment),
                     None => self.error(&at, format!("{value} must be {}", words())),
                 },
-                _ => self
-                    .error(&at, format!("has no meaning here; a figure has the key {ALIGNMENT}")),
+                _ => self.error(&at, format!("is not used here; a figure has the key {ALIGNMENT}")),
             }
         }
     }
@@ -82,7 +81,7 @@ fn words() -> String {
     Alignment::ALL.map(|a| format!("\"{}\"", a.as_str())).join(" or ")
 }
 
-/// Why no figure's id begins so, if none can.
+/// Why no figure can have an id that begins so; `None` if one can.
 fn unknown(id: &str, environments: &[&str]) -> Option<String> {
     let parts: Vec<&str> = id.split('.').collect();
     match parts.as_slice() {

@@ -71,7 +71,7 @@ mod tests {
             "environments[1].wall_deg",
             "from -36000 to 36000",
         );
-        check("wall_deg = 26.6", "wall_mm = 26.6", "environments[1].wall_mm", "no meaning");
+        check("wall_deg = 26.6", "wall_mm = 26.6", "environments[1].wall_mm", "is not used");
         check("repeats = 6", "repeat = 6", "repeat", "unknown field");
         check("repeats = 6", "repeats = \"six\"", "repeats", "invalid type");
         check("schema = 2", "schema = 3", "schema", "unknown");
@@ -84,7 +84,12 @@ mod tests {
             "control.velocity_cutoff_hz",
             "above 0",
         );
-        check("\"second_order\"\n", "\"difference\"\n", "control.velocity_cutoff_hz", "no meaning");
+        check(
+            "\"second_order\"\n",
+            "\"difference\"\n",
+            "control.velocity_cutoff_hz",
+            "is not used",
+        );
         check("order = \"williams\"", "order = \"by hand\"", "order", "unknown variant");
     }
 

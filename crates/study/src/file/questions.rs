@@ -46,13 +46,13 @@ impl Check<'_> {
                 ("labels", !table.labels.is_empty()),
             ];
             for (name, _) in given.into_iter().filter(|(_, given)| *given) {
-                let what = "has no meaning without points, the number of answers; add points";
+                let what = "is not used without points, the number of answers; add points";
                 self.error(&format!("{key}.{name}"), what.to_owned());
             }
             return table.scale.clone().unwrap_or_default();
         };
         if table.scale.is_some() {
-            let what = "has no meaning beside points; leave one of them out";
+            let what = "is not used beside points; leave one of them out";
             self.error(&format!("{key}.scale"), what.to_owned());
         }
         if schema == Schema::One {
@@ -168,7 +168,7 @@ mod tests {
             ("points = 7\nlabels = [\"a\", \"b\", \"c\", \"d\"]", "labels", "4 words for 7 points"),
             ("points = 4\nlabels = [\"a\", \"b\", \"c\"]", "labels", "give 2 (both ends) or 4"),
             ("points = 2\nlabels = [\"a\", \" \"]", "labels[1]", "is empty"),
-            ("points = 2\nlabels = [\"a\\n\", \"b\"]", "labels[0]", "starts a line"),
+            ("points = 2\nlabels = [\"a\\n\", \"b\"]", "labels[0]", "breaks a line"),
         ] {
             let errors = asked(lines).unwrap_err();
             let key = format!("questions[0].{key}");

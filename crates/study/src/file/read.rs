@@ -51,7 +51,7 @@ impl Check<'_> {
     pub(super) fn line(&mut self, key: &str, text: &str) {
         if let Some(c) = text.chars().find(|c| steers(*c)) {
             let problem = format!(
-                "holds {}, which starts a line or turns one; leave it out",
+                "contains {}, which breaks a line or turns its direction; leave it out",
                 c.escape_default()
             );
             self.error(key, problem);
@@ -100,7 +100,7 @@ impl Check<'_> {
         {
             let problem = format!(
                 "at control.rate_hz = {} a trial could have {samples} samples; at most {MOST_SAMPLES} can be \
-                 read again: a shorter limit",
+                 read again: give a shorter limit",
                 file.control.rate_hz
             );
             self.error("design.trial_limit_s", problem);
@@ -290,7 +290,7 @@ impl Check<'_> {
             (VelocityKind::Difference, None) => VelocityFilter::Difference,
             (VelocityKind::Difference, Some(_)) => {
                 let problem =
-                    "has no meaning for a plain difference; remove it, or choose \"second_order\"";
+                    "is not used for a plain difference; remove it, or choose \"second_order\"";
                 self.error("control.velocity_cutoff_hz", problem.to_owned());
                 VelocityFilter::Difference
             }
@@ -361,7 +361,7 @@ impl Check<'_> {
             let key = format!("analysis.{name}");
             match given {
                 Some(_) if !used => {
-                    self.error(&key, "has no meaning for this coordinate; remove it".to_owned())
+                    self.error(&key, "is not used for this coordinate; remove it".to_owned())
                 }
                 Some(value) => _ = self.not_negative(&key, value),
                 None => {}

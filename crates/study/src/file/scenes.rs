@@ -18,7 +18,7 @@ impl Check<'_> {
             }
             for file in figure.files.iter().filter(|file| !is_below(file)) {
                 let problem = format!(
-                    "'{file}' is no scene file in the study's folder; write a path such as \"scenes/sine.toml\""
+                    "'{file}' is not a scene file in the study's folder; write a path such as \"scenes/sine.toml\""
                 );
                 self.error(&at("files"), problem);
             }
@@ -82,11 +82,11 @@ mod tests {
             (
                 "id = \"a\"\nfiles = [\"../a.toml\"]",
                 "scenes[0].files",
-                "'../a.toml' is no scene file",
+                "'../a.toml' is not a scene file",
             ),
-            ("id = \"a\"\nfiles = [\"/a.toml\"]", "scenes[0].files", "no scene file"),
-            ("id = \"a\"\nfiles = [\"c:\\\\a.toml\"]", "scenes[0].files", "no scene file"),
-            ("id = \"a\"\nfiles = [\"a.json\"]", "scenes[0].files", "no scene file"),
+            ("id = \"a\"\nfiles = [\"/a.toml\"]", "scenes[0].files", "not a scene file"),
+            ("id = \"a\"\nfiles = [\"c:\\\\a.toml\"]", "scenes[0].files", "not a scene file"),
+            ("id = \"a\"\nfiles = [\"a.json\"]", "scenes[0].files", "not a scene file"),
             (
                 "id = \"a\"\nfiles = [\"a.toml\"]\nstep_s = 0",
                 "scenes[0].step_s",

@@ -45,23 +45,39 @@ pub(crate) struct Args {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// The main job: raw data to every figure, table and summary; does only what changed
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth run thesis-twin\n",
+        "  zwidth run thesis-twin --only metrics"
+    ))]
     Run(Run),
     /// Which shards of a study have made their share (`run --shard`), and what is missing
+    #[command(after_help = "Example:\n  zwidth shards thesis-twin --missing")]
     Shards(Shards),
     /// Put the results of a study's shards together; then `run` makes the rest
+    #[command(after_help = "Example:\n  zwidth merge thesis-twin")]
     Merge(Merge),
     /// Write a commented study.toml for a new study
+    #[command(after_help = "Example:\n  zwidth new mystudy")]
     New {
         /// The study's id: a folder's name under raw/
         study: StudyId,
     },
     /// Record a session: trials, questions, pauses; resumes where it was left
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth acquire mystudy -p P01 -s S01\n",
+        "  zwidth acquire mystudy -p P01 -s S01 --device rig:/dev/ttyACM0"
+    ))]
     Acquire(Acquire),
     /// The device check before a session
+    #[command(after_help = "Example:\n  zwidth check mystudy --device rig:/dev/ttyACM0")]
     Check(Check),
     /// Record characterisation sweeps of an actuator, or the Z-width of the device
+    #[command(after_help = "Example:\n  zwidth characterise mystudy motor --sweeps 3")]
     Characterise(Characterise),
     /// A whole study on the simulated device, at once
+    #[command(after_help = "Example:\n  zwidth twin mytwin --participants 4 --sessions 1")]
     Twin(Twin),
     /// A recorded trial does not count, and why: it is missing until it is done again
     Exclude(Exclude),
@@ -70,52 +86,96 @@ pub(crate) enum Command {
     /// Give an answer after the session; it counts in place of an earlier one, which is kept
     Answer(Answer),
     /// Open a blinded session's seal: its modes are known from then on
+    #[command(after_help = "Example:\n  zwidth unseal mystudy -p P01 -s S01")]
     Unseal(Unseal),
     /// After a kill or a power cut: journals become trials, half-written files go
+    #[command(after_help = "Example:\n  zwidth recover mystudy")]
     Recover(Recover),
     /// Bring in recordings of other rigs, as a mapping file says
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth import --guess recordings/P01.csv --map map.toml\n",
+        "  zwidth import mystudy --map map.toml recordings/P01.csv"
+    ))]
     Import(Import),
     /// Check studies: every finding, with file, column, row and remedy
+    #[command(after_help = "Example:\n  zwidth verify thesis-twin")]
     Verify {
         /// Studies to check [default: all under raw/]
         studies: Vec<StudyId>,
     },
     /// Studies, sessions and trials; what is missing
+    #[command(after_help = "Example:\n  zwidth list thesis-twin")]
     List {
         /// A study [default: all]
         study: Option<StudyId>,
     },
     /// Run a model of the device: figures and tables of scenes
+    #[command(after_help = "Example:\n  zwidth simulate scenes/sine.toml")]
     Simulate(Simulate),
     /// Speed against accuracy: every solver and step on scenes, and the cheapest that is good enough
+    #[command(after_help = "Example:\n  zwidth trade scenes/sine.toml")]
     Trade(Trade),
     /// Which terms of the model a scene needs: all sets of eight against the fullest
+    #[command(after_help = "Example:\n  zwidth ladder scenes/sine.toml")]
     Ladder(Ladder),
     /// Which virtual walls a device bears: limits of a sampled wall, kept apart, over pairs of
     /// quantities; whether what swung in a recorded trial was real
+    #[command(after_help = "Example:\n  zwidth stability --at delay=0.0083")]
     Stability(Stability),
     /// Modes, participants, sessions or repeats of a study compared, one metric at a time
+    #[command(after_help = "Example:\n  zwidth compare thesis-twin --by participant")]
     Compare(Compare),
     /// How many participants a study needs to find a difference; a plan to deposit
+    #[command(after_help = concat!(
+        "Example:\n",
+        "  zwidth power thesis-twin --difference 0.2 --participant-mode-sd 0.1 --residual-sd 0.2"
+    ))]
     Power(Power),
     /// Show a study's page in the browser, or write it as one file
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth open thesis-twin\n",
+        "  zwidth open thesis-twin --single-file thesis-twin.html"
+    ))]
     Open(Open),
     /// Make one figure of a study again, in another size or form, or list its figures
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth figure thesis-twin\n",
+        "  zwidth figure thesis-twin modes.P01.S01.spring --size 120 --format png"
+    ))]
     Figure(Figure),
     /// Print a table of a study, or list its tables
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth table thesis-twin\n",
+        "  zwidth table thesis-twin conditions --format tex"
+    ))]
     Table(Table),
     /// Print what was done in words, with its sources: for a thesis' methods chapter
+    #[command(after_help = "Example:\n  zwidth methods thesis-twin --format tex")]
     Methods(Methods),
     /// What a result was last made from, and why a run would make it again
+    #[command(after_help = concat!(
+        "Example:\n",
+        "  zwidth why reports/thesis-twin/figures/modes.P01.S01.spring.png"
+    ))]
     Why(Traced),
     /// The raw files behind a result, and the jobs between; also of a copy that lies elsewhere
+    #[command(after_help = concat!(
+        "Example:\n",
+        "  zwidth trace reports/thesis-twin/figures/modes.P01.S01.spring.png"
+    ))]
     Trace(Traced),
     /// Completions for a shell
+    #[command(after_help = "Example:\n  zwidth completions bash")]
     Completions {
         /// The shell
         shell: clap_complete::Shell,
     },
     /// The manual page
+    #[command(after_help = "Example:\n  zwidth man")]
     Man,
 }
 
@@ -275,8 +335,8 @@ pub(crate) struct Characterise {
     pub(crate) study: StudyId,
     /// The actuator, or the impedance of the whole device
     pub(crate) actuator: Subject,
-    /// The device
-    #[arg(long, default_value = "twin", value_name = DEVICES)]
+    /// The device: the simulated one alone can be characterised
+    #[arg(long, default_value = "twin", value_name = "twin")]
     pub(crate) device: DeviceSpec,
     /// Number of sweeps
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_SWEEPS))]
@@ -682,7 +742,7 @@ fn text_formats() -> impl TypedValueParser<Value = Format> {
     let values = text().map(|f| PossibleValue::new(f.extension()).help(f.about()));
     PossibleValuesParser::new(values).try_map(move |word| {
         let of_word = text().find(|format| format.extension() == word);
-        of_word.ok_or_else(|| format!("'{word}' is no format"))
+        of_word.ok_or_else(|| format!("'{word}' is not a format"))
     })
 }
 
@@ -690,13 +750,34 @@ fn text_formats() -> impl TypedValueParser<Value = Format> {
 fn methods_forms() -> impl TypedValueParser<Value = MethodsForm> {
     PossibleValuesParser::new(MethodsForm::ALL.map(|(word, _)| word)).try_map(|word| {
         let found = MethodsForm::ALL.into_iter().find(|(known, _)| *known == word);
-        found.map(|(_, form)| form).ok_or_else(|| format!("'{word}' is no format"))
+        found.map(|(_, form)| form).ok_or_else(|| format!("'{word}' is not a format"))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::CommandFactory as _;
+
+    /// The words of the examples that a command's help ends with.
+    fn examples(command: &clap::Command) -> Vec<Vec<String>> {
+        let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        let lines = help.lines().filter_map(|line| line.strip_prefix("  "));
+        lines.map(|line| line.split(' ').map(str::to_owned).collect()).collect()
+    }
+
+    #[test]
+    fn the_help_of_every_command_ends_with_examples_that_can_be_typed() {
+        for command in Args::command().get_subcommands() {
+            let name = command.get_name();
+            let examples = examples(command);
+            assert!(!examples.is_empty(), "{name} has no example");
+            for words in examples {
+                assert_eq!(words[..2], ["zwidth", name], "another command's: {words:?}");
+                Args::try_parse_from(&words).unwrap_or_else(|error| panic!("{words:?}: {error}"));
+            }
+        }
+    }
 
     #[test]
     fn the_default_tolerance_is_the_stage_s_own() {

@@ -24,7 +24,10 @@ pub(crate) fn characterise(
     let bench = bench(root, command.study.clone(), None)?;
     let lock = lock(&bench.layout, "zwidth characterise")?;
     if command.device != DeviceSpec::Twin {
-        bail!("a recording cannot be characterised; use --device twin");
+        bail!(
+            "`zwidth characterise` works on the simulated device only; use --device twin, or import sweeps of your \
+             own (docs/import.md)"
+        );
     }
     let raw = Raw::adds(&RealFiles, &bench.layout, &lock);
     let actuator = match command.actuator {

@@ -16,6 +16,7 @@ use zwidth_figures::caption_text;
 use zwidth_plan as plan;
 use zwidth_runner::{JobEnd, ORIGIN, Options, Report, Results, origins, run as run_jobs};
 use zwidth_store::{Layout, RealFiles, StudyData, findings};
+use zwidth_study::StudyId;
 
 #[derive(Serialize)]
 struct Entry {
@@ -33,16 +34,11 @@ pub(crate) fn figure(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Res
     };
     if !captions.iter().any(|(stem, _)| stem == name) {
         let names = captions.iter().map(|(stem, _)| stem.as_str());
-        bail!(
-            "{} has no figure '{name}'{} (`zwidth figure {}` lists them)",
-            asked.study,
-            did_you_mean(name, names),
-            asked.study
-        );
+        bail!(no_figure(&asked.study, name, names));
     }
     let (folder, origin) = (folder(&layout, asked)?, make(&data, name)?);
     let (figure, problems) = plan::describe(&data, name)
-        .ok_or_else(|| anyhow!("{name} is no figure of the study"))?
+        .ok_or_else(|| anyhow!(no_figure(&asked.study, name, [])))?
         .map_err(|error| anyhow!("{name} cannot be drawn: {error}"))?;
     let files = write(name, resized(figure, asked), &folder, origin, asked)?;
     problems.iter().for_each(|problem| screen.warn(format!("left out: {problem}")));
@@ -52,6 +48,12 @@ pub(crate) fn figure(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Res
         files.iter().for_each(|file| screen.result(file.display().to_string()));
     }
     Ok(if problems.is_empty() { Exit::Fine } else { Exit::Partly })
+}
+
+/// What to say where a study has no figure of this name.
+fn no_figure<'a>(study: &StudyId, name: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    let near = did_you_mean(name, names);
+    format!("{study} has no figure '{name}'{near} (`zwidth figure {study}` lists them)")
 }
 
 fn list(figures: Vec<Entry>, screen: &Screen) -> anyhow::Result<Exit> {
@@ -70,7 +72,11 @@ fn folder(layout: &Layout, asked: &Asked) -> anyhow::Result<PathBuf> {
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let own = [layout.raw(), layout.derived(), layout.reports().join("figures")];
     if let Some(taken) = own.iter().find(|taken| real(folder).starts_with(real(taken))) {
-        bail!("{} lies in {}; choose another folder", folder.display(), taken.display());
+        bail!(
+            "{} is inside {}; choose another folder with --out",
+            folder.display(),
+            taken.display()
+        );
     }
     Ok(folder.clone())
 }
@@ -83,7 +89,7 @@ fn make(data: &StudyData, name: &str) -> anyhow::Result<Option<String>> {
         jobs.extend(plan::on_demand(data, name)); // of a session whose figures no run makes
     }
     let of_figure = jobs.iter().find(|job| job.name == format!("figure {name}"));
-    let job = of_figure.ok_or_else(|| anyhow!("{name} is no figure of the study"))?;
+    let job = of_figure.ok_or_else(|| anyhow!(no_figure(data.layout.study(), name, [])))?;
     let options = Options { only: Some(job.name.clone()), ..Options::default() };
     let results = Results::new(&data.layout, &Unsynced);
     let done = run_jobs(&jobs, &results, &options, &|_: &Report| {})?;

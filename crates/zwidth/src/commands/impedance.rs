@@ -46,7 +46,9 @@ pub(super) fn impedance(
     let has = |mode: &DriveMode| voltages(&bench.study, *mode).is_some();
     let modes: Vec<DriveMode> = MODES.into_iter().filter(has).collect();
     if modes.is_empty() {
-        bail!("no mode of the study has an actuator; give one motor_max_v or brake_max_v");
+        bail!(
+            "no mode of the study uses an actuator; give a mode motor_max_v or brake_max_v in study.toml"
+        );
     }
     let probes = probes(&modes, &PUSHES_M, &DAMPINGS, REPEATS);
     let bar = screen.bar(probes.len());
@@ -57,7 +59,7 @@ pub(super) fn impedance(
         bar.set_message(words(&probe));
         if path.exists() {
             let sweep = read_sweep(&path).map_err(|e| anyhow!("{e}"))?;
-            searches.push(recorded(&sweep).with_context(|| path.display().to_string())?);
+            searches.push(recorded(&sweep, &path)?);
             before += 1;
         } else {
             let found = made(bench, &probe, seed, number)?;
@@ -175,26 +177,30 @@ fn sweep(
     }
 }
 
-/// The search that a sweep holds.
-fn recorded(sweep: &Sweep) -> anyhow::Result<(Probe, Found)> {
-    let key = |name: &str| {
-        sweep.file.get(name).with_context(|| format!("the footer key {name:?} is missing"))
+/// The search that a sweep holds, which was read from `path`.
+fn recorded(sweep: &Sweep, path: &Path) -> anyhow::Result<(Probe, Found)> {
+    let damaged = |key: &str| {
+        anyhow!(
+            "sweep {} is damaged ({key} cannot be read); restore it from a copy, or remove it and run again",
+            path.display()
+        )
     };
-    let number = |name: &str| -> anyhow::Result<f64> {
-        key(name)?.parse().with_context(|| format!("the footer key {name:?} is no number"))
-    };
+    let key = |name: &str| sweep.file.get(name).ok_or_else(|| damaged(name));
+    let number =
+        |name: &str| -> anyhow::Result<f64> { key(name)?.parse().map_err(|_| damaged(name)) };
     let mode = MODES.into_iter().find(|mode| key("mode").is_ok_and(|word| word == mode.as_str()));
     let ending =
         Ending::ALL.into_iter().find(|e| key("ending").is_ok_and(|word| word == e.as_str()));
     let probe = Probe {
-        mode: mode.context("the footer key \"mode\" is no mode")?,
+        mode: mode.ok_or_else(|| damaged("mode"))?,
         push_m: number("push_m")?,
         damping_ns_per_m: number("wall_damping_ns_per_m")?,
-        repeat: key("repeat")?.parse().context("the footer key \"repeat\" is no count")?,
+        repeat: key("repeat")?.parse().map_err(|_| damaged("repeat"))?,
     };
+    // A letter per value.
     let went_on = key("went_on")?;
     if went_on.len() != sweep.command_values.len() {
-        bail!("the footer key \"went_on\" is not as long as the sweep");
+        bail!(damaged("went_on"));
     }
     let values = sweep.command_values.iter().zip(&sweep.response_values).zip(went_on.chars());
     let tried = values.map(|((stiffness_n_per_m, swing_m), on)| Tried {
@@ -202,7 +208,7 @@ fn recorded(sweep: &Sweep) -> anyhow::Result<(Probe, Found)> {
         swing_m: *swing_m,
         goes_on: on == '1',
     });
-    let ending = ending.context("the footer key \"ending\" is none of its words")?;
+    let ending = ending.ok_or_else(|| damaged("ending"))?;
     Ok((probe, Found { tried: tried.collect(), ending }))
 }
 

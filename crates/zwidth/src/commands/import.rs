@@ -19,8 +19,11 @@ fn guessed(file: &Path, map: Option<&Path>, screen: &Screen) -> anyhow::Result<E
         screen.result(text.trim_end());
         return Ok(Exit::Fine);
     };
+    if map.exists() {
+        bail!("{} exists already; name another file with --map", map.display());
+    }
     let mut new = std::fs::File::create_new(map)
-        .with_context(|| format!("{}: a guess is written to a new file only", map.display()))?;
+        .with_context(|| format!("cannot write {}", map.display()))?;
     new.write_all(text.as_bytes()).with_context(|| format!("cannot write {}", map.display()))?;
     screen.result(format!(
         "{}: guessed; edit what stands at TODO, then import with it",

@@ -1,7 +1,7 @@
 //! `zwidth ladder`: which terms of the model a scene, or a study's condition, needs.
 
 use super::output::Output;
-use super::study;
+use super::{no_study, study};
 use crate::args::Ladder as Asked;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -103,7 +103,7 @@ fn climbed(
     if name.extension().is_some_and(|extension| extension == "toml") {
         return Ok(vec![of_scene(name, asked, screen)?]);
     }
-    let id = name.to_str().ok_or_else(|| anyhow!("{} is no study", name.display()))?;
+    let id = name.to_str().ok_or_else(|| anyhow!("{}", no_study(name)))?;
     let id = StudyId::new(id).with_context(|| {
         format!("{id} is neither a scene, which is a file that ends in .toml, nor a study")
     })?;

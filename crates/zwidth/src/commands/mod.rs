@@ -54,7 +54,7 @@ fn nameless(root: &Path, named: &[StudyId]) -> Vec<StoreError> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let why = StudyId::new(name.as_str()).err().filter(|_| is_study(&path))?.why;
         let what = format!(
-            "the study in the folder {name:?} is left out, because its name is no id: {why}"
+            "the study in the folder {name:?} is left out, because its name cannot be a study's: {why}"
         );
         Some(StoreError::new(
             &root.join("raw"),
@@ -83,6 +83,11 @@ fn study(root: &Path, id: StudyId) -> anyhow::Result<Layout> {
         );
     }
     Ok(layout)
+}
+
+/// What to say of a name that no study can have.
+fn no_study(name: &Path) -> String {
+    format!("there is no study '{}'; `zwidth list` shows them", name.display())
 }
 
 fn all(root: &Path) -> anyhow::Result<Vec<StudyId>> {

@@ -37,13 +37,14 @@ fn write_single(layout: &Layout, page: &Path, file: &Path) -> anyhow::Result<()>
     let named = file.file_stem().and_then(|stem| stem.to_str());
     let is_html = file.extension().is_some_and(|extension| extension == "html");
     let Some(name) = named.filter(|_| is_html) else {
-        bail!("{} is no name of a page; give one that ends in .html", file.display());
+        bail!("{} must end in .html", file.display());
     };
     let folder = folder.canonicalize();
-    let folder =
-        folder.with_context(|| format!("the folder of {} is not there", file.display()))?;
+    let folder = folder.with_context(|| {
+        format!("the folder of {} does not exist; make it first", file.display())
+    })?;
     if layout.raw().canonicalize().is_ok_and(|raw| folder.starts_with(raw)) {
-        bail!("{} lies among the recordings; choose another folder", file.display());
+        bail!("{} is inside raw/; choose another folder", file.display());
     }
     let html = std::fs::read_to_string(page).with_context(|| page.display().to_string())?;
     let read = |path: &str| {

@@ -108,8 +108,10 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
         let lock = lock(&layout, "zwidth power")?;
         let raw = Raw::adds(&RealFiles, &layout, &lock);
         let path = plan::plan_file(&layout);
-        write_new(&raw, &path, &serde_json::to_vec_pretty(&result)?)
-            .context("a plan is not written over another")?;
+        if path.exists() {
+            bail!("{} exists already; move it elsewhere to write a new plan", path.display());
+        }
+        write_new(&raw, &path, &serde_json::to_vec_pretty(&result)?)?;
         screen.say(format!("{}: deposit a copy before data are taken", path.display()));
     }
     if screen.json {

@@ -15,6 +15,7 @@ use zwidth_runner::{
     Done, Job, JobEnd, Options, Report, Results, run as run_jobs, waiting, wanted,
 };
 use zwidth_store::{Layout, RealFiles, StoreError, StudyData, findings};
+use zwidth_study::StudyId;
 
 /// What `--json` prints of a study.
 #[derive(Serialize)]
@@ -76,7 +77,7 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let found = findings(&RealFiles, &data);
     let mut jobs = plan::jobs(&data, &found);
     jobs.extend(on_demand(&data, &jobs, command));
-    check_only(&jobs, command)?;
+    check_only(&jobs, layout.study(), command)?;
     let options = Options {
         fresh: command.fresh,
         dry_run: command.dry_run,
@@ -143,7 +144,7 @@ fn on_demand(data: &StudyData, jobs: &[Job], command: &Run) -> Option<Job> {
 }
 
 /// `--only` must name something there is.
-fn check_only(jobs: &[Job], command: &Run) -> anyhow::Result<()> {
+fn check_only(jobs: &[Job], study: &StudyId, command: &Run) -> anyhow::Result<()> {
     let Some(only) = &command.only else { return Ok(()) };
     if jobs.iter().any(|job| job.is_called(only)) {
         return Ok(());
@@ -151,7 +152,6 @@ fn check_only(jobs: &[Job], command: &Run) -> anyhow::Result<()> {
     let named = |stage: &str| -> Vec<&str> {
         jobs.iter().filter(|j| j.stage.name == stage).filter_map(Job::stem).collect()
     };
-    let (figures, tables) = (named("figures"), named("tables"));
     let has = |stage: &&str| jobs.iter().any(|job| job.stage.name == *stage);
     let stages: Vec<&str> = plan::STAGES.into_iter().filter(has).collect();
     if plan::STAGES.contains(&only.as_str()) {
@@ -160,13 +160,12 @@ fn check_only(jobs: &[Job], command: &Run) -> anyhow::Result<()> {
             stages.join(", ")
         );
     }
-    let names = stages.iter().copied().chain(figures.iter().chain(&tables).copied());
+    let names = stages.iter().copied().chain(named("figures")).chain(named("tables"));
     anyhow::bail!(
-        "--only {only}: there is no such stage, figure or table{} (stages: {}; figures: {}; tables: {})",
+        "--only {only}: there is no such stage, figure or table{} (stages: {}; `zwidth figure {study}` lists the \
+         figures, `zwidth table {study}` the tables)",
         did_you_mean(only, names),
         stages.join(", "),
-        figures.join(", "),
-        tables.join(", ")
     )
 }
 

@@ -1,5 +1,6 @@
 //! `zwidth table`: a derived table, in any form.
 
+use super::near::did_you_mean;
 use crate::args::Table as Asked;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -40,11 +41,11 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
     };
     let Some((file, table)) = tables.iter().find(|(_, table)| table.name() == name) else {
         unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
-        let names: Vec<_> = tables.iter().map(|(_, table)| table.name()).collect();
         bail!(
-            "{} has no table '{name}' that can be read; it has {}",
+            "{} has no table '{name}' that can be read{} (`zwidth table {}` lists them)",
             asked.study,
-            names.join(", ")
+            did_you_mean(name, tables.iter().map(|(_, table)| table.name())),
+            asked.study
         );
     };
     let wanted = [(asked.format, file.as_path())];

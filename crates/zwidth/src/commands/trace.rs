@@ -102,7 +102,7 @@ fn find_made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<M
 
 fn trace_behind(root: &Path, made: &Made) -> anyhow::Result<Behind> {
     let found = follow(&made.records, &made.job)
-        .ok_or_else(|| anyhow!("there is no record of {}", made.job))?;
+        .ok_or_else(|| anyhow!("no run recorded {}; run its study again", made.job))?;
     let parameters_from = parameters_from(made, &found);
     let (raw, gone): (Vec<_>, Vec<_>) =
         found.sources.into_iter().partition(|s| s.path.starts_with("raw/"));

@@ -7,6 +7,7 @@ use super::recover::lock;
 use crate::args::{Actuator, Twin};
 use crate::devices::{DeviceSpec, checks_itself, mixed, twin as device};
 use crate::exit::Exit;
+use crate::limits::MOST_SCALE;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use jiff::{SignedDuration, Timestamp};
@@ -68,14 +69,16 @@ fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
     if path.exists() {
         if command.scale > 1 {
             bail!(
-                "--scale sets the repeats of a study that is made, and {} is there; edit it",
+                "--scale sets the repeats of a new study, and {} exists already; edit its repeats instead",
                 path.display()
             );
         }
         return Ok(());
     }
     check_study_id(&RealFiles, layout)?;
-    let repeats = 6_u32.checked_mul(command.scale).context("--scale is too large")?;
+    let repeats = 6_u32.checked_mul(command.scale).with_context(|| {
+        format!("--scale {} is too large; the largest is {MOST_SCALE}", command.scale)
+    })?;
     let mut text =
         template(layout.study()).replace("\nrepeats = 6\n", &format!("\nrepeats = {repeats}\n"));
     if let Some(rate_hz) = command.rate {
@@ -105,7 +108,8 @@ fn refuse_what_is_there(
     let sweeps = layout.sweeps();
     if let Some(path) = paths.find(|p| p.exists()).or_else(|| sweeps.exists().then_some(sweeps)) {
         bail!(
-            "{} is there already, and recorded data never changes; choose another study, or remove the folder if it is what a run that was ended left behind",
+            "{} exists already, and recorded data never changes; choose another study, or remove that folder if an interrupted \
+             `zwidth twin` left it behind",
             path.display()
         );
     }

@@ -116,7 +116,7 @@ fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
     let at = found
         .iter()
         .position(|s| s.job.name == job.name)
-        .ok_or_else(|| anyhow!("the job has no state"))?;
+        .ok_or_else(|| anyhow!("{}: {DEFECT}", asked.path))?;
     let own = found.remove(at);
     let record = records.get(&job.name).cloned();
     Ok(Why {
@@ -226,6 +226,9 @@ fn hashes(file: &FileChange) -> String {
         (None, None) => String::new(),
     }
 }
+
+/// What only a mistake in the program can lead to.
+const DEFECT: &str = "it cannot be told whether a run would make this again; this is a defect of zwidth, please report it";
 
 /// Hexadecimal digits of a hash that people are shown: 48 bits, as many as tell a million files
 /// apart.

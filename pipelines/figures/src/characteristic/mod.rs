@@ -199,8 +199,8 @@ impl Part {
     }
 }
 
-/// The samples off the chosen fit, and the band for a new response on them; none where there is no
-/// fit.
+/// The samples off the chosen fit, and the band for a new response on them; `None` where there is
+/// no fit.
 fn residuals(of: Characterised, sweeps: &[Sweep]) -> Result<Option<Vec<Layer>>, TableError> {
     let zero = Reference {
         direction: Direction::Horizontal,
@@ -236,7 +236,7 @@ fn residuals(of: Characterised, sweeps: &[Sweep]) -> Result<Option<Vec<Layer>>, 
     Ok(any.then_some(layers))
 }
 
-/// The value of a rising curve at `x`, on the straight line between its points; none outside.
+/// The value of a rising curve at `x`, on the straight line between its points; `None` outside.
 fn value_at((xs, ys): (&[f64], &[f64]), x: f64) -> Option<f64> {
     let after = xs.partition_point(|at| *at < x).max(1);
     let (x0, x1) = (*xs.get(after - 1)?, *xs.get(after)?);

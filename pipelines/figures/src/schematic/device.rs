@@ -31,7 +31,7 @@ const SHAFT_MM: f64 = -13.0;
 /// Size of the sensor at the lever's end, mm.
 const CELL_MM: f64 = 2.2;
 
-/// The device, drawn from what the study knows of it; none without a lever between stops.
+/// The device, drawn from what the study knows of it; `None` without a lever between stops.
 pub(crate) fn device(of: &Setup) -> Option<Figure> {
     let [low, high] = of.stops_rad()?;
     let front = panel(Cell::at(0, 0), FRONT[0], FRONT[1], front(of, LEVER_MM, [low, high]));

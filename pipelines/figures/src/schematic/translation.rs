@@ -30,7 +30,7 @@ const MODEL_MM: f64 = 27.0;
 const TURNS: f64 = 2.25;
 const COIL_MM: (f64, f64) = (2.0, 7.5);
 
-/// The study's first environment with a spring, as object, model and device; none without a lever
+/// The study's first environment with a spring, as object, model and device; `None` without a lever
 /// between stops or without a spring.
 pub(crate) fn translation(of: &Setup) -> Option<Figure> {
     let stops = of.stops_rad()?;

@@ -171,7 +171,7 @@ impl Path<'_> {
         Some(self.work_j(to.at) - self.work_j(from.at) + brought_j)
     }
 
-    /// Down to where energy given from a place to a sample counts as none, J.
+    /// Down to where energy given from a place to a sample counts as zero, J.
     fn bound_j(&self, from: Passed, to: usize) -> f64 {
         let force = &self.force[from.at.i..=to];
         let work = self.work[from.at.i..=to].windows(2);

@@ -28,7 +28,7 @@ const SAMPLES: f64 = 4.0;
 /// Where an oscillation comes from, or why that cannot be told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// There is none above the resolution.
+    /// There is no oscillation above the resolution.
     None,
     /// The loop of device and controller keeps it up.
     Loop,
@@ -267,7 +267,8 @@ fn course_of(run: &Trajectory) -> SwingCourse {
     SwingCourse { t_s: run.t_s.clone(), theta_rad: run.theta_rad().collect() }
 }
 
-/// cos φ of the fast parts of force and velocity over the recorded swings; none where either is 0.
+/// cos φ of the fast parts of force and velocity over the recorded swings; `None` where either is
+/// 0.
 fn power_factor(
     drive: &Drive,
     slow_n: &[f64],

@@ -77,8 +77,8 @@ fn deviation(y: &[f64]) -> f64 {
     (sum / (6.0 * n)).sqrt()
 }
 
-/// The oscillation of an angle against time; none for fewer than six existing swings in a row. Only
-/// what lies within `within_s` counts.
+/// The oscillation of an angle against time; `None` for fewer than six existing swings in a row.
+/// Only what lies within `within_s` counts.
 pub(crate) fn swings(
     t_s: &[f64],
     theta_rad: &[f64],

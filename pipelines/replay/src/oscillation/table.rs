@@ -5,7 +5,7 @@ use super::recorded::RecordedSwings;
 use zwidth_study::TrialMeta;
 use zwidth_tables::{Column, Table, TableError};
 
-/// A row a trial: whether it oscillates, where that comes from, and what the answer rests on.
+/// One row per trial: whether it oscillates, where that comes from, and what the answer rests on.
 ///
 /// # Errors
 /// None that oscillations can cause.

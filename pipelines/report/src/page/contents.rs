@@ -75,7 +75,7 @@ struct QuestionOf {
     #[serde(skip_serializing_if = "Option::is_none")]
     step: Option<i16>,
     reversed: bool,
-    /// The word of each answer, empty where it has none; none of a scale of many points.
+    /// The word of each answer, empty where it has none; empty for a scale of many points.
     labels: Vec<String>,
 }
 
@@ -109,8 +109,8 @@ impl Contents {
         self.turned.is_some()
     }
 
-    /// What is known of a study. `metrics` has one row a trial, `compared` names those to show;
-    /// `answers` has one row an answer.
+    /// What is known of a study. `metrics` has one row per trial, `compared` names those to show;
+    /// `answers` has one row per answer.
     ///
     /// # Errors
     /// A table that lacks a column.

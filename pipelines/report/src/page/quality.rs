@@ -34,7 +34,7 @@ fn remarks(remarks: &[Remark]) -> Markup {
     }
 }
 
-/// The order of conditions, a row a session.
+/// The order of conditions, one row per session.
 fn order(page: &Page) -> Markup {
     let Some(contents) = page.contents else { return html! {} };
     let mut sessions: BTreeMap<String, Vec<&TrialOf>> = BTreeMap::new();

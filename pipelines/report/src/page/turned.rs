@@ -29,7 +29,7 @@ struct Turned<'a> {
     times: usize,
     t_s: String,
     recorded_rad: String,
-    /// One a combination, the last parameter fastest; none where the model does not run.
+    /// One per combination, the last parameter fastest; no number where the model does not run.
     rmse_rad: String,
     /// Each combination's times after one another.
     theta_rad: String,
@@ -40,7 +40,7 @@ struct Script<'a> {
     turned: Vec<Turned<'a>>,
 }
 
-/// The script: of each environment's table of runs (`zwidth_replay::runs`) one entry a mode.
+/// The script: of each environment's table of runs (`zwidth_replay::runs`) one entry per mode.
 ///
 /// # Errors
 /// A table that lacks a column.

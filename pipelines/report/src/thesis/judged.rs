@@ -16,7 +16,7 @@ pub struct Derived<'a> {
     pub known: Known<'a>,
     /// Where the calibration comes from.
     pub basis: Basis,
-    /// The replays, one row a trial and causality.
+    /// The replays, one row per trial and causality.
     pub replays: Option<&'a Table>,
     /// The answers as given, one row each.
     pub answers: Option<&'a Table>,

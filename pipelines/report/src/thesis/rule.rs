@@ -19,7 +19,7 @@ pub(crate) type Case = (ModeLaw, Place);
 /// Which table a number is in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum From {
-    /// One row a trial.
+    /// One row per trial.
     Metrics,
     /// The replays driven by the recorded force.
     Replays,
@@ -74,7 +74,7 @@ pub(crate) enum Rule {
     Median { favourable: bool },
     /// Other statements hold, all of them.
     All(&'static [&'static str]),
-    /// What is no rule of trials.
+    /// What is not a rule of trials.
     Forces(Force),
     /// Nothing that is recorded tells.
     Untold(&'static str),
@@ -131,7 +131,7 @@ impl Place {
 }
 
 impl Bound {
-    /// The range in this environment; none where it has no spring or wall to set it.
+    /// The range in this environment; `None` where it has no spring or wall to set it.
     pub(crate) fn range(self, environment: &Environment) -> Option<Range> {
         let scene = &environment.scene;
         match self {

@@ -23,7 +23,7 @@ pub struct Recording<'a> {
     pub theta_rad: &'a [f64],
     /// F_ex, N; above 0 pushes to +θ.
     pub force_n: &'a [f64],
-    /// How old each value of it is, s; none where that was not recorded.
+    /// How old each value of it is, s; `None` where that was not recorded.
     pub force_age_s: Option<&'a [f64]>,
 }
 
@@ -51,7 +51,8 @@ pub struct ResponsePoint {
     pub frequency_hz: f64,
     /// Re Z and Im Z, N s/m.
     pub impedance_ns_per_m: [f64; 2],
-    /// Half of the interval of |Z|, as a share of it, and of the phase, rad; none for no coherence.
+    /// Half of the interval of |Z|, as a share of it, and of the phase, rad; `None` for no
+    /// coherence.
     pub half_interval: Option<f64>,
     /// γ².
     pub coherence: f64,
@@ -79,8 +80,8 @@ impl ResponsePoint {
     }
 }
 
-/// Impedance of the recordings of one condition; none where they are too short for four independent
-/// segments.
+/// Impedance of the recordings of one condition; `None` where they are too short for four
+/// independent segments.
 ///
 /// Even samples at the rate at which the force sensor gives new values; Hann windows of about 2 s that
 /// overlap by half; ẋ = jω L θ. The estimator is H1, Z = S_vF / S_vv, which noise of the force does not
@@ -89,7 +90,7 @@ impl ResponsePoint {
 /// error √((1 − γ²)/(2 n γ²)) with what an estimated γ² costs.
 ///
 /// # Errors
-/// A level that is none.
+/// A level that is not between 0 and 1.
 pub fn response(
     recordings: &[Recording<'_>],
     lever_m: f64,

@@ -4,7 +4,7 @@ use super::frequency::{Response, ResponsePoint};
 use super::region::{Bound, Region};
 use zwidth_tables::{Column, Table, TableError};
 
-/// A row a mode, push and damping: the stiffest wall with its interval.
+/// One row per mode, push and damping: the stiffest wall with its interval.
 ///
 /// # Errors
 /// None that regions can cause.
@@ -46,7 +46,7 @@ pub fn bounds_table(name: &str, regions: &[Region]) -> Result<Table, TableError>
     Table::new(name, "Stiffest wall without oscillation", columns)
 }
 
-/// A row a mode and push: area, K_max(0), the largest K.
+/// One row per mode and push: area, K_max(0), the largest K.
 ///
 /// # Errors
 /// None that regions can cause.
@@ -93,7 +93,7 @@ pub fn regions_table(name: &str, regions: &[Region]) -> Result<Table, TableError
     ))
 }
 
-/// A row a condition (environment, mode) and frequency: the impedance with its interval, and
+/// One row per condition (environment, mode) and frequency: the impedance with its interval, and
 /// coherence.
 ///
 /// # Errors

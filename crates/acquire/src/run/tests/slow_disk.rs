@@ -264,7 +264,7 @@ fn a_turn_that_is_lost_in_a_pause_stops_the_session_with_the_reason() {
     });
     let (outcome, _) = live(&mut desk, device, &clock, |_, _| {}, &mut front);
     let why = outcome.stopped.unwrap();
-    assert!(why.contains("the turn is lost") && outcome.done == 1, "{why}");
+    assert!(why.contains("the turns can no longer be counted") && outcome.done == 1, "{why}");
 }
 
 #[test]

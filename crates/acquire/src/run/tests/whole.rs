@@ -70,14 +70,14 @@ const DAMAGES: [Damage; 13] = [
     (
         "record edited",
         |of| edit(&of.record, "test 1", "test 2"),
-        "not the one that the session was laid down with",
+        "not the one that the session began with",
     ),
     ("record cut", |of| fs::write(&of.record, "{").unwrap(), "not a session record"),
     ("log deleted", |of| remove(&of.log), "the log has 0 lines where its head counts"),
     (
         "log and head deleted",
         |of| [&of.log, &of.head].into_iter().for_each(|path| remove(path)),
-        "the log does not speak of trials 1, 2",
+        "the log does not mention trials 1, 2",
     ),
     ("log edited", |of| edit(&of.log, "\"trial\":1", "\"trial\":3"), "the checksum does not match"),
     ("copy of study.toml deleted", |of| remove(&of.copy), "so copy it to this name"),
@@ -117,7 +117,7 @@ fn a_session_of_which_anything_is_gone_or_changed_is_refused_at_the_start_and_no
         assert!(matches!(&error, AcquireError::NotWhole { .. }), "{name}: {error}");
         let told = error.to_string();
         assert!(
-            told.contains("nothing is recorded onto session P01 S01") && told.contains(words),
+            told.contains("session P01 S01 is incomplete or damaged") && told.contains(words),
             "{name}: {told}"
         );
         assert_eq!(contents(desk.root()), before, "{name}");
@@ -146,11 +146,11 @@ fn a_session_that_is_damaged_in_a_pause_ends_before_its_next_trial() {
         let words = match name {
             "record deleted" => "P01_S01.json: cannot read",
             "record and log deleted" | "log and head deleted" => "the session's log is missing",
-            "record cut" => "not the one that the session was laid down with",
+            "record cut" => "not the one that the session began with",
             _ => words,
         };
         assert!(
-            told.contains("nothing is recorded onto session P01 S01") && told.contains(words),
+            told.contains("session P01 S01 is incomplete or damaged") && told.contains(words),
             "{name}: {told}"
         );
         assert_eq!(mock.writes.last().map(|(_, v)| *v), Some(Voltages::OFF), "{name}");

@@ -2,7 +2,7 @@
 
 use super::super::simulate::scene_file::SceneFile;
 use super::super::simulate::{check_stems, stem};
-use super::super::{join_findings, studies};
+use super::super::{join_findings, no_study, studies};
 use super::setups::Study;
 use crate::args::Trade as Command;
 use crate::screen::Screen;
@@ -77,7 +77,7 @@ pub(super) fn asked(root: &Path, command: &Command, screen: &Screen) -> anyhow::
 }
 
 fn study_id(name: &Path) -> anyhow::Result<StudyId> {
-    let text = name.to_str().with_context(|| format!("{} is no study", name.display()))?;
+    let text = name.to_str().with_context(|| no_study(name))?;
     StudyId::new(text).with_context(|| {
         format!("{text} is neither a scene, which is a file that ends in .toml, nor a study")
     })
