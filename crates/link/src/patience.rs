@@ -11,10 +11,14 @@ use std::time::Duration;
 
 /// What a tick keeps for the host: being late, and the work between answer and command.
 const HOST_SHARE: f64 = 0.2;
-/// An answer takes no longer than this many times what the line needs: more is none that is only late…
+/// An answer is waited for no longer than this many times what the line needs…
 const TIMES: f64 = 3.0;
-/// …or this long, s: two frames of USB, which a converter waits for each way.
+/// …or this long, s: two frames of USB, which a converter waits for each way…
 const USB_S: f64 = 2e-3;
+/// …or this share of a tick: a loop that is slow has the time, and a reading that is a tick old is too old to it.
+const TICK_SHARE: f64 = 0.4;
+/// In ticks longer than this an answer is always waited for, s.
+const SHORT_S: f64 = 5e-3;
 /// After so many answers in a row that did not come in their tick they are waited for no longer: something
 /// between host and board holds them back.
 const FUTILE: u32 = 8;
@@ -43,10 +47,11 @@ impl Patience {
     /// How long the answer is waited for in a tick that is so long, s.
     pub(crate) fn of(&self, period_s: f64) -> Duration {
         let room_s = (1.0 - HOST_SHARE) * period_s - self.command_s;
-        if room_s < self.answer_s || self.futile >= FUTILE {
+        if room_s < self.answer_s || (self.futile >= FUTILE && period_s < SHORT_S) {
             return Duration::ZERO;
         }
-        Duration::from_secs_f64(room_s.min((TIMES * self.answer_s).max(USB_S)))
+        let most_s = (TIMES * self.answer_s).max(USB_S).max(TICK_SHARE * period_s);
+        Duration::from_secs_f64(room_s.min(most_s))
     }
 
     /// Takes in whether the answer of a tick came within it.
@@ -110,9 +115,12 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_loop_waits_no_longer_for_an_answer_that_is_lost_than_a_late_one_takes() {
-        let at = |baud| Patience::at(baud).of(0.1).as_secs_f64();
-        assert!((at(500_000) - 2.4e-3).abs() < 1e-9 && (at(1_000_000) - 2e-3).abs() < 1e-9);
+    fn a_loop_waits_for_an_answer_that_is_lost_no_longer_than_it_has_time() {
+        let at = |baud, period_s| Patience::at(baud).of(period_s).as_secs_f64();
+        let near = |found: f64, expect: f64| assert!((found - expect).abs() < 1e-9, "{found}");
+        near(at(500_000, 5e-3), 2.4e-3);
+        near(at(1_000_000, 4e-3), 2e-3);
+        near(at(500_000, 0.1), 0.04);
     }
 
     #[test]

@@ -285,6 +285,8 @@ impl<W: Wire> Device for Rig<W> {
         while self.wire.now() - began < HOMING {
             let passed = self.wire.now() - began;
             self.poll(now_s + passed.as_secs_f64(), HELLO_EVERY)?;
+            // The next homing connects anew to a board that is silent.
+            self.gone = self.last.is_none();
             let counts = self.last.ok_or_else(|| self.lost("it does not answer"))?.seen.counts;
             self.shaft.rested(*first.get_or_insert(counts), counts).map_err(|what| {
                 self.unable(what, "hold it still against its lower stop, then home again")

@@ -389,6 +389,8 @@ impl<W: Wire> Device for Stream<W> {
                 }
             }
             if passed_s > HOMING_MOST_S {
+                // The next homing connects anew to a board that is silent.
+                self.gone = self.last.is_none();
                 let remedy = "hold it still against its lower stop, then home again";
                 return match self.last {
                     Some(_) => Err(self.unable(moved, remedy)),

@@ -119,6 +119,8 @@ pub(super) fn played<D: Device + Told + 'static>(
         by_hand: false,
         check: |_| false,
         no_watchdog: true,
+        markers: Vec::new(),
+        by: None,
         stop: Arc::default(),
         quit: Arc::default(),
     };
