@@ -23,6 +23,8 @@ mod folders;
 mod hostile_import;
 mod logs;
 mod page;
+#[cfg(unix)]
+mod printed;
 mod provenance;
 mod real;
 mod records;

@@ -2,6 +2,7 @@
 //! it, which remembers what it saw.
 
 use crate::acquire::{Desk, Live, TRIALS};
+use crate::binary::zwidth;
 use crate::folders::files;
 use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,7 +15,7 @@ use zwidth_device::{
 use zwidth_link::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
 use zwidth_link::{AngleAt, Board, Link, Pair, Wire as _, board};
 use zwidth_store::{Signal, read_trial};
-use zwidth_study::{Study, Voltages};
+use zwidth_study::{Calibration, Study, Voltages};
 
 /// Readings a second that the board gives: three of them may be late before safety stops a trial,
 /// as in other tests in real time. Fewer would make the spring of a motor swing.
@@ -115,8 +116,8 @@ fn every_sample_of_a_trial_over_a_serial_line_is_what_the_board_saw() {
     let board = OnDesk::new(&desk);
     let mut live = ready(&desk, &board);
     live.say("start");
-    // A machine that stands still for so long that safety stops the trial, or the pause before it, goes
-    // on as often as it takes.
+    // A machine that stands still for so long that safety stops the trial, or the pause before it,
+    // goes on as often as it takes.
     while !live.until_any(&["question ", "stopped ", "ready "]).starts_with("question ") {
         live.say("start");
     }
@@ -185,6 +186,31 @@ fn a_rig_that_cannot_be_used_is_refused_before_anything_is_written() {
     assert!(!desk.root().join("raw/small/sessions").exists());
 }
 
+#[test]
+fn a_rig_without_a_calibration_of_its_own_is_warned_of() {
+    const WARNING: &str = "calibration.toml is missing, so the nominal calibration";
+    let desk = Desk::slow();
+    let board = OnDesk::new(&desk);
+    let device = format!("rig:{}", board.port);
+    let told = || {
+        let mut live = ready(&desk, &board);
+        live.say("quit");
+        live.child.wait().unwrap();
+        let mut told = String::new();
+        std::io::Read::read_to_string(live.child.stderr.as_mut().unwrap(), &mut told).unwrap();
+        told
+    };
+    let twin = zwidth(desk.root(), &["check", "small", "--fast"]);
+    assert!(!twin.err.contains(WARNING), "{twin:?}");
+    let warned = told();
+    assert!(warned.contains(WARNING), "{warned}");
+    zwidth(desk.root(), &["check", "small", "--device", &device]).says(&[WARNING]);
+    let own = Calibration::thesis().to_toml().unwrap();
+    fs::write(desk.root().join("raw/small/calibration.toml"), own).unwrap();
+    let silent = told();
+    assert!(!silent.contains(WARNING), "{silent}");
+}
+
 /// A board at the end of a line that speaks any link, and the counts that it sent.
 struct Speaking {
     port: String,
@@ -236,15 +262,16 @@ impl Drop for Speaking {
     }
 }
 
-/// Every trial of a session that goes by itself, as counts without those that repeat the one before,
-/// and those that the board sent.
+/// Every trial of a session that goes by itself, as counts without those that repeat the one
+/// before, and those that the board sent.
 fn session_over(link: Link, angle: AngleAt) -> (Vec<Vec<u16>>, Vec<u16>) {
     let desk = Desk::slow();
     desk.edit_study("pause_s = 3.0", "pause_s = 0.5");
     desk.edit_study("trial_limit_s = 4.0", "trial_limit_s = 2.0");
     let board = Speaking::new(&desk, link, angle, 20.0);
     let device = format!("rig:{}", board.port);
-    // A machine that stands still for so long that safety stops a trial goes on as often as it takes.
+    // A machine that stands still for so long that safety stops a trial goes on as often as it
+    // takes.
     let session = || {
         let mut live = Live::new(&desk, &["--auto", "--no-watchdog", "--device", &device]);
         let is_done = live.until_any(&["done 7 of 7", "left "]).starts_with("done");

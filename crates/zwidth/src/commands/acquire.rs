@@ -1,6 +1,6 @@
 //! `zwidth acquire`: records a session, or goes on with one.
 
-use super::device::{Bench, bench, clock, keys, raised_by_signals, secret};
+use super::device::{Bench, bench, clock, keys, raised_by_signals, secret, warn_of_calibration};
 use super::recover::{lock, put_in_order_and_tell};
 use super::resume::resume;
 use crate::args::Acquire;
@@ -38,6 +38,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         bail!("--fast: a rig runs in real time; leave it out");
     }
     let mut device = open(&command.device, &bench.occasion(seed, participant, session))?;
+    warn_of_calibration(&bench, &command.device, screen);
     if by_hand && command.auto && device.capabilities().source != Source::Twin {
         bail!("--auto: nobody would hold the lever against its stop; leave it out");
     }

@@ -1,6 +1,6 @@
 //! `zwidth check`: the device check before a session.
 
-use super::device::{bench, clock, raised_by_signals};
+use super::device::{bench, clock, raised_by_signals, warn_of_calibration};
 use super::recover::lock;
 use crate::args;
 use crate::devices::{checks_itself, open};
@@ -32,6 +32,7 @@ pub(crate) fn check(root: &Path, command: &args::Check, screen: &Screen) -> anyh
     let _lock = lock(&bench.layout, "zwidth check")?;
     let (nobody, none) = ("check".parse()?, "check".parse()?);
     let mut device = open(&command.device, &bench.occasion(SEED, &nobody, &none))?;
+    warn_of_calibration(&bench, &command.device, screen);
     let capabilities = device.capabilities().clone();
     let rate_hz = bench.study.control.rate_hz.min(capabilities.rate_hz);
     let mut guard = Guard::new(&capabilities, Limits::of(&bench.study)?, false);
@@ -53,7 +54,10 @@ pub(crate) fn check(root: &Path, command: &args::Check, screen: &Screen) -> anyh
         &mut able,
     )?;
     if found.is_empty() {
-        bail!("{}: there is nothing to check; use a device that can be asked", capabilities.name);
+        bail!(
+            "{}: a recorded trial cannot be checked; use --device twin or rig",
+            capabilities.name
+        );
     }
     let lines: Vec<Line> = found.into_iter().map(line).collect();
     if screen.json {
@@ -77,7 +81,8 @@ fn text(l: &Line) -> String {
 }
 
 /// Says what a hand must do before a step, and waits for its answer: Enter when it is done, `s` to
-/// leave the step out. What moves the lever needs a `y`, and the end of the input consents to nothing.
+/// leave the step out. What moves the lever needs a `y`, and the end of the input consents to
+/// nothing.
 fn asked(step: Step, answers: &mut dyn BufRead, out: &mut dyn Write) -> bool {
     let (what, consent) = match step {
         Step::Rest => ("Lever against its lower stop, hands off. Enter when it is.".to_owned(), false),

@@ -2,7 +2,8 @@
 
 use super::{join_findings, study};
 use crate::args::Keys;
-use crate::devices::Occasion;
+use crate::devices::{DeviceSpec, Occasion};
+use crate::screen::Screen;
 use crate::text::read_beside;
 use anyhow::{Context as _, anyhow, bail};
 use std::path::{Path, PathBuf};
@@ -116,6 +117,19 @@ fn twin_parameters(layout: &Layout, lever_m: Option<f64>) -> anyhow::Result<Twin
     Ok(twin)
 }
 
+/// Warns of a rig that is about to be used with another device's calibration: forces would be
+/// wrong.
+pub(super) fn warn_of_calibration(bench: &Bench, device: &DeviceSpec, screen: &Screen) {
+    let path = bench.layout.raw().join("calibration.toml");
+    if matches!(device, DeviceSpec::Rig(_)) && !path.exists() {
+        screen.warn(format!(
+            "{} is missing, so the nominal calibration of the thesis' prototype is used: forces of another rig come out \
+             wrong; make one from sweeps and copy it there (docs/session.md)",
+            path.display()
+        ));
+    }
+}
+
 /// The machine's clock, or a simulated one.
 pub(super) fn clock(fast: bool, seed: u64) -> Box<dyn Clock> {
     if fast { Box::new(SimulatedClock::new(seed)) } else { Box::new(RealClock::new()) }
@@ -123,7 +137,8 @@ pub(super) fn clock(fast: bool, seed: u64) -> Box<dyn Clock> {
 
 /// A flag that Ctrl-C, SIGTERM, SIGHUP and SIGQUIT raise.
 pub(super) fn raised_by_signals() -> anyhow::Result<Arc<AtomicBool>> {
-    stop_on_signals().context("cannot take signals, so nothing would stop a trial; try again")
+    stop_on_signals()
+        .context("cannot set up Ctrl-C, so a trial could not be stopped; start the program again")
 }
 
 /// The folder of seals: the one asked for, else `zwidth/` in the user's state folder (XDG:

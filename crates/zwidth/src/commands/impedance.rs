@@ -1,7 +1,7 @@
 //! `zwidth characterise STUDY impedance`: which stiffness and damping of a wall the device renders.
 //!
-//! Each search is a sweep of its own, written when it ends, so that a test that was cut short goes on
-//! where it was left; figure and tables are made of all that lie there.
+//! Each search is a sweep of its own, written when it ends, so that a test that was cut short goes
+//! on where it was left; figure and tables are made of all that lie there.
 
 use super::device::Bench;
 use super::output::Output;
@@ -120,8 +120,8 @@ fn device(bench: &Bench, probe: &Probe, count_zero: f64) -> PushedWall {
     }
 }
 
-/// Highest voltages of motor and brake, V, of the study's mode that uses the same actuators; none if
-/// it has none.
+/// Highest voltages of motor and brake, V, of the study's mode that uses the same actuators; none
+/// if it has none.
 fn voltages(study: &Study, mode: DriveMode) -> Option<[f64; 2]> {
     let uses = |own: &&Mode| {
         let [motor, brake] = [ActuatorKind::Motor, ActuatorKind::Brake].map(|kind| own.has(kind));
@@ -243,7 +243,8 @@ fn written(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> a
     Ok(())
 }
 
-/// Impedance against frequency, where the study's recorded trials say anything of it; a line a condition.
+/// Impedance against frequency, where the study's recorded trials say anything of it; a line a
+/// condition.
 fn frequency(bench: &Bench, output: &mut Output, screen: &Screen) -> anyhow::Result<Vec<String>> {
     let data = StudyData::load(&bench.layout).map_err(|found| super::join_findings(&found))?;
     let found = zwidth_plan::responses(&data).map_err(|e| anyhow!("{e}"))?;

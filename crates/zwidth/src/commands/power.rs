@@ -1,5 +1,5 @@
-//! `zwidth power`: how many participants a study needs to find a difference, by simulating studies and
-//! testing them as `compare` does; and a plan to deposit before data are taken.
+//! `zwidth power`: how many participants a study needs to find a difference, by simulating studies
+//! and testing them as `compare` does; and a plan to deposit before data are taken.
 
 use super::recover::lock;
 use crate::args::Power;
@@ -165,8 +165,8 @@ fn spread(
 
 /// The spread of the contrast in which participants differ most. Their differences scatter with
 /// 2 (σ² of their own mode effects + σ² of repeats / repeats): each contrast has its own, where a
-/// model of all modes would pool those in which people differ little with those in which they differ
-/// much. None where the claims are not about participants.
+/// model of all modes would pool those in which people differ little with those in which they
+/// differ much. None where the claims are not about participants.
 fn widest(contrasts: &Table, models: &Table, repeats: f64) -> anyhow::Result<Option<Spread>> {
     let floats = |table: &Table, stem: &str| -> anyhow::Result<Vec<Option<f64>>> {
         let name = table.column_of(stem)?.field.name.to_string();

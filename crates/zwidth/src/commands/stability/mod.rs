@@ -1,5 +1,5 @@
-//! `zwidth stability`: which virtual walls a device bears, each limit by itself; of a study whether what
-//! swung in its trials was the device's own.
+//! `zwidth stability`: which virtual walls a device bears, each limit by itself; of a study whether
+//! what swung in its trials was the device's own.
 
 mod point;
 mod recorded;

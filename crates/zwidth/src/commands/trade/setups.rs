@@ -1,4 +1,5 @@
-//! The trade of a study's setup: its trials on the simulated device with another loop or other sensors.
+//! The trade of a study's setup: its trials on the simulated device with another loop or other
+//! sensors.
 
 use super::super::device::{Bench, bench};
 use super::super::output::Output;
@@ -33,8 +34,8 @@ impl Study {
         rehearsed_trials(&self.data)
     }
 
-    /// The seed of a session's simulated person: its own, where it was simulated, so that the intents
-    /// are those of its recordings.
+    /// The seed of a session's simulated person: its own, where it was simulated, so that the
+    /// intents are those of its recordings.
     fn seed(&self, participant: &ParticipantId, session: &SessionId) -> u64 {
         let records = self.data.sessions.iter().map(|session| &session.record);
         let mut own = records.filter(|r| r.participant == *participant && r.session == *session);
@@ -49,8 +50,8 @@ pub(super) struct Made {
     pub(super) lines: Vec<String>,
 }
 
-/// Simulates a study's trials at every setup, unless nothing changed since; none where no condition has
-/// an angle and a force.
+/// Simulates a study's trials at every setup, unless nothing changed since; none where no condition
+/// has an angle and a force.
 pub(super) fn setups(
     root: &Path,
     study: &Study,

@@ -6,8 +6,9 @@ use zwidth_dynamics::{Grid, System};
 use zwidth_tables::{Column, Table};
 use zwidth_trade::{Cell, Trade};
 
-/// Times a setting is run, and the ranks, from 0, of the ends of the median's interval: of 15 the 4th
-/// and the 12th hold it with 96.5 %, of 6 the first and the last with 96.9 % (binomial, p = 1/2).
+/// Times a setting is run, and the ranks, from 0, of the ends of the median's interval: of 15 the
+/// 4th and the 12th hold it with 96.5 %, of 6 the first and the last with 96.9 % (binomial, p =
+/// 1/2).
 const OF_SHORT: (usize, [usize; 2]) = (15, [3, 11]);
 const OF_LONG: (usize, [usize; 2]) = (6, [0, 5]);
 /// A run that takes longer is a long one: what disturbs it is short beside it, s.
@@ -15,8 +16,8 @@ const LONG_S: f64 = 2e-3;
 /// Settings with more work are not timed: some milliseconds a run.
 const MOST_WORK: u64 = 200_000;
 
-/// Median time of a run with its interval, and per simulated second, for every setting that does not
-/// take long.
+/// Median time of a run with its interval, and per simulated second, for every setting that does
+/// not take long.
 pub(super) fn table(trade: &Trade) -> anyhow::Result<Table> {
     let system = System::new(trade.scene.clone())?;
     let short = |cell: &&Cell| cell.errors.is_some() && cell.evaluations <= MOST_WORK;
