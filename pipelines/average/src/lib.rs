@@ -5,9 +5,9 @@
 //! mean course in time, or the reason why there is none; [`table`] puts the means of many
 //! conditions together.
 //!
-//! * **Alignment at onset**: t = 0 is each repeat's movement onset, its first sample with |θ̇| above
-//!   `analysis.onset_rad_s`. A repeat lasts from there to its last sample; what lies before is left
-//!   out.
+//! * **Alignment at onset**: t = 0 is each repeat's movement onset, its first sample with |θ̇|
+//!   above `analysis.onset_rad_s`. A repeat lasts from there to its last sample; what lies before
+//!   is left out.
 //! * **Alignment by landmarks**: in addition, the time of each repeat is warped, piecewise
 //!   linearly, so that its start, wall contact, reversal and end meet the mean times of these over
 //!   the repeats (Kneip & Gasser 1992, Ann. Stat. 20:1266). After the end it is shifted. A landmark

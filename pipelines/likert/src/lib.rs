@@ -3,12 +3,13 @@
 //! [`tally`] counts, for each environment × mode, how often each point of a question's scale was
 //! chosen: one row per question, and one per group of questions with its answers pooled. An answer
 //! to a reversed question (where agreement speaks against) counts from the other end
-//! (6 − a on a scale from 1 to 5: lowest + highest − a), so that the last point is always the favourable one. Only answers that were given are counted: an unanswered question is not a 0, and
+//! (6 − a on a scale from 1 to 5: lowest + highest − a), so that the last point is always the
+//! favourable one. Only answers that were given are counted: an unanswered question is not a 0, and
 //! a condition nobody answered for has no row.
 //!
-//! A scale of up to [`zwidth_study::AnswerScale::MOST_CATEGORIES`] points is ordinal: there is a median and
-//! no mean. On a longer one (0 to 100) answers are a quantity, with quartiles and a mean in the place of
-//! counts. Answers pooled over a group come from the
+//! A scale of up to [`zwidth_study::AnswerScale::MOST_CATEGORIES`] points is ordinal: there is a
+//! median and no mean. On a longer one (0 to 100) answers are a quantity, with quartiles and a mean
+//! in the place of counts. Answers pooled over a group come from the
 //! same people, so `n` there is a number of answers, not of independent ones; `participants` says
 //! of how many.
 //!

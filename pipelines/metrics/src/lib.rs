@@ -1,16 +1,16 @@
 //! Stage: the metrics of a trial, one row per trial.
 //!
 //! [`trial_metrics`] turns one trial into a [`TrialMetrics`], and [`plant_metrics`] into
-//! [`PlantMetrics`], once the plant is known; [`table`] and [`plant_table`] put rows together, [`events_table`] what happened when,
-//! [`join_plant`] both. Nothing here
+//! [`PlantMetrics`], once the plant is known; [`table`] and [`plant_table`] put rows together,
+//! [`events_table`] what happened when, [`join_plant`] both. Nothing here
 //! reads a file or a clock, and sums run in the order of the samples, so the same trial gives the
 //! same bits anywhere. Only trials that count may come in (`StudyData::counting`): the caller
 //! filters.
 //!
 //! # Conventions
 //! * θ grows into the object, and a force is positive where it pushes into the object, so that
-//!   F dx > 0 is work of the user on the device. x = L θ, L the lever length; without one everything
-//!   in metres or joules is null.
+//!   F dx > 0 is work of the user on the device. x = L θ, L the lever length; without one
+//!   everything in metres or joules is null.
 //! * **Compression** is onset → reversal, **decompression** reversal → end; the reversal is the
 //!   first sample of the largest θ. Without a recorded velocity there is neither onset nor end, and
 //!   the whole recording stands in for the movement.
@@ -22,8 +22,8 @@
 //!   it is never 0 for want of data.
 //!
 //! The definitions stand at the fields of [`Movement`], [`Discrepancy`], [`SpringRendering`],
-//! [`WallContact`], [`Stability`], [`ElectricalEnergy`], [`Compliance`], [`ActuatorDiscrepancy`] and
-//! [`EnergyObserver`].
+//! [`WallContact`], [`Stability`], [`ElectricalEnergy`], [`Compliance`], [`ActuatorDiscrepancy`]
+//! and [`EnergyObserver`].
 
 mod actuator;
 mod branch;
@@ -78,7 +78,7 @@ use zwidth_store::Trial;
 use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 9;
+pub const VERSION: u32 = 10;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,9 +3,10 @@
 //!
 //! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of
 //! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`],
-//! [`model_table`] (2, 3), [`components_table`] and [`device_table`] (4), [`weight_table`] (Appendix A), and its statements,
-//! [`thesis_table`]. [`methods`] are what was done, in words. [`page_html`] is the summary as a page with the trials in it. No files and no
-//! clock: data in, text and tables out.
+//! [`model_table`] (2, 3), [`components_table`] and [`device_table`] (4), [`weight_table`]
+//! (Appendix A), and its statements, [`thesis_table`]. [`methods`] are what was done, in words.
+//! [`page_html`] is the summary as a page with the trials in it. No files and no clock: data in,
+//! text and tables out.
 
 mod actuation;
 mod answers;
@@ -52,7 +53,7 @@ use zwidth_study::Source;
 use zwidth_tables::escape_markdown as escape;
 
 /// Version of the tables' form: raised when a table would be another from the same data.
-pub const VERSION: u32 = 8;
+pub const VERSION: u32 = 9;
 
 /// Stands in a cell of the matrix without a mean.
 pub(crate) const NO_MEAN: &str = "–";
@@ -85,8 +86,8 @@ pub struct Summary {
     pub statements: String,
     /// Those that are judged.
     pub judged: Vec<Told>,
-    /// What runs of the model show, each with where it can be seen: speed against accuracy, and the terms
-    /// that a condition requires.
+    /// What runs of the model show, each with where it can be seen: speed against accuracy, and the
+    /// terms that a condition requires.
     pub runs: Vec<Made>,
     /// The figures, the one to look at first in front.
     pub figures: Vec<Made>,
@@ -223,7 +224,8 @@ fn section<T>(title: &str, items: &[T], line: impl Fn(&T) -> String, none: &str)
 /// More files than these are told by kind, not one by one.
 const MOST_LISTED: usize = 100;
 
-/// Figures or tables; where they are many, those of a kind in one line: how many, the first and the last.
+/// Figures or tables; where they are many, those of a kind in one line: how many, the first and the
+/// last.
 fn listed(title: &str, made: &[Made], none: &str) -> String {
     if made.len() <= MOST_LISTED {
         return section(title, made, link_to, none);

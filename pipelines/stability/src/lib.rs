@@ -1,10 +1,10 @@
 //! Stage: which walls a sampled device bears, mapped over pairs of quantities.
 //!
 //! [`map`] looks at every cell of a grid over two quantities ([`Quantity`]) and keeps the limits
-//! apart: the lifted map's spectral radius, passivity, each solver's growth, and the closed forms of
-//! the literature. [`curves`] are the lines on which one of them is 1, and [`measured`] are points
-//! that a simulated loop gives. [`limits`] sums them up at one point, each with its error against
-//! the exact one. `docs/stability.md` has equations, sources and numbers.
+//! apart: the lifted map's spectral radius, passivity, each solver's growth, and the closed forms
+//! of the literature. [`curves`] are the lines on which one of them is 1, and [`measured`] are
+//! points that a simulated loop gives. [`limits`] sums them up at one point, each with its error
+//! against the exact one. `docs/stability.md` has equations, sources and numbers.
 //!
 //! Pure: a wall in memory, tables out.
 

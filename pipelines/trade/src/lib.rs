@@ -4,7 +4,8 @@
 //! run with the [`Yardstick`] and judges it, in this order:
 //!
 //! 1. **verdict** (`zwidth_dynamics::judge`): a run that chatters, is unstable or failed is out;
-//! 2. **error**: whether a person could tell it from the right one (`zwidth_dynamics::FeltReference`);
+//! 2. **error**: whether a person could tell it from the right one
+//!    (`zwidth_dynamics::FeltReference`);
 //! 3. **cost**: work counts.
 //!
 //! Of each solver the coarsest setting counts for which every finer one that was tried passes too,
@@ -56,4 +57,4 @@ pub use yardstick::{Proof, Yardstick};
 pub use zwidth_dynamics::{DynamicsError, ModelScene};
 
 /// Version of the algorithms and of the tables' form.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;

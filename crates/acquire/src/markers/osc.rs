@@ -1,6 +1,6 @@
-//! Open Sound Control 1.0, as far as a marker needs it: one message, big-endian, each part filled up
-//! to a multiple of four bytes. Source: M. Wright, "The Open Sound Control 1.0 Specification", 2002
-//! (opensoundcontrol.org/spec-1_0).
+//! Open Sound Control 1.0, as far as a marker needs it: one message, big-endian, each part filled
+//! up to a multiple of four bytes. Source: M. Wright, "The Open Sound Control 1.0 Specification",
+//! 2002 (opensoundcontrol.org/spec-1_0).
 
 /// An argument of a message.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,7 +85,10 @@ mod tests {
         for n in 0..9 {
             let words = "a".repeat(n);
             let bytes = text(&words);
-            assert!(bytes.len() % 4 == 0 && bytes.len() > n && bytes.len() <= n + 4, "{n}");
+            assert!(
+                bytes.len().is_multiple_of(4) && bytes.len() > n && bytes.len() <= n + 4,
+                "{n}"
+            );
             assert_eq!(
                 message("/m", &[Argument::Text(&words), Argument::Double(0.5)]).len() % 4,
                 0
