@@ -12,8 +12,8 @@ const EFFECTS: [f64; 3] = [0.0, -0.4, 0.6];
 const SPREAD: [f64; 4] = [1.0, 0.6, 0.4, 0.5];
 /// Thresholds of the five-point scale, in logits.
 const THRESHOLDS: [f64; 4] = [-1.6, -0.5, 0.6, 1.8];
-/// Share of the trials that are missing from all but the smallest studies: nothing is in closed form
-/// there.
+/// Share of the trials that are missing from all but the smallest studies: nothing is in closed
+/// form there.
 const MISSING: f64 = 0.05;
 /// The smallest studies.
 const SMALLEST: usize = 12;

@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 const ROUNDS: usize = 3;
 /// Of ours a round takes at least so long and so many fits.
 const LEAST: (Duration, usize) = (Duration::from_millis(500), 5);
-/// The two stop their searches at different slopes. A difference of estimates may be this share of a
-/// standard error, which says nothing to anybody; one of standard errors and degrees of freedom
+/// The two stop their searches at different slopes. A difference of estimates may be this share of
+/// a standard error, which says nothing to anybody; one of standard errors and degrees of freedom
 /// that share of them.
 const OF_STD_ERROR: f64 = 2e-3;
 const RELATIVE: f64 = 5e-3;

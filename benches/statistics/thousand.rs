@@ -19,8 +19,8 @@ const PARTICIPANTS: u32 = 1000;
 const SEED: u64 = 1;
 /// What it may take on two cores, s: all metrics; the answers with their mixed model besides.
 const AIMS: [f64; 2] = [10.0, 60.0];
-/// What a study compares that does not say what: primary metric, then the others. With their units, and
-/// whether only a wall has them.
+/// What a study compares that does not say what: primary metric, then the others. With their units,
+/// and whether only a wall has them.
 const METRICS: [(&str, &str, bool); 7] = [
     ("discrepancy_user_mean_n", "N", false),
     ("wall_past_max_rad", "rad", true),

@@ -185,7 +185,8 @@ pub fn write() -> Result<(), Any> {
     };
     put("xlsx", "two_rows", &stored(&XLSX))?;
     put("ods", "two_rows", &stored(&ODS))?;
-    // pyarrow.feather.write_feather of numbers, texts and a dictionary, as it is and packed with LZ4.
+    // pyarrow.feather.write_feather of numbers, texts and a dictionary, as it is and packed with
+    // LZ4.
     put("arrow", "plain", include_bytes!("plain.arrow"))?;
     put("arrow", "packed", include_bytes!("packed.arrow"))?;
     put("xdf", "two_streams", &two_streams())?;
@@ -231,7 +232,8 @@ fn row(i: u32) -> Sample {
     }
 }
 
-/// An XDF file of a stream of two numbers with a comparison of clocks, and one of texts; a boundary parts its samples.
+/// An XDF file of a stream of two numbers with a comparison of clocks, and one of texts; a boundary
+/// parts its samples.
 fn two_streams() -> Vec<u8> {
     let chunk = |tag: u16, stream: Option<u32>, content: &[u8]| {
         let stream = stream.map(|stream| stream.to_le_bytes().to_vec()).unwrap_or_default();
@@ -341,7 +343,8 @@ fn archive(files: &[(&str, &[u8], &[u8])]) -> Vec<u8> {
         let mut crc = Crc::new();
         crc.update(file);
         let method: u16 = if kept == file { 0 } else { 8 };
-        // What the file's own head and its entry in the directory share, from the version needed on.
+        // What the file's own head and its entry in the directory share, from the version needed
+        // on.
         let facts = [
             &[20, 0, 0, 0][..],
             &method.to_le_bytes(),

@@ -34,8 +34,8 @@ type Hashes = BTreeMap<String, String>;
 struct Content {
     /// By stage.
     versions: BTreeMap<String, u32>,
-    /// By path: the stage, and the hash. PNG and PDF, which are drawn from the SVG's shapes, and the
-    /// records are left out: they are compared within one run.
+    /// By path: the stage, and the hash. PNG and PDF, which are drawn from the SVG's shapes, and
+    /// the records are left out: they are compared within one run.
     files: BTreeMap<String, (String, String)>,
 }
 

@@ -1,5 +1,5 @@
-//! `cargo xtask hx711 COMMAND…`: our reader at the sketch of a load cell, which COMMAND runs in an emulator with an
-//! HX711 at its pins.
+//! `cargo xtask hx711 COMMAND…`: our reader at the sketch of a load cell, which COMMAND runs in an
+//! emulator with an HX711 at its pins.
 
 use crate::firmware::Emulator;
 use anyhow::{Context as _, ensure};

@@ -2,7 +2,8 @@
 //! they can be read one after the other, as a stranger reads them.
 //!
 //! Found in the sources, without a compiler: a string is a message if it stands within a call that
-//! makes one (`bail!`, `StoreError::new`, `#[error]`, …), or behind a name for one (`what`, `remedy`).
+//! makes one (`bail!`, `StoreError::new`, `#[error]`, …), or behind a name for one (`what`,
+//! `remedy`).
 
 use std::fs;
 use std::io;

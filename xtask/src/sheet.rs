@@ -1,5 +1,5 @@
-//! `cargo xtask sheet`: every figure of a study at print size on pages for a reviewer, beside each what
-//! is left of it in grey and for an eye without green cones, below it its caption.
+//! `cargo xtask sheet`: every figure of a study at print size on pages for a reviewer, beside each
+//! what is left of it in grey and for an eye without green cones, below it its caption.
 
 use anyhow::{Context as _, ensure};
 use std::fmt::Write as _;

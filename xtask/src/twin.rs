@@ -19,8 +19,8 @@ const ARGUMENTS: [&str; 10] = [
     "120",
 ];
 
-/// The scenes that its figures of the model are drawn from: copies of those in `scenes/`, so that the study holds all that
-/// its results rest on.
+/// The scenes that its figures of the model are drawn from: copies of those in `scenes/`, so that
+/// the study holds all that its results rest on.
 const SCENES: [&str; 8] = [
     "figure_11",
     "ramp",

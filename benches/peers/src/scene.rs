@@ -8,10 +8,10 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 /// θ, rad, and θ̇, rad/s.
 pub(crate) type State = [f64; 2];
 
-/// What a method integrates: N = 2, θ and θ̇ with the sine evaluated at every stage, or N = 4, where
-/// the sine's swing and its rate join the state as an oscillator. The second spares the sines, and
-/// a Runge–Kutta method keeps its order there: with a fast mode beside it, an evaluated sine lowers
-/// the order (Prothero & Robinson 1974).
+/// What a method integrates: N = 2, θ and θ̇ with the sine evaluated at every stage, or N = 4,
+/// where the sine's swing and its rate join the state as an oscillator. The second spares the
+/// sines, and a Runge–Kutta method keeps its order there: with a fast mode beside it, an evaluated
+/// sine lowers the order (Prothero & Robinson 1974).
 pub(crate) type Full<const N: usize> = [f64; N];
 
 /// M_O, kg, at a lever of 1 m.

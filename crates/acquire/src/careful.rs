@@ -9,8 +9,9 @@ const LEAST_WAY: f64 = 0.5;
 /// So often a place is tried again, and a stopped session is gone on with.
 const MOST_TRIES: u32 = 3;
 
-/// [`Auto`], and somebody who has a trial done again in which the lever did not come half of its way
-/// (to the wall, or the end of the work space), and goes on after a stop; three times each at most.
+/// [`Auto`], and somebody who has a trial done again in which the lever did not come half of its
+/// way (to the wall, or the end of the work space), and goes on after a stop; three times each at
+/// most.
 #[derive(Debug)]
 pub struct Careful<F> {
     auto: Auto<F>,

@@ -15,8 +15,8 @@ pub trait Front {
     fn show(&mut self, view: &View) -> Result<(), AcquireError>;
 
     /// The next input by a person, waiting for one at most `wait`; none if there was none. Only the
-    /// inputs of people come from here: [`Input::Start`], [`Input::Answer`], [`Input::Skip`], [`Input::Hold`],
-    /// [`Input::Repeat`], [`Input::Exclude`], [`Input::Note`], [`Input::Of`],
+    /// inputs of people come from here: [`Input::Start`], [`Input::Answer`], [`Input::Skip`],
+    /// [`Input::Hold`], [`Input::Repeat`], [`Input::Exclude`], [`Input::Note`], [`Input::Of`],
     /// [`Input::Stop`], [`Input::Quit`].
     ///
     /// # Errors

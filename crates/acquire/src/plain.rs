@@ -1,10 +1,11 @@
 //! Plain mode: a line in, a line out, for scripts, tests and people who read with their ears.
 //!
-//! Lines in: `start`, `answer N` (or `N` alone), `skip`, `hold`, `repeat`, `exclude REASON`, `note TEXT`,
-//! `stop`, `quit`; of any trial that ended `trial N` and one of `exclude REASON`, `note TEXT`,
-//! `repeat`, `ask`, which asks its questions again. They are taken in order, each when the session waits for somebody; so a script
-//! may say everything at once. `stop` alone is obeyed the moment it is read, and what was said
-//! before it and not yet taken is forgotten. The end of the input is `quit`.
+//! Lines in: `start`, `answer N` (or `N` alone), `skip`, `hold`, `repeat`, `exclude REASON`,
+//! `note TEXT`, `stop`, `quit`; of any trial that ended `trial N` and one of `exclude REASON`,
+//! `note TEXT`, `repeat`, `ask`, which asks its questions again. They are taken in order, each when
+//! the session waits for somebody; so a script may say everything at once. `stop` alone is obeyed
+//! the moment it is read, and what was said before it and not yet taken is forgotten. The end of
+//! the input is `quit`.
 //!
 //! Lines out: one a phase, one a message.
 

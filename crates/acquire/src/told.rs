@@ -2,8 +2,8 @@
 
 use zwidth_study::Check;
 
-/// A value in the unit that a person would name it in, no finer than one would; the record holds all
-/// its digits.
+/// A value in the unit that a person would name it in, no finer than one would; the record holds
+/// all its digits.
 pub fn check_value(check: &Check) -> String {
     let Check { value, unit, .. } = check;
     let size = value.abs();

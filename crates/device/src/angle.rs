@@ -244,7 +244,8 @@ mod tests {
             share_of_limit in 0.01..0.35_f64,
             late in prop::collection::vec(0.0..1.0_f64, 100),
         ) {
-            // Speed A·w stays below the limit of 3,180°/s, and the change of a step below a quarter turn.
+            // Speed A·w stays below the limit of 3,180°/s, and the change of a step below a quarter
+            // turn.
             let w = share_of_limit * 3180.0 / amplitude_deg;
             prop_assume!(amplitude_deg * w * w * 0.0083 * 0.0083 < 10.0);
             let counts = |t_s: f64| {

@@ -254,8 +254,8 @@ pub struct Line {
     pub x: Vec<f64>,
     /// Vertical positions, as many; NaN breaks the curve.
     pub y: Vec<f64>,
-    /// Where `true` at both ends of a piece, the piece is dotted in the rhythm of the pen's dashes (past
-    /// the wall, say). Empty: nowhere.
+    /// Where `true` at both ends of a piece, the piece is dotted in the rhythm of the pen's dashes
+    /// (past the wall, say). Empty: nowhere.
     pub dotted: Vec<bool>,
     /// Pen.
     pub stroke: Stroke,
@@ -346,8 +346,8 @@ pub enum TextPlace {
     RightOf(f64, f64),
     /// Ending to the left of this point, at its height.
     LeftOf(f64, f64),
-    /// Centred in the box between these corners, the lower left and the upper right one: wrapped, set
-    /// smaller where they must be, and cut off at `…` where that is not enough.
+    /// Centred in the box between these corners, the lower left and the upper right one: wrapped,
+    /// set smaller where they must be, and cut off at `…` where that is not enough.
     Within((f64, f64), (f64, f64)),
 }
 

@@ -295,8 +295,9 @@ impl Fonts {
         Err(Error::TextTooLong { text: markup.to_owned(), need_pt: widest, have_pt: width_pt })
     }
 
-    /// Sets markup as [`block`](Self::block) does; where a word is too long even in the smallest letters, it is parted between two
-    /// of them. Somebody's text is never the reason why there is no figure.
+    /// Sets markup as [`block`](Self::block) does; where a word is too long even in the smallest
+    /// letters, it is parted between two of them. Somebody's text is never the reason why there is
+    /// no figure.
     pub(crate) fn parted(
         &self,
         markup: &str,

@@ -77,7 +77,8 @@ pub(crate) fn plan<'a>(figure: &'a Figure, fonts: &Fonts) -> Result<Plan<'a>, Er
     let width_pt = figure.width_mm * PT_PER_MM;
     let inner_pt = width_pt - 2.0 * PAGE_MARGIN_PT;
     let mark = mark(figure, fonts, width_pt)?;
-    // A stamp that takes more than half of a narrow page stands above the heading, another beside it.
+    // A stamp that takes more than half of a narrow page stands above the heading, another beside
+    // it.
     let above = mark.as_ref().filter(|(label, _)| label.width_pt > width_pt / 2.0);
     let head = PAGE_MARGIN_PT + above.map_or(0.0, |(_, frame)| frame.height() + BLOCK_GAP_PT);
     let beside = mark.as_ref().filter(|_| above.is_none());

@@ -100,8 +100,9 @@ fn pen(stroke: &Stroke, scale: f32) -> tiny_skia::Stroke {
     }
 }
 
-/// A curve of so many points that it crosses itself again and again, stroked piece by piece: the whole takes the square
-/// of its crossings of a row of pixels. Pieces overlap, so a translucent curve is one layer.
+/// A curve of so many points that it crosses itself again and again, stroked piece by piece: the
+/// whole takes the square of its crossings of a row of pixels. Pieces overlap, so a translucent
+/// curve is one layer.
 fn long_curve(pixmap: &mut Pixmap, points: &[At], stroke: &Stroke, scale: f32) {
     let Some(mut layer) = Pixmap::new(pixmap.width(), pixmap.height()) else { return };
     let mut piece = Stroke { opacity: 1.0, ..*stroke };

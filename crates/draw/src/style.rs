@@ -153,8 +153,8 @@ pub enum Dash {
 
 /// Distance of dots, in widths of the pen.
 const DOT: f64 = 2.1;
-/// Dots after which the rhythms begin again, all on one beat: where curves lie on each other along the
-/// page, dots in twos, in threes and far apart stand beside each other.
+/// Dots after which the rhythms begin again, all on one beat: where curves lie on each other along
+/// the page, dots in twos, in threes and far apart stand beside each other.
 const BEAT: usize = 6;
 
 impl Dash {
@@ -186,7 +186,8 @@ pub fn dash(index: usize) -> Dash {
     [Dash::Solid, Dash::Dashed, Dash::DashDotted, Dash::LongDashed][index % 4]
 }
 
-/// The marker of the `index`-th of what a figure counts, likewise. After the third they start again.
+/// The marker of the `index`-th of what a figure counts, likewise. After the third they start
+/// again.
 pub fn marker(index: usize) -> Marker {
     [Marker::Disc, Marker::Square, Marker::Diamond][index % 3]
 }
@@ -234,8 +235,8 @@ impl Stroke {
         !self.dash.dots().is_empty()
     }
 
-    /// The same pen for a curve that begins at `x_pt` of the page: dots along the page stand where those of
-    /// any other curve with a pen of this width do.
+    /// The same pen for a curve that begins at `x_pt` of the page: dots along the page stand where
+    /// those of any other curve with a pen of this width do.
     pub(crate) fn on_beat(self, x_pt: f64) -> Self {
         let Some(first) = self.dash.dots().first() else { return self };
         let dot_pt = DOT * self.width_pt;
@@ -330,8 +331,8 @@ mod tests {
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
     }
 
-    /// Each channel of a colour, 0 … 1, by a matrix on linear sRGB: Machado, Oliveira & Fernandes 2009
-    /// (doi:10.1109/TVCG.2009.113), deuteranopia of severity 1.
+    /// Each channel of a colour, 0 … 1, by a matrix on linear sRGB: Machado, Oliveira & Fernandes
+    /// 2009 (doi:10.1109/TVCG.2009.113), deuteranopia of severity 1.
     fn without_green_cones(colour: Colour) -> [f64; 3] {
         const MATRIX: [[f64; 3]; 3] = [
             [0.367_322, 0.860_646, -0.227_968],

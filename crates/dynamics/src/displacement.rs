@@ -5,8 +5,8 @@ use crate::system::{OMEGA, System, THETA};
 use crate::trajectory::Forces;
 
 impl System {
-    /// Forces for a given motion of the lever: θ (rad), θ̇ (rad/s), θ̈ (rad/s²). The user's force is
-    /// the one the motion needs, M_O L θ̈ less what acts on the lever; there is no finger and
+    /// Forces for a given motion of the lever: θ (rad), θ̇ (rad/s), θ̈ (rad/s²). The user's force
+    /// is the one the motion needs, M_O L θ̈ less what acts on the lever; there is no finger and
     /// nothing lags.
     ///
     /// The motion decides all: no force feeds back into it, so that nothing can oscillate.

@@ -61,8 +61,8 @@ pub struct WorkCounts {
 }
 
 impl WorkCounts {
-    /// One number to compare costs by, in evaluations: a factorisation or an exponential of an n × n
-    /// matrix is worth some n products of it with a state. It does not depend on the machine, and
+    /// One number to compare costs by, in evaluations: a factorisation or an exponential of an n ×
+    /// n matrix is worth some n products of it with a state. It does not depend on the machine, and
     /// is no time.
     pub fn in_evaluations(&self, layout: &Layout) -> u64 {
         self.evaluations + self.factorisations * layout.n as u64

@@ -134,7 +134,8 @@ impl Batch {
     }
 
     /// Writes everything, or nothing: when a write fails, what was written before is removed again;
-    /// when the process is killed, the next import or `recover` does that ([`zwidth_store::started`]).
+    /// when the process is killed, the next import or `recover` does that
+    /// ([`zwidth_store::started`]).
     ///
     /// # Errors
     /// The write that failed, saying what was removed, and any file that could not be removed.

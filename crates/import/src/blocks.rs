@@ -1,4 +1,5 @@
-//! A long text block by block: each of whole records, with the header before them, so that it is read as a file of its own.
+//! A long text block by block: each of whole records, with the header before them, so that it is
+//! read as a file of its own.
 
 use super::csv::{Dialect, record_ends, whole_records};
 use super::format::Format;
@@ -11,11 +12,12 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use zwidth_store::{StoreError, open_named};
 
-/// Bytes that are read at a time (2 MiB): as texts and numbers some ten times as many. Tests have many blocks in little text.
+/// Bytes that are read at a time (2 MiB): as texts and numbers some ten times as many. Tests have
+/// many blocks in little text.
 const BLOCK: usize = if cfg!(test) { 1 << 12 } else { 1 << 21 };
 
-/// Whether a recording is read block by block: a text with a header that is longer than most. What a mapping asks for that looks
-/// at rows from the file's beginning to its end keeps it whole.
+/// Whether a recording is read block by block: a text with a header that is longer than most. What
+/// a mapping asks for that looks at rows from the file's beginning to its end keeps it whole.
 pub(super) fn is_long(path: &Path, form: &FileForm) -> bool {
     let text = matches!(form.format_of(path), Ok(Format::Csv | Format::Tsv | Format::Txt));
     let plain = text

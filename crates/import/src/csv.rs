@@ -103,7 +103,8 @@ pub(super) fn read(
     Ok(Table { columns, names, lines, told, bad })
 }
 
-/// What a text that is a table in another way looks like with tabs, the dialect it then has, and what is to be told of it.
+/// What a text that is a table in another way looks like with tabs, the dialect it then has, and
+/// what is to be told of it.
 fn as_delimited(text: &str, dialect: Dialect) -> (Option<String>, Dialect, Vec<String>) {
     let tabs = Dialect { delimiter: b'\t', ..dialect };
     if is_labchart(text) {
@@ -123,8 +124,8 @@ fn as_delimited(text: &str, dialect: Dialect) -> (Option<String>, Dialect, Vec<S
     (Some(spaced(text, dialect.comment)), tabs, vec![told])
 }
 
-/// Mends a header that is one cell short of the first record: as R writes names of rows, or because each line ends in a
-/// delimiter. Says what it was taken for.
+/// Mends a header that is one cell short of the first record: as R writes names of rows, or because
+/// each line ends in a delimiter. Says what it was taken for.
 fn one_cell_short(names: &mut Vec<String>, record: &::csv::StringRecord) -> Option<String> {
     if record.len() != names.len() + 1 {
         return None;

@@ -31,7 +31,8 @@ pub(super) enum Format {
 pub(super) struct FormatOptions<'a> {
     /// How delimited text is written.
     pub(super) dialect: Dialect,
-    /// The part of the file whose columns are meant: a matrix of a MAT file, an array of a NumPy archive, a stream, a sheet.
+    /// The part of the file whose columns are meant: a matrix of a MAT file, an array of a NumPy
+    /// archive, a stream, a sheet.
     pub(super) part: Option<&'a str>,
 }
 

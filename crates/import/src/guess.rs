@@ -1,7 +1,8 @@
-//! A mapping file to edit, guessed from a recording: how its text is written, and what its columns may be.
+//! A mapping file to edit, guessed from a recording: how its text is written, and what its columns
+//! may be.
 //!
-//! Nothing is imported by a guess: the mapping is a text that a person reads, mends and names in `--map`. What could not be told
-//! stands in it as a line to fill in.
+//! Nothing is imported by a guess: the mapping is a text that a person reads, mends and names in
+//! `--map`. What could not be told stands in it as a line to fill in.
 
 use super::csv::{Dialect, WHITE_SPACE};
 use super::format::{Format, FormatOptions};
@@ -24,7 +25,8 @@ const MOST_PREAMBLE: usize = 50;
 /// What stands between cells, the likeliest first.
 const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', WHITE_SPACE];
 
-/// What columns are called, and what they then are. The words stand in small letters, the first line that has one of a name's words wins.
+/// What columns are called, and what they then are. The words stand in small letters, the first
+/// line that has one of a name's words wins.
 const NAMES: [(Signal, &[&str]); 7] = [
     (Signal::Time, &["t", "time", "zeit", "timestamp", "elapsed", "seconds", "millis", "temps"]),
     (Signal::ThetaDdot, &["accel", "acceleration", "beschleunigung", "thetaddot", "ddot"]),
@@ -92,7 +94,8 @@ fn encoding(bytes: &[u8]) -> Encoding {
     if marked || std::str::from_utf8(bytes).is_ok() { Encoding::Utf8 } else { Encoding::Latin1 }
 }
 
-/// How a delimited text is written: the delimiter that parts most lines into the same number of cells, the most of them.
+/// How a delimited text is written: the delimiter that parts most lines into the same number of
+/// cells, the most of them.
 fn written(text: &str, encoding: Encoding) -> Written {
     let lines: Vec<&str> =
         text.lines().filter(|line| !line.trim().is_empty()).take(LOOKED_AT).collect();
@@ -283,8 +286,8 @@ fn quoted(text: &str) -> String {
 const COMMANDED: [&str; 8] =
     ["desired", "commanded", "cmd", "command", "target", "set", "reference", "soll"];
 
-/// The words of a name in small letters, and the last of them that is a unit: `Force (mN)` → `force`, `mN`; `angle_deg` → `angle`,
-/// `deg`.
+/// The words of a name in small letters, and the last of them that is a unit: `Force (mN)` →
+/// `force`, `mN`; `angle_deg` → `angle`, `deg`.
 fn words_and_unit(name: &str) -> (Vec<String>, Option<String>) {
     let parts = name.split([' ', '_', '(', ')', '[', ']', ',', ':']);
     let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();

@@ -56,7 +56,8 @@ pub(super) struct Questionnaire {
 /// Where answers stand.
 #[derive(Debug, Clone)]
 pub(super) enum Asked {
-    /// A row a trial, a column a question. No column listed: those whose header is a question's text.
+    /// A row a trial, a column a question. No column listed: those whose header is a question's
+    /// text.
     Wide { columns: BTreeMap<QuestionId, ColumnRef>, times: BTreeMap<QuestionId, ColumnRef> },
     /// A row an answer.
     Long(LongForm),

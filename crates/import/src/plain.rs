@@ -1,8 +1,8 @@
-//! Texts that are tables in another way than delimited ones, written as those are, line for line: so that every row keeps the
-//! line it has in the file.
+//! Texts that are tables in another way than delimited ones, written as those are, line for line:
+//! so that every row keeps the line it has in the file.
 
-/// What LabChart's text export begins its blocks with (ADInstruments, "How can channel titles, ranges, intervals, etc. for a
-/// text file be imported into LabChart?").
+/// What LabChart's text export begins its blocks with (ADInstruments, "How can channel titles,
+/// ranges, intervals, etc. for a text file be imported into LabChart?").
 pub(super) const LABCHART: &str = "Interval=";
 /// The line of a block that names its channels.
 const TITLES: &str = "ChannelTitle=";
@@ -14,9 +14,9 @@ pub(super) fn is_labchart(text: &str) -> bool {
     text.starts_with(LABCHART)
 }
 
-/// LabChart's export with tabs: the first block's channel titles are the header, with `Time` before them; the other lines of a
-/// block's head, and comments, are blank. Blocks follow each other: the time starts over with each, where it counts from the
-/// block's start.
+/// LabChart's export with tabs: the first block's channel titles are the header, with `Time` before
+/// them; the other lines of a block's head, and comments, are blank. Blocks follow each other: the
+/// time starts over with each, where it counts from the block's start.
 pub(super) fn labchart(text: &str) -> String {
     let mut titled = false;
     let mut lines = String::with_capacity(text.len());
@@ -42,8 +42,8 @@ fn is_head(line: &str) -> bool {
     word.is_some_and(|word| !word.is_empty() && word.chars().all(|c| c.is_ascii_alphabetic()))
 }
 
-/// The text with a tab for each run of blanks between cells, and without blanks at either end of a line; a cell in double quotes
-/// keeps its own. Comments stay as they are.
+/// The text with a tab for each run of blanks between cells, and without blanks at either end of a
+/// line; a cell in double quotes keeps its own. Comments stay as they are.
 pub(super) fn spaced(text: &str, comment: Option<u8>) -> String {
     let mut lines = String::with_capacity(text.len());
     for line in text.lines() {

@@ -205,8 +205,8 @@ impl Recording {
         Ok(Rows { read, missing, past_limit: read - limit, kept, bad: bad.into_values().collect() })
     }
 
-    /// Rows up to `limit` that cannot be read, at most as many as are allowed: what more there are is an error of whoever reads
-    /// them.
+    /// Rows up to `limit` that cannot be read, at most as many as are allowed: what more there are
+    /// is an error of whoever reads them.
     fn bad_rows(&self, limit: usize, numeric: &[usize], allowed: usize) -> BTreeMap<usize, String> {
         let mut bad: BTreeMap<usize, String> =
             self.table.bad.iter().filter(|(row, _)| *row < limit).cloned().collect();
@@ -225,8 +225,8 @@ impl Recording {
         bad
     }
 
-    /// `rows` in stretches in which the number of `column` does not fall. What is no number parts nothing, and is an error of
-    /// whoever reads it.
+    /// `rows` in stretches in which the number of `column` does not fall. What is no number parts
+    /// nothing, and is an error of whoever reads it.
     pub(super) fn restarts<'a>(
         &self,
         rows: &'a [usize],

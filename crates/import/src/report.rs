@@ -46,7 +46,8 @@ pub struct FileReport {
     pub made: Vec<String>,
     /// What was taken for granted in reading it.
     pub told: Vec<String>,
-    /// What its trials say against their units, signs, clock and sensors: they were imported, and are to be read with care.
+    /// What its trials say against their units, signs, clock and sensors: they were imported, and
+    /// are to be read with care.
     pub care: Vec<String>,
 }
 

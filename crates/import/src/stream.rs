@@ -1,5 +1,6 @@
-//! The trials of a long text: read block by block, as many at a time as there are cores, and written as they are read, so that
-//! neither the text nor its columns are ever in memory whole. What they become is what a short recording becomes.
+//! The trials of a long text: read block by block, as many at a time as there are cores, and
+//! written as they are read, so that neither the text nor its columns are ever in memory whole.
+//! What they become is what a short recording becomes.
 
 use super::blocks::{Block, Blocks, is_long};
 use super::convert::Linear;
@@ -94,8 +95,8 @@ impl<'a> Source<'a> {
         Ok(Some(Self { path, context, who, plan, form: form.clone(), groups }))
     }
 
-    /// Whose the trials in it are, in order. Where no label comes from a column, and time does not part trials, it is one trial,
-    /// and the first rows tell.
+    /// Whose the trials in it are, in order. Where no label comes from a column, and time does not
+    /// part trials, it is one trial, and the first rows tell.
     ///
     /// # Errors
     /// What is wrong with the file, as far as it was read.
@@ -120,7 +121,8 @@ impl<'a> Source<'a> {
         StoreError::new(self.path, what, "leave the file out of the import")
     }
 
-    /// Goes through the text; `each` gets every stretch in order, and says whether to go on, `progress` how many bytes were read.
+    /// Goes through the text; `each` gets every stretch in order, and says whether to go on,
+    /// `progress` how many bytes were read.
     ///
     /// # Errors
     /// What is wrong with the first block in which anything is; what `each` says.
@@ -290,7 +292,8 @@ pub(super) struct Growing<'a> {
     first_row: usize,
     /// First and last time, s.
     times: Option<[f64; 2]>,
-    /// Rows that were given to the writer and are kept because the next row's derivative needs them: the last one.
+    /// Rows that were given to the writer and are kept because the next row's derivative needs
+    /// them: the last one.
     given: usize,
     /// Rows given to the writer.
     pub(super) rows: usize,
@@ -426,7 +429,8 @@ impl<'a> Growing<'a> {
         found.map_or(&[], |(_, values)| values)
     }
 
-    /// Computes what the rows at hand allow, and gives whole row groups to the writer; at the end all.
+    /// Computes what the rows at hand allow, and gives whole row groups to the writer; at the end
+    /// all.
     fn write(&mut self, writer: &mut TrialWriter, end: bool) -> Result<(), Errors> {
         for (to, rule) in &self.plan.derived {
             let more = self.derived(*to, *rule, end);
@@ -456,7 +460,8 @@ impl<'a> Growing<'a> {
         Ok(())
     }
 
-    /// The next values of a computed column, with the arithmetic of `convert::derivative` and `convert::integral`.
+    /// The next values of a computed column, with the arithmetic of `convert::derivative` and
+    /// `convert::integral`.
     fn derived(&self, to: Signal, rule: Rule, end: bool) -> Vec<f64> {
         let (Rule::DerivativeOf(of) | Rule::IntegralOf(of)) = rule;
         let (t, x, have) = (self.column(Signal::Time), self.column(of), self.column(to));

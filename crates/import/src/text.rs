@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use std::path::Path;
 use zwidth_store::StoreError;
 
-/// How the bytes of a text spell its characters. A byte-order mark says so itself, whatever the mapping says.
+/// How the bytes of a text spell its characters. A byte-order mark says so itself, whatever the
+/// mapping says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub(super) enum Encoding {
     /// UTF-8.
@@ -36,7 +37,8 @@ const UNREAD: [(&[u8], &str, &str); 9] = [
     (b"SQLite format 3", "an SQLite database", "write its table as CSV"),
     (b"%PDF", "a PDF", "ask for the numbers themselves"),
 ];
-/// The line that converts an HDF5 file: its numbers by their path, as arrays of an archive. `tests/interop/foreign.py` tries it.
+/// The line that converts an HDF5 file: its numbers by their path, as arrays of an archive.
+/// `tests/interop/foreign.py` tries it.
 const HDF5: &str = "save it from MATLAB with -v7, or convert it: python -c \"import sys, h5py, numpy as np; d = {}; \
      h5py.File(sys.argv[1]).visititems(lambda n, o: d.update({n.replace('/', '.'): np.squeeze(o).astype(float)}) \
      if hasattr(o, 'dtype') and o.dtype.kind in 'iuf' else None); np.savez(sys.argv[2], **d)\" IN OUT.npz";

@@ -99,7 +99,8 @@ pub(super) fn trials(
     Ok(batch)
 }
 
-/// The trials of a file, and the report on it; of a long text whose its trials are, and no report yet.
+/// The trials of a file, and the report on it; of a long text whose its trials are, and no report
+/// yet.
 type FileTrials = (Vec<Piece>, Option<FileReport>);
 
 /// What became of the files, in their order.

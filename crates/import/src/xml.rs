@@ -1,6 +1,8 @@
-//! XML as far as headers and workbooks need it: elements, attributes and texts, in the order in which they stand.
+//! XML as far as headers and workbooks need it: elements, attributes and texts, in the order in
+//! which they stand.
 //!
-//! Names are told without their prefix. What comments, declarations and instructions say is passed by.
+//! Names are told without their prefix. What comments, declarations and instructions say is passed
+//! by.
 
 use std::borrow::Cow;
 

@@ -1,7 +1,7 @@
 //! Frames: how messages stand on the wire.
 //!
-//! A frame is `kind ‖ sequence ‖ payload ‖ CRC-32`, by consistent overhead byte stuffing (Cheshire &
-//! Baker, IEEE/ACM Trans. Netw. 7 (1999) 159–172) without a 0 in it, and a 0 behind it. Whatever
+//! A frame is `kind ‖ sequence ‖ payload ‖ CRC-32`, by consistent overhead byte stuffing (Cheshire
+//! & Baker, IEEE/ACM Trans. Netw. 7 (1999) 159–172) without a 0 in it, and a 0 behind it. Whatever
 //! comes between two zeros and is no whole frame is dropped and counted, so a reader that begins in
 //! the middle, or on a noisy wire, is right again at the next 0. Numbers are little-endian.
 

@@ -1,12 +1,12 @@
 //! The wire to a board.
 //!
 //! At the host's end stands a [`zwidth_device::Device`] over a [`Wire`], by one of three links: a
-//! [`Rig`] asks a board by [`frame`]s with [`message`]s in them; a board that speaks [`firmata`], or
-//! prints lines of [`text`], sends its readings unasked. What goes over the wire are pure functions
-//! of bytes: any split of them reads alike, and what is no message is dropped. The page `docs/rig.md`
-//! has the frames byte by byte, so that a sketch of a hundred lines can speak them.
-//! [`Board`] is the other end of each with any device behind it, as the twin: what a rig is tried on
-//! without a board.
+//! [`Rig`] asks a board by [`frame`]s with [`message`]s in them; a board that speaks [`firmata`],
+//! or prints lines of [`text`], sends its readings unasked. What goes over the wire are pure
+//! functions of bytes: any split of them reads alike, and what is no message is dropped. The page
+//! `docs/rig.md` has the frames byte by byte, so that a sketch of a hundred lines can speak them.
+//! [`Board`] is the other end of each with any device behind it, as the twin: what a rig is tried
+//! on without a board.
 
 pub mod board;
 pub mod firmata;

@@ -1,9 +1,9 @@
 //! How long a framed answer is waited for.
 //!
-//! The question (9 bytes), the answer (31) and the command that follows from it (13) are on the line one
-//! after another. Where all three have room in a tick, the answer is waited for, and its command
-//! goes out in the same tick. Where they have not, waiting would only make the command late: the answer
-//! to the question before is taken, which came meanwhile, with its age.
+//! The question (9 bytes), the answer (31) and the command that follows from it (13) are on the
+//! line one after another. Where all three have room in a tick, the answer is waited for, and its
+//! command goes out in the same tick. Where they have not, waiting would only make the command
+//! late: the answer to the question before is taken, which came meanwhile, with its age.
 
 use crate::message::{Drive, FromBoard, Seen, ToBoard};
 use crate::rate::{line_rate_hz, line_s};
@@ -15,12 +15,13 @@ const HOST_SHARE: f64 = 0.2;
 const TIMES: f64 = 3.0;
 /// …or this long, s: two frames of USB, which a converter waits for each way…
 const USB_S: f64 = 2e-3;
-/// …or this share of a tick: a loop that is slow has the time, and a reading that is a tick old is too old to it.
+/// …or this share of a tick: a loop that is slow has the time, and a reading that is a tick old is
+/// too old to it.
 const TICK_SHARE: f64 = 0.4;
 /// In ticks longer than this an answer is always waited for, s.
 const SHORT_S: f64 = 5e-3;
-/// After so many answers in a row that did not come in their tick they are waited for no longer: something
-/// between host and board holds them back.
+/// After so many answers in a row that did not come in their tick they are waited for no longer:
+/// something between host and board holds them back.
 const FUTILE: u32 = 8;
 /// After so many ticks without waiting it is tried again.
 const AGAIN: u32 = 1000;
@@ -91,7 +92,8 @@ fn bytes() -> [usize; 3] {
     frames.map(|frame| frame.encode().1)
 }
 
-/// Ticks a second that a serial line carries: question and command go one way, the answer the other, Hz.
+/// Ticks a second that a serial line carries: question and command go one way, the answer the
+/// other, Hz.
 pub(crate) fn wire_rate_hz(baud: u32) -> f64 {
     let [question, command, answer] = bytes();
     line_rate_hz(baud, answer.max(question + command))

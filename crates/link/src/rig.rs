@@ -103,7 +103,8 @@ impl<W: Wire> Rig<W> {
         Ok(rig)
     }
 
-    /// Looks that found no newer answer than the one before, and pieces on the wire that were no message.
+    /// Looks that found no newer answer than the one before, and pieces on the wire that were no
+    /// message.
     pub fn faults(&self) -> [u64; 2] {
         [self.late, self.frames.damaged()]
     }
@@ -273,7 +274,8 @@ impl<W: Wire> Device for Rig<W> {
         if self.gone {
             self.come_back()?;
         }
-        // What a board said when its port was opened, and to each question who it is, is known by now.
+        // What a board said when its port was opened, and to each question who it is, is known by
+        // now.
         for _ in 0..MOST_OLD {
             if self.receive(Duration::ZERO)?.is_none() {
                 break;

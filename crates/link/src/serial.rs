@@ -14,7 +14,8 @@ const WRITE: Duration = Duration::from_millis(20);
 
 /// A serial port, open until it is gone.
 pub struct Serial {
-    /// Let go at once when it is gone, so that a board that is plugged in again gets its name again.
+    /// Let go at once when it is gone, so that a board that is plugged in again gets its name
+    /// again.
     open: Option<Box<dyn SerialPort>>,
     /// Where it is, and its bits a second; none of a line that cannot be opened again.
     at: Option<(PathBuf, u32)>,

@@ -3,8 +3,8 @@
 //! Both ends go by one clock, which moves on only where somebody waits: the loop for its next tick,
 //! the host for an answer. Each byte takes its time on its line, ten bits of its baud, and a line
 //! gives its messages in their order. A message is what one end says at once. One of them,
-//! counted from the first, may meet with a [`Trouble`]: so a session can be tried with each of its messages
-//! gone wrong, and the same one always goes the same way.
+//! counted from the first, may meet with a [`Trouble`]: so a session can be tried with each of its
+//! messages gone wrong, and the same one always goes the same way.
 
 use crate::message::Drive;
 use crate::rate::line_s;
@@ -51,8 +51,8 @@ pub enum Trouble {
     Corrupt,
     /// Its second half does not arrive.
     Half,
-    /// It arrives so much later, s; what comes behind it on its line waits, what another line carries
-    /// does not.
+    /// It arrives so much later, s; what comes behind it on its line waits, what another line
+    /// carries does not.
     Late(f64),
     /// The board begins anew instead.
     Reset,
@@ -195,8 +195,8 @@ impl<D: Device> Inside<D> {
 }
 
 impl<D: Device> Bench<D> {
-    /// A board at lines of so many bits a second, its own and its load cell's, that needs so long for an
-    /// answer, s.
+    /// A board at lines of so many bits a second, its own and its load cell's, that needs so long
+    /// for an answer, s.
     pub fn new(board: Board<D>, baud: u32, cell_baud: u32, thinks_s: f64) -> Self {
         let lanes = [Lane::new(baud), Lane::new(baud), Lane::new(cell_baud)];
         Self(Arc::new(Mutex::new(Inside {

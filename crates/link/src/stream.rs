@@ -1,9 +1,10 @@
-//! A board that sends readings unasked as a device, and a load cell that may have a port of its own.
+//! A board that sends readings unasked as a device, and a load cell that may have a port of its
+//! own.
 //!
 //! Readings are handed out in the order in which they came, one for each look, so that none is lost
 //! where the loop was late; the loop looks more often than they come ([`LOOKS_PER_READING`]), which
-//! works off what has piled up. Between two of them the last one stands, with its age: from when the
-//! host took it in, so up to one look too young.
+//! works off what has piled up. Between two of them the last one stands, with its age: from when
+//! the host took it in, so up to one look too young.
 
 use crate::message::{Drive, mark};
 use crate::rate::LOOKS_PER_READING;
@@ -286,8 +287,8 @@ impl<W: Wire> Stream<W> {
         }
     }
 
-    /// All steps of the board's clock; one that goes back has begun anew. None of a reading that came
-    /// before: its clock goes further between two.
+    /// All steps of the board's clock; one that goes back has begun anew. None of a reading that
+    /// came before: its clock goes further between two.
     fn passed(&mut self, ticks: u32) -> Option<u64> {
         let Some((last, all)) = self.ticks else {
             self.ticks = Some((ticks, ticks.into()));

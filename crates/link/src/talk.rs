@@ -1,4 +1,5 @@
-//! What a host needs of a link whose board sends readings unasked: bytes in, readings out, and back.
+//! What a host needs of a link whose board sends readings unasked: bytes in, readings out, and
+//! back.
 
 use crate::message::Drive;
 use zwidth_device::DeviceError;

@@ -21,7 +21,8 @@ pub trait Wire: Send {
     /// A wire that is gone, or that takes nothing any more.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// The time by which its waits go, since some moment: the machine's, unless the wire is simulated.
+    /// The time by which its waits go, since some moment: the machine's, unless the wire is
+    /// simulated.
     fn now(&self) -> Duration {
         BEGAN.elapsed()
     }

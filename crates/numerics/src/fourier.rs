@@ -1,25 +1,29 @@
 //! Many frequencies of a long signal at once, whose samples need not be even.
 //!
-//! A Fourier sum frequency by frequency takes the number of samples times that of frequencies, and both grow with a
-//! recording's length. Here the samples are spread onto an even grid by a narrow Gaussian, the grid is transformed by a fast
-//! Fourier transform, and what the Gaussian did to each frequency is divided out again (Greengard & Lee 2004, SIAM Rev.
-//! 46:443): n log n, and the sum itself to about 1e-14 of ∫ |y| dt. Plain loops and `libm`, so that it is the same bits on
-//! every processor.
+//! A Fourier sum frequency by frequency takes the number of samples times that of frequencies, and
+//! both grow with a recording's length. Here the samples are spread onto an even grid by a narrow
+//! Gaussian, the grid is transformed by a fast Fourier transform, and what the Gaussian did to each
+//! frequency is divided out again (Greengard & Lee 2004, SIAM Rev. 46:443): n log n, and the sum
+//! itself to about 1e-14 of ∫ |y| dt. Plain loops and `libm`, so that it is the same bits on every
+//! processor.
 
 use crate::spectrum::trapezoidal_weights;
 use core::f64::consts::{PI, TAU};
 
-/// Cells to either side of a sample that its Gaussian reaches: e^(−π · 12 · 7/8) = 5e-15 is left out.
+/// Cells to either side of a sample that its Gaussian reaches: e^(−π · 12 · 7/8) = 5e-15 is left
+/// out.
 const REACH: usize = 12;
-/// Cells a period of the highest frequency, at least: half of that is by how much finer the grid is than it must be.
+/// Cells a period of the highest frequency, at least: half of that is by how much finer the grid is
+/// than it must be.
 const FINENESS: usize = 8;
-/// The frequencies are those of this many transforms of a sixteenth of the grid's length: a signal that fills no more than a
-/// sixteenth of it, as one that is padded with zeros 16 times, then needs no more memory than itself.
+/// The frequencies are those of this many transforms of a sixteenth of the grid's length: a signal
+/// that fills no more than a sixteenth of it, as one that is padded with zeros 16 times, then needs
+/// no more memory than itself.
 const PARTS: usize = 16;
 
 /// |Y|² with Y(f) = ∫ y e^(−2πift) dt by the trapezoidal rule, at the `count` frequencies f = k `step_hz` from 0 on; unit of
-/// `y` squared times s². As [`crate::spectrum::squared_fourier`] within 1e-13 of (∫ |y| dt)², in n log n. `t` in s,
-/// increasing, as long as `y`.
+/// `y` squared times s². As [`crate::spectrum::squared_fourier`] within 1e-13 of (∫ |y| dt)², in n
+/// log n. `t` in s, increasing, as long as `y`.
 pub fn squared_fourier_from_zero(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
     let length = (FINENESS * count).max(PARTS * 2).next_power_of_two();
     let gaussian = Gaussian::new(length, count);
@@ -38,8 +42,8 @@ pub fn squared_fourier_from_zero(t: &[f64], y: &[f64], step_hz: f64, count: usiz
 
 /// e^(−a u²), u in cells.
 struct Gaussian {
-    /// a = π (R − ½) / (R · reach), R the grid's fineness over what it must be: what is cut off and what other frequencies
-    /// leak are then equally small.
+    /// a = π (R − ½) / (R · reach), R the grid's fineness over what it must be: what is cut off and
+    /// what other frequencies leak are then equally small.
     a: f64,
     /// Its values at whole cells, from −(reach − 1) to reach.
     at_cells: Vec<f64>,
@@ -55,8 +59,8 @@ impl Gaussian {
         Self { a, at_cells: (0..2 * REACH).map(at).collect(), length }
     }
 
-    /// Σ yⱼ wⱼ e^(−a (l − uⱼ)²) at each cell l, from as far before the first sample as it reaches to as far after the last; uⱼ
-    /// the sample's time in cells and wⱼ its trapezoidal weight.
+    /// Σ yⱼ wⱼ e^(−a (l − uⱼ)²) at each cell l, from as far before the first sample as it reaches
+    /// to as far after the last; uⱼ the sample's time in cells and wⱼ its trapezoidal weight.
     fn spread(&self, t: &[f64], y: &[f64], cells_a_s: f64) -> Vec<f64> {
         let start = t.first().copied().unwrap_or(0.0);
         let last = t.last().map_or(0.0, |last| (last - start) * cells_a_s);
@@ -76,15 +80,17 @@ impl Gaussian {
         grid
     }
 
-    /// What undoes the Gaussian in the square of the `k`-th frequency: (a/π) e^(ω²/2a), ω = 2πk / length.
+    /// What undoes the Gaussian in the square of the `k`-th frequency: (a/π) e^(ω²/2a), ω = 2πk /
+    /// length.
     fn undone(&self, k: usize) -> f64 {
         let omega = TAU * k as f64 / self.length as f64;
         self.a / PI * libm::exp(omega * omega / (2.0 * self.a))
     }
 }
 
-/// What the transform of a [`PARTS`]th of the grid's `length` has to be taken of, so that it gives the frequencies `part`,
-/// `part` + 16, …: each cell turned by its phase, and those a transform's length apart together.
+/// What the transform of a [`PARTS`]th of the grid's `length` has to be taken of, so that it gives
+/// the frequencies `part`, `part` + 16, …: each cell turned by its phase, and those a transform's
+/// length apart together.
 fn folded(grid: &[f64], part: usize, length: usize) -> Vec<[f64; 2]> {
     let folded_length = length / PARTS;
     let mut folded = vec![[0.0; 2]; folded_length];
@@ -105,7 +111,8 @@ pub(crate) fn turns(n: usize) -> Vec<[f64; 2]> {
     (0..n / 2).map(turn).map(|(sin, cos)| [cos, sin]).collect()
 }
 
-/// Σ zⱼ e^(−2πijk/n) for each k: Cooley & Tukey's transform (1965, Math. Comp. 19:297) of a power of two of numbers, in place.
+/// Σ zⱼ e^(−2πijk/n) for each k: Cooley & Tukey's transform (1965, Math. Comp. 19:297) of a power
+/// of two of numbers, in place.
 pub(crate) fn transform(mut z: Vec<[f64; 2]>, turns: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let n = z.len();
     reverse_bits(&mut z);
@@ -175,8 +182,8 @@ mod tests {
         }
     }
 
-    /// y = 1 at the times 0, 1, … n − 1 over its period: Dirichlet's kernel, (sin(πnf) / sin(πf))² but for the half weights of the
-    /// two ends, which take cos(π(n − 1)f) from its amplitude.
+    /// y = 1 at the times 0, 1, … n − 1 over its period: Dirichlet's kernel, (sin(πnf) / sin(πf))²
+    /// but for the half weights of the two ends, which take cos(π(n − 1)f) from its amplitude.
     #[test]
     fn an_even_row_of_ones_has_dirichlets_kernel() {
         let n = 256_u32;

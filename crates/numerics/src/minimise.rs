@@ -1,5 +1,5 @@
-//! The minimum of a smooth function of a handful of parameters, by the BFGS quasi-Newton method with
-//! analytic gradients.
+//! The minimum of a smooth function of a handful of parameters, by the BFGS quasi-Newton method
+//! with analytic gradients.
 //!
 //! Nocedal & Wright (2006), *Numerical Optimization*, 2nd ed.: the update of the inverse Hessian is
 //! their equation 6.17, its first scale 6.20. A step satisfies the weak Wolfe conditions, found by

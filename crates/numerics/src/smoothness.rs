@@ -13,7 +13,8 @@ const PADDING: usize = 16;
 /// Fewest samples of a speed profile that has a shape.
 const LEAST_SAMPLES: usize = 3;
 
-/// Spectral arc length of a speed profile, SPARC: −∫₀^ωc √((1/ωc)² + (dV̂/dω)²) dω, V̂(ω) = |V(ω)| /
+/// Spectral arc length of a speed profile, SPARC: −∫₀^ωc √((1/ωc)² + (dV̂/dω)²) dω, V̂(ω) = |V(ω)|
+/// /
 /// |V(0)|, ωc the last frequency up to 10 Hz at which V̂ ≥ 0.05. Dimensionless and negative; the
 /// nearer to −1 the smoother. It depends neither on the movement's size nor on its duration.
 ///
@@ -39,7 +40,8 @@ pub fn spectral_arc_length(t: &[f64], speed: &[f64]) -> Option<f64> {
     arc_length(&power).map(|arc| -arc)
 }
 
-/// Length of the arc below the share of 0 Hz, up to the last frequency that counts; `None` where there is none above 0 Hz.
+/// Length of the arc below the share of 0 Hz, up to the last frequency that counts; `None` where
+/// there is none above 0 Hz.
 fn arc_length(power: &[f64]) -> Option<f64> {
     let share: Vec<f64> = power.iter().map(|p| (p / power[0]).sqrt()).collect();
     // Without any speed the shares are NaN, which is at or above nothing: `None`.

@@ -92,7 +92,8 @@ mod tests {
         assert_eq!(sobol_points(3, 9).unwrap(), published.map(Vec::from));
     }
 
-    /// With the zero point, 2^k points have one in each interval of length 2^−k of every coordinate.
+    /// With the zero point, 2^k points have one in each interval of length 2^−k of every
+    /// coordinate.
     #[test]
     fn every_coordinate_is_stratified() {
         let points = sobol_points(MOST_SOBOL_DIMENSIONS, 63).unwrap();

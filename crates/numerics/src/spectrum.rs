@@ -1,8 +1,8 @@
 //! Spectra of sampled signals whose samples need not be even, by the Fourier integral itself.
 //!
-//! ∫ y e^(−2πift) dt by the trapezoidal rule at the recorded times: no resampling. The few frequencies of a
-//! band need no fast transform, and a plain loop gives the same bits on every processor. For many frequencies of a long signal
-//! there is [`crate::fourier`].
+//! ∫ y e^(−2πift) dt by the trapezoidal rule at the recorded times: no resampling. The few
+//! frequencies of a band need no fast transform, and a plain loop gives the same bits on every
+//! processor. For many frequencies of a long signal there is [`crate::fourier`].
 
 use core::f64::consts::TAU;
 

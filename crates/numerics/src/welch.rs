@@ -8,8 +8,8 @@ use core::f64::consts::TAU;
 /// window; ρ = Σ wᵢ wᵢ₊ₙ⸝₂ / Σ wᵢ² = 1/6. Further segments share nothing.
 const OVERLAP: f64 = 1.0 / 36.0;
 
-/// Spectral densities of two signals, x and y, and between them: means over Hann windows of records that
-/// overlap by half, each without its mean. One-sided, as SciPy's `welch` and `csd` have them.
+/// Spectral densities of two signals, x and y, and between them: means over Hann windows of records
+/// that overlap by half, each without its mean. One-sided, as SciPy's `welch` and `csd` have them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossSpectra {
     rate_hz: f64,
@@ -37,7 +37,8 @@ pub struct CrossPoint {
 }
 
 impl CrossPoint {
-    /// γ² = |S_xy|² / (S_xx S_yy): how much of y follows linearly from x, 0 to 1; 0 where either is 0.
+    /// γ² = |S_xy|² / (S_xx S_yy): how much of y follows linearly from x, 0 to 1; 0 where either is
+    /// 0.
     pub fn coherence(&self) -> f64 {
         let both = self.xx * self.yy;
         if both > 0.0 { (squared(self.xy) / both).min(1.0) } else { 0.0 }
@@ -68,8 +69,8 @@ impl CrossSpectra {
         self.window.len()
     }
 
-    /// Adds the segments of a record: even samples of x and y, equally many. What is left at its end
-    /// does not count; a record shorter than a segment adds nothing.
+    /// Adds the segments of a record: even samples of x and y, equally many. What is left at its
+    /// end does not count; a record shorter than a segment adds nothing.
     pub fn add(&mut self, x: &[f64], y: &[f64]) {
         let length = self.length();
         let pairs = x.windows(length).zip(y.windows(length)).step_by(length / 2);
@@ -101,8 +102,8 @@ impl CrossSpectra {
         self.segments
     }
 
-    /// How many independent segments have the same variance of their mean: N² / Σ (n + 2 (n − 1) ρ²)
-    /// over the records of n segments each, N together (Welch 1967).
+    /// How many independent segments have the same variance of their mean: N² / Σ (n + 2 (n − 1)
+    /// ρ²) over the records of n segments each, N together (Welch 1967).
     pub fn averages(&self) -> f64 {
         let n = self.segments as f64;
         if self.segments > 0 { n * n / self.spread } else { 0.0 }

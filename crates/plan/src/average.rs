@@ -1,5 +1,5 @@
-//! Stage `average`: each condition of a session has two tables, one for each alignment. If there is no mean,
-//! they are empty and their note says why.
+//! Stage `average`: each condition of a session has two tables, one for each alignment. If there is
+//! no mean, they are empty and their note says why.
 
 use crate::conditions::{Repeats, repeats};
 use crate::making::{derived, write_tables};

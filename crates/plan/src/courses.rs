@@ -1,5 +1,5 @@
-//! The trials of Figure 24 and their models against time, of each environment with a spring: a table
-//! of the stage `replay`, which the figure draws.
+//! The trials of Figure 24 and their models against time, of each environment with a spring: a
+//! table of the stage `replay`, which the figure draws.
 
 use crate::conditions::{Repeats, Session, sessions};
 use crate::making::{derived, read_tables, write_tables};

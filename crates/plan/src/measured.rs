@@ -1,4 +1,5 @@
-//! The study's own metrics of a model run: here the stages that run models meet the one that measures.
+//! The study's own metrics of a model run: here the stages that run models meet the one that
+//! measures.
 
 use zwidth_metrics::Parameters;
 use zwidth_store::{Samples, Trial};

@@ -1,7 +1,7 @@
-//! Stage `metrics`: one table for each condition of a session, then one for the whole study. A changed trial
-//! leaves the tables of the other conditions as they are, and so the figures that take their onsets
-//! from them. Metrics that need the identified plant are in a second table for each condition, because `identify`
-//! depends on every trial. The study's table has both kinds.
+//! Stage `metrics`: one table for each condition of a session, then one for the whole study. A
+//! changed trial leaves the tables of the other conditions as they are, and so the figures that
+//! take their onsets from them. Metrics that need the identified plant are in a second table for
+//! each condition, because `identify` depends on every trial. The study's table has both kinds.
 
 use crate::conditions::{Repeats, repeats};
 use crate::identify::{known_plant, plant_with_spread};

@@ -236,8 +236,8 @@ fn replays(table: &Table, mode: &ModeId) -> Result<Vec<(&'static str, u32, Colum
     Ok(found)
 }
 
-/// A model's time counts from its trial's first sample, the trial's own from the trial's start: moved
-/// to that.
+/// A model's time counts from its trial's first sample, the trial's own from the trial's start:
+/// moved to that.
 fn in_time_of(trials: &[Trial], number: u32, columns: &mut Columns) {
     let of = trials.iter().find(|trial| trial.meta.trial == number);
     let begins_s = of.and_then(|t| t.samples.get(Signal::Time)?.first().copied()).unwrap_or(0.0);

@@ -1,6 +1,6 @@
-//! What another loop or other sensors do to a study's metrics, from its trials on the simulated device:
-//! `zwidth trade` asks for it, a run does not. Here stages meet: what is simulated is the trade's, what
-//! is computed from it the metrics'.
+//! What another loop or other sensors do to a study's metrics, from its trials on the simulated
+//! device: `zwidth trade` asks for it, a run does not. Here stages meet: what is simulated is the
+//! trade's, what is computed from it the metrics'.
 
 use crate::conditions::Repeats;
 use crate::trade::{measured_conditions, scenes_calibration};

@@ -1,6 +1,7 @@
-//! Stage `replay`: the model fitted by eye is run on every trial that counts, and so is the plant that `identify` found,
-//! if there is one. Each condition of a session has one table for each model; then there is one for the whole study,
-//! and one that says how closely peaks and times agree.
+//! Stage `replay`: the model fitted by eye is run on every trial that counts, and so is the plant
+//! that `identify` found, if there is one. Each condition of a session has one table for each
+//! model; then there is one for the whole study, and one that says how closely peaks and times
+//! agree.
 
 use crate::conditions::{Repeats, repeats};
 use crate::identify;

@@ -18,8 +18,8 @@ pub struct Responses {
     pub problems: Vec<String>,
 }
 
-/// Impedance against frequency by condition, over all participants: what they feel is the device's. A
-/// condition that was recorded for too short a time is left out. The list is empty if the lever's
+/// Impedance against frequency by condition, over all participants: what they feel is the device's.
+/// A condition that was recorded for too short a time is left out. The list is empty if the lever's
 /// length is not known.
 ///
 /// # Errors

@@ -186,8 +186,8 @@ fn list_findings(
     Ok(all.map(|f| Listed { path: page.shown_by(&f.shown, made), caption: f.text }).collect())
 }
 
-/// What runs of the model show: the cheapest that could not be told from the right one, and the terms
-/// that each condition requires.
+/// What runs of the model show: the cheapest that could not be told from the right one, and the
+/// terms that each condition requires.
 fn list_runs(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, TableError> {
     let mut found = Vec::new();
     if let Some(table) = read(&files.trade)? {

@@ -105,8 +105,8 @@ fn files(layout: &Layout) -> [PathBuf; 2] {
     ["trade.parquet", "trade_summary.parquet"].map(|name| derived(layout, name))
 }
 
-/// The derived tables, where there are scenes. What less of the recordings does has thousands of rows:
-/// it is drawn, and read from its Parquet file.
+/// The derived tables, where there are scenes. What less of the recordings does has thousands of
+/// rows: it is drawn, and read from its Parquet file.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() }
 }
@@ -116,8 +116,8 @@ pub(crate) fn recommended(data: &StudyData) -> Option<PathBuf> {
     tables(data).pop()
 }
 
-/// The conditions that were rendered and recorded with angle and force: others have no metric of which
-/// anything is known to be felt.
+/// The conditions that were rendered and recorded with angle and force: others have no metric of
+/// which anything is known to be felt.
 pub(crate) fn measured_conditions(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
     let has = |t: &TrialEntry| {
         [Signal::Theta, Signal::ForceEx].iter().all(|signal| t.signals.contains(signal))
@@ -125,7 +125,8 @@ pub(crate) fn measured_conditions(data: &StudyData) -> impl Iterator<Item = Repe
     rendered(data).filter(move |repeats| repeats.trials.iter().any(|t| has(t)))
 }
 
-/// The conditions of which less is taken, with the trials that are not too long for that: each of them is measured a dozen times.
+/// The conditions of which less is taken, with the trials that are not too long for that: each of
+/// them is measured a dozen times.
 fn lessened_conditions(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
     let of_short = measured_conditions(data).map(|mut repeats| {
         repeats.trials.retain(|trial| trial.rows <= LONGEST);

@@ -62,7 +62,8 @@ pub(crate) fn read_all(
     split(trials.map(|(file, known)| read_one(file, known, signals.clone(), &[])).collect())
 }
 
-/// Samples of a trial from which on it is drawn with fewer: what is on paper or a screen has a few thousand places.
+/// Samples of a trial from which on it is drawn with fewer: what is on paper or a screen has a few
+/// thousand places.
 pub(crate) const MOST_DRAWN: usize = 1 << 18;
 
 /// The same to be drawn: a long trial with fewer samples, and how many such there are.

@@ -89,8 +89,8 @@ pub struct Making<'m> {
     pub root: &'m Path,
 }
 
-/// A text without the folder that holds the data in it, so that results have the same bytes wherever
-/// that lies.
+/// A text without the folder that holds the data in it, so that results have the same bytes
+/// wherever that lies.
 pub fn strip_root(root: &Path, text: &str) -> String {
     let root = root.join("").to_string_lossy().into_owned();
     if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }

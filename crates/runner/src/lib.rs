@@ -18,8 +18,8 @@
 //! Jobs that do not need each other run in parallel. A failed job fails alone; jobs that need its
 //! outputs are passed over and say so.
 //!
-//! A [`Shard`] makes a share of what is derived from trials, and says in a manifest what it made. It
-//! writes nothing else, so that shards may run at the same time, on one disk or on several.
+//! A [`Shard`] makes a share of what is derived from trials, and says in a manifest what it made.
+//! It writes nothing else, so that shards may run at the same time, on one disk or on several.
 //! [`survey`] says which shards' results are those of the study as it is, and what is missing;
 //! [`merge`] adds their records to the study's, and their files where these lie elsewhere.
 //!

@@ -1,9 +1,9 @@
-//! Agreement of sessions (or devices, or raters): intraclass correlations, the error of measurement,
-//! and limits of agreement.
+//! Agreement of sessions (or devices, or raters): intraclass correlations, the error of
+//! measurement, and limits of agreement.
 //!
 //! A table has one row per participant and one column per session. McGraw & Wong (1996), Psychol.
-//! Methods 1:30, model 2 (sessions are a sample: A) and 3 (these sessions: C); the names in brackets
-//! are those of Shrout & Fleiss (1979), Psychol. Bull. 86:420.
+//! Methods 1:30, model 2 (sessions are a sample: A) and 3 (these sessions: C); the names in
+//! brackets are those of Shrout & Fleiss (1979), Psychol. Bull. 86:420.
 
 use crate::anova::{ROUNDING, check_table, two_way};
 use crate::error::check_level;
@@ -160,7 +160,8 @@ pub struct BlandAltman {
 }
 
 /// Bland & Altman (1999), Stat. Methods Med. Res. 8:135: limits of agreement of `differences`, one
-/// per participant, with t intervals at `level`; a limit's variance is s² (1/n + 1.96² / (2 (n − 1))).
+/// per participant, with t intervals at `level`; a limit's variance is s² (1/n + 1.96² / (2 (n −
+/// 1))).
 ///
 /// # Errors
 /// Fewer than two differences, differences that are all equal, a value that is not finite, `level`
@@ -205,8 +206,8 @@ pub(crate) mod tests {
         .to_vec()
     }
 
-    /// Estimates: their table 4 (0.29, 0.71, 0.62, 0.91), and pingouin 0.7 to all digits; intervals:
-    /// pingouin, which gives two digits.
+    /// Estimates: their table 4 (0.29, 0.71, 0.62, 0.91), and pingouin 0.7 to all digits;
+    /// intervals: pingouin, which gives two digits.
     #[test]
     fn shrout_and_fleiss_table_has_its_published_correlations() {
         let found = agreement(&shrout_fleiss(), 0.95).unwrap();

@@ -7,9 +7,9 @@
 use crate::StatsError;
 use crate::sign_flip::smallest_p;
 
-/// The smallest p value, adjusted after Holm over `contrasts`, of a sign-flip or signed-rank test of
-/// `pairs` participants: contrasts × 2 / 2ⁿ, at most 1. Participants whose difference is zero do not
-/// count as pairs.
+/// The smallest p value, adjusted after Holm over `contrasts`, of a sign-flip or signed-rank test
+/// of `pairs` participants: contrasts × 2 / 2ⁿ, at most 1. Participants whose difference is zero do
+/// not count as pairs.
 pub fn reachable_p(pairs: usize, contrasts: usize) -> f64 {
     (contrasts.max(1) as f64 * smallest_p(pairs)).min(1.0)
 }

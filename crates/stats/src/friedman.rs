@@ -28,12 +28,12 @@ pub struct Friedman {
 /// 1937, J. Am. Stat. Assoc. 32:675; Kendall & Babington Smith 1939, Ann. Math. Stat. 10:275).
 ///
 /// Values are ranked within their row, equal ones (to 1e-9 of the row's largest magnitude) by the
-/// mean of their ranks: with R_j the sum of mode j's ranks over n rows of k modes and t the sizes of
-/// ties, W = 12 Σ (R_j − n (k + 1) / 2)² / (n² (k³ − k) − n Σ (t³ − t)). The p value is the share of
-/// all (k!)ⁿ orders within rows whose W is at least the observed one, ties kept: rows are taken in
-/// one by one, the sums of ranks after each being a distribution that the next convolves. Where that
-/// would take more than five million sums (three modes: from some 130 participants on; four: 25; five: 9), orders
-/// are drawn by `sampling`.
+/// mean of their ranks: with R_j the sum of mode j's ranks over n rows of k modes and t the sizes
+/// of ties, W = 12 Σ (R_j − n (k + 1) / 2)² / (n² (k³ − k) − n Σ (t³ − t)). The p value is the
+/// share of all (k!)ⁿ orders within rows whose W is at least the observed one, ties kept: rows are
+/// taken in one by one, the sums of ranks after each being a distribution that the next convolves.
+/// Where that would take more than five million sums (three modes: from some 130 participants on;
+/// four: 25; five: 9), orders are drawn by `sampling`.
 ///
 /// # Errors
 /// No row; fewer than two modes; rows that are all of one value each; a value that is not finite;

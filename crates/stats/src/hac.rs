@@ -39,9 +39,9 @@ fn check_columns(columns: &[&[f64]], fit: &LinearFit) -> Result<(), NumericsErro
     columns.iter().try_for_each(|c| expect("a column", fit.residuals.len(), c.len()))
 }
 
-/// S as Σᵢ Wᵢ Wᵢᵀ / (L + 1), Wᵢ the sum of the scores from i − L to i, those before and after the recording being 0: a pair of
-/// scores l apart is in L + 1 − l of these windows, which is Bartlett's weight. As many sums as samples, whatever L; and none of
-/// a variance that is below 0.
+/// S as Σᵢ Wᵢ Wᵢᵀ / (L + 1), Wᵢ the sum of the scores from i − L to i, those before and after the
+/// recording being 0: a pair of scores l apart is in L + 1 − l of these windows, which is
+/// Bartlett's weight. As many sums as samples, whatever L; and none of a variance that is below 0.
 fn long_run_sum(scores: &[Vec<f64>], lags: usize) -> Vec<Vec<f64>> {
     let windows: Vec<Vec<f64>> = scores.iter().map(|s| window_sums(s, lags)).collect();
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

@@ -2,8 +2,8 @@
 //! P(Y ≤ k) = F(θₖ − η), F(z) = 1 / (1 + e^(−z)).
 //!
 //! The probability of category k is F(a) − F(b) with a = θₖ − η, b = θₖ₋₁ − η. Its logarithm is
-//! ln(1 − e^(b − a)) − ln(1 + e^(−a)) − ln(1 + e^b): no difference of nearly equal numbers, and η in
-//! the last two terms only. So the log-likelihood of counts nₖ is, with Nⱼ = nⱼ + nⱼ₊₁,
+//! ln(1 − e^(b − a)) − ln(1 + e^(−a)) − ln(1 + e^b): no difference of nearly equal numbers, and η
+//! in the last two terms only. So the log-likelihood of counts nₖ is, with Nⱼ = nⱼ + nⱼ₊₁,
 //!
 //! Σₖ nₖ ln(1 − e^(−(θₖ − θₖ₋₁))) + Σⱼ (nⱼ zⱼ − Nⱼ ln(1 + e^(zⱼ))), zⱼ = θⱼ − η,
 //!

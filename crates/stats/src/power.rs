@@ -1,10 +1,10 @@
 //! Power of a planned study, by simulating it and testing each simulated study as a real one is
 //! tested.
 //!
-//! A trial is the participant's level, the mode's effect, the participant's own effect of the mode and
-//! a residual, all normal. The test is the paired t of participants' means in two modes. Each study
-//! draws from its own stream of the ChaCha8 cipher, keyed with the seed, so the result is the same
-//! with any number of threads; the same seed draws the same people at any difference.
+//! A trial is the participant's level, the mode's effect, the participant's own effect of the mode
+//! and a residual, all normal. The test is the paired t of participants' means in two modes. Each
+//! study draws from its own stream of the ChaCha8 cipher, keyed with the seed, so the result is the
+//! same with any number of threads; the same seed draws the same people at any difference.
 
 use crate::error::{StatsError, all_finite, check_level};
 use crate::interval::mean_and_sd;
@@ -141,8 +141,8 @@ pub fn participants_for(
     Ok(Some((high, found)))
 }
 
-/// The smallest difference that the planned participants find with power `target`, in the unit of the
-/// plan's SDs.
+/// The smallest difference that the planned participants find with power `target`, in the unit of
+/// the plan's SDs.
 ///
 /// # Errors
 /// As [`power`], `target` outside (0, 1), SDs that are all zero.
@@ -315,7 +315,8 @@ mod tests {
     const SIMULATION: Simulation =
         Simulation { test: PlannedTest::PairedT, alpha: 0.05, studies: 4000, seed: 1 };
 
-    /// R: `power.t.test(n, delta, sd, type = "paired", strict = TRUE)$power`, sd = √(2 (0.25 + 0.135)).
+    /// R: `power.t.test(n, delta, sd, type = "paired", strict = TRUE)$power`, sd = √(2 (0.25 +
+    /// 0.135)).
     #[test]
     fn power_is_that_of_the_noncentral_t() {
         for (participants, r) in POWER_OF_R {

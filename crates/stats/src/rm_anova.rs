@@ -1,9 +1,9 @@
 //! Repeated-measures analysis of variance of participants' means: one row per participant, one
 //! column per mode.
 //!
-//! F compares the modes with the interaction of participant × mode. It takes the differences between
-//! all pairs of modes to have one variance (sphericity); ε says how far they do, and degrees of
-//! freedom times ε make the test hold nearly anyway.
+//! F compares the modes with the interaction of participant × mode. It takes the differences
+//! between all pairs of modes to have one variance (sphericity); ε says how far they do, and
+//! degrees of freedom times ε make the test hold nearly anyway.
 
 use crate::anova::{ROUNDING, check_table, two_way};
 use crate::f_distribution::upper_p;
@@ -75,8 +75,8 @@ fn greenhouse_geisser(table: &[Vec<f64>]) -> f64 {
     (trace * trace / ((k - 1) as f64 * covariance.dot(&covariance))).min(1.0)
 }
 
-/// ε̃ = (n (k − 1) ε̂ − 2) / ((k − 1) (n − 1 − (k − 1) ε̂)), at most 1. Of two participants nothing can
-/// be said but ε̂.
+/// ε̃ = (n (k − 1) ε̂ − 2) / ((k − 1) (n − 1 − (k − 1) ε̂)), at most 1. Of two participants nothing
+/// can be said but ε̂.
 fn huynh_feldt(epsilon: f64, n: f64, k: f64) -> f64 {
     /// Less than this is left by rounding alone.
     const NOTHING: f64 = 1e-9;

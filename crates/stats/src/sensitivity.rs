@@ -78,8 +78,8 @@ impl SwitchVariance {
         Self { switches, parts: vec![0.0; 1 << switches] }
     }
 
-    /// Adds an output's values in all settings: bit i of a setting's number says whether switch i is
-    /// on. Values of another number are not added.
+    /// Adds an output's values in all settings: bit i of a setting's number says whether switch i
+    /// is on. Values of another number are not added.
     pub fn add(&mut self, values: &[f64]) {
         if values.len() != self.parts.len() {
             return;
@@ -162,8 +162,8 @@ mod tests {
         assert!(off < by, "{found:?} instead of {expect:?}");
     }
 
-    /// sin x₁ + 7 sin² x₂ + 0.1 x₃⁴ sin x₁ over [−π, π]³ (Ishigami & Homma 1990): V = a²/8 + bπ⁴/5 +
-    /// b²π⁸/18 + 1/2.
+    /// sin x₁ + 7 sin² x₂ + 0.1 x₃⁴ sin x₁ over [−π, π]³ (Ishigami & Homma 1990): V = a²/8 +
+    /// bπ⁴/5 + b²π⁸/18 + 1/2.
     #[test]
     fn the_indices_of_ishigamis_function_are_those_in_closed_form() {
         let (a, b) = (7.0, 0.1);
@@ -208,7 +208,8 @@ mod tests {
         variance
     }
 
-    /// x₀ + 2 x₁ + 4 x₀ x₂ of switches 0 or 1 is 3 x₀ + … ± 1: β = (3, 2, 2; 2 for both of 0 and 2)/2.
+    /// x₀ + 2 x₁ + 4 x₀ x₂ of switches 0 or 1 is 3 x₀ + … ± 1: β = (3, 2, 2; 2 for both of 0 and
+    /// 2)/2.
     #[test]
     fn switches_that_add_up_and_one_that_works_through_another_are_told_apart() {
         let found = settings(4, |x| x(0) + 2.0 * x(1) + 4.0 * x(0) * x(2));

@@ -1,12 +1,12 @@
 //! Whether a cumulative-link model has finite estimates: the screen for separation.
 //!
-//! With answers k and columns x the log-likelihood Σ ln(F(θₖ − xβ) − F(θₖ₋₁ − xβ)) is concave. Along
-//! a direction (δ, b) an answer's term never falls if δₖ − xb ≥ 0 (for all but the last category)
-//! and δₖ₋₁ − xb ≤ 0 (for all but the first); any other direction takes it to −∞. So a finite, unique
-//! maximum exists if and only if no direction but 0 meets all of these (the recession cone of
-//! Rockafellar 1970, *Convex Analysis*, Theorem 27.1; for logistic models Albert & Anderson 1984,
-//! Biometrika 71:1; for cumulative links Haberman 1980 and Kosmidis 2014, JRSS B 76:169). Where
-//! one does, the answers are separated, completely or quasi-completely.
+//! With answers k and columns x the log-likelihood Σ ln(F(θₖ − xβ) − F(θₖ₋₁ − xβ)) is concave.
+//! Along a direction (δ, b) an answer's term never falls if δₖ − xb ≥ 0 (for all but the last
+//! category) and δₖ₋₁ − xb ≤ 0 (for all but the first); any other direction takes it to −∞. So a
+//! finite, unique maximum exists if and only if no direction but 0 meets all of these (the
+//! recession cone of Rockafellar 1970, *Convex Analysis*, Theorem 27.1; for logistic models Albert
+//! & Anderson 1984, Biometrika 71:1; for cumulative links Haberman 1980 and Kosmidis 2014, JRSS B
+//! 76:169). Where one does, the answers are separated, completely or quasi-completely.
 //!
 //! With the conditions as rows of A this asks for d with A d ≥ 0, A d ≠ 0 (A has full column rank).
 //! By Stiemke's lemma there is none if and only if Aᵀy = 0 for some y > 0, that is y ≥ 1. The least

@@ -1,8 +1,9 @@
-//! The same numbers by SciPy, statsmodels and pingouin, on random data with ties, zeros and constants.
+//! The same numbers by SciPy, statsmodels and pingouin, on random data with ties, zeros and
+//! constants.
 //!
 //! `ZWIDTH_PYTHON=… cargo test -p zwidth-stats --test exact -- --ignored`, with the Python that has
-//! what `tests/interop/requirements.txt` lists. `ZWIDTH_EXACT_CASES` sets how many data sets are drawn
-//! at least (one round of 134), `ZWIDTH_EXACT_SEED` the seed they are drawn from.
+//! what `tests/interop/requirements.txt` lists. `ZWIDTH_EXACT_CASES` sets how many data sets are
+//! drawn at least (one round of 134), `ZWIDTH_EXACT_SEED` the seed they are drawn from.
 
 // Helpers of tests stand outside of `#[test]` functions, where clippy.toml's exemption does not
 // reach.
@@ -37,7 +38,8 @@ fn every_number_is_that_of_scipy_statsmodels_and_pingouin() {
     let mut checked = 0;
     for (name, of_a_round, check) in KINDS {
         let cases = cases[name].as_array().unwrap();
-        // What has all values equal, or is degenerate for SciPy, is left out there: one in a hundred.
+        // What has all values equal, or is degenerate for SciPy, is left out there: one in a
+        // hundred.
         let (most, least) = (rounds * of_a_round, (rounds * of_a_round * 9).div_ceil(10));
         assert!((least..=most).contains(&cases.len()), "{} cases of {name}", cases.len());
         cases.iter().for_each(check);

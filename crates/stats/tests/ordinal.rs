@@ -9,9 +9,9 @@
 //! data of the package, and random studies with ties, missing cells, separated answers, people who
 //! are alike, answers that are all equal, and one participant.
 //!
-//! `cargo test -p zwidth-stats --test ordinal -- --ignored` with `Rscript` in the path; without R, or
-//! without its packages ordinal and jsonlite, the test fails. `ZWIDTH_R_CASES` sets how many studies
-//! are drawn (50), `ZWIDTH_R_SEED` the first one's seed; the others' follow.
+//! `cargo test -p zwidth-stats --test ordinal -- --ignored` with `Rscript` in the path; without R,
+//! or without its packages ordinal and jsonlite, the test fails. `ZWIDTH_R_CASES` sets how many
+//! studies are drawn (50), `ZWIDTH_R_SEED` the first one's seed; the others' follow.
 
 use serde_json::Value;
 use std::path::Path;
@@ -32,11 +32,11 @@ const ROUNDING: f64 = 1e-10;
 const OF_STD_ERROR: f64 = 4e-4;
 /// An SD that is zero to the flatness of its likelihood, σ² · curvature ≈ `BELOW`.
 const NO_SD: f64 = 2e-3;
-/// How far R's log-likelihood may be from the definition's at its own end: its inner searches end off
-/// the modes.
+/// How far R's log-likelihood may be from the definition's at its own end: its inner searches end
+/// off the modes.
 const OFF_MODES: f64 = 1e-7;
-/// Standard errors come from second differences of the log-likelihood: those of the script, from the
-/// approximation's definition, because R's are off by more at times.
+/// Standard errors come from second differences of the log-likelihood: those of the script, from
+/// the approximation's definition, because R's are off by more at times.
 const OF_DIFFERENCES: f64 = 2e-3;
 /// R interpolates its profiles by splines.
 const OF_SPLINES: f64 = 1e-3;

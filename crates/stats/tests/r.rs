@@ -1,6 +1,7 @@
-//! The same data in R: lme4, lmerTest and pbkrtest. `cargo test -p zwidth-stats --test r -- --ignored`
-//! with `Rscript` in the path; without it these tests fail. `ZWIDTH_R_CASES` sets how many data sets
-//! are drawn beside those of R's packages (60), `ZWIDTH_R_SEED` the seed they are drawn from.
+//! The same data in R: lme4, lmerTest and pbkrtest.
+//! `cargo test -p zwidth-stats --test r -- --ignored` with `Rscript` in the path; without it these
+//! tests fail. `ZWIDTH_R_CASES` sets how many data sets are drawn beside those of R's packages
+//! (60), `ZWIDTH_R_SEED` the seed they are drawn from.
 
 #![expect(
     clippy::unwrap_used,
@@ -102,11 +103,11 @@ const SATTERTHWAITE: f64 = 1e-3;
 
 /// Where pbkrtest divides zero by zero. With A₁ = q A₂ (always for a single contrast, q = 1, whose
 /// Θ Φ Pᵣ Φ have rank one; and for F of a balanced design) Kenward & Roger's formula comes to
-/// df = 2 q / A₂, λ = 1. On the way there stands (1 − A₂/q) / (1 − c₂ B), which is 1, but both halves
-/// vanish at df = 2: pbkrtest (0.5.2) takes the quotient of what rounding has left once either is
-/// above 1e-14, and then shows a df of 1.98 to 2.02 where 2 / A₂ of its own A₂ is 2 to twelve
-/// digits. The formula evaluated with 60 digits from the same X, Z and variances says 2 as well
-/// (`tests/interop/stats/kenward_roger.py`).
+/// df = 2 q / A₂, λ = 1. On the way there stands (1 − A₂/q) / (1 − c₂ B), which is 1, but both
+/// halves vanish at df = 2: pbkrtest (0.5.2) takes the quotient of what rounding has left once
+/// either is above 1e-14, and then shows a df of 1.98 to 2.02 where 2 / A₂ of its own A₂ is 2 to
+/// twelve digits. The formula evaluated with 60 digits from the same X, Z and variances says 2 as
+/// well (`tests/interop/stats/kenward_roger.py`).
 fn is_degenerate(df: f64) -> bool {
     (df - 2.0).abs() < 0.05
 }
@@ -225,8 +226,8 @@ fn note(place: &str, words: &str) {
     }
 }
 
-/// Criterion, and of one coefficient its standard error and Kenward–Roger degrees of freedom, as lme4
-/// and pbkrtest have them when they converge tightly.
+/// Criterion, and of one coefficient its standard error and Kenward–Roger degrees of freedom, as
+/// lme4 and pbkrtest have them when they converge tightly.
 const KNOWN: [(&str, f64, usize, f64, f64); 8] = [
     ("sleepstudy (Days | Subject)", 1_743.628_271_960, 1, 1.545_788_9, 17.0),
     ("sleepstudy (Days | Subject) ML", 1_751.939_344_460, 1, 1.545_788_9, 17.0),

@@ -1,10 +1,11 @@
-//! The signals of a trial one by one: in memory, or read when they are looked at. What looks at two signals of a long recording
-//! never has the others in memory.
+//! The signals of a trial one by one: in memory, or read when they are looked at. What looks at two
+//! signals of a long recording never has the others in memory.
 
 use crate::{Samples, Signal};
 use std::borrow::Cow;
 
-/// Samples from which on a trial is checked column by column, so that no more than two are in memory.
+/// Samples from which on a trial is checked column by column, so that no more than two are in
+/// memory.
 pub(crate) const LONG: usize = 1 << 20;
 
 /// The signals of a trial.

@@ -1,5 +1,5 @@
-//! What a file holds: in memory where it is small, else on the disk, of which a part is read where it is asked for. So a long
-//! recording is never in memory whole.
+//! What a file holds: in memory where it is small, else on the disk, of which a part is read where
+//! it is asked for. So a long recording is never in memory whole.
 
 use bytes::Bytes;
 use parquet::errors::ParquetError;

@@ -13,8 +13,8 @@
 //! digest  = BLAKE3(digest of the frame before · length · kind · payload)
 //! ```
 //!
-//! A journal of version 1 differs in what its header does not say: its trial is of schema 1. Numbers
-//! are little-endian. A frame counts only if its digest holds. Behind damage the digest
+//! A journal of version 1 differs in what its header does not say: its trial is of schema 1.
+//! Numbers are little-endian. A frame counts only if its digest holds. Behind damage the digest
 //! that stands before a frame takes the place of the digest that was computed, so that what was
 //! lost hides nothing of what comes after it.
 

@@ -217,8 +217,8 @@ impl OpenColumns {
         Ok(())
     }
 
-    /// The values of a signal; `None` where the column is null throughout. Of one without a digest whose statistics say that
-    /// it is, nothing is decoded.
+    /// The values of a signal; `None` where the column is null throughout. Of one without a digest
+    /// whose statistics say that it is, nothing is decoded.
     pub(crate) fn signal(&self, signal: Signal) -> Result<Option<Vec<f64>>, StoreError> {
         let column = signal.column();
         check_field(&self.file.path, self.columns.schema(), column, self.form.schema)?;
@@ -366,8 +366,8 @@ impl ParquetFile {
         self.metadata.row_groups().iter().all(|group| nulls(group) == Some(true))
     }
 
-    /// Decodes the columns of these names, so many rows at a time; none may unpack to more than `most`
-    /// bytes.
+    /// Decodes the columns of these names, so many rows at a time; none may unpack to more than
+    /// `most` bytes.
     fn each_batch(
         &self,
         columns: ArrowReaderMetadata,

@@ -59,8 +59,8 @@ pub fn record_trial(
     Ok(path)
 }
 
-/// The event of the answer that was given before the trial's file was finished. In schema 1 the file
-/// alone has it.
+/// The event of the answer that was given before the trial's file was finished. In schema 1 the
+/// file alone has it.
 fn answer(trial: &Trial, protocol: &Protocol, time_ms: Option<u32>) -> Option<Event> {
     let (question, value) = (protocol.question.clone()?, trial.meta.likert?);
     let is_event = protocol.form.schema > Schema::One;

@@ -1,5 +1,5 @@
-//! A long trial, written row group by row group beside its place, so that it is never in memory whole; published whole, or not at
-//! all.
+//! A long trial, written row group by row group beside its place, so that it is never in memory
+//! whole; published whole, or not at all.
 
 use crate::atomic::{create_folders, folder_of, temporary};
 use crate::digest::ColumnDigest;
@@ -44,8 +44,8 @@ impl TrialWriter {
     /// Rows of each group but the last.
     pub const GROUP: usize = GROUP_ROWS;
 
-    /// Begins the file of a trial that will lie at `path`; `near` names a file in a folder of the same disk that is there, beside
-    /// which it is written.
+    /// Begins the file of a trial that will lie at `path`; `near` names a file in a folder of the
+    /// same disk that is there, beside which it is written.
     ///
     /// # Errors
     /// A form of the first schema, which has one row group a file; the disk's.
@@ -86,8 +86,8 @@ impl TrialWriter {
     /// Adds the next rows: [`TrialWriter::GROUP`] of them, or what is left.
     ///
     /// # Errors
-    /// Samples that break a promise of the schema, with column and row of the whole trial; columns that the rows before did not have;
-    /// the disk's.
+    /// Samples that break a promise of the schema, with column and row of the whole trial; columns
+    /// that the rows before did not have; the disk's.
     pub fn add(&mut self, samples: &Samples) -> Result<(), StoreError> {
         let before = self.rows;
         samples.check(&self.path).map_err(|error| later(error, before))?;
@@ -143,8 +143,8 @@ impl TrialWriter {
 }
 
 impl Staged {
-    /// What its samples say against their trial, as [`crate::check_samples`] finds it; no more than two columns are in memory at a
-    /// time.
+    /// What its samples say against their trial, as [`crate::check_samples`] finds it; no more than
+    /// two columns are in memory at a time.
     ///
     /// # Errors
     /// It cannot be read again.
@@ -167,7 +167,8 @@ impl Staged {
             .map_err(|e| StoreError::io(path, "write", &e))
     }
 
-    /// Removes what was written, where it is not in its place; what cannot be removed, the next import sweeps up.
+    /// Removes what was written, where it is not in its place; what cannot be removed, the next
+    /// import sweeps up.
     pub fn discard(&self, files: &dyn Files) {
         if files.kind(&self.beside).is_some() {
             let _ = files.remove(&self.beside);

@@ -1,5 +1,5 @@
-//! A long trial as it is drawn: with fewer samples, among them the extremes of every stretch, so that it looks as it does with
-//! all. No more than one of its columns is in memory at a time.
+//! A long trial as it is drawn: with fewer samples, among them the extremes of every stretch, so
+//! that it looks as it does with all. No more than one of its columns is in memory at a time.
 
 use crate::columns::LONG;
 use crate::read::{OpenColumns, read_trial};
@@ -7,8 +7,9 @@ use crate::verify::check_samples;
 use crate::{Asked, RealFiles, Samples, Signal, StoreError, Trial};
 use std::path::Path;
 
-/// Reads a trial with these signals and its time; one of more than `most` samples with at most so many of them: the first and
-/// last of all, and of each of equally long stretches the first and, of each signal, the smallest and the largest. With it whether samples were left out.
+/// Reads a trial with these signals and its time; one of more than `most` samples with at most so
+/// many of them: the first and last of all, and of each of equally long stretches the first and, of
+/// each signal, the smallest and the largest. With it whether samples were left out.
 ///
 /// # Errors
 /// Those of [`read_trial`].
@@ -36,8 +37,8 @@ pub fn read_thinned(
     Ok((Trial { meta, file, samples }, true))
 }
 
-/// What the samples of the trial at `path` say against it, as [`check_samples`] finds it; of a long one no more than two columns
-/// are in memory at a time.
+/// What the samples of the trial at `path` say against it, as [`check_samples`] finds it; of a long
+/// one no more than two columns are in memory at a time.
 ///
 /// # Errors
 /// A file that cannot be opened.
@@ -94,8 +95,8 @@ mod tests {
         assert!(thinned);
         let of = |trial: &Trial, signal| trial.samples.get(signal).unwrap().to_vec();
         let (all, kept) = (of(&trial, Signal::Theta), of(&few, Signal::Theta));
-        // Of 11 stretches the first sample and the angle's other extreme, in one the first with the bit; in the last these are its
-        // ends, of which one is the trial's.
+        // Of 11 stretches the first sample and the angle's other extreme, in one the first with the
+        // bit; in the last these are its ends, of which one is the trial's.
         assert_eq!(few.samples.len(), 23);
         let most = |v: &[f64]| v.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         assert_eq!(most(&all).to_bits(), most(&kept).to_bits());

@@ -31,8 +31,8 @@ pub fn verify_from(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
     verify_by(files, layout, check_samples)
 }
 
-/// [`verify_from`] without whether a recording can be what it says: what is left was not kept as it was
-/// recorded.
+/// [`verify_from`] without whether a recording can be what it says: what is left was not kept as it
+/// was recorded.
 pub fn verify_kept(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
     verify_by(files, layout, within_limits)
 }

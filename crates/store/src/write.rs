@@ -81,8 +81,8 @@ pub(crate) fn trial_batch(
 }
 
 /// The bytes of a sweep's Parquet file with one row group, our encodings, and `footer` as its
-/// key-value metadata (in key order), to which the units, a digest and, where it says none, the version
-/// are added.
+/// key-value metadata (in key order), to which the units, a digest and, where it says none, the
+/// version are added.
 pub fn write_parquet(
     batch: &RecordBatch,
     footer: BTreeMap<String, String>,

@@ -1,7 +1,7 @@
 //! A number of things in words.
 
-/// `2 participants`, `1 participant`, `1 trial of a mode`: `units` in the plural, its first word one that
-/// has an s more there.
+/// `2 participants`, `1 participant`, `1 trial of a mode`: `units` in the plural, its first word
+/// one that has an s more there.
 pub fn counted(n: usize, units: &str) -> String {
     let (noun, rest) = units.split_at(units.find(' ').unwrap_or(units.len()));
     let noun = if n == 1 { noun.strip_suffix('s').unwrap_or(noun) } else { noun };

@@ -39,8 +39,8 @@ pub enum Event {
         question: QuestionId,
         /// The answer as given (not reversed), a number of the question's scale.
         value: i16,
-        /// From the question to its answer, ms, where it was measured. Whole, so that what is read is
-        /// what was written, to the last bit.
+        /// From the question to its answer, ms, where it was measured. Whole, so that what is read
+        /// is what was written, to the last bit.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         time_ms: Option<u32>,
     },

@@ -81,8 +81,8 @@ impl Figures {
     /// `loops.<participant>.<session>`.
     pub(crate) const WITH_MEANS: [&'static str; 2] = ["modes", "loops"];
 
-    /// A study of more sessions has no figures of each unless it asks for them: those of 50 sessions of 36
-    /// trials took 560 MB.
+    /// A study of more sessions has no figures of each unless it asks for them: those of 50
+    /// sessions of 36 trials took 560 MB.
     pub const MOST_SESSIONS: usize = 24;
 
     /// Whether a session of a study of so many has figures of its own.

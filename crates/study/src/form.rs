@@ -1,5 +1,5 @@
-//! The form of a study's trial files: which columns they have. `study.toml` says it, so that all of a
-//! study's files are alike and open as one data set, and so that a study keeps the form it began
+//! The form of a study's trial files: which columns they have. `study.toml` says it, so that all of
+//! a study's files are alike and open as one data set, and so that a study keeps the form it began
 //! with.
 
 use crate::{AnswerScale, ChannelId, Question, Study};
@@ -63,8 +63,8 @@ pub struct Channel {
     pub description: String,
 }
 
-/// The channel of the current in the motor's winding, above 0 where it flows as a voltage above 0 drives
-/// it: the power U I that the motor takes from its supply is then above 0.
+/// The channel of the current in the motor's winding, above 0 where it flows as a voltage above 0
+/// drives it: the power U I that the motor takes from its supply is then above 0.
 pub const CURRENT_MOTOR: &str = "current_motor_a";
 /// The same of the brake's coil.
 pub const CURRENT_BRAKE: &str = "current_brake_a";

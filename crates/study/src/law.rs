@@ -40,7 +40,8 @@ impl ModeLaw {
     /// Every law. A mode that does not name its law has the first one that uses its actuators.
     pub const ALL: [Self; 3] = [Self::Active, Self::Passive, Self::Hybrid];
 
-    /// Who is in charge while the lever goes forward (compressing), and while it holds or goes back.
+    /// Who is in charge while the lever goes forward (compressing), and while it holds or goes
+    /// back.
     pub const fn drives(self) -> [ActuatorKind; 2] {
         match self {
             Self::Active => [ActuatorKind::Motor, ActuatorKind::Motor],

@@ -48,8 +48,8 @@ impl Perception {
 
     /// The difference of two numbers in `unit` that is just noticed at one of them, for a lever of
     /// `lever_m`; `None` if it is not known for that unit. A way is the angle's on the lever's arc;
-    /// work is force along a way: the force's share of it, and no less than the smallest force along
-    /// the smallest way.
+    /// work is force along a way: the force's share of it, and no less than the smallest force
+    /// along the smallest way.
     pub fn bound(&self, value: f64, unit: &str, lever_m: f64) -> Option<f64> {
         match unit {
             "rad" => Some(self.angle_rad),
@@ -64,9 +64,9 @@ impl Perception {
         }
     }
 
-    /// How far a number is off the right one, over the difference that is just noticed; `None` where
-    /// that is not known for the unit. Where one of the two is missing it is off without limit, and
-    /// where both are, not at all.
+    /// How far a number is off the right one, over the difference that is just noticed; `None`
+    /// where that is not known for the unit. Where one of the two is missing it is off without
+    /// limit, and where both are, not at all.
     pub fn off(
         &self,
         value: Option<f64>,

@@ -55,8 +55,8 @@ pub(crate) enum SceneNumber {
     Wall,
 }
 
-/// The force that a scene asks for, `K (θ − θ_rest) + B θ̇` (thesis (8)), up to its wall, where there
-/// is one; from there on it asks for all that the mode's actuators have.
+/// The force that a scene asks for, `K (θ − θ_rest) + B θ̇` (thesis (8)), up to its wall, where
+/// there is one; from there on it asks for all that the mode's actuators have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceLaw {
     /// K, N/rad.

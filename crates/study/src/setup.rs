@@ -1,5 +1,5 @@
-//! What a study plans, apart from its order and its analysis: the device, what is rendered on it and how,
-//! and what is asked.
+//! What a study plans, apart from its order and its analysis: the device, what is rendered on it
+//! and how, and what is asked.
 
 use crate::{
     ActuatorKind, AnswerScale, Control, Coordinate, Device, Environment, Masses, Mode, Question,

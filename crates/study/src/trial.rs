@@ -41,7 +41,8 @@ words! {
         Incomplete = "incomplete",
     }
 
-    /// Where the numbers come from. A figure made from `twin` or `simulated` data says so on its face.
+    /// Where the numbers come from. A figure made from `twin` or `simulated` data says so on its
+    /// face.
     Source {
         /// Measured by this software on a device.
         Recorded = "recorded",

@@ -22,8 +22,8 @@ pub const UNIT_OF_ROW: &str = "";
 /// | N·s/rad, N·s²/rad | as they are | N·s/mm, N·s²/mm, ÷ 1000 L |
 /// | `torque_nm` N·m | mN·m if every torque of the table is below 0.1 N·m | likewise |
 ///
-/// A column whose rows have units of their own ([`UNIT_OF_ROW`]) is converted row by row, and what the
-/// column `unit` says with it.
+/// A column whose rows have units of their own ([`UNIT_OF_ROW`]) is converted row by row, and what
+/// the column `unit` says with it.
 ///
 /// Everything else is left alone: pure numbers, texts, yes and no, whole numbers, and all other
 /// units. The torques of a table are decided on together, so that an estimate and its standard

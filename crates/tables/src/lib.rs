@@ -20,9 +20,9 @@
 //!
 //! # How a number is rounded for people
 //! Two significant digits of the uncertainty decide the last digit of estimate, standard error and
-//! interval, row by row. The uncertainty is the standard error, or else half the interval. A mean with
-//! its standard deviation is one column (`4.052 ± 0.002`, to the place of two digits of the latter), and
-//! so are the ends of an interval (`[3.9, 4.2]`). Without
+//! interval, row by row. The uncertainty is the standard error, or else half the interval. A mean
+//! with its standard deviation is one column (`4.052 ± 0.002`, to the place of two digits of the
+//! latter), and so are the ends of an interval (`[3.9, 4.2]`). Without
 //! either, a number has four significant digits (never fewer than its whole part, below a million;
 //! an exact `0.5` stays `0.5`). From 10⁶ on, and where more than seven decimals would be needed,
 //! powers of ten are used. There is no `-0`; null is `–`. CSV keeps every digit: the shortest text

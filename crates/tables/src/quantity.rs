@@ -8,8 +8,8 @@ use zwidth_study::Coordinate;
 /// Three significant digits: an uncertainty of a tenth, of which two digits count.
 const SHARE_UNKNOWN: f64 = 0.1;
 
-/// A measured value in `unit` (that of a column) as people read it, three significant digits: `4.05 N/rad`, `32.2°`; in a
-/// linear study `0.293 N/mm`, `12.5 mm`.
+/// A measured value in `unit` (that of a column) as people read it, three significant digits:
+/// `4.05 N/rad`, `32.2°`; in a linear study `0.293 N/mm`, `12.5 mm`.
 pub fn quantity(value: f64, unit: &str, coordinate: Coordinate) -> String {
     let (unit, factor) = shown_unit(unit, coordinate);
     let shown = factor * value;
@@ -22,8 +22,8 @@ pub fn given(value: f64, unit: &str, coordinate: Coordinate) -> String {
     with_unit(&number(factor * value, None), &unit)
 }
 
-/// A number with its unit after it, which no line break parts from it: `4.05 N/rad`; `32.2°` without a space, and nothing after
-/// a pure number.
+/// A number with its unit after it, which no line break parts from it: `4.05 N/rad`; `32.2°`
+/// without a space, and nothing after a pure number.
 pub fn with_unit(number: &str, unit: &str) -> String {
     match unit {
         "" | "1" => number.to_owned(),

@@ -40,8 +40,8 @@ pub(crate) fn for_people(unit: &str, coordinate: Coordinate) -> Option<Conversio
     }
 }
 
-/// The unit in which people read `unit`, and what a value is multiplied by to be in it: `("°", 57.3)`
-/// for `rad`; `unit` itself and 1 where nothing changes.
+/// The unit in which people read `unit`, and what a value is multiplied by to be in it:
+/// `("°", 57.3)` for `rad`; `unit` itself and 1 where nothing changes.
 pub fn shown_unit(unit: &str, coordinate: Coordinate) -> (String, f64) {
     for_people(unit, coordinate)
         .map_or_else(|| (unit.to_owned(), 1.0), |shown| (shown.unit, shown.factor))

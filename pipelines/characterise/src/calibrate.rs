@@ -12,7 +12,8 @@ const PLACES: usize = 1024;
 const CLOSENESS: f64 = 5e-4;
 /// A break or plateau within this share of the voltages from their end is at the end.
 const AT_END: f64 = 0.01;
-/// A curve that rises by less than this share of the largest force is taken as flat: its inverse would be rounding error.
+/// A curve that rises by less than this share of the largest force is taken as flat: its inverse
+/// would be rounding error.
 const RISE: f64 = 1e-9;
 
 /// A curve that was chosen for an actuator.

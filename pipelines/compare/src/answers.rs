@@ -1,9 +1,10 @@
 //! Answers compared: one row per question, environment and contrast.
 //!
-//! Answers on a scale of up to eleven points are ordinal: no means. The effect is P(A > B) + ½ P(A = B) over each participant's pairs
-//! of repeats, averaged over participants; the test is that of the cumulative-link mixed model with
-//! participant and participant × mode, the odds ratio for one person beside. On a longer scale answers
-//! are a quantity: the effect is the same, the test that of the mean difference (`quantity`).
+//! Answers on a scale of up to eleven points are ordinal: no means. The effect is P(A > B) + ½
+//! P(A = B) over each participant's pairs of repeats, averaged over participants; the test is that
+//! of the cumulative-link mixed model with participant and participant × mode, the odds ratio for
+//! one person beside. On a longer scale answers are a quantity: the effect is the same, the test
+//! that of the mean difference (`quantity`).
 
 use crate::cells::whole;
 use crate::quantity::{self, Score};

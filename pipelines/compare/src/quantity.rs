@@ -12,9 +12,9 @@ pub(crate) struct Score {
     pub(crate) value: f64,
 }
 
-/// The unweighted mean over participants of (mean in the one mode − mean in the other), sessions that
-/// have both averaged with equal weight, tested by Student's t with n − 1 degrees of freedom: the
-/// estimate of a metric's contrast. In points of the scale.
+/// The unweighted mean over participants of (mean in the one mode − mean in the other), sessions
+/// that have both averaged with equal weight, tested by Student's t with n − 1 degrees of freedom:
+/// the estimate of a metric's contrast. In points of the scale.
 ///
 /// # Errors
 /// Fewer than two participants with both modes; differences that are all equal; a level outside

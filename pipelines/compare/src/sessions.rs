@@ -1,5 +1,5 @@
-//! Sessions compared: how participants changed from one session to another, and how well one session
-//! tells another.
+//! Sessions compared: how participants changed from one session to another, and how well one
+//! session tells another.
 
 use crate::cells::{Cell, Cells, whole};
 use crate::measure::Measure;

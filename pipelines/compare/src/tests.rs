@@ -87,8 +87,9 @@ fn each_participant_gives_one_difference_and_who_lacks_a_mode_leaves_that_contra
     assert_eq!(table.texts("unit_of_analysis").unwrap()[0].as_deref(), Some("participants"));
 }
 
-/// P04 has no passive. Ranks (1, 3, 2), (1, 3, 2), (1, 2.5, 2.5): 12 of the 6³ orders within rows have
-/// sums as far apart. SciPy `friedmanchisquare`; F, ε and p by NumPy from their definitions, SciPy's F.
+/// P04 has no passive. Ranks (1, 3, 2), (1, 3, 2), (1, 2.5, 2.5): 12 of the 6³ orders within rows
+/// have sums as far apart. SciPy `friedmanchisquare`; F, ε and p by NumPy from their definitions,
+/// SciPy's F.
 #[test]
 fn whether_any_mode_differs_is_told_of_complete_participants() {
     let table = compare(&metrics(&four()), &parameters()).unwrap().omnibus;

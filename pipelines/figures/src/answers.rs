@@ -40,8 +40,8 @@ impl AnswersPage {
 }
 
 /// The pages of the answers compared: one panel per environment and question, under the name of the
-/// environment where that has one question, else under the question's wording. Answers to a reversed
-/// question are turned round, and its heading says so.
+/// environment where that has one question, else under the question's wording. Answers to a
+/// reversed question are turned round, and its heading says so.
 pub fn answers_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<AnswersPage> {
     let panels: Vec<_> = asked
         .iter()

@@ -18,7 +18,8 @@ pub struct Found {
 /// Trials that a note names before it counts the others.
 const NAMED: usize = 8;
 
-/// The figure with a note for each column in which something was found: the trials, and what was found in the first.
+/// The figure with a note for each column in which something was found: the trials, and what was
+/// found in the first.
 #[must_use]
 pub fn with_care(figure: Figure, found: &[Found]) -> Figure {
     let mut columns: BTreeMap<&str, Vec<&Found>> = BTreeMap::new();
@@ -31,7 +32,8 @@ pub fn with_care(figure: Figure, found: &[Found]) -> Figure {
     Figure { footnotes, ..figure }
 }
 
-/// The figure with a note that says that of so many trials not every sample is drawn, those of more than `most`.
+/// The figure with a note that says that of so many trials not every sample is drawn, those of more
+/// than `most`.
 #[must_use]
 pub fn with_thinned(mut figure: Figure, trials: usize, most: usize) -> Figure {
     let of = if trials == 1 { "a recording".to_owned() } else { format!("{trials} recordings") };

@@ -18,7 +18,8 @@ pub struct Repeat<'a> {
 }
 
 impl ModeData<'_> {
-    /// Name in the legend, with the number of repeats. The mean may be of fewer repeats than are drawn.
+    /// Name in the legend, with the number of repeats. The mean may be of fewer repeats than are
+    /// drawn.
     pub(crate) fn name(&self) -> String {
         let all = self.repeats.len();
         let n = match self.averaged() {

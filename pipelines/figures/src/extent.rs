@@ -45,8 +45,8 @@ pub(crate) fn shared_time(scenes: &[&EnvironmentData]) -> Range {
     }
 }
 
-/// The part of the position's axis around the wall in which what some mode does past it can be read;
-/// none where no mode stays near the wall, because then it can be read as it is.
+/// The part of the position's axis around the wall in which what some mode does past it can be
+/// read; none where no mode stays near the wall, because then it can be read as it is.
 pub(crate) fn at_wall(scene: &EnvironmentData, words: Words) -> Option<(f64, f64)> {
     let wall = words.position(scene.environment.scene.wall_rad()?);
     let positions = |theta: &[f64]| on_axis(words, Signal::Theta, theta);

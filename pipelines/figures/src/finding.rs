@@ -15,8 +15,8 @@ const STEPS_MM: f64 = 40.0;
 const MS_PER_S: f64 = 1e3;
 /// The lever is near its top within this, °.
 const NEAR_DEG: f64 = 0.05;
-/// Drawn is this share of the time that it is there before it and after it, and of no less than this
-/// time, s.
+/// Drawn is this share of the time that it is there before it and after it, and of no less than
+/// this time, s.
 const ROOM: f64 = 0.35;
 const SHORTEST_S: f64 = 0.1;
 /// And so far below the top and above the highest run, °.

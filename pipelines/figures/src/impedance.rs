@@ -11,8 +11,8 @@ use zwidth_tables::{Table, TableError};
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 70.0;
 
-/// `bounds` is the table of a Z-width test, `linear` the boundary (B, K) of the lifted map, the limit
-/// of large pushes; `synthetic` says that the device was simulated.
+/// `bounds` is the table of a Z-width test, `linear` the boundary (B, K) of the lifted map, the
+/// limit of large pushes; `synthetic` says that the device was simulated.
 ///
 /// # Errors
 /// A table that lacks a column.

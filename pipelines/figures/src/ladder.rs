@@ -17,8 +17,8 @@ pub const LADDER: FigureKind = FigureKind {
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 62.0;
-/// Models that are off by less are drawn here, so that the fullest one, which is off by nothing, has
-/// a place on an axis of powers.
+/// Models that are off by less are drawn here, so that the fullest one, which is off by nothing,
+/// has a place on an axis of powers.
 const LEAST_OFF: f64 = 1e-3;
 /// A model that does not run, or lacks a number, is drawn here.
 const MOST_OFF: f64 = 1e3;

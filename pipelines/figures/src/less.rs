@@ -1,5 +1,5 @@
-//! What less of a recording, or another setup of the simulated device, does to the metrics: the change
-//! of each in the median trial and up to the 90th percentile, over what a person just feels.
+//! What less of a recording, or another setup of the simulated device, does to the metrics: the
+//! change of each in the median trial and up to the 90th percentile, over what a person just feels.
 
 use crate::about::FigureKind;
 use crate::words::plain;

@@ -1,6 +1,6 @@
 //! Figures 28 and 29: position, force and velocity against time, force against position; the mean
-//! of each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall. Where
-//! a mode stays near the wall, a panel shows what it does there.
+//! of each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
+//! Where a mode stays near the wall, a panel shows what it does there.
 
 use crate::FigureKind;
 use crate::data::{EnvironmentData, ModeData, aligned};
@@ -129,7 +129,8 @@ fn footnotes(scene: &EnvironmentData) -> Vec<String> {
     legend.into_iter().chain(scene.notes.iter().map(|n| plain(n))).collect()
 }
 
-/// How the dots of each mode stand, where there are several: ` (active dot by dot, hybrid in threes)`.
+/// How the dots of each mode stand, where there are several:
+/// ` (active dot by dot, hybrid in threes)`.
 fn rhythms(scene: &EnvironmentData) -> String {
     let averaged: Vec<&ModeData> = scene.modes.iter().filter(|m| m.average.is_some()).collect();
     let dots = |mode: &ModeData| match style::dash(mode.index).dotted() {

@@ -13,8 +13,8 @@ const PERIODS: f64 = 6.0;
 const NAMES: [&str; 3] =
     ["recorded", "loop with the user's force", "loop with its slow part alone"];
 
-/// θ (rad) against time (s): as recorded, of the loop with the user's force, and with the slow part of
-/// that alone, about the swings.
+/// θ (rad) against time (s): as recorded, of the loop with the user's force, and with the slow part
+/// of that alone, about the swings.
 pub fn oscillation(
     courses: &[(&[f64], &[f64])],
     [from_s, to_s]: [f64; 2],

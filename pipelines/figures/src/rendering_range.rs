@@ -54,9 +54,10 @@ impl Acting<'_> {
 }
 
 /// The force that each actuator gives for a command, and for each mode and way the range of what
-/// commands up to the mode's own voltage can make: the device's force on the lever, positive against
-/// a push into the object. `calibration` gives forces for voltages, `footnote` says where it is from,
-/// and `sources` where the sweeps behind it are from. None where no mode has an actuator.
+/// commands up to the mode's own voltage can make: the device's force on the lever, positive
+/// against a push into the object. `calibration` gives forces for voltages, `footnote` says where
+/// it is from, and `sources` where the sweeps behind it are from. None where no mode has an
+/// actuator.
 ///
 /// A motor makes either sign on either way. A brake makes a force against the motion alone: against
 /// the push while compressing, against the return while decompressing. A mode of both has the brake
@@ -110,8 +111,8 @@ fn acting<'a>(mode: &Mode, way: Way, calibration: &'a Calibration) -> Option<Act
 /// The voltage that a mode goes up to with one actuator.
 type Voltage = fn(&Mode) -> Option<f64>;
 
-/// Force against command, a line an actuator, which begins where force does; a point at each voltage
-/// that modes go up to.
+/// Force against command, a line an actuator, which begins where force does; a point at each
+/// voltage that modes go up to.
 fn commands(about: &About, calibration: &Calibration) -> Panel {
     let of_motor: Voltage = |mode| mode.motor_max_v;
     let of_brake: Voltage = |mode| mode.brake_max_v;

@@ -187,8 +187,9 @@ pub struct BoundaryOf {
     pub shares: Option<Vec<[f64; 2]>>,
 }
 
-/// Boundaries that others measured: on axes of damping and stiffness in the units that they have, and in
-/// shares of their own ends, which need none, beside `linear`, the lifted map's in the same shares.
+/// Boundaries that others measured: on axes of damping and stiffness in the units that they have,
+/// and in shares of their own ends, which need none, beside `linear`, the lifted map's in the same
+/// shares.
 pub fn boundaries(
     boundaries: &[BoundaryOf],
     linear: Option<&[[f64; 2]]>,

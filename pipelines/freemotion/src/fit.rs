@@ -124,7 +124,8 @@ impl FreeMotionError {
         Self::NoSlip { needed_s, least, key }
     }
 
-    /// What a fit of these terms was refused for: a column that is a combination of those before it is said in their words.
+    /// What a fit of these terms was refused for: a column that is a combination of those before it
+    /// is said in their words.
     pub(crate) fn of_terms(error: NumericsError, terms: &[&'static str]) -> Self {
         match error {
             NumericsError::RankDeficient { column } if column < terms.len() => {

@@ -70,8 +70,8 @@ pub fn table(fits: &[PlaneFit]) -> Result<Table, TableError> {
 }
 
 /// One row per trial, in the order given: which trial it is; c, I, b, τ_c and κ of
-/// τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ, each with standard error and interval; how well they fit. A
-/// note names what the recording does not show.
+/// τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ, each with standard error and interval; how well they
+/// fit. A note names what the recording does not show.
 ///
 /// # Errors
 /// A number that is not finite.

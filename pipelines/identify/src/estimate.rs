@@ -44,9 +44,9 @@ pub(crate) struct Spread {
 
 /// The spread of free parameter `j`, from what its estimate becomes without each trial in turn: the
 /// trial-block jackknife (Efron 1982; as the covariance CR3 of Bell & McCaffrey 2002, Surv.
-/// Methodol. 28:169), V = (G − 1)/G Σ_g (p_g − p̄)². It holds whatever the errors within a trial are
-/// like. Its degrees of freedom are Satterthwaite's (1946), (Σ_g h_g)² / Σ_g h_g² with the trials'
-/// shares h_g = (A⁻¹ A_g A⁻¹)_jj of the variance: few where few trials tell.
+/// Methodol. 28:169), V = (G − 1)/G Σ_g (p_g − p̄)². It holds whatever the errors within a trial
+/// are like. Its degrees of freedom are Satterthwaite's (1946), (Σ_g h_g)² / Σ_g h_g² with the
+/// trials' shares h_g = (A⁻¹ A_g A⁻¹)_jj of the variance: few where few trials tell.
 pub(crate) fn spread<const P: usize>(
     blocks: &[Block<P>],
     free: &[bool; P],

@@ -58,9 +58,9 @@ pub struct Identified {
     pub estimates: Vec<Estimate>,
     /// Errors, in the order of the recordings.
     pub trials: Vec<TrialErrors>,
-    /// Covariance of the parameters by leaving out each trial in turn, a row each, in the product of
-    /// their units; 0 for one on its bound. `None` where the trials do not determine them, or not
-    /// without one of them.
+    /// Covariance of the parameters by leaving out each trial in turn, a row each, in the product
+    /// of their units; 0 for one on its bound. `None` where the trials do not determine them, or
+    /// not without one of them.
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Whether the fit met its stopping rule.
     pub converged: bool,

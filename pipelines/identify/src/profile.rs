@@ -159,8 +159,8 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
     }
 }
 
-/// The distance from the fit at which `root` meets the level, by secants through the last two points,
-/// the first of which is the fit; `furthest` where it stays below up to there.
+/// The distance from the fit at which `root` meets the level, by secants through the last two
+/// points, the first of which is the fit; `furthest` where it stays below up to there.
 fn meet(level: f64, first: f64, furthest: f64, root: impl Fn(f64) -> Option<f64>) -> Option<f64> {
     let (mut before, mut distance) = ([0.0, 0.0], first);
     for _ in 0..MAX_SECANTS {
@@ -183,7 +183,8 @@ fn meet(level: f64, first: f64, furthest: f64, root: impl Fn(f64) -> Option<f64>
 mod tests {
     use super::*;
 
-    /// Roots that flatten out or steepen, where stretching from the fit alone takes dozens of steps.
+    /// Roots that flatten out or steepen, where stretching from the fit alone takes dozens of
+    /// steps.
     #[test]
     fn the_level_is_met_however_the_curve_bends() {
         for power in [0.2, 0.3, 0.5, 0.63, 1.0, 1.3, 2.0, 3.0] {

@@ -20,9 +20,9 @@ pub struct Recorded {
     pub theta_rad: Vec<f64>,
 }
 
-/// What a fit may change, each as a factor of the twin's default or, where it has none, of the middle
-/// of the range: inertia, friction at rest and in motion, viscous friction, both lags of the brake,
-/// what the lever weighs.
+/// What a fit may change, each as a factor of the twin's default or, where it has none, of the
+/// middle of the range: inertia, friction at rest and in motion, viscous friction, both lags of the
+/// brake, what the lever weighs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Knobs {
     /// Of the moment of inertia.
@@ -196,8 +196,8 @@ impl Role {
     }
 }
 
-/// The choice, the choice without each of its terms in turn, and the fullest model, each fitted anew
-/// and judged on the other trials; nothing without trials.
+/// The choice, the choice without each of its terms in turn, and the fullest model, each fitted
+/// anew and judged on the other trials; nothing without trials.
 pub fn tried(trials: &[Recorded], choice: TermSet, fullest: TermSet, looped: &Loop) -> Vec<Tried> {
     let less = choice.terms().map(|term| (Role::Without(term), choice.without(term)));
     let sets = std::iter::once((Role::Choice, choice)).chain(less);

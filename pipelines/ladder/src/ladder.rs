@@ -52,8 +52,8 @@ pub struct Rung {
     pub evaluations: f64,
     /// Steps, products with a flow, exponentials and decisions of a run, mean over the points.
     pub counts: [f64; 4],
-    /// Largest difference of each quantity over its bound, over the points; infinite where the model
-    /// does not run.
+    /// Largest difference of each quantity over its bound, over the points; infinite where the
+    /// model does not run.
     pub worst: Vec<f64>,
 }
 

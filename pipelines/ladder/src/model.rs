@@ -36,8 +36,8 @@ pub(crate) struct Model {
     pub(crate) seed: u64,
 }
 
-/// A scene's model with a set of terms at a point. What a scene gives itself is scaled as the twin's
-/// number is from its default; what it does not give is the twin's.
+/// A scene's model with a set of terms at a point. What a scene gives itself is scaled as the
+/// twin's number is from its default; what it does not give is the twin's.
 pub(crate) fn model(base: &ModelScene, set: TermSet, point: &Point, period_s: f64) -> Model {
     let usual = Point::usual();
     let mut scene = ModelScene { plant: plant(base, point, &usual), ..base.clone() };

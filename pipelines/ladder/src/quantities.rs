@@ -64,8 +64,8 @@ fn slow(t_s: &[f64], force_n: &[f64]) -> Vec<f64> {
     windows(t_s).into_iter().map(mean).collect()
 }
 
-/// Whether a signal changes by more than its share within the window of each sample, or of one within
-/// its window: a jump that comes late is averaged over one window more.
+/// Whether a signal changes by more than its share within the window of each sample, or of one
+/// within its window: a jump that comes late is averaged over one window more.
 fn jumps(t_s: &[f64], slow_n: &[f64]) -> Vec<bool> {
     let largest = slow_n.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
     let jumps = |window: Range<usize>| {

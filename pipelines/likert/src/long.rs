@@ -6,8 +6,8 @@ use zwidth_study::AnswerScale;
 use zwidth_tables::{Column, Table, TableError};
 
 /// The answers as they were given (reversed questions too), one row each, in their order. Columns:
-/// `participant`, `session`, `trial`, `environment`, `mode`, `question`, `answer`, and where one was
-/// measured `answer_time_s`.
+/// `participant`, `session`, `trial`, `environment`, `mode`, `question`, `answer`, and where one
+/// was measured `answer_time_s`.
 ///
 /// # Errors
 /// None that answers can cause.

@@ -20,9 +20,10 @@ use zwidth_study::Analysis;
 /// side. 0 for a spring that one actuator renders both ways, K (θ − θ_rest) − F_m past the
 /// weaker one's limit F_m for two.
 ///
-/// **The angle** is that at which the force was commanded: a command is held from sample to sample, so
-/// that each angle has the mean over the time to the next one. At the angle of the same instant a
-/// motor on a spring K would differ by K θ̇ times the time between two samples, because it is late.
+/// **The angle** is that at which the force was commanded: a command is held from sample to sample,
+/// so that each angle has the mean over the time to the next one. At the angle of the same instant
+/// a motor on a spring K would differ by K θ̇ times the time between two samples, because it is
+/// late.
 ///
 /// **Intervals**: Newey–West over the angles as for the user's, and the plant's own covariance gᵀ V
 /// g besides, g the slope of D_A by M, B and F_C; Student's t with the degrees of freedom of that
@@ -142,8 +143,8 @@ mod tests {
     }
 
     /// What a user of that plant feels over a raised cosine, whose θ̈ is −ω² (θ − its middle), with
-    /// actuators that give no more than `strong` on the way in and `weak` on the way back, and whose
-    /// commands are held from sample to sample: on average half of that time late.
+    /// actuators that give no more than `strong` on the way in and `weak` on the way back, and
+    /// whose commands are held from sample to sample: on average half of that time late.
     fn felt(stroke_rad: f64, strong_n: f64, weak_n: f64) -> Trial {
         let (omega, plant) = (TAU / PERIOD_S, plant([0.0; 3]));
         let force = move |theta: f64, velocity: f64| {

@@ -18,8 +18,8 @@ pub(crate) struct Branches {
 
 /// The samples at which the lever is farther along than ever before on its way: they make F a
 /// function of θ. A lever that jitters or turns back for a moment adds nothing until it is past its
-/// farthest point again. Where the way begins at an angle that is another's (`left`), so does a lever that
-/// still stands there: its force is that of what holds it, not yet that of the way.
+/// farthest point again. Where the way begins at an angle that is another's (`left`), so does a
+/// lever that still stands there: its force is that of what holds it, not yet that of the way.
 fn advancing(theta: &[f64], force: &[f64], left: Option<f64>, direction: f64) -> Branch {
     let mut branch = Branch { theta: Vec::new(), force: Vec::new() };
     let mut farthest = left;
@@ -43,7 +43,8 @@ const LEAST_SHARE: f64 = 0.1;
 
 /// Both branches by linear interpolation on `points` angles over the range that both cover; `None`
 /// where that is less than a tenth of the compression's. The angle of the reversal belongs to the
-/// compression alone: a lever that a brake holds there has the force of neither way until it has left.
+/// compression alone: a lever that a brake holds there has the force of neither way until it has
+/// left.
 pub(crate) fn branches(
     theta: &[f64],
     force: &[f64],
@@ -91,7 +92,8 @@ mod tests {
         assert!(found.backward.iter().zip(expect).all(|(f, e)| (f - e).abs() < 1e-15));
     }
 
-    /// Held at its reversal with 5 N, which it leaves at 2 N: the way back has 2 N up to its first angle.
+    /// Held at its reversal with 5 N, which it leaves at 2 N: the way back has 2 N up to its first
+    /// angle.
     #[test]
     fn what_holds_a_lever_at_its_reversal_is_not_the_force_of_the_way_back() {
         let theta = [0.0, 1.0, 2.0, 2.0, 2.0, 1.9, 1.0, 0.0];

@@ -20,7 +20,8 @@ struct Metric<'a> {
 /// environment has of no mode is left out. The first row of each block is the number of trials.
 ///
 /// # Errors
-/// A table that is not one of conditions, or labels that cannot be names of columns beside each other.
+/// A table that is not one of conditions, or labels that cannot be names of columns beside each
+/// other.
 pub fn by_mode(conditions: &Table, modes: &[(String, String)]) -> Result<Table, TableError> {
     let blocks = blocks(conditions)?;
     let of_row = conditions.texts("mode")?;

@@ -7,22 +7,24 @@ use zwidth_study::Resistances;
 
 /// What a trial takes from its supply.
 ///
-/// **Recorded**: E = ∫ (U_m I_m + U_b I_b) dt over the recording, U the commanded voltage, held from
-/// sample to sample, I the current recorded beside it ([`CURRENT_MOTOR`](zwidth_study::CURRENT_MOTOR),
-/// [`CURRENT_BRAKE`](zwidth_study::CURRENT_BRAKE)), with straight lines between samples. U I > 0
-/// is taken from the supply, U I < 0 given back to it: a motor that is moved along its force faster than
-/// its voltage alone would drive it. A current that follows its voltage within one sample is taken to rise
-/// over that whole sample, which leaves out about ½ Σ (ΔU)² Δt / 2 R.
+/// **Recorded**: E = ∫ (U_m I_m + U_b I_b) dt over the recording, U the commanded voltage, held
+/// from sample to sample, I the current recorded beside it
+/// ([`CURRENT_MOTOR`](zwidth_study::CURRENT_MOTOR),
+/// [`CURRENT_BRAKE`](zwidth_study::CURRENT_BRAKE)), with straight lines between samples. U I > 0 is
+/// taken from the supply, U I < 0 given back to it: a motor that is moved along its force faster
+/// than its voltage alone would drive it. A current that follows its voltage within one sample is
+/// taken to rise over that whole sample, which leaves out about ½ Σ (ΔU)² Δt / 2 R.
 ///
-/// **At most**, where no current is recorded: a winding with resistance R at voltage U has the current
-/// (U − e) / R, e the voltage that its motion makes, and takes U² / R − U e / R. U² / R alone is a bound at rest
-/// and for a motor that is moved along its force, which takes less. It is none for a motor that is moved against
-/// its force, as where a spring is pressed: that one takes |U e| / R more, which is the mechanical
-/// power F L |θ̇| of the force F that U stands for at rest. So E ≤ ∫ (U_m² / R_m + U_b² / R_b + [U_m ≠ 0]
+/// **At most**, where no current is recorded: a winding with resistance R at voltage U has the
+/// current (U − e) / R, e the voltage that its motion makes, and takes U² / R − U e / R. U² / R
+/// alone is a bound at rest and for a motor that is moved along its force, which takes less. It is
+/// none for a motor that is moved against its force, as where a spring is pressed: that one
+/// takes |U e| / R more, which is the mechanical power F L |θ̇| of the force F that U stands for at
+/// rest. So E ≤ ∫ (U_m² / R_m + U_b² / R_b + [U_m ≠ 0]
 /// |F_cmd| L |θ̇|) dt, voltages held from sample to sample, whatever the motion. It supposes that no
 /// current flows at the beginning (an inductance then takes no more: the current is the voltage's
-/// through a low-pass filter, and ∫ U I dt ≤ ∫ U² / R dt), that R is no less than study.toml says (a warm
-/// winding has more), that the calibration's force is the motor's, and that one actuator is
+/// through a low-pass filter, and ∫ U I dt ≤ ∫ U² / R dt), that R is no less than study.toml says
+/// (a warm winding has more), that the calibration's force is the motor's, and that one actuator is
 /// commanded at a time, so that F_cmd is the motor's where it is on.
 ///
 /// What drivers and computers take is in neither.
@@ -105,8 +107,8 @@ mod tests {
     use zwidth_store::{Signal, Trial};
     use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR};
 
-    /// 2 s there and back over 1 rad, and a second of rest; motor at 10 V and 2.6 N throughout, brake
-    /// at 4 V for the half of it.
+    /// 2 s there and back over 1 rad, and a second of rest; motor at 10 V and 2.6 N throughout,
+    /// brake at 4 V for the half of it.
     fn driven() -> Trial {
         let points = stroke(1.0, 2.0);
         let mut made = trial(&points, |_, _| 1.0);
@@ -160,8 +162,9 @@ mod tests {
         assert!((alone - 12.0).abs() < 1e-9, "{alone}");
     }
 
-    /// A winding of R and L at U from t = 0 on: I = U / R (1 − exp(−t R / L)), and ∫ U I dt = U² / R
-    /// (T − τ (1 − exp(−T / τ))), τ = L / R. Straight lines between samples of h leave U² h² / 12 R τ of it out, 8 µJ.
+    /// A winding of R and L at U from t = 0 on: I = U / R (1 − exp(−t R / L)), and ∫ U I dt = U² /
+    /// R (T − τ (1 − exp(−T / τ))), τ = L / R. Straight lines between samples of h leave U² h² / 12
+    /// R τ of it out, 8 µJ.
     #[test]
     fn a_winding_that_is_switched_on_takes_what_its_current_says_and_less_than_the_bound() {
         let (ohm, tau_s) = (20.0, 0.05);
@@ -173,8 +176,8 @@ mod tests {
         assert!(taken < found.bound_j.unwrap());
     }
 
-    /// At a constant voltage, moved against its force and then along it: the first takes U² / R and more, the
-    /// second less, and fast enough it gives back.
+    /// At a constant voltage, moved against its force and then along it: the first takes U² / R and
+    /// more, the second less, and fast enough it gives back.
     #[test]
     fn a_motor_takes_more_than_its_heat_at_rest_where_it_is_moved_against_its_force() {
         let back_emf = |e: f64| move |_: f64| (10.0 - e) / 20.0;

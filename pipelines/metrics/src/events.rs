@@ -11,13 +11,15 @@ use zwidth_tables::{Column, Table, TableError, identity};
 pub enum EventKind {
     /// The movement begins ([`Movement::onset_s`]).
     Onset,
-    /// A contact with the wall begins: the first sample with θ > θ_wall after a retreat of more than
-    /// 1 % of the angles travelled, as [`WallContact::rebounds`](crate::WallContact::rebounds) counts.
+    /// A contact with the wall begins: the first sample with θ > θ_wall after a retreat of more
+    /// than 1 % of the angles travelled, as [`WallContact::rebounds`](crate::WallContact::rebounds)
+    /// counts.
     Contact,
     /// The lever turns ([`Movement::reversal_s`]).
     Reversal,
     /// The brake goes off from one sample to the next, wherever the lever is.
-    /// [`WallContact::brake_releases`](crate::WallContact::brake_releases) counts those past the wall.
+    /// [`WallContact::brake_releases`](crate::WallContact::brake_releases) counts those past the
+    /// wall.
     LetGo,
     /// The movement ends ([`Movement::end_s`]).
     End,

@@ -52,8 +52,8 @@ impl Parameters {
     }
 }
 
-/// The plant as it was identified, M L θ̈ + B θ̇ + F_C sgn θ̇ at the lever's end, and how well it is
-/// known.
+/// The plant as it was identified, M L θ̈ + B θ̇ + F_C sgn θ̇ at the lever's end, and how well it
+/// is known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Plant {
     /// M: mass felt at the lever's end, kg.

@@ -8,8 +8,8 @@ const LEAST_SAMPLES: usize = 10;
 /// The plateau spans at least this share of the angles fitted: a shorter one is how a press ends,
 /// not saturation.
 const LEAST_SPAN: f64 = 0.05;
-/// The force grows no further: the plateau's own slope is less than this share of the line's. It may
-/// fall, as the force of a user does whose lever, once it is past the line, slows down.
+/// The force grows no further: the plateau's own slope is less than this share of the line's. It
+/// may fall, as the force of a user does whose lever, once it is past the line, slows down.
 const FLAT: f64 = 0.25;
 /// The plateau matters: with it the residual sum of squares is at most this share of the straight
 /// line's.
@@ -22,8 +22,8 @@ const BETTER: f64 = 0.5;
 ///
 /// `None` where the force did not saturate as far as the samples show: no division with at least 10
 /// samples a side, or the best has a line that does not rise, a plateau that is short (under 5 % of
-/// the angles) or on which the force grows on (its own slope at least a quarter of the line's), or is
-/// no better than the straight line (more than half of its residual sum of squares).
+/// the angles) or on which the force grows on (its own slope at least a quarter of the line's), or
+/// is no better than the straight line (more than half of its residual sum of squares).
 pub(crate) fn plateau(u: &[f64], f: &[f64]) -> Result<Option<f64>, MetricsError> {
     let mut points: Vec<(f64, f64)> = u.iter().copied().zip(f.iter().copied()).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -167,8 +167,8 @@ mod tests {
 
     const NUMPY_U: f64 = 0.7497014493464199;
 
-    /// A user whose lever of mass m slows down by a on the plateau presses by m a less. That the mean
-    /// of a falling force lies below its first value moves the meeting by a few hundredths.
+    /// A user whose lever of mass m slows down by a on the plateau presses by m a less. That the
+    /// mean of a falling force lies below its first value moves the meeting by a few hundredths.
     #[test]
     fn a_plateau_on_which_the_force_falls_is_one() {
         for falls in [0.0, 0.9, 1.1] {

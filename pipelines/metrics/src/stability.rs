@@ -9,8 +9,9 @@ use zwidth_numerics::spectrum::BandPower;
 /// How steadily the device behaved between onset and end. All null without a movement.
 ///
 /// **Verdict.** A model run is judged by the model's own motion, which tells chattering of the
-/// method from what the model does (`zwidth_dynamics::RunVerdict`). A recording cannot be run again, so
-/// that it is `smooth` or `oscillating` by the same count of fast swings, and no more is claimed.
+/// method from what the model does (`zwidth_dynamics::RunVerdict`). A recording cannot be run
+/// again, so that it is `smooth` or `oscillating` by the same count of fast swings, and no more is
+/// claimed.
 ///
 /// **Band.** Power and dominant frequency from 5 to 50 Hz, by Welch's method ([`band_power`]),
 /// never above the channel's own Nyquist frequency: for θ̇ half of the rate of samples; for the

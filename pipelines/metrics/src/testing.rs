@@ -8,8 +8,8 @@ pub(crate) const RATE_HZ: f64 = 1000.0;
 pub(crate) const REST_RAD: f64 = -core::f64::consts::FRAC_PI_4;
 pub(crate) const LEVER_M: f64 = 0.045;
 
-/// (t, θ, θ̇): half a second of rest, one raised cosine of `stroke_rad` in `period_s`, half a second
-/// of rest.
+/// (t, θ, θ̇): half a second of rest, one raised cosine of `stroke_rad` in `period_s`, half a
+/// second of rest.
 pub(crate) fn stroke(stroke_rad: f64, period_s: f64) -> Vec<(f64, f64, f64)> {
     let omega = core::f64::consts::TAU / period_s;
     let samples = ((period_s + 1.0) * RATE_HZ) as u32;

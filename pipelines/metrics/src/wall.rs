@@ -63,9 +63,9 @@ pub struct WallContact {
     pub rigidity_n_per_rad: Option<f64>,
     /// Whether the rigidity is a lower bound: the lever moved by no more than δ. Null with it.
     pub rigidity_at_least: Option<bool>,
-    /// Rigidity once the lever is held, at least, N/rad: what F grows by from where the lever is first
-    /// within δ of its farthest angle past the wall to the largest F after that, over δ: it moved by
-    /// no more. Null where F does not grow there, or without force.
+    /// Rigidity once the lever is held, at least, N/rad: what F grows by from where the lever is
+    /// first within δ of its farthest angle past the wall to the largest F after that, over δ: it
+    /// moved by no more. Null where F does not grow there, or without force.
     pub hold_rigidity_min_n_per_rad: Option<f64>,
     /// Slope of F on θ past the wall, N/rad: the wall's rendered stiffness. Least squares over the
     /// samples with θ > θ_wall from the first of them to the largest θ. Null for fewer than

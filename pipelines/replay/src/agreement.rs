@@ -94,8 +94,8 @@ struct Agreement {
     high: Option<Estimate>,
 }
 
-/// For each causality, mode, model and quantity of the table of replays: n trials, the bias (mean of
-/// model less recording), the limits of agreement (bias ± 1.96 SD) with their t intervals at
+/// For each causality, mode, model and quantity of the table of replays: n trials, the bias (mean
+/// of model less recording), the limits of agreement (bias ± 1.96 SD) with their t intervals at
 /// `level`, and a verdict; null below two trials. Trials of one person are taken for independent,
 /// so with few people the intervals are too narrow. Numbers are in the unit of their row.
 ///

@@ -4,8 +4,8 @@ use crate::ReplayError;
 use crate::lag::lag_s;
 use zwidth_numerics::local::derivatives;
 
-/// Velocities are those of parabolas through the angles of this time to either side, s, of recording
-/// and model alike: what a controller's filter delays is not the model's error.
+/// Velocities are those of parabolas through the angles of this time to either side, s, of
+/// recording and model alike: what a controller's filter delays is not the model's error.
 const HALF_S: f64 = 0.025;
 
 /// How far the model's θ̇ departs.

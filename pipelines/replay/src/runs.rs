@@ -1,5 +1,5 @@
-//! What a reader sees who turns the plant's parameters: trials driven by their recorded force, through
-//! the model at every point of a grid.
+//! What a reader sees who turns the plant's parameters: trials driven by their recorded force,
+//! through the model at every point of a grid.
 
 use crate::{Drive, Parameters, Rendering, ReplayError};
 use zwidth_store::Trial;
@@ -25,10 +25,10 @@ struct Run {
 
 /// The angle against time of trials as recorded, and of the model driven by their force with every
 /// mass, damping and friction of a grid that has those by eye and those `fitted`; lags are the
-/// fitted ones. One row a run and time, at most 60 times a run: `trial`, `mode`, `source`, `mass_kg`,
-/// `damping_ns_per_rad`, `friction_n` (null: recorded), `rmse_rad` (over every sample), `t_s`,
-/// `theta_rad`. Trials to which the replay does not apply are passed by, and so are plants that do not
-/// run.
+/// fitted ones. One row a run and time, at most 60 times a run: `trial`, `mode`, `source`,
+/// `mass_kg`, `damping_ns_per_rad`, `friction_n` (null: recorded), `rmse_rad` (over every sample),
+/// `t_s`, `theta_rad`. Trials to which the replay does not apply are passed by, and so are plants
+/// that do not run.
 ///
 /// # Errors
 /// A trial of columns of unequal length.

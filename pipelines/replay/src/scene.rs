@@ -60,7 +60,8 @@ impl Parameters {
         Some(self.motor_lag_s).filter(|lag| *lag >= LEAST_LAG_S)
     }
 
-    /// The brake's two lags, s, if the model has any. If only one of them is 0, the model takes the shortest lag instead.
+    /// The brake's two lags, s, if the model has any. If only one of them is 0, the model takes the
+    /// shortest lag instead.
     pub(crate) fn brake_lag_on_off_s(&self) -> Option<[f64; 2]> {
         let lags = [self.brake_on_s, self.brake_off_s];
         lags.iter().any(|lag| *lag >= LEAST_LAG_S).then(|| lags.map(|lag| lag.max(LEAST_LAG_S)))

@@ -100,8 +100,8 @@ pub fn table(rows: &[TrialReplay]) -> Result<Table, ReplayError> {
     Ok(Table::new(NAME, TITLE, columns)?)
 }
 
-/// The replays of several conditions as one table in the order of participant, session and trial, of a
-/// trial in that of the tables; `None` without tables.
+/// The replays of several conditions as one table in the order of participant, session and trial,
+/// of a trial in that of the tables; `None` without tables.
 ///
 /// # Errors
 /// Tables that are not of this stage.

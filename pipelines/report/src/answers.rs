@@ -15,8 +15,8 @@ pub(crate) struct Median {
 }
 
 impl Median {
-    /// The median of the answers as they were given: the tally turns those to a question that counts the other
-    /// way round.
+    /// The median of the answers as they were given: the tally turns those to a question that
+    /// counts the other way round.
     pub(crate) fn turned_back(self, question: &Question) -> Self {
         let turned = i64::from(self.scale.ends_together());
         match question.reversed {

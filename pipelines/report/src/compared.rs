@@ -11,8 +11,8 @@ use zwidth_tables::{Table, TableError, Values, for_people, number, with_unit};
 pub struct ComparedMetric<'a> {
     /// Its column in the table of metrics.
     pub name: &'a str,
-    /// Whether it is the study's primary metric, whose claims count. That one may not be among those
-    /// compared: trials of the study may not have it.
+    /// Whether it is the study's primary metric, whose claims count. That one may not be among
+    /// those compared: trials of the study may not have it.
     pub primary: bool,
     /// Means by condition.
     pub means: &'a Table,

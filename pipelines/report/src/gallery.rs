@@ -58,8 +58,8 @@ pub struct Gallery {
 }
 
 impl Gallery {
-    /// The figure that shows it, from the summary's folder on, with `/`; the table where there is no
-    /// such figure.
+    /// The figure that shows it, from the summary's folder on, with `/`; the table where there is
+    /// no such figure.
     pub fn file(&self, shown: &Shown) -> String {
         let figure = self.figure(shown).filter(|figure| self.figures.contains(figure));
         figure.map_or_else(|| shown.table().to_owned(), |figure| format!("figures/{figure}.png"))

@@ -97,8 +97,8 @@ fn motor_takes_much(known: &Known) -> Result<Option<Evidence>, TableError> {
 /// Names of the actuators in their order in [`Efficiency::force_per_power`].
 const ACTUATORS: [&str; 2] = ["motor", "brake"];
 
-/// What one of the two actuators gives for its power beside the other: in the trials with it alone, where
-/// those of both have recorded currents; else at rest, where U² / R is what a winding takes.
+/// What one of the two actuators gives for its power beside the other: in the trials with it alone,
+/// where those of both have recorded currents; else at rest, where U² / R is what a winding takes.
 fn efficiency(known: &Known, pair: [usize; 2]) -> Result<Option<Evidence>, TableError> {
     let at_rest = at_rest(known, pair)?;
     match in_trials(known, pair, at_rest.as_ref())? {

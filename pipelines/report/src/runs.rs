@@ -1,5 +1,5 @@
-//! Runs of the model in sentences: which is cheap and could not be told from the right one, and which
-//! terms a condition requires.
+//! Runs of the model in sentences: which is cheap and could not be told from the right one, and
+//! which terms a condition requires.
 
 use crate::findings::Finding;
 use crate::gallery::Shown;
@@ -7,8 +7,8 @@ use zwidth_dynamics::solver_label;
 use zwidth_study::Setup;
 use zwidth_tables::{Table, TableError, quantity};
 
-/// The cheapest run of each scene of a study that a person could not tell from the right one, from the
-/// table `trade_summary`: one sentence per scene. They speak of the model, not of trials.
+/// The cheapest run of each scene of a study that a person could not tell from the right one, from
+/// the table `trade_summary`: one sentence per scene. They speak of the model, not of trials.
 ///
 /// # Errors
 /// A table that lacks a column.
@@ -44,8 +44,8 @@ pub fn traded(study: &Setup, table: &Table) -> Result<Vec<Finding>, TableError> 
     Ok(found)
 }
 
-/// Which terms of the model each condition requires, and whether its recordings bear that out, from the
-/// table `ladder`: one sentence per condition.
+/// Which terms of the model each condition requires, and whether its recordings bear that out, from
+/// the table `ladder`: one sentence per condition.
 ///
 /// # Errors
 /// A table that lacks a column.

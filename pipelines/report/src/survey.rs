@@ -10,8 +10,9 @@ use zwidth_tables::{Table, TableError};
 /// Questions that are told one by one, those whose medians lie farthest apart.
 const TOLD: usize = 3;
 
-/// What the answers of a study show that recorded no trial, an environment after another: how many there are, then the questions
-/// in which the modes' medians lie farthest apart. Descriptive: no sentence says that a difference was shown.
+/// What the answers of a study show that recorded no trial, an environment after another: how many
+/// there are, then the questions in which the modes' medians lie farthest apart. Descriptive: no
+/// sentence says that a difference was shown.
 ///
 /// # Errors
 /// A table that is not a tally.

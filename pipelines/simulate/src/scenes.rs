@@ -78,7 +78,8 @@ fn with_the_thesis_method_the_lever_swings_between_10_and_18_degrees() {
     assert!((16.0..19.0).contains(&highest), "{highest}");
 }
 
-/// The angles, °, between which the drive turns from brake to motor and back, and how often it does.
+/// The angles, °, between which the drive turns from brake to motor and back, and how often it
+/// does.
 fn turns(stem: &str, solver: &str) -> (f64, f64, usize) {
     let table = trajectory_table(&run(scene(stem), solver)).unwrap();
     let (theta, motor) = (column(&table, "theta_rad"), column(&table, "force_motor_n"));

@@ -34,7 +34,8 @@ pub struct Summary {
     pub swings: [StepSwings; 3],
     /// The other thing it rests on: the motion as it is known; `None` where it is not.
     pub reference: Option<KnownMotion>,
-    /// The same with the other rule for the command at rest, where the verdict says that it matters.
+    /// The same with the other rule for the command at rest, where the verdict says that it
+    /// matters.
     pub other_rest_rule: Option<KnownMotion>,
     /// Whether the run oscillates if the reference does.
     pub shows_the_reference: bool,

@@ -1,5 +1,5 @@
-//! A boundary of stiffness and damping that someone measured: its extent, and what it has in common with
-//! others.
+//! A boundary of stiffness and damping that someone measured: its extent, and what it has in common
+//! with others.
 
 use crate::error::StabilityError;
 use zwidth_dynamics::SampledWall;
@@ -35,8 +35,8 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The area over that of the rectangle K(0) × the largest B: a number without a unit. None where
-    /// the wall without damping was not measured.
+    /// The area over that of the rectangle K(0) × the largest B: a number without a unit. None
+    /// where the wall without damping was not measured.
     pub fn fullness(&self) -> Option<f64> {
         let rectangle = self.undamped? * (self.damping[1] - self.damping[0]);
         (rectangle > 0.0).then(|| self.area / rectangle)
@@ -66,8 +66,8 @@ impl Boundary {
     }
 
     /// Reads a CSV with the columns K and B, in any order, whose units are not known; or
-    /// `K_n_per_m` and `B_ns_per_m`, or `K_nm_per_rad` and `B_nms_per_rad`, which a lever of length L
-    /// feels as K/L² and B/L² at its end.
+    /// `K_n_per_m` and `B_ns_per_m`, or `K_nm_per_rad` and `B_nms_per_rad`, which a lever of length
+    /// L feels as K/L² and B/L² at its end.
     ///
     /// # Errors
     /// A column that is missing, or as [`Boundary::new`].
@@ -136,8 +136,8 @@ impl Boundary {
         Ok(Some(Self { is_si: true, ..Self::new(points)? }))
     }
 
-    /// The same in shares of the wall without damping and of the largest damping, which need no units:
-    /// none where either was not measured, or is 0.
+    /// The same in shares of the wall without damping and of the largest damping, which need no
+    /// units: none where either was not measured, or is 0.
     pub fn shares(&self) -> Option<Vec<[f64; 2]>> {
         let (undamped, [_, most]) = (self.extent().undamped?, self.extent().damping);
         let share = |p: &[f64; 2]| [p[0] / most, p[1] / undamped];
@@ -186,7 +186,8 @@ mod tests {
         assert_eq!(Boundary::new(vec![[0.5, 1.0], [1.0, 0.0]]).unwrap().shares(), None);
     }
 
-    /// The undamped end is the lifted map's own limit; the other one is checked by simulating the loop.
+    /// The undamped end is the lifted map's own limit; the other one is checked by simulating the
+    /// loop.
     #[test]
     fn the_lifted_maps_boundary_runs_from_its_stiffest_wall_to_the_damper_that_flips() {
         let wall = SampledWall::bare(0.0972, 2.6, 8.3e-3);

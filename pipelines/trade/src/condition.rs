@@ -16,9 +16,9 @@ const DURATION_S: f64 = 4.0;
 /// space: past the wall of the thesis, and short of the stop.
 const PUSH: f64 = 0.9;
 
-/// The scene of a condition: the study's environment, limits, lever and work space, its controller's
-/// tick as step, the plant of the thesis' Fig. 24, and its sine as push. None where the study does not
-/// say what a model needs: a lever length, a work space, a mode's law, a spring.
+/// The scene of a condition: the study's environment, limits, lever and work space, its
+/// controller's tick as step, the plant of the thesis' Fig. 24, and its sine as push. None where
+/// the study does not say what a model needs: a lever length, a work space, a mode's law, a spring.
 pub fn condition_scene(
     study: &Study,
     environment: &zwidth_study::Environment,

@@ -1,12 +1,12 @@
-//! Less of a recording: fewer samples, fewer bits of angle, a slower force sensor, another filter of
-//! the velocity. What that does to a metric is what the better of each is worth.
+//! Less of a recording: fewer samples, fewer bits of angle, a slower force sensor, another filter
+//! of the velocity. What that does to a metric is what the better of each is worth.
 
 use serde::Serialize;
 use std::f64::consts::TAU;
 use zwidth_store::{Samples, Signal, Trial};
 
-/// Shaft turns in a turn of the lever (§4.2: 75 mm over 11 mm): the angle sensor's bits are of a turn
-/// of the shaft.
+/// Shaft turns in a turn of the lever (§4.2: 75 mm over 11 mm): the angle sensor's bits are of a
+/// turn of the shaft.
 const SHAFT_TURNS: f64 = 75.0 / 11.0;
 
 /// Samples of the longest recording of which less is taken: 17 minutes at 1 kHz.
@@ -98,8 +98,8 @@ fn angle_bits(samples: &mut Samples, bits: u32) {
     }
 }
 
-/// The force as it was when the sensor last gave a value, and how old that is. A force that is older
-/// already stays what it is, and is as much older.
+/// The force as it was when the sensor last gave a value, and how old that is. A force that is
+/// older already stays what it is, and is as much older.
 fn hold_force(samples: &mut Samples, rate_hz: f64) {
     let (Some(t), Some(force)) = (samples.get(Signal::Time), samples.get(Signal::ForceEx)) else {
         return;
@@ -118,8 +118,8 @@ fn hold_force(samples: &mut Samples, rate_hz: f64) {
     samples.set(Signal::ForceAge, ages);
 }
 
-/// θ̇ as the difference of angles, through two poles y' = (x − y)/τ, τ = 1/(2π f), where a cutoff is
-/// given.
+/// θ̇ as the difference of angles, through two poles y' = (x − y)/τ, τ = 1/(2π f), where a cutoff
+/// is given.
 fn velocity(samples: &mut Samples, cutoff_hz: Option<f64>) {
     let (Some(t), Some(theta)) = (samples.get(Signal::Time), samples.get(Signal::Theta)) else {
         return;
@@ -178,7 +178,8 @@ mod tests {
 
     #[test]
     fn two_poles_follow_a_ramp_late_by_the_inverse_of_pi_times_their_frequency() {
-        // θ = t²/2, so that θ̇ = t; late by 1/(π f) = 31.8 ms at 10 Hz, and a half step by the difference.
+        // θ = t²/2, so that θ̇ = t; late by 1/(π f) = 31.8 ms at 10 Hz, and a half step by the
+        // difference.
         let mut filtered = samples(|t| 0.5 * t * t, |_| 0.0);
         velocity(&mut filtered, Some(10.0));
         let late = 1.99 - filtered.get(Signal::ThetaDot).unwrap()[199];

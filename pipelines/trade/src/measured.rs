@@ -69,7 +69,8 @@ impl MetricChange {
     }
 }
 
-/// Every metric of a run that says what somebody could feel, beside the right run's at the same times.
+/// Every metric of a run that says what somebody could feel, beside the right run's at the same
+/// times.
 pub(crate) fn changes(
     yardstick: &Yardstick,
     run: &Trajectory,

@@ -64,8 +64,8 @@ pub struct Trade {
     pub choice: Option<Choice>,
 }
 
-/// Runs every setting on a scene; `progress` is called after each. With `metrics` each run's are held
-/// against the right one's. The same bits on any number of threads.
+/// Runs every setting on a scene; `progress` is called after each. With `metrics` each run's are
+/// held against the right one's. The same bits on any number of threads.
 ///
 /// # Errors
 /// A scene that makes no sense or is too long, or that neither the exact solver nor an adaptive one

@@ -122,8 +122,9 @@ impl Live {
         Self { child, says, hears }
     }
 
-    /// A session that came as far as the line that begins so. Where the machine stood still for longer than a control loop may,
-    /// while the device was checked, it is begun again: nothing was recorded by then.
+    /// A session that came as far as the line that begins so. Where the machine stood still for
+    /// longer than a control loop may, while the device was checked, it is begun again: nothing was
+    /// recorded by then.
     fn begun(desk: &Desk, more: &[&str], start: &str) -> Self {
         const STOOD_STILL: &str = "stopped device check: the control loop missed ";
         loop {

@@ -1,5 +1,5 @@
-//! `[replay] model = "auto"` on a whole study: the ladder of its condition, its choice held against the
-//! recordings, and the replays by that choice.
+//! `[replay] model = "auto"` on a whole study: the ladder of its condition, its choice held against
+//! the recordings, and the replays by that choice.
 
 use crate::binary::zwidth;
 use std::fs;

@@ -220,7 +220,8 @@ fn a_pipe_a_device_or_a_link_is_no_scene_no_calibration_and_no_twin_and_nobody_w
     }
 }
 
-/// Every trial of the study that comes with the software fits itself: force, motion, velocity, clock and channels.
+/// Every trial of the study that comes with the software fits itself: force, motion, velocity,
+/// clock and channels.
 #[test]
 fn nothing_in_the_shipped_study_is_called_implausible() {
     let study = crate::shipped::raw();

@@ -131,8 +131,8 @@ fn no_absurd_force_is_in_any_derived_file_table_or_figure() {
     let layout = RUN.0.layout();
     let mut files: Vec<_> = files(&layout.derived(), "parquet");
     files.extend(crate::folders::files(&layout.reports(), "parquet"));
-    // The trade of solvers has no recording in it, and swings a thousand times what can be felt; the
-    // device's parts have rates and masses of the plan.
+    // The trade of solvers has no recording in it, and swings a thousand times what can be felt;
+    // the device's parts have rates and masses of the plan.
     let is_of_trials = |path: &std::path::PathBuf| {
         path.file_stem().is_none_or(|stem| stem != "trade" && stem != "components")
     };

@@ -1,5 +1,5 @@
-//! What is said of trials after they were recorded: `zwidth exclude`, `note`, `answer`, and the same
-//! within a session. Events alone; no file changes.
+//! What is said of trials after they were recorded: `zwidth exclude`, `note`, `answer`, and the
+//! same within a session. Events alone; no file changes.
 
 use crate::acquire::{Desk, Live, TRIALS};
 use crate::binary::{Ran, zwidth};

@@ -71,8 +71,8 @@ unit = \"A\"
 description = \"current in the winding\"
 ";
 
-/// The twin's winding, recorded: of the motor alone there is an energy, below the bound that needs no current; of
-/// what uses the brake, whose current nobody knows, there is the bound or nothing.
+/// The twin's winding, recorded: of the motor alone there is an energy, below the bound that needs
+/// no current; of what uses the brake, whose current nobody knows, there is the bound or nothing.
 #[test]
 fn a_recorded_current_gives_trials_their_electrical_energy_and_others_keep_none() {
     let root = tempfile::tempdir().unwrap();

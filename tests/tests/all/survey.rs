@@ -1,5 +1,5 @@
-//! A questionnaire on scales of other lengths than five, from a table to figures: −3 to 3, 0 to 6, 0 to
-//! 100 in steps of 5, and a line from 0 to 100; wide and long.
+//! A questionnaire on scales of other lengths than five, from a table to figures: −3 to 3, 0 to 6,
+//! 0 to 100 in steps of 5, and a line from 0 to 100; wide and long.
 
 use crate::binary::zwidth;
 use std::fmt::Write as _;

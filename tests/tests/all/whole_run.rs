@@ -43,9 +43,10 @@ fn tables() -> BTreeSet<String> {
     written("tables", "csv")
 }
 
-/// Jobs that make derived tables: characterise 3, metrics 13 (six with the plant), average 6, replay 15 (six
-/// of the fitted model, two of courses), runs 2, identify 1, likert 1, compare 8 (seven metrics and the answers),
-/// trade 8 (of the conditions, of six conditions' recordings, and these joined), simulate 8, report 4.
+/// Jobs that make derived tables: characterise 3, metrics 13 (six with the plant), average 6,
+/// replay 15 (six of the fitted model, two of courses), runs 2, identify 1, likert 1, compare 8
+/// (seven metrics and the answers), trade 8 (of the conditions, of six conditions' recordings, and
+/// these joined), simulate 8, report 4.
 const DERIVED: usize = 69;
 
 /// Jobs of the study: a figure or a printed table is one each, and so is the summary.
@@ -496,7 +497,8 @@ fn the_study_that_comes_along_follows_from_its_seed_byte_for_byte() {
         "120",
     ];
     zwidth(root.path(), &twin).exits(0);
-    // The figures of scenes, and the scenes, are the study's own; that these are those of `scenes/` is told elsewhere.
+    // The figures of scenes, and the scenes, are the study's own; that these are those of `scenes/`
+    // is told elsewhere.
     let text = |root: &Path| fs::read_to_string(root.join("raw/thesis-twin/study.toml")).unwrap();
     let (made, shipped) = (text(root.path()), text(workspace()));
     let more = shipped.strip_prefix(&made).unwrap();

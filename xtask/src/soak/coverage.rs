@@ -46,8 +46,8 @@ struct Found {
     observed: [[usize; 2]; 2],
 }
 
-/// The force discrepancies of one trial: intervals of the mean, the actuators' and the user's, and of
-/// the actuators' step at the reversal, beside the step of Appendix B.
+/// The force discrepancies of one trial: intervals of the mean, the actuators' and the user's, and
+/// of the actuators' step at the reversal, beside the step of Appendix B.
 struct Discrepancies {
     mode: String,
     actuators: [f64; 2],
@@ -220,8 +220,9 @@ fn observed(metrics: &str) -> anyhow::Result<[[usize; 2]; 2]> {
     Ok(sums)
 }
 
-/// The simulated device is passive, so that what an observer finds there is a false alarm. Of so many
-/// there may be one, at most: a count fails that this rate gives in less than one of a thousand runs.
+/// The simulated device is passive, so that what an observer finds there is a false alarm. Of so
+/// many there may be one, at most: a count fails that this rate gives in less than one of a
+/// thousand runs.
 const FALSE_ALARMS: f64 = 0.002;
 /// The level of the exact interval of which the lower end must then lie below that rate.
 const SURE: f64 = 0.998;

@@ -1,5 +1,5 @@
-//! The statistics held against R and SciPy on random data, and put to studies without an effect: the
-//! tests of `crates/stats`, with the number of data sets and studies changed. What they counted
+//! The statistics held against R and SciPy on random data, and put to studies without an effect:
+//! the tests of `crates/stats`, with the number of data sets and studies changed. What they counted
 //! stands in `docs/statistics-tried.md`.
 
 use crate::tried::{END, held, parts};
@@ -42,9 +42,9 @@ pub(crate) fn against_r(scratch: &Path, sets: u32, seed: Option<u32>) -> anyhow:
     held(what, format!("cargo xtask soak r {sets}"), sets.into(), began)
 }
 
-/// Puts all tests, models and intervals to so many studies of each kind in which there is nothing to
-/// find, and compares power with its prediction; or, as all of it takes hours, to `part`, the tests whose
-/// names have it.
+/// Puts all tests, models and intervals to so many studies of each kind in which there is nothing
+/// to find, and compares power with its prediction; or, as all of it takes hours, to `part`, the
+/// tests whose names have it.
 pub(crate) fn null(scratch: &Path, studies: u32, part: Option<&str>) -> anyhow::Result<()> {
     let began = Instant::now();
     let settings = [("ZWIDTH_NULL_STUDIES", &studies.to_string())];
@@ -90,8 +90,8 @@ fn tables_of(
     Ok(tables)
 }
 
-/// Writes the tables of a whole run into the page, between the marks of its chore; those of a part in
-/// the place of the tables that have their titles.
+/// Writes the tables of a whole run into the page, between the marks of its chore; those of a part
+/// in the place of the tables that have their titles.
 fn put(
     chore: &str,
     [times, whole]: [u32; 2],
@@ -114,7 +114,8 @@ fn put(
 /// How a table's title begins.
 const TITLE: &str = "### ";
 
-/// The page with these tables in the place of those that have their titles; each says what wrote it.
+/// The page with these tables in the place of those that have their titles; each says what wrote
+/// it.
 fn replaced_part(text: &str, chore: &str, by: &str, tables: &[String]) -> anyhow::Result<String> {
     let begin = format!("<!-- begin: {chore} -->\n");
     let [before, between, after] = parts(text, &begin)?;

@@ -82,8 +82,8 @@ fn round(folder: &Path, study: &Study, cut: Cut, after_s: f64) -> anyhow::Result
     host.kill()?; // of one that is gone already too
     let said = String::from_utf8(host.wait_with_output()?.stdout)?;
     let outlived = outlived?;
-    // A loop that this machine gave no time went to 0 V in the instant of the cut: nothing is learned
-    // of the cable, neither for nor against the board's watchdog.
+    // A loop that this machine gave no time went to 0 V in the instant of the cut: nothing is
+    // learned of the cable, neither for nor against the board's watchdog.
     if cut == Cut::Cable && said.contains(LATE) {
         return Ok(None);
     }

@@ -78,8 +78,8 @@ impl Flow {
         }
     }
 
-    /// To the pause, what is left of it; to the next trial, before the first one by the device check;
-    /// or to the end.
+    /// To the pause, what is left of it; to the next trial, before the first one by the device
+    /// check; or to the end.
     pub(super) fn go_on(&mut self) -> Vec<Action> {
         self.phase = match self.here() {
             None => Phase::Done,

@@ -7,14 +7,14 @@
 //! ```
 //!
 //! The order is a row of *places*; each holds one trial. A trial that is repeated, or that was cut
-//! short, gives its place to a new trial **right away**: if it was the last one, the conditions that
-//! count follow each other exactly as drawn, and blocks stay blocks. Numbers are never used twice:
-//! the new trial takes the next free number after the order's last, and the event `superseded` names
-//! both.
+//! short, gives its place to a new trial **right away**: if it was the last one, the conditions
+//! that count follow each other exactly as drawn, and blocks stay blocks. Numbers are never used
+//! twice: the new trial takes the next free number after the order's last, and the event
+//! `superseded` names both.
 //!
-//! A trial that was excluded is **missing**: its place counts as open, and is offered once all others
-//! are done, unless somebody asks for the repeat before. Only then does it give its place away. A
-//! familiarisation trial counts nowhere, so that nothing is missing without it.
+//! A trial that was excluded is **missing**: its place counts as open, and is offered once all
+//! others are done, unless somebody asks for the repeat before. Only then does it give its place
+//! away. A familiarisation trial counts nowhere, so that nothing is missing without it.
 
 mod about;
 mod act;

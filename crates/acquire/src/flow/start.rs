@@ -20,7 +20,8 @@ impl Flow {
     /// `recorded`; `events` are its log. Its first actions.
     ///
     /// A place is done if the trial that holds it last is complete. A trial that was cut short
-    /// gives its place to a new one, right away; one that was excluded when nothing else is to be done.
+    /// gives its place to a new one, right away; one that was excluded when nothing else is to be
+    /// done.
     pub(crate) fn begin(
         order: Vec<(PlannedTrial, Vec<Question>)>,
         pause_s: f64,
@@ -61,8 +62,8 @@ impl Flow {
         (flow, actions)
     }
 
-    /// The first question of the done trial at `place` that waits for its answer, if nothing was tried
-    /// after the trial.
+    /// The first question of the done trial at `place` that waits for its answer, if nothing was
+    /// tried after the trial.
     fn left_open(
         &self,
         place: usize,

@@ -33,8 +33,8 @@ impl Runner<'_> {
         Ok(inputs)
     }
 
-    /// What the device's participant answers to the open question: the first one as soon as the trial has
-    /// ended, the others one by one.
+    /// What the device's participant answers to the open question: the first one as soon as the
+    /// trial has ended, the others one by one.
     fn answer_of_participant(&mut self) -> Option<i16> {
         let first = self.answer.take();
         match *self.flow.phase() {

@@ -119,8 +119,8 @@ fn typed(
     (Some(entry(text)), None)
 }
 
-/// Types the number of an answer: digits and a sign, Enter gives it, any other key is passed by. The
-/// space bar stops, as it does where nothing is typed, and Esc takes the number back.
+/// Types the number of an answer: digits and a sign, Enter gives it, any other key is passed by.
+/// The space bar stops, as it does where nothing is typed, and Esc takes the number back.
 fn number(code: KeyCode, mut text: String) -> (Option<Entry>, Option<Input>) {
     match code {
         // What is no number at all (a sign alone) is taken back.

@@ -151,8 +151,8 @@ fn stopped(why: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
     lines
 }
 
-/// The question and its scale: in one row where it fits, else one row an answer; of a long scale the
-/// ends and what has a word.
+/// The question and its scale: in one row where it fits, else one row an answer; of a long scale
+/// the ends and what has a word.
 fn question(text: &str, scale: &AnswerScale, look: Look, limit: usize) -> Vec<Line<'static>> {
     let mut lines = styled(text, Role::Strong, look, limit);
     lines.push(Line::default());

@@ -1,5 +1,6 @@
-//! Random motions of a shaft as a sensor sees them: with noise, with hysteresis, round and round. Below
-//! the bound that [`Unwrap`] states each is followed to the count; one step beyond it is refused.
+//! Random motions of a shaft as a sensor sees them: with noise, with hysteresis, round and round.
+//! Below the bound that [`Unwrap`] states each is followed to the count; one step beyond it is
+//! refused.
 
 use super::*;
 use crate::mock;
@@ -36,8 +37,8 @@ struct Motion {
 }
 
 impl Motion {
-    /// Steps below half a turn that change by less than a quarter, with all that noise and play add to
-    /// them.
+    /// Steps below half a turn that change by less than a quarter, with all that noise and play add
+    /// to them.
     fn draw(draw: &mut Draw) -> Self {
         let per_turn = [1024, 4096, 16_384][draw.between(0, 2) as usize];
         let share = per_turn / 1024;

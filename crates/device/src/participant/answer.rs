@@ -1,7 +1,8 @@
 //! The answer to the question of a trial: a written rule from what was felt, with a bias and noise.
 //!
 //! Qualities go from 0 (nothing like it) to 1 (just like it); the answer is
-//! 1 + (points − 1) · (quality + (bias + noise) / 4), rounded, and held to the scale: the place on it.
+//! 1 + (points − 1) · (quality + (bias + noise) / 4), rounded, and held to the scale: the place on
+//! it.
 //!
 //! | environment | quality |
 //! |---|---|

@@ -12,8 +12,8 @@
 //! back      least jerk to 0 from where it is, a reaction time after the lever came back or the force went
 //! ```
 //!
-//! So the hand lets go of its force first, as the thesis' participant did (§4.3), and goes back with
-//! the lever once that moves, or alone where it stays.
+//! So the hand lets go of its force first, as the thesis' participant did (§4.3), and goes back
+//! with the lever once that moves, or alone where it stays.
 
 use super::{Intent, Person};
 use zwidth_dynamics::{Aim, DrivenState};
@@ -21,14 +21,14 @@ use zwidth_dynamics::{Aim, DrivenState};
 /// How quickly an aim turns, τ, s: assumed. Where it will come to rest by that is predicted, as
 /// people predict their own movements (Wolpert, Ghahramani & Jordan 1995, Science 269:1880).
 const TURN_S: f64 = 0.07;
-/// What drags at lever and hand while they move and is gone when they rest, N s/rad: by eye, so that
-/// the lever comes to rest where it was predicted.
+/// What drags at lever and hand while they move and is gone when they rest, N s/rad: by eye, so
+/// that the lever comes to rest where it was predicted.
 const DRAG_NS_PER_RAD: f64 = 0.2;
 /// How quickly the aim follows an angle that is not reached yet, g, 1/s: by eye, slow enough not to
 /// swing with a reaction time of 0.18 s (a delayed integrator is stable up to π/2 over its delay).
 const CORRECT_PER_S: f64 = 4.0;
-/// How far the lever comes back before it is felt to, rad: 2.5°, the just noticeable difference of a
-/// finger joint (Tan et al. 1994), taken for the lever.
+/// How far the lever comes back before it is felt to, rad: 2.5°, the just noticeable difference of
+/// a finger joint (Tan et al. 1994), taken for the lever.
 const FELT_RAD: f64 = 2.5 * std::f64::consts::PI / 180.0;
 /// Below this the force counts as gone, N.
 const GONE_N: f64 = 0.2;

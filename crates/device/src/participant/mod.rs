@@ -7,17 +7,18 @@
 //!
 //! * **Intent**: a forward movement of least jerk (Flash & Hogan 1985, J. Neurosci. 5:1688) to a
 //!   goal: an angle of the lever, and at a wall a force ([`Goal`]). It is planned before the trial
-//!   from what the participant knows: the environment and the lever, never the mode. The same intent
-//!   in three modes gives three trajectories through contact alone.
+//!   from what the participant knows: the environment and the lever, never the mode. The same
+//!   intent in three modes gives three trajectories through contact alone.
 //! * **Course**: how that is carried out by what is felt. The hand turns where the goal is reached,
 //!   lets go of its force, and goes back with the lever.
 //! * **Impedance**: a mass on a spring and a damper towards the intent; it pushes through a
-//!   fingertip and never pulls. Constant; people stiffen when they are surprised, this one does not.
+//!   fingertip and never pulls. Constant; people stiffen when they are surprised, this one does
+//!   not.
 //! * **Giving way**: above a comfortable force, and near the end of the work space, the intent
 //!   retreats, a reaction time late.
 //! * **Variation**: participants differ by their [`Person`], sessions by what a day brings
-//!   ([`Person::in_session`]), repeats by their draw of the [`Intent`]; over the first trials of the
-//!   first session both the spread and the duration shrink a little.
+//!   ([`Person::in_session`]), repeats by their draw of the [`Intent`]; over the first trials of
+//!   the first session both the spread and the duration shrink a little.
 //! * **Answer**: a written rule from what was felt ([`Felt`]), with a bias of the person and noise.
 //!   It was made so that the three modes rank as in thesis Fig. 30, so **no finding about
 //!   perception can come from it**.

@@ -27,12 +27,12 @@ const ONSET_S: Spread = Spread { mean: 0.3, sd: 0.076, days: 0.84 };
 /// (J. NeuroEng. Rehab. 12:78, Table 3, right arm, a week apart): 0.76 for movement time, 0.83 for
 /// the greatest speed.
 const PACE: Spread = Spread { mean: 1.0, sd: 0.08, days: 0.8 };
-/// Angle at which it turns back, rad. Mean: 32°, where the thesis' participant turned with motor and
-/// hybrid (§5.3.1.3); SD assumed, 1.7°; between days as the pace.
+/// Angle at which it turns back, rad. Mean: 32°, where the thesis' participant turned with motor
+/// and hybrid (§5.3.1.3); SD assumed, 1.7°; between days as the pace.
 const REACH_RAD: Spread = Spread { mean: 32.0 * DEGREE_RAD, sd: 1.7 * DEGREE_RAD, days: PACE.days };
 /// How much higher it answers than others, points of five. SD assumed; between days what the kappas
-/// of rating scales asked twice, 6 to 24 days apart, are: 0.50 to 0.64 (Tourangeau et al. 2019, Tob.
-/// Control 28:663, Table 7).
+/// of rating scales asked twice, 6 to 24 days apart, are: 0.50 to 0.64 (Tourangeau et al. 2019,
+/// Tob. Control 28:663, Table 7).
 const BIAS: Spread = Spread { mean: 0.0, sd: 0.35, days: 0.6 };
 
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;

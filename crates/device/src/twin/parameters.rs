@@ -179,9 +179,9 @@ impl TwinParameters {
         }
     }
 
-    /// The current in the motor's winding, A: (U − e) / R, with U the voltage that the force F_m at the lever's
-    /// end stands for (behind the winding's lag) and e = N k_t θ̇ the back-EMF. Above 0 it drives to
-    /// +θ, as a voltage above 0 does.
+    /// The current in the motor's winding, A: (U − e) / R, with U the voltage that the force F_m at
+    /// the lever's end stands for (behind the winding's lag) and e = N k_t θ̇ the back-EMF. Above 0
+    /// it drives to +θ, as a voltage above 0 does.
     pub(super) fn motor_current_a(&self, motor_n: f64, theta_dot_rad_s: f64) -> f64 {
         let back_emf_v = SHAFT_PER_LEVER * self.torque_constant_nm_per_a * theta_dot_rad_s;
         (self.actuators.motor.voltage_v(motor_n) - back_emf_v) / self.resistance_ohm

@@ -67,8 +67,8 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
         Sag::new(&self.bend, &self.ladder.rungs[self.ladder.covering(h)].envelope, h)
     }
 
-    /// True if no guard can fall below zero between two points that `sag` is for; `rate` is ż at the
-    /// first.
+    /// True if no guard can fall below zero between two points that `sag` is for; `rate` is ż at
+    /// the first.
     #[inline]
     pub(crate) fn is_free(
         &self,
@@ -91,8 +91,8 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
     }
 
     /// Moves `z` over `span` seconds or to the first event: piece by piece, each as long as can be
-    /// proved free of events; at the lowest rung by polynomials. A guard named `blind` is not looked
-    /// at.
+    /// proved free of events; at the lowest rung by polynomials. A guard named `blind` is not
+    /// looked at.
     pub(crate) fn scan(
         &self,
         z: &mut [f64; N],

@@ -1,8 +1,8 @@
 //! The plant under held commands, with a hand in one-sided contact: what a simulated device moves
 //! from tick to tick.
 //!
-//! Unlike a [`crate::ModelScene`], nothing here knows an environment or a mode: between two calls of
-//! [`Driven::advance`] the commanded motor force and brake level are constants, as a digital
+//! Unlike a [`crate::ModelScene`], nothing here knows an environment or a mode: between two calls
+//! of [`Driven::advance`] the commanded motor force and brake level are constants, as a digital
 //! controller holds them. Everything acts on the lever's end, in newtons:
 //!
 //! ```text

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::ModelScene;
 use super::terms::{self, Terms};
 
-/// The fields' own reading and writing are derived as `ModelScene::deserialize` and `ModelScene::serialize`
-/// (serde's `remote = "Self"`), to which the terms are added here.
+/// The fields' own reading and writing are derived as `ModelScene::deserialize` and
+/// `ModelScene::serialize` (serde's `remote = "Self"`), to which the terms are added here.
 impl<'de> Deserialize<'de> for ModelScene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_map(Whole)

@@ -100,8 +100,8 @@ impl System {
         (actuator, asked.max(low).min(high))
     }
 
-    /// Whether the brake is kept on after a step: it engages while θ̇ > 0 and lets go once θ̇ ≤ 0 and
-    /// the user's force is below the threshold.
+    /// Whether the brake is kept on after a step: it engages while θ̇ > 0 and lets go once θ̇ ≤ 0
+    /// and the user's force is below the threshold.
     #[inline]
     pub(crate) fn keeps_brake(&self, held: bool, z: &[f64]) -> bool {
         let Some(threshold) = self.let_go_n() else { return false };

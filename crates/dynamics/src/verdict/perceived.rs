@@ -2,7 +2,8 @@
 //! ladder.
 //!
 //! * **Slow part**: force and angle, each as the mean over 100 ms, differ by less than a person
-//!   tells apart: the force by a share of itself and no less than a floor, the angle by a fixed one.
+//!   tells apart: the force by a share of itself and no less than a floor, the angle by a fixed
+//!   one.
 //! * **Vibration**: the position of the lever's end by third octaves from 10 to 794 Hz, in windows
 //!   of 100 ms and more. A level is another one where it exceeds both what is just felt and the
 //!   right one's level by a share. (The level of a difference signal would be no vibration: one

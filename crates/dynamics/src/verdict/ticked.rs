@@ -30,8 +30,8 @@ pub trait TickController: Clone + Sync {
 /// A scene's lever with its friction and stops, moved by a user's force and by a controller whose
 /// ticks are given: they stay what they are, whatever the solver's step.
 ///
-/// The user's force runs in straight lines from tick to tick. A step that does not divide a tick ends
-/// it with a shorter one. Environment and actuators of the scene are not used: the controller
+/// The user's force runs in straight lines from tick to tick. A step that does not divide a tick
+/// ends it with a shorter one. Environment and actuators of the scene are not used: the controller
 /// stands for both.
 #[derive(Debug, Clone)]
 pub struct TickedLoop<C> {

@@ -9,7 +9,8 @@ use super::{MOST_DELAY, SampledWall};
 use crate::error::{DynamicsError, LARGEST};
 use zwidth_numerics::expm::{Matrix, spectral_radius};
 
-/// Most entries of a lifted state: the plant's five, two of the velocity, the commands on their way.
+/// Most entries of a lifted state: the plant's five, two of the velocity, the commands on their
+/// way.
 const MOST: usize = 5 + 2 + MOST_DELAY + 1;
 
 /// A lifted map of as many entries as are needed.
@@ -144,8 +145,8 @@ fn remember(rows: &mut [Vec<f64>], wall: &SampledWall, places: &Places, command:
     }
 }
 
-/// The stiffness up to which from 0 on something holds, to a share of itself: raised from a soft wall
-/// until it no longer holds, then bisected.
+/// The stiffness up to which from 0 on something holds, to a share of itself: raised from a soft
+/// wall until it no longer holds, then bisected.
 pub(super) fn stiffest(
     wall: SampledWall,
     share: f64,

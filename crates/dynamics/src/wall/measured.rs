@@ -37,8 +37,8 @@ impl SampledWall {
     }
 
     /// What the simulated loop's swings are at the end of so many ticks, over those of its middle:
-    /// the largest |x| of the last sixth over that of the sixth that ends with the first half. A run
-    /// that is far out is broken off.
+    /// the largest |x| of the last sixth over that of the sixth that ends with the first half. A
+    /// run that is far out is broken off.
     ///
     /// # Errors
     /// A parameter that makes no sense, or a run that fails.

@@ -11,7 +11,8 @@
 //! * [`Textbook`]: closed forms, which are approximations.
 //!
 //! [`SampledWall::stiffest_measured`] simulates the loop ([`crate::HeldScene`]) and looks at what
-//! grows; it shares no code with the map. [`PushedWall`] has friction, counts and limits too. Lengths are those of the lever's end: x = L θ.
+//! grows; it shares no code with the map. [`PushedWall`] has friction, counts and limits too.
+//! Lengths are those of the lever's end: x = L θ.
 
 mod lifted;
 mod measured;

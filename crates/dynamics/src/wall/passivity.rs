@@ -20,9 +20,9 @@ fn over(a: Complex, b: Complex) -> Complex {
 }
 
 impl SampledWall {
-    /// The device's damping b, N s/m, above which the wall is passive; none where the condition does
-    /// not apply: a delay of no whole number of periods, a lag of the motor. (A mass or a finger on
-    /// the lever changes nothing.)
+    /// The device's damping b, N s/m, above which the wall is passive; none where the condition
+    /// does not apply: a delay of no whole number of periods, a lag of the motor. (A mass or a
+    /// finger on the lever changes nothing.)
     pub fn damping_for_passivity(&self) -> Option<f64> {
         /// Places in which the maximum is looked for before it is closed in on, for each period of
         /// delay: the function swings once more with each.

@@ -1,5 +1,5 @@
-//! What becomes of scenes at the extremes: each ends in finite numbers or in an error that names what
-//! is wrong, and none hangs. The page that shows it is written by a long run.
+//! What becomes of scenes at the extremes: each ends in finite numbers or in an error that names
+//! what is wrong, and none hangs. The page that shows it is written by a long run.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers outside of a test function are test code too
 
@@ -19,7 +19,8 @@ use zwidth_dynamics::{
 const SEED: u64 = 16;
 /// Scenes of a test.
 const SCENES: u64 = 10_000;
-/// Every so many scenes one is judged too: a verdict takes some hundred runs, and its reference up to three million steps a run.
+/// Every so many scenes one is judged too: a verdict takes some hundred runs, and its reference up
+/// to three million steps a run.
 const JUDGED: u64 = 10_000;
 /// Length of a run and its samples, s.
 const RUN: (f64, f64) = (0.2, 0.008);
@@ -151,8 +152,8 @@ fn long_scene(input: Input, samples: usize) -> System {
     System::new(scene).unwrap()
 }
 
-/// A recorded force: a value a millisecond in single precision, every seventh of them as small as that
-/// has, or smaller.
+/// A recorded force: a value a millisecond in single precision, every seventh of them as small as
+/// that has, or smaller.
 fn single_precision(samples: usize) -> Series {
     let values = samples / 10 + 2;
     let value = |i: usize| match i % 7 {

@@ -62,7 +62,8 @@ impl Room {
     }
 }
 
-/// Bytes that the mapped columns unpack to, over all batches (1 GiB); of them one column of one batch is held at a time.
+/// Bytes that the mapped columns unpack to, over all batches (1 GiB); of them one column of one
+/// batch is held at a time.
 const MOST_PACKED: u64 = 1 << 30;
 
 /// A batch of rows of a file.

@@ -1,7 +1,9 @@
-//! Arrow's file format (`.arrow`, `.feather` version 2): record batches, whole, or packed with LZ4 or Zstandard.
+//! Arrow's file format (`.arrow`, `.feather` version 2): record batches, whole, or packed with LZ4
+//! or Zstandard.
 //!
-//! Source of the format: Apache Arrow, "Arrow Columnar Format" 1.5, "IPC File Format". arrow-ipc reads the tables of the format's
-//! own descriptions; the values are read here, where nothing that a file claims decides how much memory is taken.
+//! Source of the format: Apache Arrow, "Arrow Columnar Format" 1.5, "IPC File Format". arrow-ipc
+//! reads the tables of the format's own descriptions; the values are read here, where nothing that
+//! a file claims decides how much memory is taken.
 
 mod batch;
 #[cfg(test)]

@@ -262,7 +262,8 @@ impl Growing {
                 numbers(batch, at.buffers, number, &mut |value| {
                     let Some(value) = value else { return append(built, room, None) };
                     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-                    // Below 2⁵³, and what is negative becomes 0 or saturates: looked up all the same.
+                    // Below 2⁵³, and what is negative becomes 0 or saturates: looked up all the
+                    // same.
                     let place = Some(number.read(value)).filter(|n| *n >= 0.0).map(|n| n as usize);
                     let word = place.and_then(|place| words.0.get(place));
                     append(built, room, word.ok_or("a word is missing")?.as_deref())

@@ -5,7 +5,8 @@ use super::Becomes::{Flagged, Read, Refused};
 use super::{Row, mapped};
 use std::fmt::Write as _;
 
-/// There and back on the template's spring in 2 s, 500 samples a second, with every column but one as it should be.
+/// There and back on the template's spring in 2 s, 500 samples a second, with every column but one
+/// as it should be.
 fn motion(what: &'static str, said: &'static str, change: fn(usize, [f64; 5]) -> [f64; 5]) -> Row {
     let mut text = String::from("t,x,v,f,d\n");
     for i in 0..1000_u32 {

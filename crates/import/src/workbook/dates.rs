@@ -1,6 +1,7 @@
 //! Days as workbooks count them, as text (ISO 8601).
 
-/// Days from 0000-03-01 to the day 0 of a count: 1899-12-30, with which 1900-03-01 is day 61 as Excel has it, or 1904-01-01.
+/// Days from 0000-03-01 to the day 0 of a count: 1899-12-30, with which 1900-03-01 is day 61 as
+/// Excel has it, or 1904-01-01.
 const DAY_0: i64 = 693_899;
 const DAY_0_OF_1904: i64 = 695_361;
 /// The first day that no calendar of a workbook has any more: 10000-01-01.
@@ -28,7 +29,8 @@ pub(super) fn iso(days: f64, since_1904: bool) -> Option<String> {
     Some(if rest == 0 { date } else { format!("{date}T{time}") })
 }
 
-/// The date so many days after 0000-03-01 of the Gregorian calendar. Years are counted from March, so that a leap day ends one.
+/// The date so many days after 0000-03-01 of the Gregorian calendar. Years are counted from March,
+/// so that a leap day ends one.
 fn date(days: i64) -> String {
     let (era, day) = (days / 146_097, days % 146_097);
     let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
@@ -41,7 +43,8 @@ fn date(days: i64) -> String {
     format!("{year:04}-{month:02}-{day:02}")
 }
 
-/// Whether a number in this format is a date or a time: letters of either outside of quotes and brackets.
+/// Whether a number in this format is a date or a time: letters of either outside of quotes and
+/// brackets.
 pub(super) fn is_date(format: &str) -> bool {
     let (mut quoted, mut bracket, mut escaped) = (false, String::new(), false);
     let mut in_bracket = false;
@@ -52,7 +55,8 @@ pub(super) fn is_date(format: &str) -> bool {
             _ if quoted => {}
             '\\' | '_' | '*' => escaped = true,
             '[' => in_bracket = true,
-            // Hours, minutes or seconds that pass 24 or 60 stand in brackets, and so do colours and places.
+            // Hours, minutes or seconds that pass 24 or 60 stand in brackets, and so do colours and
+            // places.
             ']' => {
                 if !bracket.is_empty() && bracket.chars().all(|c| ['h', 'm', 's'].contains(&c)) {
                     return true;

@@ -89,8 +89,8 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Adds the row `line` (from 1) of the sheet, and as many more like it as it is repeated. Cells stand in the order of their
-    /// places, from 0; a row without any is passed by.
+    /// Adds the row `line` (from 1) of the sheet, and as many more like it as it is repeated. Cells
+    /// stand in the order of their places, from 0; a row without any is passed by.
     ///
     /// # Errors
     /// More than is read.

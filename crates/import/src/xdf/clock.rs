@@ -1,27 +1,30 @@
-//! The times of a stream's samples on the recorder's clock: as `pyxdf` 1.17 has them with its usual settings.
+//! The times of a stream's samples on the recorder's clock: as `pyxdf` 1.17 has them with its usual
+//! settings.
 //!
-//! Source: `pyxdf` 1.17, `_clock_sync`, `_detect_clock_resets`, `_robust_fit` and `_jitter_removal`; the fit is that of S. Boyd et
-//! al., "Distributed Optimization and Statistical Learning via the Alternating Direction Method of Multipliers" (2011), section 6.1.1.
+//! Source: `pyxdf` 1.17, `_clock_sync`, `_detect_clock_resets`, `_robust_fit` and
+//! `_jitter_removal`; the fit is that of S. Boyd et al., "Distributed Optimization and Statistical
+//! Learning via the Alternating Direction Method of Multipliers" (2011), section 6.1.1.
 
 use std::ops::Range;
 
-/// When the clocks were compared, on the stream's clock, s, and what then lacked to the recorder's, s.
+/// When the clocks were compared, on the stream's clock, s, and what then lacked to the recorder's,
+/// s.
 pub(super) type Offset = (f64, f64);
 
 /// A difference of offsets beyond which one counts as an outlier, s.
 const WINSOR_S: f64 = 1e-4;
 /// Steps of the robust fit.
 const STEPS: usize = 1000;
-/// A clock was set anew where the time between comparisons is off its median by so many median deviations and so many seconds, and
-/// the offset too.
+/// A clock was set anew where the time between comparisons is off its median by so many median
+/// deviations and so many seconds, and the offset too.
 const TIME_RESET: (f64, f64) = (5.0, 5.0);
 const OFFSET_RESET: (f64, f64) = (10.0, 1.0);
 /// A break in a regular stream: longer than so many seconds, and than so many samples.
 const BREAK_S: f64 = 1.0;
 const BREAK_SAMPLES: f64 = 500.0;
 
-/// Adds to each time what the offsets say: a line through those between two resets of the clock. `false` where a stretch of them
-/// has no line, and its times stay as they are.
+/// Adds to each time what the offsets say: a line through those between two resets of the clock.
+/// `false` where a stretch of them has no line, and its times stay as they are.
 pub(super) fn synchronise(times: &mut [f64], offsets: &[Offset]) -> bool {
     let stretches = stretches(offsets);
     let mut rest = times;
@@ -71,7 +74,8 @@ fn parts(length: usize, ends: impl Iterator<Item = usize>) -> Vec<Range<usize>> 
     parts
 }
 
-/// Which values are off their median by more than so many median deviations, and by more than so much.
+/// Which values are off their median by more than so many median deviations, and by more than so
+/// much.
 fn glitches(values: &[f64], (deviations, at_least): (f64, f64)) -> Vec<bool> {
     let middle = median(values.to_vec());
     let off: Vec<f64> = values.iter().map(|value| (value - middle).abs()).collect();
@@ -89,7 +93,8 @@ fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-/// Start, s, and slope of the line offset = start + slope · t through a stretch; `None` where it has none.
+/// Start, s, and slope of the line offset = start + slope · t through a stretch; `None` where it
+/// has none.
 fn line(offsets: &[Offset]) -> Option<Offset> {
     match offsets {
         [] => None,
@@ -98,8 +103,8 @@ fn line(offsets: &[Offset]) -> Option<Offset> {
     }
 }
 
-/// The line that minimises the sum of Huber's loss of offset − start − slope · t in units of [`WINSOR_S`], by the alternating
-/// directions method of multipliers with ρ = 1.
+/// The line that minimises the sum of Huber's loss of offset − start − slope · t in units of
+/// [`WINSOR_S`], by the alternating directions method of multipliers with ρ = 1.
 fn robust_line(offsets: &[Offset]) -> Option<Offset> {
     let scaled: Vec<Offset> =
         offsets.iter().map(|(t, offset)| (t / WINSOR_S, offset / WINSOR_S)).collect();

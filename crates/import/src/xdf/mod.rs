@@ -1,7 +1,9 @@
-//! XDF, the files of LabStreamingLayer's recorder: streams of samples, each with a clock of its own.
+//! XDF, the files of LabStreamingLayer's recorder: streams of samples, each with a clock of its
+//! own.
 //!
-//! Source of the format: XDF 1.0 (github.com/sccn/xdf/wiki/Specifications). A damaged file is read as far as it goes, and what is
-//! lost is told; `xdf` 0.1 passes by a chunk that is cut off without a word.
+//! Source of the format: XDF 1.0 (github.com/sccn/xdf/wiki/Specifications). A damaged file is read
+//! as far as it goes, and what is lost is told; `xdf` 0.1 passes by a chunk that is cut off without
+//! a word.
 
 mod chunks;
 mod clock;
@@ -24,9 +26,11 @@ use zwidth_store::StoreError;
 const REMEDY: &str = "copy the file again, or record with LabRecorder";
 /// The column of times, before those of the channels.
 const TIME: &str = "time_s";
-/// Comparisons of clocks that are read of a stream: LabRecorder makes one in five seconds, so that these are of four days.
+/// Comparisons of clocks that are read of a stream: LabRecorder makes one in five seconds, so that
+/// these are of four days.
 const MOST_OFFSETS: usize = 1 << 16;
-/// How far, as a part, the samples' rate may lie from the one that the stream names before it is told.
+/// How far, as a part, the samples' rate may lie from the one that the stream names before it is
+/// told.
 const RATE_OFF: f64 = 0.1;
 
 /// What is read of a stream before its samples.
@@ -179,7 +183,8 @@ fn choose(
 /// Streams that an error lists.
 const MOST_LISTED: usize = 20;
 
-/// Puts times on the recorder's clock and, where samples come at a rate, on a line; what there is to be told.
+/// Puts times on the recorder's clock and, where samples come at a rate, on a line; what there is
+/// to be told.
 fn on_our_clock(times: &mut [f64], stream: &Stream, header: &Header) -> Vec<String> {
     let mut told = Vec::new();
     if stream.offsets.is_empty() {

@@ -53,7 +53,8 @@ fn offset(number: u32, t: f64, value: f64) -> Vec<u8> {
 const LABELS: &str =
     "<channels><channel><label>F &amp; x</label><unit>N</unit></channel><channel/></channels>";
 
-/// A stream of two channels without a rate, in two chunks with a boundary between, and one of markers.
+/// A stream of two channels without a rate, in two chunks with a boundary between, and one of
+/// markers.
 pub(in super::super) fn parts() -> Vec<Vec<u8>> {
     let marker = [&length(1)[..], &[8], &10.5_f64.to_le_bytes(), &[1, 4], b"go\xc3\xa4"].concat();
     vec![

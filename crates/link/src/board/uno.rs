@@ -1,5 +1,5 @@
-//! A board that speaks Firmata as StandardFirmata 2.5 does, with the pins of an Arduino Uno. Its analog input
-//! may have other bits than the Uno's 10.
+//! A board that speaks Firmata as StandardFirmata 2.5 does, with the pins of an Arduino Uno. Its
+//! analog input may have other bits than the Uno's 10.
 //!
 //! Source: github.com/firmata/arduino, StandardFirmata.ino: 19 ms between samples until it is told
 //! another interval; a channel is told at once when its reporting is switched on; up to eight

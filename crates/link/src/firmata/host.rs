@@ -1,8 +1,8 @@
 //! The host's end of Firmata: asks what the pins can do, sets them up, and hears the angle.
 //!
 //! The angle is what an analog channel reads, or the register RAW ANGLE of an AS5600 (ams data
-//! sheet v1-06, Fig. 21: address 0x36, registers 0x0C and 0x0D, 12 bits). Both come at each sampling
-//! interval, which is whole milliseconds (`protocol.md`, "Sampling Interval").
+//! sheet v1-06, Fig. 21: address 0x36, registers 0x0C and 0x0D, 12 bits). Both come at each
+//! sampling interval, which is whole milliseconds (`protocol.md`, "Sampling Interval").
 
 use super::{End, I2cReply, I2cRequest, Message, Mode, Parser, Pin, id, string, two};
 use crate::message::Drive;
@@ -17,7 +17,8 @@ use zwidth_study::Voltages;
 pub(crate) const AS5600: u8 = 0x36;
 pub(crate) const RAW_ANGLE: u8 = 0x0C;
 const AS5600_COUNTS: u16 = 4096;
-/// Bytes of its angle as a message: seven bytes as pairs of seven bits but for the frame and the id.
+/// Bytes of its angle as a message: seven bytes as pairs of seven bits but for the frame and the
+/// id.
 const I2C_BYTES: usize = 11;
 /// Bytes of an analog value.
 const ANALOG_BYTES: usize = 3;
@@ -44,7 +45,8 @@ pub(crate) struct Host {
     forwards: bool,
 }
 
-/// What a board said of itself. Firmata has no check: so it is asked twice, and the same must come again.
+/// What a board said of itself. Firmata has no check: so it is asked twice, and the same must come
+/// again.
 #[derive(Debug, Default)]
 struct Twice<T> {
     said: Option<T>,

@@ -262,7 +262,8 @@ fn a_board_that_begins_when_its_port_is_opened_says_twice_who_it_is_and_can_be_h
 #[test]
 fn homing_again_where_the_stop_is_not_is_refused() {
     let (wire, mut rig) = running();
-    // The twin's board brings its lever to the stop; a rig whose memory has another stop refuses it.
+    // The twin's board brings its lever to the stop; a rig whose memory has another stop refuses
+    // it.
     wire.at(3.0);
     rig.write(3.0, Voltages::OFF).unwrap();
     let stop = counts(&rig.home(3.0).unwrap());

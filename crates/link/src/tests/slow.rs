@@ -55,8 +55,8 @@ fn run(baud: u32, rate_hz: f64, thinks_s: f64, trouble: Option<Trouble>) -> Run 
     Run { looks, faults: [late - before, damaged], sent_us }
 }
 
-/// From the eighth look on everything that the board sent is handed out, once and in its order. Before,
-/// two answers may come in one look, of which the newer counts: the loop has just begun.
+/// From the eighth look on everything that the board sent is handed out, once and in its order.
+/// Before, two answers may come in one look, of which the newer counts: the loop has just begun.
 fn nothing_is_lost(run: &Run) {
     let mut seen: Vec<u64> = run.looks[8..].iter().map(|look| micros(&look.reading)).collect();
     seen.dedup();

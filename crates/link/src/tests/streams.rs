@@ -153,7 +153,8 @@ fn a_trial_over_each_link_is_every_reading_that_the_board_sent() {
         assert!(seen.len() > 395 && rig.damaged() == 0, "{} readings", seen.len());
         for (i, (ours, theirs)) in fresh.iter().zip(seen.iter()).enumerate() {
             assert_eq!(ours.angle, theirs.angle, "{i}");
-            // At a port of its own the force is told by itself: one of the angle's neighbours had it.
+            // At a port of its own the force is told by itself: one of the angle's neighbours had
+            // it.
             let by = if settings.hx711.is_some() { 2 } else { 0 };
             let differs_n = |known: &Reading| (ours.force_n - known.force_n).abs();
             let near = &seen[i.saturating_sub(by)..(i + by + 1).min(seen.len())];

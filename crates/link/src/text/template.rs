@@ -15,7 +15,8 @@ pub enum Field {
     Hx711,
     /// `{any}`: something else, of up to [`MOST_ANY`] bytes.
     Any,
-    /// `{motor_pwm}`: of a command, the motor's voltage as a share of the full scale, with its sign.
+    /// `{motor_pwm}`: of a command, the motor's voltage as a share of the full scale, with its
+    /// sign.
     MotorPwm,
     /// `{brake_pwm}`: the same of the brake.
     BrakePwm,

@@ -147,8 +147,9 @@ fn without_noise_every_parameter_comes_back_to_a_millionth() {
 }
 
 /// With the plant as found, motor alone: the actuators differ by no more than the controller is
-/// late, and the user by a multiple; hybrid: by what Appendix B says, at the reversal. What is left there, some
-/// 0.04 N, are the brake's lags: going in its force is K τ θ̇ behind, going back it has not quite let go.
+/// late, and the user by a multiple; hybrid: by what Appendix B says, at the reversal. What is left
+/// there, some 0.04 N, are the brake's lags: going in its force is K τ θ̇ behind, going back it has
+/// not quite let go.
 fn actuators_of_the_twin(study: &Study, trials: &[Trial], plant: &Plant) {
     for trial in trials {
         let mode = study.mode(&trial.meta.mode).unwrap();

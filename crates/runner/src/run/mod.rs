@@ -1,5 +1,6 @@
-//! Runs a plan: each job as soon as what it reads is there, as many at a time as there are cores; of those that read much, one
-//! at a time, so that what a run holds in memory does not grow with the number of cores.
+//! Runs a plan: each job as soon as what it reads is there, as many at a time as there are cores;
+//! of those that read much, one at a time, so that what a run holds in memory does not grow with
+//! the number of cores.
 
 use crate::change::{Change, first_change};
 use crate::hashes::{Hashes, show_path};
@@ -115,7 +116,8 @@ pub fn run(
 /// How often records are saved while jobs end, s: a run that is killed makes again what came after.
 const SAVED_EVERY_S: f64 = 1.0;
 
-/// Bytes of input files from which on a job reads much (64 MiB): as numbers in memory some five times as many.
+/// Bytes of input files from which on a job reads much (64 MiB): as numbers in memory some five
+/// times as many.
 const MUCH: u64 = 1 << 26;
 
 /// Whether a job reads much, as far as its inputs are there.

@@ -42,7 +42,8 @@ pub struct Fit {
     pub scale: Scale,
     /// θₖ, one between each two neighbours of the categories used, ascending.
     pub thresholds: Vec<f64>,
-    /// β, one per column: the logarithm of the odds ratio of a higher answer per unit of the column.
+    /// β, one per column: the logarithm of the odds ratio of a higher answer per unit of the
+    /// column.
     pub coefficients: Vec<f64>,
     /// Covariance of thresholds and coefficients, in this order: the inverse of the observed
     /// information.

@@ -117,7 +117,8 @@ fn the_profile_interval_ends_where_the_likelihood_has_fallen_by_half_of_z_square
     let (low, high) = profile_interval(&model, &fit, 0, 0.9).unwrap();
     assert!(low < fit.coefficients[0] && fit.coefficients[0] < high);
     for end in [low, high] {
-        // The column with its effect held as an offset: thresholds and the other effect are searched.
+        // The column with its effect held as an offset: thresholds and the other effect are
+        // searched.
         let mut start = model.start();
         start[2] = end;
         let (_, there) = maximise(&model, start, Some(2)).unwrap();

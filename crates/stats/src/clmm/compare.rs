@@ -51,7 +51,8 @@ pub struct OddsRatio {
 /// alone where nobody answered twice in a mode), and sessions as fixed effects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeComparison {
-    /// The fitted model. Its columns: one per mode but the reference, one per session but the first.
+    /// The fitted model. Its columns: one per mode but the reference, one per session but the
+    /// first.
     pub fit: Fit,
     /// How the effects of people were integrated out.
     pub integral: Integral,

@@ -217,8 +217,8 @@ impl Mode {
     }
 }
 
-/// P(answers of a mode) in each slot over the largest of them, the logarithm of the largest, and the
-/// residuals.
+/// P(answers of a mode) in each slot over the largest of them, the logarithm of the largest, and
+/// the residuals.
 type Shares = (Vec<f64>, f64, Vec<f64>);
 
 /// Nothing where the answers are too many for a product of their probabilities.

@@ -42,8 +42,8 @@ pub(super) struct Peak {
 }
 
 impl Start {
-    /// The fit without random effects, with SDs to begin with. Where answers are separated (those of
-    /// a bootstrap may be) it begins without effects of the columns.
+    /// The fit without random effects, with SDs to begin with. Where answers are separated (those
+    /// of a bootstrap may be) it begins without effects of the columns.
     pub(super) fn new(model: &Model) -> Self {
         let plain = clm::Model::of(model.answers.clone());
         let width = model.thresholds() + model.columns() + 2;

@@ -68,16 +68,16 @@ pub struct Fit {
 
 /// Fits `model` by `criterion`.
 ///
-/// The cost of one evaluation of the criterion is that of a small matrix per *different* design of a
-/// group. It is a sum of cross-products, which lose digits as a random effect's SD outgrows the
+/// The cost of one evaluation of the criterion is that of a small matrix per *different* design of
+/// a group. It is a sum of cross-products, which lose digits as a random effect's SD outgrows the
 /// residual's: up to a hundred times that is nothing to notice; at a thousand the search may end in
 /// [`Unestimable::NotConverged`].
 ///
 /// # Errors
-/// Lengths that differ, numbers that are not finite; fixed columns or variances that the data cannot
-/// tell apart (a random term with one level in each group of one row, say); fewer than two groups;
-/// a response that the fixed effects, or they and the random ones, explain to the last digit; no
-/// optimum found.
+/// Lengths that differ, numbers that are not finite; fixed columns or variances that the data
+/// cannot tell apart (a random term with one level in each group of one row, say); fewer than two
+/// groups; a response that the fixed effects, or they and the random ones, explain to the last
+/// digit; no optimum found.
 pub fn fit(model: &Model, criterion: Criterion) -> Result<Fit, Unestimable> {
     let design = reduce(model)?;
     if design.groups < 2 {

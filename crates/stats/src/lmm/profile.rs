@@ -1,9 +1,9 @@
 //! The profiled criterion of a linear mixed model and its gradient.
 //!
 //! Bates, Mächler, Bolker & Walker (2015), J. Stat. Softw. 67(1), §3: y ~ N(X β, σ² W) with
-//! W = I + Z Λ Λᵀ Zᵀ, where Λ repeats each term's lower triangle T (the relative Cholesky factor, its
-//! entries are θ) once per level. At a given θ the best β and σ² have closed forms, and minus twice
-//! the log-likelihood, with them put in, is
+//! W = I + Z Λ Λᵀ Zᵀ, where Λ repeats each term's lower triangle T (the relative Cholesky factor,
+//! its entries are θ) once per level. At a given θ the best β and σ² have closed forms, and minus
+//! twice the log-likelihood, with them put in, is
 //!
 //! ML:   ln det W + n (1 + ln(2π r²/n))
 //! REML: ln det W + ln det Xᵀ W⁻¹ X + ν (1 + ln(2π r²/ν)), ν = n − p
@@ -106,7 +106,8 @@ fn spread(pattern: &Pattern, factors: &[Matrix]) -> Option<Spread> {
     let mut inner = times_lambda(&sl.transpose(), &pattern.blocks, factors);
     (0..size).for_each(|i| inner[(i, i)] += 1.0);
     let l = inner.cholesky()?;
-    // B = L⁻¹ Λᵀ and B S; N itself grows with θ² where columns of Z depend on each other, these do not
+    // B = L⁻¹ Λᵀ and B S; N itself grows with θ² where columns of Z depend on each other, these do
+    // not
     let root = times_lambda_transposed(&l.lower_inverse(), &pattern.blocks, factors);
     let bs = root.times(&pattern.ztz);
     let mut f = Matrix::identity(size);
@@ -177,8 +178,8 @@ fn in_variances(
     slopes
 }
 
-/// Σ u uᵀ over the groups of a pattern, u = Zᵀ W⁻¹ (y − X γ). Group by group: a square that is taken
-/// before the large parts of Zᵀ y cancel has lost twice the digits.
+/// Σ u uᵀ over the groups of a pattern, u = Zᵀ W⁻¹ (y − X γ). Group by group: a square that is
+/// taken before the large parts of Zᵀ y cancel has lost twice the digits.
 fn blup_squares(pattern: &Pattern, spread: &Spread, gamma: &[f64]) -> Matrix {
     let fitted = pattern.ztx.times_vector(gamma);
     let mut squares = Matrix::zeros(fitted.len(), fitted.len());

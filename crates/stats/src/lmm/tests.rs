@@ -214,8 +214,8 @@ fn what_was_simulated_is_found_again() {
     assert!((fitted.coefficients[1] - 3.0).abs() < 0.1);
 }
 
-/// On complete data without a variance at zero the F of Kenward & Roger is that of the participants'
-/// means, its degrees of freedom (m − 1) and (n − 1)(m − 1).
+/// On complete data without a variance at zero the F of Kenward & Roger is that of the
+/// participants' means, its degrees of freedom (m − 1) and (n − 1)(m − 1).
 #[test]
 fn complete_data_have_the_f_of_participants_means() {
     let (n, modes) = (8, 3);
@@ -250,8 +250,8 @@ fn complete_data_have_the_f_of_participants_means() {
     }
 }
 
-/// Dyestuff2's case: MS between below MS within. The variance is exactly zero, the criterion's slope
-/// in it is upwards, and Kenward & Roger keep it as a parameter.
+/// Dyestuff2's case: MS between below MS within. The variance is exactly zero, the criterion's
+/// slope in it is upwards, and Kenward & Roger keep it as a parameter.
 #[test]
 fn a_variance_at_zero_is_an_outcome_and_keeps_its_degrees_of_freedom() {
     let mut table = simulate(8, [6, 1, 1, 5], [0.0, 0.0, 0.0, 0.0, 1.0]);

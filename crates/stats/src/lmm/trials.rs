@@ -3,8 +3,9 @@
 //!
 //! The fixed effects are the means of the cells (session × mode), so nothing is assumed of how
 //! sessions and modes combine; a contrast of modes averages the sessions' contrasts equally. The
-//! random effects are those of participants and of their combinations with mode and session, as many
-//! as the design can tell apart: repeats of one person are not people, and neither are sessions.
+//! random effects are those of participants and of their combinations with mode and session, as
+//! many as the design can tell apart: repeats of one person are not people, and neither are
+//! sessions.
 
 use super::fit::{Criterion, Fit, fit};
 use super::model::{Column, Model, RandomTerm};

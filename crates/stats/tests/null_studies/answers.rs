@@ -14,8 +14,9 @@ use zwidth_stats::superiority::{Repeats, superiority};
 const INTEGRAL: Integral = Integral::Quadrature;
 /// As in `compare_modes`: from so many participants on no bootstrap decides.
 pub(crate) const FEW: usize = 8;
-/// Studies that a bootstrap draws here, 999 in `compare_modes`. With 19 a share of 5 % is one of 20,
-/// so p ≤ 5 % is as likely as with 999 (Davison & Hinkley 1997, §4.2); only power would be lost.
+/// Studies that a bootstrap draws here, 999 in `compare_modes`. With 19 a share of 5 % is one of
+/// 20, so p ≤ 5 % is as likely as with 999 (Davison & Hinkley 1997, §4.2); only power would be
+/// lost.
 const RESAMPLES: usize = 19;
 /// Columns of the model: the second mode and the last, against the first.
 const MODES: [usize; 2] = [0, 1];

@@ -12,8 +12,8 @@ const BOUNDS: f64 = 0.998;
 /// What an approximate test at 5 % may reject at most, by the upper bound.
 pub(crate) const MOST: f64 = 0.06;
 
-/// Said of one study: whether the test rejects (nothing of an interval alone), and whether its interval
-/// holds the truth. What has no estimate claims nothing, and has no interval.
+/// Said of one study: whether the test rejects (nothing of an interval alone), and whether its
+/// interval holds the truth. What has no estimate claims nothing, and has no interval.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Said {
     pub(crate) rejects: Option<bool>,

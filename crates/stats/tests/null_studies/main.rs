@@ -1,10 +1,10 @@
 //! Studies without an effect, in which people differ in how they take each mode: what is found in
 //! them is found by chance, and no more often than was promised.
 //!
-//! `ZWIDTH_NULL_STUDIES` sets how many studies of each kind there are (300; of models of answers half
-//! as many, of profile intervals 3 %, and of both a tenth of that where nothing is promised).
-//! `cargo xtask soak null` runs 40,000, of which every promise is asked for in full; with `ZWIDTH_TRIED`
-//! set to a folder, tables of it are written there.
+//! `ZWIDTH_NULL_STUDIES` sets how many studies of each kind there are (300; of models of answers
+//! half as many, of profile intervals 3 %, and of both a tenth of that where nothing is promised).
+//! `cargo xtask soak null` runs 40,000, of which every promise is asked for in full; with
+//! `ZWIDTH_TRIED` set to a folder, tables of it are written there.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test, and no part of the product")]
 #![allow(clippy::print_stdout, reason = "a test says what it counted")]
@@ -20,9 +20,9 @@ use drawn::{Kind, Measured, differences, kinds};
 use judged::Judged;
 use rayon::prelude::*;
 
-/// From so many studies on the limits themselves are asked for. A test whose level is 5 % has an upper
-/// bound of 5.35 % then, of 5.5 % in half as many; in 10,000 it would break a limit of 6 % by chance
-/// once in eleven kinds, and in 2,000 always.
+/// From so many studies on the limits themselves are asked for. A test whose level is 5 % has an
+/// upper bound of 5.35 % then, of 5.5 % in half as many; in 10,000 it would break a limit of 6 % by
+/// chance once in eleven kinds, and in 2,000 always.
 const WHOLE: usize = 40_000;
 
 /// Studies of each kind.
@@ -36,8 +36,8 @@ fn studies_of(ten_thousandths: usize) -> usize {
     (studies() * ten_thousandths).div_ceil(10_000)
 }
 
-/// As `studies_of`, for a model of answers: a tenth of them where modes scatter differently, for there
-/// nothing is promised of a model that pools the scatters.
+/// As `studies_of`, for a model of answers: a tenth of them where modes scatter differently, for
+/// there nothing is promised of a model that pools the scatters.
 fn of_answers(kind: Kind, ten_thousandths: usize) -> usize {
     let whole = studies_of(ten_thousandths);
     if kind.is_even() { whole } else { whole.div_ceil(10) }

@@ -38,8 +38,8 @@ pub(crate) fn paired_tests(kind: Kind, studies: usize) -> Vec<Judged> {
     })
 }
 
-/// The mixed models of all trials: Kenward & Roger, which pools the modes' scatters, and so promises
-/// nothing where they differ; beside it what is no default anywhere.
+/// The mixed models of all trials: Kenward & Roger, which pools the modes' scatters, and so
+/// promises nothing where they differ; beside it what is no default anywhere.
 pub(crate) fn mixed_models(kind: Kind, studies: usize) -> Vec<Judged> {
     let pooled = if kind.is_even() { APPROXIMATE } else { Asked::Nothing };
     let tests = [

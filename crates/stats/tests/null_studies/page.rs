@@ -4,8 +4,8 @@ use crate::drawn::Kind;
 use crate::judged::{Asked, Judged, Share};
 use crate::predicted::Compared;
 
-/// Prints a table below its title, and writes it where tables are asked for, as a file whose name says
-/// its place among them.
+/// Prints a table below its title, and writes it where tables are asked for, as a file whose name
+/// says its place among them.
 pub(crate) fn write(place: u8, title: &str, table: &str) {
     let text = format!("### {title}\n\n{table}");
     println!("{text}");

@@ -10,7 +10,8 @@ use zwidth_stats::power::{Plan, PlannedTest, Simulation, clopper_pearson, power}
 
 /// The level of the interval of the observed share.
 const OBSERVED: f64 = 0.99;
-/// The prediction rests on so many times the studies observed: its own error is a quarter of theirs.
+/// The prediction rests on so many times the studies observed: its own error is a quarter of
+/// theirs.
 const TIMES: usize = 16;
 
 /// A plan, the power predicted, and the claims of the studies observed.

@@ -18,10 +18,11 @@ pub const MOST_ROWS: usize = 1 << 25;
 pub(crate) const MOST_VALUES: usize = 1 << 27;
 /// Columns of one file: forty times those of a trial.
 pub const MOST_COLUMNS: usize = 1 << 10;
-/// Bytes of a column once unpacked, of a file that is decoded whole: four million numbers and as much
-/// for their levels and dictionary.
+/// Bytes of a column once unpacked, of a file that is decoded whole: four million numbers and as
+/// much for their levels and dictionary.
 pub const MOST_COLUMN_BYTES: u64 = 1 << 26;
-/// Bytes of a column of a recording of ours, which is decoded part by part: [`MOST_ROWS`] numbers and as much again.
+/// Bytes of a column of a recording of ours, which is decoded part by part: [`MOST_ROWS`] numbers
+/// and as much again.
 pub(crate) const MOST_RECORDED_BYTES: u64 = 1 << 29;
 /// Bytes of a footer: a thousand times a trial's.
 const MOST_FOOTER: usize = 1 << 24;

@@ -155,8 +155,8 @@ fn too_strong(samples: &dyn Columns) -> Option<Doubt> {
     Some(Doubt { row: Some(row), ..Doubt::new(Signal::ForceEx, what, remedy) })
 }
 
-/// A signal that holds one value: throughout, or for a second in which the lever moves on. No more than one column is there at
-/// a time.
+/// A signal that holds one value: throughout, or for a second in which the lever moves on. No more
+/// than one column is there at a time.
 fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     let values = samples.column(signal)?;
     if values.len() < LEAST_SAMPLES {
@@ -212,8 +212,8 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     stands.then(|| Doubt { row: first, ..Doubt::new(signal, what, remedy) })
 }
 
-/// The value that `rank` others of `values` come before, in the order of [`f64::total_cmp`]. By counting, sixteen bits at a time:
-/// of a long recording no copy is made.
+/// The value that `rank` others of `values` come before, in the order of [`f64::total_cmp`]. By
+/// counting, sixteen bits at a time: of a long recording no copy is made.
 fn ranked<I: Iterator<Item = f64>>(values: impl Fn() -> I, mut rank: usize) -> f64 {
     const BITS: u32 = 16;
     let mut prefix = 0_u64;

@@ -1,8 +1,10 @@
-//! Whether a recording can be what it says: what a wrong unit, a lost sensor or a stopped clock leaves in single columns.
+//! Whether a recording can be what it says: what a wrong unit, a lost sensor or a stopped clock
+//! leaves in single columns.
 //!
-//! It lies in the store because `verify`, import and a run ask the same question of the same samples, and no other crate is
-//! below all three. Thresholds lie far from what devices and hands do, so that a finding is worth reading: a wrong unit is off
-//! by ten times and more, a sensor that is read well differs from sample to sample.
+//! It lies in the store because `verify`, import and a run ask the same question of the same
+//! samples, and no other crate is below all three. Thresholds lie far from what devices and hands
+//! do, so that a finding is worth reading: a wrong unit is off by ten times and more, a sensor that
+//! is read well differs from sample to sample.
 
 mod asked;
 mod columns;
@@ -16,7 +18,8 @@ pub use asked::Asked;
 use crate::{Columns, StoreError};
 use std::path::Path;
 
-/// What the samples of a trial say against its units, signs, clock and sensors: one finding a cause, with its remedy.
+/// What the samples of a trial say against its units, signs, clock and sensors: one finding a
+/// cause, with its remedy.
 pub(crate) fn implausible(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
     let doubts =
         columns::doubts(asked, samples).into_iter().chain(relations::doubts(asked, samples));

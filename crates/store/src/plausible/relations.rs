@@ -1,4 +1,5 @@
-//! Whether the signals of a trial fit each other: velocity and angle, force and motion, force and the spring asked for.
+//! Whether the signals of a trial fit each other: velocity and angle, force and motion, force and
+//! the spring asked for.
 
 use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, range};
@@ -40,7 +41,8 @@ const VELOCITIES: [(f64, &str); 8] = [
     (1.0 / TAU, "turns per second taken for rad/s"),
 ];
 
-/// θ̇ against θ: how far the one says that the lever went, in each stretch, over how far the other does.
+/// θ̇ against θ: how far the one says that the lever went, in each stretch, over how far the other
+/// does.
 fn velocity(samples: &dyn Columns) -> Option<Doubt> {
     if !(samples.has(Signal::Theta) && samples.has(Signal::ThetaDot)) {
         return None;
@@ -80,7 +82,8 @@ fn integral(t: &[f64], y: &[f64]) -> f64 {
     t.windows(2).zip(y.windows(2)).map(|(t, y)| (t[1] - t[0]) * (y[0] + y[1]) / 2.0).sum()
 }
 
-/// b over a by least squares through 0, and how alike they are (|correlation|); `None` where one of them is 0 throughout.
+/// b over a by least squares through 0, and how alike they are (|correlation|); `None` where one of
+/// them is 0 throughout.
 fn ratio(a: impl Iterator<Item = f64>, b: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let add =
         |(aa, bb, ab): (f64, f64, f64), (a, b): (f64, f64)| (aa + a * a, bb + b * b, ab + a * b);
@@ -100,7 +103,8 @@ fn digits(ratio: f64) -> String {
     format!("{exact}")
 }
 
-/// The way out: from the first sample to that farthest from it. With angle and force; `None` without much of a movement.
+/// The way out: from the first sample to that farthest from it. With angle and force; `None`
+/// without much of a movement.
 fn way_out(samples: &dyn Columns, force: Signal) -> Option<[Cow<'_, [f64]>; 2]> {
     let (mut theta, mut force) = (samples.column(Signal::Theta)?, samples.column(force)?);
     let first = *theta.first()?;
@@ -144,7 +148,8 @@ fn recorded(samples: &dyn Columns) -> Option<Signal> {
     [Signal::ForceEx, Signal::TorqueEx].into_iter().find(|signal| samples.has(*signal))
 }
 
-/// The stiffness that the way out shows, over the one asked for: a unit that is wrong is off by a known factor.
+/// The stiffness that the way out shows, over the one asked for: a unit that is wrong is off by a
+/// known factor.
 fn size_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let spring = asked.scene.spring()?;
     let [theta, force] = way_out(samples, Signal::ForceEx)?;
@@ -168,7 +173,8 @@ fn from_mean(values: &[f64]) -> impl Iterator<Item = f64> {
     values.iter().map(move |value| value - mean)
 }
 
-/// What a torque makes of a force; nothing for a lever about 1 m long, which hardly changes the number.
+/// What a torque makes of a force; nothing for a lever about 1 m long, which hardly changes the
+/// number.
 fn torques(lever_m: f64) -> Vec<(f64, &'static str)> {
     let known = [
         (lever_m, "a torque in N·m taken for a force in N"),

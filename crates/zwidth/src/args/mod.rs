@@ -113,7 +113,8 @@ pub(crate) enum Command {
     /// Run a model of the device: figures and tables of scenes
     #[command(after_help = "Example:\n  zwidth simulate scenes/sine.toml")]
     Simulate(Simulate),
-    /// Speed against accuracy: every solver and step on scenes, and the cheapest that is good enough
+    /// Speed against accuracy: every solver and step on scenes, and the cheapest that is good
+    /// enough
     #[command(after_help = "Example:\n  zwidth trade scenes/sine.toml")]
     Trade(Trade),
     /// Which terms of the model a scene needs: all sets of eight against the fullest
@@ -353,8 +354,8 @@ pub(crate) enum Subject {
     Motor,
     /// The brake, at a lever that is driven
     Brake,
-    /// The Z-width: which stiffness and damping of a virtual wall the device renders; goes on where it
-    /// was left
+    /// The Z-width: which stiffness and damping of a virtual wall the device renders; goes on where
+    /// it was left
     Impedance,
 }
 
@@ -386,7 +387,8 @@ pub(crate) struct Twin {
     /// So many times the repeats of the design, in a study that is made: for data of any size
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_SCALE))]
     pub(crate) scale: u32,
-    /// Participants now and then give a trial up, which is then done again, or leave a question open
+    /// Participants now and then give a trial up, which is then done again, or leave a question
+    /// open
     #[arg(long)]
     pub(crate) untidy: bool,
     #[command(flatten)]
@@ -512,8 +514,8 @@ pub(crate) struct Simulate {
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Trade {
-    /// Scenes, files that end in .toml, or studies, of which every condition is one, and whose trials
-    /// are simulated with another loop and other sensors [default: all studies under raw/]
+    /// Scenes, files that end in .toml, or studies, of which every condition is one, and whose
+    /// trials are simulated with another loop and other sensors [default: all studies under raw/]
     #[arg(value_name = "SCENE.toml|STUDY")]
     pub(crate) scenes: Vec<PathBuf>,
     /// A study, as above
@@ -549,8 +551,8 @@ pub(crate) struct Stability {
     /// Boundaries that others measured, drawn too: files with the columns K and B
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) beside: Vec<PathBuf>,
-    /// Instead of maps: was what swings in this study's recorded trials real? Each trial's loop is run
-    /// again
+    /// Instead of maps: was what swings in this study's recorded trials real? Each trial's loop is
+    /// run again
     #[arg(long, value_name = "STUDY", conflicts_with_all = ["scene", "at", "x", "y", "beside"])]
     pub(crate) study: Option<StudyId>,
     /// Of this participant's trials alone

@@ -137,8 +137,8 @@ impl Demo {
 }
 
 /// 400 sessions in which no trial depends on its mode. With 199 draws p < 0.05 has probability
-/// 0.045, p ≤ 0.5 has ½ where orders do not tie; the counts lie where the 99.9 % interval of Clopper
-/// and Pearson contains these.
+/// 0.045, p ≤ 0.5 has ½ where orders do not tie; the counts lie where the 99.9 % interval of
+/// Clopper and Pearson contains these.
 #[test]
 fn a_session_without_an_effect_gives_any_p_alike() {
     let p_values = |seed| {

@@ -54,8 +54,8 @@ pub struct Characterised<'a> {
 }
 
 /// The characteristic of one actuator or sensor: all sweeps faint, their mean, the first-order fit
-/// with its R², the chosen fit, and where it begins and ends to rise; below, from the chosen fit on,
-/// the band for a new response and the samples. Its coefficients stand in their table.
+/// with its R², the chosen fit, and where it begins and ends to rise; below, from the chosen fit
+/// on, the band for a new response and the samples. Its coefficients stand in their table.
 pub fn characteristic(
     actuator: &str,
     sweeps: &[Sweep],
@@ -101,8 +101,8 @@ fn axis(quantity: &Quantity) -> Axis {
     Axis::new(plain(&quantity.name), plain(&quantity.unit))
 }
 
-/// Whether samples stand out from under the fits: not if the chosen one misses them by less than half
-/// its own width in print. What cannot be seen does not stand in the legend.
+/// Whether samples stand out from under the fits: not if the chosen one misses them by less than
+/// half its own width in print. What cannot be seen does not stand in the legend.
 fn are_seen(models: &Table, chosen: &str, sweeps: &[Sweep]) -> Result<bool, TableError> {
     let rms = match row_of(models, chosen)? {
         Some(row) => models.floats("rms")?[row],
@@ -187,8 +187,8 @@ impl Part {
         Ok(gaps(curve.floats(name)?)[self.rows.clone()].to_vec())
     }
 
-    /// How far a sweep's samples of this branch lie off its fit; which these are is told by the rule that
-    /// the fit went by.
+    /// How far a sweep's samples of this branch lie off its fit; which these are is told by the
+    /// rule that the fit went by.
     fn residuals(&self, sweep: &Sweep, fit: (&[f64], &[f64])) -> Vec<(f64, f64)> {
         let commands = &sweep.command_values;
         let ways = self.way.map(|way| (way, branches(commands)));
@@ -245,8 +245,8 @@ fn value_at((xs, ys): (&[f64], &[f64]), x: f64) -> Option<f64> {
 }
 
 /// Fits, means and the first-order fit, in the order in which they lie over each other: the mean is
-/// thin on the broad chosen fit, so that both are seen where they agree. Where the line was chosen it
-/// is the first-order fit.
+/// thin on the broad chosen fit, so that both are seen where they agree. Where the line was chosen
+/// it is the first-order fit.
 fn curves(of: Characterised, chosen: &str, sweeps: usize) -> Result<Vec<Layer>, TableError> {
     let parts = parts(of.curve)?;
     let line = |y: &str, part: &Part, stroke, name: String| {

@@ -37,8 +37,8 @@ const ARROW_MM: f64 = 12.0;
 /// Heights of the arrows of x1 and x2, mm.
 const PLACES: [(&str, f64); 2] = [("*x*_{1}", 5.5), ("*x*_{2}", 2.0)];
 
-/// The model as a chain: wall, rendered object, finger where the scene has one, and the user's force
-/// (thesis (1) to (4)).
+/// The model as a chain: wall, rendered object, finger where the scene has one, and the user's
+/// force (thesis (1) to (4)).
 pub(crate) fn model(of: &Modelled) -> Figure {
     let bodies: Vec<Body> = [of.object()].into_iter().chain(of.finger()).collect();
     let pitch = SPRING_MM + MASS_MM.0;

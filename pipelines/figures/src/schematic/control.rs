@@ -72,8 +72,8 @@ fn state(of: &Modelled) -> &'static str {
     }
 }
 
-/// The loop that is solved: the forces depend on the state of the step before, and so does what comes
-/// out (thesis §2.3).
+/// The loop that is solved: the forces depend on the state of the step before, and so does what
+/// comes out (thesis §2.3).
 pub(crate) fn force_control(of: &Modelled) -> Figure {
     let (forces, equations) = (forces(of, 11.0), equations(43.0));
     let step = block(66.5, 15.0, ["one step".to_owned(), of.step().line()]);

@@ -135,8 +135,8 @@ impl Modelled {
         Part::new("*h*", Some(self.scene.step_s * 1e3), "ms")
     }
 
-    /// Where the tissue is fully pressed, a sentence with a space before it; nothing where the scene
-    /// does not say.
+    /// Where the tissue is fully pressed, a sentence with a space before it; nothing where the
+    /// scene does not say.
     pub(crate) fn pressed(&self) -> String {
         let length = self.scene.finger.and_then(|finger| finger.length_m);
         let at = length.map(|m| Part::new("*L*_{F0}", Some(m * 1e3), "mm").line());

@@ -8,8 +8,8 @@ use crate::wall::{Contact, REBOUND_SHARE, contacts};
 use zwidth_numerics::series::cumulative_trapezoid;
 use zwidth_numerics::zigzag::{Leg, zigzag};
 
-/// θ̇ and θ̈ are those of a parabola through the angles of this time to either side, s: long against
-/// the counts of the angle sensor, short against the movement of a hand.
+/// θ̇ and θ̈ are those of a parabola through the angles of this time to either side, s: long
+/// against the counts of the angle sensor, short against the movement of a hand.
 pub(crate) const HALF_S: f64 = 0.025;
 
 /// So much of the work exchanged may be a sensor's scale and the straight lines between samples.

@@ -210,9 +210,9 @@ fn drawn(n: u32, of: u32) -> f64 {
     (f64::from(n) * 0.618_033_988_749_894_9 + f64::from(of) * 0.754_877_666_246_692_7).fract()
 }
 
-/// A contact as a hand makes it, seen by the prototype's sensors (4096 counts on 75/11 turns, a force value
-/// every 12.5 ms with 2 mN of noise) at 120 Hz: an elastic wall whose force is so late. With its energy in closed form
-/// over what [`EnergyObserver`] lets pass.
+/// A contact as a hand makes it, seen by the prototype's sensors (4096 counts on 75/11 turns, a
+/// force value every 12.5 ms with 2 mN of noise) at 120 Hz: an elastic wall whose force is so late.
+/// With its energy in closed form over what [`EnergyObserver`] lets pass.
 fn late_contact(n: u32, delay_s: f64) -> (Trial, f64) {
     let between = |of: u32, low: f64, high: f64| low + (high - low) * drawn(n, of);
     let (contact_s, most_n, k) =
@@ -247,8 +247,8 @@ fn late_contact(n: u32, delay_s: f64) -> (Trial, f64) {
     (made, given_j / bound_j)
 }
 
-/// Of 300 contacts with walls that are 10 to 60 ms late, those that give twice what passes are found; none of
-/// the same contacts without a delay.
+/// Of 300 contacts with walls that are 10 to 60 ms late, those that give twice what passes are
+/// found; none of the same contacts without a delay.
 #[test]
 fn delayed_walls_seen_by_real_sensors_are_found_and_walls_on_time_are_not() {
     let parameters = at_wall(4.0, REST_RAD, WALL_RAD);

@@ -115,8 +115,8 @@ pub(super) fn scene(drive: &Drive, plant: &Parameters) -> ModelScene {
     plant.without_lags().put(drive.scene())
 }
 
-/// The mean of a signal over `width_s` about each of its times, taken twice; at the ends over what is
-/// there.
+/// The mean of a signal over `width_s` about each of its times, taken twice; at the ends over what
+/// is there.
 pub(super) fn slow_part(t: &[f64], y: &[f64], width_s: f64) -> Vec<f64> {
     mean_about(t, &mean_about(t, y, width_s), width_s)
 }

@@ -17,8 +17,8 @@ const SIZE: f64 = 1.0 / 3.0;
 const SPEED: f64 = 1.5;
 /// … and it has at least half as many swings: one that merely dies out has fewer.
 const LASTS: usize = 2;
-/// Beyond this |cos φ| the user's force feeds the swing, or is fed by it; below it the force sensor's
-/// delay decides the sign.
+/// Beyond this |cos φ| the user's force feeds the swing, or is fed by it; below it the force
+/// sensor's delay decides the sign.
 const PHASE: f64 = 0.1;
 /// Shares of a tick that `moreau_jean` takes as steps: one, halved twice.
 const STEPS: [f64; 3] = [0.25, 0.125, 0.0625];
@@ -121,8 +121,8 @@ pub struct Oscillation {
     pub with_force: Option<RecordedSwings>,
     /// That of the model with the slow part of the user's force, from when the swings begin.
     pub alone: Option<RecordedSwings>,
-    /// Sizes of the latter by `moreau_jean`, at a quarter of a tick, half and a quarter of that, rad; 0
-    /// where it does not swing.
+    /// Sizes of the latter by `moreau_jean`, at a quarter of a tick, half and a quarter of that,
+    /// rad; 0 where it does not swing.
     pub stepped_rad: [f64; 3],
     /// What the latter is, by its reference.
     pub nature: Option<RunVerdict>,
@@ -247,8 +247,8 @@ fn resembles(model: &RecordedSwings, recorded: &RecordedSwings) -> bool {
         && (1.0 / SPEED..=SPEED).contains(&faster)
 }
 
-/// The oscillation of a run about when it was recorded, a period either way; at the recording's samples, so
-/// that what lies between them is as little seen.
+/// The oscillation of a run about when it was recorded, a period either way; at the recording's
+/// samples, so that what lies between them is as little seen.
 fn seen(
     run: &Trajectory,
     t_s: &[f64],

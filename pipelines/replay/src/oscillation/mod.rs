@@ -1,16 +1,17 @@
 //! Was this oscillation real? One recorded trial, asked of its recording and of its model.
 //!
-//! 1. **What was recorded** ([`RecordedSwings`]): the way from one turn of θ to the next is a swing,
-//!    which exists where half of it is more than one count and more than 4 σ of the angle's noise at
-//!    rest. Six existing swings in a row, none more than three times as long as the next, are an
-//!    oscillation.
-//! 2. **The loop again**: the plant, the controller of the study with its counts and filter, its ticks
-//!    where they were recorded, and the recorded force of the user. Once with that force as it is,
-//!    once with its *slow part* alone from when the swings begin: its mean over a period of the swing,
-//!    taken twice, in which nothing that fast is left. Each by `exact`; the second judged by
-//!    [`Reference`] too, with `moreau_jean` at a quarter of a tick, half and a quarter of that.
-//! 3. **Who feeds it**: cos φ, the mean power of the fast part of the user's force into the lever over
-//!    the product of both root mean squares.
+//! 1. **What was recorded** ([`RecordedSwings`]): the way from one turn of θ to the next is a
+//!    swing, which exists where half of it is more than one count and more than 4 σ of the angle's
+//!    noise at rest. Six existing swings in a row, none more than three times as long as the next,
+//!    are an oscillation.
+//! 2. **The loop again**: the plant, the controller of the study with its counts and filter, its
+//!    ticks where they were recorded, and the recorded force of the user. Once with that force as
+//!    it is, once with its *slow part* alone from when the swings begin: its mean over a period of
+//!    the swing, taken twice, in which nothing that fast is left. Each by `exact`; the second
+//!    judged by [`Reference`] too, with `moreau_jean` at a quarter of a tick, half and a quarter of
+//!    that.
+//! 3. **Who feeds it**: cos φ, the mean power of the fast part of the user's force into the lever
+//!    over the product of both root mean squares.
 //!
 //! | without the force's fast part it swings | the user's force feeds it | answer |
 //! |---|---|---|

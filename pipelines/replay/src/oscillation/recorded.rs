@@ -8,8 +8,8 @@ use zwidth_study::Analysis;
 
 /// So many σ of the noise.
 const SIGMAS: f64 = 4.0;
-/// Neighbours in a row differ by at most this factor in duration: a push and the swings after it are
-/// two things.
+/// Neighbours in a row differ by at most this factor in duration: a push and the swings after it
+/// are two things.
 const ALIKE: f64 = 3.0;
 /// Two angles that differ by less are one, rad.
 const ROUNDING_RAD: f64 = 1e-12;

@@ -1,5 +1,5 @@
-//! Trials of a loop whose truth is known: made by the driven plant, which shares no code with the model
-//! that the answer asks.
+//! Trials of a loop whose truth is known: made by the driven plant, which shares no code with the
+//! model that the answer asks.
 
 use super::judge::{Origin, Oscillation, SwingAnswer, oscillation};
 use super::{RecordedSwings, oscillations_table};
@@ -39,14 +39,14 @@ fn rendering(study: &Study, mode: &str) -> Rendering {
     Rendering::of(study, &study.environments[0], mode, Some(calibration()))
 }
 
-/// A push that rises within 30 ms to so many N, and stays: friction would hold a lever that is pushed
-/// slowly.
+/// A push that rises within 30 ms to so many N, and stays: friction would hold a lever that is
+/// pushed slowly.
 fn push(t: f64, force_n: f64) -> f64 {
     force_n * 0.5 * (1.0 - libm::cos(TAU / 0.06 * (t - 0.5).clamp(0.0, 0.03)))
 }
 
-/// Four seconds of a person's force on the device, as its loop records them; what the controller asks
-/// for acts so many ticks late.
+/// Four seconds of a person's force on the device, as its loop records them; what the controller
+/// asks for acts so many ticks late.
 fn recorded(study: &Study, mode: &str, delay: usize, user: &dyn Fn(f64) -> f64) -> Trial {
     let rendering = rendering(study, mode);
     let (environment, of_mode) = (&study.environments[0], mode.parse().unwrap());

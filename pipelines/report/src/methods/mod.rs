@@ -1,7 +1,8 @@
-//! The methods of a study in words, ready for a thesis' methods chapter: what was recorded, what was computed from it, with
-//! which numbers, and where each method is from.
+//! The methods of a study in words, ready for a thesis' methods chapter: what was recorded, what
+//! was computed from it, with which numbers, and where each method is from.
 //!
-//! Only what the study has is said: a study without a wall has no sentence about one. Nothing is said of why.
+//! Only what the study has is said: a study without a wall has no sentence about one. Nothing is
+//! said of why.
 
 mod form;
 mod recorded;

@@ -34,7 +34,8 @@ pub struct Course {
     pub events: Vec<Event>,
 }
 
-/// Columns as the script has them: all in one text, for a browser takes some milliseconds to unpack one, whatever its length.
+/// Columns as the script has them: all in one text, for a browser takes some milliseconds to unpack
+/// one, whatever its length.
 #[derive(Serialize)]
 struct Packed {
     n: usize,
@@ -95,8 +96,9 @@ fn packed(columns: &Columns) -> std::io::Result<Packed> {
     Ok(Packed { n, columns: columns.iter().map(|(name, _)| *name).collect(), samples })
 }
 
-/// Columns as one text, without loss, one after the other: each number's bits XOR those of the number before, the bytes of one
-/// place in the number together; then deflate, base 64. What hardly changes from sample to sample becomes runs of zeros.
+/// Columns as one text, without loss, one after the other: each number's bits XOR those of the
+/// number before, the bytes of one place in the number together; then deflate, base 64. What hardly
+/// changes from sample to sample becomes runs of zeros.
 pub(super) fn pack<'a>(columns: impl IntoIterator<Item = &'a [f64]>) -> std::io::Result<String> {
     let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
     for values in columns {

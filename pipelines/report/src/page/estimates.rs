@@ -1,5 +1,5 @@
-//! What the stage `compare` estimated of a metric, as the page's script draws it: means and differences
-//! with their intervals.
+//! What the stage `compare` estimated of a metric, as the page's script draws it: means and
+//! differences with their intervals.
 
 use crate::compared::floats;
 use serde::Serialize;

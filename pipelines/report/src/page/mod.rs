@@ -24,9 +24,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use parts::Part;
 
 const STYLE: &str = include_str!("page.css");
-/// One classic script, because a page opened from disk may load neither modules nor anything by fetch:
-/// its parts share one scope, and stand in the order in which they need each other's constants. Text from
-/// the study is only ever set as text in it, never as markup.
+/// One classic script, because a page opened from disk may load neither modules nor anything by
+/// fetch: its parts share one scope, and stand in the order in which they need each other's
+/// constants. Text from the study is only ever set as text in it, never as markup.
 const SCRIPT: &str = concat!(
     "\"use strict\";\n(() => {\n",
     include_str!("script/words.js"),

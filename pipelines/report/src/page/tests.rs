@@ -64,7 +64,8 @@ fn metrics() -> Table {
     Table::new("metrics", "Metrics", columns).unwrap()
 }
 
-/// A table of the stage `compare` with one row, of which the upper end of the interval is not known.
+/// A table of the stage `compare` with one row, of which the upper end of the interval is not
+/// known.
 fn estimated(of: &'static str, which: &str, [value, low, high]: [&'static str; 3]) -> Table {
     let text = |name, text: &str| Column::text(name, name, [Some(text.to_owned())]);
     let columns = vec![

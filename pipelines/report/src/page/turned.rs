@@ -6,7 +6,8 @@ use zwidth_tables::{Table, TableError};
 
 /// The key of the script, and the stem of its file.
 pub const TURNED: &str = "replay";
-/// θ is told to a multiple of this, rad (0.0035°): a line of it is looked at, and short numbers pack.
+/// θ is told to a multiple of this, rad (0.0035°): a line of it is looked at, and short numbers
+/// pack.
 const GRAIN_RAD: f64 = 1.0 / 16_384.0;
 
 /// The plant's parameters as sliders have them: mass, kg; damping, N·s/rad; friction, N.

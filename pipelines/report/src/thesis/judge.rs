@@ -14,8 +14,9 @@ use zwidth_stats::superiority::{Repeats, superiority};
 use zwidth_study::{Coordinate, Environment, Mode, ModeLaw};
 use zwidth_tables::TableError;
 
-/// Above this share of pairs with the higher answer, and below one less it, a difference counts that
-/// no interval tells: 0.56, a small effect (Vargha & Delaney 2000, J. Educ. Behav. Stat. 25:101).
+/// Above this share of pairs with the higher answer, and below one less it, a difference counts
+/// that no interval tells: 0.56, a small effect (Vargha & Delaney 2000, J. Educ. Behav. Stat.
+/// 25:101).
 const SMALL_EFFECT: f64 = 0.56;
 
 /// The verdict on a statement; `before` are those judged so far, by key.
@@ -264,8 +265,8 @@ fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, 
     })
 }
 
-/// Several statements together: one that is contradicted contradicts them, and else one that is open
-/// leaves them open.
+/// Several statements together: one that is contradicted contradicts them, and else one that is
+/// open leaves them open.
 fn all_of(parts: &[&str], before: &BTreeMap<&str, Verdict>) -> Result<Judged, Stop> {
     let of = |part: &str| before.get(part).copied().unwrap_or(Verdict::NotMeasured);
     let verdicts: Vec<(&str, Verdict)> = parts.iter().map(|part| (*part, of(part))).collect();

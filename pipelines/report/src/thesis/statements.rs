@@ -9,9 +9,9 @@ use zwidth_study::ModeLaw::{self, Active, Hybrid, Passive};
 /// The smallest change of a finger joint's angle that can be told: 2.5° (Tan, Srinivasan, Eberman &
 /// Cheng 1994, ASME DSC 55-1:353), taken for the lever's angle.
 const ANGLE_JND_RAD: f64 = degrees(2.5);
-/// From here on a lever that does not move stands still and does not merely turn: a press of 77° that
-/// takes 2 s is below 5°/s for 26 ms where it turns. Assumed: no source says from when on people
-/// call it standing.
+/// From here on a lever that does not move stands still and does not merely turn: a press of 77°
+/// that takes 2 s is below 5°/s for 26 ms where it turns. Assumed: no source says from when on
+/// people call it standing.
 const STANDS_S: f64 = 0.1;
 
 /// From this force on the just noticeable difference is 7 % of it, N (Pang, Tan & Durlach 1991).

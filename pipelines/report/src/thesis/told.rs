@@ -26,8 +26,8 @@ impl Told {
     }
 }
 
-/// How many statements have which verdict, with the table's notes where any is judged, and then each that is judged, in
-/// the table's order.
+/// How many statements have which verdict, with the table's notes where any is judged, and then
+/// each that is judged, in the table's order.
 ///
 /// # Errors
 /// A table that is not that of the statements.

@@ -83,9 +83,10 @@ impl ResponsePoint {
 /// Impedance of the recordings of one condition; `None` where they are too short for four
 /// independent segments.
 ///
-/// Even samples at the rate at which the force sensor gives new values; Hann windows of about 2 s that
-/// overlap by half; ẋ = jω L θ. The estimator is H1, Z = S_vF / S_vv, which noise of the force does not
-/// bias; noise of the angle makes |Z| too small. With n independent segments the interval is
+/// Even samples at the rate at which the force sensor gives new values; Hann windows of about 2 s
+/// that overlap by half; ẋ = jω L θ. The estimator is H1, Z = S_vF / S_vv, which noise of the force
+/// does not bias; noise of the angle makes |Z| too small. With n independent segments the interval
+/// is
 /// |Z| (1 ± t √((1 − γ²)/(2 (n − 1) γ²))), t of 2 (n − 1) degrees of freedom: Bendat & Piersol's random
 /// error √((1 − γ²)/(2 n γ²)) with what an estimated γ² costs.
 ///
@@ -210,8 +211,9 @@ mod tests {
         lines.map(|(phase, k)| 0.1 * libm::sin(TAU * (0.37 * f64::from(k) * t + phase))).sum()
     }
 
-    /// m s + b + k/s of a lever of 0.0972 kg and 2.6 N s/m with a spring of 100 N/m, without friction:
-    /// the force is known at 1 kHz and runs in straight lines, which takes (π f/f_s)²/3 from it.
+    /// m s + b + k/s of a lever of 0.0972 kg and 2.6 N s/m with a spring of 100 N/m, without
+    /// friction: the force is known at 1 kHz and runs in straight lines, which takes (π f/f_s)²/3
+    /// from it.
     #[test]
     fn the_impedance_of_a_linear_device_is_its_closed_form() {
         let (mass_kg, b, k) = (0.0972, 2.6, 100.0);
@@ -243,8 +245,8 @@ mod tests {
                 point.impedance_ns_per_m[1] - expect[1],
             );
             let size = libm::hypot(expect[0], expect[1]);
-            // Over a bin the impedance is not one number: the estimate is a mean of what lies within a
-            // quarter of it, and its change takes from the coherence.
+            // Over a bin the impedance is not one number: the estimate is a mean of what lies
+            // within a quarter of it, and its change takes from the coherence.
             let bin = TAU * found.rate_hz / found.length as f64;
             let change = (mass_kg + k / (omega * omega)) * bin / size;
             let within = 0.01 + 0.25 * change;

@@ -3,9 +3,9 @@
 //!
 //! A [`Probe`] is a mode, a push, a damping and a repeat. [`search`] raises the stiffness until the
 //! lever keeps swinging after a push, or an actuator saturates, and closes in on the boundary;
-//! [`regions`] joins the repeats of all probes to boundaries with intervals, and sums them up. Colgate
-//! & Brown 1994 call an impedance achievable if it is passive; here it is one without oscillation.
-//! [`response`] has beside it what recordings say of impedance against frequency.
+//! [`regions`] joins the repeats of all probes to boundaries with intervals, and sums them up.
+//! Colgate & Brown 1994 call an impedance achievable if it is passive; here it is one without
+//! oscillation. [`response`] has beside it what recordings say of impedance against frequency.
 
 mod frequency;
 mod region;

@@ -31,7 +31,8 @@ pub struct Tried {
 pub enum Ending {
     /// The boundary lies between two stiffnesses that were tried.
     Boundary,
-    /// An actuator saturated, or the guard stopped the push, before it oscillated: at least so stiff.
+    /// An actuator saturated, or the guard stopped the push, before it oscillated: at least so
+    /// stiff.
     Saturated,
     /// The stiffest wall that is tried did not oscillate either.
     Stiffest,

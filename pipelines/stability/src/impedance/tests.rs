@@ -77,8 +77,8 @@ fn twin(push_m: f64, count_zero: f64) -> PushedWall {
 /// Ticks of a push: 3.3 s.
 const TICKS: usize = 400;
 
-/// How many of so many seeds' brackets hold the boundary of the same device with its counts begun at
-/// 0; the push of each repeat is off by up to 1 %.
+/// How many of so many seeds' brackets hold the boundary of the same device with its counts begun
+/// at 0; the push of each repeat is off by up to 1 %.
 fn held(seeds: u64) -> u64 {
     let truth = twin(5e-3, 0.0).stiffest(TICKS, 1e-3).unwrap().unwrap();
     let share = |seed: u64, k: u64| {

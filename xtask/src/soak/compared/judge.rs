@@ -10,8 +10,8 @@ use zwidth_stats::student_t::two_sided_p;
 
 /// Level of the intervals that the page shows.
 const SHOWN: f64 = 0.95;
-/// Level at which a share is wrong. Some of two dozen intervals of 95 % miss what they are to hold; one of these
-/// does so once in forty runs.
+/// Level at which a share is wrong. Some of two dozen intervals of 95 % miss what they are to hold;
+/// one of these does so once in forty runs.
 const WRONG: f64 = 0.999;
 /// Level of the interval of observed power that holds what was predicted.
 const OF_POWER: f64 = 0.99;
@@ -31,9 +31,9 @@ pub(crate) fn tell(people: &People, found: &Found) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The share of intervals that hold the truth. The t decides; the mixed model stands beside it, as in a
-/// study: it pools the modes' variances, and where people differ more in one mode than in another its
-/// intervals are too short for one contrast and too long for another.
+/// The share of intervals that hold the truth. The t decides; the mixed model stands beside it, as
+/// in a study: it pools the modes' variances, and where people differ more in one mode than in
+/// another its intervals are too short for one contrast and too long for another.
 fn coverage(people: &People, found: &Found, wrong: &mut Vec<String>) -> anyhow::Result<()> {
     println!(
         "Intervals of {:.0} % that hold the truth, of 100 (95 % interval of Clopper and Pearson):\n",
@@ -90,11 +90,11 @@ fn nothing(people: &People, found: &Found, wrong: &mut Vec<String>) -> anyhow::R
     Ok(())
 }
 
-/// Power predicted from the spread of people in the two modes (beside it, from that of all modes), and
-/// the share of studies that find such a difference: one session, as it is planned. Everybody's
-/// difference is moved by the same, so that the mean is the one planned and the people differ as they
-/// do. Shown and not judged: a plan draws normal people, and these are not (`soak null` judges power
-/// where they are).
+/// Power predicted from the spread of people in the two modes (beside it, from that of all modes),
+/// and the share of studies that find such a difference: one session, as it is planned. Everybody's
+/// difference is moved by the same, so that the mean is the one planned and the people differ as
+/// they do. Shown and not judged: a plan draws normal people, and these are not (`soak null` judges
+/// power where they are).
 fn planned(people: &People, found: &Found) -> anyhow::Result<()> {
     println!("\nPower of {PARTICIPANTS} participants in one session, of 100 (99 % interval):\n");
     println!(

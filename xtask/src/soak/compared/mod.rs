@@ -1,11 +1,13 @@
-//! Does an interval of a comparison hold the truth 95 times of a hundred, and is nothing found where
-//! there is nothing? Studies of twelve simulated people, drawn from many whose truth is known.
+//! Does an interval of a comparison hold the truth 95 times of a hundred, and is nothing found
+//! where there is nothing? Studies of twelve simulated people, drawn from many whose truth is
+//! known.
 //!
-//! A study of its own for each seed would simulate hundreds of trials to learn one thing. So people are
-//! simulated once, many of them, by the program as users run it: two sessions of every
-//! environment and mode each. They are the population; its truth is the mean over all of them. A seed
-//! draws twelve of them, each from all, and their trials go through the comparison's own code.
-//! Beside the thesis' modes there is a copy of the last one: nothing can differ there but by chance.
+//! A study of its own for each seed would simulate hundreds of trials to learn one thing. So people
+//! are simulated once, many of them, by the program as users run it: two sessions of every
+//! environment and mode each. They are the population; its truth is the mean over all of them. A
+//! seed draws twelve of them, each from all, and their trials go through the comparison's own code.
+//! Beside the thesis' modes there is a copy of the last one: nothing can differ there but by
+//! chance.
 
 mod judge;
 mod people;

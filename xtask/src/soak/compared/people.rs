@@ -8,7 +8,8 @@ use zwidth_tables::{Column, Table};
 /// Repeats of a condition in a session: intervals rest on people, and more trials of each would
 /// take more time and show no more.
 pub(crate) const REPEATS: u32 = 2;
-/// The primary metric (which the passive mode does not have), and two others that every condition has.
+/// The primary metric (which the passive mode does not have), and two others that every condition
+/// has.
 pub(crate) const METRICS: [&str; 3] =
     ["discrepancy_user_mean_n", "stiffness_n_per_rad", "duration_s"];
 /// Participants of a study.
@@ -196,8 +197,8 @@ impl People {
 }
 
 impl People {
-    /// The SDs of the mixed model of everybody's trials in the first session, in these modes: what a
-    /// plan rests on.
+    /// The SDs of the mixed model of everybody's trials in the first session, in these modes: what
+    /// a plan rests on.
     pub(crate) fn spread(&self, what: What, modes: &[&str]) -> anyhow::Result<Spread> {
         let sessions: BTreeSet<&String> =
             self.trials.iter().flatten().map(|trial| &trial.session).collect();

@@ -54,8 +54,8 @@ pub(crate) fn all(people: &People, seeds: u64) -> anyhow::Result<Found> {
     Ok(found)
 }
 
-/// The places of a study's participants. Each is drawn from all: the people are the population, however
-/// few they are, and no study exhausts it.
+/// The places of a study's participants. Each is drawn from all: the people are the population,
+/// however few they are, and no study exhausts it.
 fn draw(people: usize, seed: u64) -> Vec<usize> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut one = || ((u128::from(rng.next_u64()) * people as u128) >> u64::BITS) as usize;

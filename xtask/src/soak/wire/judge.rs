@@ -60,12 +60,13 @@ pub(super) fn readings(ended: &Ended, path: &Path) -> Result<Vec<Recorded>, Stri
     Ok(readings)
 }
 
-/// A reading of a trial: the board's clock, µs, where it has one, and the counts of angle and force.
+/// A reading of a trial: the board's clock, µs, where it has one, and the counts of angle and
+/// force.
 pub(super) type Recorded = (Option<u64>, u16, i32);
 
-/// The readings of a trial that the board never saw: over frames and lines by its clock, angle and force together;
-/// over Firmata, which has no clock and brings the force by another way, by each of the two, and by the
-/// angle's way forward.
+/// The readings of a trial that the board never saw: over frames and lines by its clock, angle and
+/// force together; over Firmata, which has no clock and brings the force by another way, by each of
+/// the two, and by the angle's way forward.
 fn wrong_readings(
     over: Over,
     trouble: Option<Trouble>,

@@ -1,12 +1,13 @@
 //! Whole sessions over each link on a simulated clock, and every message of one gone wrong.
 //!
-//! A session of a few short trials is recorded once to count its messages: what the host says, what the board
-//! says, what a load cell at a port of its own says. Then it is recorded again for each of them and each thing
-//! that can happen to it: dropped, twice, a bit turned over, half of it, late by more than the other port's next
-//! message (so that the two ports' messages change places) or by much more, the board begins anew, the
-//! cable is pulled and plugged in again. After each the session must have come to its end, every
-//! finished trial lie there whole, the board be at 0 V, and no sample be one that the board never saw. What links
-//! without a check may believe is said in [`Over::believes`], and in docs/rig.md.
+//! A session of a few short trials is recorded once to count its messages: what the host says, what
+//! the board says, what a load cell at a port of its own says. Then it is recorded again for each
+//! of them and each thing that can happen to it: dropped, twice, a bit turned over, half of it,
+//! late by more than the other port's next message (so that the two ports' messages change places)
+//! or by much more, the board begins anew, the cable is pulled and plugged in again. After each the
+//! session must have come to its end, every finished trial lie there whole, the board be at 0 V,
+//! and no sample be one that the board never saw. What links without a check may believe is said in
+//! [`Over::believes`], and in docs/rig.md.
 
 mod judge;
 mod lever;
@@ -59,8 +60,9 @@ pub(crate) const LINKS: [Over; 4] = [
 ];
 
 impl Over {
-    /// Readings of a trial that may be wrong after this happened to a message. Frames have a check. Without one a
-    /// turned bit may make another number, and half a message joined to the next one another message.
+    /// Readings of a trial that may be wrong after this happened to a message. Frames have a check.
+    /// Without one a turned bit may make another number, and half a message joined to the next one
+    /// another message.
     fn believes(self, trouble: Trouble) -> usize {
         match trouble {
             Trouble::Corrupt | Trouble::Half if self.link != Link::Framed => 1,

@@ -14,8 +14,8 @@ use zwidth_study::{Status, template};
 
 /// Trials of a session (thesis §5.2).
 const TRIALS: usize = 36;
-/// Ticks a second over frames, at a line that answers each in its tick, baud; and readings a second of the
-/// others, each near to the most that its usual line carries.
+/// Ticks a second over frames, at a line that answers each in its tick, baud; and readings a second
+/// of the others, each near to the most that its usual line carries.
 const FRAMED: (f64, u32) = (1000.0, 1_000_000);
 const FIRMATA_HZ: f64 = 333.0;
 const TEXT_HZ: f64 = 400.0;
@@ -75,7 +75,8 @@ fn arrived(over: Over, ended: &Ended, path: &std::path::Path) -> Result<usize, S
     let mut told = ended.told.clone();
     let mut own = own;
     if over.link == Link::Framed {
-        // The markers of its begin hold the first question back, and of two answers in one look the newer counts.
+        // The markers of its begin hold the first question back, and of two answers in one look the
+        // newer counts.
         own.drain(..own.len().min(3));
     }
     if over.link == Link::Firmata {

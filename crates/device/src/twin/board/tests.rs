@@ -49,7 +49,8 @@ fn voltages_act_and_the_watchdog_takes_them_away() {
     assert!(twin.truth().motor_n.abs() < 1e-9 && twin.truth().brake_n < 1e-3);
 }
 
-/// At the stop nothing moves: I = U / R after some τ = 53 µs. Moving, the winding's voltage is taken off.
+/// At the stop nothing moves: I = U / R after some τ = 53 µs. Moving, the winding's voltage is
+/// taken off.
 #[test]
 fn the_winding_s_current_is_that_of_its_voltage_less_that_of_its_motion() {
     let mut twin = twin();

@@ -41,9 +41,10 @@ fn correlation(pairs: &[[f64; 2]]) -> f64 {
     sum(0, 1) / (sum(0, 0) * sum(1, 1)).sqrt()
 }
 
-/// Little et al. 2015, Table 3, right arm, a week apart, 95 % intervals: reaction time 0.84 (0.68 to
-/// 0.92), greatest speed 0.83 (0.66 to 0.92), movement time 0.76 (0.53 to 0.88). Answers: kappas of
-/// rating scales asked twice are 0.50 to 0.64, within a point 0.84 to 0.95 (Tourangeau et al. 2019).
+/// Little et al. 2015, Table 3, right arm, a week apart, 95 % intervals: reaction time 0.84 (0.68
+/// to 0.92), greatest speed 0.83 (0.66 to 0.92), movement time 0.76 (0.53 to 0.88). Answers: kappas
+/// of rating scales asked twice are 0.50 to 0.64, within a point 0.84 to 0.95 (Tourangeau et al.
+/// 2019).
 #[test]
 fn two_sessions_of_a_person_are_as_alike_as_two_days_and_no_copies() {
     let people: Vec<[Vec<Numbers>; 2]> =

@@ -107,9 +107,9 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         }
     }
 
-    /// Whether a step of this length is prepared. The first of an even grid is at once; another when
-    /// the same length is asked for twice in a row, so that uneven steps, which never are, do not
-    /// pay for it.
+    /// Whether a step of this length is prepared. The first of an even grid is at once; another
+    /// when the same length is asked for twice in a row, so that uneven steps, which never are, do
+    /// not pay for it.
     #[inline]
     pub(super) fn is_ready(&mut self, h: f64, even: bool) -> bool {
         if self.step.as_ref().is_some_and(|step| step.h.to_bits() == h.to_bits()) {
@@ -117,7 +117,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         }
         let first = even && self.step.is_none();
         let again = self.wanted_h.to_bits() == h.to_bits();
-        // What is left over at an even grid's end is the same in every run, and not worth it either.
+        // What is left over at an even grid's end is the same in every run, and not worth it
+        // either.
         let wanted = first || again && (even || !self.even);
         self.wanted_h = h;
         if wanted {
@@ -128,8 +129,8 @@ impl<const N: usize, const G: usize> Compiled<N, G> {
         wanted
     }
 
-    /// The flows over the steps of a block, with rate and guard values after it, if a block of steps
-    /// of this length is prepared and free of events, and no work is integrated.
+    /// The flows over the steps of a block, with rate and guard values after it, if a block of
+    /// steps of this length is prepared and free of events, and no work is integrated.
     #[inline]
     pub(super) fn free_block(
         &mut self,

@@ -252,8 +252,8 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         Ok(())
     }
 
-    /// Over `h` seconds from `t` on, within one span of the inputs; `even` if it is a step of an even
-    /// grid.
+    /// Over `h` seconds from `t` on, within one span of the inputs; `even` if it is a step of an
+    /// even grid.
     #[inline]
     fn cross(&mut self, t: f64, h: f64, even: bool) -> Result<()> {
         let compiled = &mut self.regions[self.current];
