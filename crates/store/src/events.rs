@@ -299,7 +299,7 @@ mod tests {
         let by = ExperimenterId::new("E1").unwrap();
         let entered = Entered { utc: UTC, by: Some(&by) };
         let answer = Event::Note { trial: Some(1), text: "once more".into() };
-        append_events(&RealFiles, &path, entered, &[answer.clone()]).unwrap();
+        append_events(&RealFiles, &path, entered, std::slice::from_ref(&answer)).unwrap();
         assert_eq!(read_events(&path).unwrap().last(), Some(&answer));
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.lines().last().unwrap().contains(r#""by":"E1""#), "{text}");
