@@ -26,7 +26,7 @@ fn a_page_as_one_file_needs_nothing_beside_it_and_a_study_without_a_page_says_ho
     zwidth(root.path(), &["open", "thesis-twin", "--single-file", nowhere.to_str().unwrap()])
         .exits(1)
         .one_error()
-        .says(&["no/such", "is not there"]);
+        .says(&["no/such", "does not exist"]);
     for (file, says) in [("raw/thesis-twin/one.html", "recordings"), ("one.txt", ".html")] {
         let path = root.path().join(file);
         zwidth(root.path(), &["open", "thesis-twin", "--single-file", path.to_str().unwrap()])

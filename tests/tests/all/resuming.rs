@@ -68,7 +68,11 @@ fn a_session_whose_record_is_gone_or_edited_is_refused_before_anything_is_record
             fs::write(&record, edited).unwrap();
         }
         let before = listing(&desk.root().join("raw"));
-        desk.finish().exits(1).one_error().says(&["nothing is recorded", "P01_S01.json", words]);
+        desk.finish().exits(1).one_error().says(&[
+            "nothing more is recorded",
+            "P01_S01.json",
+            words,
+        ]);
         assert_eq!(listing(&desk.root().join("raw")), before);
         fs::write(&record, &text).unwrap();
     }

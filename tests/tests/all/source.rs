@@ -113,7 +113,7 @@ fn only_the_commands_that_may_hold_a_handle_that_writes_below_raw() {
     assert_eq!(holders("Raw::mends("), ["import", "recover"]);
     assert_eq!(
         holders("Raw::adds("),
-        ["acquire", "characterise", "power", "recover", "twin", "unseal"]
+        ["acquire", "characterise", "power", "recover", "said", "twin", "unseal"]
     );
     assert_eq!(holders("Raw::new_study("), ["new", "twin"]);
     // The disk itself is handed to what only reads, to the two handles, and to the output of

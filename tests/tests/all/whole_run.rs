@@ -311,7 +311,7 @@ fn only_makes_a_stage_a_figure_or_a_table_and_what_it_needs() {
     zwidth(root.path(), &["run", "--only", "nonsense"]).exits(1).says(&[
         "nonsense",
         "characterise",
-        "loops.P01.S01",
+        "`zwidth figure thesis-twin` lists the figures",
     ]);
 }
 

@@ -1,7 +1,6 @@
 //! What is said about a trial that ended: it is excluded, done again, asked again, remarked on.
 
-use super::act::refuse;
-use super::{About, Action, Flow, Phase};
+use super::{About, Action, Flow, Phase, refuse};
 use zwidth_study::Event;
 
 impl Flow {

@@ -1,7 +1,7 @@
 //! One input at a time: what it changes, and what is to be done.
 
 use super::about::note;
-use super::{Action, EMERGENCY_STOP, End, Flow, Halt, Input, Phase};
+use super::{Action, EMERGENCY_STOP, End, Flow, Halt, Input, Phase, refuse};
 use zwidth_study::{Event, Given, Question};
 
 impl Flow {
@@ -278,8 +278,4 @@ impl Flow {
         self.phase = Phase::Left;
         vec![Action::Off, Action::Leave]
     }
-}
-
-pub(super) fn refuse(why: impl Into<String>) -> Vec<Action> {
-    vec![Action::Refuse(why.into())]
 }

@@ -118,6 +118,11 @@ pub enum Action {
     Leave,
 }
 
+/// Changes nothing, and tells why.
+fn refuse(why: impl Into<String>) -> Vec<Action> {
+    vec![Action::Refuse(why.into())]
+}
+
 /// Where the session stands.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Phase {

@@ -79,10 +79,16 @@ pub(crate) enum Command {
     /// A whole study on the simulated device, at once
     #[command(after_help = "Example:\n  zwidth twin mytwin --participants 4 --sessions 1")]
     Twin(Twin),
+    #[command(after_help = concat!(
+        "Example:\n",
+        "  zwidth exclude mystudy -p P01 -s S01 --trial 7 \"the phone rang\""
+    ))]
     /// A recorded trial does not count, and why: it is missing until it is done again
     Exclude(Exclude),
+    #[command(after_help = "Example:\n  zwidth note mystudy -p P01 -s S01 left-handed")]
     /// Add a remark to a session, or to one of its trials
     Note(Note),
+    #[command(after_help = "Example:\n  zwidth answer mystudy -p P01 -s S01 --trial 7 4")]
     /// Give an answer after the session; it counts in place of an earlier one, which is kept
     Answer(Answer),
     /// Open a blinded session's seal: its modes are known from then on
@@ -761,11 +767,21 @@ mod tests {
     use super::*;
     use clap::CommandFactory as _;
 
+    /// The words of a line as a shell reads them: what stands in quotation marks is one.
+    fn words(line: &str) -> Vec<String> {
+        let parts = line.split('"').enumerate();
+        let words = parts.flat_map(|(at, part)| match at % 2 {
+            0 => part.split_whitespace().map(str::to_owned).collect(),
+            _ => vec![part.to_owned()],
+        });
+        words.collect()
+    }
+
     /// The words of the examples that a command's help ends with.
     fn examples(command: &clap::Command) -> Vec<Vec<String>> {
         let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
         let lines = help.lines().filter_map(|line| line.strip_prefix("  "));
-        lines.map(|line| line.split(' ').map(str::to_owned).collect()).collect()
+        lines.map(words).collect()
     }
 
     #[test]

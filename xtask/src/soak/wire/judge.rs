@@ -1,7 +1,7 @@
 //! What must hold after a session, whatever happened to one of its messages.
 
-use super::Over;
 use super::lever::{Counted, force_counts};
+use super::links::Over;
 use super::session::Ended;
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -11,6 +11,7 @@
 
 mod judge;
 mod lever;
+mod links;
 mod session;
 mod whole;
 
@@ -19,13 +20,13 @@ pub(crate) use whole::whole;
 use crate::tried::{Tried, note};
 use anyhow::{bail, ensure};
 use judge::judge;
+use links::{LINKS, Over};
 use session::{Ended, record};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use zwidth_link::simulated::{Trouble, Way};
-use zwidth_link::{AngleAt, Link};
 
 /// What happens to a message, and what it is called where it is counted.
 const TROUBLES: [(&str, Trouble); 8] = [
@@ -42,34 +43,6 @@ const TROUBLES: [(&str, Trouble); 8] = [
 const TOLD: usize = 10;
 /// Sessions at once.
 const AT_ONCE: usize = 2;
-
-/// A link as it is tried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Over {
-    pub(crate) name: &'static str,
-    pub(crate) link: Link,
-    pub(crate) angle: AngleAt,
-}
-
-/// The links.
-pub(crate) const LINKS: [Over; 4] = [
-    Over { name: "framed", link: Link::Framed, angle: AngleAt::I2c },
-    Over { name: "firmata", link: Link::Firmata, angle: AngleAt::Analog(0) },
-    Over { name: "firmata-i2c", link: Link::Firmata, angle: AngleAt::I2c },
-    Over { name: "text", link: Link::Text, angle: AngleAt::I2c },
-];
-
-impl Over {
-    /// Readings of a trial that may be wrong after this happened to a message. Frames have a check.
-    /// Without one a turned bit may make another number, and half a message joined to the next one
-    /// another message.
-    fn believes(self, trouble: Trouble) -> usize {
-        match trouble {
-            Trouble::Corrupt | Trouble::Half if self.link != Link::Framed => 1,
-            _ => 0,
-        }
-    }
-}
 
 /// One session with one message gone wrong.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 //! One session over one link, on a disk in memory.
 
-use super::Over;
 use super::lever::{Counted, Remembering, Seen, Told, counted, lever};
+use super::links::Over;
 use jiff::{SignedDuration, Timestamp};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};

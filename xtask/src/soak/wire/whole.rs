@@ -2,8 +2,8 @@
 
 use super::judge::{Recorded, readings};
 use super::lever::{Counted, Seen};
+use super::links::{LINKS, Over};
 use super::session::{Ended, Setting, id, played, settings, told};
-use super::{LINKS, Over};
 use crate::tried::{Tried, note};
 use anyhow::{anyhow, ensure};
 use std::time::Instant;

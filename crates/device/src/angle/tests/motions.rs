@@ -2,7 +2,7 @@
 //! Below the bound that [`Unwrap`] states each is followed to the count; one step beyond it is
 //! refused.
 
-use super::*;
+use super::super::*;
 use crate::mock;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
