@@ -27,7 +27,7 @@ fn a_page_as_one_file_needs_nothing_beside_it_and_a_study_without_a_page_says_ho
         .exits(1)
         .one_error()
         .says(&["no/such", "does not exist"]);
-    for (file, says) in [("raw/thesis-twin/one.html", "recordings"), ("one.txt", ".html")] {
+    for (file, says) in [("raw/thesis-twin/one.html", "inside raw/"), ("one.txt", ".html")] {
         let path = root.path().join(file);
         zwidth(root.path(), &["open", "thesis-twin", "--single-file", path.to_str().unwrap()])
             .exits(1)
