@@ -20,7 +20,7 @@ impl Priority {
     /// an administrator, or to a group named in `/etc/security/limits.conf` (`rtprio`);
     /// elsewhere the thread stays as it is.
     #[cfg(unix)]
-    pub(crate) fn raise() -> Self {
+    pub fn raise() -> Self {
         use thread_priority::{
             RealtimeThreadSchedulePolicy::Fifo, ThreadPriority, ThreadSchedulePolicy::Realtime,
             set_thread_priority_and_policy, thread_native_id,
@@ -34,7 +34,7 @@ impl Priority {
 
     /// Asks for the highest priority the system gives a thread.
     #[cfg(not(unix))]
-    pub(crate) fn raise() -> Self {
+    pub fn raise() -> Self {
         let raised = thread_priority::ThreadPriority::Max.set_for_current().is_ok();
         if raised { Self::RealTime } else { Self::Ordinary }
     }

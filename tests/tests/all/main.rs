@@ -42,4 +42,6 @@ mod source;
 mod story;
 mod survey;
 mod whole_run;
+#[cfg(unix)]
+mod wire;
 mod words;

@@ -22,10 +22,10 @@ use zwidth_study::{Calibration, Study, Voltages};
 const RATE_HZ: f64 = 30.0;
 
 /// The twin, and every reading that was asked of it.
-struct Remembering {
-    twin: Twin,
-    capabilities: Capabilities,
-    seen: Arc<Mutex<Vec<Reading>>>,
+pub(crate) struct Remembering {
+    pub(crate) twin: Twin,
+    pub(crate) capabilities: Capabilities,
+    pub(crate) seen: Arc<Mutex<Vec<Reading>>>,
 }
 
 impl Device for Remembering {
