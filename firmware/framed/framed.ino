@@ -12,7 +12,7 @@ static int16_t motor, brake; // what is out, shares of 32767
 static unsigned long written_us;
 static bool tripped;
 static int32_t force;
-static unsigned long weighed_us;
+static unsigned long weighed_us, told_us;
 
 // A share as a step of analogWrite, rounded towards 0.
 static uint8_t step(int16_t share) { return (uint32_t)abs((int32_t)share) * 255 / 32767; }
@@ -54,6 +54,22 @@ static void describe(uint16_t sequence) {
     send();
 }
 
+// Takes a value of the HX711 once it has one: 24 bits, and a 25th pulse for channel A at gain 128 (data sheet). A pulse that
+// lasts for 60 us would switch it off, so no interrupt may come within one.
+static void weigh() {
+    if (digitalRead(HX711_DATA)) return;
+    uint32_t bits = 0;
+    for (uint8_t i = 0; i < 25; i++) {
+        noInterrupts();
+        digitalWrite(HX711_CLOCK, HIGH);
+        digitalWrite(HX711_CLOCK, LOW);
+        interrupts();
+        if (i < 24) bits = bits << 1 | digitalRead(HX711_DATA);
+    }
+    force = bits & 0x800000 ? (int32_t)(bits | 0xFF000000) : (int32_t)bits;
+    weighed_us = micros();
+}
+
 static void tell(uint16_t sequence) {
     const uint16_t counts = analogRead(ANGLE_PIN);
     const unsigned long now_us = micros();
@@ -68,6 +84,8 @@ static void tell(uint16_t sequence) {
     frame.add(motor, 2);
     frame.add(brake, 2);
     send();
+    told_us = now_us;
+    weigh(); // while the answer is on the line: half a millisecond before it would make it late
 }
 
 static void hear(uint8_t byte) {
@@ -90,22 +108,6 @@ static void watch() {
     }
 }
 
-// Takes a value of the HX711 once it has one: 24 bits, and a 25th pulse for channel A at gain 128 (data sheet). A pulse that
-// lasts for 60 us would switch it off, so no interrupt may come within one.
-static void weigh() {
-    if (digitalRead(HX711_DATA)) return;
-    uint32_t bits = 0;
-    for (uint8_t i = 0; i < 25; i++) {
-        noInterrupts();
-        digitalWrite(HX711_CLOCK, HIGH);
-        digitalWrite(HX711_CLOCK, LOW);
-        interrupts();
-        if (i < 24) bits = bits << 1 | digitalRead(HX711_DATA);
-    }
-    force = bits & 0x800000 ? (int32_t)(bits | 0xFF000000) : (int32_t)bits;
-    weighed_us = micros();
-}
-
 void setup() {
     pinMode(MOTOR_DIRECTION, OUTPUT);
     pinMode(MOTOR_PWM, OUTPUT);
@@ -120,5 +122,5 @@ void setup() {
 void loop() {
     while (Serial.available()) hear(Serial.read());
     watch();
-    weigh();
+    if (micros() - told_us > FORCE_PERIOD_US) weigh(); // nobody asks
 }

@@ -1,7 +1,7 @@
 //! `cargo xtask hx711 COMMAND…`: our reader at the sketch of a load cell, which COMMAND runs in an
 //! emulator with an HX711 at its pins.
 
-use crate::firmware::Emulator;
+use crate::emulator::Emulator;
 use anyhow::{Context as _, ensure};
 use zwidth_link::Settings;
 use zwidth_link::text::{Field, Lines};

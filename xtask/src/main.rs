@@ -4,12 +4,14 @@
 mod bench;
 mod bits;
 mod board;
+mod emulator;
 mod encodings;
 mod firmware;
 mod fuzz;
 mod hx711;
 mod messages;
 mod pictures;
+mod played;
 mod sheet;
 mod soak;
 mod stale;
@@ -24,6 +26,7 @@ const CHORES: &str =
     "cargo xtask thesis-twin                write raw/thesis-twin anew (the same bytes every time)
 cargo xtask board STUDY.TOML [LINK [SEED]] a board with the simulated device at the end of a serial line, to record from; it speaks
     framed, firmata, firmata-uno, firmata-i2c or text [framed, seed 1]
+cargo xtask firmware-sessions N COMMAND… two whole sessions of N × 3 trials at that firmware, one with its cable pulled under voltage
 cargo xtask firmware COMMAND…          our host at our firmware, which COMMAND runs in an emulator: readings, voltages, noise, the watchdog
 cargo xtask hx711 COMMAND…             our reader at the load cell's sketch, which COMMAND runs in an emulator with an HX711 at its pins
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
@@ -62,6 +65,9 @@ fn main() -> anyhow::Result<()> {
             board::run(Path::new(study), link, number(rest.get(1), 1)?)
         }
         ["firmware", command @ ..] => firmware::run(command),
+        ["firmware-sessions", repeats, command @ ..] => {
+            firmware::sessions(number(Some(repeats), 1)?, command)
+        }
         ["hx711", command @ ..] => hx711::run(command),
         ["soak", "kill", rest @ ..] => {
             let kills = number(rest.first(), 1000)?;

@@ -6,6 +6,9 @@ use zwidth_study::Voltages;
 /// The version of the protocol that this is.
 pub const PROTOCOL: u8 = 1;
 
+/// The sequence number of what a board says unasked: no question has it.
+pub const UNASKED: u16 = 0;
+
 /// Both voltages as a board takes them: shares of the full scale, −32767 … 32767.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Drive {

@@ -1,7 +1,9 @@
 //! A board as a device: one question a reading, one write a command.
 
 use crate::frame::{Frames, MOST_WIRE};
-use crate::message::{Description, Drive, FromBoard, PROTOCOL, Seen, ToBoard, mark, status};
+use crate::message::{
+    Description, Drive, FromBoard, PROTOCOL, Seen, ToBoard, UNASKED, mark, status,
+};
 use crate::patience::{Patience, wire_rate_hz};
 use crate::shaft::Shaft;
 use crate::{Settings, Wire};
@@ -133,8 +135,13 @@ impl<W: Wire> Rig<W> {
         Err(self.unable(what, remedy))
     }
 
+    /// The number of the next question.
+    fn next(&self) -> u16 {
+        self.sequence.wrapping_add(1).max(UNASKED + 1)
+    }
+
     fn send(&mut self, message: &ToBoard) -> Result<(), DeviceError> {
-        self.sequence = self.sequence.wrapping_add(1);
+        self.sequence = self.next();
         let (bytes, length) = message.frame(self.sequence).encode();
         self.wire.send(&bytes[..length]).map_err(|e| self.break_off(&e))
     }
@@ -170,7 +177,8 @@ impl<W: Wire> Rig<W> {
             let Some(frame) = self.frames.push(byte) else { continue };
             match FromBoard::read(&frame) {
                 Some(FromBoard::Seen(seen)) => self.know(frame.sequence, seen),
-                Some(FromBoard::Description(_)) => self.reset = true,
+                // What it was asked for may come late, when it has said who it is by itself.
+                Some(FromBoard::Description(_)) => self.reset |= frame.sequence == UNASKED,
                 None => continue,
             }
             return Ok(FromBoard::read(&frame));
@@ -206,7 +214,7 @@ impl<W: Wire> Rig<W> {
     /// Asks what the board sees, and waits for the answer for so long; whether it came.
     fn poll(&mut self, now_s: f64, wait: Duration) -> Result<bool, DeviceError> {
         let before_s = self.last.map(|last| last.asked_s);
-        let next = self.sequence.wrapping_add(1);
+        let next = self.next();
         self.asked[usize::from(next) % KEPT] = (next, now_s);
         self.asked_s = now_s;
         self.send(&ToBoard::Poll)?;

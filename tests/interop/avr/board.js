@@ -51,12 +51,14 @@ function weigh() {
   port.setPin(DATA, false);
 }
 
+const waiting = []; // bytes that its serial port has not taken yet
 function run(us, bytes) {
+  waiting.push(...bytes);
   const end = cpu.cycles + us * CYCLES_PER_US;
   while (cpu.cycles < end) {
     avr.avrInstruction(cpu);
     cpu.tick();
-    if (bytes.length && !usart.rxBusy && usart.writeByte(bytes[0])) bytes.shift();
+    if (waiting.length && !usart.rxBusy && usart.writeByte(waiting[0])) waiting.shift();
     weigh();
   }
 }

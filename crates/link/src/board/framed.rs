@@ -2,7 +2,7 @@
 
 use super::device::{Behind, counts, force_counts};
 use crate::frame::Frames;
-use crate::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, status};
+use crate::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, UNASKED, status};
 use zwidth_device::{Device, DeviceError, Reading};
 use zwidth_study::Source;
 
@@ -27,7 +27,7 @@ impl Framed {
         out: &mut Vec<u8>,
     ) -> Result<(), DeviceError> {
         if std::mem::take(&mut self.begins) {
-            send(&FromBoard::Description(description(behind)), 0, out);
+            send(&FromBoard::Description(description(behind)), UNASKED, out);
         }
         for byte in bytes {
             let Some(frame) = self.frames.push(*byte) else { continue };

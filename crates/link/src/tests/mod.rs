@@ -5,6 +5,7 @@ mod streams;
 mod unplugged;
 
 use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
+use crate::message::ToBoard;
 use crate::patience::wire_rate_hz;
 use crate::{Board, Link, Pair, Rig, Serial, Settings, Turning, Wire};
 use std::io;
@@ -235,6 +236,18 @@ fn a_spoilt_answer_is_dropped_and_counted_and_the_next_one_is_right() {
     assert_eq!(rig.faults(), [1, 1]);
     wire.at(2.001);
     assert!(rig.read(2.001).unwrap().angle_age_s < 1e-6);
+}
+
+#[test]
+fn a_board_that_says_who_it_is_because_it_was_asked_has_not_begun_anew() {
+    let (wire, mut rig) = running();
+    wire.at(2.0);
+    let mut told = Vec::new();
+    let (hello, length) = ToBoard::Hello.frame(1).encode();
+    wire.board(|board, now_s| board.take(now_s, &hello[..length], &mut told)).unwrap();
+    assert!(!told.is_empty());
+    wire.0.come.lock().unwrap().extend(told);
+    assert!(rig.read(2.0).unwrap().angle_age_s < 1e-6);
 }
 
 #[test]

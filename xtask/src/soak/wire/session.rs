@@ -2,18 +2,15 @@
 
 use super::lever::{Counted, Remembering, Seen, Told, counted, lever};
 use super::links::Over;
-use jiff::{SignedDuration, Timestamp};
-use std::path::{Path, PathBuf};
+use crate::played::{Person, plan, play, short_study, told};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
-use zwidth_acquire::{AcquireError, Front, Input, Options, Parts, Phase, Plan, Session, View, run};
+use zwidth_acquire::Plan;
 use zwidth_device::mock::{self, Mock};
 use zwidth_device::{Capabilities, Device};
 use zwidth_link::message::Drive;
 use zwidth_link::simulated::{Bench, Trouble, Way};
 use zwidth_link::{Board, Link, Settings, board, over};
 use zwidth_store::{Layout, Memory};
-use zwidth_study::{Calibration, Study, template};
 
 /// Readings a second of a link that streams; its loop is 1.25 times as fast.
 const STREAM_HZ: f64 = 100.0;
@@ -29,13 +26,8 @@ const LIMIT_S: f64 = 0.4;
 /// A program that found no board is started again so often, after so long, s.
 const STARTS: u32 = 3;
 const AGAIN_S: f64 = 1.5;
-/// After a stop somebody looks at the rig for so long, s.
-const LOOKS_S: f64 = 2.0;
-/// Stops after which even the most patient person leaves.
-const MOST_STOPS: u32 = 6;
 /// The board's watchdog has run out by then, s.
 const LATER_S: f64 = 1.0;
-const BEGIN: &str = "2026-01-01T08:00:00Z";
 
 /// What a session left.
 pub(super) struct Ended {
@@ -76,7 +68,7 @@ pub(super) fn record(link: Over, trouble: Option<(Way, u64, Trouble)>) -> Result
         "/dev/cell".as_ref(),
     );
     rig.baud = (link.link == Link::Framed).then_some(FRAMED_BAUD);
-    let setting = Setting { study_toml: short_study(rate_hz)?, rig };
+    let setting = Setting { study_toml: short_study(rate_hz, LIMIT_S)?, rig };
     played::<Mock>(&setting, device, &seen, trouble, false)
 }
 
@@ -107,32 +99,10 @@ pub(super) fn played<D: Device + Told + 'static>(
         bench.trouble(way, nth, trouble);
     }
     let mut device = connected(&bench, rig, &plan)?;
-    let mut person = Person { bench: bench.clone(), phase: Phase::Check, stops: 0 };
-    let (mut clock, begin) = (bench.clone(), BEGIN.parse::<Timestamp>().map_err(told)?);
-    let utc = move |now_s: f64| {
-        let since = SignedDuration::from_millis((now_s * 1e3) as i64);
-        begin.checked_add(since).unwrap_or(begin).to_string()
-    };
-    let options = Options {
-        live: false,
-        answers,
-        by_hand: false,
-        check: |_| false,
-        no_watchdog: true,
-        markers: Vec::new(),
-        by: None,
-        stop: Arc::default(),
-        quit: Arc::default(),
-    };
-    let session = Session::open(&plan, device.capabilities(), &disk).map_err(told)?;
-    let parts = Parts {
-        device: &mut *device,
-        clock: &mut clock,
-        files: &disk,
-        front: &mut person,
-        utc: &utc,
-    };
-    let outcome = run(&plan, session, &options, parts).map_err(told)?;
+    let waits = bench.clone();
+    let mut person = Person::new(move |wait_s| waits.wait(wait_s));
+    let mut clock = bench.clone();
+    let outcome = play(&plan, &disk, (&mut *device, &mut clock), &mut person, answers)?;
     drop(device);
     bench.wait(LATER_S);
     if trouble.is_some() && !bench.happened() {
@@ -173,81 +143,6 @@ fn connected<D: Device + Told + 'static>(
     Err(format!("no board is found: {why}"))
 }
 
-/// Somebody who starts each trial, answers, and after a stop looks at the rig and goes on.
-struct Person<D> {
-    bench: Bench<D>,
-    phase: Phase,
-    stops: u32,
-}
-
-impl<D: Device> Front for Person<D> {
-    fn show(&mut self, view: &View) -> Result<(), AcquireError> {
-        self.phase.clone_from(&view.phase);
-        Ok(())
-    }
-
-    fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
-        Ok(match self.phase {
-            Phase::Ready | Phase::AtStop => Some(Input::Start),
-            Phase::Question { .. } => Some(Input::Answer(3)),
-            Phase::Done => Some(Input::Quit),
-            Phase::Stopped { .. } => {
-                self.stops += 1;
-                self.bench.wait(LOOKS_S);
-                Some(if self.stops > MOST_STOPS { Input::Quit } else { Input::Start })
-            }
-            _ => {
-                self.bench.wait(wait.as_secs_f64());
-                None
-            }
-        })
-    }
-}
-
-/// The template's study with one environment and short trials.
-fn short_study(rate_hz: f64) -> Result<String, String> {
-    let mut table: toml::Table = template(&id()?).parse().map_err(told)?;
-    let environments = table.get_mut("environments").and_then(toml::Value::as_array_mut);
-    environments.ok_or("the template lost its environments")?.truncate(1);
-    for (of, key, value) in [
-        ("design", "repeats", toml::Value::from(1)),
-        ("design", "familiarisation", 0.into()),
-        ("design", "trial_limit_s", LIMIT_S.into()),
-        ("design", "pause_s", 0.4.into()),
-        ("control", "rate_hz", rate_hz.into()),
-    ] {
-        let of = table.get_mut(of).and_then(toml::Value::as_table_mut);
-        of.map(|of| of.insert(key.to_owned(), value)).ok_or("the template lost a table")?;
-    }
-    toml::to_string(&table).map_err(told)
-}
-
-pub(super) fn id() -> Result<zwidth_study::StudyId, String> {
-    "wire".parse().map_err(told)
-}
-
-/// A study on a disk of its own.
-fn plan(study_toml: &str) -> Result<(Memory, Plan), String> {
-    let (disk, layout) = (Memory::new(), Layout::new(Path::new("/simulated"), id()?));
-    let study = Study::from_toml(study_toml).map_err(|e| format!("{e:?}"))?;
-    disk.put(&layout.study_toml(), study_toml.as_bytes());
-    let plan = Plan {
-        layout,
-        study_toml: study_toml.as_bytes().to_vec(),
-        participant: "P01".parse().map_err(told)?,
-        session: "S01".parse().map_err(told)?,
-        calibration: Calibration::thesis(),
-        software: "simulation 1".to_owned(),
-        rate_hz: study.control.rate_hz,
-        study,
-        seed: None,
-        keys: PathBuf::from("/simulated/keys"),
-        secret: [9; 32],
-        accept_study_change: false,
-    };
-    Ok((disk, plan))
-}
-
 /// What a device of this link can do at so many readings a second.
 pub(super) fn settings(
     link: Over,
@@ -257,8 +152,4 @@ pub(super) fn settings(
 ) -> Settings {
     let rig = board::settings(link.link, link.angle, rate_hz, can, "/dev/cell".as_ref());
     Settings { baud, ..rig }
-}
-
-pub(super) fn told(error: impl std::fmt::Display) -> String {
-    error.to_string()
 }

@@ -3,7 +3,8 @@
 use super::judge::{Recorded, readings};
 use super::lever::{Counted, Seen};
 use super::links::{LINKS, Over};
-use super::session::{Ended, Setting, id, played, settings, told};
+use super::session::{Ended, Setting, played, settings};
+use crate::played::{id, told};
 use crate::tried::{Tried, note};
 use anyhow::{anyhow, ensure};
 use std::time::Instant;
