@@ -158,8 +158,17 @@ pub(super) fn next<K: Ord>(last: &mut BTreeMap<K, u32>, key: K, given: Option<u3
 }
 
 /// What to do about a session that is there already.
-const AGAIN: &str = "sessions are imported whole, all files in one command: choose another session id, or, to import it \
-                     again, first remove its folder under trials/ and its files under sessions/";
+fn again(context: &Context, participant: &ParticipantId, session: &SessionId) -> String {
+    let trial = context.layout.trial(participant, session, 1);
+    let trials = trial.parent().unwrap_or(&trial);
+    let files = context.layout.session(participant, session).with_extension("*");
+    format!(
+        "sessions are imported whole, all files in one command: choose another session id, or, to \
+         import it again, first remove {} and {}",
+        context.layout.shown(trials).display(),
+        context.layout.shown(&files).display()
+    )
+}
 
 fn duplicates(
     context: &Context,
@@ -170,7 +179,7 @@ fn duplicates(
     let mut seen: BTreeMap<_, &Path> = BTreeMap::new();
     let mut sessions: BTreeMap<_, bool> = BTreeMap::new();
     for (i, p) in identities.iter().zip(planned) {
-        let duplicate = |also: String, remedy: &str| {
+        let duplicate = |also: String, remedy: String| {
             let what = format!(
                 "duplicate trial: trial {} of {} {} {also}",
                 p.trial, i.participant, i.session
@@ -178,14 +187,14 @@ fn duplicates(
             StoreError::new(&i.file, what, remedy)
         };
         if let Some(first) = seen.insert((&i.participant, &i.session, p.trial), &i.file) {
-            let remedy = "give every trial a number of its own, or leave the file out";
+            let remedy = "give every trial a number of its own, or leave the file out".to_owned();
             errors.push(duplicate(format!("is in {} too", first.display()), remedy));
         }
         let path = context.layout.trial(&i.participant, &i.session, p.trial);
         let exists = context.files.kind(&path).is_some();
         if exists {
             let also = format!("is at {} already", context.layout.shown(&path).display());
-            errors.push(duplicate(also, AGAIN));
+            errors.push(duplicate(also, again(context, &i.participant, &i.session)));
         }
         *sessions.entry((&i.participant, &i.session)).or_insert(false) |= exists;
     }
@@ -197,7 +206,7 @@ fn duplicates(
         );
         if let Some(path) = [record, events].iter().find(|p| context.files.kind(p).is_some()) {
             let what = format!("session {session} of {participant} exists already");
-            errors.push(StoreError::new(path, what, AGAIN));
+            errors.push(StoreError::new(path, what, again(context, participant, session)));
         }
     }
     errors

@@ -74,6 +74,13 @@ pub(super) fn null_columns(made: &[Signal]) -> Vec<String> {
     Signal::all().filter(|s| !made.contains(s)).map(|s| s.name().to_owned()).collect()
 }
 
+impl Report {
+    /// Whether something that was imported is to be read with care.
+    pub fn is_doubtful(&self) -> bool {
+        self.files.iter().any(|file| !file.care.is_empty())
+    }
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for file in &self.files {
@@ -92,7 +99,15 @@ impl fmt::Display for Report {
             "{files} imported into study {}: {}",
             self.study,
             made.collect::<Vec<_>>().join(", ")
-        )
+        )?;
+        let doubtful = self.files.iter().filter(|file| !file.care.is_empty()).count();
+        match doubtful {
+            0 => Ok(()),
+            n if n == self.files.len() => {
+                write!(f, "; all of it is to be read with care, as said above")
+            }
+            n => write!(f, "; {n} of {files} are to be read with care, as said above"),
+        }
     }
 }
 
@@ -172,7 +187,7 @@ K_1.csv: 10 rows read, 9 kept
   read with care: column t_s: it jumps; mend it
   null      flags
 
-1 file imported into study demo: 1 trial, 1 session";
+1 file imported into study demo: 1 trial, 1 session; all of it is to be read with care, as said above";
         assert_eq!(report.to_string(), expect);
         assert!(serde_json::to_string(&report).unwrap().contains("\"rows_read\":10"));
     }

@@ -82,10 +82,11 @@ const UNITS: [Unit; 43] = [
     unit(&["min"], Time, MINUTE),
     unit(&["rad"], Angle, 1.0),
     unit(&["mrad"], Angle, 1e-3),
-    unit(&["deg", "°"], Angle, DEG),
+    // "Grad" is German for degree; a gradian is written gon there.
+    unit(&["deg", "°", "degree", "degrees", "Grad"], Angle, DEG),
     unit(&["turn", "rev"], Angle, TURN),
     unit(&["rad/s"], AngularVelocity, 1.0),
-    unit(&["deg/s", "°/s"], AngularVelocity, DEG),
+    unit(&["deg/s", "°/s", "degrees/s", "Grad/s"], AngularVelocity, DEG),
     unit(&["rpm"], AngularVelocity, TURN / MINUTE),
     unit(&["rad/s²", "rad/s^2", "rad/s2"], AngularAcceleration, 1.0),
     unit(&["deg/s²", "deg/s^2", "deg/s2", "°/s²"], AngularAcceleration, DEG),

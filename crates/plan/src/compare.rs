@@ -89,6 +89,9 @@ pub fn compared(data: &StudyData) -> Vec<String> {
 
 /// Whether some trial of the study can have a metric.
 fn is_possible(data: &StudyData, metric: &str) -> bool {
+    if data.study.device.lever_m.is_none() && zwidth_metrics::needs_lever(metric) {
+        return false;
+    }
     data.counting().any(|trial| {
         let environment = data.study.environment(&trial.meta.environment);
         let channels = &data.study.channels;
@@ -112,6 +115,11 @@ fn wanted(study: &Study) -> Vec<String> {
         }
     }
     wanted
+}
+
+/// Whether there is a metric of that name that can be compared: a number.
+pub fn is_metric(name: &str) -> bool {
+    zwidth_metrics::is_number(name)
 }
 
 /// What study.toml says of metrics that do not exist, and of bounds that have no effect.

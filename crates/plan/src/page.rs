@@ -18,7 +18,7 @@ use zwidth_study::{EnvironmentId, ModeId};
 use zwidth_tables::{Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 5 };
+const STAGE: Stage = Stage { name: "page", version: 6 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -253,6 +253,8 @@ struct Index {
     study: String,
     /// Whose trials' model can be turned.
     turned: Option<[String; 2]>,
+    /// The user's torque was recorded, and no force.
+    torque: bool,
     version: &'static str,
 }
 
@@ -260,7 +262,8 @@ fn index(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
     let (summary, files) = summary::asked(data, found, figures);
     let study = data.layout.study().to_string();
     let turned = runs::turned(data).map(|(session, _)| session.ids());
-    let of = Index { summary, study, turned, version: env!("CARGO_PKG_VERSION") };
+    let torque = summary::has_torque_alone(data);
+    let of = Index { summary, study, turned, torque, version: env!("CARGO_PKG_VERSION") };
     let files = IndexFiles { summary: files, answers: likert::long(data) };
     Job::new(STAGE, JOB, of, files, vec![file(&data.layout)], make_index).tolerant()
 }
@@ -288,7 +291,8 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
         let (study, compared) =
             ((of.study.as_str(), summary.title.as_str()), of.summary.compared(&compared));
         let contents = Contents::of(study, planned, &metrics, &compared, answers.as_ref())?;
-        Ok::<_, TableError>(contents.with_turned(of.turned.clone(), planned.coordinate))
+        let contents = contents.with_turned(of.turned.clone(), planned.coordinate);
+        Ok::<_, TableError>(if of.torque { contents.with_torque() } else { contents })
     });
     let contents = contents.transpose()?;
     let html = page_html(&Page {

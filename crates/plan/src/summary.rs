@@ -19,7 +19,7 @@ use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 11 };
+const STAGE: Stage = Stage { name: "summary", version: 12 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -258,7 +258,14 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
         .map(|e| e.scene);
     let no_lever =
         data.study.device.lever_m.is_none() && scenes.into_iter().any(|s| s != Scene::None);
-    let limit = "No lever length is known (device.lever_m), so torque stays torque: N·m on axes and in tables.";
+    let limit = match has_torque_alone(data) {
+        true => {
+            "No lever length is known (device.lever_m), so torque stays torque: N·m on axes and in tables."
+        }
+        false => {
+            "No lever length is known (device.lever_m), so no energy or power is computed, and the model is not replayed."
+        }
+    };
     Summary {
         title: data.study.title.clone(),
         device: data.study.device.name.clone(),
@@ -277,6 +284,12 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
             .collect(),
         ..Summary::default()
     }
+}
+
+/// Whether trials recorded the user's torque, and none a force.
+pub(crate) fn has_torque_alone(data: &StudyData) -> bool {
+    let any = |signal| data.counting().any(|trial| trial.signals.contains(&signal));
+    any(Signal::TorqueEx) && !any(Signal::ForceEx)
 }
 
 /// Every trial of the experiment that does not count, and whatever else was found and is in no

@@ -14,6 +14,7 @@ mod figures;
 mod file;
 mod form;
 mod id;
+mod label;
 mod law;
 mod locate;
 mod model;
@@ -43,6 +44,7 @@ pub use id::{
     ActuatorId, ChannelId, EnvironmentId, ExperimenterId, IdError, MetricId, ModeId, ParticipantId,
     QuestionId, SceneFigureId, SessionId, StudyId,
 };
+pub use label::in_a_sentence;
 pub use law::{ActuatorKind, ModeLaw};
 pub use locate::{line_of, toml_error};
 pub use model::{

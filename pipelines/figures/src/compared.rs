@@ -8,7 +8,7 @@ use zwidth_draw::style::{self, Marker, Stroke};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, Ticks, dodge,
 };
-use zwidth_study::{Environment, EnvironmentId, Source};
+use zwidth_study::{Environment, EnvironmentId, Source, in_a_sentence};
 use zwidth_tables::{Table, TableError, Values, shown_unit};
 
 /// The figure [`modes_compared`].
@@ -493,7 +493,7 @@ pub fn sessions_compared(
             let Some(place) = rows_with(tables.sessions, &keys)?.into_iter().next() else {
                 continue;
             };
-            let title = format!("{}, {}", environment.label, mode.label.to_lowercase());
+            let title = format!("{}, {}", environment.label, in_a_sentence(&mode.label));
             let layers = bland_altman(&keys, place, index, &shown, tables)?;
             let x = Axis::new("mean of both", shown.unit.as_str());
             let y = Axis::new("change", shown.unit.as_str());

@@ -12,7 +12,7 @@ use crate::words::{Words, keep_together, mark, plain, time_axis};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Range};
 use zwidth_store::Signal;
-use zwidth_study::{Alignment, Alignments};
+use zwidth_study::{Alignment, Alignments, in_a_sentence};
 use zwidth_tables::TableError;
 
 /// The figure [`modes`].
@@ -69,7 +69,7 @@ fn describe(scene: &EnvironmentData, words: Words) -> String {
     let counts: Vec<String> = scene
         .modes
         .iter()
-        .map(|m| format!("{} {}", m.repeats.len(), m.label.to_lowercase()))
+        .map(|m| format!("{} {}", m.repeats.len(), in_a_sentence(&m.label)))
         .collect();
     format!(
         "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}.",
@@ -139,7 +139,7 @@ fn rhythms(scene: &EnvironmentData) -> String {
         Dash::FarApart => "far apart",
         _ => "dot by dot",
     };
-    let one = |m: &&ModeData| format!("{} {}", plain(&m.label.to_lowercase()), dots(m));
+    let one = |m: &&ModeData| format!("{} {}", plain(&in_a_sentence(&m.label)), dots(m));
     let all: Vec<String> = averaged.iter().map(one).collect();
     if all.len() < 2 { String::new() } else { format!(" ({})", all.join(", ")) }
 }

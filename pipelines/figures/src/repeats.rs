@@ -9,6 +9,7 @@ use zwidth_draw::{
     Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, Range, Text, TextPlace, style,
 };
 use zwidth_store::Signal;
+use zwidth_study::in_a_sentence;
 
 /// The figure [`repeats`].
 pub const REPEATS: FigureKind =
@@ -44,7 +45,7 @@ pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
         title: Some(plain(&format!(
             "{}: every repeat, {} ({})",
             scene.environment.label,
-            mode.label.to_lowercase(),
+            in_a_sentence(&mode.label),
             keep_together(&scene.who),
         ))),
         description: format!(

@@ -105,6 +105,20 @@ pub fn commanded(metric: &str, scene: &Scene) -> Option<f64> {
 /// The metrics that rest on recorded currents.
 const OF_CURRENTS: [&str; 2] = ["electrical_energy_j", "force_per_power_recorded_n_per_w"];
 
+/// The metrics that rest on the lever's length: energies, powers and ways of the finger.
+const OF_LEVER: [&str; 5] = [
+    "loop_area_j",
+    "wall_depth_m",
+    "wall_energy_j",
+    "force_per_power_n_per_w",
+    "force_per_power_recorded_n_per_w",
+];
+
+/// Whether there is no such metric without the lever's length.
+pub fn needs_lever(metric: &str) -> bool {
+    OF_LEVER.contains(&metric) || ACTUATORS.iter().any(|spec| spec.name == metric)
+}
+
 /// Whether trials in such a scene, recorded with such signals and channels, can have that metric at
 /// all.
 pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal], channels: &[Channel]) -> bool {
@@ -120,6 +134,8 @@ pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal], channels: &[
         let current = channels.iter().any(|channel| currents.contains(&channel.id.as_str()));
         let voltage = has(&[Signal::VoltageMotor]) || has(&[Signal::VoltageBrake]);
         voltage && (current || !OF_CURRENTS.contains(&metric))
+    } else if metric == "force_rms_error_n" {
+        scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx, Signal::ForceCmd])
     } else if is_in(DISCREPANCY) || is_in(SPRING) {
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx])
     } else if is_in(WALL) {

@@ -56,7 +56,7 @@ mod wall;
 
 pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
-pub use columns::{commanded, is_number, is_possible, renamed};
+pub use columns::{commanded, is_number, is_possible, needs_lever, renamed};
 pub use compliance::Compliance;
 pub use conditions::{by_condition, join_conditions};
 pub use discrepancy::Discrepancy;

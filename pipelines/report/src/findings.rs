@@ -5,7 +5,7 @@ use crate::evidence::NOTHING_RETURNED;
 use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
-use zwidth_study::{Coordinate, Environment, Mode, Setup};
+use zwidth_study::{Coordinate, Environment, Mode, Setup, in_a_sentence};
 use zwidth_tables::{Table, TableError, given, quantity};
 
 /// One sentence.
@@ -100,7 +100,12 @@ fn rendered(
         Some(share) => parts.push(format!("{:.0} % of the work put in came back", 100.0 * share)),
         None => {}
     }
-    Ok(Some(format!("{}, {}: {}.", environment.label, mode.label.to_lowercase(), parts.join("; "))))
+    Ok(Some(format!(
+        "{}, {}: {}.",
+        environment.label,
+        in_a_sentence(&mode.label),
+        parts.join("; ")
+    )))
 }
 
 /// How far each mode let the lever past the wall, the least first.
@@ -115,7 +120,7 @@ fn wall_by_mode(
         let of = format!(
             "{} with {} (reached in {} of {} trials{})",
             quantity(rad.mean, "rad", coordinate),
-            mode.label.to_lowercase(),
+            in_a_sentence(&mode.label),
             rad.trials,
             trials.len(),
             rigidity(trials, coordinate)?
@@ -156,7 +161,7 @@ fn both(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableError> {
         let returned = trials
             .mean("returned_energy_share")?
             .is_some_and(|share| share.mean > NOTHING_RETURNED);
-        let label = mode.label.to_lowercase();
+        let label = in_a_sentence(&mode.label);
         let mean = trials.mean("wall_past_max_rad")?;
         past.extend(mean.map(|rad| (rad.mean, label.clone(), returned)));
         gave.extend(returned.then_some(label));
@@ -181,7 +186,7 @@ fn steadiness(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableEr
             Trials::of(metrics, None, &mode.id)?.count("recorded_stability", "smooth")?;
         (smooth, all) = (smooth + still, all + n);
         if still < n {
-            swung.push(format!("{} of {n} with {}", n - still, mode.label.to_lowercase()));
+            swung.push(format!("{} of {n} with {}", n - still, in_a_sentence(&mode.label)));
         }
     }
     let text = match (all, swung.as_slice()) {
@@ -214,7 +219,7 @@ fn answers(study: &Setup, tally: &Table, simulated: bool) -> Result<Vec<Finding>
             list.push(format!(
                 "{} with {} ({counted}{})",
                 median.words(),
-                mode.label.to_lowercase(),
+                in_a_sentence(&mode.label),
                 whose.unwrap_or_default()
             ));
         }

@@ -4,7 +4,7 @@
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use zwidth_dynamics::solver_label;
-use zwidth_study::Setup;
+use zwidth_study::{Setup, in_a_sentence};
 use zwidth_tables::{Table, TableError, quantity};
 
 /// The cheapest run of each scene of a study that a person could not tell from the right one, from
@@ -100,7 +100,7 @@ fn condition(study: &Setup, name: &str, between: char) -> String {
     let of = |environment: &zwidth_study::Environment| {
         let mode = name.strip_prefix(environment.id.as_str())?.strip_prefix(between)?;
         let mode = study.modes.iter().find(|m| m.id.as_str() == mode)?;
-        Some(format!("{}, {}", environment.label, mode.label.to_lowercase()))
+        Some(format!("{}, {}", environment.label, in_a_sentence(&mode.label)))
     };
     study.environments.iter().find_map(of).unwrap_or_else(|| name.to_owned())
 }

@@ -76,6 +76,13 @@ fn metric(data: &StudyData, asked: &Compare) -> anyhow::Result<String> {
     let Some(wanted) = &asked.metric else { return Ok(first.clone()) };
     match metrics.iter().find(|metric| *metric == wanted) {
         Some(metric) => Ok(metric.clone()),
+        None if plan::is_metric(wanted) => bail!(
+            "--metric {wanted}: {} does not compare it yet (it compares {}); if its trials have it, \
+             add it to `metrics` under [compare] in {}",
+            data.layout.study(),
+            metrics.join(", "),
+            data.layout.shown(&data.layout.study_toml()).display()
+        ),
         None => bail!(
             "--metric {wanted}: {} does not compare it{} (it compares {})",
             data.layout.study(),

@@ -61,5 +61,5 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
     } else {
         screen.result(report.to_string());
     }
-    Ok(Exit::Fine)
+    Ok(if report.is_doubtful() { Exit::Partly } else { Exit::Fine })
 }

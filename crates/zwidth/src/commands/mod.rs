@@ -36,6 +36,7 @@ pub(crate) mod verify;
 pub(crate) mod why;
 
 use anyhow::{Context as _, bail};
+use near::did_you_mean;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Layout, SessionLog, StoreError, StudyData};
 use zwidth_study::{ParticipantId, SessionId, StudyId};
@@ -75,11 +76,19 @@ fn study(root: &Path, id: StudyId) -> anyhow::Result<Layout> {
         let there = all(root).unwrap_or_default();
         let there: Vec<&str> = there.iter().map(StudyId::as_str).collect();
         let id = layout.study();
+        if there.is_empty() {
+            bail!(
+                "there is no study '{id}': {} is missing; go to the folder that has raw/ or name it with --root, \
+                 or make a new study with `zwidth new {id}`",
+                layout.study_toml().display(),
+            );
+        }
         bail!(
-            "there is no study '{id}': {} is missing; make it with `zwidth new {id}`, or name another (there {}: {})",
+            "there is no study '{id}': {} is missing{}; there {} {}; make a new one with `zwidth new {id}`",
             layout.study_toml().display(),
+            did_you_mean(id.as_str(), there.iter().copied()),
             if there.len() == 1 { "is" } else { "are" },
-            if there.is_empty() { "none".to_owned() } else { there.join(", ") },
+            there.join(", "),
         );
     }
     Ok(layout)

@@ -104,6 +104,12 @@ impl Contents {
         Self { turned: session.map(of), ..self }
     }
 
+    /// The same for a study in which the user's torque was recorded, and no force.
+    #[must_use]
+    pub fn with_torque(self) -> Self {
+        Self { force_unit: "N·m", ..self }
+    }
+
     /// Whether there are sliders.
     pub(super) fn has_turned(&self) -> bool {
         self.turned.is_some()
@@ -131,7 +137,7 @@ impl Contents {
             simulated: crate::people::simulated(metrics)?,
             angle_unit,
             angle_scale,
-            force_unit: if planned.device.lever_m.is_some() { "N" } else { "N·m" },
+            force_unit: "N",
             environments: planned.environments.iter().map(EnvironmentOf::of).collect(),
             modes: planned.modes.iter().map(Labelled::of).collect(),
             metrics: columns

@@ -11,7 +11,7 @@ use crate::thesis::statements;
 use std::collections::BTreeMap;
 use zwidth_stats::power::clopper_pearson;
 use zwidth_stats::superiority::{Repeats, superiority};
-use zwidth_study::{Coordinate, Environment, Mode, ModeLaw};
+use zwidth_study::{Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
 use zwidth_tables::TableError;
 
 /// Above this share of pairs with the higher answer, and below one less it, a difference counts
@@ -124,7 +124,7 @@ fn less_another(
     } else {
         [&mode.label, &other_mode.label]
     };
-    let pair = format!("{} − {}", of.to_lowercase(), less.to_lowercase());
+    let pair = format!("{} − {}", in_a_sentence(of), in_a_sentence(less));
     let metric = format!("{}, {pair}", judged.evidence.metric);
     Judged { evidence: Evidence { metric, ..judged.evidence }, ..judged }
 }
@@ -201,7 +201,7 @@ fn superior((law, place): Case, over: ModeLaw, derived: &Derived) -> Result<Judg
         n => (n, "participants".to_owned()),
     };
     let words = "share of pairs with the higher answer (ties half)";
-    let modes = format!("{} over {}", a.label.to_lowercase(), b.label.to_lowercase());
+    let modes = format!("{} over {}", in_a_sentence(&a.label), in_a_sentence(&b.label));
     let asked = match interval {
         Some(_) => "above 0.5: higher more often than lower",
         None => "above 0.56: a small effect (Vargha & Delaney 2000)",

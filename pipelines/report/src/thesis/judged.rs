@@ -6,7 +6,7 @@ use crate::gallery::{Gallery, Shown};
 use crate::thesis::estimate::{Estimated, Spread, trials_of};
 use crate::thesis::rule::{Case, From, Place, Quantity, Range};
 use crate::trials::{People, Trials};
-use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw};
+use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
 use zwidth_tables::{Table, TableError, number, shown_unit, with_unit};
 
 /// The tables of a study by which the thesis' statements are judged.
@@ -93,7 +93,7 @@ pub(crate) fn trials<'a>(
         From::Replays => derived.replays,
     };
     let none = || {
-        let of = [mode.label.to_lowercase(), environment.label.to_lowercase()].join(", ");
+        let of = [in_a_sentence(&mode.label), in_a_sentence(&environment.label)].join(", ");
         Stop::NotMeasured(format!("there is no trial of {of}"))
     };
     let trials = Trials::of(table.ok_or_else(none)?, Some(&environment.id), &mode.id)?;

@@ -1,0 +1,38 @@
+//! Labels that people gave to modes and environments, in the middle of a sentence.
+
+/// A label where no sentence begins: the first letter is small unless its word is written large
+/// throughout (PD) or inside (McRuer); the rest is as it was given.
+pub fn in_a_sentence(label: &str) -> String {
+    let mut letters = label.chars();
+    let Some(first) = letters.next() else { return String::new() };
+    let rest = letters.as_str();
+    let word = rest.split(|c: char| !c.is_alphabetic()).next().unwrap_or_default();
+    let is_a_word = !word.is_empty() && word.chars().all(char::is_lowercase);
+    match is_a_word {
+        true => first.to_lowercase().chain(rest.chars()).collect(),
+        false => label.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_a_sentence;
+
+    #[test]
+    fn only_the_first_letter_of_an_ordinary_word_becomes_small() {
+        let pairs = [
+            ("Motor", "motor"),
+            ("Controller A", "controller A"),
+            ("PD", "PD"),
+            ("A", "A"),
+            ("McRuer's model", "McRuer's model"),
+            ("Ärmel Nord", "ärmel Nord"),
+            ("hybrid", "hybrid"),
+            ("3 N", "3 N"),
+            ("", ""),
+        ];
+        for (label, expect) in pairs {
+            assert_eq!(in_a_sentence(label), expect);
+        }
+    }
+}
