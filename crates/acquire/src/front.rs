@@ -15,9 +15,10 @@ pub trait Front {
     fn show(&mut self, view: &View) -> Result<(), AcquireError>;
 
     /// The next input by a person, waiting for one at most `wait`; none if there was none. Only the
-    /// inputs of people come from here: [`Input::Start`], [`Input::Answer`], [`Input::Skip`],
-    /// [`Input::Hold`], [`Input::Repeat`], [`Input::Exclude`], [`Input::Note`], [`Input::Of`],
-    /// [`Input::Stop`], [`Input::Quit`].
+    /// inputs of people come from here: [`Input::Start`], [`Input::Answer`],
+    /// [`Input::AnswerThere`], [`Input::Skip`], [`Input::Hold`], [`Input::Repeat`],
+    /// [`Input::Exclude`], [`Input::Note`], [`Input::Of`], [`Input::Tell`], [`Input::Stop`],
+    /// [`Input::Quit`].
     ///
     /// # Errors
     /// A terminal or a pipe that is gone.

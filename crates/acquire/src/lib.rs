@@ -1,5 +1,5 @@
 //! A session of trials: its flow, the runner that binds it to a device and the store, and the
-//! screen.
+//! screens.
 
 mod auto;
 mod careful;
@@ -12,6 +12,7 @@ mod left;
 mod markers;
 mod number;
 mod own;
+mod participant;
 mod plain;
 mod plan;
 mod run;
@@ -32,6 +33,7 @@ pub use left::left_to_do;
 pub use markers::Target;
 pub use number::number;
 pub use own::own_study;
+pub use participant::{Beside, Door, Guest, place_of, show_lines, show_screen};
 pub use plain::Plain;
 pub use plan::Plan;
 pub use run::{Options, Outcome, Parts, run};

@@ -116,6 +116,11 @@ impl Layout {
         self.raw().join(".lock")
     }
 
+    /// The file by which a participant's screen finds the session that is being recorded.
+    pub(crate) fn port(&self) -> PathBuf {
+        self.raw().join(".participant")
+    }
+
     /// A path as shown to people: relative to the root where it lies below it.
     pub fn shown<'a>(&self, path: &'a Path) -> &'a Path {
         path.strip_prefix(&self.root).unwrap_or(path)

@@ -33,6 +33,7 @@ mod layout;
 mod lock;
 mod memory;
 mod plausible;
+mod port;
 mod raw;
 mod read;
 mod record;
@@ -79,6 +80,7 @@ pub use layout::Layout;
 pub use lock::{StudyLock, owner};
 pub use memory::{Fault, Memory, Survives};
 pub use plausible::Asked;
+pub use port::{PortFile, read_port};
 pub use raw::Raw;
 pub use read::{
     TrialFooter, read_channels, read_entries, read_footer, read_parquet, read_parquet_columns,

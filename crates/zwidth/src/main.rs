@@ -45,6 +45,7 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Merge(command) => commands::merge::merge(root, &command, screen),
         Command::New { study } => commands::new::new(root, study, screen),
         Command::Acquire(command) => commands::acquire::acquire(root, &command, screen),
+        Command::Participant(command) => commands::participant::participant(root, &command, screen),
         Command::Check(command) => commands::check::check(root, &command, screen),
         Command::Characterise(command) => {
             commands::characterise::characterise(root, &command, screen)

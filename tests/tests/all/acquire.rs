@@ -116,7 +116,12 @@ pub(crate) struct Live {
 
 impl Live {
     pub(crate) fn new(desk: &Desk, more: &[&str]) -> Self {
-        let mut child = desk.command(more).spawn().unwrap();
+        Self::of(desk.command(more))
+    }
+
+    /// A program that writes lines and reads some.
+    pub(crate) fn of(mut command: Command) -> Self {
+        let mut child = command.spawn().unwrap();
         let says = BufReader::new(child.stdout.take().unwrap());
         let hears = child.stdin.take().unwrap();
         Self { child, says, hears }
@@ -125,7 +130,7 @@ impl Live {
     /// A session that came as far as the line that begins so. Where the machine stood still for
     /// longer than a control loop may, while the device was checked, it is begun again: nothing was
     /// recorded by then.
-    fn begun(desk: &Desk, more: &[&str], start: &str) -> Self {
+    pub(crate) fn begun(desk: &Desk, more: &[&str], start: &str) -> Self {
         const STOOD_STILL: &str = "stopped device check: the control loop missed ";
         loop {
             let mut live = Self::new(desk, more);
@@ -147,6 +152,18 @@ impl Live {
     /// Reads on to the line that begins in one of these ways.
     #[track_caller]
     pub(crate) fn until_any(&mut self, starts: &[&str]) -> String {
+        self.read_until(starts).1
+    }
+
+    /// Reads on to the line that begins so; what came before it.
+    #[track_caller]
+    pub(crate) fn all_until(&mut self, start: &str) -> String {
+        self.read_until(&[start]).0
+    }
+
+    /// Reads on to the line that begins in one of these ways: what came before it, and the line.
+    #[track_caller]
+    fn read_until(&mut self, starts: &[&str]) -> (String, String) {
         let mut all = String::new();
         loop {
             let mut line = String::new();
@@ -156,7 +173,7 @@ impl Live {
                 panic!("none of {starts:?} came: {all}{told}");
             }
             if starts.iter().any(|start| line.starts_with(start)) {
-                return line;
+                return (all, line);
             }
             all += &line;
         }

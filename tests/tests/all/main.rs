@@ -23,6 +23,7 @@ mod folders;
 mod hostile_import;
 mod logs;
 mod page;
+mod participant;
 #[cfg(unix)]
 mod printed;
 mod provenance;

@@ -28,14 +28,14 @@ fn told(desk: &Desk, command: &str, more: &[&str], words: &str) {
     assert!(ran.out.contains(words), "{ran:#?}");
 }
 
-fn log(desk: &Desk) -> Vec<Value> {
+pub(crate) fn log(desk: &Desk) -> Vec<Value> {
     let path = desk.root().join("raw/small/sessions/P01_S01.events.jsonl");
     let text = fs::read_to_string(path).unwrap();
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
 /// The answers that count: trial and value.
-fn answers(desk: &Desk) -> Vec<(i64, i64)> {
+pub(crate) fn answers(desk: &Desk) -> Vec<(i64, i64)> {
     zwidth(desk.root(), &["run", "--only", "likert"]).exits(0);
     let path = desk.root().join("derived/small/answers.parquet");
     let table = Table::from_parquet(&path).unwrap();

@@ -18,12 +18,14 @@ impl Flow {
             Input::Elapsed(dt_s) => self.elapsed(dt_s),
             Input::Start => self.start(),
             Input::Answer(value) => self.answer(value),
+            Input::AnswerThere(value) => self.answer_there(value),
             Input::Skip => self.skip(),
             Input::Hold => self.hold(),
             Input::Repeat => self.repeat(),
             Input::Exclude(reason) => self.exclude(reason),
             Input::Note(text) => note(self.subject(), text),
             Input::Of(trial, about) => self.about(trial, about),
+            Input::Tell(what) => vec![Action::Tell(what)],
             Input::Stop => self.halt(Halt::Stop),
             Input::Quit => self.halt(Halt::Quit),
         }
@@ -222,6 +224,21 @@ impl Flow {
             self.finish(place, Some(given))
         };
         [vec![action], self.after(place, asked)].concat()
+    }
+
+    /// The same by the participant's own screen, which a remark on the trial keeps.
+    fn answer_there(&mut self, value: i16) -> Vec<Action> {
+        let there = match self.phase {
+            Phase::Question { place, asked, .. } => self.asked(place, asked).map(|question| {
+                let text = format!("{} was answered at the participant's screen", question.id);
+                note(Some(self.places[place].trial.trial), text)
+            }),
+            _ => None,
+        };
+        let mut actions = self.answer(value);
+        let is_refused = matches!(actions.first(), Some(Action::Refuse(_)));
+        actions.extend(there.filter(|_| !is_refused).into_iter().flatten());
+        actions
     }
 
     /// From the question to now, ms. None where no time goes by, as in a simulated session.

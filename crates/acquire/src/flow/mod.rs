@@ -46,6 +46,8 @@ pub enum Input {
     Start,
     /// The answer to the question, a number of its scale.
     Answer(i16),
+    /// The same, given at the participant's own screen: the log says so.
+    AnswerThere(i16),
     /// The question stays without an answer.
     Skip,
     /// Hold the pause until this comes again, or somebody starts.
@@ -58,6 +60,8 @@ pub enum Input {
     Note(String),
     /// Something about a trial of the session, by its number.
     Of(u32, About),
+    /// Something to be told, which changes nothing.
+    Tell(String),
     /// Emergency stop.
     Stop,
     /// End the session here; it can be resumed.

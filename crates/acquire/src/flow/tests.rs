@@ -83,6 +83,40 @@ fn answered(question: &str, value: i16) -> Event {
 }
 
 #[test]
+fn an_answer_at_the_participants_screen_is_the_same_and_a_remark_on_its_trial_says_so() {
+    let begun = || {
+        let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
+        feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);
+        flow
+    };
+    let (mut here, mut there) = (begun(), begun());
+    for (question, value) in [("felt", 4), ("mood", -2), ("last", 5)] {
+        let text = format!("{question} was answered at the participant's screen");
+        let remark = Action::Log(Event::Note { trial: Some(1), text });
+        let expect = [here.step(Input::Answer(value)), vec![remark]].concat();
+        assert_eq!(there.step(Input::AnswerThere(value)), expect);
+        assert_eq!(there, here);
+    }
+}
+
+#[test]
+fn an_answer_at_the_participants_screen_that_is_none_leaves_no_remark() {
+    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
+    feed(&mut flow, [Input::Checked, Input::Homed]);
+    assert!(matches!(&flow.step(Input::AnswerThere(4))[..], [Action::Refuse(_)]));
+    feed(&mut flow, [Input::Start, Input::Ended(End::Complete)]);
+    assert!(matches!(&flow.step(Input::AnswerThere(9))[..], [Action::Refuse(_)]));
+}
+
+#[test]
+fn what_is_told_changes_nothing() {
+    let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
+    let before = flow.clone();
+    assert_eq!(flow.step(Input::Tell("a word".into())), [Action::Tell("a word".into())]);
+    assert_eq!(flow, before);
+}
+
+#[test]
 fn several_questions_follow_each_other_and_the_trial_is_safe_from_the_first_answer_on() {
     let (mut flow, _) = Flow::begin(three(), PAUSE_S, &[], &[]);
     feed(&mut flow, [Input::Checked, Input::Homed, Input::Start, Input::Ended(End::Complete)]);

@@ -31,7 +31,7 @@ impl Look {
     }
 
     /// The style of a role.
-    pub(super) fn style(self, role: Role) -> Style {
+    pub(crate) fn style(self, role: Role) -> Style {
         let (colour, modifier) = match role {
             Role::Plain => (Color::Reset, Modifier::empty()),
             Role::Strong => (Color::Reset, Modifier::BOLD),
@@ -49,7 +49,7 @@ impl Look {
 
 /// What a piece of the screen is, for its style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
+pub(crate) enum Role {
     /// Running text.
     Plain,
     /// A number or a word to be seen first.
@@ -73,7 +73,7 @@ fn is_utf8(locale: &str) -> bool {
 
 /// Writes every cell of a buffer in ASCII: lines and bars by their nearest likeness, what has none
 /// as `?`.
-pub(super) fn to_ascii(buffer: &mut Buffer) {
+pub(crate) fn to_ascii(buffer: &mut Buffer) {
     for cell in buffer.content.iter_mut().filter(|cell| !cell.symbol().is_ascii()) {
         let likeness = likeness(cell.symbol());
         cell.set_symbol(likeness);

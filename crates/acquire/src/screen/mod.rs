@@ -8,12 +8,12 @@
 
 mod foot;
 mod keys;
-mod look;
+pub(crate) mod look;
 mod panel;
 mod place;
 mod render;
 mod terminal;
-mod text;
+pub(crate) mod text;
 mod trace;
 
 #[cfg(test)]

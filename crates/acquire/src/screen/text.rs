@@ -3,12 +3,12 @@
 use ratatui::text::Span;
 
 /// Cells a text takes.
-pub(super) fn width(text: &str) -> usize {
+pub(crate) fn width(text: &str) -> usize {
     Span::raw(text).width()
 }
 
 /// Breaks a text into lines of at most `limit` cells, between words where it can.
-pub(super) fn wrap(text: &str, limit: usize) -> Vec<String> {
+pub(crate) fn wrap(text: &str, limit: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace().flat_map(|word| pieces(word, limit.max(1))) {
         let line = lines.last().map_or(0, |line| width(line));
@@ -26,7 +26,7 @@ pub(super) fn wrap(text: &str, limit: usize) -> Vec<String> {
 
 /// Breaks a text into pieces of at most `limit` cells wherever they are full: spaces stay as they
 /// were typed.
-pub(super) fn pieces(text: &str, limit: usize) -> Vec<String> {
+pub(crate) fn pieces(text: &str, limit: usize) -> Vec<String> {
     let mut pieces = vec![String::new()];
     for c in text.chars() {
         match pieces.last_mut() {
@@ -40,7 +40,7 @@ pub(super) fn pieces(text: &str, limit: usize) -> Vec<String> {
 }
 
 /// A text cut to `limit` cells, with an ellipsis where it was cut.
-pub(super) fn fit(text: &str, limit: usize) -> String {
+pub(crate) fn fit(text: &str, limit: usize) -> String {
     if width(text) <= limit {
         return text.to_owned();
     }
@@ -51,7 +51,7 @@ pub(super) fn fit(text: &str, limit: usize) -> String {
 }
 
 /// A bar of `cells` cells, filled to a fraction.
-pub(super) fn bar(fraction: f64, cells: usize) -> String {
+pub(crate) fn bar(fraction: f64, cells: usize) -> String {
     // The product lies between 0 and `cells`: the cast cannot lose anything.
     let full = (fraction.clamp(0.0, 1.0) * cells as f64).round() as usize;
     "█".repeat(full) + &"░".repeat(cells - full.min(cells))

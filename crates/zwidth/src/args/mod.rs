@@ -70,6 +70,10 @@ pub(crate) enum Command {
         "  zwidth acquire mystudy -p P01 -s S01 --device rig:/dev/ttyACM0"
     ))]
     Acquire(Acquire),
+    /// The participant's own screen beside a session that is being recorded: what to do, and the
+    /// question
+    #[command(after_help = "Example:\n  zwidth participant mystudy")]
+    Participant(Participant),
     /// The device check before a session
     #[command(after_help = "Example:\n  zwidth check mystudy --device rig:/dev/ttyACM0")]
     Check(Check),
@@ -305,6 +309,18 @@ pub(crate) struct Acquire {
     /// own copy; its log says so
     #[arg(long)]
     pub(crate) accept_study_change: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Participant {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Lines in and out instead of the screen
+    #[arg(long)]
+    pub(crate) plain: bool,
+    /// The screen in ASCII alone
+    #[arg(long)]
+    pub(crate) ascii: bool,
 }
 
 /// Where seals lie.

@@ -1,6 +1,7 @@
 //! `zwidth acquire`: records a session, or goes on with one.
 
 use super::device::{Bench, bench, clock, keys, raised_by_signals, secret, warn_of_calibration};
+use super::participant::{beside, way};
 use super::recover::{lock, put_in_order_and_tell};
 use super::resume::resume;
 use crate::args::Acquire;
@@ -72,7 +73,9 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
     };
     let mut clock =
         clock(command.fast, mixed(seed, &["clock", participant.as_str(), session.as_str()]));
-    let mut front = front(command, Arc::clone(&options.stop))?;
+    // Before the terminal is taken: what is told of it would not be seen there.
+    let way = if command.auto { None } else { way(&layout, &lock, screen) };
+    let mut front = beside(front(command, Arc::clone(&options.stop))?, way);
     let utc = |_: f64| super::recover::now();
     let parts = Parts {
         device: &mut *device,

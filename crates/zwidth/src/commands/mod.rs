@@ -17,6 +17,7 @@ mod near;
 pub(crate) mod new;
 pub(crate) mod open;
 mod output;
+pub(crate) mod participant;
 pub(crate) mod power;
 pub(crate) mod recover;
 mod resume;

@@ -1,0 +1,162 @@
+//! A session's front end, and a participant's screen beside it.
+
+use super::door::{Door, Heard};
+use super::sight::Sight;
+use crate::{AcquireError, Front, Input, Phase, View};
+use std::time::Duration;
+use zwidth_store::PortFile;
+
+/// Another front end, and a door for a participant's screen: it shows what the participant may see,
+/// and hands over answers to the open question. Whatever becomes of the screen, the other front end
+/// goes on.
+pub struct Beside {
+    front: Box<dyn Front>,
+    /// Where screens find the door, while it is open.
+    _file: Option<PortFile>,
+    door: Door,
+    /// The trial and the phase with the open question.
+    open: Option<(Option<u32>, Phase)>,
+    /// How many questions were opened.
+    number: u64,
+}
+
+impl Beside {
+    /// Beside that front end; the file tells where the door is.
+    pub fn new(front: Box<dyn Front>, door: Door, file: Option<PortFile>) -> Self {
+        Self { front, _file: file, door, open: None, number: 0 }
+    }
+
+    /// What comes from the participant's screen now.
+    fn heard(&self) -> Option<Input> {
+        // An answer to a question that is not open any more is none to this one.
+        let is_late = |number| self.open.is_none() || number != self.number;
+        let heard = std::iter::from_fn(|| self.door.hear());
+        let mut inputs = heard.filter_map(|heard| match heard {
+            Heard::Opened => Some(Input::Tell("the participant's screen is open".to_owned())),
+            Heard::Closed => Some(Input::Tell(
+                "the participant's screen was closed: answer here, or open it again".to_owned(),
+            )),
+            Heard::Answer { number, .. } if is_late(number) => None,
+            Heard::Answer { value, .. } => Some(Input::AnswerThere(value)),
+        });
+        inputs.next()
+    }
+}
+
+impl Front for Beside {
+    fn show(&mut self, view: &View) -> Result<(), AcquireError> {
+        let is_open = matches!(view.phase, Phase::Question { .. });
+        let open =
+            is_open.then(|| (view.trial.as_ref().map(|trial| trial.trial), view.phase.clone()));
+        if open.is_some() && open != self.open {
+            self.number += 1;
+        }
+        self.open = open;
+        self.door.show(&Sight::of(view, self.number));
+        self.front.show(view)
+    }
+
+    fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
+        match self.heard() {
+            Some(input) => Ok(Some(input)),
+            None => self.front.next(wait),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::guest::Guest;
+    use super::super::sight::Now;
+    use super::super::sight::tests::telling;
+    use super::super::wire::place_of;
+    use super::*;
+    use crate::Nobody;
+    use zwidth_study::AnswerScale;
+
+    const SOON: Duration = Duration::from_millis(1);
+
+    fn question(text: &str) -> View {
+        telling(Phase::Question { text: text.into(), scale: AnswerScale::FivePoint })
+    }
+
+    /// A session, and a screen that is in.
+    fn both() -> (Beside, Guest) {
+        let door = Door::open("word").unwrap();
+        let place = door.place();
+        let mut beside = Beside::new(Box::new(Nobody), door, None);
+        let (port, word) = place_of(&place).unwrap();
+        let guest = Guest::enter(port, word).unwrap();
+        assert_eq!(next(&mut beside), Input::Tell("the participant's screen is open".into()));
+        (beside, guest)
+    }
+
+    fn next(beside: &mut Beside) -> Input {
+        loop {
+            if let Some(input) = beside.next(SOON).unwrap() {
+                return input;
+            }
+        }
+    }
+
+    /// The number of the question with this text, once the screen shows it.
+    fn number(guest: &mut Guest, text: &str) -> u64 {
+        loop {
+            let sight = guest.next(SOON).unwrap();
+            match sight.as_ref().and_then(Sight::asked) {
+                Some(asked) if asked.text == text => return asked.number,
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn an_answer_at_the_participants_screen_is_handed_over() {
+        let (mut beside, mut guest) = both();
+        beside.show(&question("one")).unwrap();
+        let number = number(&mut guest, "one");
+        guest.answer(number, 4).unwrap();
+        assert_eq!(next(&mut beside), Input::AnswerThere(4));
+    }
+
+    #[test]
+    fn an_answer_that_comes_after_its_question_is_none_to_the_next() {
+        let (mut beside, mut guest) = both();
+        beside.show(&question("one")).unwrap();
+        let one = number(&mut guest, "one");
+        beside.show(&question("two")).unwrap();
+        let two = number(&mut guest, "two");
+        guest.answer(one, 1).unwrap();
+        guest.answer(two, 5).unwrap();
+        assert_eq!(next(&mut beside), Input::AnswerThere(5));
+        beside.show(&telling(Phase::Ready)).unwrap();
+        guest.answer(two, 2).unwrap();
+        drop(guest);
+        // Only that it went is heard.
+        assert!(matches!(next(&mut beside), Input::Tell(told) if told.contains("was closed")));
+    }
+
+    #[test]
+    fn a_question_that_is_asked_again_has_another_number() {
+        let (mut beside, mut guest) = both();
+        beside.show(&question("one")).unwrap();
+        let first = number(&mut guest, "one");
+        beside.show(&question("one")).unwrap();
+        assert_eq!(beside.number, first);
+        beside.show(&telling(Phase::Ready)).unwrap();
+        beside.show(&question("one")).unwrap();
+        assert_ne!(beside.number, first);
+    }
+
+    #[test]
+    fn the_session_goes_on_when_the_screen_is_gone_and_another_may_come() {
+        let (mut beside, guest) = both();
+        drop(guest);
+        assert!(matches!(next(&mut beside), Input::Tell(told) if told.contains("was closed")));
+        beside.show(&telling(Phase::Done)).unwrap();
+        let place = beside.door.place();
+        let (port, word) = place_of(&place).unwrap();
+        let mut guest = Guest::enter(port, word).unwrap();
+        assert_eq!(guest.next(SOON).unwrap().map(|sight| sight.now), Some(Now::Done));
+    }
+}

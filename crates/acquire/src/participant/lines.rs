@@ -1,0 +1,154 @@
+//! The participant's screen as lines, for scripts, tests and people who read with their ears.
+//!
+//! A line out for each thing to do; a line in, a number, answers the question. Numbers are taken in
+//! order, each when a question is open; so a script may say everything at once.
+
+use super::guest::Guest;
+use super::sight::{Asked, Now, Sight};
+use crate::AcquireError;
+use std::collections::VecDeque;
+use std::io::{BufRead, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+/// Longest wait for the session, each time.
+const WAIT: Duration = Duration::from_millis(20);
+
+/// Shows a session as lines until it is over, or `quit` is raised; whether it is over.
+///
+/// # Errors
+/// The session is gone; nobody takes the lines.
+pub fn show_lines(
+    mut guest: Guest,
+    input: impl BufRead + Send + 'static,
+    mut out: impl Write,
+    quit: &AtomicBool,
+) -> Result<bool, AcquireError> {
+    let said = read(input);
+    let (mut waiting, mut shown, mut open) = (VecDeque::new(), None, None);
+    let mut answered = None;
+    while !quit.load(Ordering::SeqCst) {
+        if let Some(sight) = guest.next(WAIT)? {
+            open = sight.asked().filter(|asked| answered != Some(asked.number)).cloned();
+            let line = line(&sight);
+            if shown.as_ref() != Some(&line) {
+                writeln!(out, "{line}")?;
+                out.flush()?;
+                shown = Some(line);
+            }
+            if sight.now == Now::Left {
+                return Ok(true);
+            }
+        }
+        waiting.extend(said.try_iter());
+        while let Some(asked) = &open {
+            let Some(line) = waiting.pop_front() else { break };
+            match value(asked, &line) {
+                Ok(value) => {
+                    guest.answer(asked.number, value)?;
+                    answered = Some(asked.number);
+                    open = None;
+                }
+                Err(words) => {
+                    writeln!(out, "{words}")?;
+                    out.flush()?;
+                }
+            }
+        }
+    }
+    Ok(false)
+}
+
+/// Lines, read on a thread of its own, which ends with the input or with the program.
+fn read(input: impl BufRead + Send + 'static) -> Receiver<String> {
+    let (sender, lines) = channel();
+    std::thread::spawn(move || {
+        for bytes in input.split(b'\n').map_while(Result::ok) {
+            let line = String::from_utf8_lossy(&bytes).trim().to_owned();
+            if !line.is_empty() && sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    lines
+}
+
+/// The answer that a line gives; the error says what may be answered.
+fn value(asked: &Asked, line: &str) -> Result<i16, String> {
+    let value = line.parse().ok().filter(|value| asked.has(*value));
+    value.ok_or_else(|| format!("'{line}' is not an answer: {}", asked.range))
+}
+
+/// What is to be done, as a line.
+fn line(sight: &Sight) -> String {
+    let trial = || {
+        let practice = if sight.practice { ", practice" } else { "" };
+        format!("{}{practice}", sight.environment.as_deref().unwrap_or_default())
+    };
+    match &sight.now {
+        Now::Wait => "wait: the device is being prepared".to_owned(),
+        Now::Ready => format!("ready: finger on the lever, {}", trial()),
+        Now::Go => format!("go: lever forward and back, once, {}", trial()),
+        Now::Question(asked) => {
+            let answers: Vec<String> = asked.shown().map(|choice| choice.words()).collect();
+            format!("question {} ({}: {})", asked.text, asked.range, answers.join(", "))
+        }
+        Now::Pause { .. } => "pause: finger off the lever".to_owned(),
+        Now::Held => "pause, held".to_owned(),
+        Now::Stopped => "stopped: finger off the lever, wait for the experimenter".to_owned(),
+        Now::Done => "done: that was the last trial".to_owned(),
+        Now::Left => "left: the session is over".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::door::{Door, Heard};
+    use super::super::sight::tests::{phases, telling};
+    use super::super::wire::place_of;
+    use super::*;
+    use crate::Phase;
+    use std::io::Cursor;
+    use zwidth_study::AnswerScale;
+
+    #[test]
+    fn no_line_tells_a_mode() {
+        for phase in phases() {
+            let told = line(&Sight::of(&telling(phase), 1));
+            assert!(!told.contains("SECRET") && !told.contains("8888"), "{told}");
+        }
+    }
+
+    #[test]
+    fn numbers_answer_questions_in_order_and_what_is_no_answer_is_told() {
+        let door = Door::open("word").unwrap();
+        let place = door.place();
+        let (port, word) = place_of(&place).unwrap();
+        let guest = Guest::enter(port, word).unwrap();
+        let lines = std::thread::spawn(move || {
+            let mut out = Vec::new();
+            let over =
+                show_lines(guest, Cursor::new("9\n4\n\n2\n"), &mut out, &AtomicBool::default());
+            (over.unwrap(), String::from_utf8(out).unwrap())
+        });
+        let answers: Vec<i16> = (1..=2)
+            .map(|number| {
+                let scale = AnswerScale::FivePoint;
+                let phase = Phase::Question { text: format!("Question {number}?"), scale };
+                door.show(&Sight::of(&telling(phase), number));
+                loop {
+                    if let Some(Heard::Answer { number: to, value }) = door.hear() {
+                        assert_eq!(to, number);
+                        break value;
+                    }
+                }
+            })
+            .collect();
+        assert_eq!(answers, [4, 2]);
+        door.show(&Sight::of(&telling(Phase::Left), 2));
+        let (is_over, out) = lines.join().unwrap();
+        assert!(is_over && out.contains("'9' is not an answer: 1 to 5"), "{out}");
+        assert!(out.ends_with("left: the session is over\n"), "{out}");
+    }
+}

@@ -1,0 +1,28 @@
+//! The participant's own screen, beside a session.
+//!
+//! ```text
+//! session: View → Sight → Door ═══ a line to this machine ═══ Guest → screen or lines
+//!          Input ←──────── Beside                                  answer
+//! ```
+//!
+//! What the participant may see is a [`Sight`](sight::Sight), which has no place for a mode, a
+//! voltage or a message; nothing else leaves the session. The door has threads of its own, so that
+//! neither the control loop nor the session ever waits for a screen.
+
+mod beside;
+mod big;
+mod door;
+mod draw;
+mod guest;
+mod keys;
+mod lines;
+mod sight;
+mod terminal;
+mod wire;
+
+pub use beside::Beside;
+pub use door::Door;
+pub use guest::Guest;
+pub use lines::show_lines;
+pub use terminal::show_screen;
+pub use wire::place_of;

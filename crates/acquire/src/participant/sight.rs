@@ -1,0 +1,242 @@
+//! What a participant may see of a session, as plain values.
+//!
+//! Nothing in here tells a mode: no mode, voltage, force or trace, no number of a trial, no message
+//! and no reason of a stop, which may name an actuator.
+
+use crate::{Phase, View};
+use serde::{Deserialize, Serialize};
+use zwidth_study::{AnswerScale, Kind, printable};
+
+/// What a participant sees.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub(super) struct Sight {
+    /// What is to be done now.
+    pub(super) now: Now,
+    /// The environment's label; none where there is no trial.
+    pub(super) environment: Option<String>,
+    /// Whether the trial is a familiarisation.
+    pub(super) practice: bool,
+    /// Trials that are done.
+    pub(super) done: usize,
+    /// Trials of the session.
+    pub(super) total: usize,
+}
+
+/// What a participant is to do.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Now {
+    /// The device is being prepared.
+    #[default]
+    Wait,
+    /// The next trial waits for its start.
+    Ready,
+    /// A trial runs.
+    Go,
+    /// A question waits for its answer.
+    Question(Asked),
+    /// The pause after a trial.
+    Pause {
+        /// Time left, s, rounded up.
+        left_s: u32,
+    },
+    /// The pause goes on until the experimenter ends it.
+    Held,
+    /// The session is stopped.
+    Stopped,
+    /// Every trial is done.
+    Done,
+    /// The session is over.
+    Left,
+}
+
+/// A question, and what may be answered to it.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub(super) struct Asked {
+    /// Which question of this life of the session: an answer names it, so that one that comes too
+    /// late is none to the next question.
+    pub(super) number: u64,
+    /// Its wording.
+    pub(super) text: String,
+    /// Its answers as a range: `1 to 5`.
+    pub(super) range: String,
+    /// Its answers.
+    pub(super) choices: Vec<Choice>,
+}
+
+/// One answer that may be given.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub(super) struct Choice {
+    /// Its number.
+    pub(super) value: i16,
+    /// Its word, where it has one.
+    pub(super) word: Option<String>,
+}
+
+impl Sight {
+    /// What a participant may see of a view; an open question has this number.
+    pub(super) fn of(view: &View, number: u64) -> Self {
+        let trial = view.trial.as_ref();
+        Self {
+            now: Now::of(view, number),
+            environment: trial.map(|trial| printable(&trial.environment).into_owned()),
+            practice: trial.is_some_and(|trial| trial.kind == Kind::Familiarisation),
+            done: view.done,
+            total: view.total,
+        }
+    }
+
+    /// The question that is open.
+    pub(super) fn asked(&self) -> Option<&Asked> {
+        match &self.now {
+            Now::Question(asked) => Some(asked),
+            _ => None,
+        }
+    }
+}
+
+impl Now {
+    fn of(view: &View, number: u64) -> Self {
+        match &view.phase {
+            Phase::Check | Phase::AtStop | Phase::Homing => Self::Wait,
+            Phase::Ready => Self::Ready,
+            Phase::Trial { .. } => Self::Go,
+            Phase::Question { text, scale } => Self::Question(Asked::of(number, text, scale)),
+            Phase::Pause { .. } if view.held => Self::Held,
+            // A pause is seconds to minutes: the cast cannot lose anything that a screen shows.
+            Phase::Pause { left_s, .. } => Self::Pause { left_s: left_s.ceil().max(0.0) as u32 },
+            Phase::Stopped { .. } => Self::Stopped,
+            Phase::Done => Self::Done,
+            Phase::Left => Self::Left,
+        }
+    }
+}
+
+impl Asked {
+    fn of(number: u64, text: &str, scale: &AnswerScale) -> Self {
+        let word = |value| scale.word(value).map(|word| printable(word).into_owned());
+        let choice = |value| Choice { value, word: word(value) };
+        Self {
+            number,
+            text: printable(text).into_owned(),
+            range: scale.range(),
+            choices: scale.answers().into_iter().map(choice).collect(),
+        }
+    }
+
+    /// Whether this is an answer.
+    pub(super) fn has(&self, value: i16) -> bool {
+        self.choices.iter().any(|choice| choice.value == value)
+    }
+
+    /// Whether each answer is a digit, whose key gives it; else the number is typed.
+    pub(super) fn has_keys(&self) -> bool {
+        self.choices.iter().all(|choice| (0..=9).contains(&choice.value))
+    }
+
+    /// The answers to be shown: all of a short scale; of a long one the ends and those with a word.
+    pub(super) fn shown(&self) -> impl Iterator<Item = &Choice> {
+        let last = self.choices.len().saturating_sub(1);
+        let is_short = self.choices.len() <= usize::from(AnswerScale::MOST_CATEGORIES);
+        let is_shown = move |(at, choice): &(usize, &Choice)| {
+            is_short || *at == 0 || *at == last || choice.word.is_some()
+        };
+        self.choices.iter().enumerate().filter(is_shown).map(|(_, choice)| choice)
+    }
+}
+
+impl Choice {
+    /// Number and word: `4 agree`.
+    pub(super) fn words(&self) -> String {
+        match &self.word {
+            Some(word) => format!("{} {word}", self.value),
+            None => self.value.to_string(),
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::{Cell, CheckLine, Current};
+
+    /// A session in a phase, with a name of a mode, a number and a voltage wherever one fits.
+    pub(crate) fn telling(phase: Phase) -> View {
+        let cell =
+            Cell { environment: "Spring".into(), mode: Some("SECRET".into()), done: 1, of: 6 };
+        let check = CheckLine { name: "SECRET".into(), value: "SECRET".into(), ok: true };
+        let trial = Current {
+            trial: 8_888,
+            place: 8_888,
+            kind: Kind::Trial,
+            environment: "Spring".into(),
+            mode: Some("SECRET".into()),
+            repeats: Some(8_888),
+        };
+        let mut view = View {
+            phase,
+            trial: Some(trial),
+            cells: vec![cell],
+            checks: vec![check],
+            step: Some("SECRET".into()),
+            device: "SECRET".into(),
+            participant: "SECRET".into(),
+            done: 3,
+            total: 39,
+            ..View::default()
+        };
+        view.say("SECRET");
+        view
+    }
+
+    pub(crate) fn phases() -> Vec<Phase> {
+        vec![
+            Phase::Check,
+            Phase::AtStop,
+            Phase::Homing,
+            Phase::Ready,
+            Phase::Trial { t_s: 8_888.0, limit_s: 8_888.0 },
+            Phase::Question { text: "Was it rigid?".into(), scale: AnswerScale::FivePoint },
+            Phase::Pause { left_s: 2.2, pause_s: 5.0 },
+            Phase::Stopped { why: "SECRET".into() },
+            Phase::Done,
+            Phase::Left,
+        ]
+    }
+
+    #[test]
+    fn no_mode_voltage_number_of_a_trial_message_or_reason_is_in_it() {
+        for phase in phases() {
+            let told = serde_json::to_string(&Sight::of(&telling(phase), 1)).unwrap();
+            assert!(!told.contains("SECRET") && !told.contains("8888"), "{told}");
+        }
+    }
+
+    #[test]
+    fn a_pause_is_told_in_whole_seconds_and_only_while_it_runs_out() {
+        let pause = Phase::Pause { left_s: 2.2, pause_s: 5.0 };
+        assert_eq!(Sight::of(&telling(pause.clone()), 1).now, Now::Pause { left_s: 3 });
+        let held = View { held: true, ..telling(pause) };
+        assert_eq!(Sight::of(&held, 1).now, Now::Held);
+    }
+
+    #[test]
+    fn a_short_scale_is_shown_whole_and_a_long_one_by_its_ends_and_words() {
+        let values = |asked: &Asked| asked.shown().map(|c| c.value).collect::<Vec<_>>();
+        let five = Asked::of(1, "", &AnswerScale::FivePoint);
+        assert_eq!(values(&five), [1, 2, 3, 4, 5]);
+        assert!(five.has_keys() && five.has(5) && !five.has(6));
+        let labels = ["soft", "middling", "hard"].map(str::to_owned).to_vec();
+        let scale = zwidth_study::NumberScale { points: 21, from: 0, step: 5, labels };
+        let long = Asked::of(1, "", &AnswerScale::Numbers(scale));
+        assert_eq!(values(&long), [0, 50, 100]);
+        assert!(!long.has_keys());
+        assert_eq!(long.choices[20].words(), "100 hard");
+    }
+
+    #[test]
+    fn a_text_that_steers_a_terminal_is_shown_not_sent() {
+        let asked = Asked::of(1, "a\u{1b}[2Jb\nc", &AnswerScale::FivePoint);
+        assert_eq!(asked.text, "a\\u{1b}[2Jb\\nc");
+    }
+}

@@ -1,0 +1,112 @@
+//! The file by which a participant's screen finds the session that is being recorded.
+//!
+//! It lies beside the study's lock, is there while a session is recorded, and can be read by this
+//! user alone. One that a killed process left leads nowhere, and is written anew by the next.
+
+use crate::lock::StudyLock;
+use crate::regular::read_regular;
+use crate::{Layout, StoreError};
+use std::fs::{File, OpenOptions, remove_file};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+/// Longest text of the file, bytes.
+const MOST_TEXT: u64 = 1 << 8;
+
+/// The file, which goes when this is dropped.
+#[derive(Debug)]
+pub struct PortFile {
+    path: PathBuf,
+}
+
+impl PortFile {
+    /// Writes the file; only who holds the study's lock may.
+    ///
+    /// # Errors
+    /// Something that lies in its place and cannot be removed; a folder that cannot be written.
+    pub fn write(layout: &Layout, _lock: &StudyLock, text: &str) -> Result<Self, StoreError> {
+        let path = layout.port();
+        write_new(&path, text).map_err(|e| StoreError::io(&path, "write the port", &e))?;
+        Ok(Self { path })
+    }
+}
+
+impl Drop for PortFile {
+    fn drop(&mut self) {
+        // One that stays leads nowhere.
+        let _ = remove_file(&self.path);
+    }
+}
+
+/// The text of the file; none if there is no such file.
+///
+/// # Errors
+/// Anything but a short text of its own lies there, or it cannot be read.
+pub fn read_port(layout: &Layout) -> Result<Option<String>, StoreError> {
+    let path = layout.port();
+    match read_regular(&path, MOST_TEXT) {
+        Ok(bytes) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(e) => Err(StoreError::io(&path, "read the port", &e)),
+    }
+}
+
+/// Writes a file in place of what an earlier one left. What lies there is removed, not opened: it
+/// may be a link to another file.
+fn write_new(path: &Path, text: &str) -> io::Result<()> {
+    match remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
+        _ => {}
+    }
+    created(path)?.write_all(text.as_bytes())
+}
+
+/// A new file that this user alone can read, where users are told apart.
+fn created(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    options.open(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::crashes::folder_with_study;
+
+    #[test]
+    fn the_file_is_there_as_long_as_it_is_held_and_is_no_finding() {
+        let (_folder, layout) = folder_with_study();
+        assert_eq!(read_port(&layout).unwrap(), None);
+        let lock = StudyLock::take(&layout, "me").unwrap();
+        let file = PortFile::write(&layout, &lock, "4711 word\n").unwrap();
+        assert_eq!(read_port(&layout).unwrap().as_deref(), Some("4711 word\n"));
+        assert_eq!(crate::verify(&layout), []);
+        drop(file);
+        assert_eq!(read_port(&layout).unwrap(), None);
+    }
+
+    #[test]
+    fn what_a_killed_process_left_is_written_anew() {
+        let (_folder, layout) = folder_with_study();
+        std::fs::write(layout.port(), "1 another\n").unwrap();
+        let lock = StudyLock::take(&layout, "me").unwrap();
+        let _file = PortFile::write(&layout, &lock, "2 word\n").unwrap();
+        assert_eq!(read_port(&layout).unwrap().as_deref(), Some("2 word\n"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_in_its_place_goes_and_what_it_leads_to_stays_as_it_is() {
+        use std::os::unix::fs::{MetadataExt as _, symlink};
+        let (_folder, layout) = folder_with_study();
+        let text = std::fs::read(layout.study_toml()).unwrap();
+        symlink("study.toml", layout.port()).unwrap();
+        assert!(read_port(&layout).is_err());
+        let lock = StudyLock::take(&layout, "me").unwrap();
+        let _file = PortFile::write(&layout, &lock, "2 word\n").unwrap();
+        assert_eq!(std::fs::read(layout.study_toml()).unwrap(), text);
+        assert_eq!(std::fs::metadata(layout.port()).unwrap().mode() & 0o777, 0o600);
+    }
+}
