@@ -38,7 +38,8 @@ pub fn recorded(data: &StudyData) -> Recorded {
         sources,
         compared: compare::compared(data),
         answers: !answers.is_empty(),
-        replayed: !replay::jobs(data).is_empty(),
+        // Without the lever's length the table of replays says of each trial that it could not be.
+        replayed: !replay::jobs(data).is_empty() && data.study.device.lever_m.is_some(),
         identified: identify::known_plant(data).is_some(),
     }
 }

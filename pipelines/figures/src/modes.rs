@@ -69,7 +69,7 @@ fn describe(scene: &EnvironmentData, words: Words) -> String {
     let counts: Vec<String> = scene
         .modes
         .iter()
-        .map(|m| format!("{} {}", m.repeats.len(), in_a_sentence(&m.label)))
+        .map(|m| format!("{} {}", m.repeats.len(), in_a_sentence(m.label)))
         .collect();
     format!(
         "{}, environment {}: {}, force and velocity against time, and force against {}. Repeats: {}.",
@@ -139,7 +139,7 @@ fn rhythms(scene: &EnvironmentData) -> String {
         Dash::FarApart => "far apart",
         _ => "dot by dot",
     };
-    let one = |m: &&ModeData| format!("{} {}", plain(&in_a_sentence(&m.label)), dots(m));
+    let one = |m: &&ModeData| format!("{} {}", plain(&in_a_sentence(m.label)), dots(m));
     let all: Vec<String> = averaged.iter().map(one).collect();
     if all.len() < 2 { String::new() } else { format!(" ({})", all.join(", ")) }
 }

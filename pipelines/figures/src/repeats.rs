@@ -45,7 +45,7 @@ pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
         title: Some(plain(&format!(
             "{}: every repeat, {} ({})",
             scene.environment.label,
-            in_a_sentence(&mode.label),
+            in_a_sentence(mode.label),
             keep_together(&scene.who),
         ))),
         description: format!(

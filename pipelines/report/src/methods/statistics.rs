@@ -9,7 +9,11 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
         return Vec::new();
     }
     let mut said = vec![compared(study, recorded)];
-    said.push(if recorded.participants > 1 { between(cited) } else { within(cited) });
+    said.push(if recorded.participants > 1 {
+        between(recorded.is_foreign(), cited)
+    } else {
+        within(cited)
+    });
     said.push(claims(study, cited));
     if recorded.answers {
         said.push(answers(recorded, cited));
@@ -51,18 +55,24 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
 }
 
 /// Several participants: each gives one difference.
-fn between(cited: &mut Cited) -> String {
+fn between(is_foreign: bool, cited: &mut Cited) -> String {
+    let (flips, ranks) = (cited.cite("fisher"), cited.cite("wilcoxon"));
+    // The order in which others drew their trials is not known.
+    let beside = match is_foreign {
+        true => format!("the sign-flip test {flips} and the signed-rank test {ranks}"),
+        false => format!(
+            "the sign-flip test {flips}, the signed-rank test {ranks} and a randomisation test over \
+             the orders that the design could have drawn {}",
+            cited.cite("edgington")
+        ),
+    };
     format!(
         "The unit of analysis was the participant: each one's repeats were averaged, then the sessions, \
          and each participant gave one difference. Its mean was tested by Student's t with n − 1 \
-         degrees of freedom; beside it stand the sign-flip test {}, the signed-rank test {} and a \
-         randomisation test over the orders that the design could have drawn {}. d_av is the difference \
+         degrees of freedom; beside it stand {beside}. d_av is the difference \
          over the root mean of the modes' variances between participants {}. A mixed model with \
          participant and participant × mode as random effects was fitted to all trials by REML, with \
          degrees of freedom after Kenward and Roger {}; no claim rests on it.",
-        cited.cite("fisher"),
-        cited.cite("wilcoxon"),
-        cited.cite("edgington"),
         cited.cite("cumming"),
         cited.cite("kenward")
     )
