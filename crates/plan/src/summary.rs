@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
     ComparedMetric, Gallery, Made as Listed, Remark, Shown, Summary, Told, findings, laddered,
-    summary_markdown, survey, traded,
+    summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
@@ -159,6 +159,9 @@ pub(crate) fn gather(
     let metrics = page.compared(&compared);
     summary.matrix = zwidth_report::matrix(&page.planned, &metrics)?;
     summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);
+    if let Some(metrics) = read(&files.metrics)? {
+        summary.limits.extend(uneven_ranges(&page.planned, &metrics)?);
+    }
     summary.shown = list_findings(page, files, &metrics, &summary)?;
     (summary.statements, summary.judged) = list_statements(files, &summary)?;
     summary.runs = list_runs(page, files, &summary)?;

@@ -22,6 +22,7 @@ mod model;
 mod page;
 mod people;
 mod pros_cons;
+mod ranges;
 mod runs;
 mod survey;
 mod thesis;
@@ -41,6 +42,7 @@ pub use page::{
     single_file, turned_script,
 };
 pub use pros_cons::pros_cons_table;
+pub use ranges::uneven_ranges;
 pub use runs::{laddered, traded};
 pub use survey::survey;
 pub use thesis::{Derived, Told, thesis_table, told};

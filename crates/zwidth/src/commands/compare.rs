@@ -28,7 +28,7 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
     let tables =
         files.iter().map(|file| Table::from_parquet(file)).collect::<Result<Vec<_>, _>>()?;
     if tables.iter().all(|table| table.height() == 0) {
-        screen.warn(format!("there is nothing to compare: no {} more than once", what(by)));
+        screen.warn(format!("there is nothing to compare: {}", why_empty(by, &metric)));
         exit = Exit::Partly;
     }
     if screen.json {
@@ -46,14 +46,14 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
     Ok(exit)
 }
 
-/// What would have to be there more than once.
-fn what(by: By) -> &'static str {
+/// Why a comparison has no row.
+fn why_empty(by: By, metric: &str) -> String {
     match by {
-        By::Mode => "mode was tried",
-        By::Participant => "participant took part",
-        By::Session => "participant came",
-        By::Repeat => "condition was repeated",
-        By::Answer => "question was answered",
+        By::Mode => format!("no trial that counts has a value of {metric}"),
+        By::Participant => "no participant took part more than once".to_owned(),
+        By::Session => "no participant came more than once".to_owned(),
+        By::Repeat => "no condition was repeated".to_owned(),
+        By::Answer => "no question was answered more than once".to_owned(),
     }
 }
 

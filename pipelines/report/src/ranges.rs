@@ -1,0 +1,71 @@
+//! Whether the stiffness of two modes is that of one range of angles.
+
+use crate::trials::Trials;
+use zwidth_study::{Setup, in_a_sentence};
+use zwidth_tables::{Table, TableError};
+
+/// A sentence per environment in which the line of stiffness ends at a saturation in most trials of
+/// one mode and not in most of another: it is fitted over less of the angle there, and where a
+/// force bends, that alone makes the two differ. `metrics` has one row per trial.
+///
+/// # Errors
+/// A table that lacks a column.
+pub fn uneven_ranges(study: &Setup, metrics: &Table) -> Result<Vec<String>, TableError> {
+    let mut said = Vec::new();
+    for environment in &study.environments {
+        let (mut cut, mut whole) = (Vec::new(), Vec::new());
+        for mode in &study.modes {
+            let trials = Trials::of(metrics, Some(&environment.id), &mode.id)?;
+            let fitted = trials.floats("stiffness_n_per_rad")?.len();
+            let saturated = trials.floats("saturation_force_n")?.len();
+            let told = format!("{saturated} of {fitted} with {}", in_a_sentence(&mode.label));
+            match fitted {
+                0 => {}
+                n if 2 * saturated > n => cut.push(told),
+                _ => whole.push(told),
+            }
+        }
+        if !cut.is_empty() && !whole.is_empty() {
+            said.push(format!(
+                "{}: the line of stiffness ends at a saturation in {}; in {} it is fitted over all \
+                 of the compression. Where a force bends, the range alone makes modes differ in \
+                 stiffness.",
+                environment.label,
+                cut.join(", "),
+                whole.join(", ")
+            ));
+        }
+    }
+    Ok(said)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trials::testing::{MetricsRow, metrics, row};
+
+    fn said(rows: &[MetricsRow]) -> Vec<String> {
+        uneven_ranges(&Setup::of(&zwidth_testing::study()), &metrics(rows)).unwrap()
+    }
+
+    #[test]
+    fn a_line_that_is_cut_short_in_one_mode_alone_is_told() {
+        let line = |mode: &'static str, saturation| MetricsRow {
+            stiffness: Some(4.0),
+            saturation,
+            ..row("spring", mode)
+        };
+        let (cut, whole) = (Some(3.0), None);
+        let uneven = [
+            line("active", cut),
+            line("active", cut),
+            line("passive", whole),
+            line("passive", cut),
+        ];
+        let told = said(&uneven);
+        assert!(told[0].contains("2 of 2 with active; in 1 of 2 with passive"), "{told:?}");
+        assert!(said(&[line("active", cut), line("passive", cut)]).is_empty());
+        assert!(said(&[line("active", whole), line("passive", whole)]).is_empty());
+        assert!(said(&[line("active", cut), row("spring", "passive")]).is_empty());
+    }
+}
