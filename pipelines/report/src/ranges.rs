@@ -18,7 +18,8 @@ pub fn uneven_ranges(study: &Setup, metrics: &Table) -> Result<Vec<String>, Tabl
             let trials = Trials::of(metrics, Some(&environment.id), &mode.id)?;
             let fitted = trials.floats("stiffness_n_per_rad")?.len();
             let saturated = trials.floats("saturation_force_n")?.len();
-            let told = format!("{saturated} of {fitted} with {}", in_a_sentence(&mode.label));
+            let told =
+                format!("{saturated} of {fitted} trials with {}", in_a_sentence(&mode.label));
             match fitted {
                 0 => {}
                 n if 2 * saturated > n => cut.push(told),
@@ -27,9 +28,9 @@ pub fn uneven_ranges(study: &Setup, metrics: &Table) -> Result<Vec<String>, Tabl
         }
         if !cut.is_empty() && !whole.is_empty() {
             said.push(format!(
-                "{}: the line of stiffness ends at a saturation in {}; in {} it is fitted over all \
-                 of the compression. Where a force bends, the range alone makes modes differ in \
-                 stiffness.",
+                "{}: the line of stiffness ends at a saturation in {}, but in only {}; the other \
+                 lines go over all of the compression. Where a force bends, the range alone makes \
+                 modes differ in stiffness.",
                 environment.label,
                 cut.join(", "),
                 whole.join(", ")
@@ -63,7 +64,10 @@ mod tests {
             line("passive", cut),
         ];
         let told = said(&uneven);
-        assert!(told[0].contains("2 of 2 with active; in 1 of 2 with passive"), "{told:?}");
+        assert!(
+            told[0].contains("2 of 2 trials with active, but in only 1 of 2 trials with passive"),
+            "{told:?}"
+        );
         assert!(said(&[line("active", cut), line("passive", cut)]).is_empty());
         assert!(said(&[line("active", whole), line("passive", whole)]).is_empty());
         assert!(said(&[line("active", cut), row("spring", "passive")]).is_empty());
