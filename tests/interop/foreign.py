@@ -16,7 +16,7 @@ import polars as pl
 import pyarrow as pa
 import pyxdf
 
-from checks import check, equal, run
+from checks import DONE_OR_WITH_CARE, check, equal, run
 
 MAP = """
 kind = "trials"
@@ -63,7 +63,7 @@ class World:
         session = f"S{self.sessions:02}"
         mapping = self.root / "map.toml"
         mapping.write_text(MAP.format(file=f"[file]\n{file}\n", session=session, time=time, force=force))
-        said = run(self.zwidth, "--root", self.root, "import", "foreign", "--map", mapping, path)
+        said = run(self.zwidth, "--root", self.root, "import", "foreign", "--map", mapping, path, codes=DONE_OR_WITH_CARE)
         frame = pd.read_parquet(self.root / "raw/foreign/trials")
         frame = frame[frame["session"].astype(str) == session].sort_values("t_s")
         return frame["t_s"].to_numpy(), frame["force_ex_n"].to_numpy(), said
