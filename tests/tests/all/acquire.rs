@@ -8,6 +8,9 @@ use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::Duration;
 use tempfile::TempDir;
 use zwidth_study::template;
 
@@ -112,6 +115,23 @@ pub(crate) struct Live {
     says: BufReader<ChildStdout>,
     /// Held open: its end is `quit`.
     hears: ChildStdin,
+    /// Nothing is sent: that it is gone says that nobody waits for the program any more.
+    _waiting: Sender<()>,
+}
+
+/// A program that waits for what never comes would hold up the tests for ever: after so long it is
+/// ended, and what it said is told.
+const FOR_EVER: Duration = Duration::from_secs(20 * 60);
+
+/// Ends the program with that number, unless nobody waits for it by then.
+fn ended_after_all(process: u32) -> Sender<()> {
+    let (waiting, gone) = channel();
+    thread::spawn(move || {
+        if gone.recv_timeout(FOR_EVER) == Err(RecvTimeoutError::Timeout) {
+            let _ = Command::new("kill").args(["-KILL", &process.to_string()]).status();
+        }
+    });
+    waiting
 }
 
 impl Live {
@@ -124,7 +144,8 @@ impl Live {
         let mut child = command.spawn().unwrap();
         let says = BufReader::new(child.stdout.take().unwrap());
         let hears = child.stdin.take().unwrap();
-        Self { child, says, hears }
+        let _waiting = ended_after_all(child.id());
+        Self { child, says, hears, _waiting }
     }
 
     /// A session that came as far as the line that begins so. Where the machine stood still for
@@ -140,6 +161,19 @@ impl Live {
             // One that goes by itself has ended.
             let _ = writeln!(live.hears, "quit");
             live.child.wait().unwrap();
+        }
+    }
+
+    /// Goes on, as often as it takes on a machine that stands still for so long that safety stops
+    /// what is done, to the line that begins so.
+    #[track_caller]
+    pub(crate) fn on_to(&mut self, start: &str) -> String {
+        loop {
+            let line = self.until_any(&[start, "stopped ", "ready ", "hold "]);
+            if line.starts_with(start) {
+                return line;
+            }
+            self.say("start");
         }
     }
 
@@ -184,12 +218,37 @@ impl Live {
     }
 }
 
-/// Waits until a trial's journal holds samples.
-fn journaling(desk: &Desk) {
+/// A session in the middle of its first trial, whose journal holds samples, and its desk. Where the
+/// machine stood still for so long that safety stopped that trial, another desk has its turn.
+fn journaling(more: &[&str]) -> (Desk, Live) {
+    loop {
+        let desk = Desk::slow();
+        let mut live = if more.contains(&"--auto") {
+            Live::begun(&desk, more, "trial 1 ")
+        } else {
+            let mut live = Live::begun(&desk, more, "ready 1 ");
+            live.say("start");
+            live.until("trial 1 ");
+            live
+        };
+        if holds_samples(&desk, &mut live) {
+            return (desk, live);
+        }
+        let _ = live.child.kill();
+        live.child.wait().unwrap();
+    }
+}
+
+/// Waits until a trial's journal holds samples; whether it does before the trial is over.
+fn holds_samples(desk: &Desk, live: &mut Live) -> bool {
     let held = |path: &PathBuf| fs::metadata(path).is_ok_and(|m| m.len() > 3000);
     while !files(&desk.root().join("raw/small/journal"), "journal").iter().any(held) {
-        std::thread::yield_now();
+        if desk.trials() > 0 || live.child.try_wait().unwrap().is_some() {
+            return false;
+        }
+        thread::yield_now();
     }
+    true
 }
 
 #[test]
@@ -236,9 +295,7 @@ fn a_session_that_is_quit_says_how_to_go_on_and_goes_on_in_the_same_order() {
 
 #[test]
 fn a_killed_session_loses_no_trial_and_resumes_in_the_same_order() {
-    let desk = Desk::slow();
-    let mut live = Live::begun(&desk, &["--auto"], "trial 1 ");
-    journaling(&desk);
+    let (desk, mut live) = journaling(&["--auto"]);
     live.child.kill().unwrap();
     live.child.wait().unwrap();
     let order = desk.record();
@@ -268,9 +325,7 @@ fn a_killed_session_loses_no_trial_and_resumes_in_the_same_order() {
 #[test]
 fn a_signal_that_ends_the_program_ends_its_trial_and_leaves_everything_in_order() {
     for signal in ["-TERM", "-QUIT", "-HUP", "-INT"] {
-        let desk = Desk::slow();
-        let mut live = Live::begun(&desk, &["--auto"], "trial 1 ");
-        journaling(&desk);
+        let (desk, mut live) = journaling(&["--auto"]);
         Command::new("kill").args([signal, &live.child.id().to_string()]).status().unwrap();
         live.until("left 0 of 7");
         assert_eq!(live.child.wait().unwrap().code(), Some(1), "{signal}");
@@ -281,11 +336,7 @@ fn a_signal_that_ends_the_program_ends_its_trial_and_leaves_everything_in_order(
 
 #[test]
 fn a_stop_is_obeyed_while_a_trial_runs_and_homing_comes_before_the_next() {
-    let desk = Desk::slow();
-    let mut live = Live::begun(&desk, &[], "ready 1 ");
-    live.say("start");
-    live.until("trial 1 ");
-    journaling(&desk);
+    let (desk, mut live) = journaling(&[]);
     live.say("stop");
     live.until("trial 1 does not count");
     live.until("stopped ");

@@ -104,9 +104,7 @@ impl Drop for OnDesk {
 /// Up to the first trial.
 fn ready(desk: &Desk, board: &OnDesk) -> Live {
     let mut live = Live::new(desk, &["--device", &format!("rig:{}", board.port)]);
-    live.until("hold the lever against its lower stop");
-    live.say("start");
-    live.until("ready 1 ");
+    live.on_to("ready 1 ");
     live
 }
 
@@ -116,11 +114,7 @@ fn every_sample_of_a_trial_over_a_serial_line_is_what_the_board_saw() {
     let board = OnDesk::new(&desk);
     let mut live = ready(&desk, &board);
     live.say("start");
-    // A machine that stands still for so long that safety stops the trial, or the pause before it,
-    // goes on as often as it takes.
-    while !live.until_any(&["question ", "stopped ", "ready "]).starts_with("question ") {
-        live.say("start");
-    }
+    live.on_to("question ");
     live.say("4");
     live.until("pause ");
     live.say("quit");

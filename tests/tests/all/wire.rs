@@ -80,12 +80,9 @@ impl Drop for Plugged {
     }
 }
 
-/// Up to a trial that has been answered: a machine that stands still for so long that safety stops
-/// one goes on as often as it takes.
+/// Up to a trial that has been answered.
 fn answered(live: &mut Live) {
-    while !live.until_any(&["question ", "stopped ", "ready ", "hold "]).starts_with("question ") {
-        live.say("start");
-    }
+    live.on_to("question ");
     live.say("4");
     live.until("pause ");
 }
