@@ -1,12 +1,13 @@
 //! Our end of `benches/rig`: `rig-bench board` is a board with the twin behind it at a
 //! pseudo-terminal, which prints its port; `rig-bench loop PORT RATE TICKS` is the loop of a
 //! session on it, and prints when each tick began after its deadline and how long its answer and
-//! command took, µs, a tick in a line.
+//! command took, µs, a tick in a line. `rig-bench clock RATE TICKS` does the same without a line: it
+//! looks at the clock and does nothing else, so what is late there the machine itself made late.
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // a program of one page that tells what it measured
 
 use std::path::Path;
 use std::time::{Duration, Instant};
-use zwidth_device::{Clock as _, Person, Priority, RealClock, Twin, TwinParameters};
+use zwidth_device::{Clock, Person, Priority, RealClock, Twin, TwinParameters};
 use zwidth_link::{Board, Pair, Serial, Settings, Wire as _, over};
 use zwidth_study::Voltages;
 
@@ -19,9 +20,12 @@ fn main() {
     match words.as_slice() {
         ["board"] => board(),
         ["loop", port, rate_hz, ticks] => {
-            tick(Path::new(port), rate_hz.parse().unwrap(), ticks.parse().unwrap());
+            hold(Path::new(port), rate_hz.parse().unwrap(), ticks.parse().unwrap());
         }
-        _ => println!("rig-bench board | loop PORT RATE TICKS"),
+        ["clock", rate_hz, ticks] => {
+            watch(rate_hz.parse().unwrap(), ticks.parse().unwrap());
+        }
+        _ => println!("rig-bench board | loop PORT RATE TICKS | clock RATE TICKS"),
     }
 }
 
@@ -43,24 +47,63 @@ fn board() {
     }
 }
 
-fn tick(port: &Path, rate_hz: f64, ticks: u64) {
+fn hold(port: &Path, rate_hz: f64, ticks: u64) {
     let settings: Settings = toml::from_str(RIG).unwrap();
     let wire = Serial::open(port, settings.baud()).unwrap();
     let mut rig = over(wire, None, &settings, Vec::new()).unwrap();
     let mut clock = RealClock::new();
     rig.home(clock.now_s()).unwrap();
+    told(&in_time(&mut clock, rate_hz, ticks, |clock, woke_s| {
+        rig.read(woke_s).unwrap();
+        rig.write(clock.now_s(), Voltages::OFF).unwrap();
+    }));
+}
+
+/// Never sleeps.
+fn watch(rate_hz: f64, ticks: u64) {
+    told(&in_time(&mut Watched(RealClock::new()), rate_hz, ticks, |_, _| ()));
+}
+
+/// A clock that is looked at all the time.
+struct Watched(RealClock);
+
+impl Clock for Watched {
+    fn now_s(&mut self) -> f64 {
+        self.0.now_s()
+    }
+
+    fn wait_until(&mut self, deadline_s: f64) -> f64 {
+        loop {
+            let now_s = self.now_s();
+            if now_s >= deadline_s {
+                return now_s;
+            }
+        }
+    }
+}
+
+/// Lateness and work of each tick that was not left out, s.
+fn in_time<C: Clock>(
+    clock: &mut C,
+    rate_hz: f64,
+    ticks: u64,
+    mut work: impl FnMut(&mut C, f64),
+) -> Vec<(f64, f64)> {
     Priority::raise();
     let (begin_s, mut looks) = (clock.now_s(), Vec::with_capacity(ticks as usize));
     let mut tick = 1;
     while tick <= ticks {
         let deadline_s = begin_s + tick as f64 / rate_hz;
         let woke_s = clock.wait_until(deadline_s);
-        rig.read(woke_s).unwrap();
-        rig.write(clock.now_s(), Voltages::OFF).unwrap();
+        work(clock, woke_s);
         let done_s = clock.now_s();
         looks.push((woke_s - deadline_s, done_s - woke_s));
         tick = (tick + 1).max(((done_s - begin_s) * rate_hz).ceil() as u64);
     }
+    looks
+}
+
+fn told(looks: &[(f64, f64)]) {
     for (late_s, took_s) in looks {
         println!("{:.1} {:.1}", late_s * 1e6, took_s * 1e6);
     }

