@@ -27,7 +27,9 @@ impl<F: Front> Front for Auto<F> {
 
     fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
         let own = match self.phase {
-            Phase::Ready | Phase::AtStop => Some(Input::Start),
+            Phase::Ready | Phase::AtStop | Phase::Step { moves: false, .. } => Some(Input::Start),
+            // Nobody is there to consent.
+            Phase::Step { moves: true, .. } => Some(Input::Skip),
             Phase::Question { .. } => Some(Input::Skip),
             Phase::Stopped { .. } | Phase::Done => Some(Input::Quit),
             _ => None,

@@ -18,6 +18,7 @@ mod plan;
 mod run;
 mod screen;
 mod session;
+mod step;
 mod tape;
 mod told;
 mod unsynced;
@@ -39,6 +40,7 @@ pub use plan::Plan;
 pub use run::{Options, Outcome, Parts, run};
 pub use screen::{Look, Screen};
 pub use session::{Session, calibration_blake3, seed_of};
+pub use step::step_words;
 pub use told::check_value;
 pub use unsynced::Unsynced;
 pub use view::{

@@ -130,6 +130,7 @@ fn parse(line: &str) -> Result<Input, String> {
     let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     match (word, rest.trim()) {
         ("start", "") => Ok(Input::Start),
+        ("yes", "") => Ok(Input::Yes),
         ("skip", "") => Ok(Input::Skip),
         ("repeat", "") => Ok(Input::Repeat),
         ("hold", "") => Ok(Input::Hold),
@@ -144,7 +145,7 @@ fn parse(line: &str) -> Result<Input, String> {
             .map_err(|_| format!("'{n}' is not an answer: give a number")),
         (n, "") if n.parse::<i16>().is_ok() => Ok(Input::Answer(n.parse().unwrap_or(0))),
         _ => Err(format!(
-            "'{line}' is not understood: start, answer NUMBER, skip, hold, repeat, exclude REASON, note TEXT, trial NUMBER and \
+            "'{line}' is not understood: start, yes, answer NUMBER, skip, hold, repeat, exclude REASON, note TEXT, trial NUMBER and \
              one of those three or ask, stop, quit"
         )),
     }
@@ -182,6 +183,12 @@ fn still(phase: &Phase) -> Phase {
 fn line(view: &View) -> String {
     match &view.phase {
         Phase::Check => format!("check {}", view.device),
+        Phase::Step { what, moves: false } => {
+            format!("step {what} (start begins, skip leaves it out)")
+        }
+        Phase::Step { what, moves: true } => {
+            format!("step {what} (yes lets them, skip leaves it out)")
+        }
         Phase::AtStop => "hold the lever against its lower stop, then say start".to_owned(),
         Phase::Homing => "homing: lever against its lower stop".to_owned(),
         Phase::Ready => format!("ready {}", trial(view)),

@@ -70,6 +70,13 @@ pub enum Phase {
     /// The device is being checked.
     #[default]
     Check,
+    /// A step of the device check waits for somebody to do this, and to say so.
+    Step {
+        /// What is to be done.
+        what: String,
+        /// Whether the lever will move by itself.
+        moves: bool,
+    },
     /// Somebody is to hold the lever against its stop, and to say so.
     AtStop,
     /// The lever is brought to its stop, actuators off.

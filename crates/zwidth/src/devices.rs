@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use zwidth_acquire::number;
-use zwidth_device::check::Step;
+use zwidth_device::check::{Step, steps};
 use zwidth_device::{Device, Person, Playback, Twin, TwinParameters};
 use zwidth_link::Settings;
 use zwidth_store::{Samples, Signal, hex_blake3, read_trial};
@@ -133,6 +133,11 @@ pub(crate) fn checks_itself(spec: &DeviceSpec) -> fn(Step) -> bool {
         DeviceSpec::Rig(_) => |step| step == Step::Rest,
         DeviceSpec::Playback(_) => |_| false,
     }
+}
+
+/// The steps of the check that a device goes through by itself.
+pub(crate) fn steps_alone(spec: &DeviceSpec) -> Vec<Step> {
+    steps(None).into_iter().filter(|step| checks_itself(spec)(*step)).collect()
 }
 
 /// A trial's rows.

@@ -142,6 +142,35 @@ fn every_sample_of_a_trial_over_a_serial_line_is_what_the_board_saw() {
 }
 
 #[test]
+fn a_check_that_asks_keeps_tare_and_known_mass_with_the_session() {
+    let desk = Desk::slow();
+    let board = OnDesk::new(&desk);
+    let device = format!("rig:{}", board.port);
+    let more = ["--ask", "--mass", "0.2", "--device", &device];
+    let mut live = Live::new(&desk, &more);
+    for (asked, answer) in [
+        ("step Lever against its lower stop, hands off. (start", "start"),
+        ("step Hang 0.2 kg from the load cell", "start"),
+        ("step Lever against its lower stop. Once this begins", "skip"),
+        ("step Lever against its lower stop, hands off: motor and brake", "start"),
+        ("the lever will move: yes lets it", "skip"),
+    ] {
+        live.until(asked);
+        live.say(answer);
+    }
+    live.on_to("ready 1 ");
+    live.say("quit");
+    assert_eq!(live.child.wait().unwrap().code(), Some(3));
+    let checks = desk.record()["checks"].clone();
+    let of = |name: &str| checks.as_array().unwrap().iter().find(|c| c["name"] == name).cloned();
+    assert_eq!(of("known mass").unwrap()["value"], 0.2);
+    assert_eq!(of("known mass").unwrap()["unit"], "kg");
+    assert!(of("tare").is_some() && of("load cell scale").is_some(), "{checks}");
+    assert!(of("stroke").is_none() && of("motor responds").is_none(), "{checks}");
+    desk.verify();
+}
+
+#[test]
 fn a_pulled_cable_stops_the_session_and_what_was_finished_stays() {
     let desk = Desk::slow();
     let mut board = OnDesk::new(&desk);

@@ -17,6 +17,7 @@ impl Flow {
             Input::Ended(end) => self.ended(end),
             Input::Elapsed(dt_s) => self.elapsed(dt_s),
             Input::Start => self.start(),
+            Input::Yes => refuse("nothing waits for a yes"),
             Input::Answer(value) => self.answer(value),
             Input::AnswerThere(value) => self.answer_there(value),
             Input::Skip => self.skip(),

@@ -44,6 +44,8 @@ pub enum Input {
     Elapsed(f64),
     /// Begin the next trial; after a stop: go on.
     Start,
+    /// What will move the lever by itself may do so.
+    Yes,
     /// The answer to the question, a number of its scale.
     Answer(i16),
     /// The same, given at the participant's own screen: the log says so.

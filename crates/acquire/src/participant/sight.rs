@@ -98,7 +98,7 @@ impl Sight {
 impl Now {
     fn of(view: &View, number: u64) -> Self {
         match &view.phase {
-            Phase::Check | Phase::AtStop | Phase::Homing => Self::Wait,
+            Phase::Check | Phase::Step { .. } | Phase::AtStop | Phase::Homing => Self::Wait,
             Phase::Ready => Self::Ready,
             Phase::Trial { .. } => Self::Go,
             Phase::Question { text, scale } => Self::Question(Asked::of(number, text, scale)),
@@ -192,6 +192,7 @@ pub(super) mod tests {
     pub(crate) fn phases() -> Vec<Phase> {
         vec![
             Phase::Check,
+            Phase::Step { what: "SECRET".into(), moves: true },
             Phase::AtStop,
             Phase::Homing,
             Phase::Ready,

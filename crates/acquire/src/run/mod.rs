@@ -5,6 +5,7 @@
 //! trials, and between them reads on at 0 V, so that the turn of the shaft stays known however long
 //! a disk takes. On a simulated clock it is asked here, and a pause is over at once.
 
+mod check;
 mod idle;
 mod look;
 mod mark;
@@ -13,7 +14,7 @@ mod tests;
 mod trial;
 
 use crate::course::course;
-use crate::flow::{Action, EMERGENCY_STOP, Flow, Input, Phase};
+use crate::flow::{Action, Flow, Input, Phase};
 use crate::folder::{StudyFolder, Within};
 use crate::markers::Markers;
 use crate::plan::Plan;
@@ -25,22 +26,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
-use zwidth_device::check::{Finding, Step, check_device};
+use zwidth_device::check::Step;
 use zwidth_device::{
-    Attendant, Capabilities, Clock, Device, Guard, Limits, Station, Timing, TrialPlan, Trip,
+    Attendant, Capabilities, Clock, Device, Guard, Limits, Station, Timing, TrialPlan,
 };
 use zwidth_store::{Entered, Files, append_events, sync_names};
-use zwidth_study::{Check, Event, ExperimenterId, Study};
+use zwidth_study::{Event, ExperimenterId, Study};
 
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
 const WAIT: Duration = Duration::from_millis(50);
 
-/// The steps of the device check that need no mass, and what is done in each.
-const STEPS: [(Step, &str); 3] = [
-    (Step::Rest, "the sensors at rest, for 2 s"),
-    (Step::Hand, "the lever all the way and back, for 4 s"),
-    (Step::Actuators, "motor and brake, switched on for a moment"),
-];
+/// A voltage's command has arrived by then, s: some twenty of the slowest.
+const HEARD_S: f64 = 0.05;
 
 /// What is told when a blinded session begins or goes on.
 const BLINDED: &str = "blinded: no name, record or screen tells a mode, but whoever opens a trial's file can read it from \
@@ -69,8 +66,10 @@ pub struct Options {
     pub answers: bool,
     /// The lever needs a hand to get to its stop.
     pub by_hand: bool,
-    /// The steps of the device check that this device can go through by itself.
-    pub check: fn(Step) -> bool,
+    /// The steps of the device check, in order.
+    pub steps: Vec<Step>,
+    /// Each of them waits for somebody to say that it may begin; else all are gone through at once.
+    pub ask: bool,
     /// The motor of a device without a watchdog may be used; each trial is marked.
     pub no_watchdog: bool,
     /// The programs that are told of each trial's start, contact, end and answer.
@@ -94,6 +93,8 @@ pub struct Outcome {
     pub stopped: Option<String>,
     /// A signal ended it.
     pub interrupted: bool,
+    /// The device did not take its last 0 V, and has no watchdog: a voltage may stay on.
+    pub stays_on: bool,
     /// How the loop kept its time, over all trials.
     pub timing: Timing,
 }
@@ -180,7 +181,8 @@ pub fn run<'a>(
             began: None,
         };
         runner.begin(first).and_then(|()| runner.go_on())?;
-        Ok(runner.outcome())
+        let stays_on = runner.stays_on();
+        Ok(runner.outcome(stays_on))
     };
     // However it is left, the attendant leaves the device at 0 V.
     let left = if options.live {
@@ -324,72 +326,6 @@ impl<'a> Runner<'a> {
         std::mem::take(&mut self.session.opening).into_iter().try_for_each(|event| self.log(event))
     }
 
-    /// The device check. The first one of a session goes into its record, which is laid down then;
-    /// a later one into the log. What is not good enough is told, not forbidden: that is a
-    /// person's to judge.
-    fn check(&mut self) -> Result<Input, AcquireError> {
-        let found = self.checked()?;
-        self.view.step = None;
-        let found = match found {
-            Ok(found) => found,
-            Err(trip) => return Ok(Input::Failed(format!("device check: {trip}"))),
-        };
-        if self.options.stop.load(Ordering::SeqCst) {
-            return Ok(Input::Failed(EMERGENCY_STOP.to_owned())); // cut short, it proves nothing
-        }
-        self.view.checks = found.iter().map(|f| look::check_line(&f.check)).collect();
-        for bad in found.iter().filter(|f| !f.check.ok) {
-            self.view.say(format!(
-                "device check: {}: {}",
-                look::check_words(&bad.check),
-                bad.about
-            ));
-        }
-        let checks: Vec<Check> = found.into_iter().map(|f| f.check).collect();
-        if !self.session.laid_down {
-            self.session.record.checks = checks;
-            let utc = (self.utc)(self.attendant.now_s());
-            self.session.lay_down(self.plan, &self.files, &utc)?;
-            self.remark()?;
-        } else if !checks.is_empty() {
-            let words: Vec<String> = checks.iter().map(look::check_words).collect();
-            self.log(Event::Note {
-                trial: None,
-                text: format!("device check: {}", words.join("; ")),
-            })?;
-        }
-        Ok(Input::Checked)
-    }
-
-    /// Goes through the steps of the check one by one, each shown while it lasts.
-    fn checked(&mut self) -> Result<Result<Vec<Finding>, Trip>, AcquireError> {
-        let steps = STEPS.into_iter().filter(|step| (self.options.check)(step.0));
-        let steps: Vec<_> = steps.collect();
-        let mut found = Vec::new();
-        for (i, (step, what)) in steps.iter().enumerate() {
-            self.view.step = Some(format!("Step {} of {}: {what}", i + 1, steps.len()));
-            self.show()?;
-            match self.check_step(*step) {
-                Ok(more) => found.extend(more),
-                Err(trip) => return Ok(Err(trip)),
-            }
-        }
-        if steps.is_empty() {
-            self.show()?;
-        }
-        Ok(Ok(found))
-    }
-
-    fn check_step(&mut self, one: Step) -> Result<Vec<Finding>, Trip> {
-        let (calibration, rate_hz) = (&self.plan.calibration, self.rate_hz);
-        let stop = &*self.options.stop;
-        self.attendant.ask(move |station| {
-            let Station { device, clock, guard, .. } = station;
-            let mut is_it = |step| step == one;
-            check_device(*device, *clock, guard, calibration, rate_hz, None, stop, &mut is_it)
-        })?
-    }
-
     fn home(&mut self) -> Result<Input, AcquireError> {
         self.show()?;
         // What was stopped is over; the next stop is a new one.
@@ -417,8 +353,24 @@ impl<'a> Runner<'a> {
         course(now_s - began_s, done.saturating_sub(before), all - done, planned_s)
     }
 
-    fn outcome(self) -> Outcome {
+    /// Takes the voltages away; whether a device without a watchdog may not have heard it. It is
+    /// told twice: a line that breaks while the first word is on its way refuses the second.
+    fn stays_on(&mut self) -> bool {
+        if self.capabilities.watchdog_s.is_some() {
+            return false;
+        }
+        let told = |station: &mut Station<'_>| {
+            let first = station.off();
+            let heard_s = station.clock.now_s() + HEARD_S;
+            station.clock.wait_until(heard_s);
+            first.and(station.off())
+        };
+        !matches!(self.attendant.ask(told), Ok(Ok(())))
+    }
+
+    fn outcome(self, stays_on: bool) -> Outcome {
         Outcome {
+            stays_on,
             done: self.flow.done(),
             total: self.flow.places().len(),
             stopped: self.stopped,

@@ -164,6 +164,8 @@ fn command(code: KeyCode, phase: &Phase) -> (Option<Entry>, Option<Input>) {
         KeyCode::Char(c) if is_of_number(c) && is_typed(phase) => {
             (Some(Entry::Answer(c.to_string())), None)
         }
+        KeyCode::Char('y') if of("y") => (None, Some(Input::Yes)),
+        KeyCode::Char('s') if matches!(phase, Phase::Step { .. }) => (None, Some(Input::Skip)),
         KeyCode::Char('s') if of("s") => (Some(Entry::Sure(Ask::Skip)), None),
         KeyCode::Char('n') if of("n") => (Some(Entry::Note(None, String::new())), None),
         KeyCode::Char('x') if of("x") => (Some(Entry::Exclude(None, String::new())), None),
@@ -215,8 +217,11 @@ pub(super) fn commands(phase: &Phase) -> Vec<(Cow<'static, str>, &'static str)> 
     const HOLD: (&str, &str) = ("p", "hold");
     const TRIAL: (&str, &str) = ("t", "trial");
     const QUIT: (&str, &str) = ("q", "quit");
+    const LEAVE_OUT: (&str, &str) = ("s", "leave it out");
     let fixed: &[(&str, &str)] = match phase {
         Phase::Check | Phase::Homing => &[NOTE, QUIT],
+        Phase::Step { moves: false, .. } => &[("Enter", "begin"), LEAVE_OUT, QUIT],
+        Phase::Step { moves: true, .. } => &[("y", "let it move"), LEAVE_OUT, QUIT],
         Phase::AtStop => &[("Enter", "it is there"), NOTE, QUIT],
         Phase::Ready => &[("Enter", "start"), NOTE, EXCLUDE, REPEAT, TRIAL, QUIT],
         Phase::Trial { .. } | Phase::Left => &[],

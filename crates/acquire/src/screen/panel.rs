@@ -12,7 +12,7 @@ const LEAVES_ROOM: usize = 12;
 /// The name of a phase, as it heads the screen.
 pub(super) fn name(phase: &Phase) -> &'static str {
     match phase {
-        Phase::Check => "DEVICE CHECK",
+        Phase::Check | Phase::Step { .. } => "DEVICE CHECK",
         Phase::AtStop | Phase::Homing => "HOMING",
         Phase::Ready => "READY",
         Phase::Trial { .. } => "TRIAL",
@@ -68,6 +68,9 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
             (None, true) => plain("The device is being checked."),
             (None, false) => checks(&view.checks, look, limit),
         },
+        Phase::Step { what, .. } => {
+            [plain(what), after_gap(checks(&view.checks, look, limit))].concat()
+        }
         Phase::AtStop => [plain(AT_STOP), after_gap(checks(&view.checks, look, limit))].concat(),
         Phase::Homing => [plain(HOMING), after_gap(checks(&view.checks, look, limit))].concat(),
         // Before the first trial there is no trace to look at, but a device.

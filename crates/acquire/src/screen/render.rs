@@ -54,7 +54,7 @@ fn draw(view: &View, entry: Option<&Entry>, look: Look, area: Rect, buffer: &mut
 /// Whether there is something to draw, or will be in a moment.
 fn has_traces(view: &View) -> bool {
     match view.phase {
-        Phase::Check | Phase::AtStop | Phase::Homing | Phase::Left => false,
+        Phase::Check | Phase::Step { .. } | Phase::AtStop | Phase::Homing | Phase::Left => false,
         Phase::Trial { .. } => true,
         _ => !view.trace.is_empty(),
     }

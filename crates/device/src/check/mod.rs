@@ -10,7 +10,7 @@ mod readings;
 
 pub use actuators::{Travel, actuators};
 pub use finding::Finding;
-pub use readings::{Look, at_rest, by_hand, loaded, timing};
+pub use readings::{Look, at_rest, by_hand, loaded, tare_n, timing};
 
 use crate::timing::Pace;
 use crate::{Clock, Cue, Device, DeviceError, Guard, Timing, Trip, watch};
@@ -37,9 +37,17 @@ const REST_S: f64 = 2.0;
 /// Length of the step by hand, s: a trial's.
 const HAND_S: f64 = 4.0;
 
+/// The steps in their order; a mass is asked for only if one is known.
+pub fn steps(mass_kg: Option<f64>) -> Vec<Step> {
+    let load = mass_kg.map(Step::Load);
+    [Some(Step::Rest), load, Some(Step::Hand), Some(Step::Actuators)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
 /// Checks a device at such a rate. `ask` says what a person is to do and returns when it is done,
-/// or false to leave a step out; a mass is asked for only if one is known. Ends early, without an
-/// error, when `stop` is set.
+/// or false to leave a step out. Ends early, without an error, when `stop` is set.
 ///
 /// # Errors
 /// A device that is lost, or anything else that would end a trial.
@@ -55,36 +63,50 @@ pub fn check_device(
     ask: &mut dyn FnMut(Step) -> bool,
 ) -> Result<Vec<Finding>, Trip> {
     let mut found = Vec::new();
-    let mut tare_n = 0.0;
-    let capabilities = device.capabilities().clone();
-    let mut wanted = |step| !stop.load(Ordering::Relaxed) && ask(step);
-    if wanted(Step::Rest) {
-        let (looks, kept) = look(device, clock, rate_hz, REST_S, stop)?;
-        if stop.load(Ordering::Relaxed) {
-            return Ok(found);
+    for step in steps(mass_kg) {
+        if !stop.load(Ordering::Relaxed) && ask(step) {
+            let tare_n = tare_n(&found);
+            let more =
+                check_step(device, clock, guard, calibration, rate_hz, (step, tare_n), stop)?;
+            found.extend(more);
         }
-        tare_n = readings::mean_force_n(&looks);
-        found.extend(timing(&kept, rate_hz));
-        found.extend(at_rest(&capabilities, rate_hz, &looks));
-    }
-    if let Some(mass_kg) = mass_kg.filter(|mass_kg| wanted(Step::Load(*mass_kg))) {
-        let (looks, _) = look(device, clock, rate_hz, REST_S, stop)?;
-        if stop.load(Ordering::Relaxed) {
-            return Ok(found);
-        }
-        found.extend(loaded(&looks, tare_n, mass_kg));
-    }
-    if wanted(Step::Hand) {
-        let looks = look_by_hand(device, clock, guard, rate_hz, stop)?;
-        if stop.load(Ordering::Relaxed) {
-            return Ok(found);
-        }
-        found.extend(by_hand(&capabilities, guard.limits(), &looks));
-    }
-    if wanted(Step::Actuators) {
-        found.extend(actuators::drive(device, clock, guard, calibration, rate_hz, stop)?);
     }
     Ok(found)
+}
+
+/// One step of the check, and the force without a load, N ([`tare_n`]). One that is stopped finds
+/// nothing.
+///
+/// # Errors
+/// As [`check_device`].
+pub fn check_step(
+    device: &mut dyn Device,
+    clock: &mut dyn Clock,
+    guard: &mut Guard,
+    calibration: &Calibration,
+    rate_hz: f64,
+    (step, tare_n): (Step, f64),
+    stop: &AtomicBool,
+) -> Result<Vec<Finding>, Trip> {
+    let capabilities = device.capabilities().clone();
+    let found = match step {
+        Step::Rest => {
+            let (looks, kept) = look(device, clock, rate_hz, REST_S, stop)?;
+            [timing(&kept, rate_hz), at_rest(&capabilities, rate_hz, &looks)].concat()
+        }
+        Step::Load(mass_kg) => {
+            let (looks, _) = look(device, clock, rate_hz, REST_S, stop)?;
+            loaded(&looks, tare_n, mass_kg)
+        }
+        Step::Hand => {
+            let looks = look_by_hand(device, clock, guard, rate_hz, stop)?;
+            by_hand(&capabilities, guard.limits(), &looks)
+        }
+        Step::Actuators => {
+            return actuators::drive(device, clock, guard, calibration, rate_hz, stop);
+        }
+    };
+    Ok(if stop.load(Ordering::Relaxed) { Vec::new() } else { found })
 }
 
 /// Reads for so long, or until it is stopped, with both actuators off.

@@ -29,6 +29,8 @@ const ANGLE_NOISE_RAD: f64 = 1e-3;
 
 /// The force at rest may be off by so much, N: a trial's end is found by a force below it.
 const TARE_N: f64 = 0.2;
+/// What the force at rest is called.
+const TARE: &str = "tare";
 
 /// A known weight may be shown wrong by this share.
 const SCALE_ERROR: f64 = 0.03;
@@ -96,16 +98,26 @@ pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Ve
         "standard deviation of the force at rest; if too large, check cable, shield and supply";
     let tare = "force at rest; if it is not near zero, tare the load cell with nothing on it";
     found.push(Finding::new("force noise", sd_n, "N", sd_n <= FORCE_NOISE_N, noise));
-    found.push(Finding::new("tare", mean_n, "N", mean_n.abs() <= TARE_N, tare));
+    found.push(Finding::new(TARE, mean_n, "N", mean_n.abs() <= TARE_N, tare));
     found
 }
 
-/// A known mass on the load cell: is a newton a newton? `tare_n` is the force without it.
+/// The force at rest that was found, N; 0 where nobody looked.
+pub fn tare_n(found: &[Finding]) -> f64 {
+    found.iter().find(|finding| finding.check.name == TARE).map_or(0.0, |tare| tare.check.value)
+}
+
+/// A known mass on the load cell: is a newton a newton? `tare_n` is the force without it. The mass
+/// itself stands beside the scale, so that whoever reads it knows what it rests on.
 pub fn loaded(looks: &[Look], tare_n: f64, mass_kg: f64) -> Vec<Finding> {
     let scale = (mean_force_n(looks) - tare_n) / (mass_kg * GRAVITY_M_S2);
     let about = "force shown per force there, with the known mass; if it is not near 1, calibrate the load cell \
                  (below 0: it is mounted the wrong way round)";
-    vec![Finding::new("load cell scale", scale, "1", (scale - 1.0).abs() <= SCALE_ERROR, about)]
+    let mass = "the mass that hung there";
+    vec![
+        Finding::new("known mass", mass_kg, "kg", true, mass),
+        Finding::new("load cell scale", scale, "1", (scale - 1.0).abs() <= SCALE_ERROR, about),
+    ]
 }
 
 /// A lever moved all the way by hand from its lower stop: is every code there, is any stuck, and is

@@ -294,6 +294,13 @@ pub(crate) struct Acquire {
     /// A simulated clock: as fast as the machine can (simulated devices only)
     #[arg(long)]
     pub(crate) fast: bool,
+    /// Go through the whole device check: each step waits for what a hand must do, and what moves
+    /// the lever for a yes
+    #[arg(long, conflicts_with = "auto")]
+    pub(crate) ask: bool,
+    /// A known mass for the load cell, kg; asked for after the tare
+    #[arg(long, value_name = "KG", value_parser = positive, requires = "ask")]
+    pub(crate) mass: Option<f64>,
     #[command(flatten)]
     pub(crate) keys: Keys,
     /// Use the motor of a device without a watchdog; every trial is marked

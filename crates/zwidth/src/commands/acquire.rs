@@ -5,7 +5,7 @@ use super::participant::{beside, way};
 use super::recover::{lock, put_in_order_and_tell};
 use super::resume::resume;
 use crate::args::Acquire;
-use crate::devices::{checks_itself, is_homed_by_hand, mixed, open};
+use crate::devices::{is_homed_by_hand, mixed, open, steps_alone};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use crate::text::read_beside;
@@ -18,6 +18,7 @@ use zwidth_acquire::{
     Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session,
     own_study, run, seed_of,
 };
+use zwidth_device::check::steps;
 use zwidth_store::{Raw, RealFiles, from_json};
 use zwidth_study::{SessionRecord, Source};
 
@@ -64,7 +65,8 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
         live: !command.fast,
         answers: command.auto,
         by_hand,
-        check: checks_itself(&command.device),
+        steps: if command.ask { steps(command.mass) } else { steps_alone(&command.device) },
+        ask: command.ask,
         no_watchdog: command.no_watchdog,
         by: command.by.clone(),
         markers: command.markers.clone(),
@@ -128,6 +130,13 @@ fn tell(plan: &Plan, outcome: &Outcome, resume: &str, screen: &Screen) -> Exit {
         ));
     }
     let session = format!("{} {} {}", plan.layout.study(), plan.participant, plan.session);
+    if outcome.stays_on {
+        screen.warn("the board did not take its last 0 V and has no watchdog: a voltage may stay on; switch its supply off");
+    }
+    if done == total && outcome.stays_on {
+        screen.say(format!("{session}: all {total} trials are done"));
+        return Exit::Failed;
+    }
     if done == total {
         screen.say(format!(
             "{session}: all {total} trials are done. Check them with `zwidth verify {}`.",

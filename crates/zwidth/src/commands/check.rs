@@ -10,7 +10,7 @@ use anyhow::bail;
 use serde::Serialize;
 use std::io::{BufRead, Write, stderr, stdin};
 use std::path::Path;
-use zwidth_acquire::check_value;
+use zwidth_acquire::{check_value, step_words};
 use zwidth_device::check::{Finding, Step, check_device};
 use zwidth_device::{Guard, Limits};
 use zwidth_study::Check;
@@ -84,24 +84,10 @@ fn text(l: &Line) -> String {
 /// leave the step out. What moves the lever needs a `y`, and the end of the input consents to
 /// nothing.
 fn asked(step: Step, answers: &mut dyn BufRead, out: &mut dyn Write) -> bool {
-    let (what, consent) = match step {
-        Step::Rest => ("Lever against its lower stop, hands off. Enter when it is.".to_owned(), false),
-        Step::Load(mass_kg) => (
-            format!("Hang {mass_kg} kg from the load cell so that it pulls towards the wall. Enter when it hangs still."),
-            false,
-        ),
-        Step::Hand => (
-            "Lever against its lower stop. After Enter move it all the way to the upper stop and back, within 4 s.".to_owned(),
-            false,
-        ),
-        Step::Actuators => (
-            "Lever against its lower stop, hands off: motor and brake are switched on for a moment, and the lever moves. y lets them."
-                .to_owned(),
-            true,
-        ),
-    };
+    let (what, consent) = step_words(step);
+    let key = if consent { "y lets them" } else { "Enter begins" };
     // Who cannot be asked has not consented.
-    if writeln!(out, "{what} (s leaves this step out)").is_err() {
+    if writeln!(out, "{what} ({key}, s leaves this step out)").is_err() {
         return false;
     }
     let mut line = String::new();

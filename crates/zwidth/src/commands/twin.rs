@@ -5,7 +5,7 @@ use super::characterise::record as record_sweep;
 use super::device::{Bench, bench, keys};
 use super::recover::lock;
 use crate::args::{Actuator, Twin};
-use crate::devices::{DeviceSpec, checks_itself, mixed, twin as device};
+use crate::devices::{DeviceSpec, mixed, steps_alone, twin as device};
 use crate::exit::Exit;
 use crate::limits::MOST_SCALE;
 use crate::screen::Screen;
@@ -145,7 +145,8 @@ fn one(
         live: false,
         answers: true,
         by_hand: false,
-        check: checks_itself(&DeviceSpec::Twin),
+        steps: steps_alone(&DeviceSpec::Twin),
+        ask: false,
         no_watchdog: false,
         by: None,
         markers: Vec::new(),

@@ -40,7 +40,7 @@ const TROUBLES: [(&str, Trouble); 8] = [
     ("its cable pulled and plugged in again", Trouble::Unplug(1.0)),
 ];
 /// Broken promises that are told one by one.
-const TOLD: usize = 10;
+const TOLD: usize = 40;
 /// Sessions at once.
 const AT_ONCE: usize = 2;
 

@@ -37,6 +37,8 @@ pub(super) struct Ended {
     pub(super) total: usize,
     /// How often it was stopped.
     pub(super) stops: u32,
+    /// The session said that a voltage may stay on.
+    pub(super) warned: bool,
     /// What was out after all, and whether a voltage stayed on without a cable.
     pub(super) drive: Drive,
     pub(super) left_on: bool,
@@ -116,6 +118,7 @@ pub(super) fn played<D: Device + Told + 'static>(
         done: outcome.done,
         total: outcome.total,
         stops: person.stops,
+        warned: outcome.stays_on,
         drive: bench.drive(),
         left_on: bench.left_on(),
         told: own(&told_to),

@@ -1,3 +1,4 @@
+mod checks;
 mod in_memory;
 mod marks;
 #[cfg(unix)]
@@ -62,7 +63,8 @@ impl Desk {
             live: false,
             answers: false,
             by_hand: false,
-            check: |_| false,
+            steps: Vec::new(),
+            ask: false,
             no_watchdog: false,
             by: None,
             markers: Vec::new(),

@@ -1,6 +1,7 @@
 //! A disk that stands still for seconds, in real time: the device is read all the while.
 
 use super::*;
+use crate::flow::EMERGENCY_STOP;
 use std::sync::Condvar;
 use zwidth_device::mock::SharedClock;
 use zwidth_device::{Capabilities, Cue, DeviceError, Reading};

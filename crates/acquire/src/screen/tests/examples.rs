@@ -1,6 +1,7 @@
 //! Views for tests: a session in each of its phases.
 
 use crate::{Cell, CheckLine, Course, Current, Phase, Point, Timing, View};
+use zwidth_device::check::Step;
 use zwidth_study::{AnswerScale, Kind, Voltages, template};
 
 /// The longest question of the commented `study.toml`: the thesis' second.
@@ -22,6 +23,8 @@ pub(super) fn asked() -> Phase {
 pub(crate) fn phases() -> Vec<Phase> {
     vec![
         Phase::Check,
+        Phase::Step { what: crate::step_words(Step::Load(0.2)).0, moves: false },
+        Phase::Step { what: crate::step_words(Step::Actuators).0, moves: true },
         Phase::AtStop,
         Phase::Homing,
         Phase::Ready,
@@ -53,7 +56,7 @@ fn course(end_s: f64) -> Vec<Point> {
 pub(super) fn view(phase: Phase, blinded: bool) -> View {
     let end_s = match phase {
         Phase::Trial { t_s, .. } => t_s,
-        Phase::Check | Phase::AtStop | Phase::Homing | Phase::Left => 0.0,
+        Phase::Check | Phase::Step { .. } | Phase::AtStop | Phase::Homing | Phase::Left => 0.0,
         _ => 3.8,
     };
     let check =
