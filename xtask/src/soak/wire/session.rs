@@ -37,6 +37,8 @@ pub(super) struct Ended {
     pub(super) total: usize,
     /// How often it was stopped.
     pub(super) stops: u32,
+    /// What went wrong was the host's very last word.
+    pub(super) was_last: bool,
     /// The session said that a voltage may stay on.
     pub(super) warned: bool,
     /// What was out after all, and whether a voltage stayed on without a cable.
@@ -118,6 +120,9 @@ pub(super) fn played<D: Device + Told + 'static>(
         done: outcome.done,
         total: outcome.total,
         stops: person.stops,
+        was_last: trouble.is_some_and(|(way, nth, _)| {
+            way == Way::ToBoard && nth + 1 == bench.said(Way::ToBoard)
+        }),
         warned: outcome.stays_on,
         drive: bench.drive(),
         left_on: bench.left_on(),
