@@ -10,7 +10,7 @@ use crate::frame::{
     Chain, Decoded, FIRST_MAGIC, Frame, Header, MAGIC, MOST_ROWS, Protocol, decode, encode,
 };
 use crate::{
-    Append, Files, Layout, MOST_BYTES, Samples, StoreError, Trial, TrialFile, record_trial,
+    Append, Entered, Files, Layout, MOST_BYTES, Samples, StoreError, Trial, TrialFile, record_trial,
 };
 use std::path::{Path, PathBuf};
 use zwidth_study::{Given, Sample, Status, TrialMeta};
@@ -131,12 +131,12 @@ impl Journal {
     /// # Errors
     /// A write that failed: the journal is still there then, and [`crate::recover`] goes on where
     /// this stopped.
-    pub fn finish(
+    pub fn finish<'a>(
         mut self,
         files: &dyn Files,
         layout: &Layout,
         likert: Option<Given>,
-        utc: &str,
+        entered: impl Into<Entered<'a>>,
     ) -> Result<Option<PathBuf>, StoreError> {
         if let Some(given) = likert {
             self.write(&Frame::Answer(given), &[])?;
@@ -147,7 +147,7 @@ impl Journal {
         let written = match read.trial() {
             None => None,
             Some((trial, protocol)) => {
-                Some(record_trial(files, layout, utc, &trial, &protocol, read.time_ms())?)
+                Some(record_trial(files, layout, entered, &trial, &protocol, read.time_ms())?)
             }
         };
         clear(files, &path, &read)?;

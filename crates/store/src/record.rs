@@ -7,8 +7,8 @@ use crate::frame::Protocol;
 use crate::hash::blake3_of;
 use crate::read::read_whole_trial;
 use crate::{
-    Files, Layout, Samples, Signal, Storage, StoreError, Trial, append_events, trial_bytes,
-    write_new,
+    Entered, Files, Layout, Samples, Signal, Storage, StoreError, Trial, append_events,
+    trial_bytes, write_new,
 };
 use std::path::{Path, PathBuf};
 use zwidth_study::{Event, Schema, TrialForm, TrialMeta};
@@ -23,10 +23,10 @@ use zwidth_study::{Event, Schema, TrialForm, TrialMeta};
 /// # Errors
 /// Samples that break a promise of the schema; another trial under the same number; a log that
 /// cannot be read; a write that failed.
-pub fn record_trial(
+pub fn record_trial<'a>(
     files: &dyn Files,
     layout: &Layout,
-    utc: &str,
+    entered: impl Into<Entered<'a>>,
     trial: &Trial,
     protocol: &Protocol,
     answer_time_ms: Option<u32>,
@@ -53,7 +53,7 @@ pub fn record_trial(
     if events.is_empty() {
         sync_file(files, &log).map_err(|e| StoreError::io(&log, "sync", &e))?;
     } else {
-        append_events(files, &log, utc, &events)?;
+        append_events(files, &log, entered, &events)?;
     }
     settle(files, layout, &log)?;
     Ok(path)

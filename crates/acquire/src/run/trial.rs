@@ -193,7 +193,8 @@ impl<'a> Runner<'a> {
     ) -> Result<(), AcquireError> {
         let Some(tape) = self.tape.take() else { return Ok(()) };
         let utc = (self.utc)(self.attendant.now_s());
-        let path = tape.journal.finish(&self.files, &self.plan.layout, likert, &utc)?;
+        let entered = Entered { utc: &utc, by: self.options.by.as_ref() };
+        let path = tape.journal.finish(&self.files, &self.plan.layout, likert, entered)?;
         self.view.say(match (path, complete) {
             (None, _) => format!("trial {trial} had not begun: nothing is kept of it"),
             (Some(_), true) => format!("trial {trial} stored"),

@@ -55,8 +55,9 @@ pub(super) fn countdown(phase: &Phase) -> Option<(f64, f64)> {
     }
 }
 
-/// What is to be read in a phase, in lines of at most `limit` cells.
-pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>> {
+/// What is to be read in a phase, in lines of at most `limit` cells; where there is little room, a
+/// question with the ends of its scale alone.
+pub(super) fn lines(view: &View, look: Look, limit: usize, is_low: bool) -> Vec<Line<'static>> {
     let plain = |text: &str| styled(text, Role::Plain, look, limit);
     let then_next = |mut lines: Vec<Line<'static>>| {
         lines.extend(trial(view).map(|trial| Line::raw(fit(&format!("Next: {trial}"), limit))));
@@ -83,7 +84,7 @@ pub(super) fn lines(view: &View, look: Look, limit: usize) -> Vec<Line<'static>>
         Phase::Trial { .. } => {
             plain("The trial runs until its time is up. Space stops it at once, at 0 V.")
         }
-        Phase::Question { text, scale } => question(text, scale, look, limit),
+        Phase::Question { text, scale } => question(text, scale, look, limit, is_low),
         Phase::Pause { .. } => {
             let rest = if view.held { HELD } else { "Rest. Both actuators are off." };
             [then_next(plain(rest)), cells(view, limit)].concat()
@@ -155,13 +156,19 @@ fn stopped(why: &str, look: Look, limit: usize) -> Vec<Line<'static>> {
 }
 
 /// The question and its scale: in one row where it fits, else one row an answer; of a long scale
-/// the ends and what has a word.
-fn question(text: &str, scale: &AnswerScale, look: Look, limit: usize) -> Vec<Line<'static>> {
+/// the ends and what has a word, and where there is little room the ends alone.
+fn question(
+    text: &str,
+    scale: &AnswerScale,
+    look: Look,
+    limit: usize,
+    is_low: bool,
+) -> Vec<Line<'static>> {
     let mut lines = styled(text, Role::Strong, look, limit);
-    lines.push(Line::default());
+    lines.extend((!is_low).then(Line::default));
     let is_told = |answer: &i16| {
         let is_end = [scale.lowest(), scale.highest()].contains(answer);
-        scale.is_ordinal() || is_end || scale.word(*answer).is_some()
+        is_end || (!is_low && (scale.is_ordinal() || scale.word(*answer).is_some()))
     };
     let told = scale.answers().into_iter().filter(is_told);
     let word = |answer| scale.word(answer).map(|word| format!(" {word}")).unwrap_or_default();

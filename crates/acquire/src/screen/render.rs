@@ -37,7 +37,11 @@ pub(super) fn render(view: &View, entry: Option<&Entry>, look: Look, frame: &mut
 fn draw(view: &View, entry: Option<&Entry>, look: Look, area: Rect, buffer: &mut Buffer) {
     let inner = area.inner(Margin::new(1, 0));
     let limit = usize::from(inner.width);
-    let mut talk = panel::lines(view, look, limit);
+    let mut talk = panel::lines(view, look, limit, false);
+    // Beside the phase and the keys.
+    if cells(talk.len() + 2) > inner.height {
+        talk = panel::lines(view, look, limit, true);
+    }
     talk.extend(entry.map_or(Vec::new(), |entry| foot::entry(entry, look, limit)));
     let rows = Rows::of(inner, has_traces(view), cells(talk.len()));
     title(view, look, rows.title, buffer);
