@@ -9,7 +9,7 @@ use super::shape::{
 };
 use regex::Regex;
 use std::path::Path;
-use zwidth_store::hex_blake3;
+use zwidth_store::{Signal, hex_blake3};
 use zwidth_study::{StudyError, line_of, toml_error};
 
 /// The mapping in `text`, or every problem found in it.
@@ -195,11 +195,13 @@ impl Check<'_> {
                 "is missing; a trial needs at least one [[column]] besides its time",
             );
         }
-        let mut known = Vec::new();
+        let (mut known, mut above) = (Vec::new(), Vec::new());
         for (i, shape) in columns.into_iter().enumerate() {
-            if let Some(column) = self.column(&format!("column[{i}]"), shape, &known) {
+            let named = Signal::from_name(&shape.to);
+            if let Some(column) = self.column(&format!("column[{i}]"), shape, &known, &above) {
                 known.push(column);
             }
+            above.extend(named);
         }
         let mut channels = Vec::new();
         for (i, shape) in own.into_iter().enumerate() {

@@ -100,6 +100,7 @@ impl Check<'_> {
         at: &str,
         c: ColumnShape,
         known: &[SignalFrom],
+        above: &[Signal],
     ) -> Option<SignalFrom> {
         let key = format!("{at}.to");
         let to = self.keep(
@@ -141,7 +142,7 @@ impl Check<'_> {
                     );
                 }
                 let key = format!("{at}.derive");
-                let rule = derived(&rule, to, known);
+                let rule = derived(&rule, to, above);
                 Origin::Derived(self.keep(&key, rule)?)
             }
             _ => {
@@ -168,8 +169,9 @@ impl Check<'_> {
     }
 }
 
-/// What `derive` asks for: `derivative of theta_rad`, `integral of theta_dot_rad_s`.
-fn derived(rule: &str, to: Signal, known: &[SignalFrom]) -> Result<Rule, String> {
+/// What `derive` asks for: `derivative of theta_rad`, `integral of theta_dot_rad_s`; `above` is what
+/// the columns before it are to become, those with an error of their own included.
+fn derived(rule: &str, to: Signal, above: &[Signal]) -> Result<Rule, String> {
     let form = "write \"derivative of …\" or \"integral of …\" with a column of a trial, for instance theta_rad";
     let (is_derivative, name) = match rule.split_once(" of ") {
         Some(("derivative", name)) => (true, name),
@@ -178,7 +180,7 @@ fn derived(rule: &str, to: Signal, known: &[SignalFrom]) -> Result<Rule, String>
     };
     let of = Signal::from_name(name)
         .ok_or_else(|| format!("'{name}' is not a column of a trial; {form}"))?;
-    if !known.iter().any(|k| k.to == of) {
+    if !above.contains(&of) {
         return Err(format!("'{name}' must be mapped by a [[column]] above this one"));
     }
     let rises_to = |low: Signal, high: Signal| {
@@ -203,7 +205,9 @@ fn derived(rule: &str, to: Signal, known: &[SignalFrom]) -> Result<Rule, String>
 #[cfg(test)]
 mod tests {
     use super::super::check::tests::check;
+    use super::super::mapping::Mapping;
     use super::super::world::{FORCE, ONE, trials_map};
+    use std::path::Path;
 
     #[test]
     fn a_derivative_must_be_one() {
@@ -223,5 +227,16 @@ mod tests {
         check(&good, "theta_rad", "thta_rad", 18, "'thta_rad' is not a column of a trial");
         check(&good, "derivative of", "slope of", 18, "write \"derivative of …\"");
         check(&good, "derive =", "unit = \"rad/s\"\nderive =", 16, "are not used beside derive");
+    }
+
+    #[test]
+    fn a_column_whose_unit_is_wrong_is_told_of_once_and_not_missed_by_what_is_derived_from_it() {
+        const ANGLE: &str = "[[column]]\nto = \"theta_rad\"\nfrom = \"a\"\nunit = \"degg\"\n";
+        const SLOPE: &str =
+            "[[column]]\nto = \"theta_dot_rad_s\"\nderive = \"derivative of theta_rad\"\n";
+        let map = trials_map(&[ONE, FORCE, ANGLE, SLOPE]);
+        let told = Mapping::from_toml(&map, Path::new("map.toml")).unwrap_err();
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(told[0].to_string().contains("'degg' is unknown"), "{told:?}");
     }
 }

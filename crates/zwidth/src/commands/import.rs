@@ -37,7 +37,10 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
         return guessed(file, command.map.as_deref(), screen);
     }
     let (Some(id), Some(map)) = (&command.study, &command.map) else {
-        bail!("name the study, the mapping file (--map) and the recordings");
+        bail!(
+            "name the study, the mapping file (--map) and the recordings; `zwidth import --guess FILE --map map.toml` \
+             writes a mapping file to edit"
+        );
     };
     let layout = study(root, id.clone())?;
     let mapping = Mapping::read(map).map_err(|findings| join_findings(&findings))?;

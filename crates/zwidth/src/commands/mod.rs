@@ -147,10 +147,38 @@ fn is_study(folder: &Path) -> bool {
     ["study.toml", "trials", "sweeps", "sessions"].iter().any(|name| folder.join(name).exists())
 }
 
-/// Several findings as one error, a line each.
+/// Several findings as one error, a line each; what is the same in many files is said once.
 fn join_findings(findings: &[StoreError]) -> anyhow::Error {
-    anyhow::anyhow!(
-        "{}",
-        findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n       ")
-    )
+    let mut said: Vec<(&StoreError, usize)> = Vec::new();
+    for finding in findings {
+        match said.iter_mut().find(|(first, _)| is_alike(first, finding)) {
+            Some((_, more)) => *more += 1,
+            None => said.push((finding, 0)),
+        }
+    }
+    let line = |(first, more): &(&StoreError, usize)| match more {
+        0 => first.to_string(),
+        1 => format!("{first} (and so in 1 more file)"),
+        more => format!("{first} (and so in {more} more files)"),
+    };
+    anyhow::anyhow!("{}", said.iter().map(line).collect::<Vec<_>>().join("\n       "))
+}
+
+/// Whether two files have the same thing wrong with them.
+fn is_alike(a: &StoreError, b: &StoreError) -> bool {
+    a.path != b.path
+        && (&a.column, a.row, &a.what, &a.remedy) == (&b.column, b.row, &b.what, &b.remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_the_same_in_many_files_is_said_once() {
+        let of = |file: &str, what: &str| StoreError::new(Path::new(file), what, "mend it");
+        let findings = [of("a", "no t"), of("b", "no t"), of("b", "no f"), of("c", "no t")];
+        let told = join_findings(&findings).to_string();
+        assert_eq!(told, "a: no t; mend it (and so in 2 more files)\n       b: no f; mend it",);
+    }
 }
