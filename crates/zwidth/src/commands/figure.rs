@@ -29,6 +29,9 @@ pub(crate) fn figure(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Res
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     let captions = plan::captions(&data);
     let Some(name) = &asked.name else {
+        if asked.size.is_some() || asked.bare || asked.text || asked.out.is_some() {
+            bail!("name the figure that is to be made; `zwidth figure {}` lists them", asked.study);
+        }
         let entry = |(name, shows)| Entry { name, shows };
         return list(captions.into_iter().map(entry).collect(), screen);
     };
