@@ -158,12 +158,12 @@ fn question(text: &str, scale: &AnswerScale, look: Look, limit: usize) -> Vec<Li
     lines.push(Line::default());
     let is_told = |answer: &i16| {
         let is_end = [scale.lowest(), scale.highest()].contains(answer);
-        scale.is_ordinal() || is_end || scale.word(*answer).is_some()
+        scale.is_short() || is_end || scale.word(*answer).is_some()
     };
     let told = scale.answers().into_iter().filter(is_told);
     let word = |answer| scale.word(answer).map(|word| format!(" {word}")).unwrap_or_default();
     let answers: Vec<(String, String)> = told.map(|a| (a.to_string(), word(a))).collect();
-    if !scale.is_ordinal() {
+    if !scale.is_short() {
         let what = format!("A number from {}, then Enter.", scale.range());
         lines.extend(styled(&what, Role::Plain, look, limit));
     }
