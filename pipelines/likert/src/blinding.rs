@@ -209,16 +209,16 @@ fn notes(of: &Blinding, participants: usize) -> Vec<(NoteKind, String)> {
     let (few, many) = (choices().min().unwrap_or_default(), choices().max().unwrap_or_default());
     let k = if few == many { few.to_string() } else { format!("{few} to {many}") };
     let form = match many {
-        2 => "the index of Bang, Ni & Davis 2004",
+        2 => "It is the index of Bang, Ni & Davis 2004",
         _ => {
-            "with two modes the index of Bang, Ni & Davis 2004; the form for more modes is this program's own"
+            "With two modes it is the index of Bang, Ni & Davis 2004; the form for more modes is this program's own"
         }
     };
     let mut notes = vec![(
         NoteKind::General,
         format!(
             "Index: mean over the answered trials of 1 (right), -1/(k - 1) (wrong) and 0 (do not know), k = {k} \
-             modes to choose from: 0 at chance, 1 if always right. It is {form}."
+             modes to choose from: 0 at chance, 1 if always right. {form}."
         ),
     )];
     if participants > 1 {

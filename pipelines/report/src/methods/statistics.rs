@@ -130,7 +130,8 @@ fn guesses(recorded: &Recorded, cited: &mut Cited) -> String {
     format!(
         "How far participants knew the mode is told by a blinding index: the mean over a participant's trials \
          of a mode of 1 where the mode was named, −1/(k − 1) where another one was, and 0 for “do not know”, \
-         with k modes to choose from{over}. For two modes this is the index of Bang and others {}.",
+         with k modes to choose from{over}. For two modes this is the index of Bang and others {}; the \
+         form for more is this program's own.",
         cited.cite("bang")
     )
 }
