@@ -196,6 +196,10 @@ fn line(view: &View) -> String {
         Phase::Question { text, scale } => {
             let word =
                 |a: i16| scale.word(a).map(|word| format!("{a} {word}")).unwrap_or(a.to_string());
+            if scale.is_nominal() {
+                let answers: Vec<String> = scale.answers().into_iter().map(word).collect();
+                return format!("question {text} ({})", answers.join(", "));
+            }
             let [first, last] = [scale.lowest(), scale.highest()].map(word);
             let steps = scale.range().split_once(" in ").map(|(_, steps)| format!(", in {steps}"));
             format!("question {text} ({first} to {last}{})", steps.unwrap_or_default())
@@ -327,6 +331,18 @@ mod tests {
                 && told.contains("'much' is not an answer"),
             "{told}"
         );
+    }
+
+    #[test]
+    fn a_question_for_the_mode_lists_every_mode() {
+        let scale =
+            zwidth_study::AnswerScale::Modes(["Motor", "Brake"].map(str::to_owned).to_vec());
+        let view = View {
+            phase: Phase::Question { text: "Which mode was it?".into(), scale },
+            ..View::default()
+        };
+        let expect = "question Which mode was it? (0 do not know, 1 Motor, 2 Brake)";
+        assert_eq!(line(&view), expect);
     }
 
     #[test]

@@ -186,7 +186,8 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
 
 /// The answers compared, if there are some after several modes.
 pub fn answers(data: &StudyData) -> Option<PathBuf> {
-    let tried: BTreeSet<_> = data.answers().into_iter().map(|a| a.condition.mode).collect();
+    let ratings = likert::ratings(data).into_iter();
+    let tried: BTreeSet<_> = ratings.map(|a| a.condition.mode).collect();
     let several = tried.len() > 1;
     likert::long(data).filter(|_| several).map(|_| answers_file(&data.layout))
 }
@@ -286,7 +287,7 @@ fn answers_job(data: &StudyData) -> Job {
         simulated: data.sessions.iter().any(|session| session.record.source.is_simulated()),
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
-        questions: study.questions.clone(),
+        questions: study.questions.iter().filter(|q| q.is_rating()).cloned().collect(),
         contrasts: study.compare.contrasts.clone(),
         level: study.compare.level,
     };

@@ -1,11 +1,17 @@
-//! Stage `likert`: tallies by question, and by group of questions; the answers themselves.
+//! Stage `likert`: tallies by question, and by group of questions; the answers themselves; the
+//! blinding index where it was asked which mode it was.
 
 use crate::making::{derived, write_tables};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-use zwidth_likert::Scheme;
+use zwidth_likert::{Blinding, Guess, Scheme};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Answer, StudyData};
+use zwidth_store::{Answer, StudyData, TrialEntry};
+use zwidth_study::{
+    EnvironmentId, Kind, ModeId, ParticipantId, Question, QuestionId, SessionId, Status, Study,
+    TrialMeta,
+};
 
 const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
 
@@ -15,11 +21,30 @@ const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
 struct Asked {
     scheme: Scheme,
     answers: Vec<Answer>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    blinding: Option<Blinding>,
 }
 
-/// The tallies of the study, if there is an answer.
+/// The answers that rate what was felt.
+pub(crate) fn ratings(data: &StudyData) -> Vec<Answer> {
+    let (scheme, mut answers) = (Scheme::of(&data.study), data.answers());
+    answers.retain(|answer| scheme.rates(answer));
+    answers
+}
+
+/// The tallies of the study, if there is such an answer.
 pub(crate) fn tally(data: &StudyData) -> Option<PathBuf> {
-    (!data.answers().is_empty()).then(|| derived(&data.layout, "likert.parquet"))
+    (!ratings(data).is_empty()).then(|| derived(&data.layout, "likert.parquet"))
+}
+
+/// The blinding index, if it was answered which mode it was.
+pub(crate) fn blinding(data: &StudyData) -> Option<PathBuf> {
+    guessed(data).map(|_| derived(&data.layout, "blinding.parquet"))
+}
+
+/// The tables of the stage that people read.
+pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
+    tally(data).into_iter().chain(blinding(data)).collect()
 }
 
 /// Every answer of the study, one row each, if there is one.
@@ -34,21 +59,96 @@ fn origins(data: &StudyData) -> Vec<PathBuf> {
     trials.chain(logs).collect()
 }
 
+/// The trials that count after which it was asked which mode it was, if one was answered. What was
+/// offered, and under which numbers, is told by the session's own copy of the study.
+fn guessed(data: &StudyData) -> Option<Blinding> {
+    let question = data.study.questions.iter().find(|question| !question.is_rating())?;
+    let mut asked: BTreeMap<Key, (ModeId, Option<i16>)> = BTreeMap::new();
+    let studies = studies(data);
+    let is_asked = |meta: &TrialMeta| {
+        let of = study_of(data, &studies, (&meta.participant, &meta.session));
+        asks(of, &meta.environment, question)
+    };
+    for entry in data.counting().filter(|entry| is_asked(&entry.meta)) {
+        let TrialMeta { participant, session, trial, mode, .. } = entry.meta.clone();
+        asked.insert((participant, session, trial), (mode, None));
+    }
+    for answer in data.answers().into_iter().filter(|answer| answer.question == question.id) {
+        let Answer { participant, session, trial, condition, value, .. } = answer;
+        asked.insert((participant, session, trial), (condition.mode, Some(value)));
+    }
+    let is_sealed = |entry: &&TrialEntry| {
+        let is_left_out = entry.superseded_by.is_some() || entry.excluded.is_some();
+        let TrialMeta { kind, status, .. } = entry.meta;
+        let is_whole = (kind, status) == (Kind::Trial, Status::Complete);
+        entry.sealed.is_some() && is_whole && !is_left_out && is_asked(&entry.meta)
+    };
+    let guess = |((participant, session, _), (mode, answer)): (Key, (ModeId, Option<i16>))| {
+        let of = study_of(data, &studies, (&participant, &session));
+        // A mode that the session's own study lacks was not among its answers.
+        let place = of.modes.iter().position(|m| m.id == mode)?;
+        let number = u8::try_from(place + 1).ok()?;
+        let choices = u8::try_from(of.modes.len()).ok()?;
+        Some(Guess { participant, mode, number, choices, answer })
+    };
+    let sealed = data.trials.iter().filter(is_sealed).count();
+    let guesses: Vec<Guess> = asked.into_iter().filter_map(guess).collect();
+    let is_answered = guesses.iter().any(|guess| guess.answer.is_some());
+    let modes = data.study.modes.iter().map(|mode| mode.id.clone()).collect();
+    let level = data.study.analysis.confidence;
+    is_answered.then_some(Blinding { modes, guesses, sealed, level })
+}
+
+/// Participant, session, trial.
+type Key = (ParticipantId, SessionId, u32);
+
+type Studies<'d> = BTreeMap<(&'d ParticipantId, &'d SessionId), &'d Study>;
+
+/// The copies of the study that sessions have.
+fn studies(data: &StudyData) -> Studies<'_> {
+    let own = data.sessions.iter().filter_map(|log| {
+        Some(((&log.record.participant, &log.record.session), log.study.as_ref()?))
+    });
+    own.collect()
+}
+
+/// The study as it was for a session.
+fn study_of<'d>(
+    data: &'d StudyData,
+    studies: &Studies<'d>,
+    of: (&ParticipantId, &SessionId),
+) -> &'d Study {
+    studies.get(&of).copied().unwrap_or(&data.study)
+}
+
+/// Whether a question for the mode is asked after an environment's trials.
+fn asks(study: &Study, environment: &EnvironmentId, question: &Question) -> bool {
+    let is_it = |id: &QuestionId| {
+        *id == question.id && study.question(id).is_some_and(|known| !known.is_rating())
+    };
+    study.environment(environment).is_some_and(|e| e.questions().any(is_it))
+}
+
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let job = |output: PathBuf| {
-        let asked = Asked { scheme: Scheme::of(&data.study), answers: data.answers() };
-        let outputs = [Some(output), long(data)].into_iter().flatten().collect();
+    let job = |long: PathBuf| {
+        let (scheme, answers) = (Scheme::of(&data.study), data.answers());
+        let asked = Asked { scheme, answers, blinding: guessed(data) };
+        let outputs = tally(data).into_iter().chain([long]).chain(blinding(data)).collect();
         let job = Job::new(STAGE, "likert tallies", asked, (), outputs, make);
         job.told_by(origins(data))
     };
-    tally(data).map(job).into_iter().collect()
+    long(data).map(job).into_iter().collect()
 }
 
 fn make(asked: &Asked, (): &(), making: &Making) -> Result<Made, JobError> {
-    let Asked { scheme, answers } = asked;
-    write_tables(
-        &[zwidth_likert::tally(answers, scheme)?, zwidth_likert::long(answers, scheme)?],
-        making,
-        Vec::new(),
-    )
+    let Asked { scheme, answers, blinding } = asked;
+    let mut tables = Vec::new();
+    if answers.iter().any(|answer| scheme.rates(answer)) {
+        tables.push(zwidth_likert::tally(answers, scheme)?);
+    }
+    tables.push(zwidth_likert::long(answers, scheme)?);
+    if let Some(blinding) = blinding {
+        tables.push(zwidth_likert::blinding(blinding)?);
+    }
+    write_tables(&tables, making, Vec::new())
 }

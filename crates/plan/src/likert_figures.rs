@@ -1,7 +1,7 @@
 //! The figures of the stage `likert`, as many panels to a figure as fit on a page.
 
 use crate::drawing::{Drawing, Figured};
-use crate::likert::{long, tally};
+use crate::likert::{long, ratings, tally};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -88,9 +88,9 @@ fn make_ratings(rated: &Rated, files: &Vec<PathBuf>) -> Figured {
     Ok((figure, Vec::new()))
 }
 
-/// The questions answered in each environment, in the study's order.
+/// The questions answered with a rating in each environment, in the study's order.
 pub(crate) fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)> {
-    let answers = data.answers();
+    let answers = ratings(data);
     let given: BTreeSet<_> =
         answers.iter().map(|a| (&a.condition.environment, &a.question)).collect();
     let mut asked = Vec::new();

@@ -1,6 +1,6 @@
 //! What the methods in words speak of: what was recorded, and which stages a run has for it.
 
-use crate::{compare, identify, replay};
+use crate::{compare, identify, likert, replay};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_report::Recorded;
 use zwidth_store::StudyData;
@@ -37,7 +37,8 @@ pub fn recorded(data: &StudyData) -> Recorded {
         sweeps: data.sweeps.len(),
         sources,
         compared: compare::compared(data),
-        answers: !answers.is_empty(),
+        answers: likert::tally(data).is_some(),
+        guesses: likert::blinding(data).is_some(),
         // Without the lever's length the table of replays says of each trial that it could not be.
         replayed: !replay::jobs(data).is_empty() && data.study.device.lever_m.is_some(),
         identified: identify::known_plant(data).is_some(),

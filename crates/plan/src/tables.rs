@@ -23,7 +23,7 @@ pub fn printed(data: &StudyData) -> Vec<(PathBuf, bool)> {
     let any = trials || answers || sweeps;
     let kinds = [
         (of_trials(data), trials),
-        (likert::tally(data).into_iter().collect(), answers),
+        (likert::printed(data), answers),
         // The answers' are marked by themselves.
         (compare::tables(data), trials),
         (trade::tables(data), false),

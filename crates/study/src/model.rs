@@ -222,6 +222,14 @@ pub struct Question {
     pub reversed: bool,
 }
 
+impl Question {
+    /// Whether its answers rate what was felt: they have an order, and are tallied and compared.
+    /// Those to the question which mode it was do not.
+    pub fn is_rating(&self) -> bool {
+        !self.scale.is_nominal()
+    }
+}
+
 /// Environment × mode.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub struct Condition {

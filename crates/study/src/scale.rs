@@ -14,6 +14,11 @@ pub enum AnswerScale {
     /// `study.toml`).
     #[serde(skip_deserializing)]
     Numbers(NumberScale),
+    /// The study's modes by their labels, numbered from 1 in the order of `study.toml`, and 0 for
+    /// [`AnswerScale::DO_NOT_KNOW`] (`asks = "mode"`). Nominal: its numbers are names, with no
+    /// order and no mean.
+    #[serde(skip_deserializing)]
+    Modes(Vec<String>),
 }
 
 /// A scale by its numbers: −3 to 3, 0 to 6, 0 to 100 in steps of 5.
@@ -33,6 +38,9 @@ impl AnswerScale {
     /// Every scale that has a name.
     pub const NAMED: [Self; 1] = [Self::FivePoint];
 
+    /// The word of the answer 0 to the question which mode it was.
+    pub const DO_NOT_KNOW: &str = "do not know";
+
     /// The most points of a scale: a visual analogue from 0 to 100.
     pub const MOST_POINTS: u8 = 101;
 
@@ -49,15 +57,18 @@ impl AnswerScale {
                 "five-point scale",
                 &["strongly disagree", "disagree", "neutral", "agree", "strongly agree"],
             )),
-            Self::Numbers(_) => None,
+            Self::Numbers(_) | Self::Modes(_) => None,
         }
     }
 
     /// Its name in prose: `five-point scale`, `scale from -3 to 3`.
     pub fn name(&self) -> String {
-        match self.about() {
-            Some((name, _)) => name.to_owned(),
-            None => format!("scale from {}", self.range()),
+        match (self.about(), self) {
+            (Some((name, _)), _) => name.to_owned(),
+            (None, Self::Modes(labels)) => {
+                format!("{} or “{}”", labels.join(", "), Self::DO_NOT_KNOW)
+            }
+            (None, _) => format!("scale from {}", self.range()),
         }
     }
 
@@ -65,6 +76,8 @@ impl AnswerScale {
     pub fn points(&self) -> u8 {
         match self {
             Self::Numbers(scale) => scale.points,
+            // No study with more modes than that may ask for them.
+            Self::Modes(labels) => u8::try_from(labels.len() + 1).unwrap_or(Self::MOST_POINTS),
             // A test holds it below `MOST_POINTS`.
             named => named.about().map_or(0, |(_, words)| words.len() as u8),
         }
@@ -74,7 +87,8 @@ impl AnswerScale {
     fn form(&self) -> (i16, i16) {
         match self {
             Self::Numbers(scale) => (scale.from, scale.step),
-            _ => (1, 1),
+            Self::Modes(_) => (0, 1),
+            Self::FivePoint => (1, 1),
         }
     }
 
@@ -117,6 +131,16 @@ impl AnswerScale {
     /// Whether its answers are counted one by one, and modelled as ordered categories
     /// ([`AnswerScale::MOST_CATEGORIES`]).
     pub fn is_ordinal(&self) -> bool {
+        self.is_short() && !self.is_nominal()
+    }
+
+    /// Whether its answers are names, with no order: they are in no tally, median or model.
+    pub fn is_nominal(&self) -> bool {
+        matches!(self, Self::Modes(_))
+    }
+
+    /// Whether a screen shows every answer, and not the ends alone.
+    pub fn is_short(&self) -> bool {
         self.points() <= Self::MOST_CATEGORIES
     }
 
@@ -139,6 +163,10 @@ impl AnswerScale {
         let place = usize::from(self.place(answer)?) - 1;
         match self {
             Self::Numbers(scale) => scale.word(place),
+            Self::Modes(labels) => match place.checked_sub(1) {
+                None => Some(Self::DO_NOT_KNOW),
+                Some(mode) => labels.get(mode).map(String::as_str),
+            },
             named => named.about().and_then(|(_, words)| words.get(place).copied()),
         }
     }
@@ -254,6 +282,17 @@ mod tests {
     #[test]
     fn up_to_eleven_points_are_categories_and_more_are_a_quantity() {
         assert!(numbers(11, 0, 1, &[]).is_ordinal() && !numbers(12, 0, 1, &[]).is_ordinal());
+    }
+
+    #[test]
+    fn the_modes_are_numbered_from_1_and_0_is_not_to_know() {
+        let scale = AnswerScale::Modes(["Motor", "Brake"].map(str::to_owned).to_vec());
+        let words: Vec<String> = scale.answers().into_iter().map(|a| scale.worded(a)).collect();
+        assert_eq!(words, ["0 (do not know)", "1 (Motor)", "2 (Brake)"]);
+        assert_eq!((scale.range().as_str(), scale.has(3), scale.has(-1)), ("0 to 2", false, false));
+        assert_eq!(scale.name(), "Motor, Brake or “do not know”");
+        assert!(scale.is_nominal() && !scale.is_ordinal() && scale.is_short());
+        assert!(scales().iter().all(|scale| !scale.is_nominal()));
     }
 
     #[test]

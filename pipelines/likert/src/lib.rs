@@ -15,9 +15,13 @@
 //!
 //! [`long`] gives the answers themselves, one row each, as they were given.
 //!
+//! The question which mode it was is none of these: its answers are names, in no tally. [`blinding`]
+//! counts how often they were right.
+//!
 //! Pure: answers in memory, table out. Only answers that count may come in (`StudyData::answers`
 //! gives those).
 
+mod blinding;
 mod counts;
 mod long;
 #[cfg(test)]
@@ -26,6 +30,7 @@ mod tally;
 #[cfg(test)]
 mod tests;
 
+pub use blinding::{Blinding, Guess, blinding};
 pub use long::long;
 pub use tally::{LikertError, Scheme, tally};
 

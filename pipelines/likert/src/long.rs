@@ -2,7 +2,7 @@
 
 use crate::Scheme;
 use zwidth_store::Answer;
-use zwidth_study::AnswerScale;
+use zwidth_study::{AnswerScale, Question};
 use zwidth_tables::{Column, Table, TableError};
 
 /// The answers as they were given (reversed questions too), one row each, in their order. Columns:
@@ -21,7 +21,9 @@ pub fn long(answers: &[Answer], scheme: &Scheme) -> Result<Table, TableError> {
     let scales = scheme.scales();
     let lowest = scales.iter().map(AnswerScale::lowest).min().unwrap_or_default();
     let highest = scales.iter().map(AnswerScale::highest).max().unwrap_or_default();
-    answer.field.description = format!("the answer as given, {lowest}…{highest}").into();
+    let rated = (!scales.is_empty()).then(|| format!("{lowest}…{highest}"));
+    let ranges: Vec<String> = rated.into_iter().chain(scheme.guess().map(guessed)).collect();
+    answer.field.description = format!("the answer as given, {}", ranges.join("; ")).into();
     let mut columns = vec![
         text("participant", "who", |a| a.participant.as_str()),
         text("session", "in which session", |a| a.session.as_str()),
@@ -37,6 +39,13 @@ pub fn long(answers: &[Answer], scheme: &Scheme) -> Result<Table, TableError> {
         columns.push(Column::float("answer_time_s", "s", about, times));
     }
     Table::new("answers", "Answers as given, one row per answer", columns)
+}
+
+/// The answers to the question which mode it was: `to guess 0 (do not know), 1 (Active), …`.
+fn guessed(question: &Question) -> String {
+    let Question { id, scale, .. } = question;
+    let answers: Vec<String> = scale.answers().into_iter().map(|a| scale.worded(a)).collect();
+    format!("to {id} {}", answers.join(", "))
 }
 
 #[cfg(test)]

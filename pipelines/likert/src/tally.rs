@@ -4,7 +4,9 @@ use crate::counts::Counts;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::Answer;
-use zwidth_study::{AnswerScale, Condition, EnvironmentId, ModeId, Question, QuestionId, Study};
+use zwidth_study::{
+    AnswerScale, Condition, EnvironmentId, ModeId, ParticipantId, Question, QuestionId, Study,
+};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Why answers could not be tallied.
@@ -40,6 +42,22 @@ pub enum LikertError {
         /// Trial.
         trial: u32,
     },
+    /// An answer to the question which mode it was that was not offered.
+    #[error(
+        "{participant}: the answer {value} to the question which mode it was is not one of those offered, \
+         0 to {choices}"
+    )]
+    NoMode {
+        /// Who.
+        participant: ParticipantId,
+        /// The answer.
+        value: i16,
+        /// How many modes there were to choose from.
+        choices: u8,
+    },
+    /// A number that cannot be.
+    #[error(transparent)]
+    Stats(#[from] zwidth_stats::StatsError),
     /// The table was refused.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -78,11 +96,23 @@ impl Scheme {
         }
     }
 
-    /// The scales in use, each once.
+    /// The scales of ratings in use, each once.
     pub(crate) fn scales(&self) -> Vec<AnswerScale> {
-        let of_questions: BTreeSet<AnswerScale> =
-            self.questions.iter().map(|q| q.scale.clone()).collect();
+        let ratings = self.questions.iter().filter(|q| q.is_rating());
+        let of_questions: BTreeSet<AnswerScale> = ratings.map(|q| q.scale.clone()).collect();
         of_questions.into_iter().collect()
+    }
+
+    /// Whether an answer rates what was felt, and is for the tally to count, or to refuse if the
+    /// study does not have its question.
+    pub fn rates(&self, answer: &Answer) -> bool {
+        let question = self.questions.iter().find(|q| q.id == answer.question);
+        question.is_none_or(Question::is_rating)
+    }
+
+    /// The question which mode it was, if it is asked.
+    pub(crate) fn guess(&self) -> Option<&Question> {
+        self.questions.iter().find(|q| !q.is_rating())
     }
 }
 
@@ -93,7 +123,7 @@ impl Scheme {
 /// beyond the last point of the row's own scale, and on one that is longer), `median_low` and
 /// `median_high` (the two middle answers; equal for odd n). Where a question has more than
 /// [`AnswerScale::MOST_CATEGORIES`] points also `lowest`, `quartile_1`, `quartile_3`, `highest`,
-/// `mean` and `sd` of its answers.
+/// `mean` and `sd` of its answers. Answers to the question which mode it was are in no row.
 ///
 /// # Errors
 /// An answer off the scale; a question, environment or mode that the study does not have.
@@ -135,6 +165,9 @@ fn count(answers: &[Answer], scheme: &Scheme) -> Result<ByQuestion, LikertError>
     let mut counts = ByQuestion::new();
     for answer in answers {
         let question = check(answer, scheme)?;
+        if !question.is_rating() {
+            continue;
+        }
         let scored = question.scale.score(answer.value, question.reversed);
         let key = (answer.condition.clone(), answer.question.clone());
         let counts = counts.entry(key).or_insert_with(|| Counts::on(&question.scale));
@@ -295,7 +328,7 @@ fn quantity_columns(rows: &[TallyRow]) -> [Column; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_study::{ParticipantId, SessionId};
+    use zwidth_study::SessionId;
 
     /// The template's study with three questions: q1 and q2 (reversed) in a group, q3 alone.
     fn scheme() -> Scheme {

@@ -35,6 +35,12 @@ impl Median {
     }
 }
 
+/// The environment's question, of which the statements speak: the first that is a rating.
+pub(crate) fn question_of<'s>(study: &'s Setup, environment: &Environment) -> Option<&'s Question> {
+    let rated = |id: &QuestionId| study.questions.iter().find(|q| q.id == *id && q.is_rating());
+    environment.questions().find_map(rated)
+}
+
 /// The median answer to the environment's question in a mode, by the tally; `None` without a
 /// question or an answer.
 pub(crate) fn median(
@@ -43,8 +49,8 @@ pub(crate) fn median(
     environment: &Environment,
     mode: &Mode,
 ) -> Result<Option<Median>, TableError> {
-    let Some(question) = &environment.question else { return Ok(None) };
-    median_of(study, tally, [environment.id.as_str(), mode.id.as_str()], question)
+    let Some(question) = question_of(study, environment) else { return Ok(None) };
+    median_of(study, tally, [environment.id.as_str(), mode.id.as_str()], &question.id)
 }
 
 /// The median answer to any question in an environment and a mode; `None` without an answer.
@@ -74,10 +80,7 @@ pub(crate) fn scored(
     mode: &Mode,
 ) -> Result<BTreeMap<String, Vec<u8>>, TableError> {
     let mut people: BTreeMap<String, Vec<u8>> = BTreeMap::new();
-    let question = environment.question.as_ref();
-    let Some(asked) = study.questions.iter().find(|q| Some(&q.id) == question) else {
-        return Ok(people);
-    };
+    let Some(asked) = question_of(study, environment) else { return Ok(people) };
     let (who, given) = (answers.texts("participant")?, answers.integers("answer")?);
     for row in rows(answers, [environment.id.as_str(), mode.id.as_str(), asked.id.as_str()])? {
         let answer = given[row].and_then(|answer| i16::try_from(answer).ok());
@@ -100,6 +103,24 @@ fn rows(table: &Table, of: [&str; 3]) -> Result<Vec<usize>, TableError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_statements_speak_of_the_first_question_that_is_a_rating() {
+        let mut study = Setup::of(&zwidth_testing::study());
+        let first = study.questions[0].id.clone();
+        let mut environment = study.environments[0].clone();
+        assert_eq!(environment.question.as_ref(), Some(&first));
+        let guess = AnswerScale::Modes(study.modes.iter().map(|m| m.label.clone()).collect());
+        study.questions.push(Question {
+            id: "guess".parse().unwrap(),
+            scale: guess,
+            ..study.questions[0].clone()
+        });
+        environment.question = Some("guess".parse().unwrap());
+        assert_eq!(question_of(&study, &environment), None);
+        environment.further = vec![first.clone()];
+        assert_eq!(question_of(&study, &environment).map(|q| &q.id), Some(&first));
+    }
 
     #[test]
     fn a_median_between_two_answers_is_said_as_both() {

@@ -1,6 +1,6 @@
 //! The experiment's results in sentences, made from the numbers (thesis §5.3.3).
 
-use crate::answers::median;
+use crate::answers::{median, question_of};
 use crate::evidence::NOTHING_RETURNED;
 use crate::gallery::Shown;
 use crate::people::{count, simulated};
@@ -208,8 +208,7 @@ fn answers(study: &Setup, tally: &Table, simulated: bool) -> Result<Vec<Finding>
     let mut found = Vec::new();
     for environment in &study.environments {
         let mut list = Vec::new();
-        let asked = study.questions.iter().find(|q| Some(&q.id) == environment.question.as_ref());
-        let Some(asked) = asked else { continue };
+        let Some(asked) = question_of(study, environment) else { continue };
         for mode in &study.modes {
             let Some(median) = median(study, tally, environment, mode)? else { continue };
             let median = median.turned_back(asked);

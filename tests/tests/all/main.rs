@@ -15,6 +15,7 @@ mod bad_disk;
 mod bad_files;
 mod bad_import;
 mod binary;
+mod blinding;
 mod circles;
 mod compared;
 mod counting;

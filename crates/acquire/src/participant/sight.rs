@@ -236,6 +236,15 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn asked_for_the_mode_every_mode_is_a_choice_and_so_is_not_to_know() {
+        let modes = AnswerScale::Modes(["Motor", "Brake"].map(str::to_owned).to_vec());
+        let asked = Asked::of(1, "", &modes);
+        let shown: Vec<String> = asked.shown().map(Choice::words).collect();
+        assert_eq!(shown, ["0 do not know", "1 Motor", "2 Brake"]);
+        assert!(asked.has_keys() && asked.has(0) && !asked.has(3));
+    }
+
+    #[test]
     fn a_text_that_steers_a_terminal_is_shown_not_sent() {
         let asked = Asked::of(1, "a\u{1b}[2Jb\nc", &AnswerScale::FivePoint);
         assert_eq!(asked.text, "a\\u{1b}[2Jb\\nc");

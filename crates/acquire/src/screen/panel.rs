@@ -168,12 +168,14 @@ fn question(
     lines.extend((!is_low).then(Line::default));
     let is_told = |answer: &i16| {
         let is_end = [scale.lowest(), scale.highest()].contains(answer);
-        is_end || (!is_low && (scale.is_ordinal() || scale.word(*answer).is_some()))
+        is_end
+            || scale.is_nominal()
+            || (!is_low && (scale.is_short() || scale.word(*answer).is_some()))
     };
     let told = scale.answers().into_iter().filter(is_told);
     let word = |answer| scale.word(answer).map(|word| format!(" {word}")).unwrap_or_default();
     let answers: Vec<(String, String)> = told.map(|a| (a.to_string(), word(a))).collect();
-    if !scale.is_ordinal() {
+    if !scale.is_short() {
         let what = format!("A number from {}, then Enter.", scale.range());
         lines.extend(styled(&what, Role::Plain, look, limit));
     }

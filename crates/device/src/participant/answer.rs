@@ -12,6 +12,9 @@
 //!
 //! line = (R² − 0.5) / 0.4 of force over angle while going in; each term held to 0…1. The weights
 //! were chosen so that the modes rank as in thesis Fig. 30; they are no measurement.
+//!
+//! Asked which mode it was, nothing felt decides: each mode and "do not know" are equally likely, so
+//! that the blinding index of simulated answers is 0 but for chance.
 
 use super::draw::{Draw, Purpose};
 use super::{Felt, Person};
@@ -61,6 +64,10 @@ impl Person {
     /// The answer after a trial, on a scale.
     pub(crate) fn answer(&self, trial: u32, felt: &Felt, scene: &Scene, on: &AnswerScale) -> i16 {
         let points = f64::from(on.points());
+        if on.is_nominal() {
+            let place = Draw::new(self.seed, Purpose::Guess, u64::from(trial)).unit() * points;
+            return on.answer_at(1 + place as u8);
+        }
         // Bias and noise are in points of five.
         let stretch = (points - 1.0) / 4.0;
         let noise = NOISE * Draw::new(self.seed, Purpose::Answer, u64::from(trial)).moderate();
@@ -113,5 +120,19 @@ mod tests {
         let mean = answers.iter().map(|a| f64::from(*a)).sum::<f64>() / answers.len() as f64;
         assert!((mean - 1.0 - 4.0 * quality(&felt, &scene)).abs() < 0.2, "{mean}");
         assert!(answers.iter().any(|a| *a != answers[0]));
+    }
+
+    /// Four standard deviations of a share of 1/4 of 4,000 are 0.027.
+    #[test]
+    fn asked_for_the_mode_each_answer_is_as_likely_whatever_was_felt() {
+        let modes = AnswerScale::Modes(["a", "b", "c"].map(str::to_owned).to_vec());
+        let guess = |felt: &Felt, trial| Person::typical(3).answer(trial, felt, &WALL, &modes);
+        let [near, far] = [0.3, 0.5].map(|top_rad| walk(top_rad, false, ideal, ideal));
+        let guesses: Vec<i16> = (1..=4000).map(|trial| guess(&near, trial)).collect();
+        for answer in modes.answers() {
+            let share = guesses.iter().filter(|guess| **guess == answer).count() as f64 / 4000.0;
+            assert!((share - 0.25).abs() < 0.027, "{answer}: {share}");
+        }
+        assert!((1..=50).all(|trial| guess(&far, trial) == guesses[trial as usize - 1]));
     }
 }

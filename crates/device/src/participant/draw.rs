@@ -76,6 +76,8 @@ pub(crate) enum Purpose {
     GivingUp,
     /// Questions that stay open.
     Silence,
+    /// Which mode it is said to have been.
+    Guess,
 }
 
 #[cfg(test)]

@@ -1,25 +1,38 @@
 //! `[[questions]]` of a `study.toml`: the scale of each, and the way back.
 
 use super::check::Check;
-use super::shape::QuestionTable;
+use super::shape::{Asks, QuestionTable};
 use crate::{AnswerScale, NumberScale, Question, Schema};
 
 /// An answer lies no farther from 0 on a scale's lower end.
 const FARTHEST: i16 = 1_000;
 /// No two neighbours of a scale lie farther apart.
 const LONGEST_STEP: i16 = 100;
+/// From so many modes on it can be asked which one it was: nobody is asked to choose one of one.
+const LEAST_MODES: usize = 2;
+/// The most modes of a study that asks which one it was: with 0 they are the answers of a scale.
+const MOST_MODES: usize = AnswerScale::MOST_POINTS as usize - 1;
 
 impl Check<'_> {
-    /// The questions, each with its scale. What is pooled must be answered on one scale.
+    /// The questions, each with its scale. What is pooled must be answered on one scale. `modes` are
+    /// the labels of the study's modes, in its order.
     pub(super) fn questions(
         &mut self,
         tables: Vec<QuestionTable>,
         schema: Schema,
+        modes: &[&str],
     ) -> Vec<Question> {
         let mut questions: Vec<Question> = Vec::new();
         for (i, table) in tables.into_iter().enumerate() {
             let key = format!("questions[{i}]");
-            let scale = self.scale(&key, &table, schema);
+            let scale = match table.asks {
+                Some(Asks::Mode) => self.modes_asked(&key, &table, schema, modes),
+                None => self.scale(&key, &table, schema),
+            };
+            if scale.is_nominal() && questions.iter().any(|question| !question.is_rating()) {
+                let what = "stands twice: one question per study asks for the mode";
+                self.error(&format!("{key}.asks"), what.to_owned());
+            }
             let QuestionTable { id, text, group, reversed, .. } = table;
             let question = Question { id, text, group, scale, reversed };
             let of_group = |q: &&Question| q.group.is_some() && q.group == question.group;
@@ -35,6 +48,53 @@ impl Check<'_> {
             questions.push(question);
         }
         questions
+    }
+
+    /// The answers to the question which mode it was: the modes, and 0.
+    fn modes_asked(
+        &mut self,
+        key: &str,
+        table: &QuestionTable,
+        schema: Schema,
+        modes: &[&str],
+    ) -> AnswerScale {
+        let beside = [
+            ("scale", table.scale.is_some()),
+            ("points", table.points.is_some()),
+            ("from", table.from.is_some()),
+            ("step", table.step.is_some()),
+            ("labels", !table.labels.is_empty()),
+            ("group", table.group.is_some()),
+            ("reversed", table.reversed),
+        ];
+        for (name, _) in beside.into_iter().filter(|(_, given)| *given) {
+            let what = "is not used beside asks, whose answers are the study's modes; leave it out";
+            self.error(&format!("{key}.{name}"), what.to_owned());
+        }
+        let at = format!("{key}.asks");
+        if schema == Schema::One {
+            let what = "trial files of schema 1 hold answers from 1 to 5; a new study with schema = 2 has others";
+            self.error(&at, what.to_owned());
+        }
+        let n = modes.len();
+        if n < LEAST_MODES {
+            let what = "the study has one mode: it can be asked for from two modes on";
+            self.error(&at, what.to_owned());
+        }
+        if n > MOST_MODES {
+            let what = format!(
+                "the study has {n} modes; at most {MOST_MODES} can be answers to a question"
+            );
+            self.error(&at, what);
+        }
+        let twice = modes.iter().enumerate().find(|(i, label)| modes[..*i].contains(label));
+        if let Some((i, label)) = twice {
+            let what = format!(
+                "'{label}' is the label of two modes, which a question asks to tell apart; give each its own"
+            );
+            self.error(&format!("modes[{i}].label"), what);
+        }
+        AnswerScale::Modes(modes.iter().map(|label| (*label).to_owned()).collect())
     }
 
     /// The scale of a question: a named one, or so many points.
@@ -103,8 +163,10 @@ impl QuestionTable {
     pub(super) fn of(question: &Question) -> Self {
         let (scale, numbers) = match &question.scale {
             AnswerScale::Numbers(scale) => (None, Some(scale.clone())),
-            named => (Some(named.clone()), None),
+            AnswerScale::Modes(_) => (None, None),
+            AnswerScale::FivePoint => (Some(AnswerScale::FivePoint), None),
         };
+        let asks = (!question.is_rating()).then_some(Asks::Mode);
         Self {
             id: question.id.clone(),
             text: question.text.clone(),
@@ -115,6 +177,7 @@ impl QuestionTable {
             from: numbers.as_ref().map(|n| n.from.into()),
             step: numbers.as_ref().map(|n| n.step.into()),
             labels: numbers.map(|n| n.labels).unwrap_or_default(),
+            asks,
         }
     }
 }
@@ -151,6 +214,65 @@ mod tests {
     fn a_scale_by_its_numbers_survives_a_round_trip() {
         let study = asked("points = 7\nfrom = 0\nlabels = [\"low\", \"high\"]").unwrap();
         assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+    }
+
+    #[test]
+    fn a_question_may_ask_which_mode_it_was() {
+        let study = asked("asks = \"mode\"").unwrap();
+        let labels: Vec<String> = study.modes.iter().map(|mode| mode.label.clone()).collect();
+        assert_eq!(study.questions[0].scale, AnswerScale::Modes(labels));
+        assert!(!study.questions[0].is_rating() && study.questions[1].is_rating());
+        assert!(!study.trial_form().likert);
+        assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
+    }
+
+    #[test]
+    fn a_question_for_the_mode_has_no_scale_of_its_own() {
+        let beside = "is not used beside asks";
+        for (lines, key, words) in [
+            ("points = 3", "questions[0].points", beside),
+            ("scale = \"five_point\"", "questions[0].scale", beside),
+            ("from = 0", "questions[0].from", beside),
+            ("step = 2", "questions[0].step", beside),
+            ("labels = [\"a\", \"b\"]", "questions[0].labels", beside),
+            ("group = \"g\"", "questions[0].group", beside),
+            ("reversed = true", "questions[0].reversed", beside),
+        ] {
+            let errors = asked(&format!("asks = \"mode\"\n{lines}")).unwrap_err();
+            let found: Vec<_> = errors.iter().map(|e| e.key.as_str()).collect();
+            assert_eq!(found, [key]);
+            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
+        }
+        let errors = asked("asks = \"force\"").unwrap_err();
+        assert_eq!((errors.len(), errors[0].key.as_str()), (1, "asks"));
+        assert!(errors[0].problem.contains("expected `mode`"), "{}", errors[0]);
+    }
+
+    #[test]
+    fn a_mode_is_asked_for_once_and_of_modes_that_can_be_told_apart() {
+        let text = template(&StudyId::new("demo").unwrap());
+        let text = text.replacen("[[questions]]", "[[questions]]\nasks = \"mode\"", 1);
+        #[track_caller]
+        fn check(text: &str, key: &str, words: &str) {
+            let errors = Study::from_toml(text).unwrap_err();
+            let found: Vec<_> = errors.iter().map(|e| e.key.as_str()).collect();
+            assert_eq!(found, [key], "{errors:?}");
+            assert!(errors[0].problem.contains(words) && errors[0].line > 1, "{}", errors[0]);
+        }
+        let twice = text.replace("\"mode\"", "'mode'").replacen(
+            "[[questions]]\nid",
+            "[[questions]]\nasks = \"mode\"\nid",
+            1,
+        );
+        check(&twice, "questions[1].asks", "stands twice");
+        let same = text.replace("label = \"Passive\"", "label = \"Active\"");
+        check(&same, "modes[1].label", "the label of two modes");
+        let first = text.replace("schema = 2", "schema = 1");
+        check(&first, "questions[0].asks", "a new study with schema = 2");
+        let from = text.find("[[modes]]\nid = \"passive\"").unwrap();
+        let to = text.find("[[questions]]").unwrap();
+        let one = format!("{}{}", &text[..from], &text[to..]);
+        check(&one, "questions[0].asks", "from two modes on");
     }
 
     #[test]

@@ -169,6 +169,7 @@ impl Check<'_> {
             .collect();
         let modes: Vec<Mode> =
             file.modes.iter().enumerate().map(|(i, m)| self.mode(i, m)).collect();
+        let labels: Vec<&str> = file.modes.iter().map(|mode| mode.label.as_str()).collect();
         let analysis = self.analysis(&file.analysis, coordinate);
         let compare = self.compare(file.compare, &modes, &analysis);
         Study {
@@ -194,7 +195,7 @@ impl Check<'_> {
             },
             environments,
             modes,
-            questions: self.questions(file.questions, schema),
+            questions: self.questions(file.questions, schema, &labels),
             schema,
             channels: file.channels,
             analysis,

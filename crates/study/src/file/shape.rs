@@ -271,4 +271,14 @@ pub(super) struct QuestionTable {
     pub(super) step: Option<i64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) labels: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) asks: Option<Asks>,
+}
+
+/// What a question asks for besides a rating.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Asks {
+    /// Which mode it was.
+    Mode,
 }

@@ -18,8 +18,10 @@ pub struct Recorded {
     pub sources: BTreeMap<Source, usize>,
     /// Metrics that modes are compared by, in order.
     pub compared: Vec<String>,
-    /// Whether answers were given.
+    /// Whether answers were given that rate what was felt.
     pub answers: bool,
+    /// Whether it was answered which mode it was.
+    pub guesses: bool,
     /// Whether trials are replayed through the model.
     pub replayed: bool,
     /// Whether the plant is identified from trials.

@@ -1,12 +1,13 @@
 //! The papers that methods are from.
 
 /// Key, how it is cited, the whole entry.
-pub(super) const SOURCES: [(&str, &str, &str); 15] = [
+pub(super) const SOURCES: [(&str, &str, &str); 16] = [
     (
         "balasubramanian",
         "Balasubramanian et al. 2015",
         "Balasubramanian, Melendez-Calderon, Roby-Brami & Burdet 2015, J. NeuroEng. Rehabil. 12:112",
     ),
+    ("bang", "Bang et al. 2004", "Bang, Ni & Davis 2004, Controlled Clinical Trials 25:143"),
     ("bell", "Bell & McCaffrey 2002", "Bell & McCaffrey 2002, Survey Methodology 28:169"),
     ("bland", "Bland & Altman 1999", "Bland & Altman 1999, Stat. Methods Med. Res. 8:135"),
     ("cumming", "Cumming 2012", "Cumming 2012, Understanding the New Statistics, Routledge"),

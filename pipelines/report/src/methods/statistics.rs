@@ -6,7 +6,7 @@ use zwidth_study::{Bound, Families, Study};
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
     if recorded.compared.is_empty() {
-        return Vec::new();
+        return recorded.guesses.then(|| guesses(recorded, cited)).into_iter().collect();
     }
     let mut said = vec![compared(study, recorded)];
     said.push(if recorded.participants > 1 {
@@ -17,6 +17,9 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
     said.push(claims(study, cited));
     if recorded.answers {
         said.push(answers(recorded, cited));
+    }
+    if recorded.guesses {
+        said.push(guesses(recorded, cited));
     }
     if recorded.sessions > recorded.participants && recorded.participants > 1 {
         said.push(format!(
@@ -117,6 +120,20 @@ fn claims(study: &Study, cited: &mut Cited) -> String {
         );
     }
     said
+}
+
+fn guesses(recorded: &Recorded, cited: &mut Cited) -> String {
+    let over = match recorded.participants {
+        0 | 1 => "",
+        _ => ", and averaged over participants with Student's t interval",
+    };
+    format!(
+        "How far participants knew the mode is told by a blinding index: the mean over a participant's trials \
+         of a mode of 1 where the mode was named, −1/(k − 1) where another one was, and 0 for “do not know”, \
+         with k modes to choose from{over}. For two modes this is the index of Bang and others {}; the \
+         form for more is this program's own.",
+        cited.cite("bang")
+    )
 }
 
 fn answers(recorded: &Recorded, cited: &mut Cited) -> String {

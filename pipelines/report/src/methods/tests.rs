@@ -43,6 +43,27 @@ fn of_one_participant_nothing_is_said_of_people() {
 }
 
 #[test]
+fn a_question_for_the_mode_is_told_with_its_choices_and_its_index() {
+    let mut study = zwidth_testing::study();
+    let asked = |study: &Study| {
+        text(study, &Recorded { guesses: study.questions.len() > 2, ..recorded(1) })
+    };
+    assert!(!asked(&study).contains("blinding index"));
+    study.questions.push(zwidth_study::Question {
+        id: "guess".parse().unwrap(),
+        text: "Which mode was it?".to_owned(),
+        scale: zwidth_study::AnswerScale::Modes(["A", "B"].map(str::to_owned).to_vec()),
+        ..study.questions[0].clone()
+    });
+    let said = asked(&study);
+    assert!(said.contains("A, B or “do not know”") && said.contains("blinding index"), "{said}");
+    assert!(
+        said.contains("Bang, Ni") && !said.contains("averaged over participants with"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_source_is_listed_where_it_is_cited_and_nowhere_else() {
     let study = zwidth_testing::study();
     let said = text(&study, &recorded(1));

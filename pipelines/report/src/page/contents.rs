@@ -6,7 +6,7 @@ use super::estimates::{Estimate, differences, means};
 use crate::compared::{ComparedMetric, words};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use zwidth_study::{Coordinate, Setup};
+use zwidth_study::{Coordinate, Question, Setup};
 use zwidth_tables::{Column, Table, TableError, Values, shown_unit};
 
 /// A study, as the page's script knows it.
@@ -144,7 +144,7 @@ impl Contents {
                 .iter()
                 .map(|(m, column)| MetricOf::of(m, column, coordinate))
                 .collect::<Result<_, _>>()?,
-            questions: planned.questions.iter().map(QuestionOf::of).collect(),
+            questions: ratings(planned).map(QuestionOf::of).collect(),
             trials: trials(metrics, &columns, &answered(planned, answers)?)?,
             turned: None,
             single_file: false,
@@ -188,7 +188,7 @@ impl MetricOf {
 }
 
 impl QuestionOf {
-    fn of(question: &zwidth_study::Question) -> Self {
+    fn of(question: &Question) -> Self {
         let scale = &question.scale;
         let answers = if scale.is_ordinal() { scale.answers() } else { Vec::new() };
         let word = |answer| scale.word(answer).unwrap_or_default().to_owned();
@@ -204,6 +204,11 @@ impl QuestionOf {
     }
 }
 
+/// The questions that are shown beside a metric: answers to the others have no order.
+fn ratings(planned: &Setup) -> impl Iterator<Item = &Question> {
+    planned.questions.iter().filter(|question| question.is_rating())
+}
+
 /// Participant, session, trial.
 type Key = (String, String, i64);
 
@@ -217,9 +222,8 @@ fn answered(
     let (asked, given) = (table.texts("question")?, table.integers("answer")?);
     for (row, key) in keys(table)?.into_iter().enumerate() {
         let Some(key) = key else { continue };
-        let place =
-            planned.questions.iter().position(|q| asked[row].as_deref() == Some(q.id.as_str()));
-        let answers = found.entry(key).or_insert_with(|| vec![None; planned.questions.len()]);
+        let place = ratings(planned).position(|q| asked[row].as_deref() == Some(q.id.as_str()));
+        let answers = found.entry(key).or_insert_with(|| vec![None; ratings(planned).count()]);
         if let Some(place) = place {
             answers[place] = given[row];
         }

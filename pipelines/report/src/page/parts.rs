@@ -20,7 +20,8 @@ pub(super) struct Part {
 /// The parts that have something in them.
 pub(super) fn all(page: &Page) -> Vec<Part> {
     let Page { summary, .. } = page;
-    let (trials, asked) = (page.contents.is_some(), !page.planned.questions.is_empty());
+    let asked = page.planned.questions.iter().any(zwidth_study::Question::is_rating);
+    let trials = page.contents.is_some();
     let turned = page.contents.is_some_and(super::Contents::has_turned);
     let part = |id, title, is_there: bool, body: fn(&Page) -> Markup| {
         is_there.then(|| Part { id, title, body: body(page) })

@@ -142,6 +142,19 @@ fn a_long_scale_is_told_by_its_ends_and_how_it_is_answered() {
 }
 
 #[test]
+fn every_mode_is_shown_with_its_number_where_it_is_asked_for() {
+    let modes: Vec<String> = (1..=10).map(|n| format!("mode {n}")).collect();
+    for (few, key) in [(3, "0–3"), (10, "0 to 10, Enter")] {
+        let scale = AnswerScale::Modes(modes[..few].to_vec());
+        let text = words(&view(Phase::Question { text: "Which?".into(), scale }, true), None);
+        assert!(text.contains("0 do not know") && text.contains(key), "{text}");
+        for (n, mode) in (1..).zip(&modes[..few]) {
+            assert!(text.contains(&format!("{n} {mode}")), "{text}");
+        }
+    }
+}
+
+#[test]
 fn answers_are_offered_in_the_question_phase_alone() {
     for phase in phases() {
         let asks = matches!(phase, Phase::Question { .. });

@@ -1,0 +1,377 @@
+//! The blinding index: how often a participant who was asked which mode it was knew it.
+
+use crate::LikertError;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use zwidth_stats::interval;
+use zwidth_study::{ModeId, ParticipantId};
+use zwidth_tables::{Column, NoteKind, Table};
+
+/// One trial after which it was asked which mode it was.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Guess {
+    /// Who was asked.
+    pub participant: ParticipantId,
+    /// The mode that it was.
+    pub mode: ModeId,
+    /// Its number among the answers, from 1.
+    pub number: u8,
+    /// How many modes there were to choose from.
+    pub choices: u8,
+    /// The answer: a mode's number, or 0 for "do not know"; `None` if there is none.
+    pub answer: Option<i16>,
+}
+
+/// Everything that the blinding index depends on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Blinding {
+    /// The study's modes, in its order.
+    pub modes: Vec<ModeId>,
+    /// The trials after which it was asked, in the order of participants.
+    pub guesses: Vec<Guess>,
+    /// Trials of sealed sessions that would be among them.
+    pub sealed: usize,
+    /// Level of the intervals, as a fraction.
+    pub level: f64,
+}
+
+/// What the answers after trials of one mode were.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Tally {
+    trials: usize,
+    right: usize,
+    wrong: usize,
+    unknown: usize,
+    /// Sum of the scores.
+    score: f64,
+}
+
+/// One row of the table.
+struct Row<'a> {
+    /// `None` over participants.
+    participant: Option<&'a ParticipantId>,
+    mode: &'a ModeId,
+    /// Those who answered.
+    participants: usize,
+    tally: Tally,
+    index: Option<f64>,
+    interval: Option<[f64; 2]>,
+}
+
+impl Tally {
+    /// Counts one more trial: its score is 1 if right, −1/(k − 1) if wrong with k modes to choose
+    /// from, 0 for "do not know".
+    fn add(&mut self, guess: &Guess) {
+        self.trials += 1;
+        let (count, score) = match guess.answer {
+            None => return,
+            Some(0) => (&mut self.unknown, 0.0),
+            Some(said) if said == i16::from(guess.number) => (&mut self.right, 1.0),
+            Some(_) => (&mut self.wrong, all_wrong(guess.choices)),
+        };
+        *count += 1;
+        self.score += score;
+    }
+
+    fn answered(&self) -> usize {
+        self.right + self.wrong + self.unknown
+    }
+
+    /// The mean score of the trials that were answered; `None` without one.
+    fn index(&self) -> Option<f64> {
+        (self.answered() > 0).then(|| self.score / self.answered() as f64)
+    }
+}
+
+/// The index of somebody who is always wrong with k modes to choose from: −1/(k − 1). There are at
+/// least two.
+fn all_wrong(choices: u8) -> f64 {
+    -1.0 / (f64::from(choices) - 1.0)
+}
+
+/// The table of the blinding index: for each participant and mode, and where there are several
+/// participants for each mode over them, the trials after which it was asked which mode it was, the
+/// answers that were right, wrong, and "do not know", and the index.
+///
+/// The index is the mean over the answered trials of 1 if right, −1/(k − 1) if wrong, 0 for "do not
+/// know", with k modes to choose from: 0 at chance, 1 if always right, −1/(k − 1) if always wrong.
+/// For k = 2 it is (right − wrong)/n, the index of Bang, Ni & Davis 2004 (Controlled Clinical Trials
+/// 25:143). Over participants it is the mean of their indices, with a t interval over participants,
+/// held to what an index can be: repeats are not people. No interval for fewer than two
+/// participants, nor where all have the same index.
+///
+/// # Errors
+/// An answer that was not offered; a level outside (0, 1).
+pub fn blinding(of: &Blinding) -> Result<Table, LikertError> {
+    of.guesses.iter().try_for_each(check)?;
+    let mut tallies: BTreeMap<&ParticipantId, BTreeMap<&ModeId, Tally>> = BTreeMap::new();
+    for guess in &of.guesses {
+        let own = tallies.entry(&guess.participant).or_default();
+        own.entry(&guess.mode).or_default().add(guess);
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for (who, own) in &tallies {
+        rows.extend(of.modes.iter().filter_map(|mode| of_participant(who, mode, own)));
+    }
+    let people = tallies.len();
+    if people > 1 {
+        let over =
+            of.modes.iter().filter_map(|mode| over_participants(of, mode, &rows).transpose());
+        let over = over.collect::<Result<Vec<Row>, LikertError>>()?;
+        rows.extend(over);
+    }
+    let title = "Blinding index: which mode participants thought it was";
+    let table = Table::new("blinding", title, columns(&rows))?;
+    Ok(notes(of, people)
+        .into_iter()
+        .fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
+}
+
+/// Whether an answer is one of those that were offered.
+fn check(guess: &Guess) -> Result<(), LikertError> {
+    match guess.answer {
+        Some(value) if !(0..=i16::from(guess.choices)).contains(&value) => {
+            Err(LikertError::NoMode {
+                participant: guess.participant.clone(),
+                value,
+                choices: guess.choices,
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A participant's row of a mode; `None` if it was not asked for after a trial of that mode.
+fn of_participant<'a>(
+    participant: &'a ParticipantId,
+    mode: &'a ModeId,
+    own: &BTreeMap<&ModeId, Tally>,
+) -> Option<Row<'a>> {
+    let tally = *own.get(mode)?;
+    let (index, participants) = (tally.index(), usize::from(tally.answered() > 0));
+    Some(Row { participant: Some(participant), mode, participants, tally, index, interval: None })
+}
+
+/// The row of a mode over participants, from their own rows; `None` without one.
+fn over_participants<'a>(
+    of: &'a Blinding,
+    mode: &'a ModeId,
+    own: &[Row],
+) -> Result<Option<Row<'a>>, LikertError> {
+    let own = own.iter().filter(|row| row.participant.is_some() && row.mode == mode);
+    let indices: Vec<f64> = own.filter_map(|row| row.index).collect();
+    let mean = interval::mean(&indices, of.level)?;
+    let mut tally = Tally::default();
+    let asked = || of.guesses.iter().filter(|g| g.mode == *mode);
+    asked().for_each(|guess| tally.add(guess));
+    let fewest = asked().map(|g| g.choices).min();
+    let held = |end: f64| end.clamp(fewest.map_or(-1.0, all_wrong), 1.0);
+    let spread = mean.interval.filter(|interval| interval.std_error > 0.0);
+    let row = Row {
+        participant: None,
+        mode,
+        participants: mean.n,
+        tally,
+        index: mean.estimate,
+        interval: spread.map(|interval| [interval.ci_low, interval.ci_high].map(held)),
+    };
+    Ok((tally.trials > 0).then_some(row))
+}
+
+fn columns(rows: &[Row]) -> Vec<Column> {
+    let count = |name, meaning, of: fn(&Row) -> usize| {
+        Column::integer(name, "1", meaning, rows.iter().map(|row| Some(of(row) as i64)))
+    };
+    let number = |name, meaning, of: fn(&Row) -> Option<f64>| {
+        Column::float(name, "1", meaning, rows.iter().map(of))
+    };
+    let who = rows.iter().map(|row| row.participant.map(ToString::to_string));
+    vec![
+        Column::text("participant", "who; null over participants", who),
+        Column::text("mode", "which mode it was", rows.iter().map(|row| Some(row.mode.as_str()))),
+        count("participants", "people who answered", |row| row.participants),
+        count("trials", "trials after which it was asked", |row| row.tally.trials),
+        count("right", "answers that named the mode", |row| row.tally.right),
+        count("wrong", "answers that named another mode", |row| row.tally.wrong),
+        count("do_not_know", "answers that it is not known", |row| row.tally.unknown),
+        number("index", "blinding index; null without an answer", |row| row.index),
+        number("index_ci_low", "lower end of its t interval over participants", |row| {
+            row.interval.map(|[low, _]| low)
+        }),
+        number("index_ci_high", "upper end of its t interval over participants", |row| {
+            row.interval.map(|[_, high]| high)
+        }),
+    ]
+}
+
+fn notes(of: &Blinding, participants: usize) -> Vec<(NoteKind, String)> {
+    let choices = || of.guesses.iter().map(|guess| guess.choices);
+    let (few, many) = (choices().min().unwrap_or_default(), choices().max().unwrap_or_default());
+    let k = if few == many { few.to_string() } else { format!("{few} to {many}") };
+    let form = match many {
+        2 => "It is the index of Bang, Ni & Davis 2004",
+        _ => {
+            "With two modes it is the index of Bang, Ni & Davis 2004; the form for more modes is this program's own"
+        }
+    };
+    let mut notes = vec![(
+        NoteKind::General,
+        format!(
+            "Index: mean over the answered trials of 1 (right), -1/(k - 1) (wrong) and 0 (do not know), k = {k} \
+             modes to choose from: 0 at chance, 1 if always right. {form}."
+        ),
+    )];
+    if participants > 1 {
+        let text = format!(
+            "Rows without a participant: the mean of the participants' indices, with its {} % interval \
+             (Student's t over participants), held to what an index can be.",
+            100.0 * of.level
+        );
+        notes.push((NoteKind::General, text));
+    }
+    let open = of.guesses.iter().filter(|guess| guess.answer.is_none()).count();
+    if open > 0 {
+        let text = format!("After {} it was left open: in no index.", counted(open));
+        notes.push((NoteKind::General, text));
+    }
+    if of.sealed > 0 {
+        let text =
+            format!("Without {} of sealed sessions, until they are unsealed.", counted(of.sealed));
+        notes.push((NoteKind::LeftOut, text));
+    }
+    notes
+}
+
+fn counted(trials: usize) -> String {
+    match trials {
+        1 => "1 trial".to_owned(),
+        n => format!("{n} trials"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mode(number: u8) -> ModeId {
+        ModeId::new(format!("m{number}")).unwrap()
+    }
+
+    /// So many equal answers of a participant after trials of a mode.
+    fn said(who: &str, number: u8, choices: u8, answer: Option<i16>, times: usize) -> Vec<Guess> {
+        let participant = ParticipantId::new(who).unwrap();
+        let guess = Guess { participant, mode: mode(number), number, choices, answer };
+        vec![guess; times]
+    }
+
+    fn of(choices: u8, guesses: &[Vec<Guess>]) -> Blinding {
+        let modes = (1..=choices).map(mode).collect();
+        Blinding { modes, guesses: guesses.concat(), sealed: 0, level: 0.95 }
+    }
+
+    fn indices(of: &Blinding) -> Vec<f64> {
+        blinding(of).unwrap().floats("index").unwrap().into_iter().map(Option::unwrap).collect()
+    }
+
+    fn is(found: &[f64], expect: &[f64]) {
+        let near = found.iter().zip(expect).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(near && found.len() == expect.len(), "{found:?} {expect:?}");
+    }
+
+    /// The counts of James et al. 1996 and their indices in the readme of BlindingIndex.jl (after
+    /// the R package BI): 0.115 and 0.022. BI computes (2 r − 1)(right + wrong)/n with r = right/(right
+    /// + wrong), as Bang, Ni & Davis 2004 have it.
+    #[test]
+    fn with_two_modes_it_is_the_index_of_bang() {
+        let counts = [[48_usize, 4, 330], [30, 22, 319]];
+        let guesses: Vec<Vec<Guess>> = (1..=2)
+            .zip(counts)
+            .flat_map(|(m, [right, wrong, unknown])| {
+                [
+                    said("P01", m, 2, Some(i16::from(m)), right),
+                    said("P01", m, 2, Some(i16::from(3 - m)), wrong),
+                    said("P01", m, 2, Some(0), unknown),
+                ]
+            })
+            .collect();
+        let bang = counts.map(|[right, wrong, unknown]| {
+            let [right, wrong, unknown] = [right, wrong, unknown].map(|n| n as f64);
+            let named = right + wrong;
+            (2.0 * right / named - 1.0) * (named / (named + unknown))
+        });
+        let found = indices(&of(2, &guesses));
+        is(&found, &bang);
+        let printed: Vec<String> = found.iter().map(|index| format!("{index:.3}")).collect();
+        assert_eq!(printed, ["0.115", "0.022"]);
+    }
+
+    #[test]
+    fn it_is_0_at_chance_1_for_who_knows_and_lowest_for_who_is_always_wrong() {
+        for k in 2..=5_u8 {
+            let all = |answers: Vec<i16>| {
+                let guesses: Vec<_> =
+                    answers.into_iter().map(|a| said("P01", 1, k, Some(a), 3)).collect();
+                indices(&of(k, &guesses))
+            };
+            is(&all((1..=i16::from(k)).collect()), &[0.0]);
+            is(&all((0..=i16::from(k)).collect()), &[0.0]);
+            is(&all(vec![0]), &[0.0]);
+            is(&all(vec![1]), &[1.0]);
+            is(&all((2..=i16::from(k)).collect()), &[-1.0 / (f64::from(k) - 1.0)]);
+        }
+    }
+
+    /// t with one degree of freedom at 95 %: tan(0.475 π) = 12.706…
+    #[test]
+    fn over_participants_it_is_the_mean_of_theirs_however_many_trials_each_had() {
+        let guesses = [
+            said("P01", 1, 3, Some(1), 9),
+            said("P01", 1, 3, Some(2), 1),
+            said("P02", 1, 3, Some(1), 1),
+            said("P02", 1, 3, Some(0), 1),
+        ];
+        let table = blinding(&of(3, &guesses)).unwrap();
+        let own = [0.85, 0.5];
+        is(&indices(&of(3, &guesses)), &[own[0], own[1], 0.675]);
+        assert_eq!(table.texts("participant").unwrap()[2], None);
+        assert_eq!(table.integers("participants").unwrap(), [Some(1), Some(1), Some(2)]);
+        assert_eq!(table.integers("trials").unwrap(), [Some(10), Some(2), Some(12)]);
+        // 0.175 · tan(0.475 π) to either side, held to −1/2 … 1
+        assert_eq!(table.floats("index_ci_low").unwrap(), [None, None, Some(-0.5)]);
+        assert_eq!(table.floats("index_ci_high").unwrap(), [None, None, Some(1.0)]);
+        let half = Blinding { level: 0.5, ..of(3, &guesses) };
+        let low = blinding(&half).unwrap().floats("index_ci_low").unwrap()[2].unwrap();
+        assert!((low - 0.5).abs() < 1e-8, "tan(π/4) = 1: {low}");
+    }
+
+    #[test]
+    fn one_participant_says_nothing_of_people_and_equal_ones_have_no_interval() {
+        let alone = blinding(&of(2, &[said("P01", 1, 2, Some(1), 4)])).unwrap();
+        assert_eq!(alone.texts("participant").unwrap(), [Some("P01".to_owned())]);
+        assert!(alone.notes().iter().all(|note| !note.contains("participants")), "{alone:?}");
+        let alike = of(2, &[said("P01", 1, 2, Some(1), 4), said("P02", 1, 2, Some(1), 2)]);
+        assert_eq!(blinding(&alike).unwrap().floats("index_ci_low").unwrap(), [None, None, None]);
+    }
+
+    #[test]
+    fn what_was_left_open_and_what_is_sealed_is_in_no_index_and_told() {
+        let guesses = [said("P01", 1, 2, Some(1), 1), said("P01", 1, 2, None, 2)];
+        let open = Blinding { sealed: 5, ..of(2, &guesses) };
+        let table = blinding(&open).unwrap();
+        is(&indices(&open), &[1.0]);
+        assert_eq!(table.integers("trials").unwrap(), [Some(3)]);
+        let notes = table.notes().join("\n");
+        assert!(notes.contains("After 2 trials it was left open"), "{notes}");
+        assert!(notes.contains("Without 5 trials of sealed sessions"), "{notes}");
+        let none = of(2, &[said("P01", 1, 2, None, 2)]);
+        assert_eq!(blinding(&none).unwrap().floats("index").unwrap(), [None]);
+    }
+
+    #[test]
+    fn an_answer_that_was_not_offered_is_refused_with_the_range() {
+        for answer in [-1, 4] {
+            let error = blinding(&of(3, &[said("P01", 1, 3, Some(answer), 1)])).unwrap_err();
+            assert!(error.to_string().contains("0 to 3"), "{error}");
+        }
+    }
+}
