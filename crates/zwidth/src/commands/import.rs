@@ -1,7 +1,7 @@
 //! `zwidth import`: recordings of other rigs, as a mapping file says.
 
 use super::recover::lock;
-use super::{join_findings, study};
+use super::{join_findings, study, sum_up};
 use crate::args::Import;
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -58,7 +58,7 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
     let files = &command.files;
     let report = import_files(&layout, &study, &mapping, files, (&utc, software), &raw, &progress);
     bar.finish_and_clear();
-    let report = report.map_err(|findings| join_findings(&findings))?;
+    let report = report.map_err(|findings| sum_up(&findings))?;
     if screen.json {
         screen.listing(&report)?;
     } else {

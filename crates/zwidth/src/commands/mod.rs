@@ -147,8 +147,14 @@ fn is_study(folder: &Path) -> bool {
     ["study.toml", "trials", "sweeps", "sessions"].iter().any(|name| folder.join(name).exists())
 }
 
-/// Several findings as one error, a line each; what is the same in many files is said once.
+/// Several findings as one error, a line each.
 fn join_findings(findings: &[StoreError]) -> anyhow::Error {
+    as_lines(findings.iter().map(ToString::to_string))
+}
+
+/// The same for recordings that go into one import, of which many have the same wrong with them:
+/// that is said once.
+fn sum_up(findings: &[StoreError]) -> anyhow::Error {
     let mut said: Vec<(&StoreError, usize)> = Vec::new();
     for finding in findings {
         match said.iter_mut().find(|(first, _)| is_alike(first, finding)) {
@@ -161,7 +167,11 @@ fn join_findings(findings: &[StoreError]) -> anyhow::Error {
         1 => format!("{first} (and so in 1 more file)"),
         more => format!("{first} (and so in {more} more files)"),
     };
-    anyhow::anyhow!("{}", said.iter().map(line).collect::<Vec<_>>().join("\n       "))
+    as_lines(said.iter().map(line))
+}
+
+fn as_lines(lines: impl Iterator<Item = String>) -> anyhow::Error {
+    anyhow::anyhow!("{}", lines.collect::<Vec<_>>().join("\n       "))
 }
 
 /// Whether two files have the same thing wrong with them.
@@ -178,7 +188,7 @@ mod tests {
     fn what_is_the_same_in_many_files_is_said_once() {
         let of = |file: &str, what: &str| StoreError::new(Path::new(file), what, "mend it");
         let findings = [of("a", "no t"), of("b", "no t"), of("b", "no f"), of("c", "no t")];
-        let told = join_findings(&findings).to_string();
+        let told = sum_up(&findings).to_string();
         assert_eq!(told, "a: no t; mend it (and so in 2 more files)\n       b: no f; mend it",);
     }
 }
