@@ -55,6 +55,7 @@ fn ours(seconds: f64) -> LiveRun {
         cue,
         rate_hz: control.rate_hz,
         velocity: Velocity::new(control.velocity).unwrap(),
+        shows_moments: false,
     };
     let mut kept = Vec::new();
     let mut keep = |batch: &[_]| {

@@ -13,6 +13,8 @@ static unsigned long written_us;
 static bool tripped;
 static int32_t force;
 static unsigned long weighed_us, told_us;
+static unsigned long marked_us;
+static bool marking;
 
 // A share as a step of analogWrite, rounded towards 0.
 static uint8_t step(int16_t share) { return (uint32_t)abs((int32_t)share) * 255 / 32767; }
@@ -88,12 +90,23 @@ static void tell(uint16_t sequence) {
     weigh(); // while the answer is on the line: half a millisecond before it would make it late
 }
 
+// A moment of a trial, on the marker pins. What a pulled cable cut off is over at the next homing.
+static void mark(uint8_t code, uint16_t number) {
+    if (code == HOMING || (code == MOMENT && number == END)) digitalWrite(TRIAL_PIN, LOW);
+    if (code != MOMENT) return;
+    if (number == START) digitalWrite(TRIAL_PIN, HIGH);
+    digitalWrite(MARKER_PIN, HIGH);
+    marked_us = micros();
+    marking = true;
+}
+
 static void hear(uint8_t byte) {
     if (!frames.push(byte, frame)) return;
     const uint16_t sequence = frame.sequence();
     const uint8_t *payload = frame.payload();
     if (frame.kind() == HELLO && frame.size() == 1) describe(sequence);
     if (frame.kind() == POLL && frame.size() == 0) tell(sequence);
+    if (frame.kind() == MARK && frame.size() == 3) mark(payload[0], get(payload + 1, 2));
     if (frame.kind() == WRITE && frame.size() == 4) {
         written_us = micros();
         tripped = false;
@@ -106,6 +119,10 @@ static void watch() {
         drive(0, 0);
         tripped = true;
     }
+    if (marking && micros() - marked_us > MARKER_US) {
+        digitalWrite(MARKER_PIN, LOW);
+        marking = false;
+    }
 }
 
 void setup() {
@@ -113,6 +130,8 @@ void setup() {
     pinMode(MOTOR_PWM, OUTPUT);
     pinMode(BRAKE_PWM, OUTPUT);
     drive(0, 0);
+    pinMode(TRIAL_PIN, OUTPUT);
+    pinMode(MARKER_PIN, OUTPUT);
     pinMode(HX711_CLOCK, OUTPUT);
     pinMode(HX711_DATA, INPUT);
     Serial.begin(BAUD);

@@ -9,6 +9,8 @@
 #define MOST_FRAME (MOST_PAYLOAD + AROUND)
 
 enum Kind : uint8_t { HELLO = 0x01, POLL = 0x02, WRITE = 0x03, MARK = 0x04, DESCRIPTION = 0x81, SEEN = 0x82 };
+enum Mark : uint8_t { HOMING = 3, MOMENT = 4 };
+enum Moment : uint16_t { START = 1, CONTACT = 2, END = 3, ANSWER = 4 };
 
 // CRC-32 of IEEE 802.3, half a byte at a time: bit by bit an ATmega would need as long as for sending.
 inline uint32_t crc32(const uint8_t *bytes, uint8_t length) {

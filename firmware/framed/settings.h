@@ -19,6 +19,12 @@
 #define MOTOR_MV 12000UL // voltage at full pulses
 #define BRAKE_MV 24000UL
 
+// Markers for other recorders: a pin that is high from a trial's start to its end, and one with a pulse at its start, at
+// contact, at its end and at each answer.
+#define TRIAL_PIN 8
+#define MARKER_PIN 7
+#define MARKER_US 5000UL
+
 #define PERIOD_US 2000UL // shortest time between two readings: what an Uno needs; a Teensy answers in 1000
 #define WATCHDOG_MS 50   // without a write for so long: 0 V
 #define NAME "framed 1"

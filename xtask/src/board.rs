@@ -5,8 +5,8 @@ use anyhow::{Context as _, bail};
 use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use zwidth_device::{Device as _, Person, Twin, TwinParameters};
-use zwidth_link::{AngleAt, Board, Link, Pair, Wire as _, board};
+use zwidth_device::{Device as _, Person, Priority, Twin, TwinParameters};
+use zwidth_link::{AngleAt, Board, Link, Pair, Settings, Wire as _, board};
 use zwidth_study::Study;
 
 /// How long it waits for bytes before it looks whether its watchdog is due.
@@ -28,29 +28,57 @@ const UNO_BITS: u8 = 10;
 
 /// Runs until it is stopped. The study says which environments its participant meets.
 pub(crate) fn run(study: &Path, link: &str, seed: u64) -> anyhow::Result<()> {
-    let text = std::fs::read_to_string(study).with_context(|| study.display().to_string())?;
-    let study = Study::from_toml(&text).map_err(|faults| anyhow::anyhow!("{faults:?}"))?;
-    let Some((word, link, angle)) = LINKS.iter().find(|(word, _, _)| *word == link) else {
-        bail!("a board speaks {}", LINKS.map(|(word, _, _)| word).join(", "));
-    };
-    let twin = Twin::new(TwinParameters::default(), Person::draw(seed), seed)?;
-    let (mut line, mut cell) = (Pair::open()?, Pair::open()?);
-    let settings = board::settings(*link, *angle, STREAM_HZ, twin.capabilities(), cell.port());
-    let mut board = match &settings.firmata {
-        Some(pins) if *word == UNO => {
-            Board::firmata(twin, study.environments, pins.clone(), UNO_BITS)
+    let board = Plugged::new(study, link, seed)?;
+    println!("a board is at {}", board.port().display());
+    println!("rig.toml for it:\n\n{}", toml::to_string(&board.settings)?);
+    board.serve()
+}
+
+/// A board and its load cell, each at the end of a line.
+pub(crate) struct Plugged {
+    board: Board<Twin>,
+    line: Pair,
+    cell: Pair,
+    /// What rig.toml must say.
+    pub(crate) settings: Settings,
+}
+
+impl Plugged {
+    pub(crate) fn new(study: &Path, link: &str, seed: u64) -> anyhow::Result<Self> {
+        let text = std::fs::read_to_string(study).with_context(|| study.display().to_string())?;
+        let study = Study::from_toml(&text).map_err(|faults| anyhow::anyhow!("{faults:?}"))?;
+        let Some((word, link, angle)) = LINKS.iter().find(|(word, _, _)| *word == link) else {
+            bail!("a board speaks {}", LINKS.map(|(word, _, _)| word).join(", "));
+        };
+        let twin = Twin::new(TwinParameters::default(), Person::draw(seed), seed)?;
+        let (line, cell) = (Pair::open()?, Pair::open()?);
+        let settings = board::settings(*link, *angle, STREAM_HZ, twin.capabilities(), cell.port());
+        let board = match &settings.firmata {
+            Some(pins) if *word == UNO => {
+                Board::firmata(twin, study.environments, pins.clone(), UNO_BITS)
+            }
+            _ => Board::by(&settings, twin, study.environments)?,
+        };
+        Ok(Self { board, line, cell, settings })
+    }
+
+    /// Where a host finds it.
+    pub(crate) fn port(&self) -> &Path {
+        self.line.port()
+    }
+
+    /// Until the process ends.
+    pub(crate) fn serve(mut self) -> anyhow::Result<()> {
+        // What runs at a host does not slow a board.
+        let _ = Priority::raise();
+        let began = Instant::now();
+        loop {
+            let (mut bytes, mut out) = ([0; 256], Vec::new());
+            let came = self.line.receive(&mut bytes, TURN)?;
+            self.board.take(began.elapsed().as_secs_f64(), &bytes[..came], &mut out)?;
+            send(&mut self.line, &out)?;
+            send(&mut self.cell, &self.board.load_cell())?;
         }
-        _ => Board::by(&settings, twin, study.environments)?,
-    };
-    println!("a board is at {}", line.port().display());
-    println!("rig.toml for it:\n\n{}", toml::to_string(&settings)?);
-    let began = Instant::now();
-    loop {
-        let (mut bytes, mut out) = ([0; 256], Vec::new());
-        let came = line.receive(&mut bytes, TURN)?;
-        board.take(began.elapsed().as_secs_f64(), &bytes[..came], &mut out)?;
-        send(&mut line, &out)?;
-        send(&mut cell, &board.load_cell())?;
     }
 }
 

@@ -14,6 +14,9 @@ pub(crate) struct Emulator {
     pub(crate) said: Vec<u8>,
     /// Pulses of motor and brake, and the direction.
     pub(crate) out: [u16; 3],
+    /// Levels of the marker pin and of the one that is high in a trial.
+    pub(crate) marker: u16,
+    pub(crate) trial: u16,
     /// How long it ran, µs.
     pub(crate) us: u64,
 }
@@ -26,7 +29,7 @@ impl Emulator {
         let mut child = piped.spawn().with_context(|| format!("{program} does not run"))?;
         let hears = child.stdin.take().context("it hears nothing")?;
         let says = BufReader::new(child.stdout.take().context("it says nothing")?);
-        Ok(Self { child, hears, says, said: Vec::new(), out: [0; 3], us: 0 })
+        Ok(Self { child, hears, says, said: Vec::new(), out: [0; 3], marker: 0, trial: 0, us: 0 })
     }
 
     /// What its sensors see.
@@ -44,7 +47,7 @@ impl Emulator {
         let bad = || io::Error::other(format!("the emulator says {line:?}"));
         let mut words = line.trim_end_matches('\n').split(' ');
         self.said.extend(words.next().and_then(unhex).ok_or_else(bad)?);
-        for out in &mut self.out {
+        for out in self.out.iter_mut().chain([&mut self.marker, &mut self.trial]) {
             *out = words.next().and_then(|word| word.parse().ok()).ok_or_else(bad)?;
         }
         self.us += u64::from(us);

@@ -30,7 +30,7 @@ cargo xtask firmware-sessions N COMMAND… two whole sessions of N × 3 trials a
 cargo xtask firmware COMMAND…          our host at our firmware, which COMMAND runs in an emulator: readings, voltages, noise, the watchdog
 cargo xtask hx711 COMMAND…             our reader at the load cell's sketch, which COMMAND runs in an emulator with an HX711 at its pins
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
-cargo xtask soak live [MINUTES]        record at 1 kHz in real time and count what is lost [10]
+cargo xtask soak live [MINUTES [LINK]] record at 1 kHz in real time, from the simulated device or from a board with it over a link, and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
 cargo xtask soak wire [EVERY]          a session over each link with one message gone wrong, for every (or every so-manieth) message and trouble [1]
 cargo xtask soak wire-sessions         sessions of 36 trials over each link at its rate, in simulated time: no reading is lost
@@ -74,7 +74,8 @@ fn main() -> anyhow::Result<()> {
             soak::kill::kill(&soak::program()?, &scratch("kill"), kills, number(rest.get(1), 1)?)
         }
         ["soak", "live", rest @ ..] => {
-            soak::live::live(&soak::program()?, &scratch("live"), number(rest.first(), 10.0)?)
+            let (minutes, link) = (number(rest.first(), 10.0)?, rest.get(1).copied());
+            soak::live::live(&soak::program()?, &scratch("live"), minutes, link)
         }
         ["soak", "watchdog", rest @ ..] => {
             let cuts = number(rest.first(), 100)?;

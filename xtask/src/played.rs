@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use zwidth_acquire::{
-    AcquireError, Front, Input, Options, Outcome, Parts, Phase, Plan, Session, View, run,
+    AcquireError, Front, Input, Options, Outcome, Parts, Phase, Plan, Session, Target, View, run,
 };
 use zwidth_device::{Clock, Device};
 use zwidth_store::{Layout, Memory};
@@ -40,7 +40,7 @@ pub(crate) fn play<W: Fn(f64)>(
         steps: Vec::new(),
         ask: false,
         no_watchdog: device.capabilities().watchdog_s.is_none(),
-        markers: Vec::new(),
+        markers: device.capabilities().shows_moments.then_some(Target::Board).into_iter().collect(),
         by: None,
         stop: Arc::default(),
         quit: Arc::default(),

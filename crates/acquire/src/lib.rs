@@ -38,7 +38,7 @@ pub use participant::{Beside, Door, Guest, place_of, show_lines, show_screen};
 pub use plain::Plain;
 pub use plan::Plan;
 pub use run::{Options, Outcome, Parts, run};
-pub use screen::{Look, Screen};
+pub use screen::{Look, Screen, terminal_width};
 pub use session::{Session, calibration_blake3, seed_of};
 pub use step::step_words;
 pub use told::check_value;

@@ -1,7 +1,7 @@
 //! The instrument: read a sample, write two voltages.
 
 use crate::DeviceError;
-use zwidth_study::{AnswerScale, Channel, Environment, Extra, Source, Voltages};
+use zwidth_study::{AnswerScale, Channel, Environment, Extra, Moment, Source, Voltages};
 
 /// What a device is and can do.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Capabilities {
     pub brake_max_v: f64,
     /// Without a write for this long the device itself goes to 0 V, s; none if it has no watchdog.
     pub watchdog_s: Option<f64>,
+    /// Whether it can show a trial's moments on an output of its own ([`Device::mark`]).
+    pub shows_moments: bool,
     /// What its data is: measured or simulated.
     pub source: Source,
     /// What it gives with every reading besides: recorded where the study asks for it.
@@ -103,6 +105,10 @@ pub trait Device: Send {
     /// A trial begins at `now_s`. Only a device with a participant of its own, or a recording to
     /// play, cares.
     fn begin(&mut self, _now_s: f64, _cue: &Cue<'_>) {}
+
+    /// Shows a moment of a trial on an output of its own, as soon as it can. One that cannot does
+    /// nothing; a marker that does not arrive harms nothing.
+    fn mark(&mut self, _moment: Moment) {}
 
     /// The answer of a device's own participant to the question of the trial that has ended, on
     /// that question's scale.

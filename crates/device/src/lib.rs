@@ -67,7 +67,7 @@ pub use priority::Priority;
 pub use signals::stop_on_signals;
 pub use timing::{Histogram, Timing};
 pub use trial::{
-    BatchSink, LiveRun, Sink, TrialEnd, TrialPlan, TrialRun, run_live, run_trial, watch,
+    BatchSink, LiveRun, Moments, Sink, TrialEnd, TrialPlan, TrialRun, run_live, run_trial, watch,
 };
 pub use twin::{
     COUNTS_PER_TURN, SHAFT_PER_LEVER, SweepPoint, Twin, TwinParameter, TwinParameters, brake_sweep,

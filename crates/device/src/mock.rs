@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
-use zwidth_study::{Extra, Source, Voltages};
+use zwidth_study::{Extra, Moment, Source, Voltages};
 
 /// What goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,11 +46,16 @@ pub struct Mock {
     pub faults: Vec<(f64, Fault)>,
     /// Everything written, with its host time, s.
     pub writes: Vec<(f64, Voltages)>,
+    /// The moments that it was to show.
+    pub moments: Vec<Moment>,
     began_s: f64,
 }
 
 /// Writes the mock keeps without allocating: a minute at 1 kHz.
 const WRITES: usize = 60_000;
+
+/// Moments the mock keeps without allocating: those of a long session.
+const MOMENTS: usize = 1_000;
 
 /// What the prototype with a watchdog on its board would claim (thesis §4.2).
 pub fn capabilities() -> Capabilities {
@@ -63,6 +68,7 @@ pub fn capabilities() -> Capabilities {
         motor_max_v: 16.0,
         brake_max_v: 8.0,
         watchdog_s: Some(0.05),
+        shows_moments: true,
         source: Source::Twin,
         channels: Vec::new(),
     }
@@ -85,7 +91,14 @@ impl Mock {
     /// A sound device that moves like this.
     pub fn new(motion: Motion) -> Self {
         let writes = Vec::with_capacity(WRITES);
-        Self { capabilities: capabilities(), motion, faults: Vec::new(), writes, began_s: 0.0 }
+        Self {
+            capabilities: capabilities(),
+            motion,
+            faults: Vec::new(),
+            writes,
+            moments: Vec::with_capacity(MOMENTS),
+            began_s: 0.0,
+        }
     }
 
     /// The same, which rests as it begins until its first trial does: whoever reads on between
@@ -200,6 +213,10 @@ impl Device for Mock {
 
     fn begin(&mut self, now_s: f64, _cue: &Cue<'_>) {
         self.began_s = now_s;
+    }
+
+    fn mark(&mut self, moment: Moment) {
+        self.moments.push(moment);
     }
 }
 

@@ -64,6 +64,7 @@ fn capabilities(rate_hz: f64) -> Capabilities {
         motor_max_v: f64::INFINITY,
         brake_max_v: f64::INFINITY,
         watchdog_s: Some(0.0),
+        shows_moments: false,
         source: Source::Twin,
         channels: Vec::new(),
     }

@@ -63,7 +63,8 @@ fn allocations(limit_s: f64, filter: VelocityFilter) -> u64 {
     guard.home(&mut device, 0.0).unwrap();
     guard.arm(&mode, &calibration).unwrap();
     let cue = Cue { trial: 1, environment: &environment, limit_s };
-    let plan = TrialPlan { cue, rate_hz: 1000.0, velocity: Velocity::new(filter).unwrap() };
+    let velocity = Velocity::new(filter).unwrap();
+    let plan = TrialPlan { cue, rate_hz: 1000.0, velocity, shows_moments: true };
     let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
     let mut samples = 0;
     let mut sink = |_: &Sample| {

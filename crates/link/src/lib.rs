@@ -9,6 +9,7 @@
 //! on without a board.
 
 pub mod board;
+pub mod discover;
 pub mod firmata;
 pub mod frame;
 pub mod hostile;

@@ -1,7 +1,7 @@
 //! Messages: what the two ends tell each other.
 
 use crate::frame::{Frame, MOST_PAYLOAD};
-use zwidth_study::Voltages;
+use zwidth_study::{Moment, Voltages};
 
 /// The version of the protocol that this is.
 pub const PROTOCOL: u8 = 1;
@@ -38,12 +38,26 @@ pub enum ToBoard {
 
 /// Codes of [`ToBoard::Mark`].
 pub mod mark {
+    use super::Moment;
+
     /// The environment of the trial that begins next, by its place in the study.
     pub const ENVIRONMENT: u8 = 1;
     /// A trial begins, by its number.
     pub const TRIAL: u8 = 2;
     /// The lever is to stand at its lower stop.
     pub const HOMING: u8 = 3;
+    /// A moment of the trial, to be shown on the board's marker pins: [`number`].
+    pub const MOMENT: u8 = 4;
+
+    /// The number of a moment: from 1, in a trial's order.
+    pub fn number(moment: Moment) -> u16 {
+        moment as u16 + 1
+    }
+
+    /// The moment of a number, if it is one.
+    pub fn moment(number: u16) -> Option<Moment> {
+        Moment::ALL.into_iter().find(|moment| self::number(*moment) == number)
+    }
 }
 
 /// What a board says of itself.

@@ -21,7 +21,7 @@ pub fn open(
     let port = port.or(settings.port.as_deref()).ok_or_else(|| DeviceError::Unable {
         device: "rig".to_owned(),
         what: "no port is named".to_owned(),
-        remedy: "which port is the board at? --device rig:PORT, or port in rig.toml".to_owned(),
+        remedy: "`zwidth ports` lists the ports that there are: name one with --device rig:PORT, or as port in rig.toml".to_owned(),
     })?;
     let wire = Serial::open(port, settings.baud())?;
     let cell = settings.hx711.as_ref().filter(|_| settings.link != Link::Framed);

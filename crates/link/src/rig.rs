@@ -10,7 +10,7 @@ use crate::{Settings, Wire};
 use std::io;
 use std::time::Duration;
 use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
-use zwidth_study::{EnvironmentId, Extra, Source, Voltages};
+use zwidth_study::{EnvironmentId, Extra, Moment, Source, Voltages};
 
 /// A board may take so long to begin after its port was opened: many reset themselves then.
 const BEGIN: Duration = Duration::from_secs(4);
@@ -131,7 +131,7 @@ impl<W: Wire> Rig<W> {
             }
         }
         let what = format!("nothing answers at {} baud", self.settings.baud());
-        let remedy = "check port and baud in rig.toml, and that the board runs the framed firmware (docs/rig.md)";
+        let remedy = "check port and baud in rig.toml, and that the board runs the framed firmware (docs/rig.md); `zwidth ports PORT` asks who is there";
         Err(self.unable(what, remedy))
     }
 
@@ -330,6 +330,12 @@ impl<W: Wire> Device for Rig<W> {
         let _ = self.send(&ToBoard::Mark { code: mark::ENVIRONMENT, number: environment });
         let _ = self.send(&ToBoard::Mark { code: mark::TRIAL, number });
     }
+
+    fn mark(&mut self, moment: Moment) {
+        // As above.
+        let number = mark::number(moment);
+        let _ = self.send(&ToBoard::Mark { code: mark::MOMENT, number });
+    }
 }
 
 fn volts(millivolts: u32) -> f64 {
@@ -359,6 +365,7 @@ fn capabilities(board: &Description, settings: &Settings) -> Result<Capabilities
         motor_max_v: volts(board.motor_mv),
         brake_max_v: volts(board.brake_mv),
         watchdog_s: (board.watchdog_ms > 0).then(|| f64::from(board.watchdog_ms) * 1e-3),
+        shows_moments: true,
         source: if board.simulated { Source::Twin } else { settings.unknown().source },
         channels: Vec::new(),
     })

@@ -30,7 +30,7 @@ impl Serial {
         let opened = opened(port, baud).map_err(|e| DeviceError::Unable {
             device: format!("rig at {}", port.display()),
             what: format!("the port cannot be opened: {e}"),
-            remedy: "plug the board in, name its port with --device rig:PORT, and close what else uses it".to_owned(),
+            remedy: "plug the board in, name its port with --device rig:PORT (`zwidth ports` lists those that there are), and close what else uses it".to_owned(),
         })?;
         Ok(Self { open: Some(opened), at: Some((port.to_owned(), baud)) })
     }

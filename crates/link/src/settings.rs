@@ -345,6 +345,7 @@ impl Settings {
             motor_max_v: 0.0,
             brake_max_v: 0.0,
             watchdog_s: None,
+            shows_moments: false,
             source: if self.simulated { Source::Twin } else { Source::Recorded },
             channels: Vec::new(),
         }

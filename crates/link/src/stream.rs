@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::Duration;
 use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};
-use zwidth_study::{EnvironmentId, Extra, Source, Voltages};
+use zwidth_study::{EnvironmentId, Extra, Moment, Source, Voltages};
 
 /// A board may take so long to begin after its port was opened, and so long to its first reading.
 const BEGIN: Duration = Duration::from_secs(4);
@@ -201,6 +201,7 @@ impl<W: Wire> Stream<W> {
             counts_per_turn: Some(facts.counts_per_turn.into()),
             motor_max_v: self.plan.full.motor_v,
             brake_max_v: self.plan.full.brake_v,
+            shows_moments: self.plan.shows_moments,
             source: if facts.simulated { Source::Twin } else { known.source },
             ..known
         }
@@ -223,7 +224,7 @@ impl<W: Wire> Stream<W> {
         let (baud, damaged) = (self.settings.baud(), self.damaged());
         let what =
             format!("nothing understood came at {baud} baud, {damaged} pieces not understood");
-        Err(self.unable(what, "check port, link and baud in rig.toml, and what runs on the board"))
+        Err(self.unable(what, "check port, link and baud in rig.toml, and what runs on the board; `zwidth ports PORT` asks who is there"))
     }
 
     /// Waits for the first reading and the first force.
@@ -423,5 +424,10 @@ impl<W: Wire> Device for Stream<W> {
             talk.mark(mark::ENVIRONMENT, environment, out);
             talk.mark(mark::TRIAL, number, out);
         });
+    }
+
+    fn mark(&mut self, moment: Moment) {
+        // As above.
+        let _ = self.say(|talk, out| talk.mark(mark::MOMENT, mark::number(moment), out));
     }
 }

@@ -14,6 +14,8 @@ pub(crate) struct Plan {
     pub(crate) full: Voltages,
     /// Seconds of one step of the board's clock.
     pub(crate) tick_s: f64,
+    /// Whether the board takes a trial's moments ([`Talk::mark`]).
+    pub(crate) shows_moments: bool,
 }
 
 /// What a board is, once it is known.

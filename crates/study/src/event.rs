@@ -109,6 +109,9 @@ pub enum Moment {
 }
 
 impl Moment {
+    /// All of them, in a trial's order.
+    pub const ALL: [Self; 4] = [Self::Start, Self::Contact, Self::End, Self::Answer];
+
     /// Its name.
     pub fn as_str(self) -> &'static str {
         match self {

@@ -1,18 +1,20 @@
 // An Arduino Uno that runs a sketch in an emulator (npm's avr8js), in its own time: node board.js SKETCH.hex
 //
 // Lines on stdin: `angle COUNTS` and `force COUNTS` set what its sensors see; `run US HEX` gives its serial port these bytes, lets it
-// run for so long, and answers `HEX MOTOR BRAKE DIRECTION`: what it said, and the pulses of pins 5 and 6 and the level of 4.
+// run for so long, and answers `HEX MOTOR BRAKE DIRECTION MARKER TRIAL`: what it said, the pulses of pins 5 and 6, and the levels
+// of 4, 7 and 8.
 const fs = require("fs");
 const readline = require("readline");
 const avr = require("avr8js");
 
 const CYCLES_PER_US = 16;
-const [DIRECTION, MOTOR, BRAKE, DATA, CLOCK] = [4, 5, 6, 2, 3];
+const [DIRECTION, MOTOR, BRAKE, DATA, CLOCK, MARKER] = [4, 5, 6, 2, 3, 7];
+const TRIAL = 0; // pin 8 is the first of port B
 const VOLTS = 5;
 const FORCE_US = 12500;
 
-// Registers of the ATmega328P: the outputs of timer 0 and of port D (data sheet, register summary).
-const [TCCR0A, OCR0A, OCR0B, PORTD] = [0x44, 0x47, 0x48, 0x2b];
+// Registers of the ATmega328P: the outputs of timer 0 and of ports B and D (data sheet, register summary).
+const [TCCR0A, OCR0A, OCR0B, PORTB, PORTD] = [0x44, 0x47, 0x48, 0x25, 0x2b];
 const [COM0A1, COM0B1] = [0x80, 0x20];
 
 function program(hex) {
@@ -63,6 +65,7 @@ function run(us, bytes) {
   }
 }
 
+const level = (port, bit) => (cpu.data[port] >> bit) & 1;
 const pulses = (pin, bit, register) => (cpu.data[TCCR0A] & bit ? cpu.data[register] : cpu.data[PORTD] & (1 << pin) ? 255 : 0);
 
 readline.createInterface({ input: process.stdin }).on("line", (line) => {
@@ -72,6 +75,7 @@ readline.createInterface({ input: process.stdin }).on("line", (line) => {
   if (word !== "run") return;
   said = [];
   run(Number(number), [...Buffer.from(hex || "", "hex")]);
-  const out = [pulses(MOTOR, COM0B1, OCR0B), pulses(BRAKE, COM0A1, OCR0A), (cpu.data[PORTD] >> DIRECTION) & 1];
+  const out = [pulses(MOTOR, COM0B1, OCR0B), pulses(BRAKE, COM0A1, OCR0A)];
+  out.push(level(PORTD, DIRECTION), level(PORTD, MARKER), level(PORTB, TRIAL));
   process.stdout.write(`${Buffer.from(said).toString("hex")} ${out.join(" ")}\n`);
 });

@@ -109,6 +109,19 @@ fn ready(desk: &Desk, board: &OnDesk) -> Live {
 }
 
 #[test]
+fn ports_asks_the_board_at_a_port_who_it_is() {
+    let desk = Desk::slow();
+    let board = OnDesk::new(&desk);
+    let asked = zwidth(desk.root(), &["ports", &board.port]);
+    let told = asked.out;
+    assert_eq!(asked.code, Some(0), "{told} {}", asked.err);
+    for part in [&format!("{}: board with twin", board.port), "watchdog 50 ms", "link = \"framed\""]
+    {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+}
+
+#[test]
 fn every_sample_of_a_trial_over_a_serial_line_is_what_the_board_saw() {
     let desk = Desk::slow();
     let board = OnDesk::new(&desk);

@@ -15,7 +15,7 @@ use zwidth_link::frame::{Frame, Frames};
 use zwidth_link::message::{FromBoard, Seen, ToBoard, mark};
 use zwidth_link::{Rig, Settings, Wire};
 use zwidth_store::{Memory, Signal, StudyData, read_trial_from, verify_kept};
-use zwidth_study::Status;
+use zwidth_study::{Moment, Status};
 
 /// Trials of a repeat: three modes in one environment.
 const MODES: usize = 3;
@@ -44,6 +44,8 @@ const PULLED_IN: u16 = 2;
 const PULLED_US: u64 = 1_000_000;
 /// The watchdog's time and a step of the emulator, µs.
 const WATCHDOG_US: u64 = 50_000 + IDLE_US;
+/// A moment is on the marker pins within so long after it was told, µs.
+const SHOWN_US: u64 = 3_000;
 /// Readings that the markers of a trial's begin hold back, or that come in one look with a newer
 /// one.
 const HELD_BACK: usize = 3;
@@ -67,6 +69,11 @@ struct Bench {
     told: Vec<Seen>,
     /// The first reading that the sensors did not have.
     wrong: Option<Seen>,
+    /// The moments that were told and are not on the marker pins yet, and when they were, µs.
+    moments: VecDeque<(Moment, u64)>,
+    /// How many were on them, and the longest that one took, µs.
+    shown: usize,
+    shown_us: u64,
     /// The cable is to be pulled once.
     pulls: bool,
     pulled: Option<Pulled>,
@@ -103,7 +110,24 @@ impl Bench {
             }
         }
         self.watch();
+        self.look_at_pins();
         Ok(())
+    }
+
+    /// The moments that are on the marker pins by now.
+    fn look_at_pins(&mut self) {
+        let Emulator { us, marker, trial, .. } = self.emulator;
+        while let Some((moment, told_us)) = self.moments.front().copied() {
+            let is_level = match moment {
+                Moment::Start | Moment::Contact => trial == 1,
+                Moment::End | Moment::Answer => trial == 0,
+            };
+            if !(is_level && marker == 1) {
+                return;
+            }
+            self.moments.pop_front();
+            (self.shown, self.shown_us) = (self.shown + 1, self.shown_us.max(us - told_us));
+        }
     }
 
     /// A reading that the board sent: both sensors had these counts.
@@ -193,6 +217,9 @@ impl Wire for Line {
                     bench.trial = Some((number, now_us));
                 }
                 Some(ToBoard::Mark { code: mark::HOMING, .. }) => bench.trial = None,
+                Some(ToBoard::Mark { code: mark::MOMENT, number }) => {
+                    bench.moments.extend(mark::moment(number).map(|moment| (moment, now_us)));
+                }
                 _ => {}
             }
         }
@@ -246,6 +273,9 @@ fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String
         saw: VecDeque::new(),
         told: Vec::new(),
         wrong: None,
+        moments: VecDeque::new(),
+        shown: 0,
+        shown_us: 0,
         pulls,
         pulled: None,
         gone: false,
@@ -258,6 +288,7 @@ fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String
     let mut person = Person::new(move |s| waits.wait(s));
     let mut clock = line.clone();
     let outcome = play(&plan, &disk, (&mut rig, &mut clock), &mut person, false)?;
+    line.wait(SHOWN_US as f64 * 1e-6);
     let bench = line.bench();
     let total = repeats as usize * MODES;
     if (outcome.done, outcome.total) != (total, total) {
@@ -265,6 +296,13 @@ fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String
     }
     if person.stops != u32::from(pulls) {
         return Err(format!("it was stopped {} times", person.stops));
+    }
+    if let Some((moment, _)) = bench.moments.front() {
+        return Err(format!("no pin showed '{}'", moment.as_str()));
+    }
+    if bench.shown < 3 * total || bench.shown_us > SHOWN_US {
+        let Bench { shown, shown_us, .. } = &*bench;
+        return Err(format!("{shown} markers were on the pins, one after {shown_us} µs"));
     }
     if let Some(wrong) = bench.wrong {
         return Err(format!("the board said what no sensor had: {wrong:?}"));
@@ -289,8 +327,11 @@ fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String
     };
     Ok(format!(
         "{whole} trials in {:.1} s of the board's time, {readings} readings, each as its sensors \
-         had it, {passed_over} passed over for a newer one{off}",
-        bench.emulator.us as f64 * 1e-6
+         had it, {passed_over} passed over for a newer one; {} markers on the pins, each within \
+         {:.1} ms{off}",
+        bench.emulator.us as f64 * 1e-6,
+        bench.shown,
+        bench.shown_us as f64 * 1e-3
     ))
 }
 

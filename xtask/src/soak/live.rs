@@ -1,13 +1,14 @@
-//! Minutes of trials in real time at 1 kHz on the simulated device, written as users write them: no
-//! sample is lost; jitter and missed deadlines are told, and every missed deadline is flagged in
-//! the data.
+//! Minutes of trials in real time at 1 kHz on the simulated device, or on a board with it at the
+//! other end of a serial line, written as users write them: no sample is lost; jitter and missed
+//! deadlines are told, and every missed deadline is flagged in the data.
 
 use super::{SESSION, STUDY, fresh, run};
+use crate::board::Plugged;
 use crate::tried::held;
 use anyhow::{Context as _, ensure};
 use std::path::Path;
 use std::time::Instant;
-use zwidth_store::{Signal, StudyData, read_trial};
+use zwidth_store::{Layout, Signal, StudyData, read_trial};
 use zwidth_study::Flags;
 
 /// A trial of the simulated participant takes about this long, s.
@@ -19,7 +20,27 @@ const MOST_STOPS: u32 = 50;
 /// Between samples at 1 kHz, s.
 const TICK_S: f64 = 1e-3;
 
-pub(crate) fn live(program: &Path, folder: &Path, minutes: f64) -> anyhow::Result<()> {
+/// At this rate an answer of the framed link comes in the tick that asked for it.
+const BAUD: u32 = 1_000_000;
+
+/// A board at the end of a line, until this process ends; what `acquire` calls it.
+fn plugged(layout: &Layout, link: &str) -> anyhow::Result<String> {
+    let mut board = Plugged::new(&layout.study_toml(), link, 1)?;
+    board.settings.baud = Some(BAUD);
+    std::fs::write(layout.raw().join("rig.toml"), toml::to_string(&board.settings)?)?;
+    let device = format!("rig:{}", board.port().display());
+    // A session at a board that fails says so.
+    std::thread::spawn(|| board.serve());
+    Ok(device)
+}
+
+/// `link`: of the board, where the device is one.
+pub(crate) fn live(
+    program: &Path,
+    folder: &Path,
+    minutes: f64,
+    link: Option<&str>,
+) -> anyhow::Result<()> {
     let began = Instant::now();
     let repeats = (minutes * 60.0 / (TRIAL_S * CONDITIONS)).ceil().max(1.0);
     let layout = fresh(
@@ -33,6 +54,8 @@ pub(crate) fn live(program: &Path, folder: &Path, minutes: f64) -> anyhow::Resul
     let mut arguments = vec!["acquire", STUDY];
     arguments.extend(SESSION);
     arguments.extend(["--plain", "--auto", "--seed", "1"]);
+    let device = link.map(|link| plugged(&layout, link)).transpose()?;
+    arguments.extend(device.iter().flat_map(|device| ["--device", device]));
     // A machine that has no time for the loop is stopped by safety, as it should be; the session
     // then goes on.
     let (mut ticks, mut stops, mut timings) = (0, 0, Vec::new());
@@ -55,13 +78,17 @@ pub(crate) fn live(program: &Path, folder: &Path, minutes: f64) -> anyhow::Resul
     run(program, layout.root(), &["verify", STUDY], &[0])?;
 
     let data = StudyData::load(&layout).map_err(|errors| anyhow::anyhow!("{errors:?}"))?;
-    let (mut rows, mut flagged, mut passed) = (0, 0, 0.0);
+    let (mut rows, mut flagged, mut stale, mut passed) = (0, 0, 0, 0.0);
     for trial in &data.trials {
         let read = read_trial(&trial.path, [Signal::Time, Signal::StateBits])?;
         let column = |signal| read.samples.get(signal).unwrap_or_default();
         rows += trial.rows;
-        let is_flagged = |flags: &&f64| Flags(**flags as u16).has(Flags::DROPOUT);
-        flagged += column(Signal::StateBits).iter().filter(is_flagged).count();
+        let count = |flag| {
+            let is_flagged = |flags: &&f64| Flags(**flags as u16).has(flag);
+            column(Signal::StateBits).iter().filter(is_flagged).count()
+        };
+        flagged += count(Flags::DROPOUT);
+        stale += count(Flags::STALE_ANGLE);
         passed += column(Signal::Time).last().copied().unwrap_or(0.0);
     }
     ensure!(rows == ticks, "{ticks} samples were taken and {rows} are stored");
@@ -72,8 +99,13 @@ pub(crate) fn live(program: &Path, folder: &Path, minutes: f64) -> anyhow::Resul
     );
     timings.iter().for_each(|timing| println!("{timing}"));
     println!(
-        "{flagged} samples are flagged as coming after a gap; safety stopped the session {stops} times"
+        "{flagged} samples are flagged as coming after a gap, {stale} repeat an angle; safety stopped \
+         the session {stops} times"
     );
     let what = "samples at 1 kHz in real time, none lost";
-    held(what, format!("cargo xtask soak live {minutes}"), rows as u64, began)
+    let (what, over) = match link {
+        Some(link) => (format!("{what}, over the {link} link"), format!(" {link}")),
+        None => (what.to_owned(), String::new()),
+    };
+    held(&what, format!("cargo xtask soak live {minutes}{over}"), rows as u64, began)
 }

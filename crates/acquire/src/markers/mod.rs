@@ -66,7 +66,7 @@ pub(crate) struct Markers {
 }
 
 impl Markers {
-    /// To these programs.
+    /// To these programs; the board is told by the control loop itself.
     pub(crate) fn to(targets: &[Target]) -> Self {
         let (sender, markers) = sync_channel(WAITING);
         let (told, failures) = channel();
@@ -150,6 +150,7 @@ impl Line {
                 }
                 self.tcp.as_mut().map_or(Ok(()), |tcp| tcp.write_all(marker.line().as_bytes()))
             }
+            Target::Board => Ok(()),
         }
     }
 }

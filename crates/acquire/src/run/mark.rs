@@ -3,8 +3,9 @@
 use super::Runner;
 use crate::AcquireError;
 use crate::markers::{Marker, Markers};
+use zwidth_device::Moments;
 use zwidth_store::{Entered, append_events};
-use zwidth_study::{Event, Flags, Moment, Sample};
+use zwidth_study::{Event, Moment, Sample};
 
 /// Finds the markers of a running trial and sends them; they are kept until it has ended.
 pub(super) struct Marking<'a> {
@@ -13,30 +14,24 @@ pub(super) struct Marking<'a> {
     sent: Vec<Marker>,
     /// The last sample's times, s.
     last: Option<(f64, Option<f64>)>,
-    contact: bool,
+    moments: Moments,
 }
 
 impl<'a> Marking<'a> {
     pub(super) fn new(markers: &'a Markers, trial: u32) -> Self {
-        Self { markers, trial, sent: Vec::new(), last: None, contact: false }
+        Self { markers, trial, sent: Vec::new(), last: None, moments: Moments::default() }
     }
 
     pub(super) fn add(&mut self, sample: &Sample) {
         let at = (sample.t_s, sample.t_device_s);
-        if self.last.is_none() {
-            self.send(Moment::Start, at);
-        }
         self.last = Some(at);
-        if !self.contact && sample.flags.has(Flags::PAST_WALL) {
-            self.contact = true;
-            self.send(Moment::Contact, at);
-        }
+        self.moments.of(sample.flags).for_each(|moment| self.send(moment, at));
     }
 
     /// After the last sample: its time, s, and the markers.
     pub(super) fn end(mut self) -> (Option<f64>, Vec<Marker>) {
-        if let Some(at) = self.last {
-            self.send(Moment::End, at);
+        if let Some((end, at)) = self.moments.end().zip(self.last) {
+            self.send(end, at);
         }
         (self.last.map(|(t_s, _)| t_s), self.sent)
     }
@@ -70,6 +65,10 @@ impl Runner<'_> {
         };
         if !self.markers.are_on() {
             return Ok(());
+        }
+        if self.shows_moments() {
+            // A device that is lost shows no more: the next trial finds it.
+            let _ = self.attendant.ask(|station| station.device.mark(Moment::Answer));
         }
         let t_s = t_s + (self.attendant.now_s() - ended_s);
         let marker = Marker { trial, moment: Moment::Answer, t_s, t_device_s: None };

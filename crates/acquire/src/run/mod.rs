@@ -72,7 +72,7 @@ pub struct Options {
     pub ask: bool,
     /// The motor of a device without a watchdog may be used; each trial is marked.
     pub no_watchdog: bool,
-    /// The programs that are told of each trial's start, contact, end and answer.
+    /// Who is told of each trial's start, contact, end and answer.
     pub markers: Vec<Target>,
     /// Who sits before it, by their code: it stands beside each event.
     pub by: Option<ExperimenterId>,
@@ -144,6 +144,14 @@ pub fn run<'a>(
     let guard = Guard::new(&capabilities, Limits::of(&plan.study)?, options.no_watchdog);
     for mode in &plan.study.modes {
         guard.admit(mode, &plan.calibration)?;
+    }
+    if options.markers.contains(&Target::Board) && !capabilities.shows_moments {
+        return Err(AcquireError::Refused {
+            what: format!("--markers board: {} has no pin for markers", capabilities.name),
+            remedy: "leave board out, or use the framed link, or a sketch that takes markers \
+                     (docs/rig.md)"
+                .to_owned(),
+        });
     }
     let rate_hz = rate_hz(&plan.study, &capabilities)?;
     let files = Within::new(files, StudyFolder::open(files, &plan.layout.raw())?);
@@ -224,6 +232,11 @@ impl<'a> Runner<'a> {
             self.view.say(BLINDED);
         }
         self.act(first)
+    }
+
+    /// Whether the device is to show a trial's moments itself.
+    fn shows_moments(&self) -> bool {
+        self.options.markers.contains(&Target::Board)
     }
 
     /// Until the session is left.

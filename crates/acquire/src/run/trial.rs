@@ -41,6 +41,7 @@ impl<'a> Runner<'a> {
         self.check_session()?;
         let (environment, mode) = self.condition(trial)?;
         let plan = TrialPlan::new(&self.plan.study, environment, trial.trial, &self.capabilities)?;
+        let plan = TrialPlan { shows_moments: self.shows_moments(), ..plan };
         if let Some(cut) = self.await_lever()? {
             return Ok(cut);
         }

@@ -20,4 +20,4 @@ mod trace;
 mod tests;
 
 pub use look::Look;
-pub use terminal::Screen;
+pub use terminal::{Screen, terminal_width};

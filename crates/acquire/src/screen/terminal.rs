@@ -6,7 +6,7 @@ use super::render::render;
 use crate::{AcquireError, Front, Input, View};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event};
-use ratatui::crossterm::terminal::is_raw_mode_enabled;
+use ratatui::crossterm::terminal::{is_raw_mode_enabled, size};
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -204,6 +204,11 @@ impl Shared {
 
 fn next_event() -> io::Result<Option<Event>> {
     if event::poll(KEY_WAIT)? { event::read().map(Some) } else { Ok(None) }
+}
+
+/// Letters in a line of the terminal that this program runs in, if it does in one.
+pub fn terminal_width() -> Option<usize> {
+    size().ok().map(|(columns, _)| columns.into())
 }
 
 #[cfg(test)]

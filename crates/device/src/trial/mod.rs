@@ -6,10 +6,12 @@
 
 mod ending;
 mod live;
+mod moments;
 mod output;
 
 pub use live::{BatchSink, LiveRun, run_live};
 pub(crate) use live::{Collected, run_caught, said};
+pub use moments::Moments;
 
 use crate::timing::{Pace, Tick};
 use crate::{
@@ -35,6 +37,8 @@ pub struct TrialPlan<'a> {
     pub rate_hz: f64,
     /// The velocity filter, at its beginning.
     pub velocity: Velocity,
+    /// The device is to show the trial's moments on an output of its own ([`Device::mark`]).
+    pub shows_moments: bool,
 }
 
 impl<'a> TrialPlan<'a> {
@@ -55,6 +59,7 @@ impl<'a> TrialPlan<'a> {
             cue: Cue { trial, environment, limit_s },
             rate_hz: rate_hz.min(positive("the device's rate", capabilities.rate_hz)?),
             velocity: Velocity::new(study.control.velocity)?,
+            shows_moments: false,
         })
     }
 }
@@ -108,6 +113,9 @@ pub fn run_trial(
     let unwatched = guard.unwatched();
     let mut timing = Timing::default(); // its buckets are allocated here, before the first tick
     let mut output = Output::new(device, guard, clock.now_s());
+    if plan.shows_moments {
+        output.show_moments();
+    }
     let end = ticks(&mut output, clock, controller, plan, stop, sink, &mut timing);
     drop(output);
     TrialRun { end, timing, unwatched }
@@ -142,6 +150,7 @@ fn ticks(
             Ok(sample) => sample,
             Err(trip) => return TrialEnd::Tripped(trip),
         };
+        output.show(&sample);
         if sink(&sample).is_break() {
             return TrialEnd::Tripped(Trip::Storage);
         }

@@ -1,8 +1,9 @@
 //! While this lives, actuators may be on; when it goes, for whatever reason, they are off.
 
+use super::Moments;
 use crate::timing::Tick;
 use crate::{Cue, Device, Guard, Reading, Seen, Trip};
-use zwidth_study::Voltages;
+use zwidth_study::{Sample, Voltages};
 
 /// A device whose actuators may be on, and its guard. Dropped by a normal end, an error or a panic
 /// alike, it writes 0 V and disarms the guard. (A device that is lost cannot be written to; its own
@@ -14,11 +15,25 @@ pub(crate) struct Output<'a> {
     looked_s: f64,
     /// When it last looked or wrote, host time, s: a device's time never runs back.
     now_s: f64,
+    /// What the device has shown of the trial, where it is to show anything.
+    shown: Option<Moments>,
 }
 
 impl<'a> Output<'a> {
     pub(crate) fn new(device: &'a mut dyn Device, guard: &'a mut Guard, now_s: f64) -> Self {
-        Self { device, guard, looked_s: now_s, now_s }
+        Self { device, guard, looked_s: now_s, now_s, shown: None }
+    }
+
+    /// From now on the device shows the trial's moments, and its end when this goes.
+    pub(crate) fn show_moments(&mut self) {
+        self.shown = Some(Moments::default());
+    }
+
+    /// Shows the moments that this sample is.
+    pub(crate) fn show(&mut self, sample: &Sample) {
+        if let Some(shown) = &mut self.shown {
+            shown.of(sample.flags).for_each(|moment| self.device.mark(moment));
+        }
     }
 
     /// Tells the device that a trial begins, if a voltage may be written at all.
@@ -72,5 +87,7 @@ impl Drop for Output<'_> {
         // There is nobody left to tell: a device that cannot be written to has been reported by the
         // tick.
         let _ = self.device.write(self.now_s, Voltages::OFF);
+        let end = self.shown.as_ref().and_then(Moments::end);
+        end.into_iter().for_each(|end| self.device.mark(end));
     }
 }

@@ -3,7 +3,7 @@ use crate::mock::{self, Fault, Mock, Motion, forward_and_back};
 use crate::{AngleFault, Limits, SimulatedClock};
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use zwidth_study::{Calibration, Control, Mode, Scene, Spring, Voltages};
+use zwidth_study::{Calibration, Control, Mode, Moment, Scene, Spring, Voltages};
 
 pub(crate) const TICK_S: f64 = 1e-3;
 /// When faults begin: the lever is on its way, and every mode has a voltage on.
@@ -53,7 +53,8 @@ pub(crate) fn bench(device: Mock) -> Bench {
 
 pub(crate) fn plan(environment: &Environment) -> TrialPlan<'_> {
     let velocity = Velocity::new(Control::default().velocity).unwrap();
-    TrialPlan { cue: Cue { trial: 1, environment, limit_s: 4.0 }, rate_hz: 1.0 / TICK_S, velocity }
+    let cue = Cue { trial: 1, environment, limit_s: 4.0 };
+    TrialPlan { cue, rate_hz: 1.0 / TICK_S, velocity, shows_moments: false }
 }
 
 impl Bench {
@@ -103,6 +104,41 @@ fn tripped(device: Mock, due_s: f64) -> (Trip, Bench) {
         TrialEnd::Tripped(trip) => (trip, bench),
         end => panic!("not tripped: {end:?}"),
     }
+}
+
+#[test]
+fn a_device_shows_start_contact_and_end_where_it_is_to_and_its_end_by_a_fault_too() {
+    let walled = || {
+        let mut bench = bench(Mock::default());
+        let Scene::Spring(spring) = bench.environment.scene else { panic!("no spring") };
+        bench.environment.scene = Scene::SpringWall { spring, wall_rad: -FRAC_PI_4 + 0.5 };
+        bench.controller = Controller::new(
+            &Control::default(),
+            &bench.environment,
+            &mode(),
+            &Calibration::thesis(),
+        );
+        bench
+    };
+    let shown = |mut bench: Bench, shows_moments| {
+        let plan = TrialPlan { shows_moments, ..plan(&bench.environment) };
+        let (mut clock, stop) = (SimulatedClock::new(1), AtomicBool::new(false));
+        run_trial(
+            &mut bench.device,
+            &mut clock,
+            &mut bench.controller,
+            &mut bench.guard,
+            &plan,
+            &stop,
+            &mut |_| ControlFlow::Continue(()),
+        );
+        bench.device.moments
+    };
+    assert_eq!(shown(walled(), true), [Moment::Start, Moment::Contact, Moment::End]);
+    assert_eq!(shown(walled(), false), []);
+    let mut unplugged = walled();
+    unplugged.device = unplugged.device.failing(FAULT_S, Fault::Unplugged);
+    assert_eq!(shown(unplugged, true), [Moment::Start, Moment::Contact, Moment::End]);
 }
 
 #[test]

@@ -104,6 +104,11 @@ impl<D: Device> Behind<D> {
                     self.device.begin(now_s, &cue);
                 }
             }
+            mark::MOMENT => {
+                if let Some(moment) = mark::moment(number) {
+                    self.device.mark(moment);
+                }
+            }
             _ => {}
         }
         Ok(())

@@ -24,10 +24,25 @@ const I2C_BYTES: usize = 11;
 const ANALOG_BYTES: usize = 3;
 /// Pins up to here are written to by short messages.
 const LAST_SHORT: u8 = 15;
+/// Analog channels are below.
+const ANALOG_CHANNELS: u8 = 16;
 /// Of an analog value in a message.
 const MOST_BITS: u8 = 14;
 /// How a board's firmware begins its name where what it sends is simulated.
 pub(crate) const SIMULATED: &str = "zwidth simulated";
+
+/// A Firmata board: its name, and what its pins can do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pins {
+    /// Its firmware, with its version.
+    pub name: String,
+    /// Analog channels with their bits.
+    pub analog: Vec<(u8, u8)>,
+    /// Pins that give pulses.
+    pub pulses: Vec<u8>,
+    /// Whether it has an I²C bus.
+    pub i2c: bool,
+}
 
 /// The host's end.
 pub(crate) struct Host {
@@ -93,6 +108,22 @@ impl Host {
         })
     }
 
+    /// Who it is, once it was asked and is sure.
+    pub(crate) fn found(&self) -> Option<Pins> {
+        let (name, channels) = (self.name.sure()?, self.channels.sure()?);
+        self.capabilities.sure()?;
+        let able = |mode| (0..=u8::MAX).filter(move |pin| self.able(*pin, mode).is_some());
+        let analog = (0..).zip(channels).filter(|(_, channel)| **channel < ANALOG_CHANNELS);
+        Some(Pins {
+            name: name.clone(),
+            analog: analog
+                .filter_map(|(pin, channel)| Some((*channel, self.able(pin, Mode::Analog)?)))
+                .collect(),
+            pulses: able(Mode::Pwm).collect(),
+            i2c: able(Mode::I2c).next().is_some(),
+        })
+    }
+
     fn able(&self, pin: u8, mode: Mode) -> Option<u8> {
         self.capabilities.sure()?.get(usize::from(pin))?.bits(mode)
     }
@@ -126,7 +157,7 @@ impl Host {
             AngleAt::Analog(channel) => {
                 let pin = self.pin_of(channel).ok_or_else(|| {
                     let known = self.channels.sure().into_iter().flatten();
-                    let known = known.filter(|channel| **channel < 16);
+                    let known = known.filter(|channel| **channel < ANALOG_CHANNELS);
                     let known: Vec<String> = known.map(|channel| format!("A{channel}")).collect();
                     let remedy = format!("choose one of {} in rig.toml", known.join(", "));
                     self.unable(format!("it has no analog channel A{channel}"), remedy)
@@ -184,7 +215,9 @@ fn pulses(pin: u8, value: u16, out: &mut Vec<u8>) {
 impl Talk for Host {
     fn plan(&self) -> Plan {
         let full = Voltages { motor_v: self.pins.motor_max_v, brake_v: self.pins.brake_max_v };
-        Plan { rate_hz: 1e3 / f64::from(self.interval_ms), full, tick_s: 0.0 }
+        let rate_hz = 1e3 / f64::from(self.interval_ms);
+        // StandardFirmata does nothing with the text that our markers are.
+        Plan { rate_hz, full, tick_s: 0.0, shows_moments: false }
     }
 
     fn begin_anew(&mut self) {

@@ -8,6 +8,7 @@
 pub(crate) mod host;
 mod sysex;
 
+pub use host::Pins;
 pub use sysex::{I2cReply, I2cRequest, Mode, Pin, string, unstring};
 
 /// Longest message between 0xF0 and 0xF7, bytes: what 128 pins with thirteen modes each can do.

@@ -5,7 +5,8 @@ mod streams;
 mod unplugged;
 
 use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
-use crate::message::ToBoard;
+use crate::frame::Frames;
+use crate::message::{ToBoard, mark};
 use crate::patience::wire_rate_hz;
 use crate::{Board, Link, Pair, Rig, Serial, Settings, Turning, Wire};
 use std::io;
@@ -13,7 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use zwidth_device::{Angle, Cue, Device, DeviceError, Person, Reading, Twin, TwinParameters};
-use zwidth_study::{Environment, Study, Voltages};
+use zwidth_study::{Environment, Moment, Study, Voltages};
 
 fn settings() -> Settings {
     Settings {
@@ -53,6 +54,8 @@ struct Inside {
     now: AtomicU64,
     /// Nothing comes through any more.
     cut: AtomicBool,
+    /// What the host sent.
+    sent: Mutex<Vec<u8>>,
     /// This byte of what the board says is spoilt next.
     spoil: AtomicBool,
 }
@@ -64,6 +67,7 @@ impl Near {
             come: Mutex::default(),
             now: AtomicU64::default(),
             cut: AtomicBool::default(),
+            sent: Mutex::default(),
             spoil: AtomicBool::default(),
         }))
     }
@@ -94,6 +98,7 @@ impl Wire for Near {
         if self.0.cut.load(Ordering::Relaxed) {
             return Ok(());
         }
+        self.0.sent.lock().unwrap().extend(bytes);
         let mut out = Vec::new();
         self.board(|board, now_s| board.take(now_s, bytes, &mut out)).unwrap();
         if !out.is_empty() && self.0.spoil.swap(false, Ordering::Relaxed) {
@@ -111,6 +116,22 @@ fn connect(wire: &Near) -> Rig<Near> {
 
 fn counts(reading: &Reading) -> u16 {
     reading.raw().unwrap()
+}
+
+#[test]
+fn a_moment_of_a_trial_is_told_by_its_number() {
+    let wire = Near::new();
+    let mut rig = connect(&wire);
+    assert!(rig.capabilities().shows_moments);
+    wire.0.sent.lock().unwrap().clear();
+    Moment::ALL.into_iter().for_each(|moment| rig.mark(moment));
+    let (sent, mut frames) = (wire.0.sent.lock().unwrap().clone(), Frames::default());
+    let frames = sent.into_iter().filter_map(|byte| frames.push(byte));
+    let told: Vec<ToBoard> = frames.filter_map(|frame| ToBoard::read(&frame)).collect();
+    let mark = |number| ToBoard::Mark { code: mark::MOMENT, number };
+    assert_eq!(told, [1, 2, 3, 4].map(mark));
+    assert_eq!([1, 2, 3, 4].map(mark::moment), Moment::ALL.map(Some));
+    assert_eq!([0, 5, u16::MAX].map(mark::moment), [None; 3]);
 }
 
 #[test]

@@ -48,7 +48,8 @@ impl Talk for Host {
     fn plan(&self) -> Plan {
         let full = Voltages { motor_v: self.sketch.motor_max_v, brake_v: self.sketch.brake_max_v };
         let tick_s = if self.templates.line.has(Field::Micros) { 1e-6 } else { 1e-3 };
-        Plan { rate_hz: self.sketch.rate_hz, full, tick_s }
+        let shows_moments = self.templates.mark.is_some();
+        Plan { rate_hz: self.sketch.rate_hz, full, tick_s, shows_moments }
     }
 
     fn begin_anew(&mut self) {

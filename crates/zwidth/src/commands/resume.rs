@@ -110,7 +110,7 @@ mod tests {
                 keys: Keys {
                     folder: (!i.is_multiple_of(4)).then(|| paths[(i / 4) % paths.len()].into()),
                 },
-                markers: ["tcp:[::1]:9000", "osc:localhost:57120"][..i % 3]
+                markers: ["tcp:[::1]:9000", "osc:localhost:57120", "board"][..i % 4]
                     .iter()
                     .map(|to| to.parse().unwrap())
                     .collect(),

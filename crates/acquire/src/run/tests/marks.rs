@@ -78,6 +78,27 @@ fn a_program_that_is_not_there_costs_no_trial_and_is_a_note() {
 }
 
 #[test]
+fn a_board_shows_each_marker_of_the_log_itself_and_one_without_a_pin_is_refused() {
+    let mut desk = Desk::new(false);
+    desk.options.markers = vec![Target::Board];
+    let mut mock = Mock::default();
+    let outcome = desk.run(&mut mock, &RealFiles, &mut diligent()).unwrap();
+    assert_eq!((outcome.done, outcome.stopped), (outcome.total, None));
+    let logged: Vec<Moment> = kept(&desk).iter().map(|marker| marker.1).collect();
+    // A spring has no contact.
+    assert_eq!(logged, [Moment::Start, Moment::End, Moment::Answer].repeat(outcome.total));
+    assert_eq!(mock.moments, logged);
+
+    let mut desk = Desk::new(false);
+    desk.options.markers = vec![Target::Board];
+    let mut mock = Mock::default();
+    mock.capabilities.shows_moments = false;
+    let refused = desk.run(&mut mock, &RealFiles, &mut diligent()).unwrap_err().to_string();
+    assert!(refused.contains("mock 1 has no pin for markers"), "{refused}");
+    assert_eq!(mock.moments, []);
+}
+
+#[test]
 fn without_a_program_that_listens_no_marker_is_kept() {
     let desk = Desk::new(false);
     desk.run(&mut Mock::default(), &RealFiles, &mut diligent()).unwrap();

@@ -232,6 +232,7 @@ fn capabilities(parameters: &TwinParameters) -> Capabilities {
         motor_max_v: highest(&parameters.actuators.motor.voltage_v),
         brake_max_v: highest(&parameters.actuators.brake.voltage_v),
         watchdog_s: Some(WATCHDOG_S),
+        shows_moments: false,
         source: Source::Twin,
         channels: channels(),
     }

@@ -1,0 +1,283 @@
+//! Which serial ports there are, and who is at one of them.
+//!
+//! A port is asked only where somebody names it: what is no board might take a question for a
+//! command. It is listened to first, since a sketch that prints lines takes commands, too.
+
+use crate::firmata::Pins;
+use crate::firmata::host::Host;
+use crate::frame::Frames;
+use crate::message::{Description, FromBoard, ToBoard};
+use crate::talk::Talk;
+use crate::text::Lines;
+use crate::{AngleAt, Firmata, Link, Serial, Settings, Wire};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use zwidth_device::DeviceError;
+
+/// A serial port that the system knows.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Port {
+    /// What the system calls it.
+    pub path: PathBuf,
+    /// What the USB device at it says of itself.
+    pub usb: Option<String>,
+}
+
+/// Who is at a port.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Found {
+    /// A board that speaks frames.
+    Framed(Description),
+    /// A board that speaks Firmata.
+    Firmata(Pins),
+    /// A sketch that prints lines: one of them.
+    Lines(String),
+}
+
+/// How a port is asked, one after another: by which link, at how many bits a second.
+pub const ASKED: [(Link, u32); 4] = [
+    (Link::Text, 115_200),
+    (Link::Framed, 500_000),
+    (Link::Framed, 1_000_000),
+    (Link::Firmata, 57_600),
+];
+/// So long each time: many boards begin anew when their port is opened.
+const PATIENCE: Duration = Duration::from_secs(3);
+const AGAIN_EVERY: Duration = Duration::from_millis(200);
+/// Lines in a row that can be read are no accident of another link's bytes.
+const LINES: u32 = 3;
+
+/// The serial ports that there are.
+///
+/// # Errors
+/// A system that does not tell them.
+pub fn ports() -> Result<Vec<Port>, DeviceError> {
+    let known = serialport::available_ports().map_err(|e| DeviceError::Unable {
+        device: "serial ports".to_owned(),
+        what: format!("the system does not list them: {e}"),
+        remedy: "name the port: --device rig:PORT".to_owned(),
+    })?;
+    let mut ports: Vec<Port> = known
+        .into_iter()
+        .map(|port| Port { path: port.port_name.into(), usb: usb(&port.port_type) })
+        .collect();
+    ports.sort();
+    Ok(ports)
+}
+
+fn usb(kind: &serialport::SerialPortType) -> Option<String> {
+    let serialport::SerialPortType::UsbPort(usb) = kind else { return None };
+    let number = usb.serial_number.as_ref().map(|number| format!("serial number {number}"));
+    let words = [usb.product.clone(), usb.manufacturer.clone(), number];
+    let ids = format!("USB {:04x}:{:04x}", usb.vid, usb.pid);
+    Some(words.into_iter().flatten().chain([ids]).collect::<Vec<_>>().join(", "))
+}
+
+/// Who is at a serial port, and at how many bits a second; nobody, if nothing was understood.
+///
+/// # Errors
+/// A port that cannot be opened, or that goes meanwhile.
+pub fn who_is_at(port: &Path) -> Result<Option<(u32, Found)>, DeviceError> {
+    who(|baud| Serial::open(port, baud)).map_err(|error| match error {
+        Fault::Port(error) => error,
+        Fault::Gone(why) => {
+            DeviceError::Lost { device: format!("port {}", port.display()), what: why.to_string() }
+        }
+    })
+}
+
+/// Why a port tells nothing.
+#[derive(Debug)]
+enum Fault {
+    Port(DeviceError),
+    Gone(io::Error),
+}
+
+impl From<io::Error> for Fault {
+    fn from(why: io::Error) -> Self {
+        Self::Gone(why)
+    }
+}
+
+fn who<W: Wire>(
+    mut open: impl FnMut(u32) -> Result<W, DeviceError>,
+) -> Result<Option<(u32, Found)>, Fault> {
+    for (link, baud) in ASKED {
+        let mut wire = open(baud).map_err(Fault::Port)?;
+        let found = match link {
+            Link::Text => lines(&mut wire)?.map(Found::Lines),
+            Link::Framed => framed(&mut wire)?.map(Found::Framed),
+            Link::Firmata => firmata(&mut wire, baud)?.map(Found::Firmata),
+        };
+        if found.is_some() {
+            return Ok(found.map(|found| (baud, found)));
+        }
+    }
+    Ok(None)
+}
+
+/// Asks again and again, and hears each byte until one tells something.
+fn heard<W: Wire, T>(
+    wire: &mut W,
+    question: &[u8],
+    mut hear: impl FnMut(u8) -> Option<T>,
+) -> Result<Option<T>, Fault> {
+    let began = wire.now();
+    let (mut bytes, mut asks) = ([0; 256], began);
+    loop {
+        let now = wire.now();
+        if now - began >= PATIENCE {
+            return Ok(None);
+        }
+        if now >= asks {
+            wire.send(question)?;
+            asks = now + AGAIN_EVERY;
+        }
+        let came = wire.receive(&mut bytes, asks - now)?;
+        if let Some(told) = bytes[..came].iter().find_map(|byte| hear(*byte)) {
+            return Ok(Some(told));
+        }
+    }
+}
+
+/// A line that can be read, behind others.
+fn lines<W: Wire>(wire: &mut W) -> Result<Option<String>, Fault> {
+    let (mut lines, mut read) = (Lines::from_anywhere(), 0);
+    heard(wire, &[], |byte| {
+        let line = lines.push(byte)?;
+        let is_text = |byte: &u8| byte.is_ascii_graphic() || matches!(byte, b' ' | b'\t');
+        let reads = line.iter().any(u8::is_ascii_digit) && line.iter().all(is_text);
+        read = if reads { read + 1 } else { 0 };
+        (read == LINES).then(|| String::from_utf8_lossy(line).into_owned())
+    })
+}
+
+fn framed<W: Wire>(wire: &mut W) -> Result<Option<Description>, Fault> {
+    let mut frames = Frames::default();
+    let (question, length) = ToBoard::Hello.frame(1).encode();
+    heard(wire, &question[..length], |byte| match FromBoard::read(&frames.push(byte)?)? {
+        FromBoard::Description(board) => Some(board),
+        FromBoard::Seen(_) => None,
+    })
+}
+
+fn firmata<W: Wire>(wire: &mut W, baud: u32) -> Result<Option<Pins>, Fault> {
+    let (settings, pins) = nowhere(baud);
+    let mut host = Host::new(&settings, &pins).map_err(Fault::Port)?;
+    let mut question = Vec::new();
+    host.hello(&mut question);
+    heard(wire, &question, |byte| {
+        host.push(byte);
+        host.found()
+    })
+}
+
+/// What a host must be told before it asks: where nothing is connected yet, nothing that counts.
+fn nowhere(baud: u32) -> (Settings, Firmata) {
+    let pins = Firmata {
+        rate_hz: 100.0,
+        angle: AngleAt::Analog(0),
+        motor_pwm: 5,
+        motor_direction: 4,
+        motor_reversed: false,
+        brake_pwm: 6,
+        motor_max_v: 1.0,
+        brake_max_v: 1.0,
+    };
+    let settings = Settings {
+        port: None,
+        link: Link::Firmata,
+        baud: Some(baud),
+        newtons_per_count: 1.0,
+        zero_counts: 0.0,
+        shaft_per_lever: 1.0,
+        turning: crate::Turning::Up,
+        simulated: false,
+        firmata: None,
+        text: None,
+        hx711: None,
+    };
+    (settings, pins)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulated::Bench;
+    use crate::{Board, board};
+    use std::sync::{Arc, Mutex};
+    use zwidth_device::{Device as _, Person, Twin, TwinParameters};
+
+    fn bench(link: Link, angle: AngleAt) -> Bench<Twin> {
+        let twin = Twin::new(TwinParameters::default(), Person::draw(7), 11).unwrap();
+        let cell = Path::new("/dev/null");
+        let settings = board::settings(link, angle, 100.0, twin.capabilities(), cell);
+        let board = Board::by(&settings, twin, zwidth_testing::study().environments).unwrap();
+        let baud = settings.baud();
+        Bench::new(board, baud, baud, 0.0)
+    }
+
+    #[test]
+    fn each_board_is_found_at_its_link_and_says_who_it_is() {
+        let framed = bench(Link::Framed, AngleAt::I2c);
+        let Some((500_000, Found::Framed(board))) = who(|_| Ok(framed.wire())).unwrap() else {
+            panic!("no framed board");
+        };
+        assert!(board.name.contains("twin") && board.watchdog_ms > 0, "{board:?}");
+
+        let firmata = bench(Link::Firmata, AngleAt::I2c);
+        let Some((57_600, Found::Firmata(pins))) = who(|_| Ok(firmata.wire())).unwrap() else {
+            panic!("no Firmata board");
+        };
+        assert!(pins.pulses.contains(&5) && pins.i2c && !pins.analog.is_empty(), "{pins:?}");
+
+        let text = bench(Link::Text, AngleAt::I2c);
+        let Some((115_200, Found::Lines(line))) = who(|_| Ok(text.wire())).unwrap() else {
+            panic!("no lines");
+        };
+        assert_eq!(line.split(',').count(), 3, "{line}");
+    }
+
+    /// Says the same piece every 10 ms of its own time, and keeps what it hears.
+    struct Says(&'static [u8], Arc<Mutex<(Duration, Vec<u8>)>>);
+
+    impl Wire for Says {
+        fn receive(&mut self, into: &mut [u8], _wait: Duration) -> io::Result<usize> {
+            self.1.lock().unwrap().0 += Duration::from_millis(10);
+            into[..self.0.len()].copy_from_slice(self.0);
+            Ok(self.0.len())
+        }
+
+        fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+            self.1.lock().unwrap().1.extend(bytes);
+            Ok(())
+        }
+
+        fn now(&self) -> Duration {
+            self.1.lock().unwrap().0
+        }
+    }
+
+    #[test]
+    fn what_is_no_board_is_nobody_and_a_sketch_is_asked_nothing() {
+        for noise in
+            [&b""[..], b"\0", b"AT\r\nOK\r\n", b"\xF0\x79\xF7", b"\x81\0\n", b"12\n\xFF7\n"]
+        {
+            let heard = Arc::default();
+            let found = who(|_| Ok(Says(noise, Arc::clone(&heard)))).unwrap();
+            assert_eq!(found, None, "{noise:?}");
+            assert_eq!(heard.lock().unwrap().0, 4 * PATIENCE, "{noise:?}");
+        }
+        let heard = Arc::default();
+        let found = who(|_| Ok(Says(b"1 2\n", Arc::clone(&heard)))).unwrap();
+        assert_eq!(found, Some((115_200, Found::Lines("1 2".to_owned()))));
+        assert_eq!(heard.lock().unwrap().1, b"");
+    }
+
+    #[test]
+    fn a_port_that_is_not_there_is_told_with_what_to_do() {
+        let error = who_is_at(Path::new("/nowhere/tty")).unwrap_err().to_string();
+        assert!(error.contains("/nowhere/tty") && error.contains("zwidth ports"), "{error}");
+    }
+}
