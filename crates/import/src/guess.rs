@@ -6,6 +6,7 @@
 
 use super::csv::{Dialect, WHITE_SPACE};
 use super::format::{Format, FormatOptions};
+use super::guess_names::{Names, names};
 use super::limits::{Budget, MOST_FILE, Take};
 use super::plain::is_labchart;
 use super::recording::number;
@@ -13,7 +14,7 @@ use super::table::{Cell, Cells, ColumnRef, Table};
 use super::text::{Encoding, check_readable, decode};
 use super::unit::{find, may_become};
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zwidth_store::{Signal, StoreError, read_named};
 
 /// Columns that are looked at: more are not one recording's.
@@ -50,11 +51,13 @@ struct Written {
     skip: usize,
 }
 
-/// A mapping for `path`, guessed.
+/// A mapping for recordings, guessed: from the first one what is in it, from all of their names
+/// whose trial each is.
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn guess(path: &Path) -> Result<String, StoreError> {
+pub fn guess(path: &Path, others: &[PathBuf]) -> Result<String, StoreError> {
+    let files: Vec<PathBuf> = std::iter::once(path.to_owned()).chain(others.to_vec()).collect();
     let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
     check_readable(path, &bytes)?;
     let extension =
@@ -80,7 +83,8 @@ pub fn guess(path: &Path) -> Result<String, StoreError> {
     let budget = Budget::default();
     let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
     let table = format.read(path, bytes, FormatOptions { dialect, part: None }, &take)?;
-    Ok(mapping(path, &table, (named.is_none()).then_some(format), is_delimited.then_some(written)))
+    let (format, written) = (named.is_none().then_some(format), is_delimited.then_some(written));
+    Ok(mapping(path, &table, format, written, &names(&files)))
 }
 
 /// UTF-8 where the bytes are, and else Latin-1, in which any bytes are text.
@@ -131,7 +135,13 @@ fn cells(line: &str, delimiter: u8) -> Vec<&str> {
 }
 
 /// The mapping's text.
-fn mapping(path: &Path, table: &Table, format: Option<Format>, written: Option<Written>) -> String {
+fn mapping(
+    path: &Path,
+    table: &Table,
+    format: Option<Format>,
+    written: Option<Written>,
+    names: &Names,
+) -> String {
     let mut text = format!(
         "# Guessed from {}: check every line, fill in what stands at `TODO`, then\n# zwidth import STUDY --map THIS FILES…\n\
          kind = \"trials\"\n\n[file]\n",
@@ -162,10 +172,7 @@ fn mapping(path: &Path, table: &Table, format: Option<Format>, written: Option<W
             row + 1
         );
     }
-    text.push_str(
-        "\n[trial]\nparticipant = \"TODO\"     # a code; or { column = \"…\" }, or { name = \"…\" } with a pattern in [name]\n\
-         session = \"S01\"\nenvironment = \"TODO\"     # as in study.toml\nmode = \"TODO\"            # as in study.toml\n\n",
-    );
+    write_labels(&mut text, names);
     match time {
         Some(column) => {
             let _ = writeln!(
@@ -193,6 +200,27 @@ fn mapping(path: &Path, table: &Table, format: Option<Format>, written: Option<W
         );
     }
     text
+}
+
+/// `[name]` and `[trial]`.
+fn write_labels(text: &mut String, names: &Names) {
+    const WHO: &str = "\"TODO\"     # a code; or { column = \"…\" }, or { name = \"…\" } with a pattern in [name]";
+    let or = |told: &Option<String>, else_: &str| told.as_deref().unwrap_or(else_).to_owned();
+    let _ = write!(
+        text,
+        "{}\n[trial]\nparticipant = {}\nsession = {}\nenvironment = \"TODO\"     # as in study.toml\n\
+         mode = {}\n",
+        names.block,
+        or(&names.participant, WHO),
+        or(&names.session, "\"S01\""),
+        or(&names.mode, "\"TODO\"            # as in study.toml"),
+    );
+    for (key, told) in [("repeat", &names.repeat), ("trial", &names.trial)] {
+        if let Some(told) = told {
+            let _ = writeln!(text, "{key} = {told}");
+        }
+    }
+    text.push('\n');
 }
 
 fn write_form(text: &mut String, written: Written) {
@@ -335,7 +363,7 @@ mod tests {
 
     fn check(name: &str, content: &[u8], expect: &[&str]) -> String {
         let world = World::new();
-        let text = guess(&world.file(name, content)).unwrap();
+        let text = guess(&world.file(name, content), &[]).unwrap();
         for words in expect {
             assert!(text.contains(words), "'{words}' is not in\n{text}");
         }
@@ -394,7 +422,7 @@ mod tests {
         check("a.csv", b"time_ms,angle_deg\n0,1\n1,2\n", &[derived]);
         let world = World::new();
         for text in ["t_s,theta_rad,omega\n0,1,2\n1,2,3\n", "t_s,force_n\n0,1\n1,2\n"] {
-            assert!(!guess(&world.file("b.csv", text)).unwrap().contains("derive"), "{text}");
+            assert!(!guess(&world.file("b.csv", text), &[]).unwrap().contains("derive"), "{text}");
         }
     }
 
@@ -403,7 +431,7 @@ mod tests {
     fn a_guess_with_its_blanks_filled_in_imports() {
         let world = World::new();
         let file = world.file("a.csv", "Time (s)\tForce (N)\r\n0\t1,5\r\n0,5\t2,5\r\n");
-        let text = guess(&file).unwrap();
+        let text = guess(&file, &[]).unwrap();
         let filled = text
             .replacen("\"TODO\"     # a code", "\"P01\"     # a code", 1)
             .replace("environment = \"TODO\"", "environment = \"spring\"")

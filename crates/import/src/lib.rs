@@ -19,6 +19,7 @@ mod feather;
 mod format;
 mod given;
 mod guess;
+mod guess_names;
 mod identity;
 mod jsonl;
 #[cfg(test)]

@@ -54,11 +54,9 @@ fn is_weighed(data: &StudyData) -> bool {
     zwidth_report::is_weighed(&Setup::of(&data.study))
 }
 
-/// The table of the thesis' statements, where there is a trial, an answer or an actuator.
+/// The table of the thesis' statements, where a mode drives a motor or a brake as the thesis' do.
 pub(crate) fn statements(data: &StudyData) -> Option<PathBuf> {
-    let any =
-        has_actuators(data) || metrics::of_study(data).is_some() || likert::tally(data).is_some();
-    any.then(|| table_of(&data.layout, "thesis"))
+    has_actuators(data).then(|| table_of(&data.layout, "thesis"))
 }
 
 /// Tables that a study with actuators has, by their names.

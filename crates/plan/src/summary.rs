@@ -10,16 +10,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
-    ComparedMetric, Gallery, Made as Listed, Remark, Shown, Summary, Told, findings, laddered,
-    summary_markdown, survey, traded, uneven_ranges,
+    ComparedMetric, Gallery, Made as Listed, Remark, Role, Shown, Summary, Told, findings,
+    laddered, summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
-use zwidth_study::{Kind, Scene, Setup};
+use zwidth_study::{Kind, MetricId, Scene, Setup};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 12 };
+const STAGE: Stage = Stage { name: "summary", version: 13 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -37,6 +37,8 @@ pub(crate) struct Page {
     compared: Vec<String>,
     /// The study's primary metric, which may not be among them.
     primary: String,
+    /// Whether it is the one that is primary by default.
+    primary_by_default: bool,
     gallery: Gallery,
 }
 
@@ -46,8 +48,12 @@ impl Page {
         let named = self.compared.iter().zip(tables);
         named
             .map(|(name, [means, contrasts])| {
-                let primary = *name == self.primary;
-                ComparedMetric { name, primary, means, contrasts }
+                let role = match *name == self.primary {
+                    true if self.primary_by_default => Role::PrimaryByDefault,
+                    true => Role::Primary,
+                    false => Role::Exploratory,
+                };
+                ComparedMetric { name, role, means, contrasts }
             })
             .collect()
     }
@@ -119,6 +125,7 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         compared,
         primary: data.study.compare.primary.to_string(),
+        primary_by_default: data.study.compare.primary == MetricId::primary(),
         gallery: report::gallery(data, figures),
     };
     (page, files)

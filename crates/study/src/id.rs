@@ -161,7 +161,7 @@ ids! {
 impl MetricId {
     /// The metric that is primary if a study does not name one: the mean of the user's force
     /// discrepancy.
-    pub(crate) fn primary() -> Self {
+    pub fn primary() -> Self {
         Self("discrepancy_user_mean_n".to_owned())
     }
 }

@@ -61,7 +61,7 @@ pub use scene_figure::{SceneDrawing, SceneFigure};
 pub use seal::{Seal, SealError};
 pub use session::{Check, OrderRecord, PlannedTrial, SessionRecord};
 pub use setup::Setup;
-pub use template::template;
+pub use template::{template, template_of_imports};
 pub use trial::{Kind, Source, Status, TrialMeta};
 
 /// The one version of session records that this software writes and reads.

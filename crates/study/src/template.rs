@@ -7,12 +7,88 @@ pub fn template(id: &StudyId) -> String {
     TEMPLATE.replace("@ID@", id.as_str()).replace("@KINDS@", &kinds())
 }
 
+/// A shorter `study.toml`, for recordings that another program made: it assumes nothing of a device.
+pub fn template_of_imports(id: &StudyId) -> String {
+    IMPORTED.replace("@ID@", id.as_str()).replace("@KINDS@", &kinds())
+}
+
 /// The kinds of environment as a list; the last one is "none".
 fn kinds() -> String {
     let mut words = SceneKind::ALL.map(|kind| format!("\"{}\"", kind.as_str())).to_vec();
     let last = words.pop().unwrap_or_default();
     format!("{} or {last}", words.join(", "))
 }
+
+const IMPORTED: &str = r#"# A study of recordings that another program made. Edit the words below before the first import:
+# afterwards what the recordings rest on (ids, modes, environments, questions) stays as it is.
+# Keys end in their unit. `zwidth verify @ID@` checks this file.
+schema = 2
+
+[study]
+# The folder's name under raw/.
+id = "@ID@"
+title = "@ID@"
+
+[design]
+# Repeats of each condition (environment × mode) per participant and session, as planned.
+repeats = 3
+# Practice trials before a session: kept, marked, left out of the analysis.
+familiarisation = 0
+# Longest a trial took, and the shortest pause after it.
+trial_limit_s = 60.0
+pause_s = 0.0
+
+[coordinate]
+# "rotational": figures and tables speak of degrees. "linear": of millimetres, with x = L θ; the keys below
+# then end in _mm instead of _deg and in _n_per_mm instead of _n_per_rad (lever_m = 1.0 for a slide).
+kind = "rotational"
+
+# Leave out what you do not know: nothing is assumed in its place.
+[device]
+name = "our device"
+# Lever length from the axis to the finger: with it, forces and torques can be changed into each other.
+# lever_m = 0.05
+# Work space, between the stops.
+# theta_min_deg = -45.0
+# theta_max_deg = 45.0
+
+# What was rendered. kind = @KINDS@; "none" assumes nothing of it.
+[[environments]]
+id = "task"
+label = "Task"
+kind = "none"
+# If it was a spring of known stiffness, the rendered stiffness is compared with it:
+# kind = "spring"
+# stiffness_n_per_rad = 4.0
+# rest_deg = 0.0
+
+# How it was rendered: the conditions that are compared. Figures give each its colour by this order.
+[[modes]]
+id = "a"
+label = "A"
+
+[[modes]]
+id = "b"
+label = "B"
+
+# What was asked after each trial: on a five-point scale of agreement, or on one of your own. An environment names
+# its question: question = "clear" above.
+# [[questions]]
+# id = "clear"
+# text = "I felt the force clearly."
+# points = 7
+
+# What is compared. Without it the last mode is compared with each other one, by metrics that the recordings allow.
+# [compare]
+# contrasts = [["b", "a"]]
+# primary = "stiffness_n_per_rad"
+
+# What is recorded per sample besides, if a mapping file gives it: a column of each trial file.
+# [[channels]]
+# id = "current_a"
+# unit = "A"
+# description = "current of the motor"
+"#;
 
 const TEMPLATE: &str = r#"# What this study is: design, device, environments, modes, questions.
 # Keys end in their unit. `zwidth verify @ID@` checks this file and everything recorded for it.

@@ -4,6 +4,7 @@ use crate::html::html;
 use crate::latex::latex;
 use crate::markdown::markdown;
 use crate::shown::Seen;
+use crate::terminal::terminal;
 use crate::typst::typst;
 use crate::{Table, TableError, Wording, csv};
 use std::collections::BTreeMap;
@@ -95,6 +96,20 @@ impl Table {
             let all = files.iter();
             all.map(|(format, path)| self.in_format(*format, seen, provenance, path)).collect()
         })
+    }
+
+    /// The table for a terminal of so many letters, by [`Wording::tell`]. Where it is wider, columns
+    /// with the words of `least` are left out, the first ones first, and named below it.
+    ///
+    /// # Errors
+    /// Those of [`Wording::tell`].
+    pub fn for_terminal(
+        &self,
+        wording: &Wording,
+        width: usize,
+        least: &[&str],
+    ) -> Result<String, TableError> {
+        Ok(Seen::of(&wording.tell(self)?, |seen| terminal(seen, width, least)))
     }
 
     /// The bytes of one file, of the table itself or of it as people see it.

@@ -45,6 +45,7 @@ mod rounding;
 mod shown;
 mod symbol;
 mod table;
+mod terminal;
 mod typst;
 mod unit;
 mod width;

@@ -12,6 +12,8 @@ use crate::{Column, Field, Table, Values};
 pub(crate) const MISSING: &str = "–";
 /// What follows the words of an estimate that has its standard deviation beside it.
 pub(crate) const WITH_SD: &str = " ± SD";
+/// How names of ratios begin.
+const RATIO: &str = "odds_ratio";
 /// A space at which no line breaks.
 const NO_BREAK: char = '\u{a0}';
 
@@ -213,8 +215,12 @@ fn numbers(values: &[Option<f64>], uncertainties: &[Option<f64>]) -> Vec<Cell> {
 }
 
 /// Row by row, the uncertainty of the quantity that `field` is part of: its standard error, or else
-/// half its interval.
+/// half its interval. None of a ratio: the ends of its interval may lie decades apart, so each
+/// number has digits of its own.
 fn uncertainties(field: &Field, all: &[Column]) -> Vec<Option<f64>> {
+    if field.name.starts_with(RATIO) {
+        return Vec::new();
+    }
     let part = |part| sibling(field, part, all);
     let std_errors = part(Part::StdError);
     let (low, high) = (part(Part::CiLow), part(Part::CiHigh));
@@ -269,6 +275,19 @@ pub(crate) mod tests {
     fn an_estimate_is_rounded_by_its_standard_error_row_by_row() {
         assert_eq!(texts(&sample(), 2), ["−4.123", "5"]);
         assert_eq!(texts(&sample(), 3), ["0.032", "–"]);
+    }
+
+    #[test]
+    fn each_number_of_a_ratio_has_its_own_digits() {
+        let float = |name, value| Column::float(name, "1", "", [Some(value)]);
+        let columns = vec![
+            float("odds_ratio", 27.871),
+            float("odds_ratio_ci_low", 0.27213),
+            float("odds_ratio_ci_high", 9.0834e6),
+        ];
+        let table = Table::new("answers", "", columns).unwrap();
+        assert_eq!(texts(&table, 0), ["27.87"]);
+        assert_eq!(texts(&table, 1), ["[0.2721,\u{a0}9.083\u{a0}×\u{a0}10⁶]"]);
     }
 
     #[test]

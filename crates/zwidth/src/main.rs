@@ -12,6 +12,7 @@ mod text;
 use anyhow::Context as _;
 use args::{Args, Command};
 use clap::Parser;
+use clap::error::ErrorKind;
 use exit::Exit;
 use std::path::Path;
 use std::process::ExitCode;
@@ -20,7 +21,10 @@ fn main() -> ExitCode {
     // A decoder's panic on a damaged file is caught and told as an error of that file; its own
     // words would only confuse.
     std::panic::set_hook(Box::new(|_| {}));
-    let args = Args::parse();
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(error) => return refused(&error),
+    };
     let screen = screen::Screen::new(args.quiet, args.verbose, args.json);
     let result = exit::guarded(|| run(args, &screen));
     let exit = result.unwrap_or_else(|error| {
@@ -28,6 +32,21 @@ fn main() -> ExitCode {
         Exit::Failed
     });
     ExitCode::from(exit as u8)
+}
+
+/// Says what is wrong with the arguments, or what was asked for (`--help`); where a study is
+/// missing, which ones there are.
+fn refused(error: &clap::Error) -> ExitCode {
+    let _ = error.print();
+    let lacks_study = error.kind() == ErrorKind::MissingRequiredArgument
+        && error.to_string().lines().any(|line| line.trim() == "<STUDY>");
+    if lacks_study {
+        let there = commands::studies_of(std::env::args_os());
+        if !there.is_empty() {
+            screen::Screen::new(false, false, false).say(format!("studies here: {there}"));
+        }
+    }
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }
 
 fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
@@ -43,9 +62,10 @@ fn run(args: Args, screen: &screen::Screen) -> anyhow::Result<Exit> {
         Command::Run(command) => commands::run::run(root, &command, screen),
         Command::Shards(command) => commands::shards::shards(root, &command, screen),
         Command::Merge(command) => commands::merge::merge(root, &command, screen),
-        Command::New { study } => commands::new::new(root, study, screen),
+        Command::New { study, imported } => commands::new::new(root, study, imported, screen),
         Command::Acquire(command) => commands::acquire::acquire(root, &command, screen),
         Command::Participant(command) => commands::participant::participant(root, &command, screen),
+        Command::Ports { ports } => commands::ports::ports(&ports, screen),
         Command::Check(command) => commands::check::check(root, &command, screen),
         Command::Characterise(command) => {
             commands::characterise::characterise(root, &command, screen)

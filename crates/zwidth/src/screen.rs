@@ -21,6 +21,11 @@ impl Screen {
         Self { quiet, verbose, json, bold: colour }
     }
 
+    /// Letters in a line of standard output, where it is a terminal.
+    pub(crate) fn width(&self) -> Option<usize> {
+        std::io::stdout().is_terminal().then(zwidth_acquire::terminal_width).flatten()
+    }
+
     /// A result, on standard output. A reader that went away (`| head`) is no error.
     pub(crate) fn result(&self, text: impl AsRef<str>) {
         let _ = writeln!(

@@ -6,14 +6,25 @@ use serde::Serialize;
 use zwidth_study::{EnvironmentId, ModeId, Setup};
 use zwidth_tables::{Table, TableError, Values, for_people, number, with_unit};
 
+/// What a study says of a metric that it compares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The study's primary metric, whose claims count. That one may not be among those compared:
+    /// trials of the study may not have it.
+    Primary,
+    /// The same, where study.toml names no other than the one that is primary by default.
+    PrimaryByDefault,
+    /// Any other.
+    Exploratory,
+}
+
 /// A metric's tables of the stage `compare`.
 #[derive(Debug, Clone, Copy)]
 pub struct ComparedMetric<'a> {
     /// Its column in the table of metrics.
     pub name: &'a str,
-    /// Whether it is the study's primary metric, whose claims count. That one may not be among
-    /// those compared: trials of the study may not have it.
-    pub primary: bool,
+    /// What the study says of it.
+    pub role: Role,
     /// Means by condition.
     pub means: &'a Table,
     /// Differences between modes.
@@ -135,13 +146,13 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Result<Vec<Findin
         Finding { text, shown: Shown::Compared(others[0].name.to_owned()) }
     });
     let shown = Shown::Compared(first.name.to_owned());
-    let texts = [answer(&table, first.primary)?].into_iter().chain(sentences);
+    let texts = [answer(&table, first.role)?].into_iter().chain(sentences);
     let found = texts.map(|text| Finding { text, shown: shown.clone() });
     Ok(found.chain(exploratory).collect())
 }
 
 /// How many contrasts show a difference; if no contrast has a test, that it was not asked.
-fn answer(table: &Table, primary: bool) -> Result<String, TableError> {
+fn answer(table: &Table, role: Role) -> Result<String, TableError> {
     let verdicts: Vec<String> = table.texts("verdict")?.into_iter().flatten().collect();
     let differ = verdicts.iter().filter(|verdict| verdict.starts_with("different")).count();
     let (who, the) = match unit_of_analysis(table)?.strip_prefix("trials of ") {
@@ -149,9 +160,12 @@ fn answer(table: &Table, primary: bool) -> Result<String, TableError> {
         None => (String::new(), "The"),
     };
     let all = verdicts.len();
-    let metric = match primary {
-        true => format!("the primary metric, {}", words(table)),
-        false => format!("{} (exploratory: not the primary metric)", words(table)),
+    let metric = match role {
+        Role::Primary => format!("the primary metric, {}", words(table)),
+        Role::PrimaryByDefault => {
+            format!("the primary metric, {} (primary by default)", words(table))
+        }
+        Role::Exploratory => format!("{} (exploratory: not the primary metric)", words(table)),
     };
     if floats(table, "p_adjusted")?.iter().all(Option::is_none) {
         let whether = format!("whether {} modes differ in {metric}", the.to_lowercase());
@@ -160,11 +174,13 @@ fn answer(table: &Table, primary: bool) -> Result<String, TableError> {
             "{who}{start} was not tested {whether}: none of {all} contrasts has a test."
         ));
     }
+    let contrasts = if all == 1 { "contrast" } else { "contrasts" };
     let of = match differ {
-        0 => format!("in none of {all} contrasts"),
-        differ => format!("in {differ} of {all} contrasts"),
+        0 => format!("in none of {all} {contrasts}"),
+        differ => format!("in {differ} of {all} {contrasts}"),
     };
-    let text = format!("{who}{the} modes were shown to differ in {metric}, {of}.");
+    let n = size(table)?;
+    let text = format!("{who}{the} modes were shown to differ in {metric}, {of} ({n}).");
     Ok(smallest_p(table).map_or(text.clone(), |p| {
         format!(
             "{text} Tested by the other orders that the design could have drawn, which reach an \
@@ -172,6 +188,14 @@ fn answer(table: &Table, primary: bool) -> Result<String, TableError> {
             number(p, None)
         )
     }))
+}
+
+/// `n = 4 participants`, `n = 3 to 4 participants`: over all contrasts.
+fn size(table: &Table) -> Result<String, TableError> {
+    let n: Vec<i64> = table.integers("n")?.into_iter().flatten().collect();
+    let ends = n.iter().min().zip(n.iter().max()).unwrap_or((&0, &0));
+    let n = if ends.0 == ends.1 { ends.0.to_string() } else { format!("{} to {}", ends.0, ends.1) };
+    Ok(format!("n = {n} {}", unit_of_analysis(table)?))
 }
 
 /// The smallest adjusted p value that the design's orders reach, where claims rest on them.
@@ -262,23 +286,27 @@ mod tests {
         Table::new("contrasts", "Modes compared: angle past the wall", columns).unwrap()
     }
 
-    fn texts_of(primary: bool, contrasts_of: &Table) -> Vec<String> {
+    fn texts_of(role: Role, contrasts_of: &Table) -> Vec<String> {
         let means = means("participants");
         let (name, contrasts_of) = ("past", contrasts_of);
-        let metric = ComparedMetric { name, primary, means: &means, contrasts: contrasts_of };
+        let metric = ComparedMetric { name, role, means: &means, contrasts: contrasts_of };
         contrasts(&study(), &[metric]).unwrap().into_iter().map(|found| found.text).collect()
     }
 
     fn texts(unit: &str, verdict: &str) -> Vec<String> {
-        texts_of(true, &differences(unit, verdict, Some(0.0123)))
+        texts_of(Role::Primary, &differences(unit, verdict, Some(0.0123)))
     }
 
     #[test]
     fn the_matrix_has_mean_deviation_and_number_in_degrees_and_a_dash_where_nothing_is() {
         let means = means("participants");
         let contrasts = differences("participants", "different", Some(0.0123));
-        let metric =
-            ComparedMetric { name: "past", primary: true, means: &means, contrasts: &contrasts };
+        let metric = ComparedMetric {
+            name: "past",
+            role: Role::Primary,
+            means: &means,
+            contrasts: &contrasts,
+        };
         let matrix = matrix(&study(), &[metric]).unwrap();
         let row = MatrixRow {
             metric: "angle past the wall (°)".to_owned(),
@@ -295,7 +323,7 @@ mod tests {
     #[test]
     fn a_difference_is_told_with_its_interval_its_n_and_its_unit_after_the_answer() {
         let found = texts("participants", "different");
-        let answer = "The modes were shown to differ in the primary metric, angle past the wall, in 1 of 1 contrasts.";
+        let answer = "The modes were shown to differ in the primary metric, angle past the wall, in 1 of 1 contrast (n = 6 participants).";
         assert_eq!(found[0], answer);
         assert_eq!(
             found[1],
@@ -306,10 +334,17 @@ mod tests {
 
     #[test]
     fn a_metric_that_is_not_the_primary_one_is_not_called_so() {
-        let found = texts_of(false, &differences("participants", "different", Some(0.0123)));
-        let answer = "The modes were shown to differ in angle past the wall (exploratory: not the \
-                      primary metric), in 1 of 1 contrasts.";
-        assert_eq!(found[0], answer);
+        let differences = differences("participants", "different", Some(0.0123));
+        for (role, words) in [
+            (Role::Exploratory, "angle past the wall (exploratory: not the primary metric), "),
+            (
+                Role::PrimaryByDefault,
+                "the primary metric, angle past the wall (primary by default), ",
+            ),
+        ] {
+            let found = texts_of(role, &differences);
+            assert!(found[0].contains(words), "{}", found[0]);
+        }
     }
 
     #[test]
@@ -317,7 +352,7 @@ mod tests {
         let untested = differences("trials of P01", "no test: why", None);
         let answer = "Within P01, it was not tested whether the modes differ in the primary metric, \
                       angle past the wall: none of 1 contrasts has a test.";
-        assert_eq!(texts_of(true, &untested)[0], answer);
+        assert_eq!(texts_of(Role::Primary, &untested)[0], answer);
     }
 
     #[test]

@@ -29,7 +29,7 @@ mod thesis;
 mod trials;
 mod weight;
 
-pub use compared::{ComparedMetric, Matrix, MatrixRow, contrasts, matrix};
+pub use compared::{ComparedMetric, Matrix, MatrixRow, Role, contrasts, matrix};
 pub use components::components_table;
 pub use design::{device_table, modes_table};
 pub use evidence::Known;

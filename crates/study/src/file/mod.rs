@@ -18,7 +18,7 @@ pub(crate) use write::value_of;
 mod tests {
     use crate::{
         Alignment, Alignments, Control, ModeLaw, OrderScheme, OwnFigures, Study, StudyError,
-        StudyId, VelocityFilter, template,
+        StudyId, VelocityFilter, template, template_of_imports,
     };
 
     fn sample() -> String {
@@ -40,6 +40,29 @@ mod tests {
         let again = Study::from_toml(&study.to_toml().unwrap()).unwrap();
         assert_eq!(study, again);
         assert_eq!(study.conditions().len(), 6);
+    }
+
+    #[test]
+    fn the_template_of_imports_is_valid_as_it_stands_and_with_what_it_offers() {
+        let text = template_of_imports(&StudyId::new("demo").unwrap());
+        let study = Study::from_toml(&text).unwrap();
+        assert_eq!(study.device.lever_m, None);
+        assert_eq!((study.modes.len(), study.environments.len()), (2, 1));
+        // Each line that is a key or a table behind its `# `.
+        let offered = |line: &str| {
+            let rest = line.strip_prefix("# ").filter(|rest| {
+                let is_key = |c: char| c.is_ascii_lowercase() || c == '_';
+                rest.starts_with('[')
+                    || rest.split(" = ").next().is_some_and(|k| k.chars().all(is_key))
+            });
+            rest.unwrap_or(line).to_owned()
+        };
+        let lines: Vec<String> = text.lines().map(offered).collect();
+        let whole = lines.join("\n").replace("kind = \"none\"\n", "");
+        let study = Study::from_toml(&whole).unwrap();
+        assert_eq!(study.device.lever_m, Some(0.05));
+        assert_eq!((study.questions.len(), study.channels.len()), (1, 1));
+        assert_eq!(study.compare.primary.as_str(), "stiffness_n_per_rad");
     }
 
     #[test]

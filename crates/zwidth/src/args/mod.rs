@@ -62,6 +62,9 @@ pub(crate) enum Command {
     New {
         /// The study's id: a folder's name under raw/
         study: StudyId,
+        /// A shorter study.toml, for recordings that another program made
+        #[arg(long)]
+        imported: bool,
     },
     /// Record a session: trials, questions, pauses; resumes where it was left
     #[command(after_help = concat!(
@@ -74,6 +77,14 @@ pub(crate) enum Command {
     /// question
     #[command(after_help = "Example:\n  zwidth participant mystudy")]
     Participant(Participant),
+    /// List the serial ports, or ask those that are named which board is there
+    #[command(after_help = "Example:\n  zwidth ports /dev/ttyACM0")]
+    Ports {
+        /// Ports to be asked: 12 s at most for each. Only name one at which a board is: what is
+        /// something else may take a question for a command
+        #[arg(value_name = "PORT")]
+        ports: Vec<PathBuf>,
+    },
     /// The device check before a session
     #[command(after_help = "Example:\n  zwidth check mystudy --device rig:/dev/ttyACM0")]
     Check(Check),
@@ -87,7 +98,7 @@ pub(crate) enum Command {
         "Example:\n",
         "  zwidth exclude mystudy -p P01 -s S01 --trial 7 \"the phone rang\""
     ))]
-    /// A recorded trial does not count, and why: it is missing until it is done again
+    /// Exclude a recorded trial, with a reason: it is missing until it is done again
     Exclude(Exclude),
     #[command(after_help = "Example:\n  zwidth note mystudy -p P01 -s S01 left-handed")]
     /// Add a remark to a session, or to one of its trials
@@ -309,8 +320,9 @@ pub(crate) struct Acquire {
     /// Your code, which stands beside everything that is kept in the session's log; no name
     #[arg(long, value_name = "E1")]
     pub(crate) by: Option<ExperimenterId>,
-    /// Programs that are told of each trial's start, contact, end and answer (docs/acquire.md)
-    #[arg(long, value_name = "tcp:HOST:PORT,osc:HOST:PORT", value_delimiter = ',')]
+    /// Who is told of each trial's start, contact, end and answer: programs, or the pins of the board
+    /// (docs/acquire.md)
+    #[arg(long, value_name = "tcp:HOST:PORT,osc:HOST:PORT,board", value_delimiter = ',')]
     pub(crate) markers: Vec<Target>,
     /// Go on with a session although study.toml has changed in what it records: by the session's
     /// own copy; its log says so
@@ -505,9 +517,10 @@ pub(crate) struct Import {
     /// The recordings
     #[arg(required_unless_present = "guess")]
     pub(crate) files: Vec<PathBuf>,
-    /// Guess a mapping file from a recording and print it, to be edited; nothing is imported
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["study", "files"])]
-    pub(crate) guess: Option<PathBuf>,
+    /// Guess a mapping file from recordings (their columns from the first, whose they are from all
+    /// names) and print it, to be edited; nothing is imported
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["study", "files"])]
+    pub(crate) guess: Vec<PathBuf>,
 }
 
 /// What --tolerance is unless told otherwise: [`zwidth_simulate::DEFAULT_TOLERANCE`] as people
@@ -693,13 +706,13 @@ impl From<By> for zwidth_plan::By {
 pub(crate) struct Figure {
     /// The study
     pub(crate) study: StudyId,
-    /// The figure; without it the figures there are get listed
+    /// The figure; omit it to list the figures
     pub(crate) name: Option<String>,
     /// Its width on paper in mm, or its width and height: 85 (one column), 175x120 [default: as a
     /// run makes it]
     #[arg(long, value_name = "MM[xMM]", value_parser = size)]
     pub(crate) size: Option<(f64, Option<f64>)>,
-    /// The forms, apart by commas
+    /// File formats, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "svg,pdf,png")]
     pub(crate) format: Vec<FigureFormat>,
     /// Without heading and small print, which stand in its caption's file; the mark of simulated
@@ -743,7 +756,7 @@ impl FigureFormat {
 pub(crate) struct Table {
     /// The study
     pub(crate) study: StudyId,
-    /// The table; without it the tables there are get listed
+    /// The table; omit it to list the tables
     pub(crate) name: Option<String>,
     /// The form in which to print it
     #[arg(long, default_value = Format::Markdown.extension(), value_parser = text_formats())]
@@ -762,7 +775,7 @@ pub(crate) struct Methods {
 /// A result asked about.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Traced {
-    /// A file under derived/ or reports/, from the current folder or from --root on; or a copy of
+    /// A file under derived/ or reports/, relative to the current folder or --root; or a copy of
     /// one, anywhere
     pub(crate) path: PathBuf,
 }

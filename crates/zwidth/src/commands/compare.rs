@@ -36,15 +36,49 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
         screen.listing(&listed)?;
         return Ok(exit);
     }
+    let wording = Wording::of(&data.study);
+    let width = screen.width();
     for (file, table) in files.iter().zip(&tables).filter(|(_, table)| table.height() > 0) {
+        if let Some(width) = width {
+            screen.result(table.for_terminal(&wording, width, &LEAST)? + "\n");
+            continue;
+        }
         let wanted = [(Format::Markdown, file.as_path())];
-        for bytes in plan::write_table(table, &wanted, &Wording::of(&data.study), &BTreeMap::new())?
-        {
+        for bytes in plan::write_table(table, &wanted, &wording, &BTreeMap::new())? {
             screen.file(&String::from_utf8(bytes)?);
         }
     }
     Ok(exit)
 }
+
+/// Columns that matter least of a comparison, the very least first: a narrow window leaves them
+/// out. `zwidth table` has them all.
+const LEAST: [&str; 24] = [
+    "unit of analysis",
+    "epsilon hf",
+    "p hf",
+    "epsilon gg",
+    "p gg",
+    "df modes",
+    "df error",
+    "df",
+    "kendall w",
+    "friedman",
+    "f",
+    "d av",
+    "p signed rank",
+    "p sign flip",
+    "statistic",
+    "difference std. error",
+    "smallest p adjusted",
+    "p sharp null",
+    "p value",
+    "mean with",
+    "mean",
+    "trials with",
+    "sessions",
+    "trials",
+];
 
 /// Why a comparison has no row.
 fn why_empty(by: By, metric: &str) -> String {

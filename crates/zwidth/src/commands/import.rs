@@ -7,14 +7,18 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zwidth_import::{Mapping, guess, import as import_files, long_bytes};
 use zwidth_store::started::settle;
 use zwidth_store::{Raw, RealFiles, read_study};
 
 /// Prints a guessed mapping, or writes it where no file is yet.
-fn guessed(file: &Path, map: Option<&Path>, screen: &Screen) -> anyhow::Result<Exit> {
-    let text = guess(file)?;
+fn guessed(
+    (file, others): (&Path, &[PathBuf]),
+    map: Option<&Path>,
+    screen: &Screen,
+) -> anyhow::Result<Exit> {
+    let text = guess(file, others)?;
     let Some(map) = map else {
         screen.result(text.trim_end());
         return Ok(Exit::Fine);
@@ -33,8 +37,8 @@ fn guessed(file: &Path, map: Option<&Path>, screen: &Screen) -> anyhow::Result<E
 }
 
 pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {
-    if let Some(file) = &command.guess {
-        return guessed(file, command.map.as_deref(), screen);
+    if let Some((file, others)) = command.guess.split_first() {
+        return guessed((file, others), command.map.as_deref(), screen);
     }
     let (Some(id), Some(map)) = (&command.study, &command.map) else {
         bail!(

@@ -18,6 +18,7 @@ pub(crate) mod new;
 pub(crate) mod open;
 mod output;
 pub(crate) mod participant;
+pub(crate) mod ports;
 pub(crate) mod power;
 pub(crate) mod recover;
 mod resume;
@@ -38,6 +39,7 @@ pub(crate) mod why;
 
 use anyhow::{Context as _, bail};
 use near::did_you_mean;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Layout, SessionLog, StoreError, StudyData};
 use zwidth_study::{ParticipantId, SessionId, StudyId};
@@ -68,6 +70,25 @@ fn nameless(root: &Path, named: &[StudyId]) -> Vec<StoreError> {
         folders.into_iter().flatten().flatten().filter_map(|entry| finding(entry.path())).collect();
     found.sort_by(|a, b| a.what.cmp(&b.what));
     found
+}
+
+/// The studies below the folder that these arguments name, where they could not be parsed.
+pub(crate) fn studies_of(arguments: impl Iterator<Item = OsString>) -> String {
+    let root = root_of(arguments).or_else(|| std::env::var_os("ZWIDTH_ROOT"));
+    let there = all(Path::new(&root.unwrap_or_default())).unwrap_or_default();
+    there.iter().map(StudyId::as_str).collect::<Vec<_>>().join(", ")
+}
+
+/// What stands after `--root`.
+fn root_of(mut arguments: impl Iterator<Item = OsString>) -> Option<OsString> {
+    while let Some(argument) = arguments.next() {
+        match argument.to_str()?.strip_prefix("--root") {
+            Some("") => return arguments.next(),
+            Some(rest) => return rest.strip_prefix('=').map(OsString::from),
+            None => {}
+        }
+    }
+    None
 }
 
 /// A study that must be there.

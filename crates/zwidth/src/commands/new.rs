@@ -5,9 +5,14 @@ use crate::screen::Screen;
 use anyhow::bail;
 use std::path::Path;
 use zwidth_store::{Layout, Raw, RealFiles, check_study_id, write_new};
-use zwidth_study::{StudyId, template};
+use zwidth_study::{StudyId, template, template_of_imports};
 
-pub(crate) fn new(root: &Path, study: StudyId, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn new(
+    root: &Path,
+    study: StudyId,
+    imported: bool,
+    screen: &Screen,
+) -> anyhow::Result<Exit> {
     let layout = Layout::new(root, study.clone());
     let path = layout.study_toml();
     if path.exists() {
@@ -16,8 +21,9 @@ pub(crate) fn new(root: &Path, study: StudyId, screen: &Screen) -> anyhow::Resul
             path.display()
         );
     }
+    let text = if imported { template_of_imports(&study) } else { template(&study) };
     check_study_id(&RealFiles, &layout)?;
-    write_new(&Raw::new_study(&RealFiles, &layout), &path, template(&study).as_bytes())?;
+    write_new(&Raw::new_study(&RealFiles, &layout), &path, text.as_bytes())?;
     screen.result(format!("{}", path.display()));
     screen.say(format!("Edit it, then check it with `zwidth verify {study}`."));
     Ok(Exit::Fine)

@@ -86,7 +86,7 @@ fn contents(planned: &Setup, title: &str) -> Contents {
     let contrasts = estimated("contrast", "hybrid − active", columns);
     let compared = ComparedMetric {
         name: "theta_max_rad",
-        primary: true,
+        role: crate::Role::Primary,
         means: &means,
         contrasts: &contrasts,
     };
