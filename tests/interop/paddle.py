@@ -48,7 +48,7 @@ def of_means(table, means):
     equal(f"{table.label}: rows", len(table.frame), len(MODES))
     for mode in MODES:
         row = table.row(environment="free", mode=mode)
-        table.counts(row, unit_of_analysis="trials of P01", n=4, trials=4, trials_with=4)
+        table.counts(row, unit_of_analysis="trials of P01", n=4, trials=4, trials_with_value=4)
         table.numbers(row, {"mean_s": means[mode]}, DIGITS)
     table.nulls("one trial per session and mode tells no scatter within sessions", ["sd_s", "ci_low_s", "ci_high_s"])
     table.closed()
@@ -59,7 +59,7 @@ def of_contrasts(table, means):
     for mode, against in CONTRASTS:
         row = table.row(environment="free", contrast=f"{mode} − {against}")
         table.counts(row, unit_of_analysis="trials of P01", n=8, sessions=4, verdict=f"no test: {NOT_DRAWN}")
-        expect = {"mean_s": means[mode], "mean_with_s": means[against], "difference_s": means[mode] - means[against]}
+        expect = {"mean_first_s": means[mode], "mean_second_s": means[against], "difference_s": means[mode] - means[against]}
         table.numbers(row, expect, DIGITS)
     welch = ["difference_std_error_s", "difference_ci_low_s", "difference_ci_high_s", "df"]
     table.nulls("Welch's interval takes two trials per session and mode", welch)
@@ -80,7 +80,7 @@ def of_participants(table, means):
     equal(f"{table.label}: rows", len(table.frame), len(CONTRASTS))
     for mode, against in CONTRASTS:
         row = table.row(environment="free", contrast=f"{mode} − {against}", participant="P01")
-        table.counts(row, sessions=4, trials=4, trials_with=4)
+        table.counts(row, sessions=4, trials_first=4, trials_second=4)
         table.numbers(row, {"difference_s": means[mode] - means[against]}, DIGITS)
     welch = ["difference_std_error_s", "difference_ci_low_s", "difference_ci_high_s"]
     table.nulls("Welch's interval takes two trials per session and mode", welch)
@@ -118,7 +118,7 @@ def sentences(root, notes):
     alone = ["Every number here describes this one participant and nobody else.", "Nothing is said of anybody else."]
     equal("ethz: the summary says of whom it speaks", [words for words in alone if words not in summary], [])
     # No trial has the default primary metric, and no contrast a test.
-    untested = "it was not tested whether the modes differ in end minus onset (exploratory: not the primary metric)"
+    untested = "it was not tested whether the modes differ in duration, from onset to end (exploratory: not the primary metric)"
     check("ethz: the summary says that nothing was tested, and that it is not the primary metric", untested in summary, lines)
     general = [line for line in lines if "participants" in line or "people" in line]
     equal("ethz: sentences on people in general", general, [])

@@ -16,6 +16,7 @@ use super::unit::{find, may_become};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Signal, StoreError, read_named};
+use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
 
 /// Columns that are looked at: more are not one recording's.
 const MOST_GUESSED: usize = 64;
@@ -249,9 +250,39 @@ struct Guessed {
     to: Option<Signal>,
     unit: Option<String>,
     is_number: bool,
+    /// The words of its name, in small letters.
+    words: Vec<String>,
 }
 
 impl Guessed {
+    fn says(&self, known: &[&str]) -> bool {
+        self.words.iter().any(|word| known.contains(&word.as_str()))
+    }
+
+    /// A name for it among the study's channels: that of a winding's current has a fixed meaning.
+    fn channel(&self) -> String {
+        if self.says(&CURRENTS) {
+            let which = if self.says(&["brake", "bremse"]) { CURRENT_BRAKE } else { CURRENT_MOTOR };
+            return which.to_owned();
+        }
+        let asked_for = |word: &&String| !COMMANDED.contains(&word.as_str());
+        let words: Vec<String> = self.words.iter().filter(asked_for).cloned().collect();
+        if words.len() < self.words.len() && signal_of(&words) == Some(Signal::Theta) {
+            return REFERENCE.to_owned();
+        }
+        let is_plain = |letter: &char| letter.is_ascii_alphanumeric() || *letter == '_';
+        let words = self.words.iter().map(|word| word.chars().filter(is_plain).collect::<String>());
+        let name = Vec::from_iter(
+            words.chain(
+                self.unit
+                    .as_ref()
+                    .map(|unit| unit.chars().filter(is_plain).collect::<String>().to_lowercase()),
+            ),
+        )
+        .join("_");
+        if name.is_empty() { format!("column_{}", self.place + 1) } else { name }
+    }
+
     fn unit_line(&self, which: &str) -> String {
         self.unit
             .as_ref()
@@ -266,9 +297,16 @@ impl Guessed {
                 let unit = self.unit_line("which?");
                 writeln!(text, "\n[[column]]\nto = \"{}\"\nfrom = {from}\nunit = {unit}", to.name())
             }
-            None if self.is_number => {
-                writeln!(text, "\n# not recognised: {from}, a column of numbers")
+            None if self.says(&ANSWERS) => {
+                writeln!(text, "\n# an answer? Then under [trial]: likert = {{ column = {from} }}")
             }
+            None if self.is_number => writeln!(
+                text,
+                "\n# not recognised: {from}, a column of numbers. To keep it, list it under [[channels]] of study.toml, and:\n\
+                 # [[channel]]\n# to = \"{}\"\n# from = {from}\n# unit = \"{}\"",
+                self.channel(),
+                self.unit.as_deref().unwrap_or("TODO")
+            ),
             None => writeln!(
                 text,
                 "\n# not recognised: {from}, a column of texts: a label of the trial, perhaps"
@@ -288,9 +326,9 @@ fn described(table: &Table, decimal_comma: bool) -> Vec<Guessed> {
         let to = signal_of(&words).filter(|to| is_number && !taken.contains(to));
         taken.extend(to);
         let fits =
-            |unit: &String| to.zip(find(unit)).is_some_and(|(to, unit)| may_become(unit, to));
+            |unit: &String| to.is_none_or(|to| find(unit).is_some_and(|unit| may_become(unit, to)));
         let from = name.map_or_else(|| (place + 1).to_string(), |name| quoted(name));
-        Guessed { place, from, to, unit: unit.filter(fits), is_number }
+        Guessed { place, from, to, unit: unit.filter(fits), is_number, words }
     };
     (0..table.columns.len().min(MOST_GUESSED)).map(one).collect()
 }
@@ -309,6 +347,11 @@ fn quoted(text: &str) -> String {
     }
     quoted + "\""
 }
+
+/// Words of a column of answers.
+const ANSWERS: [&str; 6] = ["likert", "rating", "answer", "score", "response", "bewertung"];
+/// Words of a column of a winding's current.
+const CURRENTS: [&str; 3] = ["current", "strom", "courant"];
 
 /// Words of a column that was asked for, not measured.
 const COMMANDED: [&str; 8] =
@@ -408,10 +451,23 @@ mod tests {
             &[
                 "[time]\nfrom = \"t_s_inferred\"\nunit = \"s\"\n",
                 "# not recognised: \"x_desired_mm\"",
+                "# to = \"reference_rad\"\n# from = \"x_desired_mm\"\n",
                 "to = \"theta_rad\"\nfrom = \"x_measured_mm\"\nunit = \"mm\"\n",
                 "to = \"force_cmd_n\"\nfrom = \"force_desired_N\"\nunit = \"N\"\n",
                 "to = \"force_ex_n\"\nfrom = \"force_measured_N\"\nunit = \"N\"\n",
                 "to = \"theta_dot_rad_s\"\nfrom = \"theta_dot\"\nunit = \"TODO\"",
+            ],
+        );
+    }
+
+    #[test]
+    fn a_column_of_a_current_an_answer_or_anything_else_is_told_where_it_may_go() {
+        check(
+            "a.csv",
+            b"t_s,Brake current (A),Grip force [kg],likert,x y\n0,1,2,3,4\n1,1,2,3,5\n",
+            &[
+                "# to = \"current_brake_a\"\n# from = \"Brake current (A)\"\n",
+                "likert = { column = \"likert\" }",
             ],
         );
     }

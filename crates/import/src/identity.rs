@@ -2,7 +2,7 @@
 
 use super::label::Label;
 use super::limits::MOST_NUMBER;
-use super::mapping::Who;
+use super::mapping::{Content, Who};
 use super::recording::Recording;
 use super::{Context, Errors};
 use std::collections::BTreeMap;
@@ -162,9 +162,13 @@ fn again(context: &Context, participant: &ParticipantId, session: &SessionId) ->
     let trial = context.layout.trial(participant, session, 1);
     let trials = trial.parent().unwrap_or(&trial);
     let files = context.layout.session(participant, session).with_extension("*");
+    let answers = match context.mapping.content {
+        Content::Likert { .. } => "; answers to trials that are there: `zwidth answer`",
+        _ => "",
+    };
     format!(
         "sessions are imported whole, all files in one command: choose another session id, or, to \
-         import it again, first remove {} and {}",
+         import it again, first remove {} and {}{answers}",
         context.layout.shown(trials).display(),
         context.layout.shown(&files).display()
     )

@@ -30,7 +30,18 @@ pub fn recorded(data: &StudyData) -> Recorded {
     for sweep in &data.sweeps {
         *sources.entry(sweep.source).or_default() += 1;
     }
+    let imported = data.trials.iter().filter_map(|trial| trial.file.get("made_by_import"));
+    let made_by_import = imported.flat_map(|made| made.split("; ")).map(str::to_owned).collect();
+    let named = data.study.compare.bounds.keys().map(ToString::to_string);
+    let named =
+        named.chain([data.study.compare.primary.to_string()]).chain(compare::compared(data));
+    let words = named.filter_map(|name| {
+        let words = zwidth_metrics::in_words(&name)?.to_owned();
+        Some((name, words))
+    });
     Recorded {
+        words: words.collect(),
+        made_by_import,
         participants: people.len(),
         sessions: sessions.len(),
         trials: trials.len(),

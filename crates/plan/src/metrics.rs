@@ -6,7 +6,7 @@
 use crate::conditions::{Repeats, repeats};
 use crate::identify::{known_plant, plant_with_spread};
 use crate::making::{derived, read_tables, split, write_tables};
-use crate::trials::{OfTrials, files, name, read_all, read_with_currents};
+use crate::trials::{OfTrials, files, name, read_all, read_with_channels};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -131,7 +131,7 @@ fn make_condition(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, mut problems) = read_with_currents(files, &of.trials);
+    let (trials, mut problems) = read_with_channels(files, &of.trials);
     let rows = trials.par_iter().map(|trial| {
         let row = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
         row.map_err(|e| format!("{}: {e}", name(&trial.meta)))

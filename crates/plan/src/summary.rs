@@ -19,7 +19,7 @@ use zwidth_study::{Kind, MetricId, Scene, Setup};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 13 };
+const STAGE: Stage = Stage { name: "summary", version: 14 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -335,7 +335,10 @@ fn remark(data: &StudyData, finding: &StoreError) -> Remark {
 
 /// The remark that a table is empty, if it has no rows.
 fn empty(table: &Listed, rows: usize) -> Option<Remark> {
-    (rows == 0).then(|| Remark { what: table.path.clone(), why: "the table has no row".to_owned() })
+    (rows == 0).then(|| Remark {
+        what: table.path.clone(),
+        why: "the table has no row: no trial has what it is made of".to_owned(),
+    })
 }
 
 /// What figures and metrics must do without, because some trial was recorded without it.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Signal, Trial, TrialEntry, read_thinned, read_trial_and_channels};
-use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, ModeId, TrialMeta};
+use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, ModeId, REFERENCE, TrialMeta};
 
 /// What the session knows of a trial beside its file: of an unsealed one, whose file has a code,
 /// the mode and the repeat.
@@ -81,13 +81,13 @@ pub(crate) fn read_drawn(
     (read.into_iter().map(|(trial, _)| trial).collect(), problems, thinned)
 }
 
-/// The same with every signal, and the actuators' currents where the files have them.
-pub(crate) fn read_with_currents(files: &[PathBuf], known: &[Known]) -> (Vec<Trial>, Vec<String>) {
-    let names = [CURRENT_MOTOR, CURRENT_BRAKE];
-    let currents: Vec<ChannelId> =
+/// The same with every signal, and the channels that metrics read where the files have them.
+pub(crate) fn read_with_channels(files: &[PathBuf], known: &[Known]) -> (Vec<Trial>, Vec<String>) {
+    let names = [CURRENT_MOTOR, CURRENT_BRAKE, REFERENCE];
+    let channels: Vec<ChannelId> =
         names.into_iter().filter_map(|name| ChannelId::new(name).ok()).collect();
     let trials = files.par_iter().zip(known);
-    let read = trials.map(|(file, known)| read_one(file, known, Signal::all(), &currents));
+    let read = trials.map(|(file, known)| read_one(file, known, Signal::all(), &channels));
     split(read.collect())
 }
 

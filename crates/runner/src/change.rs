@@ -7,6 +7,9 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt;
 
+/// Parameters that are named where several differ.
+const NAMED: usize = 3;
+
 /// One thing that differs. Hashes are BLAKE3 of contents; `None` where there was, or is, no such
 /// file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -103,6 +106,10 @@ impl fmt::Display for Change {
             }
             Self::Parameters { fields } => match fields.as_slice() {
                 [one] if !one.name.is_empty() => write!(f, "parameter {} changed", one.name),
+                fields if (2..=NAMED).contains(&fields.len()) => {
+                    let names = fields.iter().map(|field| field.name.as_str());
+                    write!(f, "parameters {} changed", Vec::from_iter(names).join(", "))
+                }
                 fields => write!(f, "{} of its parameters changed", fields.len()),
             },
             Self::Input(file) => write!(f, "input {} {}", file.path, file.how),

@@ -68,8 +68,11 @@ pub struct Channel {
 pub const CURRENT_MOTOR: &str = "current_motor_a";
 /// The same of the brake's coil.
 pub const CURRENT_BRAKE: &str = "current_brake_a";
+/// The channel of the angle's set-point, in the coordinate of the angle.
+pub const REFERENCE: &str = "reference_rad";
 /// The channels that a stage reads, and the unit that they must have.
-pub(crate) const READ_CHANNELS: [(&str, &str); 2] = [(CURRENT_MOTOR, "A"), (CURRENT_BRAKE, "A")];
+pub(crate) const READ_CHANNELS: [(&str, &str); 3] =
+    [(CURRENT_MOTOR, "A"), (CURRENT_BRAKE, "A"), (REFERENCE, "rad")];
 
 /// The form of a study's trial files.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -21,6 +21,11 @@ pub enum Scene {
     Free,
     /// A spring.
     Spring(Spring),
+    /// Free motion, and from `wall_rad` on a wall.
+    Wall {
+        /// Where the wall begins, rad.
+        wall_rad: f64,
+    },
     /// A spring, and from `wall_rad` on a wall.
     SpringWall {
         /// The spring.
@@ -40,6 +45,8 @@ pub enum SceneKind {
     Free,
     /// [`Scene::Spring`].
     Spring,
+    /// [`Scene::Wall`].
+    Wall,
     /// [`Scene::SpringWall`].
     SpringWall,
 }
@@ -97,7 +104,7 @@ impl ForceLaw {
 
 impl SceneKind {
     /// Every kind, the one without a scene last.
-    pub const ALL: [Self; 4] = [Self::Free, Self::Spring, Self::SpringWall, Self::None];
+    pub const ALL: [Self; 5] = [Self::Free, Self::Spring, Self::Wall, Self::SpringWall, Self::None];
 
     /// Its word in `study.toml`.
     pub fn as_str(self) -> &'static str {
@@ -105,6 +112,7 @@ impl SceneKind {
             Self::None => "none",
             Self::Free => "free",
             Self::Spring => "spring",
+            Self::Wall => "wall",
             Self::SpringWall => "spring_wall",
         }
     }
@@ -114,6 +122,7 @@ impl SceneKind {
         match self {
             Self::None | Self::Free => &[],
             Self::Spring => &[SceneNumber::Stiffness, SceneNumber::Rest],
+            Self::Wall => &[SceneNumber::Wall],
             Self::SpringWall => &[SceneNumber::Stiffness, SceneNumber::Rest, SceneNumber::Wall],
         }
     }
@@ -128,6 +137,7 @@ impl SceneKind {
             Self::None => Scene::None,
             Self::Free => Scene::Free,
             Self::Spring => Scene::Spring(spring()),
+            Self::Wall => Scene::Wall { wall_rad: value(SceneNumber::Wall) },
             Self::SpringWall => {
                 Scene::SpringWall { spring: spring(), wall_rad: value(SceneNumber::Wall) }
             }
@@ -142,6 +152,7 @@ impl Scene {
             Self::None => SceneKind::None,
             Self::Free => SceneKind::Free,
             Self::Spring(_) => SceneKind::Spring,
+            Self::Wall { .. } => SceneKind::Wall,
             Self::SpringWall { .. } => SceneKind::SpringWall,
         }
     }
@@ -152,6 +163,9 @@ impl Scene {
             Self::None => None,
             Self::Free => Some(ForceLaw::FREE),
             Self::Spring(spring) => Some(ForceLaw::spring(spring)),
+            Self::Wall { wall_rad } => {
+                Some(ForceLaw { wall_rad: Some(wall_rad), ..ForceLaw::FREE })
+            }
             Self::SpringWall { spring, wall_rad } => {
                 Some(ForceLaw { wall_rad: Some(wall_rad), ..ForceLaw::spring(spring) })
             }

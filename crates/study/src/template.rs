@@ -61,6 +61,12 @@ kind = "none"
 # kind = "spring"
 # stiffness_n_per_rad = 4.0
 # rest_deg = 0.0
+# A wall alone is kind = "wall" with wall_deg, a spring with a wall "spring_wall" with all three numbers.
+
+# Where a trial's movement begins and ends. Set onset_deg_s well above the noise of a lever at rest.
+# [analysis]
+# onset_deg_s = 10.0
+# offset_deg_s = 5.0
 
 # How it was rendered: the conditions that are compared. Figures give each its colour by this order.
 [[modes]]

@@ -214,10 +214,14 @@ pub(crate) fn table(
             "sessions per participant, at most",
             sessions.map(|sessions| sessions.and_then(whole)),
         ),
-        measure.column("mean", "mean in the one mode", rows.iter().map(|row| Some(row.mean(0)))),
         measure.column(
-            "mean_with",
-            "mean in the other mode",
+            "mean_first",
+            "mean in the contrast's first mode",
+            rows.iter().map(|row| Some(row.mean(0))),
+        ),
+        measure.column(
+            "mean_second",
+            "mean in the contrast's second mode",
             rows.iter().map(|row| Some(row.mean(1))),
         ),
         measure.column(

@@ -96,7 +96,7 @@ pub(crate) fn table(
         columns::units(unit, rows.len()),
         counts("n", "units of analysis", |row| row.n),
         counts("trials", "trials that count", |row| row.trials[0]),
-        counts("trials_with", "trials that have the metric", |row| row.trials[1]),
+        counts("trials_with_value", "trials that have the metric", |row| row.trials[1]),
         measure.column("mean", "mean over the units", rows.iter().map(|row| Some(row.mean))),
         measure.column("sd", "standard deviation of the units", rows.iter().map(|row| row.sd)),
         measure.column("ci_low", "lower end of the mean's interval", end(0)),

@@ -32,8 +32,8 @@ pub(crate) fn table(
             all.iter().map(|(_, one)| Some(cells.participants[one.participant].as_str())),
         ),
         counts("sessions", "sessions that have both modes", |one| one.sessions),
-        counts("trials", "trials of the one mode", |one| one.trials[0]),
-        counts("trials_with", "trials of the other mode", |one| one.trials[1]),
+        counts("trials_first", "trials of the contrast's first mode", |one| one.trials[0]),
+        counts("trials_second", "trials of its second mode", |one| one.trials[1]),
         measure.column(
             "difference",
             "this participant's mean difference",

@@ -3,7 +3,7 @@
 use crate::{PlantMetrics, RecordedStability, TrialMetrics};
 use zwidth_numerics::spectrum::BandPower;
 use zwidth_store::Signal;
-use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, Scene};
+use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Scene};
 
 /// Where a value stands in a row.
 pub(crate) enum Get<R> {
@@ -68,8 +68,8 @@ const fn word<R>(
 
 /// Every metric, in the order of the table; `docs/analysis.md` defines each by its name. Below, one
 /// line is one column.
-pub(crate) const GROUPS: [&[Spec]; 7] =
-    [MOVEMENT, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY, ELECTRICITY];
+pub(crate) const GROUPS: [&[Spec]; 8] =
+    [MOVEMENT, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY, ELECTRICITY, STEP];
 
 /// Those that rest on the plant, likewise.
 pub(crate) const PLANT_GROUPS: [&[Spec<PlantMetrics>]; 2] = [ACTUATORS, ENERGY];
@@ -77,6 +77,13 @@ pub(crate) const PLANT_GROUPS: [&[Spec<PlantMetrics>]; 2] = [ACTUATORS, ENERGY];
 /// Whether there is a metric of that name that is a number with a unit.
 pub fn is_number(metric: &str) -> bool {
     numbers().any(|(name, _)| name == metric)
+}
+
+/// What a metric measures, in words; `None` if there is none of that name that is a number.
+pub fn in_words(metric: &str) -> Option<&'static str> {
+    let of_trial = GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
+    let of_plant = PLANT_GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
+    of_trial.chain(of_plant).find(|(name, _)| *name == metric).map(|(_, words)| words)
 }
 
 /// What a metric is called that had this name when force discrepancy meant the user's alone.
@@ -134,6 +141,8 @@ pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal], channels: &[
         let current = channels.iter().any(|channel| currents.contains(&channel.id.as_str()));
         let voltage = has(&[Signal::VoltageMotor]) || has(&[Signal::VoltageBrake]);
         voltage && (current || !OF_CURRENTS.contains(&metric))
+    } else if is_in(STEP) {
+        has(&[Signal::Theta]) && channels.iter().any(|channel| channel.id.as_str() == REFERENCE)
     } else if metric == "force_rms_error_n" {
         scene.spring().is_some() && has(&[Signal::Theta, Signal::ForceEx, Signal::ForceCmd])
     } else if is_in(DISCREPANCY) || is_in(SPRING) {
@@ -150,7 +159,7 @@ const MOVEMENT: &[Spec] = &[
     float("onset_s", "s", "first time above the onset's velocity", |r| r.movement.onset_s),
     float("reversal_s", "s", "first time of the largest angle between onset and end", |r| r.movement.reversal_s),
     float("end_s", "s", "first time below the offset's velocity after the last above the onset's", |r| r.movement.end_s),
-    averaged("duration_s", "s", "end minus onset", |r| r.movement.duration_s),
+    averaged("duration_s", "s", "duration, from onset to end", |r| r.movement.duration_s),
     averaged("theta_max_rad", "rad", "largest angle", |r| r.movement.theta_max_rad),
     float("velocity_forward_mean_rad_s", "rad/s", "mean speed, onset to reversal", |r| r.movement.velocity_forward_mean_rad_s),
     float("velocity_forward_peak_rad_s", "rad/s", "largest speed, onset to reversal", |r| r.movement.velocity_forward_peak_rad_s),
@@ -174,14 +183,14 @@ const COMPLIANCE: &[Spec] = &[
 
 #[rustfmt::skip]
 const DISCREPANCY: &[Spec] = &[
-    averaged("discrepancy_user_mean_n", "N", "the user's force, compression minus decompression, mean over the angle", |r| r.discrepancy.mean_n),
+    averaged("discrepancy_user_mean_n", "N", "the user's force discrepancy, mean over the angle", |r| r.discrepancy.mean_n),
     float("discrepancy_user_mean_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.mean_ci_low_n),
     float("discrepancy_user_mean_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.mean_ci_high_n),
-    float("discrepancy_user_max_n", "N", "the user's force, compression minus decompression, largest", |r| r.discrepancy.max_n),
-    averaged("discrepancy_user_step_n", "N", "the user's force, compression minus decompression, at the reversal", |r| r.discrepancy.step_n),
+    float("discrepancy_user_max_n", "N", "the user's force discrepancy, largest", |r| r.discrepancy.max_n),
+    averaged("discrepancy_user_step_n", "N", "the user's force discrepancy, at the reversal", |r| r.discrepancy.step_n),
     float("discrepancy_user_step_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.step_ci_low_n),
     float("discrepancy_user_step_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.step_ci_high_n),
-    averaged("loop_area_j", "J", "energy left in the device from onset to end", |r| r.discrepancy.loop_area_j),
+    averaged("loop_area_j", "J", "the user's net work on the device, from onset to end", |r| r.discrepancy.loop_area_j),
     float("loop_area_ci_low_j", "J", "lower end of its interval within this trial", |r| r.discrepancy.loop_area_ci_low_j),
     float("loop_area_ci_high_j", "J", "upper end of its interval within this trial", |r| r.discrepancy.loop_area_ci_high_j),
 ];
@@ -258,12 +267,21 @@ const ELECTRICITY: &[Spec] = &[
 ];
 
 #[rustfmt::skip]
+const STEP: &[Spec] = &[
+    float("step_rad", "rad", "step of the reference", |r| r.step.step_rad),
+    averaged("step_rise_s", "s", "time from 10 % to 90 % of the way after a step of the reference", |r| r.step.rise_s),
+    averaged("step_overshoot_share", "1", "overshoot after a step of the reference, over the way", |r| r.step.overshoot_share),
+    averaged("step_settling_s", "s", "time from a step of the reference until the angle stays within 2 % of the way", |r| r.step.settling_s),
+    averaged("step_steady_error_rad", "rad", "reference minus where the angle comes to rest after a step", |r| r.step.steady_error_rad),
+];
+
+#[rustfmt::skip]
 const ACTUATORS: &[Spec<PlantMetrics>] = &[
-    averaged("discrepancy_actuator_mean_n", "N", "the actuators' force, compression minus decompression, mean over the angle", |r| r.discrepancy.mean_n),
+    averaged("discrepancy_actuator_mean_n", "N", "the actuators' force discrepancy, mean over the angle", |r| r.discrepancy.mean_n),
     float("discrepancy_actuator_mean_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.mean_ci_low_n),
     float("discrepancy_actuator_mean_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.mean_ci_high_n),
-    float("discrepancy_actuator_max_n", "N", "the actuators' force, compression minus decompression, largest", |r| r.discrepancy.max_n),
-    averaged("discrepancy_actuator_step_n", "N", "the actuators' force, compression minus decompression, at the reversal", |r| r.discrepancy.step_n),
+    float("discrepancy_actuator_max_n", "N", "the actuators' force discrepancy, largest", |r| r.discrepancy.max_n),
+    averaged("discrepancy_actuator_step_n", "N", "the actuators' force discrepancy, at the reversal", |r| r.discrepancy.step_n),
     float("discrepancy_actuator_step_ci_low_n", "N", "lower end of its interval within this trial", |r| r.discrepancy.step_ci_low_n),
     float("discrepancy_actuator_step_ci_high_n", "N", "upper end of its interval within this trial", |r| r.discrepancy.step_ci_high_n),
 ];

@@ -30,7 +30,7 @@ pub fn by_condition(metrics: &Table, conditions: &[Condition]) -> Result<Table, 
         .collect();
     let aggregates: Vec<Aggregate> = present.iter().flat_map(|field| aggregates(field)).collect();
     let grouped = Frame::new(metrics)?.grouped(&GROUP, "n", &aggregates)?;
-    let title = "Metrics by condition: mean and SD of the repeats";
+    let title = "Metrics by condition: mean and SD of each participant's repeats";
     let table = grouped.to_table("conditions", title, fields(metrics, &present))?;
     Ok(incomplete(metrics, &present, &grouped)?.into_iter().fold(table, Table::with_note))
 }

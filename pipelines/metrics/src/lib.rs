@@ -22,8 +22,8 @@
 //!   it is never 0 for want of data.
 //!
 //! The definitions stand at the fields of [`Movement`], [`Discrepancy`], [`SpringRendering`],
-//! [`WallContact`], [`Stability`], [`ElectricalEnergy`], [`Compliance`], [`ActuatorDiscrepancy`]
-//! and [`EnergyObserver`].
+//! [`WallContact`], [`Stability`], [`ElectricalEnergy`], [`StepResponse`], [`Compliance`],
+//! [`ActuatorDiscrepancy`] and [`EnergyObserver`].
 
 mod actuator;
 mod branch;
@@ -49,6 +49,7 @@ mod resolution;
 mod signals;
 mod spring;
 mod stability;
+mod step;
 mod table;
 #[cfg(test)]
 mod testing;
@@ -56,7 +57,7 @@ mod wall;
 
 pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
-pub use columns::{commanded, is_number, is_possible, needs_lever, renamed};
+pub use columns::{commanded, in_words, is_number, is_possible, needs_lever, renamed};
 pub use compliance::Compliance;
 pub use conditions::{by_condition, join_conditions};
 pub use discrepancy::Discrepancy;
@@ -70,6 +71,7 @@ pub use parameters::{Parameters, Plant};
 pub use plant::{PlantMetrics, plant_metrics};
 pub use spring::{Saturation, SpringRendering};
 pub use stability::Stability;
+pub use step::StepResponse;
 pub use table::{join_plant, plant_table, table};
 pub use wall::WallContact;
 
@@ -78,7 +80,7 @@ use zwidth_store::Trial;
 use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 10;
+pub const VERSION: u32 = 11;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,6 +100,8 @@ pub struct TrialMetrics {
     pub stability: Stability,
     /// What it took from the supply, where currents were recorded, and at most.
     pub electricity: ElectricalEnergy,
+    /// How the angle follows a step of its reference, where one was recorded.
+    pub step: StepResponse,
     /// Whether the trial was what the protocol asks for.
     pub compliance: Compliance,
     /// What happened when.
@@ -127,6 +131,7 @@ pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<TrialMetr
         wall: wall.transpose()?.unwrap_or_default(),
         stability: stability::stability(&signals, parameters.force_rate_hz)?,
         electricity: electricity::electrical_energy(&signals, parameters),
+        step: step::step_response(&signals),
         compliance: compliance::compliance(&signals, parameters),
     })
 }

@@ -7,7 +7,7 @@ use zwidth_numerics::activity::{Activity, activity};
 use zwidth_numerics::phases::{Phases, phases};
 use zwidth_numerics::updates::{Updates, updates};
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Analysis, CURRENT_BRAKE, CURRENT_MOTOR};
+use zwidth_study::{Analysis, CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
 
 /// `flags`: the brake is on.
 const BRAKE_ON: u16 = 128;
@@ -31,6 +31,8 @@ pub(crate) struct Signals<'a> {
     /// Currents in the windings, A, where a study records them.
     pub(crate) current_motor: Option<&'a [f64]>,
     pub(crate) current_brake: Option<&'a [f64]>,
+    /// Set-point of the angle, rad, where a study records it.
+    pub(crate) reference: Option<&'a [f64]>,
     /// Which samples have the brake on; `None` where the recording does not say.
     pub(crate) brake_on: Option<Vec<bool>>,
     /// Which samples have the motor on.
@@ -88,6 +90,7 @@ impl<'a> Signals<'a> {
             voltage_brake,
             current_motor: channel(trial, CURRENT_MOTOR, t.len())?,
             current_brake: channel(trial, CURRENT_BRAKE, t.len())?,
+            reference: channel(trial, REFERENCE, t.len())?,
             brake_on: on(voltage_brake, flags, BRAKE_ON),
             motor_on: on(voltage_motor, flags, MOTOR_ON),
             lever_m: parameters.lever_m,

@@ -54,7 +54,7 @@ pub(crate) fn simulated(metrics: &Table) -> Result<bool, TableError> {
 fn mixed(several: &[(Source, usize)]) -> Origins {
     let total: usize = several.iter().map(|(_, n)| n).sum();
     let parts: Vec<String> = several.iter().map(|(s, n)| format!("{n} {}", origin(*s))).collect();
-    let text = format!("Of {total} trials and sweeps: {}.", parts.join(", "));
+    let text = format!("Of {total} recordings: {}.", parts.join(", "));
     let simulated = several.iter().any(|(s, _)| s.is_simulated());
     Origins { mark: simulated.then_some("Some data are simulated."), text }
 }
@@ -87,7 +87,7 @@ mod tests {
             (Source::Twin, 10),
             (Source::Imported, 0),
         ]));
-        let text = "Of 40 trials and sweeps: 30 recorded on the device, 10 simulated.".to_owned();
+        let text = "Of 40 recordings: 30 recorded on the device, 10 simulated.".to_owned();
         assert_eq!(told, Some(Origins { mark: Some("Some data are simulated."), text }));
         let text = "All data were measured by others and imported.".to_owned();
         let told = sources(&BTreeMap::from([(Source::Imported, 3)]));

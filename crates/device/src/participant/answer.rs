@@ -7,6 +7,7 @@
 //! | environment | quality |
 //! |---|---|
 //! | spring | line · (0.3 + 0.7 · returned) · (1 − (discrepancy − 0.6 N) / 4 N) |
+//! | wall | hardness |
 //! | spring and wall | √(spring's quality · hardness), hardness = 1 − (degrees past the wall) / 5°, 0 if not reached |
 //! | free, or nothing rendered | 1 − greatest force / 2 N |
 //!
@@ -42,12 +43,14 @@ fn quality(felt: &Felt, scene: &Scene) -> f64 {
     match scene {
         Scene::None | Scene::Free => part(1.0 - felt.greatest_n() / NOT_FREE_N),
         Scene::Spring(_) => spring(felt),
-        Scene::SpringWall { wall_rad, .. } => {
-            let past_rad = felt.past_rad(*wall_rad);
-            let hard = if past_rad < 0.0 { 0.0 } else { part(1.0 - past_rad / NO_WALL_RAD) };
-            (spring(felt) * hard).sqrt()
-        }
+        Scene::Wall { wall_rad } => hardness(felt, *wall_rad),
+        Scene::SpringWall { wall_rad, .. } => (spring(felt) * hardness(felt, *wall_rad)).sqrt(),
     }
+}
+
+fn hardness(felt: &Felt, wall_rad: f64) -> f64 {
+    let past_rad = felt.past_rad(wall_rad);
+    if past_rad < 0.0 { 0.0 } else { part(1.0 - past_rad / NO_WALL_RAD) }
 }
 
 fn spring(felt: &Felt) -> f64 {

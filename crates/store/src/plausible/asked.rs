@@ -12,6 +12,8 @@ pub struct Asked {
     pub theta_max_rad: Option<f64>,
     /// Longest a trial may take, s.
     pub trial_limit_s: f64,
+    /// From this speed on a movement begins, rad/s.
+    pub onset_rad_s: f64,
     /// What the coordinate is.
     pub coordinate: Coordinate,
     /// Lever length L, m.
@@ -28,6 +30,7 @@ impl Asked {
             theta_min_rad,
             theta_max_rad,
             trial_limit_s: study.design.trial_limit_s,
+            onset_rad_s: study.analysis.onset_rad_s,
             coordinate: study.coordinate,
             lever_m,
             scene: study.environment(environment).map_or(Scene::None, |e| e.scene),

@@ -21,7 +21,13 @@ const SHORTEST_INTERVAL_S: f64 = 1e-5;
 /// A clock jumps by more than this many of its usual intervals …
 const JUMP: f64 = 50.0;
 /// … and by more than this, s.
-const LEAST_JUMP_S: f64 = 0.25;
+const LEAST_JUMP_S: f64 = 0.05;
+/// The velocity's noise passes the onset for so many samples at a time, at most …
+const SPIKE: usize = 3;
+/// … and this often in each direction, at least, while the lever rests …
+const SPIKES: usize = 2;
+/// … which is as long as it is this share of its range from where it began.
+const AT_REST: f64 = 0.05;
 /// By how much two clocks may differ over a trial.
 const CLOCKS_DIFFER: f64 = 0.1;
 /// A signal that holds one value this long, s, while the lever moves, has stopped.
@@ -47,6 +53,7 @@ pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
         too_far(asked, samples),
         wrapped(asked, samples),
         too_strong(samples),
+        noisy_onset(asked, samples),
     ];
     single.into_iter().flatten().chain(stopped).chain(at_the_end).collect()
 }
@@ -141,6 +148,39 @@ fn wrapped(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let remedy =
         "unwrap the angle before the import (numpy.unwrap), or mend its unit in the mapping";
     Some(Doubt { row: Some(row), ..Doubt::new(Signal::Theta, what, remedy) })
+}
+
+/// A velocity whose noise passes the onset, forwards and backwards, while the lever rests: the
+/// movement would begin too early.
+fn noisy_onset(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
+    let leaves = {
+        let theta = samples.column(Signal::Theta)?;
+        let (first, far) = (*theta.first()?, AT_REST * range(&theta));
+        theta.iter().position(|theta| (theta - first).abs() > far)?
+    };
+    let velocity = samples.column(Signal::ThetaDot)?;
+    let side = |value: &f64| match value.abs() > asked.onset_rad_s {
+        true => value.signum(),
+        false => 0.0,
+    };
+    let (mut from, mut first, mut spikes) = (0, None, [0, 0]);
+    for run in velocity.chunk_by(|a, b| side(a) == side(b)) {
+        if from >= leaves {
+            break;
+        }
+        if side(&run[0]) != 0.0 && run.len() <= SPIKE {
+            first = first.or(Some(from));
+            spikes[usize::from(run[0] > 0.0)] += 1;
+        }
+        from += run.len();
+    }
+    let what = format!(
+        "its noise passes onset_deg_s {} times while the lever rests, first here: the movement seems to begin too early",
+        spikes[0] + spikes[1]
+    );
+    let remedy = "set onset_deg_s (and offset_deg_s) under [analysis] of study.toml above the noise of the velocity at rest";
+    let doubt = Doubt { row: first, ..Doubt::new(Signal::ThetaDot, what, remedy) };
+    spikes.iter().all(|n| *n >= SPIKES).then_some(doubt)
 }
 
 /// A force that no hand has.

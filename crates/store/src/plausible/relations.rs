@@ -21,6 +21,11 @@ const CLOSE: f64 = 0.2;
 const LEAST_MOVED_RAD: f64 = 0.017_453_292_519_943_295;
 /// The user's work on the way out is of the wrong sign where it is below −this share of ∫ |F dθ|.
 const AGAINST: f64 = 0.5;
+/// A turn of the lever is larger than this share of its range …
+const TURN: f64 = 0.05;
+/// … and a swing whose turns are closer than this, s, is none of a hand (`fast_swings` of the
+/// metrics).
+const FAST_S: f64 = 0.1;
 
 pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     [velocity(samples), sign_of_force(asked, samples), size_of_force(asked, samples)]
@@ -127,11 +132,43 @@ fn way_out(samples: &dyn Columns, force: Signal) -> Option<[Cow<'_, [f64]>; 2]> 
     Some([theta, force])
 }
 
-/// A hand that moves a spring away from rest works on it: ∫ F dθ > 0 on the way out.
+/// How often the angle turns by more than a share of its range.
+fn turns(theta: &[f64]) -> usize {
+    let least = TURN * range(theta);
+    let Some(first) = theta.first() else { return 0 };
+    let (turns, _, _) = theta.iter().fold((0, *first, 0.0), |(turns, end, way), value| {
+        let step = value - end;
+        if step * way >= 0.0 && way != 0.0 {
+            (turns, *value, way)
+        } else if step.abs() > least {
+            (turns + usize::from(way != 0.0), *value, step.signum())
+        } else {
+            (turns, end, way)
+        }
+    });
+    turns
+}
+
+/// Whether the way out swings back and forth faster than a hand does.
+fn swings_fast(samples: &dyn Columns, theta: &[f64]) -> bool {
+    let turns = turns(theta);
+    if turns < 2 {
+        return false;
+    }
+    let t = samples.column(Signal::Time);
+    let time_s = t.and_then(|t| Some(t.get(theta.len() - 1)? - t.first()?));
+    time_s.is_some_and(|time_s| time_s < FAST_S * turns as f64)
+}
+
+/// A hand that moves a spring away from rest works on it: ∫ F dθ > 0 on the way out. Of a lever that
+/// swings by itself the device does the work.
 fn sign_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     asked.scene.spring()?;
     let signal = recorded(samples)?;
     let [theta, force] = way_out(samples, signal)?;
+    if swings_fast(samples, &theta) {
+        return None;
+    }
     let steps =
         || theta.windows(2).zip(force.windows(2)).map(|(x, f)| (x[1] - x[0]) * (f[0] + f[1]) / 2.0);
     let (work, all) = (steps().sum::<f64>(), steps().map(f64::abs).sum::<f64>());

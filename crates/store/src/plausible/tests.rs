@@ -13,6 +13,7 @@ fn asked() -> Asked {
         theta_min_rad: None,
         theta_max_rad: None,
         trial_limit_s: 60.0,
+        onset_rad_s: 10_f64.to_radians(),
         coordinate: Coordinate::Rotational,
         lever_m: Some(0.075),
         scene: Scene::Spring(spring),
@@ -70,6 +71,41 @@ fn a_clock_that_jumps_is_found_where_it_does() {
     let found = implausible(&asked(), Path::new("a"), &samples);
     assert_eq!(found[0].row, Some(701));
     assert!(found[0].what.starts_with("the clock jumps by 5.002 s"), "{}", found[0]);
+}
+
+#[test]
+fn a_hole_of_a_few_hundredths_of_a_second_is_found() {
+    let later = |i, t| if i >= 700 { t + 0.078 } else { t };
+    let jumps = (Signal::Time, "the clock jumps by 0.079 s");
+    check_at_1_khz(later, &[jumps]);
+    check_at_1_khz(|i, t| if i >= 700 { t + 0.03 } else { t }, &[]);
+}
+
+/// As [`check`] of the time, with a sample every millisecond.
+#[track_caller]
+fn check_at_1_khz(change: impl Fn(usize, f64) -> f64, expect: &[(Signal, &str)]) {
+    let mut samples = recording();
+    let changed = (0..1000).map(|i| change(i, 1e-3 * i as f64)).collect();
+    samples.set(Signal::Time, changed);
+    let velocity = samples.get(Signal::ThetaDot).unwrap().iter().map(|v| 2.0 * v).collect();
+    samples.set(Signal::ThetaDot, velocity);
+    let found = implausible(&asked(), Path::new("a"), &samples);
+    let found: Vec<_> = found.iter().map(ToString::to_string).collect();
+    assert_eq!(found.len(), expect.len(), "{found:#?}");
+    assert!(found.iter().zip(expect).all(|(f, (_, words))| f.contains(words)), "{found:#?}");
+}
+
+/// 12°/s of noise before the lever moves, above the onset's 10°/s, in every fifth sample, forwards
+/// and backwards.
+#[test]
+fn noise_above_the_onset_before_the_movement_is_found() {
+    let noisy = |i: usize, v: f64| match i {
+        0..20 if i.is_multiple_of(5) => 0.21 * if i.is_multiple_of(2) { 1.0 } else { -1.0 },
+        _ => v,
+    };
+    check(Signal::ThetaDot, noisy, &[(Signal::ThetaDot, "passes onset_deg_s 4 times")]);
+    let one_way = |i: usize, v: f64| if i < 20 { noisy(i, v).abs() } else { v };
+    check(Signal::ThetaDot, one_way, &[]);
 }
 
 #[test]
@@ -188,6 +224,22 @@ fn a_velocity_in_another_unit_or_with_another_sign_is_named() {
 #[test]
 fn a_force_against_the_motion_has_the_wrong_sign() {
     check(Signal::ForceEx, |_, v| -v, &[(Signal::ForceEx, "set sign = -1")]);
+}
+
+/// A device that swings by itself drives the hand: the sign of its work says nothing of the sensor.
+#[test]
+fn of_a_lever_that_swings_fast_the_sign_of_the_force_is_not_asked() {
+    let mut samples = recording();
+    let t = samples.get(Signal::Time).unwrap().to_vec();
+    let growing = |t: &f64| 0.3 * t * libm::sin(20.0 * TAU * t);
+    let theta: Vec<f64> = t.iter().map(growing).collect();
+    let force = theta.windows(2).map(|x| -30.0 * (x[1] - x[0])).chain([0.0]).collect();
+    let velocity = theta.windows(2).map(|x| (x[1] - x[0]) / 2e-3).chain([0.0]).collect();
+    samples.set(Signal::ForceEx, force);
+    samples.set(Signal::ThetaDot, velocity);
+    samples.set(Signal::Theta, theta);
+    let found = implausible(&asked(), Path::new("a"), &samples);
+    assert!(found.iter().all(|f| !f.to_string().contains("sign = -1")), "{found:#?}");
 }
 
 #[test]

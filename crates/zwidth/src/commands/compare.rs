@@ -53,7 +53,7 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
 
 /// Columns that matter least of a comparison, the very least first: a narrow window leaves them
 /// out. `zwidth table` has them all.
-const LEAST: [&str; 24] = [
+const LEAST: [&str; 26] = [
     "unit of analysis",
     "epsilon hf",
     "p hf",
@@ -73,9 +73,11 @@ const LEAST: [&str; 24] = [
     "smallest p adjusted",
     "p sharp null",
     "p value",
-    "mean with",
-    "mean",
-    "trials with",
+    "mean second",
+    "mean first",
+    "trials with value",
+    "trials second",
+    "trials first",
     "sessions",
     "trials",
 ];

@@ -64,8 +64,10 @@ fn list(tables: &[Table], screen: &Screen) -> anyhow::Result<()> {
     if screen.json {
         screen.listing(&tables.iter().map(entry).collect::<Vec<_>>())?;
     } else {
+        let width = tables.iter().map(|t| t.name().chars().count()).max().unwrap_or_default();
         tables.iter().for_each(|t| {
-            screen.result(format!("{:<28} {} ({} rows)", t.name(), t.title(), t.height()))
+            let rows = if t.height() == 1 { "row" } else { "rows" };
+            screen.result(format!("{:<width$}  {} ({} {rows})", t.name(), t.title(), t.height()));
         });
     }
     Ok(())

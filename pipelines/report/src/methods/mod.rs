@@ -133,6 +133,9 @@ fn environment(study: &Study, environment: &Environment) -> Option<String> {
         Scene::None => return None,
         Scene::Free => "no force".to_owned(),
         Scene::Spring(of) => spring(of),
+        Scene::Wall { wall_rad } => {
+            format!("no force up to a wall at {}", given(wall_rad, "rad", axis))
+        }
         Scene::SpringWall { spring: of, wall_rad } => {
             let wall = given(wall_rad, "rad", axis);
             format!("{}, with a wall from {wall} on", spring(of))
@@ -159,7 +162,7 @@ fn mode(mode: &Mode) -> Option<String> {
 fn procedure(study: &Study, recorded: &Recorded) -> Vec<String> {
     let design = &study.design;
     if recorded.is_foreign() {
-        return asked(study).into_iter().collect();
+        return answered(study, recorded).into_iter().collect();
     }
     let mut said = vec![format!(
         "Each condition (environment and mode) was to be presented {} per session.",
@@ -198,16 +201,23 @@ fn procedure(study: &Study, recorded: &Recorded) -> Vec<String> {
     if design.blinded {
         said.push("Modes were sealed until the session was over.".to_owned());
     }
-    said.extend(asked(study));
+    said.extend(answered(study, recorded));
     vec![said.join(" ")]
 }
 
-fn asked(study: &Study) -> Option<String> {
+/// What participants answered or, before the first answer, are to answer. What others asked is only
+/// known by its answers.
+fn answered(study: &Study, recorded: &Recorded) -> Option<String> {
+    let answered = match (recorded.answers || recorded.guesses, recorded.is_foreign()) {
+        (true, _) => "Participants answered",
+        (false, false) => "Participants were to answer",
+        (false, true) => return None,
+    };
     let asked = study.questions.iter().map(|question| {
         format!("“{}” ({})", question.text.trim_end_matches('.'), question.scale.name())
     });
     let asked: Vec<String> = asked.collect();
-    (!asked.is_empty()).then(|| format!("Participants answered: {}.", asked.join("; ")))
+    (!asked.is_empty()).then(|| format!("{answered}: {}.", asked.join("; ")))
 }
 
 fn data(recorded: &Recorded) -> Vec<String> {
@@ -235,7 +245,13 @@ fn data(recorded: &Recorded) -> Vec<String> {
     let sentence = format!("The data are {}.", counted.join(", "));
     let foreign = "How they were taken is described by those who took them.".to_owned();
     let foreign = recorded.is_foreign().then_some(foreign);
-    vec![[origin, Some(sentence), foreign].into_iter().flatten().collect::<Vec<_>>().join(" ")]
+    let made = (!recorded.made_by_import.is_empty()).then(|| {
+        let made = Vec::from_iter(recorded.made_by_import.iter().map(String::as_str));
+        format!("Not recorded but computed when the recordings were imported: {}.", made.join("; "))
+    });
+    vec![
+        [origin, Some(sentence), foreign, made].into_iter().flatten().collect::<Vec<_>>().join(" "),
+    ]
 }
 
 fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
@@ -289,7 +305,9 @@ fn model(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
     }
     if recorded.replayed {
         let plant = match study.replay {
-            ReplayModel::ByEye => "mass and damping by eye (0.1 kg, 1 N s/rad)",
+            ReplayModel::ByEye => {
+                "a mass of 0.1 kg and a damping of 1 N s/rad, chosen by eye for the thesis' device"
+            }
             ReplayModel::Auto => "the cheapest model that a person could not tell from the fullest",
         };
         let fitted = if recorded.identified { ", and with the fitted plant" } else { "" };

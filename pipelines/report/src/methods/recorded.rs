@@ -1,6 +1,6 @@
 //! What the methods speak of.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_study::Source;
 
 /// What was recorded for a study and made of it, as far as its methods speak of it.
@@ -16,8 +16,12 @@ pub struct Recorded {
     pub sweeps: usize,
     /// How many of these trials and sweeps come from where.
     pub sources: BTreeMap<Source, usize>,
+    /// What an import computed because it was not recorded, each once.
+    pub made_by_import: BTreeSet<String>,
     /// Metrics that modes are compared by, in order.
     pub compared: Vec<String>,
+    /// What the primary metric and those measure, in words, by their names.
+    pub words: BTreeMap<String, String>,
     /// Whether answers were given that rate what was felt.
     pub answers: bool,
     /// Whether it was answered which mode it was.
@@ -29,6 +33,11 @@ pub struct Recorded {
 }
 
 impl Recorded {
+    /// What a metric measures; its name where that is not known.
+    pub(super) fn in_words<'a>(&'a self, metric: &'a str) -> &'a str {
+        self.words.get(metric).map_or(metric, String::as_str)
+    }
+
     /// Whether others took all that there is: how, is not known.
     pub(super) fn is_foreign(&self) -> bool {
         let ours = |source: &Source| matches!(source, Source::Recorded | Source::Twin);

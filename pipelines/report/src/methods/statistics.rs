@@ -14,7 +14,7 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
     } else {
         within(cited)
     });
-    said.push(claims(study, cited));
+    said.push(claims(study, recorded, cited));
     if recorded.answers {
         said.push(answers(recorded, cited));
     }
@@ -40,16 +40,17 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
     let contrasts: Vec<String> =
         contrasts.map(|c| format!("{} − {}", label(&c.mode), label(&c.against))).collect();
     let primary = study.compare.primary.to_string();
-    let others: Vec<&str> =
-        recorded.compared.iter().map(String::as_str).filter(|name| *name != primary).collect();
+    let others = recorded.compared.iter().filter(|name| **name != primary);
+    let others: Vec<&str> = others.map(|name| recorded.in_words(name)).collect();
     let exploratory = match others.as_slice() {
         [] => String::new(),
-        others => format!(" Exploratory were {}.", others.join(", ")),
+        others => format!(" Exploratory were: {}.", others.join("; ")),
     };
+    let words = recorded.in_words(&primary);
     let primary = if recorded.compared.contains(&primary) {
-        format!("The primary measure was {primary}.")
+        format!("The primary measure was: {words}.")
     } else {
-        format!("The primary measure, {primary}, does not exist in these data.")
+        format!("The primary measure ({words}) does not exist in these data.")
     };
     format!(
         "These differences between modes were compared in each environment: {}. {primary}{exploratory}",
@@ -93,7 +94,7 @@ fn within(cited: &mut Cited) -> String {
     )
 }
 
-fn claims(study: &Study, cited: &mut Cited) -> String {
+fn claims(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
     let compare = &study.compare;
     let family = match compare.families {
         Families::Metric => "over all environments",
@@ -108,10 +109,14 @@ fn claims(study: &Study, cited: &mut Cited) -> String {
     );
     if !compare.bounds.is_empty() {
         let bounds = compare.bounds.iter().map(|(metric, bound)| match bound {
-            Bound::Absolute(value) => format!("{metric}: {}", plain(*value)),
-            Bound::Weber(share) => {
-                format!("{metric}: {} % of the commanded value", plain(100.0 * share))
+            Bound::Absolute(value) => {
+                format!("{} ({})", plain(*value), recorded.in_words(metric.as_str()))
             }
+            Bound::Weber(share) => format!(
+                "{} % of the commanded value ({})",
+                plain(100.0 * share),
+                recorded.in_words(metric.as_str())
+            ),
         });
         said += &format!(
             " Equivalence was tested by two one-sided tests {} against the bounds {}.",

@@ -43,22 +43,13 @@ const STIFFNESS: Quantity =
     metric("rendered stiffness, compressing", "stiffness_n_per_rad", "N/rad");
 const SATURATION: Quantity = metric("force at which it flattens", "saturation_force_n", "N");
 const DISCREPANCY: Quantity =
-    metric("the user's force, compression minus decompression", "discrepancy_user_mean_n", "N");
-const STEP: Quantity = metric(
-    "the user's force, compression minus decompression, at the reversal",
-    "discrepancy_user_step_n",
-    "N",
-);
-const ACTUATORS: Quantity = metric(
-    "the actuators' force, compression minus decompression",
-    "discrepancy_actuator_mean_n",
-    "N",
-);
-const ACTUATORS_STEP: Quantity = metric(
-    "the actuators' force, compression minus decompression, at the reversal",
-    "discrepancy_actuator_step_n",
-    "N",
-);
+    metric("the user's force discrepancy", "discrepancy_user_mean_n", "N");
+const STEP: Quantity =
+    metric("the user's force discrepancy, at the reversal", "discrepancy_user_step_n", "N");
+const ACTUATORS: Quantity =
+    metric("the actuators' force discrepancy", "discrepancy_actuator_mean_n", "N");
+const ACTUATORS_STEP: Quantity =
+    metric("the actuators' force discrepancy, at the reversal", "discrepancy_actuator_step_n", "N");
 const LARGEST_ANGLE: Quantity = metric("largest angle", "theta_max_rad", "rad");
 const RETURNED: Quantity = metric("share of the work given back", "returned_energy_share", "1");
 const WAY_IN: Quantity =
