@@ -95,16 +95,16 @@ fn check_at_1_khz(change: impl Fn(usize, f64) -> f64, expect: &[(Signal, &str)])
     assert!(found.iter().zip(expect).all(|(f, (_, words))| f.contains(words)), "{found:#?}");
 }
 
-/// 12°/s of noise before the lever moves, above the onset's 10°/s, in every fifth sample, forwards
+/// 12°/s of noise before the lever moves, above the onset's 10°/s, in every third sample, forwards
 /// and backwards.
 #[test]
 fn noise_above_the_onset_before_the_movement_is_found() {
     let noisy = |i: usize, v: f64| match i {
-        0..20 if i.is_multiple_of(5) => 0.21 * if i.is_multiple_of(2) { 1.0 } else { -1.0 },
+        0..10 if i.is_multiple_of(3) => 0.21 * if i.is_multiple_of(2) { 1.0 } else { -1.0 },
         _ => v,
     };
     check(Signal::ThetaDot, noisy, &[(Signal::ThetaDot, "passes onset_deg_s 4 times")]);
-    let one_way = |i: usize, v: f64| if i < 20 { noisy(i, v).abs() } else { v };
+    let one_way = |i: usize, v: f64| if i < 10 { noisy(i, v).abs() } else { v };
     check(Signal::ThetaDot, one_way, &[]);
 }
 
