@@ -24,7 +24,7 @@ pub struct Report {
 }
 
 /// What became of one file.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct FileReport {
     /// The file, as it was given.
     pub file: String,
@@ -83,8 +83,16 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for file in &self.files {
-            writeln!(f, "{file}")?;
+        for (i, file) in self.files.iter().enumerate() {
+            // Forty-eight files of one kind are told once.
+            let is_as_above = i > 0 && self.files[i - 1].form() == file.form();
+            let lines = if is_as_above { file.brief() } else { file.lines() };
+            // Names of others stand in each line.
+            lines.iter().try_for_each(|line| writeln!(f, "{}", printable(line)))?;
+            let ends = self.files.get(i + 1).is_none_or(|next| next.form() != file.form());
+            if ends {
+                writeln!(f)?;
+            }
         }
         let counts = [
             (self.trials, "trial"),
@@ -115,14 +123,22 @@ fn count_of(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
-impl fmt::Display for FileReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Names of others stand in each line.
-        self.lines().iter().try_for_each(|line| writeln!(f, "{}", printable(line)))
-    }
-}
-
 impl FileReport {
+    /// What its report has in common with those of files of the same kind.
+    fn form(&self) -> Vec<String> {
+        let rest = Self { made: Vec::new(), care: Vec::new(), ..self.clone() };
+        rest.lines().split_off(1)
+    }
+
+    /// What its report has of its own.
+    fn brief(&self) -> Vec<String> {
+        let own = Self { file: self.file.clone(), rows_read: self.rows_read, ..Self::default() };
+        let own = Self { rows_kept: self.rows_kept, made: self.made.clone(), ..own };
+        let mut lines = Self { care: self.care.clone(), ..own }.lines();
+        lines[0] += "; otherwise as above";
+        lines
+    }
+
     fn lines(&self) -> Vec<String> {
         let read = count_of(self.rows_read, "row");
         let mut lines = vec![format!("{}: {read} read, {} kept", self.file, self.rows_kept)];

@@ -20,7 +20,8 @@ use zwidth_tables::Table;
 
 const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
 
-/// The metrics that a study compares besides the primary one, where it does not say which.
+/// The metrics that a study compares, where it does not say which, besides the primary one and the
+/// one that is primary by default.
 const OTHERS: [&str; 6] = [
     "wall_past_max_rad",
     "stiffness_n_per_rad",
@@ -106,7 +107,10 @@ fn wanted(study: &Study) -> Vec<String> {
     let primary = study.compare.primary.to_string();
     let others: Vec<String> = match &study.compare.metrics {
         Some(metrics) => metrics.iter().map(ToString::to_string).collect(),
-        None => OTHERS.map(str::to_owned).to_vec(),
+        None => {
+            let default = MetricId::primary().to_string();
+            std::iter::once(default).chain(OTHERS.map(str::to_owned)).collect()
+        }
     };
     let mut wanted = vec![primary];
     for metric in others {

@@ -15,7 +15,7 @@ use zwidth_report::{
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
-use zwidth_study::{Kind, MetricId, Scene, Setup};
+use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
@@ -125,7 +125,7 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         compared,
         primary: data.study.compare.primary.to_string(),
-        primary_by_default: data.study.compare.primary == MetricId::primary(),
+        primary_by_default: !data.study.compare.is_primary_named,
         gallery: report::gallery(data, figures),
     };
     (page, files)
@@ -273,7 +273,7 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
             "No lever length is known (device.lever_m), so torque stays torque: N·m on axes and in tables."
         }
         false => {
-            "No lever length is known (device.lever_m), so no energy or power is computed, and the model is not replayed."
+            "No lever length is known (device.lever_m): shares of the work are computed, but no energy in joules and no power, and the model is not replayed."
         }
     };
     Summary {

@@ -11,6 +11,9 @@ pub struct Compare {
     pub contrasts: Vec<Contrast>,
     /// The metric whose claims count; the claims of every other metric are exploratory.
     pub primary: MetricId,
+    /// Whether study.toml names it. No number depends on it.
+    #[serde(skip)]
+    pub is_primary_named: bool,
     /// The other metrics; `None` for those of the stage.
     pub metrics: Option<Vec<MetricId>>,
     /// What difference is too small to matter, by metric.

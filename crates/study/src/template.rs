@@ -84,7 +84,10 @@ label = "B"
 # text = "I felt the force clearly."
 # points = 7
 
-# What is compared. Without it the last mode is compared with each other one, by metrics that the recordings allow.
+# What is compared. Without it the last mode is compared with each other one, the primary metric is
+# discrepancy_user_mean_n, and exploratory are wall_past_max_rad, stiffness_n_per_rad, loop_area_j, force_rms_error_n,
+# returned_energy_share and duration_s, each where the recordings allow it. Another primary one leaves the others;
+# `metrics = [...]` lists your own in their place.
 # [compare]
 # contrasts = [["b", "a"]]
 # primary = "stiffness_n_per_rad"

@@ -188,7 +188,7 @@ fn as_table(
             row.tested.as_ref().err().map(ToString::to_string)
         }),
     ]);
-    let title = format!("Mixed model beside: {}", measure.description);
+    let title = format!("Mixed model (for comparison): {}", measure.description);
     let table = Table::new(&format!("models_{}", measure.name), &title, all)?;
     let table = table.with_note(
         "REML over all trials, with the largest random structure that the design supports; \

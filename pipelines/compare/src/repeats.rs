@@ -49,7 +49,7 @@ pub(crate) fn table(
     let table = Table::new(&format!("repeats_{}", measure.name), &title, columns)?;
     Ok(table.with_note(match unit {
         Unit::Participants => {
-            "Mean over participants, whiskers: its interval; no claim is made of single repeats."
+            "Mean over participants, whiskers: its interval; no claim is made about single repeats."
         }
         Unit::Trials { .. } => {
             "One participant: each dot is one trial, or the mean of the sessions."

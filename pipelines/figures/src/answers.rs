@@ -9,7 +9,9 @@ use zwidth_draw::style::{self, Marker};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Points, Range, Reference, dodge,
 };
-use zwidth_study::{Environment, EnvironmentId, Question, QuestionId, Source};
+use zwidth_study::{
+    Environment, EnvironmentId, Mode, Question, QuestionId, Source, contrast_label,
+};
 use zwidth_tables::{Table, TableError};
 
 /// The figure [`answers_compared`].
@@ -78,7 +80,8 @@ pub fn answers_compared(
             continue;
         }
         let cell = Cell::at(panels.len() / COLUMNS, panels.len() % COLUMNS);
-        panels.push(panel(title, cell, &keys, &rows, [contrasts, participants])?);
+        let panel = panel(title, cell, &keys, &rows, [contrasts, participants], &about.modes)?;
+        panels.push(panel);
     }
     if panels.is_empty() {
         let bare = || Axis::bare(0.0, 1.0);
@@ -107,6 +110,7 @@ fn panel(
     keys: &[(&str, &str); 2],
     rows: &[usize],
     [contrasts, participants]: [&Table; 2],
+    modes: &[Mode],
 ) -> Result<Panel, TableError> {
     let names = contrasts.texts("contrast")?;
     let names: Vec<&str> = rows.iter().filter_map(|row| names[*row].as_deref()).collect();
@@ -146,7 +150,7 @@ fn panel(
         name: None,
     }));
     let x = Axis { range: Range::Fixed(-0.04, 1.04), ..Axis::new("A above B", "").linked("share") };
-    let y = Axis::categories(names.iter().map(|name| plain(name)));
+    let y = Axis::categories(names.iter().map(|name| plain(&contrast_label(modes, name))));
     let height_mm = Some(CONTRAST_MM * (rows.len() as f64 + 0.5));
     Ok(Panel { height_mm, ..Panel::new(cell, x, y, layers).titled(plain(title)) })
 }

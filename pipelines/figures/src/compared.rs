@@ -8,7 +8,7 @@ use zwidth_draw::style::{self, Marker, Stroke};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, Ticks, dodge,
 };
-use zwidth_study::{Environment, EnvironmentId, Source, in_a_sentence};
+use zwidth_study::{Environment, EnvironmentId, Mode, Source, contrast_label, in_a_sentence};
 use zwidth_tables::{Table, TableError, Values, shown_unit};
 
 /// The figure [`modes_compared`].
@@ -76,6 +76,7 @@ impl Shown {
     fn of(about: &About, tables: ComparedTables) -> Result<Self, TableError> {
         let unit = &tables.cells.column_of("mean")?.field.unit;
         let (unit, factor) = shown_unit(unit, about.coordinate);
+        let unit = if unit == "1" { String::new() } else { unit };
         let title = tables.cells.title();
         let words = title.split_once(": ").map_or(title, |(_, words)| words).to_owned();
         Ok(Self { factor, unit, words })
@@ -130,14 +131,15 @@ pub fn modes_compared(
             continue;
         }
         let row = panels.len() / 2;
-        let modes = Axis::categories(about.modes.iter().map(|mode| plain(&mode.label)));
+        let modes = Axis::categories(mode_names(about, id, tables)?);
         let axis = |label: &str| Axis::new(label, shown.unit.as_str()).linked(label);
         let title = plain(&environment.label);
         let panel =
             Panel::new(Cell::at(row, 0), modes, axis("mean"), means(about, id, &shown, tables)?);
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel.titled(title) });
         let (contrasts, layers) = differences(id, &shown, tables)?;
-        let names = Axis::categories(contrasts.iter().map(|name| plain(name)));
+        let names = contrasts.iter().map(|name| plain(&contrast_label(&about.modes, name)));
+        let names = Axis::categories(names);
         let (cell, y) = (Cell::at(row, 1), axis("difference"));
         let panel = match contrasts.is_empty() {
             true => Panel::with_note(cell, Axis::new("", ""), y, "no two modes to compare"),
@@ -180,6 +182,20 @@ fn last_note(contrasts: &Table) -> Option<String> {
     let note = notes.find(|n| n.starts_with("Primary") || n.starts_with("Exploratory"))?;
     let first = note.split_once(". ").map_or(note.as_str(), |(first, _)| first);
     Some(plain(&format!("{}.", first.trim_end_matches('.'))))
+}
+
+/// The modes' labels; of one without any value in this environment, that it has none.
+fn mode_names(
+    about: &About,
+    environment: &str,
+    tables: ComparedTables,
+) -> Result<Vec<String>, TableError> {
+    let name = |mode: &Mode| {
+        let keys = [("environment", environment), ("mode", mode.id.as_str())];
+        let is_empty = rows_with(tables.means, &keys)?.is_empty();
+        Ok(plain(&mode.label) + if is_empty { " (no value)" } else { "" })
+    };
+    about.modes.iter().map(name).collect()
 }
 
 /// Everybody's means, joined, and the mean over them.
@@ -341,7 +357,8 @@ pub fn participants_compared(
         {
             let contrast = contrasts[place].as_deref().unwrap_or_default();
             let panel = caterpillar(&environment.id, contrast, place, &shown, tables)?;
-            let title = format!("{}: {}", plain(&environment.label), plain(contrast));
+            let contrast = contrast_label(&about.modes, contrast);
+            let title = format!("{}: {}", plain(&environment.label), plain(&contrast));
             panels.push(Panel { cell: Cell::at(row, column), ..panel.titled(title) });
         }
     }
@@ -350,7 +367,7 @@ pub fn participants_compared(
         description: format!("{}: each participant's difference between modes.", shown.words),
         panels: or_note(panels),
         footnotes: vec![plain(&format!(
-            "Whiskers: {} intervals within each participant, repeats as units. Line: mean over participants; zero: thin.",
+            "Whiskers: {} intervals within each participant, repeats as units; the smallest difference first. Dashed: mean over participants. Solid: zero.",
             percent(about.confidence)
         ))],
         mark: mark(sources.iter().copied()),

@@ -52,10 +52,11 @@ pub(crate) fn repeats_averaged<'a>(
 }
 
 /// How means are aligned, in words.
-pub(crate) fn aligned(alignment: Alignment) -> &'static str {
-    match alignment {
-        Alignment::Onset => "aligned at movement onset",
-        Alignment::Landmarks => "aligned by landmarks (start, wall contact, reversal, end)",
+pub(crate) fn aligned(alignment: Alignment, has_wall: bool) -> &'static str {
+    match (alignment, has_wall) {
+        (Alignment::Onset, _) => "aligned at movement onset",
+        (Alignment::Landmarks, true) => "aligned by landmarks (start, wall contact, reversal, end)",
+        (Alignment::Landmarks, false) => "aligned by landmarks (start, reversal, end)",
     }
 }
 

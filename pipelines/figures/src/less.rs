@@ -132,7 +132,8 @@ impl Rows {
                 name: Some(plain(less)),
             })
         }));
-        let x = Axis { ticks: Ticks::Powers, ..Axis::new("change / felt", "") }.linked("share");
+        let x =
+            Axis { ticks: Ticks::Powers, ..Axis::new("change / just felt", "") }.linked("share");
         let y = Axis::categories(self.names.iter().map(|name| row_words(name))).linked("metric");
         let panel = Panel::new(Cell::at(0, column), x, y, layers).titled(plain(kind));
         Panel { height_mm: Some(FRAME_MM + ROW_MM * self.names.len() as f64), ..panel }

@@ -71,13 +71,14 @@ fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
     let modes = scenes.iter().flat_map(|scene| &scene.modes);
     let averaged = repeats_averaged(modes.filter(|mode| mode.repeats.len() > 1));
     let means = scenes.first().zip(averaged);
+    let has_wall = scenes.iter().any(|scene| scene.environment.scene.wall_rad().is_some());
     let means = means.map(|(scene, n)| {
         let what = if n == "n = 1" {
             "the one repeat that could be placed"
         } else {
             "mean of the repeats"
         };
-        format!("Lines: {what} ({n}), {}", aligned(scene.alignments.over_position))
+        format!("Lines: {what} ({n}), {}", aligned(scene.alignments.over_position, has_wall))
     });
     let mut layers = panels.iter().flat_map(|panel| &panel.layers);
     let dotted = layers.any(|l| matches!(l, Layer::Line(line) if line.dotted.contains(&true)));
@@ -91,7 +92,7 @@ fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
 
 /// Whose force it is.
 const WHOSE: &str = "*F*: the user's force: between the two ways it differs by inertia, damping and friction too; the \
-    actuators' difference: table of metrics.";
+    actuators' difference, where the plant is known: table of metrics.";
 
 /// The mean loop, or every repeat's where there is no mean.
 fn one(

@@ -84,14 +84,15 @@ fn describe(scene: &EnvironmentData, words: Words) -> String {
 /// How the means are aligned, in words: once where all are alike.
 fn how_aligned(scene: &EnvironmentData) -> String {
     let Alignments { over_time, over_position } = scene.alignments;
+    let has_wall = scene.environment.scene.wall_rad().is_some();
     if over_time == over_position {
-        return aligned(over_time).to_owned();
+        return aligned(over_time, has_wall).to_owned();
     }
     let position = Words::new(scene.about.coordinate).position_word();
     format!(
         "against time {}, against the {position} {}",
-        aligned(over_time),
-        aligned(over_position)
+        aligned(over_time, has_wall),
+        aligned(over_position, has_wall)
     )
 }
 

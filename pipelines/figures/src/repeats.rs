@@ -41,6 +41,11 @@ pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
         layers.retain(|layer| !matches!(layer, Layer::Text(_)));
         Panel { x, layers, ..panel }
     }));
+    let is_commanded = |repeat: &Repeat| repeat.trial.samples.get(Signal::ForceCmd).is_some();
+    let dotted = match mode.repeats.iter().any(is_commanded) {
+        true => " Dotted: the commanded feedback force of the repeat that goes furthest.",
+        false => "",
+    };
     Figure {
         title: Some(plain(&format!(
             "{}: every repeat, {} ({})",
@@ -49,8 +54,7 @@ pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
             keep_together(&scene.who),
         ))),
         description: format!(
-            "{}, environment {}, mode {}: all {} repeats. Force against {}, then {} and velocity against time. Dotted: \
-             the commanded feedback force of the repeat that goes furthest.",
+            "{}, environment {}, mode {}: all {} repeats. Force against {}, then {} and velocity against time.{dotted}",
             scene.who,
             scene.environment.label,
             mode.label,

@@ -137,6 +137,7 @@ fn loops_say_what_their_dots_mean() {
     assert!(whose.starts_with("*F*: the user's force:"), "{whose}");
     assert_eq!(notes(&scene), [format!("{means}{dots}."), whose.clone()]);
     scene.environment = &study.environments[0];
+    let means = means.replace("wall contact, ", "");
     assert_eq!(notes(&scene), [format!("{means}."), whose], "no wall, no dots");
 }
 

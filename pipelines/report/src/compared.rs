@@ -3,7 +3,7 @@
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use serde::Serialize;
-use zwidth_study::{EnvironmentId, ModeId, Setup};
+use zwidth_study::{EnvironmentId, ModeId, Setup, contrast_label};
 use zwidth_tables::{Table, TableError, Values, for_people, number, with_unit};
 
 /// What a study says of a metric that it compares.
@@ -128,8 +128,8 @@ fn caption(unit: &str) -> String {
 }
 
 /// What the contrasts of the first of `metrics` say, the primary one where it is there: first how
-/// many show a difference, then each in a sentence with effect, interval, n and unit. Of the other
-/// metrics, how many are compared.
+/// many show a difference, then each in a sentence with effect, interval, n and unit. Of each other
+/// metric, one sentence with its differences.
 ///
 /// # Errors
 /// Tables that are not of the stage `compare`.
@@ -140,15 +140,16 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Result<Vec<Findin
     if sentences.is_empty() {
         return Ok(Vec::new());
     }
-    let exploratory = (!others.is_empty()).then(|| {
-        let names: Vec<&str> = others.iter().map(|metric| words(metric.contrasts)).collect();
-        let text = format!("Compared besides, exploratory: {}.", names.join("; "));
-        Finding { text, shown: Shown::Compared(others[0].name.to_owned()) }
+    let exploratory = others.iter().map(|metric| {
+        let text = briefly(study, &for_people(metric.contrasts, study.coordinate)?)?;
+        let shown = Shown::Compared(metric.name.to_owned());
+        Ok(text.map(|text| Finding { text, shown }))
     });
+    let exploratory: Vec<Option<Finding>> = exploratory.collect::<Result<_, TableError>>()?;
     let shown = Shown::Compared(first.name.to_owned());
     let texts = [answer(&table, first.role)?].into_iter().chain(sentences);
     let found = texts.map(|text| Finding { text, shown: shown.clone() });
-    Ok(found.chain(exploratory).collect())
+    Ok(found.chain(exploratory.into_iter().flatten()).collect())
 }
 
 /// How many contrasts show a difference; if no contrast has a test, that it was not asked.
@@ -174,13 +175,14 @@ fn answer(table: &Table, role: Role) -> Result<String, TableError> {
             "{who}{start} was not tested {whether}: none of {all} contrasts has a test."
         ));
     }
-    let contrasts = if all == 1 { "contrast" } else { "contrasts" };
-    let of = match differ {
-        0 => format!("in none of {all} {contrasts}"),
-        differ => format!("in {differ} of {all} {contrasts}"),
-    };
     let n = size(table)?;
-    let text = format!("{who}{the} modes were shown to differ in {metric}, {of} ({n}).");
+    let text = match (differ, all) {
+        (0, _) => format!("{who}{the} modes were not shown to differ in {metric} ({n})."),
+        (1, 1) => format!("{who}{the} modes were shown to differ in {metric} ({n})."),
+        _ => format!(
+            "{who}{the} modes were shown to differ in {metric}, in {differ} of {all} contrasts ({n})."
+        ),
+    };
     Ok(smallest_p(table).map_or(text.clone(), |p| {
         format!(
             "{text} Tested by the other orders that the design could have drawn, which reach an \
@@ -203,8 +205,50 @@ fn smallest_p(table: &Table) -> Option<f64> {
     floats(table, "smallest_p_adjusted").ok()?.into_iter().flatten().min_by(f64::total_cmp)
 }
 
+/// The differences of a metric on which no claim rests, in one sentence.
+fn briefly(study: &Setup, table: &Table) -> Result<Option<String>, TableError> {
+    let told: Vec<String> = differences(study, table)?.into_iter().map(|d| d.in_brief()).collect();
+    let text = format!("Exploratory, {}: {}.", words(table), told.join("; "));
+    Ok((!told.is_empty()).then_some(text))
+}
+
 /// Each contrast in a sentence.
 fn sentences(study: &Setup, table: &Table) -> Result<Vec<String>, TableError> {
+    let of = words(table);
+    Ok(differences(study, table)?.into_iter().map(|difference| difference.told(of)).collect())
+}
+
+/// A difference between two modes in one environment, in words.
+struct Told {
+    place: String,
+    amount: String,
+    interval: Option<String>,
+    n: String,
+    p: Option<String>,
+    verdict: String,
+}
+
+impl Told {
+    fn told(&self, metric: &str) -> String {
+        let Self { place, amount, n, verdict, .. } = self;
+        let interval = self.interval.as_ref().map(|ends| format!("interval {ends}, "));
+        let p = self.p.as_ref().map(|p| format!(", adjusted p = {p}"));
+        format!(
+            "{place}: {metric} differs by {amount} ({}n = {n}{}): {verdict}.",
+            interval.unwrap_or_default(),
+            p.unwrap_or_default(),
+        )
+    }
+
+    fn in_brief(&self) -> String {
+        let Self { place, amount, verdict, .. } = self;
+        let interval = self.interval.as_ref().map(|ends| format!("{ends}, ")).unwrap_or_default();
+        format!("{place} {amount} ({interval}{verdict})")
+    }
+}
+
+/// Every contrast that has an estimate.
+fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
     let unit = table.column_of("difference")?.field.unit.to_string();
     let (environments, contrasts) = (table.texts("environment")?, table.texts("contrast")?);
     let verdicts = table.texts("verdict")?;
@@ -218,30 +262,34 @@ fn sentences(study: &Setup, table: &Table) -> Result<Vec<String>, TableError> {
         let known = study.environments.iter().find(|e| e.id.as_str() == id);
         known.map_or_else(|| id.to_owned(), |e| e.label.clone())
     };
-    let mut sentences = Vec::new();
+    let mut found = Vec::new();
     for row in 0..table.height() {
         let (Some(environment), Some(contrast)) = (&environments[row], &contrasts[row]) else {
             continue;
         };
         let Some(estimate) = difference[row] else { continue };
         let amount = with_unit(&number(estimate, error[row]), &unit);
-        let ends = low[row].zip(high[row]).map(|(low, high)| {
+        let interval = low[row].zip(high[row]).map(|(low, high)| {
             let [low, high] = [low, high].map(|end| number(end, error[row]));
-            format!("interval {low} to {high}, ")
+            format!("{low} to {high}")
         });
-        let p = p[row].map(|p| format!(", adjusted p = {}", number(p, None)));
-        sentences.push(format!(
-            "{}, {contrast}: {} differs by {amount} ({}n = {} {counted}{}): {}.",
-            label(environment),
-            words(table),
-            ends.unwrap_or_default(),
-            n[row].unwrap_or_default(),
-            p.unwrap_or_default(),
-            verdicts[row].as_deref().unwrap_or("no test"),
-        ));
+        found.push(Told {
+            place: format!("{}, {}", label(environment), contrast_label(&study.modes, contrast)),
+            amount,
+            interval,
+            n: format!("{} {counted}", n[row].unwrap_or_default()),
+            p: p[row].map(|p| number(p, None)),
+            verdict: match verdicts[row].as_deref().unwrap_or("no test") {
+                UNDECIDED => format!("{UNDECIDED}, neither a difference nor its absence was shown"),
+                verdict => verdict.to_owned(),
+            },
+        });
     }
-    Ok(sentences)
+    Ok(found)
 }
+
+/// The verdict of a contrast that shows nothing.
+const UNDECIDED: &str = "undecided";
 
 #[cfg(test)]
 mod tests {
@@ -323,11 +371,11 @@ mod tests {
     #[test]
     fn a_difference_is_told_with_its_interval_its_n_and_its_unit_after_the_answer() {
         let found = texts("participants", "different");
-        let answer = "The modes were shown to differ in the primary metric, angle past the wall, in 1 of 1 contrast (n = 6 participants).";
+        let answer = "The modes were shown to differ in the primary metric, angle past the wall (n = 6 participants).";
         assert_eq!(found[0], answer);
         assert_eq!(
             found[1],
-            "Spring, hybrid − active: angle past the wall differs by −5.7° (interval −8.6 to −2.9, \
+            "Spring, Hybrid − Active: angle past the wall differs by −5.7° (interval −8.6 to −2.9, \
              n = 6 participants, adjusted p = 0.0123): different."
         );
     }
@@ -336,10 +384,10 @@ mod tests {
     fn a_metric_that_is_not_the_primary_one_is_not_called_so() {
         let differences = differences("participants", "different", Some(0.0123));
         for (role, words) in [
-            (Role::Exploratory, "angle past the wall (exploratory: not the primary metric), "),
+            (Role::Exploratory, "angle past the wall (exploratory: not the primary metric) ("),
             (
                 Role::PrimaryByDefault,
-                "the primary metric, angle past the wall (primary by default), ",
+                "the primary metric, angle past the wall (primary by default) (",
             ),
         ] {
             let found = texts_of(role, &differences);
@@ -358,7 +406,7 @@ mod tests {
     #[test]
     fn with_one_participant_it_is_said_within_whom() {
         let found = texts("trials of P01", "undecided");
-        assert!(found[0].starts_with("Within P01, the modes") && found[0].contains("in none of 1"));
+        assert!(found[0].starts_with("Within P01, the modes were not shown to differ"));
         assert!(found[1].contains("n = 6 trials of P01"), "{}", found[1]);
     }
 }

@@ -86,10 +86,10 @@ fn rendered(
     if let Some(step) = trials.mean("discrepancy_user_step_n")? {
         let actuators = trials.mean("discrepancy_actuator_step_n")?;
         let of_these = actuators
-            .map(|a| format!(", the actuators' by {}", quantity(a.mean, "N", coordinate)))
+            .map(|a| format!(" (the actuators': {})", quantity(a.mean, "N", coordinate)))
             .unwrap_or_default();
         let step = quantity(step.mean, "N", coordinate);
-        parts.push(format!("the user's force fell by {step} at the reversal{of_these}"));
+        parts.push(format!("extrapolated to the reversal, the user's force was {step} larger on the way in than on the way back{of_these}"));
     }
     match trials.mean("returned_energy_share")?.map(|share| share.mean) {
         Some(share) if share <= NOTHING_RETURNED => {
@@ -192,7 +192,7 @@ fn steadiness(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableEr
     let text = match (all, swung.as_slice()) {
         (0, _) => return Ok(None),
         (_, []) => {
-            format!("In none of {all} trials did the lever swing fast; all {smooth} were smooth.")
+            format!("No trial swung fast: all {smooth} of {all} were smooth.")
         }
         (_, swung) => format!(
             "The lever swung fast in {all_but} of {all} trials: {}.",
@@ -261,7 +261,7 @@ mod tests {
              flattened at 4.43\u{a0}N in 2 of 2 trials; 79 % of the work put in came back."
         );
         assert!(found[1].ends_with("no spring on the way back."), "{}", found[1]);
-        assert_eq!(found[2], "In none of 3 trials did the lever swing fast; all 3 were smooth.");
+        assert_eq!(found[2], "No trial swung fast: all 3 of 3 were smooth.");
     }
 
     /// 292.75 N/rad on a slide whose L is 1 m are 0.293 N/mm.

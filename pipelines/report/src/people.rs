@@ -63,8 +63,8 @@ fn origin(source: Source) -> &'static str {
     match source {
         Source::Recorded => "recorded on the device",
         Source::Twin => "simulated",
-        Source::Imported => "measured by others and imported",
-        Source::Simulated => "simulated by others and imported",
+        Source::Imported => "recorded by another program and imported",
+        Source::Simulated => "simulated by another program and imported",
     }
 }
 
@@ -89,7 +89,7 @@ mod tests {
         ]));
         let text = "Of 40 recordings: 30 recorded on the device, 10 simulated.".to_owned();
         assert_eq!(told, Some(Origins { mark: Some("Some data are simulated."), text }));
-        let text = "All data were measured by others and imported.".to_owned();
+        let text = "All data were recorded by another program and imported.".to_owned();
         let told = sources(&BTreeMap::from([(Source::Imported, 3)]));
         assert_eq!(told, Some(Origins { mark: None, text }));
     }

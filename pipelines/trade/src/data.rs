@@ -10,12 +10,12 @@ use zwidth_tables::{Column, Table};
 type About = [&'static str; 3];
 const RECORDINGS: About = [
     "trade_data",
-    "Less of the recordings: what it does to the metrics",
+    "What coarser recordings do to the metrics",
     "Each trial is compared with itself. What is just felt is known for forces, angles, ways, work, stiffnesses and viscosities alone.",
 ];
 const TWIN: About = [
     "trade_twin",
-    "Another setup of the simulated device: what it does to the metrics",
+    "What another setup of the simulated device does to the metrics",
     "Each simulated trial is compared with the one of the same intent at the study's own setup; the loop runs with the setup, and the hand feels it.",
 ];
 

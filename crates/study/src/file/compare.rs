@@ -12,6 +12,7 @@ impl Check<'_> {
         modes: &[Mode],
         analysis: &Analysis,
     ) -> Compare {
+        let is_primary_named = table.primary.is_some();
         let primary = table.primary.unwrap_or_else(MetricId::primary);
         let (alpha, level) =
             (table.alpha.unwrap_or(Compare::ALPHA), table.level.unwrap_or(analysis.confidence));
@@ -35,6 +36,7 @@ impl Check<'_> {
                 None => default_contrasts(modes),
             },
             primary,
+            is_primary_named,
             metrics: table.metrics,
             alpha,
             level,
@@ -127,7 +129,7 @@ pub(super) fn table(study: &Study) -> CompareTable {
     CompareTable {
         contrasts: (*contrasts != default_contrasts(&study.modes))
             .then(|| contrasts.iter().map(|c| [c.mode.clone(), c.against.clone()]).collect()),
-        primary: (compare.primary != MetricId::primary()).then(|| compare.primary.clone()),
+        primary: compare.is_primary_named.then(|| compare.primary.clone()),
         metrics: compare.metrics.clone(),
         alpha: differs(compare.alpha, Compare::ALPHA),
         level: differs(compare.level, study.analysis.confidence),
@@ -173,7 +175,9 @@ mod tests {
         assert_eq!(with("").unwrap(), study);
         let written = "contrasts = [[\"hybrid\", \"active\"], [\"hybrid\", \"passive\"]]\n\
             primary = \"discrepancy_user_mean_n\"\nalpha = 0.05\nlevel = 0.95\nfamilies = \"metric\"";
-        assert_eq!(with(written).unwrap(), study);
+        let mut named = study;
+        named.compare.is_primary_named = true;
+        assert_eq!(with(written).unwrap(), named);
     }
 
     #[test]

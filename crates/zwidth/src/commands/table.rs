@@ -42,7 +42,7 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
     let Some((file, table)) = tables.iter().find(|(_, table)| table.name() == name) else {
         unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
         bail!(
-            "{} has no table '{name}' that can be read{} (`zwidth table {}` lists them)",
+            "{} has no table '{name}'{} (`zwidth table {}` lists them)",
             asked.study,
             did_you_mean(name, tables.iter().map(|(_, table)| table.name())),
             asked.study

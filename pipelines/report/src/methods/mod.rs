@@ -60,7 +60,7 @@ fn apparatus(study: &Study, recorded: &Recorded) -> Vec<String> {
     if study.environments.iter().all(|e| e.scene == Scene::None) {
         return Vec::new();
     }
-    let mut said = vec![format!("The device was: {}.", device.name)];
+    let mut said = vec![format!("The device: {}.", device.name.trim_end_matches('.'))];
     if let Some(lever) = device.lever_m {
         said.push(format!(
             "The lever was {} mm long from its axis to the finger.",
@@ -242,8 +242,8 @@ fn data(recorded: &Recorded) -> Vec<String> {
     }
     let origin = origins(&recorded.sources)
         .map(|told| format!("{} {}", told.mark.unwrap_or_default(), told.text).trim().to_owned());
-    let sentence = format!("The data are {}.", counted.join(", "));
-    let foreign = "How they were taken is described by those who took them.".to_owned();
+    let sentence = format!("The data comprise {}.", counted.join(", "));
+    let foreign = "How they were taken is not known to this program: describe it here.".to_owned();
     let foreign = recorded.is_foreign().then_some(foreign);
     let made = (!recorded.made_by_import.is_empty()).then(|| {
         let made = Vec::from_iter(recorded.made_by_import.iter().map(String::as_str));
@@ -261,22 +261,23 @@ fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String
     let (analysis, axis) = (&study.analysis, study.coordinate);
     let (onset, offset) =
         (given(analysis.onset_rad_s, "rad/s", axis), given(analysis.offset_rad_s, "rad/s", axis));
+    let has = |is: fn(&Scene) -> bool| study.environments.iter().any(|e| is(&e.scene));
+    let wall = if has(|scene| scene.wall_rad().is_some()) { "wall contact, " } else { "" };
     let mut said = vec![format!(
         "A movement began where |θ̇| first exceeded {onset} and ended where it fell below {offset} \
          after it had last exceeded {onset}. Compression is the way from there to the first sample of \
          the largest θ, decompression the way back to the end. Smoothness is the spectral arc length \
          of |θ̇| {}. Repeats were averaged over time from the onset of movement, and over the angle \
-         with time stretched so that start, wall contact, reversal and end coincide.",
+         with time stretched so that start, {wall}reversal and end coincide.",
         cited.cite("balasubramanian")
     )];
-    let has = |is: fn(&Scene) -> bool| study.environments.iter().any(|e| is(&e.scene));
     if has(|scene| scene.spring().is_some()) {
         said.push(format!(
-            "Force discrepancy is D(θ) = F(compression) − F(decompression) of the user's force on {} \
-             even angles that both ways cover; its interval is that of a line through D with standard \
+            "Force discrepancy is D(θ) = F(compression) − F(decompression) of the user's force at {} \
+             equally spaced angles that both ways cover; its interval is that of a line through D with standard \
              errors that allow for correlated samples {}. Stiffness is the slope of F against θ over \
-             the compression below saturation, from the continuous pair of a line and a plateau with \
-             the least sum of squares {}.",
+             the compression by least squares; where the force saturates, that of the line in the \
+             continuous pair of a line and a plateau with the least sum of squares {}.",
             analysis.grid_points,
             cited.cite("newey"),
             cited.cite("hudson")

@@ -9,11 +9,7 @@ pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) 
         return recorded.guesses.then(|| guesses(recorded, cited)).into_iter().collect();
     }
     let mut said = vec![compared(study, recorded)];
-    said.push(if recorded.participants > 1 {
-        between(recorded.is_foreign(), cited)
-    } else {
-        within(cited)
-    });
+    said.push(if recorded.participants > 1 { between(recorded, cited) } else { within(cited) });
     said.push(claims(study, recorded, cited));
     if recorded.answers {
         said.push(answers(recorded, cited));
@@ -44,11 +40,11 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
     let others: Vec<&str> = others.map(|name| recorded.in_words(name)).collect();
     let exploratory = match others.as_slice() {
         [] => String::new(),
-        others => format!(" Exploratory were: {}.", others.join("; ")),
+        others => format!(" Exploratory measures were {}.", others.join("; ")),
     };
     let words = recorded.in_words(&primary);
     let primary = if recorded.compared.contains(&primary) {
-        format!("The primary measure was: {words}.")
+        format!("The primary measure was {words}.")
     } else {
         format!("The primary measure ({words}) does not exist in these data.")
     };
@@ -59,10 +55,12 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
 }
 
 /// Several participants: each gives one difference.
-fn between(is_foreign: bool, cited: &mut Cited) -> String {
+fn between(recorded: &Recorded, cited: &mut Cited) -> String {
+    let again = recorded.sessions > recorded.participants;
+    let sessions = if again { ", then the sessions" } else { "" };
     let (flips, ranks) = (cited.cite("fisher"), cited.cite("wilcoxon"));
     // The order in which others drew their trials is not known.
-    let beside = match is_foreign {
+    let beside = match recorded.is_foreign() {
         true => format!("the sign-flip test {flips} and the signed-rank test {ranks}"),
         false => format!(
             "the sign-flip test {flips}, the signed-rank test {ranks} and a randomisation test over \
@@ -71,12 +69,12 @@ fn between(is_foreign: bool, cited: &mut Cited) -> String {
         ),
     };
     format!(
-        "The unit of analysis was the participant: each one's repeats were averaged, then the sessions, \
+        "The unit of analysis was the participant: each one's repeats were averaged{sessions}, \
          and each participant gave one difference. Its mean was tested by Student's t with n − 1 \
          degrees of freedom; beside it stand {beside}. d_av is the difference \
-         over the root mean of the modes' variances between participants {}. A mixed model with \
+         divided by the square root of the mean of the modes' variances between participants {}. A mixed model with \
          participant and participant × mode as random effects was fitted to all trials by REML, with \
-         degrees of freedom after Kenward and Roger {}; no claim rests on it.",
+         degrees of freedom by the method of {}; no claim rests on it.",
         cited.cite("cumming"),
         cited.cite("kenward")
     )

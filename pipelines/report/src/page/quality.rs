@@ -53,9 +53,9 @@ fn order(page: &Page) -> Markup {
                 table.order { tbody { @for (who, trials) in &sessions { (session(page, who, trials)) } } }
             }
             p.caption {
-                "Trials that count, by their numbers, which follow the order of recording. An import \
-                 numbers trials in the order of its files, unless the mapping file numbers them. \
-                 Cells: "
+                "Trials that count, in the order of their numbers. For trials recorded with this program \
+                 that is the order of recording; for imported ones it is the order of the files, \
+                 unless the mapping file numbers them. Cells: "
                 @for (place, environment) in page.planned.environments.iter().enumerate() {
                     (place + 1) " " (environment.label) ", "
                 }
