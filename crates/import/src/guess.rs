@@ -297,6 +297,14 @@ impl Guessed {
                 let unit = self.unit_line("which?");
                 writeln!(text, "\n[[column]]\nto = \"{}\"\nfrom = {from}\nunit = {unit}", to.name())
             }
+            None if LABELS.iter().any(|(_, known)| self.says(known)) => {
+                let (key, _) =
+                    LABELS.iter().find(|(_, known)| self.says(known)).unwrap_or(&LABELS[0]);
+                writeln!(
+                    text,
+                    "\n# a label of the trial? Then under [trial]: {key} = {{ column = {from} }}"
+                )
+            }
             None if self.says(&ANSWERS) => {
                 writeln!(text, "\n# an answer? Then under [trial]: likert = {{ column = {from} }}")
             }
@@ -348,6 +356,14 @@ fn quoted(text: &str) -> String {
     quoted + "\""
 }
 
+/// Words of a column that says which trial it is, and the key under `[trial]`.
+const LABELS: [(&str, &[&str]); 5] = [
+    ("participant", &["participant", "subject", "subj", "vp", "proband", "user"]),
+    ("session", &["session", "day", "visit"]),
+    ("mode", &["controller", "condition", "mode", "group", "treatment", "regler"]),
+    ("repeat", &["repetition", "repeat", "rep", "wdh"]),
+    ("trial", &["trial", "run"]),
+];
 /// Words of a column of answers.
 const ANSWERS: [&str; 6] = ["likert", "rating", "answer", "score", "response", "bewertung"];
 /// Words of a column of a winding's current.
@@ -464,8 +480,10 @@ mod tests {
     fn a_column_of_a_current_an_answer_or_anything_else_is_told_where_it_may_go() {
         check(
             "a.csv",
-            b"t_s,Brake current (A),Grip force [kg],likert,x y\n0,1,2,3,4\n1,1,2,3,5\n",
+            b"t_s,Brake current (A),Grip force [kg],likert,x y,controller,repetition\n0,1,2,3,4,pid,1\n1,1,2,3,5,pid,1\n",
             &[
+                "under [trial]: mode = { column = \"controller\" }",
+                "under [trial]: repeat = { column = \"repetition\" }",
                 "# to = \"current_brake_a\"\n# from = \"Brake current (A)\"\n",
                 "likert = { column = \"likert\" }",
             ],

@@ -110,6 +110,14 @@ fn of_columns(kinds: &[Kind], columns: &[Vec<&str>], ending: &str, files: usize)
                 let known = labels_of(word).find(|label| fresh(*label));
                 pattern += &digits(&mut names, known, word, same.then_some(values[0]));
             }
+            Kind::Letters
+                if !same
+                    && labels_of(word).any(|l| l == Label::Participant)
+                    && fresh(Label::Participant) =>
+            {
+                pattern += "(?<who>\\pL+)";
+                names.participant = Some("{ name = \"who\" }".to_owned());
+            }
             Kind::Letters if !same && fresh(Label::Mode) => {
                 let common = common_start(&distinct);
                 pattern += &regex::escape(common);
@@ -216,6 +224,14 @@ mod tests {
         let groups = pattern.captures(file).unwrap_or_else(|| panic!("{text} in {file}"));
         let named = pattern.capture_names().flatten();
         named.map(|name| (name.to_owned(), groups[name].to_owned())).collect()
+    }
+
+    #[test]
+    fn letters_behind_the_word_participant_are_the_participant() {
+        let names = of(&["participant_A.csv", "participant_B.csv"]);
+        assert_eq!(found(&names, "participant_B.csv"), pairs(&[("who", "B")]));
+        assert_eq!(names.participant.as_deref(), Some("{ name = \"who\" }"));
+        assert_eq!(names.mode, None);
     }
 
     fn pairs(expect: &[(&str, &str)]) -> Vec<(String, String)> {

@@ -127,12 +127,14 @@ pub fn is_metric(name: &str) -> bool {
 }
 
 /// What study.toml says of metrics that do not exist, and of bounds that have no effect.
-pub(crate) fn asked_in_vain(study: &Study) -> Vec<String> {
+pub fn asked_in_vain(study: &Study) -> Vec<String> {
     let unknown = wanted(study).into_iter().filter(|metric| !zwidth_metrics::is_number(metric));
     let unknown = unknown.map(|metric| {
         let now = zwidth_metrics::renamed(&metric).map(|now| format!(": it is '{now}' now"));
-        let now = now.unwrap_or_default();
-        format!("[compare] of study.toml: there is no metric '{metric}' that is a number{now}")
+        let on_a_lever = metric.replace("_per_mm", "_per_rad").replace("_mm", "_rad");
+        let meant = zwidth_metrics::is_number(&on_a_lever).then(|| format!(": write {on_a_lever}, also on a slide"));
+        let now = now.or(meant).unwrap_or_default();
+        format!("[compare] of study.toml: there is no metric '{metric}' that is a number{now}; it is left out")
     });
     let fractions = study.compare.bounds.iter().filter(|(_, b)| matches!(b, Bound::Weber(_)));
     let of_nothing = fractions.filter(|(metric, _)| !is_commanded(study, metric));

@@ -7,7 +7,7 @@ use crate::conditions::{Repeats, repeats};
 use crate::identify;
 use crate::ladder::{self, Auto};
 use crate::making::{derived, read_tables, split, write_tables};
-use crate::replayable::rendering;
+use crate::replayable::{rendering, replayable};
 use crate::trials::{Known, OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -38,13 +38,19 @@ fn auto_of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
 /// The replays, and their agreement, if anything was rendered.
 pub(crate) fn of_study(data: &StudyData) -> Vec<PathBuf> {
     let names = ["replay.parquet", "replay.agreement.parquet"].into_iter();
-    let is_any = rendered(data).next().is_some();
+    let is_any = replayed(data).next().is_some();
     names.filter(|_| is_any).map(|name| derived(&data.layout, name)).collect()
 }
 
 /// Conditions whose environment is more than a questionnaire.
 pub(crate) fn rendered(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
     repeats(data).into_iter().filter(|r| r.environment.scene != Scene::None)
+}
+
+/// The same; none where not one trial can be replayed.
+fn replayed(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
+    let is_any = replayable(data).next().is_some();
+    rendered(data).filter(move |_| is_any)
 }
 
 /// What the replays of a condition depend on besides its trials.
@@ -92,7 +98,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let of = OfTrials { trials, stage: Chosen { modelled, auto: Auto::of(&data.study) } };
         Some(Job::new(STAGE, name, of, inputs, vec![output], make_auto).of_part(&repeats.key))
     };
-    let conditions: Vec<Repeats> = rendered(data).collect();
+    let conditions: Vec<Repeats> = replayed(data).collect();
     let all = |repeats: &Repeats| {
         let fitted = plant.as_ref().map(|_| fitted_of_condition(&data.layout, repeats));
         let auto =

@@ -91,7 +91,7 @@ mod tests {
         let words = check(6, 2, 0.05).unwrap_err().to_string();
         assert_eq!(
             words,
-            "6 pairs in 2 contrasts cannot bring an adjusted p below 0.0625, however large the \
+            "with 6 pairs and contrasts: 2, they cannot bring an adjusted p below 0.0625, however large the \
              effect; below 0.05 takes 7 pairs"
         );
         near(check(7, 2, 0.05).unwrap(), 0.03125);

@@ -103,7 +103,7 @@ pub enum StatsError {
     },
     /// A claim that a design cannot carry, however large the effect.
     #[error(
-        "{pairs} pairs in {contrasts} contrasts cannot bring an adjusted p below {reachable}, however large the effect; below {alpha} takes {needed} pairs"
+        "with {pairs} pairs and contrasts: {contrasts}, they cannot bring an adjusted p below {reachable}, however large the effect; below {alpha} takes {needed} pairs"
     )]
     OutOfReach {
         /// Pairs that the design has.

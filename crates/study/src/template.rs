@@ -57,6 +57,8 @@ name = "our device"
 id = "task"
 label = "Task"
 kind = "none"
+# What is asked after a trial in it, a question below:
+# question = "clear"
 # If it was a spring of known stiffness, the rendered stiffness is compared with it:
 # kind = "spring"
 # stiffness_n_per_rad = 4.0
@@ -77,15 +79,14 @@ label = "A"
 id = "b"
 label = "B"
 
-# What was asked after each trial: on a five-point scale of agreement, or on one of your own. An environment names
-# its question: question = "clear" above.
+# What was asked after each trial: on a five-point scale of agreement, or on one of your own.
 # [[questions]]
 # id = "clear"
 # text = "I felt the force clearly."
 # points = 7
 
 # What is compared. Without it the last mode is compared with each other one, the primary metric is
-# discrepancy_user_mean_n, and exploratory are wall_past_max_rad, stiffness_n_per_rad, loop_area_j, force_rms_error_n,
+# discrepancy_user_mean_n (metrics keep their names on a slide), and exploratory are wall_past_max_rad, stiffness_n_per_rad, loop_area_j, force_rms_error_n,
 # returned_energy_share and duration_s, each where the recordings allow it. Another primary one leaves the others;
 # `metrics = [...]` lists your own in their place.
 # [compare]

@@ -35,8 +35,18 @@ pub fn for_people(table: &Table, coordinate: Coordinate) -> Result<Table, TableE
     let columns = rows_converted(table, coordinate);
     let torques_small = torques_are_small(&columns);
     let columns = columns.iter().map(|c| converted(c.clone(), coordinate, torques_small)).collect();
-    let shown = Table::new(table.name(), table.title(), columns)?;
-    Ok(table.notes_by_kind().fold(shown, |t, (kind, note)| t.with_note_of(kind, note)))
+    let shown = Table::new(table.name(), &in_coordinate(table.title(), coordinate), columns)?;
+    Ok(table
+        .notes_by_kind()
+        .fold(shown, |t, (kind, note)| t.with_note_of(kind, in_coordinate(note, coordinate))))
+}
+
+/// Words about an angle as those of a slide's displacement, in a linear study.
+pub fn in_coordinate(text: &str, coordinate: Coordinate) -> String {
+    match coordinate {
+        Coordinate::Rotational => text.to_owned(),
+        Coordinate::Linear { .. } => text.replace("angle", "displacement").replace('θ', "x"),
+    }
 }
 
 /// Columns whose every row has its own unit, in the units for people: the column `unit` names them.

@@ -52,7 +52,7 @@ mod width;
 mod wording;
 
 pub use csv::csv;
-pub use display::{UNIT_OF_ROW, for_people};
+pub use display::{UNIT_OF_ROW, for_people, in_coordinate};
 pub use error::TableError;
 pub use format::Format;
 pub use heading::heading;

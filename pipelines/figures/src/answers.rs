@@ -94,8 +94,8 @@ pub fn answers_compared(
             .to_owned(),
         panels,
         footnotes: vec![plain(&format!(
-            "A − B: share of pairs of answers in which A lies higher, ties counting half; at ½ neither \
-             does. Dots: participants. Black: their mean with its {} interval, not adjusted.",
+            "Share of pairs in which the answer in the first mode is higher, ties counting half; at ½ neither \
+             is. Dots: participants. Black: their mean with its {} interval, not adjusted.",
             percent(about.confidence)
         ))],
         mark: mark(sources.iter().copied()),
@@ -149,8 +149,13 @@ fn panel(
         marker: Marker::Disc,
         name: None,
     }));
-    let x = Axis { range: Range::Fixed(-0.04, 1.04), ..Axis::new("A above B", "").linked("share") };
-    let y = Axis::categories(names.iter().map(|name| plain(&contrast_label(modes, name))));
+    let x = Axis {
+        range: Range::Fixed(-0.04, 1.04),
+        ..Axis::new("share of pairs of answers", "").linked("share")
+    };
+    let y = Axis::categories(
+        names.iter().map(|name| plain(&contrast_label(modes, name).replace(" − ", " above "))),
+    );
     let height_mm = Some(CONTRAST_MM * (rows.len() as f64 + 0.5));
     Ok(Panel { height_mm, ..Panel::new(cell, x, y, layers).titled(plain(title)) })
 }

@@ -9,7 +9,7 @@ use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, Ticks, dodge,
 };
 use zwidth_study::{Environment, EnvironmentId, Mode, Source, contrast_label, in_a_sentence};
-use zwidth_tables::{Table, TableError, Values, shown_unit};
+use zwidth_tables::{Table, TableError, Values, in_coordinate, shown_unit};
 
 /// The figure [`modes_compared`].
 pub const MODES_COMPARED: FigureKind = FigureKind {
@@ -78,7 +78,8 @@ impl Shown {
         let (unit, factor) = shown_unit(unit, about.coordinate);
         let unit = if unit == "1" { String::new() } else { unit };
         let title = tables.cells.title();
-        let words = title.split_once(": ").map_or(title, |(_, words)| words).to_owned();
+        let words = title.split_once(": ").map_or(title, |(_, words)| words);
+        let words = in_coordinate(words, about.coordinate);
         Ok(Self { factor, unit, words })
     }
 

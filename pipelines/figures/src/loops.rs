@@ -91,8 +91,7 @@ fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
 }
 
 /// Whose force it is.
-const WHOSE: &str = "*F*: the user's force: between the two ways it differs by inertia, damping and friction too; the \
-    actuators' difference, where the plant is known: table of metrics.";
+const WHOSE: &str = "*F*: the user's force. The gap between the two ways is also due to inertia, damping and friction.";
 
 /// The mean loop, or every repeat's where there is no mean.
 fn one(

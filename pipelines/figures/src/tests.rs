@@ -134,7 +134,7 @@ fn loops_say_what_their_dots_mean() {
                  reversal, end)";
     let dots = "; dotted: at the wall or past it";
     let whose = notes(&scene).last().cloned().unwrap();
-    assert!(whose.starts_with("*F*: the user's force:"), "{whose}");
+    assert!(whose.starts_with("*F*: the user's force."), "{whose}");
     assert_eq!(notes(&scene), [format!("{means}{dots}."), whose.clone()]);
     scene.environment = &study.environments[0];
     let means = means.replace("wall contact, ", "");

@@ -233,8 +233,9 @@ impl Told {
         let Self { place, amount, n, verdict, .. } = self;
         let interval = self.interval.as_ref().map(|ends| format!("interval {ends}, "));
         let p = self.p.as_ref().map(|p| format!(", adjusted p = {p}"));
+        let why = if verdict == UNDECIDED { NEITHER } else { "" };
         format!(
-            "{place}: {metric} differs by {amount} ({}n = {n}{}): {verdict}.",
+            "{place}: the difference in {metric} is {amount} ({}n = {n}{}): {verdict}{why}.",
             interval.unwrap_or_default(),
             p.unwrap_or_default(),
         )
@@ -243,7 +244,7 @@ impl Told {
     fn in_brief(&self) -> String {
         let Self { place, amount, verdict, .. } = self;
         let interval = self.interval.as_ref().map(|ends| format!("{ends}, ")).unwrap_or_default();
-        format!("{place} {amount} ({interval}{verdict})")
+        format!("{place}: {amount} ({interval}{verdict})")
     }
 }
 
@@ -279,10 +280,7 @@ fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
             interval,
             n: format!("{} {counted}", n[row].unwrap_or_default()),
             p: p[row].map(|p| number(p, None)),
-            verdict: match verdicts[row].as_deref().unwrap_or("no test") {
-                UNDECIDED => format!("{UNDECIDED}, neither a difference nor its absence was shown"),
-                verdict => verdict.to_owned(),
-            },
+            verdict: verdicts[row].clone().unwrap_or_else(|| "no test".to_owned()),
         });
     }
     Ok(found)
@@ -290,6 +288,7 @@ fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
 
 /// The verdict of a contrast that shows nothing.
 const UNDECIDED: &str = "undecided";
+const NEITHER: &str = ", neither a difference nor its absence was shown";
 
 #[cfg(test)]
 mod tests {
@@ -375,7 +374,7 @@ mod tests {
         assert_eq!(found[0], answer);
         assert_eq!(
             found[1],
-            "Spring, Hybrid − Active: angle past the wall differs by −5.7° (interval −8.6 to −2.9, \
+            "Spring, Hybrid − Active: the difference in angle past the wall is −5.7° (interval −8.6 to −2.9, \
              n = 6 participants, adjusted p = 0.0123): different."
         );
     }

@@ -192,7 +192,9 @@ fn steadiness(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableEr
     let text = match (all, swung.as_slice()) {
         (0, _) => return Ok(None),
         (_, []) => {
-            format!("No trial swung fast: all {smooth} of {all} were smooth.")
+            format!(
+                "No fast oscillation was found in any of {all} trials; all {smooth} were smooth."
+            )
         }
         (_, swung) => format!(
             "The lever swung fast in {all_but} of {all} trials: {}.",
@@ -261,7 +263,10 @@ mod tests {
              flattened at 4.43\u{a0}N in 2 of 2 trials; 79 % of the work put in came back."
         );
         assert!(found[1].ends_with("no spring on the way back."), "{}", found[1]);
-        assert_eq!(found[2], "No trial swung fast: all 3 of 3 were smooth.");
+        assert_eq!(
+            found[2],
+            "No fast oscillation was found in any of 3 trials; all 3 were smooth."
+        );
     }
 
     /// 292.75 N/rad on a slide whose L is 1 m are 0.293 N/mm.

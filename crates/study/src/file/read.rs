@@ -313,7 +313,8 @@ impl Check<'_> {
                     "coordinate.kind",
                     "a linear coordinate x = L θ needs device.lever_m (1.0 for a slide)".to_owned(),
                 );
-                Coordinate::Rotational
+                // So that no other finding follows from this one.
+                Coordinate::Linear { lever_m: 1.0 }
             }
         }
     }

@@ -130,7 +130,10 @@ fn question(data: &StudyData, log: &SessionLog, command: &Answer) -> anyhow::Res
     match (&command.question, asked.as_slice()) {
         (Some(id), asked) if asked.contains(&id) => Ok(id.clone()),
         (None, [only]) => Ok((*only).clone()),
-        (_, []) => bail!("nothing is asked after trial {}", command.trial),
+        (_, []) => bail!(
+            "nothing is asked after trial {}: name a question of [[questions]] in its environment of study.toml, question = \"…\"",
+            command.trial
+        ),
         (Some(id), _) => {
             bail!("{id} is not asked after trial {}: name one of {}", command.trial, list())
         }

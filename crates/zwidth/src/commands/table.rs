@@ -41,10 +41,15 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
     };
     let Some((file, table)) = tables.iter().find(|(_, table)| table.name() == name) else {
         unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
+        let names = || tables.iter().map(|(_, table)| table.name());
+        // `contrasts` for contrasts_stiffness_n_per_rad, and others of its kind.
+        let begun = names().find(|table| table.starts_with(name.as_str()));
+        let begun = begun.map(|table| format!("; there is {table}"));
         bail!(
-            "{} has no table '{name}'{} (`zwidth table {}` lists them)",
+            "{} has no table '{name}'{}{} (`zwidth table {}` lists them)",
             asked.study,
-            did_you_mean(name, tables.iter().map(|(_, table)| table.name())),
+            if unread.is_empty() { "" } else { " that can be read" },
+            begun.unwrap_or_else(|| did_you_mean(name, names())),
             asked.study
         );
     };

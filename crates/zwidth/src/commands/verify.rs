@@ -20,9 +20,14 @@ struct Finding<'a> {
 
 pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyhow::Result<Exit> {
     let nameless = nameless(root, &named);
-    let checked: Vec<_> = studies(root, named)?
+    let checked: Vec<(StudyId, Vec<StoreError>)> = studies(root, named)?
         .into_iter()
-        .map(|l| (l.study().clone(), zwidth_store::verify(&l)))
+        .map(|l| {
+            let asked = read_study(&l).map(|study| zwidth_plan::asked_in_vain(&study));
+            let vain = asked.unwrap_or_default().into_iter();
+            let vain = vain.map(|what| StoreError::new(&l.study_toml(), what, "correct it there"));
+            (l.study().clone(), zwidth_store::verify(&l).into_iter().chain(vain).collect())
+        })
         .collect();
     if screen.json {
         let rows =

@@ -18,10 +18,10 @@ use crate::people::{count, sources as origins};
 use recorded::plain;
 use sources::Cited;
 use zwidth_study::{
-    ActuatorKind, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Study,
+    ActuatorKind, Coordinate, Environment, Mode, ModeLaw, OrderScheme, ReplayModel, Scene, Study,
     VelocityFilter,
 };
-use zwidth_tables::given;
+use zwidth_tables::{given, in_coordinate};
 
 /// A heading and what stands below it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,7 +46,15 @@ pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<Methods
     let mut parts: Vec<MethodsPart> = parts
         .into_iter()
         .filter(|(_, paragraphs)| !paragraphs.is_empty())
-        .map(|(heading, paragraphs)| MethodsPart { heading, paragraphs })
+        .map(|(heading, paragraphs)| {
+            // The model's equations are those of a lever, whose x is L θ.
+            let axis = match heading {
+                "Model" => Coordinate::Rotational,
+                _ => study.coordinate,
+            };
+            let told = paragraphs.iter().map(|text| in_coordinate(text, axis));
+            MethodsPart { heading, paragraphs: told.collect() }
+        })
         .collect();
     let sources = cited.listed();
     if !sources.is_empty() {
@@ -61,7 +69,9 @@ fn apparatus(study: &Study, recorded: &Recorded) -> Vec<String> {
         return Vec::new();
     }
     let mut said = vec![format!("The device: {}.", device.name.trim_end_matches('.'))];
-    if let Some(lever) = device.lever_m {
+    if axis != Coordinate::Rotational {
+        said.push("It moved along a straight line.".to_owned());
+    } else if let Some(lever) = device.lever_m {
         said.push(format!(
             "The lever was {} mm long from its axis to the finger.",
             plain(lever * 1e3)
@@ -243,10 +253,12 @@ fn data(recorded: &Recorded) -> Vec<String> {
     let origin = origins(&recorded.sources)
         .map(|told| format!("{} {}", told.mark.unwrap_or_default(), told.text).trim().to_owned());
     let sentence = format!("The data comprise {}.", counted.join(", "));
-    let foreign = "How they were taken is not known to this program: describe it here.".to_owned();
+    let foreign = "[TODO: describe how they were taken; the program does not know it.]".to_owned();
     let foreign = recorded.is_foreign().then_some(foreign);
-    let made = (!recorded.made_by_import.is_empty()).then(|| {
-        let made = Vec::from_iter(recorded.made_by_import.iter().map(String::as_str));
+    // A slide's x / L is recorded, in another unit.
+    let made = recorded.made_by_import.iter().map(String::as_str);
+    let made: Vec<&str> = made.filter(|made| !made.contains(" by θ = x / L")).collect();
+    let made = (!made.is_empty()).then(|| {
         format!("Not recorded but computed when the recordings were imported: {}.", made.join("; "))
     });
     vec![

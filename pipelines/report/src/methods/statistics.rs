@@ -74,7 +74,7 @@ fn between(recorded: &Recorded, cited: &mut Cited) -> String {
          degrees of freedom; beside it stand {beside}. d_av is the difference \
          divided by the square root of the mean of the modes' variances between participants {}. A mixed model with \
          participant and participant × mode as random effects was fitted to all trials by REML, with \
-         degrees of freedom by the method of {}; no claim rests on it.",
+         Kenward–Roger degrees of freedom {}; no claim rests on it.",
         cited.cite("cumming"),
         cited.cite("kenward")
     )

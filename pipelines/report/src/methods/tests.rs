@@ -108,5 +108,5 @@ fn of_recordings_of_others_no_loop_and_no_order_is_told() {
     for words in ["control loop ran", "Williams", "A trial took at most"] {
         assert!(own.contains(words) && !foreign.contains(words), "{words}");
     }
-    assert!(foreign.contains("describe it here"), "{foreign}");
+    assert!(foreign.contains("TODO: describe how they were taken"), "{foreign}");
 }
