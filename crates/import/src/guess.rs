@@ -50,7 +50,12 @@ struct Written {
     decimal_comma: bool,
     header: bool,
     skip: usize,
+    /// What a line of remarks begins with.
+    comment: Option<u8>,
 }
+
+/// What lines of remarks begin with.
+const REMARKS: [u8; 3] = [b'%', b'#', b'!'];
 
 /// A mapping for recordings, guessed: from the first one what is in it, from all of their names
 /// whose trial each is.
@@ -69,12 +74,19 @@ pub fn guess(path: &Path, others: &[PathBuf]) -> Result<String, StoreError> {
     let encoding = encoding(&bytes);
     let written = match is_delimited {
         true => written(&decode(path, &bytes, encoding)?, encoding),
-        false => Written { encoding, delimiter: b',', decimal_comma: false, header: true, skip: 0 },
+        false => Written {
+            encoding,
+            delimiter: b',',
+            decimal_comma: false,
+            header: true,
+            skip: 0,
+            comment: None,
+        },
     };
     let dialect = Dialect {
         delimiter: written.delimiter,
         header: written.header,
-        comment: None,
+        comment: written.comment,
         skip: written.skip,
         encoding,
         bad_lines: usize::MAX,
@@ -102,6 +114,12 @@ fn encoding(bytes: &[u8]) -> Encoding {
 /// How a delimited text is written: the delimiter that parts most lines into the same number of
 /// cells, the most of them.
 fn written(text: &str, encoding: Encoding) -> Written {
+    let first = text.trim_start_matches('\u{feff}').as_bytes().first();
+    let comment = REMARKS.into_iter().find(|mark| first == Some(mark));
+    let is_remark =
+        |line: &&str| comment.is_some_and(|mark| line.as_bytes().first() == Some(&mark));
+    let text = text.lines().filter(|line| !is_remark(line));
+    let text = &Vec::from_iter(text).join("\n");
     let lines: Vec<&str> =
         text.lines().filter(|line| !line.trim().is_empty()).take(LOOKED_AT).collect();
     let of = |delimiter: u8| {
@@ -125,7 +143,7 @@ fn written(text: &str, encoding: Encoding) -> Written {
     let is_number = |cell: &&str| matches!(number(cell, decimal_comma), Ok(Some(_)));
     let header = is_labchart(text) || !cells(first, delimiter).iter().any(is_number);
     let skip = if is_labchart(text) { 0 } else { skip };
-    Written { encoding, delimiter, decimal_comma, header, skip }
+    Written { encoding, delimiter, decimal_comma, header, skip, comment }
 }
 
 fn cells(line: &str, delimiter: u8) -> Vec<&str> {
@@ -232,6 +250,9 @@ fn write_form(text: &mut String, written: Written) {
     let _ = writeln!(text, "delimiter = \"{delimiter}\"");
     let _ = writeln!(text, "decimal = \"{}\"", if written.decimal_comma { ',' } else { '.' });
     let _ = writeln!(text, "header = {}", written.header);
+    if let Some(mark) = written.comment {
+        let _ = writeln!(text, "comment = \"{}\"", char::from(mark));
+    }
     if written.skip > 0 {
         let _ = writeln!(text, "skip = {}", written.skip);
     }
@@ -267,7 +288,11 @@ impl Guessed {
         }
         let asked_for = |word: &&String| !COMMANDED.contains(&word.as_str());
         let words: Vec<String> = self.words.iter().filter(asked_for).cloned().collect();
-        if words.len() < self.words.len() && signal_of(&words) == Some(Signal::Theta) {
+        let is_angle = match words.is_empty() {
+            true => self.unit.as_deref().is_some_and(|unit| ["rad", "deg", "°"].contains(&unit)),
+            false => signal_of(&words) == Some(Signal::Theta),
+        };
+        if words.len() < self.words.len() && is_angle {
             return REFERENCE.to_owned();
         }
         let is_plain = |letter: &char| letter.is_ascii_alphanumeric() || *letter == '_';
@@ -370,8 +395,19 @@ const ANSWERS: [&str; 6] = ["likert", "rating", "answer", "score", "response", "
 const CURRENTS: [&str; 3] = ["current", "strom", "courant"];
 
 /// Words of a column that was asked for, not measured.
-const COMMANDED: [&str; 8] =
-    ["desired", "commanded", "cmd", "command", "target", "set", "reference", "soll"];
+const COMMANDED: [&str; 11] = [
+    "desired",
+    "commanded",
+    "cmd",
+    "command",
+    "target",
+    "set",
+    "setpoint",
+    "reference",
+    "ref",
+    "demand",
+    "soll",
+];
 
 /// The words of a name in small letters, and the last of them that is a unit: `Force (mN)` →
 /// `force`, `mN`; `angle_deg` → `angle`, `deg`.
@@ -486,6 +522,19 @@ mod tests {
                 "under [trial]: repeat = { column = \"repetition\" }",
                 "# to = \"current_brake_a\"\n# from = \"Brake current (A)\"\n",
                 "likert = { column = \"likert\" }",
+            ],
+        );
+    }
+
+    #[test]
+    fn lines_of_remarks_before_the_header_are_comments() {
+        check(
+            "a.txt",
+            b"% knob logger v2\n% rate 1000\nt_s\ttheta_rad\tref_rad\tF\n0\t1\t0\t2\n1\t2\t0\t2\n",
+            &[
+                "delimiter = \"\\t\"\ndecimal = \".\"\nheader = true\ncomment = \"%\"\n",
+                "[time]\nfrom = \"t_s\"\nunit = \"s\"\n",
+                "# to = \"reference_rad\"\n# from = \"ref_rad\"\n",
             ],
         );
     }

@@ -13,7 +13,7 @@ const WORDS: [(Label, &[&str]); 4] = [
         Label::Participant,
         &["p", "vp", "s", "sub", "subj", "subject", "participant", "proband", "user"],
     ),
-    (Label::Session, &["s", "ses", "sess", "session", "day", "visit"]),
+    (Label::Session, &["s", "ses", "sess", "session", "d", "day", "visit"]),
     (Label::Repeat, &["r", "rep", "repeat", "repetition", "wdh", "take"]),
     (Label::Trial, &["t", "trial", "run"]),
 ];
@@ -108,6 +108,10 @@ fn of_columns(kinds: &[Kind], columns: &[Vec<&str>], ending: &str, files: usize)
         match kind {
             Kind::Digits => {
                 let known = labels_of(word).find(|label| fresh(*label));
+                // A number of its own that differs counts something.
+                let counts =
+                    || (word.is_empty() && !same && fresh(Label::Repeat)).then_some(Label::Repeat);
+                let known = known.or_else(counts);
                 pattern += &digits(&mut names, known, word, same.then_some(values[0]));
             }
             Kind::Letters
@@ -266,6 +270,13 @@ mod tests {
         let expect = pairs(&[("who", "2"), ("mode", "passive")]);
         assert_eq!(found(&names, files[1]), expect);
         assert!(names.block.contains("guessed from 2 names"), "{}", names.block);
+    }
+
+    #[test]
+    fn a_day_is_a_session_and_a_number_alone_counts_repeats() {
+        let files = ["VP1_d1_haptic_1.txt", "VP2_d2_visual_3.txt"];
+        let expect = pairs(&[("who", "2"), ("session", "2"), ("mode", "visual"), ("repeat", "3")]);
+        assert_eq!(found(&of(&files), files[1]), expect);
     }
 
     #[test]

@@ -112,9 +112,9 @@ impl fmt::Display for Report {
         match doubtful {
             0 => Ok(()),
             n if n == self.files.len() => {
-                write!(f, "; all of it looks wrong somewhere: check what is said above")
+                write!(f, "; all have warnings, listed above")
             }
-            n => write!(f, "; {n} of {files} look wrong somewhere: check what is said above"),
+            n => write!(f, "; {n} of {files} have warnings, listed above"),
         }
     }
 }
@@ -203,7 +203,7 @@ K_1.csv: 10 rows read, 9 kept
   read with care: column t_s: it jumps; mend it
   null      flags
 
-1 file imported into study demo: 1 trial, 1 session; all of it looks wrong somewhere: check what is said above";
+1 file imported into study demo: 1 trial, 1 session; all have warnings, listed above";
         assert_eq!(report.to_string(), expect);
         assert!(serde_json::to_string(&report).unwrap().contains("\"rows_read\":10"));
     }

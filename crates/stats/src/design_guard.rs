@@ -91,8 +91,8 @@ mod tests {
         let words = check(6, 2, 0.05).unwrap_err().to_string();
         assert_eq!(
             words,
-            "with 6 pairs and contrasts: 2, they cannot bring an adjusted p below 0.0625, however large the \
-             effect; below 0.05 takes 7 pairs"
+            "with 6 pairs and 2 contrasts, however large the effect, they cannot bring an adjusted p below \
+             0.0625; below 0.05 takes 7 pairs"
         );
         near(check(7, 2, 0.05).unwrap(), 0.03125);
         for contrasts in 1..20 {

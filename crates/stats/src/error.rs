@@ -103,7 +103,8 @@ pub enum StatsError {
     },
     /// A claim that a design cannot carry, however large the effect.
     #[error(
-        "with {pairs} pairs and contrasts: {contrasts}, they cannot bring an adjusted p below {reachable}, however large the effect; below {alpha} takes {needed} pairs"
+        "with {pairs} pairs and {contrasts} contrast{}, however large the effect, they cannot bring an adjusted p below {reachable}; below {alpha} takes {needed} pairs",
+        if *.contrasts == 1 { "" } else { "s" }
     )]
     OutOfReach {
         /// Pairs that the design has.

@@ -93,7 +93,8 @@ label = "B"
 # contrasts = [["b", "a"]]
 # primary = "stiffness_n_per_rad"
 
-# What is recorded per sample besides, if a mapping file gives it: a column of each trial file.
+# What is recorded per sample besides, if a mapping file gives it: a column of each trial file. Of a set-point named
+# reference_rad (unit rad) each trial has the step response: primary = "step_rise_s", metrics = ["step_overshoot_share"].
 # [[channels]]
 # id = "current_a"
 # unit = "A"

@@ -13,7 +13,9 @@ pub enum WhyNot {
     )]
     FreeMotion,
     /// Nothing was rendered.
-    #[error("nothing was rendered in this environment, so there is no movement to average")]
+    #[error(
+        "study.toml does not say what was rendered in this environment (kind = none): repeats are drawn one by one and not averaged"
+    )]
     NothingRendered,
     /// No θ.
     #[error("no angle was recorded (theta_rad), so the movement cannot be placed")]

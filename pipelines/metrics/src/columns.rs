@@ -268,11 +268,11 @@ const ELECTRICITY: &[Spec] = &[
 
 #[rustfmt::skip]
 const STEP: &[Spec] = &[
-    float("step_rad", "rad", "step of the reference", |r| r.step.step_rad),
-    averaged("step_rise_s", "s", "time from 10 % to 90 % of the way after a step of the reference", |r| r.step.rise_s),
-    averaged("step_overshoot_share", "1", "overshoot after a step of the reference, over the way", |r| r.step.overshoot_share),
-    averaged("step_settling_s", "s", "time from a step of the reference until the angle stays within 2 % of the way", |r| r.step.settling_s),
-    averaged("step_steady_error_rad", "rad", "reference minus where the angle comes to rest after a step", |r| r.step.steady_error_rad),
+    float("step_rad", "rad", "step of the set-point", |r| r.step.step_rad),
+    averaged("step_rise_s", "s", "rise time (10 % to 90 %) after a step of the set-point", |r| r.step.rise_s),
+    averaged("step_overshoot_share", "1", "overshoot after a step of the set-point, as a share of the way", |r| r.step.overshoot_share),
+    averaged("step_settling_s", "s", "settling time (2 %) after a step of the set-point", |r| r.step.settling_s),
+    averaged("step_steady_error_rad", "rad", "steady error after a step of the set-point", |r| r.step.steady_error_rad),
 ];
 
 #[rustfmt::skip]

@@ -24,7 +24,7 @@ const LEAST_SAMPLES: usize = 20;
 ///
 /// θ₀ is the angle at the step, θ_f its mean over the last tenth of that time. Rise, overshoot and
 /// settling are those of θ between θ₀ and θ_f, so that a steady error is told apart from them
-/// (Ogata, Modern Control Engineering, 5th ed. 2010, §5-3). Straight lines between samples.
+/// (Ogata, Modern Control Engineering, 5th ed. 2010). Straight lines between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct StepResponse {
     /// The step of the reference, rad.

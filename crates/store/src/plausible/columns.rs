@@ -175,7 +175,7 @@ fn noisy_onset(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
         from += run.len();
     }
     let what = format!(
-        "its noise passes onset_deg_s {} times while the lever rests, first here: the movement seems to begin too early",
+        "its noise passes onset_deg_s {} times while the lever rests: the movement seems to begin too early, and resting to swing",
         spikes[0] + spikes[1]
     );
     let remedy = "set onset_deg_s (and offset_deg_s) under [analysis] of study.toml above the noise of the velocity at rest";

@@ -277,12 +277,27 @@ fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String
     let wall = if has(|scene| scene.wall_rad().is_some()) { "wall contact, " } else { "" };
     let mut said = vec![format!(
         "A movement began where |θ̇| first exceeded {onset} and ended where it fell below {offset} \
-         after it had last exceeded {onset}. Compression is the way from there to the first sample of \
+         after it had last exceeded {onset}. Compression is the way from its beginning to the first sample of \
          the largest θ, decompression the way back to the end. Smoothness is the spectral arc length \
-         of |θ̇| {}. Repeats were averaged over time from the onset of movement, and over the angle \
-         with time stretched so that start, {wall}reversal and end coincide.",
+         of |θ̇| {}.",
         cited.cite("balasubramanian")
     )];
+    if has(|scene| !matches!(scene, Scene::None | Scene::Free)) {
+        said.push(format!(
+            "Repeats were averaged over time from the onset of movement, and over the angle with time \
+             stretched so that start, {wall}reversal and end coincide."
+        ));
+    }
+    if recorded.compared.iter().any(|metric| metric.starts_with("step_")) {
+        said.push(format!(
+            "The step response is that of θ after the first step of its set-point: from θ₀, the angle \
+             at the step, to θ_f, its mean over the last tenth of the time until the set-point changes \
+             again or the recording ends. Rise time is that from 10 % to 90 % of the way, overshoot the \
+             largest excursion beyond θ_f over |θ_f − θ₀|, settling time that until θ stays within 2 % \
+             of the way {}; the steady error is the set-point minus θ_f.",
+            cited.cite("ogata")
+        ));
+    }
     if has(|scene| scene.spring().is_some()) {
         said.push(format!(
             "Force discrepancy is D(θ) = F(compression) − F(decompression) of the user's force at {} \

@@ -1,7 +1,7 @@
 //! The papers that methods are from.
 
 /// Key, how it is cited, the whole entry.
-pub(super) const SOURCES: [(&str, &str, &str); 16] = [
+pub(super) const SOURCES: [(&str, &str, &str); 17] = [
     (
         "balasubramanian",
         "Balasubramanian et al. 2015",
@@ -23,6 +23,7 @@ pub(super) const SOURCES: [(&str, &str, &str); 16] = [
     ("kenward", "Kenward & Roger 1997", "Kenward & Roger 1997, Biometrics 53:983"),
     ("mcgraw", "McGraw & Wong 1996", "McGraw & Wong 1996, Psychol. Methods 1:30"),
     ("newey", "Newey & West 1987", "Newey & West 1987, Econometrica 55:703"),
+    ("ogata", "Ogata 2010", "Ogata 2010, Modern Control Engineering, 5th ed., Prentice Hall"),
     ("schuirmann", "Schuirmann 1987", "Schuirmann 1987, J. Pharmacokinet. Biopharm. 15:657"),
     ("welch", "Welch 1947", "Welch 1947, Biometrika 34:28"),
     ("wilcoxon", "Wilcoxon 1945", "Wilcoxon 1945, Biometrics Bull. 1:80"),
