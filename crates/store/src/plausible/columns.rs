@@ -159,16 +159,15 @@ fn noisy_onset(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
         theta.iter().position(|theta| (theta - first).abs() > far)?
     };
     let velocity = samples.column(Signal::ThetaDot)?;
-    let side = |value: &f64| match value.abs() > asked.onset_rad_s {
-        true => value.signum(),
-        false => 0.0,
-    };
+    // 0 below the onset, else the direction.
+    let side =
+        |value: &f64| i8::from(*value > asked.onset_rad_s) - i8::from(-*value > asked.onset_rad_s);
     let (mut from, mut first, mut spikes) = (0, None, [0, 0]);
     for run in velocity.chunk_by(|a, b| side(a) == side(b)) {
         if from >= leaves {
             break;
         }
-        if side(&run[0]) != 0.0 && run.len() <= SPIKE {
+        if side(&run[0]) != 0 && run.len() <= SPIKE {
             first = first.or(Some(from));
             spikes[usize::from(run[0] > 0.0)] += 1;
         }
