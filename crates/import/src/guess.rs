@@ -111,15 +111,19 @@ fn encoding(bytes: &[u8]) -> Encoding {
     if marked || std::str::from_utf8(bytes).is_ok() { Encoding::Utf8 } else { Encoding::Latin1 }
 }
 
-/// How a delimited text is written: the delimiter that parts most lines into the same number of
-/// cells, the most of them.
+/// How a delimited text is written. Lines of remarks are left out, unless the header is one.
 fn written(text: &str, encoding: Encoding) -> Written {
     let first = text.trim_start_matches('\u{feff}').as_bytes().first();
-    let comment = REMARKS.into_iter().find(|mark| first == Some(mark));
-    let is_remark =
-        |line: &&str| comment.is_some_and(|mark| line.as_bytes().first() == Some(&mark));
-    let text = text.lines().filter(|line| !is_remark(line));
-    let text = &Vec::from_iter(text).join("\n");
+    let whole = || form(text, encoding);
+    let Some(mark) = REMARKS.into_iter().find(|mark| first == Some(mark)) else { return whole() };
+    let rest = text.lines().filter(|line| line.as_bytes().first() != Some(&mark));
+    let rest = form(&Vec::from_iter(rest).join("\n"), encoding);
+    if rest.header { Written { comment: Some(mark), ..rest } } else { whole() }
+}
+
+/// The delimiter that parts most lines into the same number of cells, the most of them, and what
+/// follows from it.
+fn form(text: &str, encoding: Encoding) -> Written {
     let lines: Vec<&str> =
         text.lines().filter(|line| !line.trim().is_empty()).take(LOOKED_AT).collect();
     let of = |delimiter: u8| {
@@ -143,7 +147,7 @@ fn written(text: &str, encoding: Encoding) -> Written {
     let is_number = |cell: &&str| matches!(number(cell, decimal_comma), Ok(Some(_)));
     let header = is_labchart(text) || !cells(first, delimiter).iter().any(is_number);
     let skip = if is_labchart(text) { 0 } else { skip };
-    Written { encoding, delimiter, decimal_comma, header, skip, comment }
+    Written { encoding, delimiter, decimal_comma, header, skip, comment: None }
 }
 
 fn cells(line: &str, delimiter: u8) -> Vec<&str> {
@@ -537,6 +541,11 @@ mod tests {
                 "# to = \"reference_rad\"\n# from = \"ref_rad\"\n",
             ],
         );
+    }
+
+    #[test]
+    fn a_header_behind_a_mark_of_remarks_is_a_header() {
+        check("a.csv", b"#t_s,theta_rad\n0,1\n1,2\n", &["header = true\n", "from = \"theta_rad\""]);
     }
 
     #[test]
