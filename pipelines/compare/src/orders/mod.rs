@@ -301,7 +301,7 @@ pub(crate) fn table(
             all.iter().map(|(_, _, test)| test.as_ref().err().map(ToString::to_string)),
         ),
     ];
-    let title = format!("Randomisation over orders: {}", measure.description);
+    let title = format!("Randomised orders: {}", measure.description);
     let table = Table::new(&format!("orders_{}", measure.name), &title, columns)?;
     Ok(table.with_note(format!(
         "The sharp null: no trial of anyone depended on mode, carry-over included. Not a test of an \
