@@ -243,7 +243,9 @@ fn found(files: &Files, recorded: &Recorded) -> Vec<Found> {
 /// Reads one environment of one session.
 fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError> {
     let signals = zwidth_figures::SIGNALS.into_iter();
-    let (trials, problems, thinned) = read_drawn(&files.trials, &recorded.trials, signals);
+    let (drawn, problems) = read_drawn(&files.trials, &recorded.trials, signals);
+    let thinned = drawn.iter().filter(|(trial, all)| trial.samples.len() < *all).count();
+    let trials = drawn.into_iter().map(|(trial, _)| trial).collect();
     let found = found(files, recorded);
     let columns = zwidth_figures::average_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();

@@ -3,7 +3,7 @@
 
 use crate::conditions::{Repeats, sessions};
 use crate::drawing::Drawing;
-use crate::trials::{OfTrials, files as trial_files, read_all};
+use crate::trials::{OfTrials, files as trial_files, read_drawn};
 use crate::{average, courses, identify, likert, metrics, runs, summary};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -137,10 +137,10 @@ fn make_condition(
     files: &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, problems) = read_all(&files.trials, &of.trials, SIGNALS.into_iter());
+    let (trials, problems) = read_drawn(&files.trials, &of.trials, SIGNALS.into_iter());
     let events = summary::read(&Some(files.events.clone()))?;
     let courses: Vec<Course> =
-        trials.iter().map(|trial| course(trial, events.as_ref())).collect::<Result<_, _>>()?;
+        trials.iter().map(|drawn| course(drawn, events.as_ref())).collect::<Result<_, _>>()?;
     let mut means = Vec::new();
     for (name, file) in ["onset", "landmarks"].into_iter().zip(&files.averages) {
         let table = summary::read(&Some(file.clone()))?;
@@ -154,8 +154,11 @@ fn make_condition(
     Ok(Made { outputs: vec![text.into_bytes()], problems, ..Made::default() })
 }
 
-/// A trial's samples and what happened in it.
-fn course(trial: &Trial, events: Option<&Table>) -> Result<Course, TableError> {
+/// What is shown of a trial's samples, and what happened in it.
+fn course(
+    (trial, recorded): &(Trial, usize),
+    events: Option<&Table>,
+) -> Result<Course, TableError> {
     let samples = &trial.samples;
     let columns = SIGNALS
         .into_iter()
@@ -165,6 +168,7 @@ fn course(trial: &Trial, events: Option<&Table>) -> Result<Course, TableError> {
     Ok(Course {
         trial: trial.meta.trial,
         repeat: trial.meta.repeat,
+        recorded: *recorded,
         columns,
         events: events.unwrap_or_default(),
     })
@@ -238,9 +242,10 @@ fn replays(table: &Table, mode: &ModeId) -> Result<Vec<(&'static str, u32, Colum
 
 /// A model's time counts from its trial's first sample, the trial's own from the trial's start:
 /// moved to that.
-fn in_time_of(trials: &[Trial], number: u32, columns: &mut Columns) {
-    let of = trials.iter().find(|trial| trial.meta.trial == number);
-    let begins_s = of.and_then(|t| t.samples.get(Signal::Time)?.first().copied()).unwrap_or(0.0);
+fn in_time_of(trials: &[(Trial, usize)], number: u32, columns: &mut Columns) {
+    let of = trials.iter().find(|(trial, _)| trial.meta.trial == number);
+    let begins_s =
+        of.and_then(|(t, _)| t.samples.get(Signal::Time)?.first().copied()).unwrap_or(0.0);
     let times = columns.iter_mut().filter(|(name, _)| *name == "t_s").flat_map(|(_, t_s)| t_s);
     times.for_each(|t_s| *t_s += begins_s);
 }
@@ -317,7 +322,7 @@ mod tests {
             let mut samples = Samples::default();
             samples.set(Signal::Time, vec![begins_s, begins_s + 1.0]);
             let meta = zwidth_testing::meta(number, "hybrid");
-            Trial { meta, file: TrialFile::new(), samples }
+            (Trial { meta, file: TrialFile::new(), samples }, 2)
         };
         let trials = [trial(3, 0.0), trial(7, 11e-6)];
         let run = || vec![("t_s", vec![0.0, 1.0]), ("theta_rad", vec![0.5, 0.6])];

@@ -66,19 +66,17 @@ pub(crate) fn read_all(
 /// thousand places.
 pub(crate) const MOST_DRAWN: usize = 1 << 18;
 
-/// The same to be drawn: a long trial with fewer samples, and how many such there are.
+/// The same to be drawn: a long trial with fewer samples, and of each trial how many were recorded.
 pub(crate) fn read_drawn(
     files: &[PathBuf],
     known: &[Known],
     signals: impl Iterator<Item = Signal> + Clone + Sync,
-) -> (Vec<Trial>, Vec<String>, usize) {
+) -> (Vec<(Trial, usize)>, Vec<String>) {
     let read = files.par_iter().zip(known).map(|(file, known)| {
-        let (trial, thinned) = read_thinned(file, signals.clone(), MOST_DRAWN)?;
-        Ok::<_, zwidth_store::StoreError>((known.names(trial), thinned))
+        let (trial, recorded) = read_thinned(file, signals.clone(), MOST_DRAWN)?;
+        Ok::<_, zwidth_store::StoreError>((known.names(trial), recorded))
     });
-    let (read, problems) = split(read.collect());
-    let thinned = read.iter().filter(|(_, thinned)| *thinned).count();
-    (read.into_iter().map(|(trial, _)| trial).collect(), problems, thinned)
+    split(read.collect())
 }
 
 /// The same with every signal, and the channels that metrics read where the files have them.

@@ -13,22 +13,24 @@ pub(crate) struct ColumnDigest {
     bytes: Vec<u8>,
 }
 
+/// Bytes of a value.
+const BYTES: usize = size_of::<f64>();
+
 impl ColumnDigest {
     pub(crate) fn new(storage: Storage) -> Self {
-        Self { hasher: blake3::Hasher::new(), storage, bytes: Vec::with_capacity(8 * AT_ONCE) }
+        Self { hasher: blake3::Hasher::new(), storage, bytes: vec![0; BYTES * AT_ONCE] }
     }
 
     /// Takes the next values, as they come back from the file.
     #[allow(clippy::cast_possible_truncation)]
     pub(crate) fn add(&mut self, values: &[f64]) {
         for values in values.chunks(AT_ONCE) {
-            self.bytes.clear();
-            for value in values {
-                let narrow = self.storage == Storage::F32;
+            let narrow = self.storage == Storage::F32;
+            for (bytes, value) in self.bytes.chunks_exact_mut(BYTES).zip(values) {
                 let stored = if narrow { f64::from(*value as f32) } else { *value };
-                self.bytes.extend_from_slice(&stored.to_le_bytes());
+                bytes.copy_from_slice(&stored.to_le_bytes());
             }
-            self.hasher.update(&self.bytes);
+            self.hasher.update(&self.bytes[..BYTES * values.len()]);
         }
     }
 

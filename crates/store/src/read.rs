@@ -5,7 +5,7 @@ use crate::bounds::{
     check_size,
 };
 use crate::codec::check_codecs;
-use crate::columns::Columns;
+use crate::columns::{Columns, Values};
 use crate::content::Content;
 use crate::digest::ColumnDigest;
 use crate::json::from_json;
@@ -25,8 +25,8 @@ use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
 };
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
-use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
@@ -169,14 +169,19 @@ pub(crate) struct OpenColumns {
     form: TrialForm,
     file: ParquetFile,
     columns: ArrowReaderMetadata,
+    /// The columns that were looked at last.
+    last: RefCell<VecDeque<(Signal, Arc<Vec<f64>>)>>,
 }
+
+/// Columns that an open trial keeps in memory.
+const KEPT: usize = 2;
 
 impl OpenColumns {
     pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
         let file = ParquetFile::open_recording(files, path)?;
         let form = form_of(path, &file.footer)?;
         let columns = file.columns()?;
-        Ok(Self { form, file, columns })
+        Ok(Self { form, file, columns, last: RefCell::default() })
     }
 
     /// How many samples.
@@ -245,8 +250,18 @@ impl OpenColumns {
 
 impl Columns for OpenColumns {
     /// What cannot be read is not there: whoever asks has checked the columns before.
-    fn column(&self, signal: Signal) -> Option<Cow<'_, [f64]>> {
-        self.signal(signal).ok().flatten().map(Cow::Owned)
+    fn column(&self, signal: Signal) -> Option<Values<'_>> {
+        let mut last = self.last.borrow_mut();
+        let found = match last.iter().position(|(kept, _)| *kept == signal) {
+            Some(at) => last.remove(at)?.1,
+            None => {
+                // Before the next is read, so that there are never more.
+                last.truncate(KEPT - 1);
+                Arc::new(self.signal(signal).ok().flatten()?)
+            }
+        };
+        last.push_front((signal, found.clone()));
+        Some(Values::Read(found))
     }
 
     fn has(&self, signal: Signal) -> bool {
@@ -507,7 +522,7 @@ fn column_values(
         (row, nulls) = (row + array.len(), nulls + array.null_count());
         if digest.is_some() && first_null.is_none() {
             let from = values.len();
-            values.extend(floats(array));
+            extend_with(&mut values, array);
             digest_now.add(&values[from..]);
         }
     })?;
@@ -529,15 +544,26 @@ fn column_values(
 
 /// A numeric column as `f64`; its type was checked before.
 pub(crate) fn floats(array: &ArrayRef) -> Vec<f64> {
+    let mut values = Vec::new();
+    extend_with(&mut values, array);
+    values
+}
+
+/// Adds a numeric column as `f64`.
+fn extend_with(values: &mut Vec<f64>, array: &ArrayRef) {
     match array.data_type() {
-        DataType::Float64 => array.as_primitive::<Float64Type>().values().to_vec(),
+        DataType::Float64 => {
+            values.extend_from_slice(array.as_primitive::<Float64Type>().values());
+        }
         DataType::Float32 => {
-            array.as_primitive::<Float32Type>().values().iter().map(|v| f64::from(*v)).collect()
+            values
+                .extend(array.as_primitive::<Float32Type>().values().iter().map(|v| f64::from(*v)));
         }
         DataType::UInt16 => {
-            array.as_primitive::<UInt16Type>().values().iter().map(|v| f64::from(*v)).collect()
+            values
+                .extend(array.as_primitive::<UInt16Type>().values().iter().map(|v| f64::from(*v)));
         }
-        _ => Vec::new(),
+        _ => {}
     }
 }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Reads a trial with these signals and its time; one of more than `most` samples with at most so
 /// many of them: the first and last of all, and of each of equally long stretches the first and, of
-/// each signal, the smallest and the largest. With it whether samples were left out.
+/// each signal, the smallest and the largest. With it how many samples were recorded.
 ///
 /// # Errors
 /// Those of [`read_trial`].
@@ -17,13 +17,13 @@ pub fn read_thinned(
     path: &Path,
     signals: impl IntoIterator<Item = Signal>,
     most: usize,
-) -> Result<(Trial, bool), StoreError> {
+) -> Result<(Trial, usize), StoreError> {
     let open = OpenColumns::open(&RealFiles, path)?;
     let mut signals: Vec<Signal> = signals.into_iter().filter(|s| *s != Signal::Time).collect();
     signals.sort();
     signals.dedup();
     if open.rows() <= most {
-        return Ok((read_trial(path, signals)?, false));
+        return Ok((read_trial(path, signals)?, open.rows()));
     }
     let (meta, file) = open.said()?;
     let rows = thinned(open.rows(), &signals, most, |signal| open.signal(signal))?;
@@ -34,7 +34,7 @@ pub fn read_thinned(
         }
     }
     samples.check(path)?;
-    Ok((Trial { meta, file, samples }, true))
+    Ok((Trial { meta, file, samples }, open.rows()))
 }
 
 /// What the samples of the trial at `path` say against it, as [`check_samples`] finds it; of a long
@@ -89,10 +89,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (trial, path) = written(folder.path());
         let signals = [Signal::Theta, Signal::StateBits];
-        let whole = (read_trial(&path, signals).unwrap(), false);
+        let whole = (read_trial(&path, signals).unwrap(), 200);
         assert_eq!(read_thinned(&path, signals, 200).unwrap(), whole);
-        let (few, thinned) = read_thinned(&path, signals, 60).unwrap();
-        assert!(thinned);
+        let (few, recorded) = read_thinned(&path, signals, 60).unwrap();
+        assert_eq!(recorded, 200);
         let of = |trial: &Trial, signal| trial.samples.get(signal).unwrap().to_vec();
         let (all, kept) = (of(&trial, Signal::Theta), of(&few, Signal::Theta));
         // Of 11 stretches the first sample and the angle's other extreme, in one the first with the

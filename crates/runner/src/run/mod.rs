@@ -11,7 +11,7 @@ use crate::{Job, Made, Making, Provenance, Records, Results};
 use std::collections::{BTreeSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use zwidth_store::{StoreError, hex_blake3};
 
 mod options;
@@ -45,6 +45,8 @@ pub struct Report {
     pub problems: Vec<String>,
     /// What in it is to be read with care, likewise.
     pub care: Vec<String>,
+    /// How long it took.
+    pub took: Duration,
 }
 
 /// What came of a run.
@@ -264,7 +266,9 @@ impl<'j> Run<'j> {
     /// Runs a job, and then those that it was the last to make ready.
     fn spawn<'s>(&'s self, scope: &rayon::ScopeFifo<'s>, i: usize) {
         scope.spawn_fifo(move |scope| {
-            let result = self.one(&self.jobs[i]);
+            let begun = Instant::now();
+            let mut result = self.one(&self.jobs[i]);
+            result.iter_mut().for_each(|(report, _)| report.took = begun.elapsed());
             // Before the board is locked: whoever listens may take long.
             if let Ok((report, _)) = &result {
                 (self.done)(report);
@@ -319,6 +323,7 @@ impl<'j> Run<'j> {
             verdict,
             problems,
             care,
+            took: Duration::ZERO,
         };
         let without = |verdict| report(verdict, Vec::new(), Vec::new());
         let root = self.results.root();

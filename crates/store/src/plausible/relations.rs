@@ -5,7 +5,6 @@ use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, range};
 use crate::{Columns, Signal};
 use core::f64::consts::TAU;
-use std::borrow::Cow;
 
 /// A trial is looked at in this many stretches, each long against noise and delay of a velocity.
 const STRETCHES: usize = 200;
@@ -108,10 +107,9 @@ fn digits(ratio: f64) -> String {
     format!("{exact}")
 }
 
-/// The way out: from the first sample to that farthest from it. With angle and force; `None`
-/// without much of a movement.
-fn way_out(samples: &dyn Columns, force: Signal) -> Option<[Cow<'_, [f64]>; 2]> {
-    let (mut theta, mut force) = (samples.column(Signal::Theta)?, samples.column(force)?);
+/// Where the way out ends: at the sample farthest from the first; `None` without much of a
+/// movement.
+fn way_out(theta: &[f64]) -> Option<usize> {
     let first = *theta.first()?;
     let farther =
         |best: usize, i: usize| match (theta[i] - first).abs() > (theta[best] - first).abs() {
@@ -120,16 +118,7 @@ fn way_out(samples: &dyn Columns, force: Signal) -> Option<[Cow<'_, [f64]>; 2]> 
         };
     let turn = (0..theta.len()).fold(0, farther);
     let moved = range(&theta[..=turn]) > LEAST_MOVED_RAD && turn >= LEAST_STRETCH;
-    if !moved || theta.len() < LEAST_SAMPLES {
-        return None;
-    }
-    for column in [&mut theta, &mut force] {
-        match column {
-            Cow::Borrowed(values) => *values = &values[..=turn],
-            Cow::Owned(values) => values.truncate(turn + 1),
-        }
-    }
-    Some([theta, force])
+    (moved && theta.len() >= LEAST_SAMPLES).then_some(turn)
 }
 
 /// How often the angle turns by more than a share of its range.
@@ -150,13 +139,13 @@ fn turns(theta: &[f64]) -> usize {
 }
 
 /// Whether the way out swings back and forth faster than a hand does.
-fn swings_fast(samples: &dyn Columns, theta: &[f64]) -> bool {
-    let turns = turns(theta);
+fn swings_fast(samples: &dyn Columns, turn: usize) -> bool {
+    let turns = samples.column(Signal::Theta).map_or(0, |theta| turns(&theta[..=turn]));
     if turns < 2 {
         return false;
     }
     let t = samples.column(Signal::Time);
-    let time_s = t.and_then(|t| Some(t.get(theta.len() - 1)? - t.first()?));
+    let time_s = t.and_then(|t| Some(t.get(turn)? - t.first()?));
     time_s.is_some_and(|time_s| time_s < FAST_S * turns as f64)
 }
 
@@ -165,10 +154,12 @@ fn swings_fast(samples: &dyn Columns, theta: &[f64]) -> bool {
 fn sign_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     asked.scene.spring()?;
     let signal = recorded(samples)?;
-    let [theta, force] = way_out(samples, signal)?;
-    if swings_fast(samples, &theta) {
+    let turn = way_out(&samples.column(Signal::Theta)?)?;
+    if swings_fast(samples, turn) {
         return None;
     }
+    let (theta, force) = (samples.column(Signal::Theta)?, samples.column(signal)?);
+    let (theta, force) = (&theta[..=turn], &force[..=turn]);
     let steps =
         || theta.windows(2).zip(force.windows(2)).map(|(x, f)| (x[1] - x[0]) * (f[0] + f[1]) / 2.0);
     let (work, all) = (steps().sum::<f64>(), steps().map(f64::abs).sum::<f64>());
@@ -189,10 +180,12 @@ fn recorded(samples: &dyn Columns) -> Option<Signal> {
 /// known factor.
 fn size_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let spring = asked.scene.spring()?;
-    let [theta, force] = way_out(samples, Signal::ForceEx)?;
+    let theta = samples.column(Signal::Theta)?;
+    let turn = way_out(&theta)?;
+    let force = samples.column(Signal::ForceEx)?;
     // The slope alone: where the angle's 0 lies may be wrong too.
-    let asked_for = from_mean(&theta).map(|x| x * spring.stiffness_n_per_rad);
-    let (ratio, correlation) = ratio(asked_for, from_mean(&force))?;
+    let asked_for = from_mean(&theta[..=turn]).map(|x| x * spring.stiffness_n_per_rad);
+    let (ratio, correlation) = ratio(asked_for, from_mean(&force[..=turn]))?;
     if correlation < ALIKE || ratio <= 0.0 {
         return None;
     }

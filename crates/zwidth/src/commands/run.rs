@@ -41,6 +41,7 @@ struct Entry {
     stage: &'static str,
     name: String,
     why: String,
+    seconds: f64,
 }
 
 pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result<Exit> {
@@ -180,8 +181,12 @@ fn sorted(lines: impl Iterator<Item = String>) -> Vec<String> {
 
 /// What the jobs made and failed to make; the rest is empty.
 fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
-    let entry =
-        |r: &Report, why: &str| Entry { stage: r.stage, name: r.name.clone(), why: why.to_owned() };
+    let entry = |r: &Report, why: &str| Entry {
+        stage: r.stage,
+        name: r.name.clone(),
+        why: why.to_owned(),
+        seconds: r.took.as_secs_f64(),
+    };
     let made = reports.iter().filter_map(|r| match &r.verdict {
         JobEnd::Made(why) => Some(entry(r, why)),
         _ => None,
@@ -208,11 +213,13 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
         if !of_stage.is_empty() {
             let made = of_stage.iter().filter(|r| matches!(r.verdict, JobEnd::Made(_))).count();
             let fresh = of_stage.iter().filter(|r| r.verdict == JobEnd::UpToDate).count();
-            screen.say(format!("{stage:>13}  {made:>3} {verb}  {fresh:>3} up to date"));
+            let took = of_stage.iter().map(|r| r.took.as_secs_f64()).sum::<f64>();
+            let took = if screen.verbose { format!("  {took:>8.2} s") } else { String::new() };
+            screen.say(format!("{stage:>13}  {made:>3} {verb}  {fresh:>3} up to date{took}"));
         }
     }
     if screen.verbose || command.dry_run {
-        outcome.made.iter().for_each(|e| screen.say(format!("  {}: {}", e.name, e.why)));
+        outcome.made.iter().for_each(|e| screen.say(of_job(e, screen.verbose)));
     }
     outcome.left_out.iter().for_each(|what| screen.warn(format!("left out: {what}")));
     outcome.read_with_care.iter().for_each(|what| screen.warn(format!("read with care: {what}")));
@@ -240,4 +247,10 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
             layout.study()
         ));
     }
+}
+
+/// A job that was made, and why; how long it took for whoever asks where the time went.
+fn of_job(entry: &Entry, timed: bool) -> String {
+    let Entry { name, why, seconds, .. } = entry;
+    if timed { format!("  {seconds:>8.2} s  {name}: {why}") } else { format!("  {name}: {why}") }
 }

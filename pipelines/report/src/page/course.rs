@@ -28,7 +28,10 @@ pub struct Course {
     pub trial: u32,
     /// Its repeat.
     pub repeat: u32,
-    /// Its samples.
+    /// How many samples were recorded: of a long trial fewer are shown, among them the extremes of
+    /// each short stretch.
+    pub recorded: usize,
+    /// The samples that are shown.
     pub columns: Columns,
     /// What happened in it, in order.
     pub events: Vec<Event>,
@@ -48,6 +51,9 @@ struct PackedCourse<'a> {
     trial: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     repeat: Option<u32>,
+    /// Where fewer are shown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recorded: Option<usize>,
     #[serde(flatten)]
     samples: Packed,
     #[serde(skip_serializing_if = "<[Event]>::is_empty")]
@@ -74,16 +80,18 @@ pub fn condition_script(
 ) -> std::io::Result<String> {
     let mut condition =
         Condition { trials: Vec::new(), means: BTreeMap::new(), replay: BTreeMap::new() };
-    for Course { trial, repeat, columns, events } in trials {
+    for Course { trial, repeat, recorded, columns, events } in trials {
         let (samples, repeat) = (packed(columns)?, Some(*repeat));
-        condition.trials.push(PackedCourse { trial: *trial, repeat, samples, events });
+        let recorded = Some(*recorded).filter(|recorded| *recorded > samples.n);
+        condition.trials.push(PackedCourse { trial: *trial, repeat, recorded, samples, events });
     }
     for (alignment, columns) in means {
         condition.means.insert(alignment, packed(columns)?);
     }
     for (model, trial, columns) in replays {
         let samples = packed(columns)?;
-        let course = PackedCourse { trial: *trial, repeat: None, samples, events: &[] };
+        let course =
+            PackedCourse { trial: *trial, repeat: None, recorded: None, samples, events: &[] };
         condition.replay.insert(model, course);
     }
     let json = serde_json::to_string(&condition)?;
@@ -160,7 +168,13 @@ mod tests {
     fn a_script_is_one_call_with_the_condition_and_what_it_has() {
         let columns = vec![("t_s", vec![0.0, 0.5])];
         let events = vec![Event { kind: "onset".to_owned(), t_s: 0.5 }];
-        let course = Course { trial: 4, repeat: 1, columns: columns.clone(), events };
+        let course = Course {
+            trial: 4,
+            repeat: 1,
+            recorded: columns[0].1.len(),
+            columns: columns.clone(),
+            events,
+        };
         let text =
             condition_script("P01.S01.spring", &[course], &[("onset", columns)], &[]).unwrap();
         let json = text.strip_prefix("zwidthData(\"P01.S01.spring\", ").unwrap();

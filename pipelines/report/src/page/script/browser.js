@@ -131,5 +131,6 @@ function writeNote() {
   if (view.show.has("command")) notes.push("Fine dots: commanded force, cut off where it goes far beyond the measured one.");
   if (view.show.has("replay")) notes.push(browser.curves.some((curve) => curve.kind === "replay") ? "Replay: the model, given the recorded force." : "No replay of these trials is stored.");
   if (view.show.has("events")) notes.push(`${Object.values(EVENTS).map(([sign, name]) => `${sign} ${name}`).join("  ")}.`);
+  for (const curve of browser.curves.filter((one) => one.recorded > one.n)) notes.push(`${curve.label}: ${curve.n.toLocaleString("en")} of ${curve.recorded.toLocaleString("en")} recorded samples are shown, among them the extremes of each short stretch.`);
   parts.note.textContent = notes.join(" ");
 }

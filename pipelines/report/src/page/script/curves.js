@@ -10,7 +10,7 @@ function curveOf(table, mode, key, kind, label, shift, { overTime = true, overAn
   const c = table.columns;
   const times = shift ? shifted(c.t_s, shift) : c.t_s;
   const y = { t: times, theta: c.theta_rad, velocity: c.theta_dot_rad_s, force: c.force_ex_n ?? c.torque_ex_nm, command: c.force_cmd_n ?? c.torque_cmd_nm };
-  return { y, stored: c, n: table.n, mode, key, kind, label, shift, overTime, overAngle, trial: table.trial ?? null, repeat: table.repeat ?? null, bits: c.state_bits, events: table.events ?? [] };
+  return { y, stored: c, n: table.n, mode, key, kind, label, shift, overTime, overAngle, trial: table.trial ?? null, repeat: table.repeat ?? null, recorded: table.recorded ?? table.n, bits: c.state_bits, events: table.events ?? [] };
 }
 
 const onsetOf = (trial) => trial?.events?.find((event) => event.kind === "onset")?.t_s;
