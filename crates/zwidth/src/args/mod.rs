@@ -35,7 +35,7 @@ pub(crate) struct Args {
     /// Only results, warnings and errors
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
-    /// Say why each thing is made again
+    /// Say why each thing is made again, how long it took, and every finding
     #[arg(long, short, global = true)]
     pub(crate) verbose: bool,
     #[command(subcommand)]

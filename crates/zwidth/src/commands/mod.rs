@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 pub(crate) mod acquire;
+mod alike;
 pub(crate) mod characterise;
 pub(crate) mod check;
 pub(crate) mod compare;

@@ -1,5 +1,6 @@
 //! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
 
+use super::alike::once;
 use super::near::did_you_mean;
 use super::{hashes_read, join_findings, nameless, studies};
 use crate::args::Run;
@@ -221,8 +222,9 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
     if screen.verbose || command.dry_run {
         outcome.made.iter().for_each(|e| screen.say(of_job(e, screen.verbose)));
     }
-    outcome.left_out.iter().for_each(|what| screen.warn(format!("left out: {what}")));
-    outcome.read_with_care.iter().for_each(|what| screen.warn(format!("read with care: {what}")));
+    let told = |lines| once(lines, screen.verbose).into_iter();
+    told(&outcome.left_out).for_each(|what| screen.warn(format!("left out: {what}")));
+    told(&outcome.read_with_care).for_each(|what| screen.warn(format!("read with care: {what}")));
     outcome
         .failed
         .iter()

@@ -1,5 +1,6 @@
 //! `zwidth verify`: every finding, with file, column, row and remedy.
 
+use super::alike::once;
 use super::{nameless, studies};
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -36,7 +37,8 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
     } else {
         nameless.iter().for_each(|f| screen.result(f.to_string()));
         for (study, findings) in &checked {
-            findings.iter().for_each(|f| screen.result(f.to_string()));
+            let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
+            once(&lines, screen.verbose).into_iter().for_each(|line| screen.result(line));
             let notes = study_notes(&RealFiles, &Layout::new(root, study.clone()));
             notes.iter().for_each(|note| screen.result(format!("{study}: note: {note}")));
             let schema = read_study(&Layout::new(root, study.clone()));
