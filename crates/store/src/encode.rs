@@ -113,9 +113,8 @@ pub(crate) fn derived(schema: &Schema, footer: Vec<KeyValue>) -> WriterPropertie
     properties(columns, footer, Compression::SNAPPY).build()
 }
 
-/// Rows of a row group: writer and readers hold no more than a group of a long trial at a time, and
-/// most trials are one.
-pub(crate) const GROUP_ROWS: usize = 1 << 18;
+/// Rows of a row group: a reader takes no more than a group at a time, and most trials are one.
+pub(crate) const GROUP_ROWS: usize = 1 << 20;
 
 /// One row group, page statistics off (files are small).
 fn properties<'a>(

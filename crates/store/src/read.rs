@@ -25,8 +25,10 @@ use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
 };
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
+use rayon::prelude::*;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
@@ -201,14 +203,16 @@ impl OpenColumns {
     pub(crate) fn check(&self) -> Result<(), StoreError> {
         let (path, rows) = (&self.file.path, self.file.rows);
         self.said()?;
+        let mut room = Vec::new();
         for signal in Signal::all() {
             let column = signal.column();
-            match self.decoded(signal)? {
+            match self.decoded(signal, std::mem::take(&mut room))? {
                 Some(values) => {
                     check_column(path, column.name, column.storage, (&values, rows))?;
                     if signal == Signal::Time {
                         check_time(path, &values)?;
                     }
+                    room = values;
                 }
                 None if signal == Signal::Time => Samples::default().check(path)?,
                 None => {}
@@ -225,26 +229,38 @@ impl OpenColumns {
     /// The values of a signal; `None` where the column is null throughout. Of one without a digest
     /// whose statistics say that it is, nothing is decoded.
     pub(crate) fn signal(&self, signal: Signal) -> Result<Option<Vec<f64>>, StoreError> {
+        self.signal_in(signal, Vec::new())
+    }
+
+    /// [`OpenColumns::signal`] in the memory of values that nobody needs any more: to get new memory
+    /// from the system and to give it back takes as long as to decode a column into it.
+    pub(crate) fn signal_in(
+        &self,
+        signal: Signal,
+        room: Vec<f64>,
+    ) -> Result<Option<Vec<f64>>, StoreError> {
         let column = signal.column();
         check_field(&self.file.path, self.columns.schema(), column, self.form.schema)?;
         let name = column.name_in(self.form.schema);
         if !self.has(signal) && self.file.is_said_to_be_null(name) {
             return Ok(None);
         }
-        column_values(&self.file, &self.columns, name, column.storage)
+        column_values(&self.file, &self.columns, (name, column.storage), room)
     }
 
-    /// [`OpenColumns::signal`], decoded whatever the statistics say.
-    fn decoded(&self, signal: Signal) -> Result<Option<Vec<f64>>, StoreError> {
+    /// [`OpenColumns::signal_in`], decoded whatever the statistics say.
+    fn decoded(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
         let column = signal.column();
         check_field(&self.file.path, self.columns.schema(), column, self.form.schema)?;
-        column_values(&self.file, &self.columns, column.name_in(self.form.schema), column.storage)
+        let of = (column.name_in(self.form.schema), column.storage);
+        column_values(&self.file, &self.columns, of, room)
     }
 
     /// The values of a channel of the study's own.
     pub(crate) fn channel(&self, channel: &Channel) -> Result<Option<Vec<f64>>, StoreError> {
         check_described(&self.file.path, self.columns.schema(), &channel_field(channel))?;
-        column_values(&self.file, &self.columns, channel.id.as_str(), Storage::F64)
+        let of = (channel.id.as_str(), Storage::F64);
+        column_values(&self.file, &self.columns, of, Vec::new())
     }
 }
 
@@ -256,8 +272,9 @@ impl Columns for OpenColumns {
             Some(at) => last.remove(at)?.1,
             None => {
                 // Before the next is read, so that there are never more.
-                last.truncate(KEPT - 1);
-                Arc::new(self.signal(signal).ok().flatten()?)
+                let gone = if last.len() < KEPT { None } else { last.pop_back() };
+                let room = gone.and_then(|(_, values)| Arc::into_inner(values));
+                Arc::new(self.signal_in(signal, room.unwrap_or_default()).ok().flatten()?)
             }
         };
         last.push_front((signal, found.clone()));
@@ -366,8 +383,9 @@ impl ParquetFile {
         names: &[&str],
     ) -> Result<RecordBatch, StoreError> {
         let mut batches = Vec::new();
-        let most = MOST_COLUMN_BYTES;
-        let schema = self.each_batch(columns, (names, most), |batch| batches.push(batch))?;
+        self.check_pages(names, MOST_COLUMN_BYTES)?;
+        let schema =
+            self.each_batch(columns, (names, self.groups()), |batch| batches.push(batch))?;
         guarded(&self.path, DAMAGED, || Ok(concat_batches(&schema, &batches)?))
     }
 
@@ -381,29 +399,42 @@ impl ParquetFile {
         self.metadata.row_groups().iter().all(|group| nulls(group) == Some(true))
     }
 
-    /// Decodes the columns of these names, so many rows at a time; none may unpack to more than
-    /// `most` bytes.
+    /// Checks that none of the columns of these names unpacks to more than `most` bytes.
+    fn check_pages(&self, names: &[&str], most: u64) -> Result<(), StoreError> {
+        let mask = self.columns_of(names);
+        check_pages_in(&self.content, &self.metadata, most, |place| mask.leaf_included(place))
+            .map(drop)
+            .map_err(|why| unreadable(&self.path, DAMAGED, &why))
+    }
+
+    fn columns_of(&self, names: &[&str]) -> ProjectionMask {
+        let schema = self.metadata.file_metadata().schema_descr();
+        ProjectionMask::columns(schema, names.iter().copied())
+    }
+
+    /// Decodes the columns of these names in some row groups, so many rows at a time.
     fn each_batch(
         &self,
         columns: ArrowReaderMetadata,
-        (names, most): (&[&str], u64),
+        (names, groups): (&[&str], Range<usize>),
         mut take: impl FnMut(RecordBatch),
     ) -> Result<SchemaRef, StoreError> {
-        let schema = self.metadata.file_metadata().schema_descr();
-        let mask = ProjectionMask::columns(schema, names.iter().copied());
-        check_pages_in(&self.content, &self.metadata, most, |place| mask.leaf_included(place))
-            .map_err(|why| unreadable(&self.path, DAMAGED, &why))?;
         guarded(&self.path, DAMAGED, || {
             let builder =
                 ParquetRecordBatchReaderBuilder::new_with_metadata(self.content.clone(), columns);
             let rows = self.rows.clamp(1, BATCH_ROWS);
-            let reader = builder.with_projection(mask).with_batch_size(rows).build()?;
+            let builder = builder.with_projection(self.columns_of(names)).with_batch_size(rows);
+            let reader = builder.with_row_groups(groups.collect()).build()?;
             let schema = arrow::array::RecordBatchReader::schema(&reader);
             for batch in reader {
                 take(batch?);
             }
             Ok(schema)
         })
+    }
+
+    fn groups(&self) -> Range<usize> {
+        0..self.metadata.num_row_groups()
     }
 }
 
@@ -498,39 +529,40 @@ pub(crate) fn check_described(
     Ok(())
 }
 
-/// The values of one column of a trial; `None` where the column is null throughout.
+/// The values of one column of a trial, in the memory of `room`; `None` where the column is null
+/// throughout.
 fn column_values(
     file: &ParquetFile,
     columns: &ArrowReaderMetadata,
-    name: &str,
-    storage: Storage,
+    (name, storage): (&str, Storage),
+    room: Vec<f64>,
 ) -> Result<Option<Vec<f64>>, StoreError> {
     let error = |what: &str| StoreError::new(&file.path, what, DAMAGED).column(name);
     let digest = file.footer.get(&format!("{DIGEST}{name}"));
+    file.check_pages(&[name], MOST_RECORDED_BYTES)?;
     // Without a digest it has no value, or is damaged: no room is taken for it.
-    let mut values = Vec::with_capacity(if digest.is_some() { file.rows } else { 0 });
-    let (mut found, mut row, mut nulls, mut first_null) = (true, 0, 0, None);
+    let mut whole = Part { values: room, ..Part::default() };
+    whole.values.clear();
+    whole.values.reserve_exact(if digest.is_some() { file.rows } else { 0 });
     let mut digest_now = ColumnDigest::new(storage);
-    file.each_batch(columns.clone(), (&[name], MOST_RECORDED_BYTES), |batch| {
-        let Some(array) = batch.column_by_name(name) else {
-            found = false;
-            return;
-        };
-        if array.null_count() > 0 && first_null.is_none() {
-            first_null = (0..array.len()).find(|i| array.is_null(*i)).map(|i| row + i);
-        }
-        (row, nulls) = (row + array.len(), nulls + array.null_count());
-        if digest.is_some() && first_null.is_none() {
-            let from = values.len();
-            extend_with(&mut values, array);
-            digest_now.add(&values[from..]);
-        }
-    })?;
-    if !found {
+    let mut groups = file.groups();
+    let mut decode = || some_groups(file, columns, (name, digest.is_some()), &mut groups);
+    let mut parts = decode()?;
+    while !parts.is_empty() {
+        let (next, ()) = rayon::join(&mut decode, || {
+            for part in parts {
+                digest_now.add(&part.values);
+                whole.add(part);
+            }
+        });
+        parts = next?;
+    }
+    let Part { values, rows, nulls, first_null, is_missing } = whole;
+    if is_missing {
         return Err(error("the column is missing"));
     }
     // With a digest it had values once.
-    if nulls == row && digest.is_none() {
+    if nulls == rows && digest.is_none() {
         return Ok(None);
     }
     if let Some(row) = first_null {
@@ -540,6 +572,56 @@ fn column_values(
         return Err(error("the column is damaged: its values do not match their digest"));
     }
     Ok(Some(values))
+}
+
+/// What some rows of a column hold.
+#[derive(Default)]
+struct Part {
+    /// As far as there are any.
+    values: Vec<f64>,
+    rows: usize,
+    nulls: usize,
+    first_null: Option<usize>,
+    is_missing: bool,
+}
+
+impl Part {
+    fn add(&mut self, next: Self) {
+        self.first_null = self.first_null.or(next.first_null.map(|row| self.rows + row));
+        self.rows += next.rows;
+        self.nulls += next.nulls;
+        self.is_missing |= next.is_missing;
+        self.values.extend_from_slice(&next.values);
+    }
+}
+
+/// The next row groups of a column, as many as there are cores, decoded side by side.
+fn some_groups(
+    file: &ParquetFile,
+    columns: &ArrowReaderMetadata,
+    (name, has_values): (&str, bool),
+    groups: &mut Range<usize>,
+) -> Result<Vec<Part>, StoreError> {
+    let next: Vec<usize> = groups.take(rayon::current_num_threads()).collect();
+    let decode = |group: usize| -> Result<Part, StoreError> {
+        let mut part = Part::default();
+        file.each_batch(columns.clone(), (&[name], group..group + 1), |batch| {
+            let Some(array) = batch.column_by_name(name) else {
+                part.is_missing = true;
+                return;
+            };
+            if array.null_count() > 0 && part.first_null.is_none() {
+                let null = (0..array.len()).find(|i| array.is_null(*i));
+                part.first_null = null.map(|i| part.rows + i);
+            }
+            (part.rows, part.nulls) = (part.rows + array.len(), part.nulls + array.null_count());
+            if has_values && part.first_null.is_none() {
+                extend_with(&mut part.values, array);
+            }
+        })?;
+        Ok(part)
+    };
+    next.into_par_iter().map(decode).collect()
 }
 
 /// A numeric column as `f64`; its type was checked before.

@@ -26,11 +26,12 @@ pub fn read_thinned(
         return Ok((read_trial(path, signals)?, open.rows()));
     }
     let (meta, file) = open.said()?;
-    let rows = thinned(open.rows(), &signals, most, |signal| open.signal(signal))?;
-    let mut samples = Samples::default();
+    let rows = thinned(open.rows(), &signals, most, |signal, room| open.signal_in(signal, room))?;
+    let (mut samples, mut room) = (Samples::default(), Vec::new());
     for signal in signals.into_iter().chain([Signal::Time]) {
-        if let Some(values) = open.signal(signal)? {
+        if let Some(values) = open.signal_in(signal, std::mem::take(&mut room))? {
             samples.set(signal, rows.iter().map(|row| values[*row]).collect());
+            room = values;
         }
     }
     samples.check(path)?;
@@ -56,14 +57,15 @@ fn thinned(
     rows: usize,
     signals: &[Signal],
     most: usize,
-    column: impl Fn(Signal) -> Result<Option<Vec<f64>>, StoreError>,
+    column: impl Fn(Signal, Vec<f64>) -> Result<Option<Vec<f64>>, StoreError>,
 ) -> Result<Vec<usize>, StoreError> {
     let of_each = 1 + 2 * signals.len();
     let stretches = (most.saturating_sub(1) / of_each).max(1);
     let length = rows.div_ceil(stretches);
     let mut kept: Vec<usize> = (0..rows).step_by(length).chain(rows.checked_sub(1)).collect();
+    let mut room = Vec::new();
     for signal in signals {
-        let Some(values) = column(*signal)? else { continue };
+        let Some(values) = column(*signal, std::mem::take(&mut room))? else { continue };
         for (i, stretch) in values.chunks(length).enumerate() {
             let at = |better: fn(f64, f64) -> bool| {
                 let best = |best: usize, j: usize| {
@@ -73,6 +75,7 @@ fn thinned(
             };
             kept.extend([at(|a, b| a < b), at(|a, b| a > b)]);
         }
+        room = values;
     }
     kept.sort_unstable();
     kept.dedup();
