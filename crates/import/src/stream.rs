@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 use zwidth_store::{MOST_ROWS, Samples, Signal, StoreError, TrialWriter};
 use zwidth_study::ChannelId;
 
-/// Rows that are written at a time. Tests have many groups in few rows.
-const GROUP: usize = if cfg!(test) { 700 } else { TrialWriter::GROUP };
+/// Rows that are written at a time. Tests have many parts in few rows.
+const PART: usize = if cfg!(test) { 700 } else { TrialWriter::AT_ONCE };
 
 /// A long text, and what is taken from it.
 pub(super) struct Source<'a> {
@@ -429,7 +429,7 @@ impl<'a> Growing<'a> {
         found.map_or(&[], |(_, values)| values)
     }
 
-    /// Computes what the rows at hand allow, and gives whole row groups to the writer; at the end
+    /// Computes what the rows at hand allow, and gives whole parts to the writer; at the end
     /// all.
     fn write(&mut self, writer: &mut TrialWriter, end: bool) -> Result<(), Errors> {
         for (to, rule) in &self.plan.derived {
@@ -440,8 +440,8 @@ impl<'a> Growing<'a> {
         }
         let ready = self.columns.iter().map(|(_, values)| values.len()).min().unwrap_or(0);
         let mut from = self.given;
-        while ready - from >= GROUP || (end && ready > from) {
-            let to = ready.min(from + GROUP);
+        while ready - from >= PART || (end && ready > from) {
+            let to = ready.min(from + PART);
             let mut group = Samples::default();
             for (column, values) in &self.columns {
                 set(&mut group, column, values[from..to].to_vec());

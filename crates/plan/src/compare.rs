@@ -1,7 +1,7 @@
 //! Stage `compare`: modes, participants and sessions compared, one job per metric; its figures.
 
 use crate::drawing::{Drawing, Figured};
-use crate::making::{derived, write_tables};
+use crate::making::{derived, read_tables, write_tables};
 use crate::preregistered::preregistered;
 use crate::{likert, likert_figures, metrics};
 use serde::Serialize;
@@ -171,10 +171,17 @@ fn who(data: &StudyData) -> (bool, bool) {
     (people.len() > 1, sessions.len() > people.len())
 }
 
-/// The tables that people read: of every metric its means, its contrasts and its changes; those of
+/// The contrasts of all metrics in one table, where several are compared.
+fn together(data: &StudyData) -> Option<PathBuf> {
+    let several = compared(data).len() > 1;
+    several.then(|| derived(&data.layout, "compare/comparison.parquet"))
+}
+
+/// The tables that people read: that of all metrics; of every metric its means, its contrasts and its changes; those of
 /// participants and sessions where there are several.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     let (several, again) = who(data);
+    let mut tables: Vec<PathBuf> = together(data).into_iter().collect();
     let mut names = TABLES.to_vec();
     names.retain(|table| match *table {
         "omnibus" | "models" | "participants" => several,
@@ -182,7 +189,6 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
         "cells" | "repeats" => false,
         _ => true,
     });
-    let mut tables = Vec::new();
     for metric in compared(data) {
         tables.extend(names.iter().map(|table| table_of(&data.layout, table, &metric)));
     }
@@ -272,7 +278,37 @@ fn repeated(events: &[Event]) -> Vec<[u32; 2]> {
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let answers = answers(data).map(|_| answers_job(data));
     let Some(metrics) = metrics::of_study(data) else { return answers.into_iter().collect() };
-    compared(data).iter().map(|metric| job(data, metric, metrics.clone())).chain(answers).collect()
+    let metric = |metric: &String| job(data, metric, metrics.clone());
+    compared(data).iter().map(metric).chain(together_job(data)).chain(answers).collect()
+}
+
+/// What is said of all metrics in one table.
+fn together_job(data: &StudyData) -> Option<Job> {
+    let contrasts: Vec<PathBuf> =
+        compared(data).iter().map(|metric| table_of(&data.layout, "contrasts", metric)).collect();
+    let of = Together {
+        primary: data.study.compare.primary.clone(),
+        simulated: data.counting().any(|trial| trial.meta.source.is_simulated()),
+    };
+    let output = together(data)?;
+    Some(Job::new(STAGE, "compare all metrics", of, contrasts, vec![output], make_together))
+}
+
+/// What the table of all metrics depends on besides their contrasts.
+#[derive(Serialize)]
+struct Together {
+    primary: MetricId,
+    simulated: bool,
+}
+
+fn make_together(
+    of: &Together,
+    contrasts: &Vec<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let contrasts = read_tables(contrasts)?;
+    let table = zwidth_compare::together(&contrasts, of.primary.as_str())?;
+    write_tables(&[table.with_mark(of.simulated)], making, Vec::new())
 }
 
 /// The comparison of one metric, from the metrics of all trials.

@@ -41,8 +41,8 @@ pub struct Staged {
 }
 
 impl TrialWriter {
-    /// Rows of each group but the last.
-    pub const GROUP: usize = GROUP_ROWS;
+    /// Rows that are best given at a time: row groups are longer, and grow encoded.
+    pub const AT_ONCE: usize = 1 << 16;
 
     /// Begins the file of a trial that will lie at `path`; `near` names a file in a folder of the
     /// same disk that is there, beside which it is written.
@@ -83,7 +83,7 @@ impl TrialWriter {
         })
     }
 
-    /// Adds the next rows: [`TrialWriter::GROUP`] of them, or what is left.
+    /// Adds the next rows: [`TrialWriter::AT_ONCE`] of them, or what is left.
     ///
     /// # Errors
     /// Samples that break a promise of the schema, with column and row of the whole trial; columns

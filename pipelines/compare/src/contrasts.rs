@@ -4,6 +4,7 @@ use crate::cells::{Cells, whole};
 use crate::differences::{Difference, of_everybody};
 use crate::measure::Measure;
 use crate::orders::{NoTest, SharpNull};
+use crate::together::CONTRASTS;
 use crate::unit::Unit;
 use crate::{CompareError, Parameters, columns};
 use zwidth_stats::null::Sampling;
@@ -287,5 +288,5 @@ pub(crate) fn table(
     let verdicts = rows.iter().map(|row| row.verdict_in_words(unit, parameters.alpha));
     all.push(Column::text("verdict", "what the tests show", verdicts));
     let title = format!("Modes compared: {}", measure.description);
-    Ok(Table::new(&format!("contrasts_{}", measure.name), &title, all)?)
+    Ok(Table::new(&[CONTRASTS, &measure.name].concat(), &title, all)?)
 }

@@ -39,6 +39,7 @@ mod repeats;
 mod sessions;
 #[cfg(test)]
 mod tests;
+mod together;
 mod unit;
 
 pub use answers::{AnswerParameters, AnswersCompared, compare_answers};
@@ -47,6 +48,7 @@ pub use error::CompareError;
 pub use measure::Measure;
 pub use parameters::Parameters;
 pub use preregistered::Preregistered;
+pub use together::together;
 
 use cells::Cells;
 use unit::Unit;

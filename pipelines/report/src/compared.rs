@@ -224,7 +224,11 @@ struct Told {
     amount: String,
     interval: Option<String>,
     n: String,
+    /// `t(5) = −3.21`, between participants.
+    test: Option<String>,
     p: Option<String>,
+    /// `d_av = −1.4`, likewise.
+    effect: Option<String>,
     verdict: String,
 }
 
@@ -232,12 +236,16 @@ impl Told {
     fn told(&self, metric: &str) -> String {
         let Self { place, amount, n, verdict, .. } = self;
         let interval = self.interval.as_ref().map(|ends| format!("interval {ends}, "));
-        let p = self.p.as_ref().map(|p| format!(", adjusted p = {p}"));
+        let p = self.p.as_ref().map(|p| format!("adjusted p = {p}"));
+        let more: String = [self.test.clone(), p, self.effect.clone()]
+            .into_iter()
+            .flatten()
+            .map(|said| format!(", {said}"))
+            .collect();
         let why = if verdict == UNDECIDED { NEITHER } else { "" };
         format!(
-            "{place}: the difference in {metric} is {amount} ({}n = {n}{}): {verdict}{why}.",
+            "{place}: the difference in {metric} is {amount} ({}n = {n}{more}): {verdict}{why}.",
             interval.unwrap_or_default(),
-            p.unwrap_or_default(),
         )
     }
 
@@ -258,6 +266,9 @@ fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
     let (difference, error) = (of("difference")?, of("difference_std_error")?);
     let (low, high) = (of("difference_ci_low")?, of("difference_ci_high")?);
     let p = of("p_adjusted")?;
+    // With one participant there is neither.
+    let [t, df, d_av] = ["statistic", "df", "d_av"]
+        .map(|stem| of(stem).unwrap_or_else(|_| vec![None; table.height()]));
     let counted = unit_of_analysis(table)?;
     let label = |id: &str| {
         let known = study.environments.iter().find(|e| e.id.as_str() == id);
@@ -279,7 +290,11 @@ fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
             amount,
             interval,
             n: format!("{} {counted}", n[row].unwrap_or_default()),
+            test: t[row]
+                .zip(df[row])
+                .map(|(t, df)| format!("t({}) = {}", number(df, None), number(t, None))),
             p: p[row].map(|p| number(p, None)),
+            effect: d_av[row].map(|d| format!("d_av = {}", number(d, None))),
             verdict: verdicts[row].clone().unwrap_or_else(|| "no test".to_owned()),
         });
     }
@@ -318,7 +333,7 @@ mod tests {
 
     fn differences(unit: &str, verdict: &str, p_adjusted: Option<f64>) -> Table {
         let float = |name, v: f64| Column::float(name, "rad", "", [Some(v)]);
-        let columns = vec![
+        let mut columns = vec![
             text("environment", &["spring"]),
             text("contrast", &["hybrid − active"]),
             text("unit_of_analysis", &[unit]),
@@ -330,6 +345,11 @@ mod tests {
             Column::float("p_adjusted", "1", "", [p_adjusted]),
             text("verdict", &[verdict]),
         ];
+        if unit == "participants" {
+            columns.push(Column::float("statistic", "1", "", [Some(-5.0)]));
+            columns.push(Column::float("df", "1", "", [Some(5.0)]));
+            columns.push(Column::float("d_av", "1", "", [Some(-1.25)]));
+        }
         Table::new("contrasts", "Modes compared: angle past the wall", columns).unwrap()
     }
 
@@ -375,7 +395,7 @@ mod tests {
         assert_eq!(
             found[1],
             "Spring, Hybrid − Active: the difference in angle past the wall is −5.7° (interval −8.6 to −2.9, \
-             n = 6 participants, adjusted p = 0.0123): different."
+             n = 6 participants, t(5) = −5, adjusted p = 0.0123, d_av = −1.25): different."
         );
     }
 
