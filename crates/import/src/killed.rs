@@ -112,7 +112,7 @@ impl Case {
     fn goes_through(&self, disk: &Memory, layout: &Layout, what: &str) -> bool {
         let again = self.import(disk, layout, &self.files);
         let data = StudyData::load_from(disk, layout).unwrap();
-        let found = (data.counting().count(), data.sweeps.len(), data.answers().len());
+        let found = (data.counting().count(), data.sweeps.len(), data.answers.len());
         assert_eq!((found, verify_from(disk, layout)), (self.whole, vec![]), "{what}: {again:?}");
         assert_eq!(recover(disk, layout, UTC), [], "{what}");
         if let Err(errors) = &again {

@@ -199,7 +199,7 @@ trial = { column = \"order\" }
         assert_eq!(events[..2], [answer(1, "felt_spring", 2), answer(1, "felt_wall", 4)]);
         let data = world.load();
         assert!(data.sessions[0].record.trials.iter().all(|t| !t.samples));
-        let answers = data.answers();
+        let answers = data.answers;
         assert_eq!(answers.len(), 6);
         assert_eq!(answers[5].participant.as_str(), "P12");
     }

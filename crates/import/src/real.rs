@@ -139,7 +139,7 @@ fn likert_vr_shoes_gives_3600_answers_in_80_trials_without_samples() {
     assert_eq!(report.files[0].columns_dropped.len(), 17);
     let data = world.load();
     assert_eq!(data.study.questions.iter().filter(|q| q.reversed).count(), 17);
-    let answers = data.answers();
+    let answers = data.answers;
     assert_eq!(answers.len(), 3600);
     // The file's first row: participant 1, STF first; 5 to the first item, 1 to the second.
     let first = answers.iter().find(|a| a.question.as_str() == "q01").unwrap();

@@ -1,13 +1,18 @@
 //! Stage `average`: each condition of a session has two tables, one for each alignment. If there is
 //! no mean, they are empty and their note says why.
 
-use crate::conditions::{Repeats, repeats};
-use crate::making::{derived, write_tables};
+use crate::conditions::{Repeats, repeats, sessions};
+use crate::drawing::{Drawing, Figured};
+use crate::making::{derived, read_tables, write_tables};
 use crate::trials::{OfTrials, files, read_all};
+use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_average::{Alignment, AverageError, Parameters};
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_average::{Alignment, AverageError, Parameters, WhyNot};
+use zwidth_figures::{About, EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData};
+use zwidth_study::{Environment, SceneKind, Source};
 use zwidth_tables::Table;
 
 pub(crate) const STAGE: Stage = Stage { name: "average", version: zwidth_average::VERSION };
@@ -33,7 +38,126 @@ pub(crate) fn parameters(data: &StudyData, repeats: &Repeats) -> Parameters {
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    repeats(data).iter().map(|repeats| job(data, repeats)).collect()
+    let over_people = over_people(data).into_iter().map(|people| people.job(data));
+    repeats(data).iter().map(|repeats| job(data, repeats)).chain(over_people).collect()
+}
+
+/// One condition in which several participants have trials.
+struct People<'a> {
+    environment: &'a Environment,
+    mode: usize,
+    /// The means of every session, aligned by landmarks.
+    sessions: Vec<PathBuf>,
+    /// The mean over participants.
+    mean: PathBuf,
+}
+
+/// The conditions that several participants have, of those with something rendered.
+fn over_people(data: &StudyData) -> Vec<People<'_>> {
+    let all = sessions(data);
+    let mut found = Vec::new();
+    for environment in data.study.environments.iter().filter(|e| is_rendered(e)) {
+        for (place, mode) in data.study.modes.iter().enumerate() {
+            let of: Vec<Repeats> =
+                all.iter().filter_map(|session| session.repeats(environment, mode)).collect();
+            let first = of.iter().filter_map(|repeats| repeats.trials.first());
+            let people: BTreeSet<_> = first.map(|trial| &trial.meta.participant).collect();
+            if people.len() > 1 {
+                let aligned = |r: &Repeats| aligned(&data.layout, r, Alignment::Landmarks);
+                let name = format!("average/people.{}.{}.parquet", environment.id, mode.id);
+                let (sessions, mean) =
+                    (of.iter().map(aligned).collect(), derived(&data.layout, name));
+                found.push(People { environment, mode: place, sessions, mean });
+            }
+        }
+    }
+    found
+}
+
+/// Free motion has no mean course, and of nothing known there is none.
+fn is_rendered(environment: &Environment) -> bool {
+    !matches!(environment.scene.kind(), SceneKind::Free | SceneKind::None)
+}
+
+impl People<'_> {
+    fn job(self, data: &StudyData) -> Job {
+        let (environment, mode) = (&self.environment.id, &data.study.modes[self.mode].id);
+        let name = format!("average over participants {environment} {mode}");
+        let level = data.study.analysis.confidence;
+        Job::new(STAGE, name, level, self.sessions, vec![self.mean], make_people)
+    }
+}
+
+fn make_people(level: &f64, sessions: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    let table = match zwidth_average::over_participants(&read_tables(sessions)?, *level)? {
+        Some(table) => table,
+        None => zwidth_average::no_average(&WhyNot::Nobody)?,
+    };
+    write_tables(&[table], making, Vec::new())
+}
+
+/// What the figure over participants depends on besides tables.
+#[derive(Serialize)]
+struct Drawn {
+    about: About,
+    environments: Vec<(Environment, Vec<usize>)>,
+    sources: BTreeSet<Source>,
+}
+
+/// The figure of the means over participants, if there are several.
+pub(crate) fn figure(data: &StudyData) -> Option<Drawing> {
+    let people = over_people(data);
+    let mut environments: Vec<(Environment, Vec<usize>)> = Vec::new();
+    for of in &people {
+        match environments.last_mut().filter(|(last, _)| last.id == of.environment.id) {
+            Some((_, modes)) => modes.push(of.mode),
+            None => environments.push((of.environment.clone(), vec![of.mode])),
+        }
+    }
+    let of = Drawn {
+        about: About::of(&data.study),
+        environments,
+        sources: data.counting().map(|trial| trial.meta.source).collect(),
+    };
+    let files: Vec<(PathBuf, Vec<PathBuf>)> =
+        people.into_iter().map(|people| (people.mean, people.sessions)).collect();
+    let trials = data.counting().count();
+    (!files.is_empty())
+        .then(|| Drawing::new(data, MEAN_LOOPS, [""; 0], of, OfPeople(files), draw).of(trials))
+}
+
+/// Each condition's mean over participants, and the means of its sessions.
+struct OfPeople(Vec<(PathBuf, Vec<PathBuf>)>);
+
+impl Inputs for OfPeople {
+    fn files(&self) -> Vec<PathBuf> {
+        self.0
+            .iter()
+            .flat_map(|(mean, sessions)| [mean].into_iter().chain(sessions))
+            .cloned()
+            .collect()
+    }
+}
+
+fn draw(of: &Drawn, OfPeople(files): &OfPeople) -> Figured {
+    let columns = zwidth_figures::average_columns();
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    let read = |path: &PathBuf| Table::columns_from_parquet(path, &columns);
+    let mut tables = Vec::new();
+    for (mean, sessions) in files {
+        tables.push((read(mean)?, sessions.iter().map(read).collect::<Result<Vec<Table>, _>>()?));
+    }
+    let mut tables = tables.iter();
+    let mut environments = Vec::new();
+    for (environment, modes) in &of.environments {
+        let modes = modes
+            .iter()
+            .zip(tables.by_ref())
+            .map(|(index, (mean, sessions))| ModeOfPeople { index: *index, mean, sessions });
+        environments.push(EnvironmentOfPeople { environment, modes: modes.collect() });
+    }
+    let sources: Vec<Source> = of.sources.iter().copied().collect();
+    Ok((zwidth_figures::mean_loops(&of.about, &environments, &sources)?, Vec::new()))
 }
 
 /// The averages of one condition, by each alignment.

@@ -432,12 +432,12 @@ fn answers_figures(data: &StudyData) -> Vec<Drawing> {
 
 /// One page of answers compared.
 fn answers_figure(data: &StudyData, page: AnswersPage, number: Option<String>) -> Drawing {
-    let mut answers = data.answers();
-    answers.retain(|a| page.shows(&a.condition.environment, &a.question));
+    let of_page = |a: &&zwidth_store::Answer| page.shows(&a.condition.environment, &a.question);
+    let answers = data.answers.iter().filter(of_page).count();
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let of = AnswersDrawn { about: About::of(&data.study), page, sources };
     let files = answers_files(&data.layout).to_vec();
-    Drawing::new(data, ANSWERS_COMPARED, number, of, files, draw_answers).of(answers.len())
+    Drawing::new(data, ANSWERS_COMPARED, number, of, files, draw_answers).of(answers)
 }
 
 fn draw_answers(of: &AnswersDrawn, files: &Vec<PathBuf>) -> Figured {

@@ -72,6 +72,7 @@ fn of(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
     drawings.extend(sessions.iter().flat_map(|session| replay_figures::of(data, session)));
     drawings.extend(ladder::figures(data));
     drawings.extend(likert_figures::all(data));
+    drawings.extend(average::figure(data));
     drawings.extend(compare::figures(data));
     drawings.extend(trade::figures(data));
     drawings.extend(scenes::figures(data));

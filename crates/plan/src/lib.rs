@@ -55,30 +55,40 @@ pub use responses::{Responses, responses};
 pub use tables::{printed as printed_tables, write as write_table};
 pub use trade::{Traded, scenes as trade_scenes};
 
+use rayon::prelude::*;
 use zwidth_runner::Job;
 use zwidth_store::{Findings, StudyData};
 
 /// Every job of a study, of which this was found.
 pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
-    let figures = figures::made(data);
-    let mut jobs = Vec::new();
-    jobs.extend(characterise::jobs(data));
-    jobs.extend(metrics::jobs(data));
-    jobs.extend(average::jobs(data));
-    jobs.extend(freemotion::jobs(data));
-    jobs.extend(ladder::jobs(data));
-    jobs.extend(replay::jobs(data));
-    jobs.extend(identify::jobs(data));
-    jobs.extend(courses::jobs(data));
-    jobs.extend(runs::jobs(data));
-    jobs.extend(likert::jobs(data));
-    jobs.extend(compare::jobs(data));
-    jobs.extend(trade::jobs(data));
-    jobs.extend(scenes::jobs(data));
+    let of_data: [fn(&StudyData) -> Vec<Job>; 13] = [
+        characterise::jobs,
+        metrics::jobs,
+        average::jobs,
+        freemotion::jobs,
+        ladder::jobs,
+        replay::jobs,
+        identify::jobs,
+        courses::jobs,
+        runs::jobs,
+        likert::jobs,
+        compare::jobs,
+        trade::jobs,
+        scenes::jobs,
+    ];
+    // Side by side: in a study of tens of thousands of trials that takes as long as all else.
+    let (of_data, (figures, page)) = rayon::join(
+        || of_data.into_par_iter().map(|jobs| jobs(data)).collect::<Vec<_>>(),
+        || {
+            let figures = figures::made(data);
+            let page = page::jobs(data, found, &figures);
+            (figures, page)
+        },
+    );
+    let mut jobs: Vec<Job> = of_data.into_iter().flatten().collect();
     jobs.extend(report::jobs(data, &figures));
     jobs.extend(tables::jobs(data));
     let summary = summary::job(data, found, &figures);
-    let page = page::jobs(data, found, &figures);
     let captions = (!figures.is_empty()).then(|| captions::job(data, &figures));
     jobs.extend(figures.into_iter().map(|figure| figure.job));
     jobs.extend(captions);

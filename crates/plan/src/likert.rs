@@ -27,9 +27,8 @@ struct Asked {
 
 /// The answers that rate what was felt.
 pub(crate) fn ratings(data: &StudyData) -> Vec<Answer> {
-    let (scheme, mut answers) = (Scheme::of(&data.study), data.answers());
-    answers.retain(|answer| scheme.rates(answer));
-    answers
+    let scheme = Scheme::of(&data.study);
+    data.answers.iter().filter(|answer| scheme.rates(answer)).cloned().collect()
 }
 
 /// The tallies of the study, if there is such an answer.
@@ -49,7 +48,7 @@ pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
 
 /// Every answer of the study, one row each, if there is one.
 pub(crate) fn long(data: &StudyData) -> Option<PathBuf> {
-    (!data.answers().is_empty()).then(|| derived(&data.layout, "answers.parquet"))
+    (!data.answers.is_empty()).then(|| derived(&data.layout, "answers.parquet"))
 }
 
 /// Files an answer can stand in: trials that count, session records, event logs.
@@ -73,8 +72,8 @@ fn guessed(data: &StudyData) -> Option<Blinding> {
         let TrialMeta { participant, session, trial, mode, .. } = entry.meta.clone();
         asked.insert((participant, session, trial), (mode, None));
     }
-    for answer in data.answers().into_iter().filter(|answer| answer.question == question.id) {
-        let Answer { participant, session, trial, condition, value, .. } = answer;
+    for answer in data.answers.iter().filter(|answer| answer.question == question.id) {
+        let Answer { participant, session, trial, condition, value, .. } = answer.clone();
         asked.insert((participant, session, trial), (condition.mode, Some(value)));
     }
     let is_sealed = |entry: &&TrialEntry| {
@@ -131,7 +130,7 @@ fn asks(study: &Study, environment: &EnvironmentId, question: &Question) -> bool
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let job = |long: PathBuf| {
-        let (scheme, answers) = (Scheme::of(&data.study), data.answers());
+        let (scheme, answers) = (Scheme::of(&data.study), data.answers.clone());
         let asked = Asked { scheme, answers, blinding: guessed(data) };
         let outputs = tally(data).into_iter().chain([long]).chain(blinding(data)).collect();
         let job = Job::new(STAGE, "likert tallies", asked, (), outputs, make);

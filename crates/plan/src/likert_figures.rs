@@ -49,14 +49,14 @@ fn draw_page(
     page: LikertPage,
     tally: PathBuf,
 ) -> Drawing {
-    let mut answers = data.answers();
-    answers.retain(|answer| {
+    let of_page = |answer: &&zwidth_store::Answer| {
         let question = data.study.question(&answer.question);
         question.is_some_and(|q| page.shows(&answer.condition.environment, q))
-    });
+    };
+    let answers = data.answers.iter().filter(of_page).count();
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let page = Page { about: About::of(&data.study), page, sources };
-    Drawing::new(data, kind, number, page, tally, draw).of(answers.len())
+    Drawing::new(data, kind, number, page, tally, draw).of(answers)
 }
 
 /// What a page of answers on scales of many points depends on besides the tables.
@@ -73,11 +73,11 @@ fn draw_ratings(
     page: RatingsPage,
     files: Vec<PathBuf>,
 ) -> Drawing {
-    let mut answers = data.answers();
-    answers.retain(|a| page.shows(&a.condition.environment, &a.question));
+    let of_page = |a: &&zwidth_store::Answer| page.shows(&a.condition.environment, &a.question);
+    let answers = data.answers.iter().filter(of_page).count();
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let rated = Rated { about: About::of(&data.study), page, sources };
-    Drawing::new(data, RATINGS, number, rated, files, make_ratings).of(answers.len())
+    Drawing::new(data, RATINGS, number, rated, files, make_ratings).of(answers)
 }
 
 fn make_ratings(rated: &Rated, files: &Vec<PathBuf>) -> Figured {

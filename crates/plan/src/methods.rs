@@ -10,7 +10,7 @@ const NOBODY: &str = "none";
 
 /// What was recorded for a study and is made of it.
 pub fn recorded(data: &StudyData) -> Recorded {
-    let answers = data.answers();
+    let answers = &data.answers;
     let with_samples =
         data.counting().map(|t| (t.meta.participant.clone(), t.meta.session.clone(), t.meta.trial));
     let with_answers = answers.iter().map(|a| (a.participant.clone(), a.session.clone(), a.trial));

@@ -180,6 +180,7 @@ mod tests {
             sessions: Vec::new(),
             problems: Vec::new(),
             warnings: Vec::new(),
+            answers: Vec::new(),
         }
     }
 

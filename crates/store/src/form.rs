@@ -105,7 +105,7 @@ mod tests {
         assert!(batch.column_by_name("state_bits").is_none());
         // The file alone has the answer, and it counts.
         let data = StudyData::load(&layout).unwrap();
-        assert_eq!(data.answers().len(), 1);
+        assert_eq!(data.answers.len(), 1);
         assert!(!data.sessions[0].events.iter().any(|e| matches!(e, Event::Answer { .. })));
         // The present study.toml asks for the other form.
         let [finding] = verify(&layout).try_into().unwrap();
@@ -125,7 +125,7 @@ mod tests {
         let (batch, _) = crate::read_parquet(&path).unwrap();
         assert!(batch.column_by_name("likert").is_none());
         let data = StudyData::load(&layout).unwrap();
-        assert_eq!(data.answers()[0].value, 4);
+        assert_eq!(data.answers[0].value, 4);
         assert_eq!(verify(&layout), []);
     }
 

@@ -142,7 +142,7 @@ mod tests {
         let data = sealed.load();
         assert_eq!((data.problems.clone(), verify(&sealed.layout)), (vec![], vec![]));
         assert!(data.sessions[0].is_sealed());
-        assert_eq!((data.counting().count(), data.answers().len()), (0, 0));
+        assert_eq!((data.counting().count(), data.answers.len()), (0, 0));
         let why = |trial: usize| data.trials[trial - 1].why_not().unwrap();
         assert_eq!(why(3), "sealed: unseal with `zwidth unseal demo -p P01 -s S01`");
         assert_eq!(
@@ -186,7 +186,7 @@ mod tests {
         assert_eq!(found, expected);
         let conditions: Vec<_> = data.counting().map(|t| t.meta.condition()).collect();
         assert_eq!(conditions.len(), 6);
-        let mut answered: Vec<_> = data.answers().into_iter().map(|a| a.condition).collect();
+        let mut answered: Vec<_> = data.answers.iter().map(|a| a.condition.clone()).collect();
         answered.sort();
         assert_eq!(
             answered,

@@ -172,6 +172,9 @@ pub struct StudyData {
     pub problems: Vec<StoreError>,
     /// What is to be read with care, and counts all the same.
     pub warnings: Vec<StoreError>,
+    /// Every answer that counts: from events, and from trial files for their environment's question
+    /// (an event overrides the file). Sorted by participant, session, trial and question.
+    pub answers: Vec<Answer>,
 }
 
 impl StudyData {
@@ -209,7 +212,10 @@ impl StudyData {
         let beside = check_study_id(files, layout).err();
         let forms = other_forms(layout, &study, &trials);
         let warnings = changed.chain(beside).chain(forms).collect();
-        Ok(Self { layout: layout.clone(), study, trials, sweeps, sessions, problems, warnings })
+        let layout = layout.clone();
+        let answers = Vec::new();
+        let data = Self { layout, study, trials, sweeps, sessions, problems, warnings, answers };
+        Ok(Self { answers: data.given(), ..data })
     }
 
     /// The trials that may enter a mean, a metric table or a tally.
@@ -227,9 +233,8 @@ impl StudyData {
         sessions
     }
 
-    /// Every answer that counts: from events, and from trial files for their environment's question
-    /// (an event overrides the file). Sorted by participant, session, trial and question.
-    pub fn answers(&self) -> Vec<Answer> {
+    /// Every answer that counts.
+    fn given(&self) -> Vec<Answer> {
         let mut answers = BTreeMap::new();
         for t in self.counting() {
             let question =

@@ -1,7 +1,7 @@
 //! The average of one condition's repeats.
 
 use crate::align::{Aligned, average_length_s, check_lengths, grid, mean_landmarks, warped};
-use crate::landmarks::Landmark;
+use crate::landmarks::{Landmark, warp};
 use crate::{AverageError, WhyNot};
 use serde::Serialize;
 use zwidth_stats::band::{Band, band};
@@ -80,6 +80,19 @@ pub struct Average {
     pub left_out: Vec<LeftOut>,
     /// Each signal that all repeats have.
     pub courses: Vec<Course>,
+}
+
+impl Average {
+    /// How far through the movement the repeats are at a time of the grid: as many landmarks as
+    /// [`Landmark::ALL`] has before the last one passed, straight between those that they share: 0
+    /// at the start, 2 at the reversal, 3 at the end. `None` outside, and where repeats are aligned
+    /// at onset alone.
+    pub fn phase(&self, t_s: f64) -> Option<f64> {
+        let (times, phases): (Vec<f64>, Vec<f64>) =
+            self.landmarks.iter().map(|(landmark, t)| (*t, *landmark as usize as f64)).unzip();
+        let is_within = t_s >= *times.first()? && t_s <= *times.last()?;
+        is_within.then(|| warp(t_s, &times, &phases))
+    }
 }
 
 /// The mean course of `trials`: the repeats of one condition by one participant in one session, in

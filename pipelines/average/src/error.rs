@@ -2,6 +2,7 @@
 
 use zwidth_numerics::NumericsError;
 use zwidth_stats::StatsError;
+use zwidth_tables::TableError;
 
 /// Why trials have no average over time, though nothing is wrong with them.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -17,6 +18,9 @@ pub enum WhyNot {
         "study.toml does not say what was rendered in this environment (kind = none): repeats are drawn one by one and not averaged"
     )]
     NothingRendered,
+    /// Fewer than two participants with an average.
+    #[error("fewer than two participants have an average aligned by landmarks")]
+    Nobody,
     /// No θ.
     #[error("no angle was recorded (theta_rad), so the movement cannot be placed")]
     NoAngle,
@@ -80,4 +84,13 @@ pub enum AverageError {
     /// A statistic was refused.
     #[error(transparent)]
     Stats(#[from] StatsError),
+    /// A table that is not one of this stage.
+    #[error("{0}")]
+    Table(String),
+}
+
+impl From<TableError> for AverageError {
+    fn from(error: TableError) -> Self {
+        Self::Table(error.to_string())
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::WhyNot;
 use crate::average::{Average, Course, SIGNALS};
+use crate::people::PHASE;
 use std::borrow::Cow;
 use zwidth_stats::band::Band;
 use zwidth_store::Signal;
@@ -9,9 +10,9 @@ use zwidth_tables::{Column, Table, TableError};
 
 /// The four columns of a signal: what stands between stem and unit in the name, the meaning, the
 /// values.
-type Part = (&'static str, &'static str, fn(&Band) -> &[Option<f64>]);
+pub(crate) type Part = (&'static str, &'static str, fn(&Band) -> &[Option<f64>]);
 
-const PARTS: [Part; 4] = [
+pub(crate) const PARTS: [Part; 4] = [
     ("mean", "mean of the repeats", |b| &b.mean),
     ("sd", "standard deviation of the repeats", |b| &b.sd),
     ("ci_low", "lower end of the mean's pointwise t interval", |b| &b.ci_low),
@@ -19,7 +20,7 @@ const PARTS: [Part; 4] = [
 ];
 
 /// One row a point of time of each average: participant, session, environment, mode, source,
-/// `alignment` (`onset` or `landmarks`), `t_s` since onset, `n` repeats, and mean, SD and band of
+/// `alignment` (`onset` or `landmarks`), `t_s` since onset, `phase` by landmarks, `n` repeats, and mean, SD and band of
 /// each signal (null where not every repeat has it). Notes say where an average ends and where
 /// repeats drop out of it, its landmarks, and which trials are not in it.
 ///
@@ -30,12 +31,13 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
     let mut columns = identity(rows);
     let time = "time since movement onset; aligned by landmarks, on the scale of their mean times";
     columns.push(Column::float("t_s", "s", time, rows().map(|(a, i)| Some(a.t_s[i]))));
+    columns.push(Column::float("phase", "1", PHASE, rows().map(|(a, i)| a.phase(a.t_s[i]))));
     let n = rows().map(|(a, i)| Some(a.n[i] as i64));
     columns.push(Column::integer("n", "1", "repeats averaged at this time", n));
     for signal in SIGNALS {
         for (part, meaning, values) in PARTS {
             let value = |(a, i): (&Average, usize)| values(&course(a, signal)?.band)[i];
-            let name = format!("{}_{part}_{}", signal.stem(), signal.suffix());
+            let name = column_name(signal, part);
             let description = format!("{}: {meaning}", signal.column().description);
             columns.push(renamed(signal, name, description, rows().map(value).collect()));
         }
@@ -80,8 +82,18 @@ fn identity<'a, I: Iterator<Item = (&'a Average, usize)>>(rows: impl Fn() -> I) 
     ]
 }
 
+/// The name of a column of a signal: `theta_mean_rad`.
+pub(crate) fn column_name(signal: Signal, part: &str) -> String {
+    format!("{}_{part}_{}", signal.stem(), signal.suffix())
+}
+
 /// A column whose name and description are made here rather than written out.
-fn renamed(signal: Signal, name: String, description: String, values: Vec<Option<f64>>) -> Column {
+pub(crate) fn renamed(
+    signal: Signal,
+    name: String,
+    description: String,
+    values: Vec<Option<f64>>,
+) -> Column {
     let mut column = Column::float("", signal.column().unit, "", values);
     column.field.name = Cow::Owned(name);
     column.field.description = Cow::Owned(description);

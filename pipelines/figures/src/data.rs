@@ -165,7 +165,7 @@ pub const SIGNALS: [Signal; 5] =
 
 /// What figures read of a table of the stage `average`.
 pub fn average_columns() -> Vec<String> {
-    let mut columns = vec!["t_s".to_owned(), "n".to_owned()];
+    let mut columns = ["t_s", "phase", "n"].map(str::to_owned).to_vec();
     for signal in SIGNALS {
         let (stem, suffix) = (signal.stem(), signal.suffix());
         columns.extend(["mean", "ci_low", "ci_high"].map(|what| format!("{stem}_{what}_{suffix}")));

@@ -8,7 +8,8 @@ use crate::plan::needs;
 use crate::provenance::provenance;
 use crate::record::Record;
 use crate::{Job, Made, Making, Provenance, Records, Results};
-use std::collections::{BTreeSet, VecDeque};
+use rayon::prelude::*;
+use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -122,10 +123,15 @@ const SAVED_EVERY_S: f64 = 1.0;
 /// times as many.
 const MUCH: u64 = 1 << 26;
 
-/// Whether a job reads much, as far as its inputs are there.
-fn reads_much(job: &Job) -> bool {
+/// Which jobs read much, as far as their inputs are there.
+fn read_much(jobs: &[Job]) -> Vec<bool> {
+    let inputs: BTreeSet<&PathBuf> = jobs.iter().flat_map(|job| &job.inputs).collect();
     let bytes = |path: &PathBuf| std::fs::metadata(path).map_or(0, |found| found.len());
-    job.inputs.iter().map(bytes).sum::<u64>() > MUCH
+    let inputs: HashMap<&PathBuf, u64> =
+        inputs.into_par_iter().map(|path| (path, bytes(path))).collect();
+    jobs.iter()
+        .map(|job| job.inputs.iter().filter_map(|path| inputs.get(path)).sum::<u64>() > MUCH)
+        .collect()
 }
 
 /// How a run stands.
@@ -171,7 +177,7 @@ impl Board<'_> {
             reports: jobs.iter().map(|_| None).collect(),
             readers,
             waits: (0..jobs.len()).map(|i| wanted[i].then(|| waits_for(i))).collect(),
-            large: jobs.iter().map(reads_much).collect(),
+            large: read_much(jobs),
             large_runs: false,
             held: VecDeque::new(),
             stayed: Vec::new(),

@@ -304,7 +304,7 @@ fn a_session_killed_while_a_question_is_open_asks_it_again() {
     assert_eq!(desk.data().trials[2].meta.status, Status::Complete);
     desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
     let data = desk.data();
-    assert_eq!(data.answers().len(), TRIALS - 1);
+    assert_eq!(data.answers.len(), TRIALS - 1);
     assert_eq!(data.trials.len(), TRIALS);
 }
 
