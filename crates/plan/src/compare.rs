@@ -171,10 +171,9 @@ fn who(data: &StudyData) -> (bool, bool) {
     (people.len() > 1, sessions.len() > people.len())
 }
 
-/// The contrasts of all metrics in one table, where several are compared.
+/// The contrasts of all metrics in one table, where any is compared.
 fn together(data: &StudyData) -> Option<PathBuf> {
-    let several = compared(data).len() > 1;
-    several.then(|| derived(&data.layout, "compare/comparison.parquet"))
+    (!compared(data).is_empty()).then(|| derived(&data.layout, "compare/comparison.parquet"))
 }
 
 /// The tables that people read: that of all metrics; of every metric its means, its contrasts and its changes; those of

@@ -2,7 +2,7 @@
 
 use crate::AverageError;
 use crate::average::SIGNALS;
-use crate::table::{PARTS, column_name, renamed};
+use crate::table::{PARTS, PHASE, column_name, renamed};
 use std::collections::BTreeMap;
 use zwidth_numerics::series::interpolate_all;
 use zwidth_stats::band::{Band, band};
@@ -67,9 +67,6 @@ pub fn over_participants(sessions: &[Table], level: f64) -> Result<Option<Table>
         "n counts participants: each one's repeats are averaged by landmarks, then their sessions with equal weight.",
     )))
 }
-
-/// What the column `phase` says.
-pub(crate) const PHASE: &str = "landmarks passed: 0 at the start, 1 at the wall, 2 at the reversal, 3 at the end, straight between";
 
 /// The mean course of a session on the grid; `None` without an average.
 fn on_grid(table: &Table, phases: &[f64]) -> Result<Option<OnGrid>, TableError> {

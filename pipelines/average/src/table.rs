@@ -2,7 +2,6 @@
 
 use crate::WhyNot;
 use crate::average::{Average, Course, SIGNALS};
-use crate::people::PHASE;
 use std::borrow::Cow;
 use zwidth_stats::band::Band;
 use zwidth_store::Signal;
@@ -11,6 +10,9 @@ use zwidth_tables::{Column, Table, TableError};
 /// The four columns of a signal: what stands between stem and unit in the name, the meaning, the
 /// values.
 pub(crate) type Part = (&'static str, &'static str, fn(&Band) -> &[Option<f64>]);
+
+/// What the column `phase` says.
+pub(crate) const PHASE: &str = "landmarks passed: 0 at the start, 1 at the wall, 2 at the reversal, 3 at the end, straight between";
 
 pub(crate) const PARTS: [Part; 4] = [
     ("mean", "mean of the repeats", |b| &b.mean),

@@ -36,7 +36,8 @@ impl Shown {
     pub fn table(&self) -> &'static str {
         match self {
             Self::Modes(_) | Self::Metrics => "tables/metrics.md",
-            Self::Conditions | Self::Compared(_) => "tables/conditions.md",
+            Self::Conditions => "tables/conditions.md",
+            Self::Compared(_) => "tables/comparison.md",
             Self::Answers => "tables/likert.md",
             Self::Forces => "tables/modes.md",
             Self::Replays(_) => "tables/replay.md",

@@ -44,10 +44,10 @@ fn tables() -> BTreeSet<String> {
 }
 
 /// Jobs that make derived tables: characterise 3, metrics 13 (six with the plant), average 6,
-/// replay 15 (six of the fitted model, two of courses), runs 2, identify 1, likert 1, compare 8
-/// (seven metrics and the answers), trade 8 (of the conditions, of six conditions' recordings, and
+/// replay 15 (six of the fitted model, two of courses), runs 2, identify 1, likert 1, compare 9
+/// (seven metrics, all of them, the answers), trade 8 (of the conditions, of six conditions' recordings, and
 /// these joined), simulate 8, report 4.
-const DERIVED: usize = 69;
+const DERIVED: usize = 70;
 
 /// Jobs of the study: a figure or a printed table is one each, and so is the summary.
 fn jobs() -> usize {
@@ -234,16 +234,25 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
         expect.push(format!("samples P01 S01 {condition}")); // with the models' runs
     }
     let compared = |name: &&String| {
-        ["compare.", "learning.", "means_", "contrasts_", "learning_", "orders_", "answers_"]
-            .iter()
-            .any(|begin| name.starts_with(begin))
+        [
+            "compare.",
+            "comparison",
+            "learning.",
+            "means_",
+            "contrasts_",
+            "learning_",
+            "orders_",
+            "answers_",
+        ]
+        .iter()
+        .any(|begin| name.starts_with(begin))
     };
     expect.extend(figures().iter().filter(compared).map(|name| format!("figure {name}")));
     expect.extend(tables().iter().filter(compared).map(|name| format!("table {name}")));
     let figures = figures();
     let metrics = figures.iter().filter_map(|figure| figure.strip_prefix("compare."));
     expect.extend(metrics.map(|metric| format!("compare {metric}")));
-    expect.push("compare answers".to_owned());
+    expect.extend(["compare all metrics", "compare answers"].map(str::to_owned));
     expect.sort();
     assert_eq!(ran.made(), expect);
     let metrics =
@@ -437,10 +446,11 @@ fn a_figure_is_marked_exactly_where_it_holds_simulated_data() {
     };
     let all = files(&study.layout().reports(), "svg");
     let found: Vec<String> = all.iter().filter_map(marked).collect();
-    assert_eq!(all.len(), 21);
+    assert_eq!(all.len(), 22);
     let simulated = [
         "likert",
         "loops.P02.S01",
+        "mean_loops",
         "modes.P02.S01.spring",
         "repeats.P02.S01.spring.hybrid",
         "trade_data",
