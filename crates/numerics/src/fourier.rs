@@ -25,22 +25,45 @@ const PARTS: usize = 16;
 /// `y` squared times s². As [`crate::spectrum::squared_fourier`] within 1e-13 of (∫ |y| dt)², in n
 /// log n. `t` in s, increasing, as long as `y`.
 pub fn squared_fourier_from_zero(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
-    let length = (FINENESS * count).max(PARTS * 2).next_power_of_two();
-    let gaussian = Gaussian::new(length, count);
-    let grid = gaussian.spread(t, y, step_hz * length as f64);
-    let turns = turns(length / PARTS);
-    let mut power = vec![0.0; count];
-    for part in 0..PARTS.min(count) {
-        let spectrum = transform(folded(&grid, part, length), &turns);
-        for (power, [re, im]) in power[part..].iter_mut().step_by(PARTS).zip(spectrum) {
-            *power = re * re + im * im;
-        }
+    Spread::of(t, y.iter().copied(), step_hz, count).squared()
+}
+
+/// A signal on the even grid: what is needed of it for its spectrum, in far less memory than a long
+/// one takes itself.
+#[derive(Debug, Clone)]
+pub(crate) struct Spread {
+    gaussian: Gaussian,
+    grid: Vec<f64>,
+    count: usize,
+}
+
+impl Spread {
+    /// As [`squared_fourier_from_zero`] takes them; `y` gives as many values as `t` has.
+    pub(crate) fn of(t: &[f64], y: impl Iterator<Item = f64>, step_hz: f64, count: usize) -> Self {
+        let length = (FINENESS * count).max(PARTS * 2).next_power_of_two();
+        let gaussian = Gaussian::new(length, count);
+        let grid = gaussian.spread(t, y, step_hz * length as f64);
+        Self { gaussian, grid, count }
     }
-    power.iter_mut().enumerate().for_each(|(k, power)| *power *= gaussian.undone(k));
-    power
+
+    /// |Y|² at its frequencies.
+    pub(crate) fn squared(self) -> Vec<f64> {
+        let length = self.gaussian.length;
+        let turns = turns(length / PARTS);
+        let mut power = vec![0.0; self.count];
+        for part in 0..PARTS.min(self.count) {
+            let spectrum = transform(folded(&self.grid, part, length), &turns);
+            for (power, [re, im]) in power[part..].iter_mut().step_by(PARTS).zip(spectrum) {
+                *power = re * re + im * im;
+            }
+        }
+        power.iter_mut().enumerate().for_each(|(k, power)| *power *= self.gaussian.undone(k));
+        power
+    }
 }
 
 /// e^(−a u²), u in cells.
+#[derive(Debug, Clone)]
 struct Gaussian {
     /// a = π (R − ½) / (R · reach), R the grid's fineness over what it must be: what is cut off and
     /// what other frequencies leak are then equally small.
@@ -61,7 +84,7 @@ impl Gaussian {
 
     /// Σ yⱼ wⱼ e^(−a (l − uⱼ)²) at each cell l, from as far before the first sample as it reaches
     /// to as far after the last; uⱼ the sample's time in cells and wⱼ its trapezoidal weight.
-    fn spread(&self, t: &[f64], y: &[f64], cells_a_s: f64) -> Vec<f64> {
+    fn spread(&self, t: &[f64], y: impl Iterator<Item = f64>, cells_a_s: f64) -> Vec<f64> {
         let start = t.first().copied().unwrap_or(0.0);
         let last = t.last().map_or(0.0, |last| (last - start) * cells_a_s);
         let mut grid = vec![0.0; last as usize + 2 * REACH];

@@ -24,22 +24,19 @@ pub struct Derivatives {
 /// Unequal lengths.
 pub fn derivatives(t: &[f64], y: &[f64], half: f64) -> Result<Derivatives, NumericsError> {
     same_length("y", t.len(), y.len())?;
-    let (mut from, mut to) = (0, 0);
-    let mut found = Derivatives::default();
-    for (i, middle) in t.iter().enumerate() {
-        while t[from] < middle - half {
-            from += 1;
-        }
-        while to < t.len() && t[to] <= middle + half {
-            to += 1;
-        }
-        let low = from.min(i.saturating_sub(LEAST_BESIDE));
-        let high = to.max((i + LEAST_BESIDE + 1).min(t.len()));
-        let [slope, bend] = parabola(&t[low..high], &y[low..high], i - low);
-        found.first.push(slope);
-        found.second.push(2.0 * bend);
-    }
-    Ok(found)
+    let (first, second) = (0..t.len()).map(|i| derivatives_at(t, y, half, i)).unzip();
+    Ok(Derivatives { first, second })
+}
+
+/// [`derivatives`] at sample `i` alone: dy/dt and d²y/dt². `t` and `y` are of one length, and `i` is
+/// one of them.
+pub fn derivatives_at(t: &[f64], y: &[f64], half: f64, i: usize) -> (f64, f64) {
+    let before = t[..i].iter().rev().take_while(|at| **at >= t[i] - half).count();
+    let after = t[i..].iter().take_while(|at| **at <= t[i] + half).count();
+    let low = i - before.max(LEAST_BESIDE.min(i));
+    let high = (i + after).max((i + LEAST_BESIDE + 1).min(t.len()));
+    let [slope, bend] = parabola(&t[low..high], &y[low..high], i - low);
+    (slope, 2.0 * bend)
 }
 
 /// Slope, and half of the second derivative, of the parabola by least squares through samples, at

@@ -8,14 +8,27 @@ use crate::error::{NumericsError, same_length};
 /// Value of the polyline through (tᵢ, yᵢ) at `at`; `None` outside [t₀, tₙ₋₁] or for an empty series
 /// (there is no extrapolation). At a sample it is that sample, exactly.
 pub fn interpolate(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
-    let after = t.partition_point(|&t| t < at);
-    let (&t1, &y1) = (t.get(after)?, y.get(after)?);
+    interpolate_by(t.len(), |i| t[i], y, at)
+}
+
+/// [`interpolate`] with times that a rule gives for each of so many samples.
+pub fn interpolate_by(samples: usize, t: impl Fn(usize) -> f64, y: &[f64], at: f64) -> Option<f64> {
+    // The first sample that is not before `at`, by halving.
+    let (mut after, mut end) = (0, samples);
+    while after < end {
+        let middle = after + (end - after) / 2;
+        if t(middle) < at { after = middle + 1 } else { end = middle }
+    }
+    if after >= samples {
+        return None;
+    }
+    let (t1, &y1) = (t(after), y.get(after)?);
     if t1 <= at {
         // A sample's own time: arithmetic would blur its value.
         return Some(y1);
     }
     let before = after.checked_sub(1)?;
-    let share = (at - t[before]) / (t1 - t[before]);
+    let share = (at - t(before)) / (t1 - t(before));
     Some(y[before] + share * (y1 - y[before]))
 }
 
@@ -29,7 +42,9 @@ pub fn interpolate_all(t: &[f64], y: &[f64], grid: &[f64]) -> Vec<Option<f64>> {
 /// # Errors
 /// Unequal lengths.
 pub fn trapezoid(t: &[f64], y: &[f64]) -> Result<f64, NumericsError> {
-    Ok(cumulative_trapezoid(t, y)?.last().copied().unwrap_or(0.0))
+    same_length("y", t.len(), y.len())?;
+    let steps = t.windows(2).zip(y.windows(2));
+    Ok(steps.fold(0.0, |sum, (t, y)| sum + (t[1] - t[0]) * (y[0] + y[1]) / 2.0))
 }
 
 /// ∫ y dt from the first sample to each sample, by the trapezoidal rule; as long as `t`, starting

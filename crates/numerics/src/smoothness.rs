@@ -1,6 +1,6 @@
 //! How smooth a movement is, from the spectrum of its speed.
 
-use crate::fourier::squared_fourier_from_zero;
+use crate::fourier::Spread;
 
 /// Nothing of a hand's movement is sought above this, Hz (Balasubramanian 2015: ω_c,max = 20π
 /// rad/s).
@@ -26,24 +26,43 @@ const LEAST_SAMPLES: usize = 3;
 /// for samples that come slower than 20 a second (10 Hz is then beyond them), and for a speed that
 /// is 0 throughout.
 pub fn spectral_arc_length(t: &[f64], speed: &[f64]) -> Option<f64> {
-    let n = t.len().min(speed.len());
-    if n < LEAST_SAMPLES {
-        return None;
+    Smoothness::of(t, speed)?.spectral_arc_length()
+}
+
+/// What the smoothness of a movement rests on: far less than the movement itself, which can be
+/// forgotten before its spectrum is made.
+#[derive(Debug, Clone)]
+pub struct Smoothness(Spread);
+
+impl Smoothness {
+    /// Of a velocity, whose sign does not count; `None` where [`spectral_arc_length`] has none for
+    /// want of samples.
+    pub fn of(t: &[f64], velocity: &[f64]) -> Option<Self> {
+        let n = t.len().min(velocity.len());
+        if n < LEAST_SAMPLES {
+            return None;
+        }
+        let rate_hz = (n - 1) as f64 / (t[n - 1] - t[0]);
+        if rate_hz < 2.0 * CUTOFF_HZ {
+            return None;
+        }
+        let step_hz = rate_hz / (PADDING * n.next_power_of_two()) as f64;
+        let count = (CUTOFF_HZ / step_hz) as usize + 1;
+        let speed = velocity.iter().map(|v| v.abs());
+        Some(Self(Spread::of(&t[..n], speed, step_hz, count)))
     }
-    let rate_hz = (n - 1) as f64 / (t[n - 1] - t[0]);
-    if rate_hz < 2.0 * CUTOFF_HZ {
-        return None;
+
+    /// As [`spectral_arc_length`].
+    pub fn spectral_arc_length(self) -> Option<f64> {
+        arc_length(self.0.squared()).map(|arc| -arc)
     }
-    let step_hz = rate_hz / (PADDING * n.next_power_of_two()) as f64;
-    let count = (CUTOFF_HZ / step_hz) as usize + 1;
-    let power = squared_fourier_from_zero(t, speed, step_hz, count);
-    arc_length(&power).map(|arc| -arc)
 }
 
 /// Length of the arc below the share of 0 Hz, up to the last frequency that counts; `None` where
 /// there is none above 0 Hz.
-fn arc_length(power: &[f64]) -> Option<f64> {
-    let share: Vec<f64> = power.iter().map(|p| (p / power[0]).sqrt()).collect();
+fn arc_length(power: Vec<f64>) -> Option<f64> {
+    let whole = *power.first()?;
+    let share: Vec<f64> = power.into_iter().map(|p| (p / whole).sqrt()).collect();
     // Without any speed the shares are NaN, which is at or above nothing: `None`.
     let last = share.iter().rposition(|share| *share >= AMPLITUDE).filter(|last| *last > 0)?;
     let width = (last as f64).recip();
@@ -111,7 +130,7 @@ mod tests {
         let n = t.len();
         let step_hz = (n - 1) as f64 / (t[n - 1] - t[0]) / (PADDING * n.next_power_of_two()) as f64;
         let power = squared_fourier(t, speed, step_hz, 0, (CUTOFF_HZ / step_hz) as usize + 1);
-        -arc_length(&power).unwrap()
+        -arc_length(power).unwrap()
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! processor. For many frequencies of a long signal there is [`crate::fourier`].
 
 use core::f64::consts::TAU;
+use rayon::prelude::*;
 
 /// Samples that are turned side by side, so that a compiler can keep them in one register.
 const LANES: usize = 4;
@@ -13,6 +14,10 @@ const SEGMENT_S: f64 = 1.0;
 /// Segments overlap by at least half, so that the window's weights add up nearly evenly (Welch
 /// 1967).
 const LARGEST_HOP_S: f64 = SEGMENT_S / 2.0;
+/// Segments that are looked at side by side.
+const AT_ONCE: usize = 256;
+/// Fewest of them that are worth another core: a short trial is not divided.
+const FEWEST: usize = 64;
 /// ∫ w² dt of the Hann window over a segment of 1 s.
 const HANN_POWER_S: f64 = 3.0 / 8.0;
 
@@ -20,8 +25,7 @@ const HANN_POWER_S: f64 = 3.0 / 8.0;
 /// times s². `t` in s, increasing, as long as `y`. Cost: `count` complex products a sample.
 pub fn squared_fourier(t: &[f64], y: &[f64], step_hz: f64, first: usize, count: usize) -> Vec<f64> {
     let mut sums = vec![[[0.0; LANES]; 2]; count];
-    let weights = trapezoidal_weights(t);
-    let weighted: Vec<f64> = weights.iter().zip(y).map(|(weight, y)| weight * y).collect();
+    let weighted: Vec<f64> = trapezoidal_weights(t).zip(y).map(|(weight, y)| weight * y).collect();
     // |Y|² does not depend on where time begins, and small angles keep their digits.
     let start = t.first().copied().unwrap_or(0.0);
     for (t, y) in t.chunks(LANES).zip(weighted.chunks(LANES)) {
@@ -59,9 +63,9 @@ fn square(x: f64) -> f64 {
 }
 
 /// What each sample counts in ∫ y dt: half of the interval to either side.
-pub(crate) fn trapezoidal_weights(t: &[f64]) -> Vec<f64> {
+pub(crate) fn trapezoidal_weights(t: &[f64]) -> impl Iterator<Item = f64> {
     let last = t.len().saturating_sub(1);
-    (0..t.len()).map(|i| (t[(i + 1).min(last)] - t[i.saturating_sub(1)]) / 2.0).collect()
+    (0..t.len()).map(move |i| (t[(i + 1).min(last)] - t[i.saturating_sub(1)]) / 2.0)
 }
 
 /// What a signal does in a band of frequencies.
@@ -121,15 +125,22 @@ fn mean_periodogram(t: &[f64], y: &[f64], first: usize, count: usize) -> Option<
     }
     let hops = ((length - SEGMENT_S) / LARGEST_HOP_S).ceil();
     let hop = if hops > 0.0 { (length - SEGMENT_S) / hops } else { 0.0 };
-    let mut mean = vec![0.0; count];
-    for segment in 0..=hops as usize {
+    let squares = |segment: usize| {
         let from = start + segment as f64 * hop;
         let begin = t.partition_point(|t| *t < from);
         let end = t.partition_point(|t| *t <= from + SEGMENT_S);
         let windowed = windowed(&t[begin..end], &y[begin..end], from);
-        let squares = squared_fourier(&t[begin..end], &windowed, SEGMENT_S.recip(), first, count);
-        let scale = 2.0 / (HANN_POWER_S * SEGMENT_S * (hops + 1.0));
-        mean.iter_mut().zip(squares).for_each(|(mean, square)| *mean += scale * square);
+        squared_fourier(&t[begin..end], &windowed, SEGMENT_S.recip(), first, count)
+    };
+    let scale = 2.0 / (HANN_POWER_S * SEGMENT_S * (hops + 1.0));
+    let (mut mean, segments) = (vec![0.0; count], hops as usize + 1);
+    // Side by side, and added up in the order of time: the same bits on any number of cores.
+    for begin in (0..segments).step_by(AT_ONCE) {
+        let some = (begin..segments.min(begin + AT_ONCE)).into_par_iter().with_min_len(FEWEST);
+        let some: Vec<Vec<f64>> = some.map(squares).collect();
+        for squares in some {
+            mean.iter_mut().zip(squares).for_each(|(mean, square)| *mean += scale * square);
+        }
     }
     Some(mean)
 }

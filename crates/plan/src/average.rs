@@ -4,14 +4,14 @@
 use crate::conditions::{Repeats, repeats, sessions};
 use crate::drawing::{Drawing, Figured};
 use crate::making::{derived, read_tables, write_tables};
-use crate::trials::{OfTrials, files, read_all};
+use crate::trials::{OfTrials, files, open_all};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_average::{Alignment, AverageError, Parameters, WhyNot};
 use zwidth_figures::{About, EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, Signal, StudyData};
+use zwidth_store::{Layout, StudyData};
 use zwidth_study::{Environment, SceneKind, Source};
 use zwidth_tables::Table;
 
@@ -178,7 +178,7 @@ fn make(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, problems) = read_all(files, &of.trials, Signal::all());
+    let (trials, problems) = open_all(files, &of.trials);
     let table = |alignment| -> Result<Table, JobError> {
         match zwidth_average::average(&trials, &of.stage, alignment) {
             Ok(average) => Ok(zwidth_average::table(&[average])?),
@@ -187,5 +187,9 @@ fn make(
         }
     };
     let tables = Alignment::ALL.into_iter().map(table).collect::<Result<Vec<_>, _>>()?;
+    // A mean without a column that could not be read is void.
+    if let Some(error) = trials.iter().find_map(|trial| trial.columns().failure()) {
+        return Err(error.into());
+    }
     write_tables(&tables, making, problems)
 }

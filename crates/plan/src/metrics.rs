@@ -6,13 +6,12 @@
 use crate::conditions::{Repeats, repeats};
 use crate::identify::{known_plant, plant_with_spread};
 use crate::making::{derived, read_tables, split, write_tables};
-use crate::trials::{OfTrials, files, name, read_all, read_with_channels};
-use rayon::prelude::*;
+use crate::trials::{OfTrials, files, name, of_each};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::Parameters;
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
-use zwidth_store::{Asked, Layout, Signal, StoreError, StudyData, Trial, check_samples};
+use zwidth_store::{Asked, Layout, OpenTrial, StoreError, StudyData, check_samples};
 use zwidth_study::Condition;
 use zwidth_tables::{NoteKind, Table};
 
@@ -118,11 +117,10 @@ fn make_with_plant(
         }
         None => None,
     };
-    let (trials, _) = read_all(trials, &of.trials, Signal::all());
-    let rows: Vec<_> = trials
-        .par_iter()
-        .filter_map(|trial| zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref()).ok())
-        .collect();
+    let (rows, _) = of_each(trials, &of.trials, |trial| {
+        let row = zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref());
+        row.map_err(|e| e.to_string())
+    });
     write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
 }
 
@@ -131,14 +129,17 @@ fn make_condition(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, mut problems) = read_with_channels(files, &of.trials);
-    let rows = trials.par_iter().map(|trial| {
+    let (made, problems) = of_each(files, &of.trials, |trial| {
         let row = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
-        row.map_err(|e| format!("{}: {e}", name(&trial.meta)))
+        Ok((
+            row.map_err(|e| format!("{}: {e}", name(&trial.meta))),
+            with_care(&of.stage.asked, trial),
+        ))
     });
-    let (rows, more) = split(rows.collect());
-    problems.extend(more);
-    let care: Vec<String> = trials.iter().flat_map(|t| with_care(&of.stage.asked, t)).collect();
+    let (rows, care): (Vec<_>, Vec<_>) = made.into_iter().unzip();
+    let (rows, more) = split(rows);
+    let problems = [problems, more].concat();
+    let care = care.concat();
     let left_out = problems.iter().map(|p| (NoteKind::LeftOut, strip_root(making.root, p)));
     let notes = left_out.chain(care.iter().map(|note| (NoteKind::Care, note.clone())));
     let table = zwidth_metrics::table(&rows)?;
@@ -163,12 +164,12 @@ fn make_study(
 }
 
 /// What `verify` finds in a trial's samples, which count all the same.
-fn with_care(asked: &Asked, trial: &Trial) -> Vec<String> {
-    let found = check_samples(asked, Path::new(""), &trial.samples);
+fn with_care(asked: &Asked, trial: &OpenTrial) -> Vec<String> {
+    let found = check_samples(asked, Path::new(""), trial.columns());
     found.into_iter().map(|finding| describe(trial, finding)).collect()
 }
 
-fn describe(trial: &Trial, finding: StoreError) -> String {
+fn describe(trial: &OpenTrial, finding: StoreError) -> String {
     let column = finding.column.map(|column| format!(", {column}")).unwrap_or_default();
     let row = finding.row.map(|row| format!(", row {row}")).unwrap_or_default();
     format!("{}{column}{row}: {}; {}", name(&trial.meta), finding.what, finding.remedy)

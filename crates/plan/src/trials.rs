@@ -4,7 +4,7 @@ use crate::making::split;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zwidth_store::{Signal, Trial, TrialEntry, read_thinned, read_trial_and_channels};
+use zwidth_store::{OpenTrial, Signal, StoreError, Trial, TrialEntry, read_thinned, read_trial};
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, ModeId, REFERENCE, TrialMeta};
 
 /// What the session knows of a trial beside its file: of an unsealed one, whose file has a code,
@@ -42,8 +42,11 @@ impl Known {
 
     /// A trial with what is known of it.
     fn names(&self, trial: Trial) -> Trial {
-        let meta = TrialMeta { mode: self.mode.clone(), repeat: self.repeat, ..trial.meta };
-        Trial { meta, ..trial }
+        Trial { meta: self.named(trial.meta), ..trial }
+    }
+
+    fn named(&self, meta: TrialMeta) -> TrialMeta {
+        TrialMeta { mode: self.mode.clone(), repeat: self.repeat, ..meta }
     }
 }
 
@@ -59,7 +62,7 @@ pub(crate) fn read_all(
     signals: impl Iterator<Item = Signal> + Clone + Sync,
 ) -> (Vec<Trial>, Vec<String>) {
     let trials = files.par_iter().zip(known);
-    split(trials.map(|(file, known)| read_one(file, known, signals.clone(), &[])).collect())
+    split(trials.map(|(file, known)| read_one(file, known, signals.clone())).collect())
 }
 
 /// Samples of a trial from which on it is drawn with fewer: what is on paper or a screen has a few
@@ -74,28 +77,48 @@ pub(crate) fn read_drawn(
 ) -> (Vec<(Trial, usize)>, Vec<String>) {
     let read = files.par_iter().zip(known).map(|(file, known)| {
         let (trial, recorded) = read_thinned(file, signals.clone(), MOST_DRAWN)?;
-        Ok::<_, zwidth_store::StoreError>((known.names(trial), recorded))
+        Ok::<_, StoreError>((known.names(trial), recorded))
     });
     split(read.collect())
 }
 
-/// The same with every signal, and the channels that metrics read where the files have them.
-pub(crate) fn read_with_channels(files: &[PathBuf], known: &[Known]) -> (Vec<Trial>, Vec<String>) {
+/// What `make` makes of each trial, side by side: of a long one it reads the columns that it looks
+/// at. With every signal, and the channels that metrics read where the files have them. What cannot be
+/// read, and why `make` made nothing, is told.
+pub(crate) fn of_each<T: Send>(
+    files: &[PathBuf],
+    known: &[Known],
+    make: impl Fn(&OpenTrial) -> Result<T, String> + Sync,
+) -> (Vec<T>, Vec<String>) {
     let names = [CURRENT_MOTOR, CURRENT_BRAKE, REFERENCE];
     let channels: Vec<ChannelId> =
         names.into_iter().filter_map(|name| ChannelId::new(name).ok()).collect();
-    let trials = files.par_iter().zip(known);
-    let read = trials.map(|(file, known)| read_one(file, known, Signal::all(), &channels));
-    split(read.collect())
+    let each = files.par_iter().zip(known).map(|(file, known)| {
+        let trial = opened(file, known, &channels).map_err(|e| e.to_string())?;
+        let made = make(&trial);
+        // Whatever was made without a column that could not be read is void.
+        trial.columns().failure().map_or(made, |error| Err(error.to_string()))
+    });
+    split(each.collect())
+}
+
+/// The trials, opened, one after the other: of long ones no column is read yet.
+pub(crate) fn open_all(files: &[PathBuf], known: &[Known]) -> (Vec<OpenTrial>, Vec<String>) {
+    split(files.par_iter().zip(known).map(|(file, known)| opened(file, known, &[])).collect())
+}
+
+fn opened(file: &Path, known: &Known, channels: &[ChannelId]) -> Result<OpenTrial, StoreError> {
+    let mut trial = OpenTrial::open(file, channels)?;
+    trial.meta = known.named(trial.meta);
+    Ok(trial)
 }
 
 fn read_one(
     file: &Path,
     known: &Known,
     signals: impl Iterator<Item = Signal>,
-    channels: &[ChannelId],
-) -> Result<Trial, zwidth_store::StoreError> {
-    Ok(known.names(read_trial_and_channels(file, signals, channels)?))
+) -> Result<Trial, StoreError> {
+    Ok(known.names(read_trial(file, signals)?))
 }
 
 /// A trial's name in a message: `P01 S01 trial 2`.

@@ -22,11 +22,8 @@ pub fn newey_west(
     lags: usize,
 ) -> Result<Vec<Vec<f64>>, StatsError> {
     check_columns(columns, fit)?;
-    let scores: Vec<Vec<f64>> = columns
-        .iter()
-        .map(|c| c.iter().zip(&fit.residuals).map(|(x, e)| x * e).collect())
-        .collect();
-    let meat = long_run_sum(&scores, lags);
+    let score = |row: usize, column: usize| columns[column][row] * fit.residuals[row];
+    let meat = long_run_sum((fit.residuals.len(), columns.len()), score, lags);
     Ok(product(&product(&fit.xtx_inverse, &meat), &fit.xtx_inverse))
 }
 
@@ -39,26 +36,36 @@ fn check_columns(columns: &[&[f64]], fit: &LinearFit) -> Result<(), NumericsErro
     columns.iter().try_for_each(|c| expect("a column", fit.residuals.len(), c.len()))
 }
 
-/// S as Σᵢ Wᵢ Wᵢᵀ / (L + 1), Wᵢ the sum of the scores from i − L to i, those before and after the
-/// recording being 0: a pair of scores l apart is in L + 1 − l of these windows, which is
-/// Bartlett's weight. As many sums as samples, whatever L; and none of a variance that is below 0.
-fn long_run_sum(scores: &[Vec<f64>], lags: usize) -> Vec<Vec<f64>> {
-    let windows: Vec<Vec<f64>> = scores.iter().map(|s| window_sums(s, lags)).collect();
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+/// S of so many rows and columns of scores, as Σᵢ Wᵢ Wᵢᵀ / (L + 1), Wᵢ the sum of the scores from
+/// i − L to i, those before and after the recording being 0: a pair of scores l apart is in L + 1 − l
+/// of these windows, which is Bartlett's weight. As many sums as samples, whatever L; none of a
+/// variance that is below 0; and no memory but for the sums.
+pub(crate) fn long_run_sum(
+    (rows, columns): (usize, usize),
+    score: impl Fn(usize, usize) -> f64,
+    lags: usize,
+) -> Vec<Vec<f64>> {
+    // Σ of the scores up to the window's last sample, and up to the one before its first.
+    let (mut until, mut before) = (vec![0.0; columns], vec![0.0; columns]);
+    let mut sums = vec![vec![0.0; columns]; columns];
+    for i in 0..rows + lags {
+        for column in 0..columns {
+            if i < rows {
+                until[column] += score(i, column);
+            }
+            if let Some(gone) = i.checked_sub(lags + 1) {
+                before[column] += score(gone, column);
+            }
+        }
+        for (a, row) in sums.iter_mut().enumerate() {
+            for (b, sum) in row.iter_mut().enumerate() {
+                *sum += (until[a] - before[a]) * (until[b] - before[b]);
+            }
+        }
+    }
     let length = lags as f64 + 1.0;
-    windows.iter().map(|a| windows.iter().map(|b| product(a, b) / length).collect()).collect()
-}
-
-/// Σ of `score` from i − `lags` to i, for each i at which that holds a sample.
-fn window_sums(score: &[f64], lags: usize) -> Vec<f64> {
-    let mut sum = 0.0;
-    let mut until = vec![0.0];
-    until.extend(score.iter().map(|s| {
-        sum += s;
-        sum
-    }));
-    let window = |i: usize| until[(i + 1).min(score.len())] - until[i.saturating_sub(lags)];
-    (0..score.len() + lags).map(window).collect()
+    sums.iter_mut().flatten().for_each(|sum| *sum /= length);
+    sums
 }
 
 fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
@@ -171,7 +178,8 @@ mod tests {
         let (columns, y) = design();
         let scores = [columns[1].clone(), columns[2].clone(), y];
         for lags in [0, 1, 5, 23, 24, 100] {
-            let (found, expect) = (long_run_sum(&scores, lags), lag_by_lag(&scores, lags));
+            let score = |row: usize, column: usize| scores[column][row];
+            let (found, expect) = (long_run_sum((24, 3), score, lags), lag_by_lag(&scores, lags));
             for (found, expect) in found.iter().flatten().zip(expect.iter().flatten()) {
                 assert!((found / expect - 1.0).abs() < 1e-12, "{lags} lags: {found} {expect}");
             }

@@ -1,7 +1,8 @@
-//! Intervals for a linear fit to one recording, whose samples resemble their neighbours.
+//! Intervals for a linear fit to one recording, whose samples resemble their neighbours. Of a line
+//! and of a mean no copy of the recording is made.
 
 use crate::error::StatsError;
-use crate::hac::newey_west;
+use crate::hac::{long_run_sum, newey_west};
 use crate::interval::{Estimate, t_interval};
 use zwidth_numerics::lsq::LinearFit;
 
@@ -50,6 +51,111 @@ pub fn recording_fit(
     Ok(RecordingFit { estimates, lags })
 }
 
+/// A straight line through samples of one recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordingLine {
+    /// Its value where it was asked for, in the unit of y.
+    pub value: Estimate,
+    /// Its slope, in the unit of y per unit of x.
+    pub slope: Estimate,
+    /// Residual sum of squares, unit of y squared.
+    pub rss: f64,
+    /// R² = 1 − rss / Σ (y − ȳ)²; `None` for a constant y.
+    pub r2: Option<f64>,
+}
+
+/// Deviations of x whose length is a smaller share of that of x are rounding
+/// ([`zwidth_numerics::lsq`] has the same).
+const RANK_TOLERANCE: f64 = 1e-12;
+
+/// The line y = value + slope (x − `at`) by least squares through `n` samples, `sample(i)` = (x, y)
+/// the i-th as recorded, with the intervals of [`recording_fit`]. `None` for fewer than three samples
+/// and for samples of one x.
+///
+/// slope = Σ (x − x̄) (y − ȳ) / Σ (x − x̄)², the value ȳ + slope (at − x̄). Both are Σ wᵢ yᵢ, with
+/// w = (x − x̄) / Σ (x − x̄)² and 1/n + (at − x̄) (x − x̄) / Σ (x − x̄)², so that with S as
+/// [`newey_west`] has it, of the scores e and (x − x̄) e, their variances are S₁₁ / Σ² and
+/// S₀₀ / n² + 2 (at − x̄) S₀₁ / n Σ + (at − x̄)² S₁₁ / Σ².
+///
+/// # Errors
+/// A sample that is not a number, `level` outside (0, 1).
+pub fn recording_line(
+    n: usize,
+    sample: impl Fn(usize) -> (f64, f64),
+    at: f64,
+    level: f64,
+) -> Result<Option<RecordingLine>, StatsError> {
+    check_samples(n, &sample)?;
+    if n < 3 {
+        return Ok(None);
+    }
+    let (x_mean, y_mean) = {
+        let sums = (0..n).map(&sample).fold((0.0, 0.0), |sum, (x, y)| (sum.0 + x, sum.1 + y));
+        (sums.0 / n as f64, sums.1 / n as f64)
+    };
+    let (mut xx, mut xy, mut yy, mut whole) = (0.0, 0.0, 0.0, 0.0_f64);
+    for (x, y) in (0..n).map(&sample) {
+        let (dx, dy) = (x - x_mean, y - y_mean);
+        (xx, xy, yy) = (xx + dx * dx, xy + dx * dy, yy + dy * dy);
+        whole += (x - at) * (x - at);
+    }
+    if xx.sqrt() <= RANK_TOLERANCE * whole.sqrt() {
+        return Ok(None);
+    }
+    let slope = xy / xx;
+    let deviation = |i: usize| {
+        let (x, y) = sample(i);
+        (x - x_mean, (y - y_mean) - slope * (x - x_mean))
+    };
+    let rss: f64 = (0..n).map(|i| deviation(i).1).map(|e| e * e).sum();
+    let score = |i: usize, column: usize| {
+        let (dx, e) = deviation(i);
+        if column == 0 { e } else { dx * e }
+    };
+    let s = long_run_sum((n, 2), score, n / SHARE_OF_RECORDING);
+    let (of_mean, of_slope) = (1.0 / n as f64, (at - x_mean) / xx);
+    let variance = of_mean * of_mean * s[0][0]
+        + 2.0 * of_mean * of_slope * s[0][1]
+        + of_slope * of_slope * s[1][1];
+    // Rounding may leave the variance of an all but perfect fit below 0.
+    let estimate = |b: f64, variance: f64| t_interval(b, variance.max(0.0).sqrt(), DF, level);
+    Ok(Some(RecordingLine {
+        value: estimate(y_mean + slope * (at - x_mean), variance)?,
+        slope: estimate(slope, s[1][1] / (xx * xx))?,
+        rss,
+        r2: (yy > 0.0).then(|| 1.0 - rss / yy),
+    }))
+}
+
+/// The mean of `n` values of one recording, with the interval of [`recording_fit`]; `None` for fewer
+/// than two.
+///
+/// # Errors
+/// Those of [`recording_line`].
+pub fn recording_mean(
+    n: usize,
+    value: impl Fn(usize) -> f64,
+    level: f64,
+) -> Result<Option<Estimate>, StatsError> {
+    check_samples(n, |i| (0.0, value(i)))?;
+    if n < 2 {
+        return Ok(None);
+    }
+    let mean = (0..n).map(&value).sum::<f64>() / n as f64;
+    let s = long_run_sum((n, 1), |i, _| value(i) - mean, n / SHARE_OF_RECORDING);
+    Ok(Some(t_interval(mean, s[0][0].max(0.0).sqrt() / n as f64, DF, level)?))
+}
+
+fn check_samples(n: usize, sample: impl Fn(usize) -> (f64, f64)) -> Result<(), StatsError> {
+    for index in 0..n {
+        let (x, y) = sample(index);
+        if let Some(value) = [x, y].into_iter().find(|value| !value.is_finite()) {
+            return Err(StatsError::NonFinite { index, value });
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,6 +182,44 @@ mod tests {
             assert!((found.std_error / expect - 1.0).abs() < 1e-9, "{} {expect}", found.std_error);
             assert!((found.ci_high - found.estimate - 2.26215716 * expect).abs() < 1e-9);
         }
+    }
+
+    /// The line and the mean against the general fit, whose numbers are statsmodels'.
+    #[test]
+    fn a_line_and_a_mean_without_copies_are_those_of_the_general_fit() {
+        let close = |found: Estimate, expect: Estimate| {
+            assert!((found.estimate - expect.estimate).abs() < 1e-12, "{found:?} {expect:?}");
+            assert!(
+                (found.std_error / expect.std_error - 1.0).abs() < 1e-9,
+                "{found:?} {expect:?}"
+            );
+            assert!((found.ci_low - expect.ci_low).abs() < 1e-9, "{found:?} {expect:?}");
+        };
+        let (x, y) = data();
+        let ones = vec![1.0; x.len()];
+        for at in [0.0, 50.0, 99.5, 1000.0] {
+            let from: Vec<f64> = x.iter().map(|x| x - at).collect();
+            let columns: [&[f64]; 2] = [&ones, &from];
+            let fit = lsq::fit(&columns, &y).unwrap();
+            let expect = recording_fit(&columns, &fit, 0.95).unwrap().estimates;
+            let line = recording_line(x.len(), |i| (x[i], y[i]), at, 0.95).unwrap().unwrap();
+            close(line.value, expect[0]);
+            close(line.slope, expect[1]);
+            assert!((line.rss / fit.rss - 1.0).abs() < 1e-12);
+            assert!((line.r2.unwrap() - fit.r2.unwrap()).abs() < 1e-12);
+        }
+        let fit = lsq::fit(&[&ones], &y).unwrap();
+        let expect = recording_fit(&[&ones], &fit, 0.9).unwrap().estimates[0];
+        close(recording_mean(y.len(), |i| y[i], 0.9).unwrap().unwrap(), expect);
+    }
+
+    #[test]
+    fn what_shows_no_line_and_no_mean_has_none_and_what_is_no_number_is_refused() {
+        let line = |points: &[(f64, f64)]| recording_line(points.len(), |i| points[i], 0.0, 0.95);
+        assert_eq!(line(&[(0.0, 1.0), (1.0, 2.0)]).unwrap(), None);
+        assert_eq!(line(&[(0.5, 1.0); 40]).unwrap(), None);
+        assert_eq!(recording_mean(1, |_| 1.0, 0.95).unwrap(), None);
+        assert!(line(&[(0.0, 1.0), (f64::NAN, 2.0), (2.0, 3.0)]).is_err());
     }
 
     #[test]

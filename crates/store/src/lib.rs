@@ -64,7 +64,7 @@ pub use atomic::{
     write_new, write_private,
 };
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
-pub use columns::{Columns, Values};
+pub use columns::{Columns, OpenTrial, Recorded, Values};
 pub use content::Content;
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;

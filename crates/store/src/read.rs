@@ -173,6 +173,9 @@ pub(crate) struct OpenColumns {
     columns: ArrowReaderMetadata,
     /// The columns that were looked at last.
     last: RefCell<VecDeque<(Signal, Arc<Vec<f64>>)>>,
+    /// Which were looked at, and so read and checked.
+    seen: RefCell<[bool; Signal::COUNT]>,
+    failed: RefCell<Option<StoreError>>,
 }
 
 /// Columns that an open trial keeps in memory.
@@ -183,12 +186,8 @@ impl OpenColumns {
         let file = ParquetFile::open_recording(files, path)?;
         let form = form_of(path, &file.footer)?;
         let columns = file.columns()?;
-        Ok(Self { form, file, columns, last: RefCell::default() })
-    }
-
-    /// How many samples.
-    pub(crate) fn rows(&self) -> usize {
-        self.file.rows
+        let (last, seen, failed) = Default::default();
+        Ok(Self { form, file, columns, last, seen, failed })
     }
 
     /// What is known of the trial, and what the file says of itself besides.
@@ -256,6 +255,27 @@ impl OpenColumns {
         column_values(&self.file, &self.columns, of, room)
     }
 
+    /// [`OpenColumns::signal_in`], and whether it is what a trial's file promises.
+    fn checked(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
+        let (path, column) = (&self.file.path, signal.column());
+        let values = self.signal_in(signal, room)?;
+        if let Some(values) = &values {
+            check_column(path, column.name, column.storage, (values, self.file.rows))?;
+            if signal == Signal::Time {
+                check_time(path, values)?;
+            }
+        }
+        Ok(values)
+    }
+
+    /// What was read, unless it failed.
+    fn kept(&self, read: Result<Option<Vec<f64>>, StoreError>) -> Option<Vec<f64>> {
+        read.unwrap_or_else(|error| {
+            self.failed.borrow_mut().get_or_insert(error);
+            None
+        })
+    }
+
     /// The values of a channel of the study's own.
     pub(crate) fn channel(&self, channel: &Channel) -> Result<Option<Vec<f64>>, StoreError> {
         check_described(&self.file.path, self.columns.schema(), &channel_field(channel))?;
@@ -265,16 +285,24 @@ impl OpenColumns {
 }
 
 impl Columns for OpenColumns {
-    /// What cannot be read is not there: whoever asks has checked the columns before.
+    fn rows(&self) -> usize {
+        self.file.rows
+    }
+
     fn column(&self, signal: Signal) -> Option<Values<'_>> {
         let mut last = self.last.borrow_mut();
         let found = match last.iter().position(|(kept, _)| *kept == signal) {
             Some(at) => last.remove(at)?.1,
             None => {
                 // Before the next is read, so that there are never more.
-                let gone = if last.len() < KEPT { None } else { last.pop_back() };
+                // Of those that nobody holds, which give their memory, the one looked at first.
+                let free = last.iter().rposition(|(_, values)| Arc::strong_count(values) == 1);
+                let oldest = last.len().saturating_sub(1);
+                let gone =
+                    (last.len() >= KEPT).then(|| last.remove(free.unwrap_or(oldest))).flatten();
                 let room = gone.and_then(|(_, values)| Arc::into_inner(values));
-                Arc::new(self.signal_in(signal, room.unwrap_or_default()).ok().flatten()?)
+                self.seen.borrow_mut()[signal as usize] = true;
+                Arc::new(self.kept(self.checked(signal, room.unwrap_or_default()))?)
             }
         };
         last.push_front((signal, found.clone()));
@@ -284,6 +312,23 @@ impl Columns for OpenColumns {
     fn has(&self, signal: Signal) -> bool {
         let name = signal.column().name_in(self.form.schema);
         self.file.footer.contains_key(&format!("{DIGEST}{name}"))
+    }
+
+    fn channel(&self, name: &str) -> Option<Values<'_>> {
+        let channel = self.form.channels.iter().find(|channel| channel.id.as_str() == name)?;
+        Some(Values::Read(Arc::new(self.kept(OpenColumns::channel(self, channel))?)))
+    }
+
+    fn forget(&self) {
+        self.last.borrow_mut().retain(|(_, values)| Arc::strong_count(values) > 1);
+    }
+
+    fn failure(&self) -> Option<StoreError> {
+        let seen = *self.seen.borrow();
+        for signal in Signal::all().filter(|signal| !seen[*signal as usize]) {
+            drop(self.column(signal));
+        }
+        self.failed.borrow().clone()
     }
 }
 

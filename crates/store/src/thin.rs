@@ -1,7 +1,7 @@
 //! A long trial as it is drawn: with fewer samples, among them the extremes of every stretch, so
 //! that it looks as it does with all. No more than one of its columns is in memory at a time.
 
-use crate::columns::LONG;
+use crate::columns::{Columns, LONG};
 use crate::read::{OpenColumns, read_trial};
 use crate::verify::check_samples;
 use crate::{Asked, RealFiles, Samples, Signal, StoreError, Trial};

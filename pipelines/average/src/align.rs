@@ -4,34 +4,43 @@ use crate::landmarks::{Landmark, Times, shared, warp};
 use crate::{AverageError, WhyNot};
 use zwidth_numerics::activity::activity;
 use zwidth_numerics::phases::{first_passing, phases};
-use zwidth_numerics::series::interpolate_all;
-use zwidth_store::{Signal, Trial};
-use zwidth_study::{Alignment, Analysis};
+use zwidth_numerics::series::interpolate_by;
+use zwidth_store::{Recorded, Signal};
+use zwidth_study::{Alignment, Analysis, TrialMeta};
 
 /// A repeat with its times on the common scale.
 pub(crate) struct Aligned<'a> {
-    trial: &'a Trial,
+    trial: Recorded<'a>,
     pub(crate) onset_s: f64,
     /// When it passes its landmarks, s since its onset.
     pub(crate) landmarks: Times,
-    /// Time of each sample, s: since onset, or warped; negative before the onset.
-    t_s: Vec<f64>,
+    /// Its last sample, s since its onset.
+    last_s: f64,
+    /// Its own landmarks and those of the common scale that they meet, s; none where the onset alone
+    /// does.
+    warped: (Vec<f64>, Vec<f64>),
 }
 
 impl<'a> Aligned<'a> {
     /// Places `trial` at its onset, or says why it has no onset.
     pub(crate) fn new(
-        trial: &'a Trial,
+        trial: Recorded<'a>,
         analysis: &Analysis,
         wall_rad: Option<f64>,
     ) -> Result<Self, WhyNot> {
-        let t = trial.samples.get(Signal::Time).unwrap_or_default();
-        let theta = trial.samples.get(Signal::Theta).ok_or(WhyNot::NoAngle)?;
-        let velocity = trial.samples.get(Signal::ThetaDot).ok_or(WhyNot::NoVelocity)?;
-        let moving = activity(velocity, analysis.onset_rad_s, analysis.offset_rad_s);
+        let columns = trial.columns;
+        let moving = {
+            if !columns.has(Signal::Theta) {
+                return Err(WhyNot::NoAngle);
+            }
+            let velocity = columns.column(Signal::ThetaDot).ok_or(WhyNot::NoVelocity)?;
+            activity(&velocity, analysis.onset_rad_s, analysis.offset_rad_s)
+        };
         let moving = moving.ok_or(WhyNot::NoMovement)?;
-        let found = phases(theta, moving.onset, moving.end.unwrap_or(t.len() - 1));
-        let wall_s = wall_rad.and_then(|wall| first_passing(t, theta, wall));
+        let theta = columns.column(Signal::Theta).ok_or(WhyNot::NoAngle)?;
+        let found = phases(&theta, moving.onset, moving.end.unwrap_or(columns.rows() - 1));
+        let t = columns.column(Signal::Time).ok_or(WhyNot::NoMovement)?;
+        let wall_s = wall_rad.and_then(|wall| first_passing(&t, &theta, wall));
         let landmarks =
             [Some(t[found.onset]), wall_s, Some(t[found.reversal]), moving.end.map(|end| t[end])];
         let onset_s = t[moving.onset];
@@ -39,7 +48,8 @@ impl<'a> Aligned<'a> {
             trial,
             onset_s,
             landmarks: landmarks.map(|l| l.map(|t| t - onset_s)),
-            t_s: t.iter().map(|t| t - onset_s).collect(),
+            last_s: t.last().copied().unwrap_or(onset_s) - onset_s,
+            warped: Default::default(),
         })
     }
 
@@ -49,23 +59,33 @@ impl<'a> Aligned<'a> {
         if has_end || alignment == Alignment::Onset { Ok(self) } else { Err(WhyNot::NoEnd) }
     }
 
-    pub(crate) fn trial(&self) -> &'a Trial {
-        self.trial
+    pub(crate) fn meta(&self) -> &'a TrialMeta {
+        self.trial.meta
     }
 
-    /// When each sample comes on the common scale, s.
-    pub(crate) fn times_s(&self) -> &[f64] {
-        &self.t_s
+    /// A time since the onset on the common scale, s.
+    fn common_s(&self, since_onset_s: f64) -> f64 {
+        let (own, common) = &self.warped;
+        if own.is_empty() { since_onset_s } else { warp(since_onset_s, own, common) }
+    }
+
+    /// When each sample comes on the common scale, s; negative before the onset.
+    pub(crate) fn times_s(&self) -> Vec<f64> {
+        let t = self.trial.columns.column(Signal::Time);
+        t.iter().flat_map(|t| t.iter()).map(|t| self.common_s(t - self.onset_s)).collect()
     }
 
     /// From onset to the last sample on the common scale, s.
     pub(crate) fn length_s(&self) -> f64 {
-        self.t_s.last().copied().unwrap_or(0.0)
+        self.common_s(self.last_s)
     }
 
     /// `signal` on the grid: null where the repeat has ended. `None` where it was not recorded.
     pub(crate) fn on_grid(&self, signal: Signal, grid_s: &[f64]) -> Option<Vec<Option<f64>>> {
-        Some(interpolate_all(&self.t_s, self.trial.samples.get(signal)?, grid_s))
+        let columns = self.trial.columns;
+        let (t, values) = (columns.column(Signal::Time)?, columns.column(signal)?);
+        let time = |i: usize| self.common_s(t[i] - self.onset_s);
+        Some(grid_s.iter().map(|at| interpolate_by(t.len(), time, &values, *at)).collect())
     }
 }
 
@@ -81,25 +101,19 @@ pub(crate) fn mean_landmarks(aligned: &[Aligned]) -> Vec<(Landmark, f64)> {
 
 /// The repeat with its own landmarks at the times of `landmarks`; unchanged where there are none.
 pub(crate) fn warped<'a>(repeat: Aligned<'a>, landmarks: &[(Landmark, f64)]) -> Aligned<'a> {
-    let (own, common): (Vec<f64>, Vec<f64>) =
-        landmarks.iter().filter_map(|(l, t)| Some((repeat.landmarks[*l as usize]?, *t))).unzip();
-    if own.is_empty() {
-        return repeat;
-    }
-    Aligned { t_s: repeat.t_s.iter().map(|t| warp(*t, &own, &common)).collect(), ..repeat }
+    let both = landmarks.iter().filter_map(|(l, t)| Some((repeat.landmarks[*l as usize]?, *t)));
+    Aligned { warped: both.unzip(), ..repeat }
 }
 
 /// Checks that every column of `trial` is as long as its time.
-pub(crate) fn check_lengths(trial: &Trial) -> Result<(), AverageError> {
-    let expected = trial.samples.get(Signal::Time).map_or(0, <[f64]>::len);
-    for signal in Signal::all() {
-        let found = trial.samples.get(signal).map_or(expected, <[f64]>::len);
-        if found != expected {
-            let (trial, column) = (trial.meta.trial, signal.name());
-            return Err(AverageError::Ragged { trial, column, expected, found });
+pub(crate) fn check_lengths(trial: &Recorded) -> Result<(), AverageError> {
+    match trial.columns.ragged() {
+        None => Ok(()),
+        Some((column, found)) => {
+            let (trial, expected) = (trial.meta.trial, trial.columns.rows());
+            Err(AverageError::Ragged { trial, column, expected, found })
         }
     }
-    Ok(())
 }
 
 /// Repeats of one length differ by no more than this share of it after their onset is taken off.

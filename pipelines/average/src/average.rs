@@ -5,7 +5,7 @@ use crate::landmarks::{Landmark, warp};
 use crate::{AverageError, WhyNot};
 use serde::Serialize;
 use zwidth_stats::band::{Band, band};
-use zwidth_store::{Signal, Trial};
+use zwidth_store::{Recorded, Signal, Trial};
 use zwidth_study::{
     Alignment, Analysis, Condition, ParticipantId, Scene, SceneKind, SessionId, Source,
 };
@@ -105,13 +105,17 @@ impl Average {
 /// [`AverageError::WhyNot`] where there is no average and no fault: free motion, or no repeat that
 /// can be placed (the first one's reason). Otherwise: no trial, trials of different conditions,
 /// columns of unequal length.
-pub fn average(
-    trials: &[Trial],
+pub fn average<'a, T>(
+    trials: &'a [T],
     parameters: &Parameters,
     alignment: Alignment,
-) -> Result<Average, AverageError> {
+) -> Result<Average, AverageError>
+where
+    &'a T: Into<Recorded<'a>>,
+{
+    let trials: Vec<Recorded> = trials.iter().map(Into::into).collect();
     let first = trials.first().ok_or(AverageError::Empty)?;
-    let Placed { aligned, left_out, landmarks } = place(trials, parameters, alignment)?;
+    let Placed { aligned, left_out, landmarks } = place(&trials, parameters, alignment)?;
     let points = parameters.analysis.grid_points;
     if points < 2 {
         return Err(AverageError::Grid { points });
@@ -144,9 +148,10 @@ pub fn times_s(
     parameters: &Parameters,
     alignment: Alignment,
 ) -> Result<Vec<Option<Vec<f64>>>, AverageError> {
-    let placed = place(trials, parameters, alignment)?;
-    let of = |trial: &Trial| placed.aligned.iter().find(|a| std::ptr::eq(a.trial(), trial));
-    Ok(trials.iter().map(|trial| of(trial).map(|aligned| aligned.times_s().to_vec())).collect())
+    let recorded: Vec<Recorded> = trials.iter().map(Into::into).collect();
+    let placed = place(&recorded, parameters, alignment)?;
+    let of = |trial: &Trial| placed.aligned.iter().find(|a| std::ptr::eq(a.meta(), &trial.meta));
+    Ok(trials.iter().map(|trial| of(trial).map(Aligned::times_s)).collect())
 }
 
 /// Repeats on the scale of their average.
@@ -157,7 +162,7 @@ struct Placed<'a> {
 }
 
 fn place<'a>(
-    trials: &'a [Trial],
+    trials: &[Recorded<'a>],
     parameters: &Parameters,
     alignment: Alignment,
 ) -> Result<Placed<'a>, AverageError> {
@@ -172,8 +177,9 @@ fn place<'a>(
     Ok(Placed { aligned, left_out, landmarks })
 }
 
-fn check_together(trials: &[Trial]) -> Result<(), AverageError> {
-    let key = |t: &Trial| (t.meta.participant.clone(), t.meta.session.clone(), t.meta.condition());
+fn check_together(trials: &[Recorded]) -> Result<(), AverageError> {
+    let key =
+        |t: &Recorded| (t.meta.participant.clone(), t.meta.session.clone(), t.meta.condition());
     match trials.iter().find(|t| key(t) != key(&trials[0])) {
         Some(other) => Err(AverageError::Mixed { trial: other.meta.trial }),
         None if trials.is_empty() => Err(AverageError::Empty),
@@ -192,14 +198,14 @@ fn wall(scene: Scene) -> Result<Option<f64>, WhyNot> {
 
 /// The repeats that can be placed, and those that cannot. If none can: the first one's reason.
 fn align<'a>(
-    trials: &'a [Trial],
+    trials: &[Recorded<'a>],
     analysis: &Analysis,
     wall_rad: Option<f64>,
     alignment: Alignment,
 ) -> Result<(Vec<Aligned<'a>>, Vec<LeftOut>), WhyNot> {
     let (mut aligned, mut left_out) = (Vec::new(), Vec::new());
     for trial in trials {
-        match Aligned::new(trial, analysis, wall_rad).and_then(|a| a.fit_for(alignment)) {
+        match Aligned::new(*trial, analysis, wall_rad).and_then(|a| a.fit_for(alignment)) {
             Ok(repeat) => aligned.push(repeat),
             Err(why) => left_out.push(LeftOut { trial: trial.meta.trial, why }),
         }
@@ -211,7 +217,7 @@ fn align<'a>(
 }
 
 fn repeat(aligned: &Aligned) -> Repeat {
-    let meta = &aligned.trial().meta;
+    let meta = aligned.meta();
     Repeat {
         trial: meta.trial,
         repeat: meta.repeat,
@@ -434,15 +440,22 @@ mod tests {
 
     #[test]
     fn requests_that_make_no_sense_are_refused() {
-        assert_eq!(average(&[], &parameters(), Alignment::Onset), Err(AverageError::Empty));
+        assert_eq!(
+            average::<Trial>(&[], &parameters(), Alignment::Onset),
+            Err(AverageError::Empty)
+        );
         let mut other = repeat(2, 0.3, 1.0, 3.0);
         other.meta.session = SessionId::new("S02").unwrap();
         let mixed = average(&[repeat(1, 0.3, 1.0, 3.0), other], &parameters(), Alignment::Onset);
         assert_eq!(mixed, Err(AverageError::Mixed { trial: 2 }));
         check_reason(|_, s| s.analysis.grid_points = 1, AverageError::Grid { points: 1 });
         let found = (3.0 * RATE_HZ) as usize + 1;
-        let ragged =
-            AverageError::Ragged { trial: 1, column: "force_ex_n", expected: found, found: 1 };
+        let ragged = AverageError::Ragged {
+            trial: 1,
+            column: "force_ex_n".to_owned(),
+            expected: found,
+            found: 1,
+        };
         check_reason(|t, _| t.samples.set(Signal::ForceEx, vec![0.0]), ragged);
     }
 }

@@ -66,7 +66,7 @@ pub enum AverageError {
         /// The trial.
         trial: u32,
         /// The column.
-        column: &'static str,
+        column: String,
         /// Samples of time.
         expected: usize,
         /// Samples of the column.

@@ -2,10 +2,11 @@
 //! B).
 
 use crate::branch::branches;
+use crate::energy::HALF_S;
 use crate::gap::Gap;
 use crate::signals::Signals;
 use crate::{MetricsError, Plant};
-use zwidth_numerics::local::Derivatives;
+use zwidth_numerics::local::derivatives_at;
 use zwidth_numerics::phases::Phases;
 use zwidth_stats::interval::{Estimate, t_interval};
 use zwidth_study::Analysis;
@@ -49,7 +50,6 @@ pub struct ActuatorDiscrepancy {
 
 pub(crate) fn actuator_discrepancy(
     signals: &Signals,
-    motion: &Derivatives,
     plant: &Plant,
     analysis: &Analysis,
 ) -> Result<ActuatorDiscrepancy, MetricsError> {
@@ -58,12 +58,17 @@ pub(crate) fn actuator_discrepancy(
         return Ok(ActuatorDiscrepancy::default());
     };
     let Phases { reversal, end, .. } = phases;
-    let gap = |y: &[f64]| {
-        let found = branches(theta, &while_held(y), phases, analysis.grid_points)?;
+    let gap = |y: &dyn Fn(usize) -> f64| {
+        let held = |i: usize| while_held(y, i, theta.len());
+        let found = branches(&theta, held, phases, analysis.grid_points)?;
         let d = found.forward.iter().zip(&found.backward).map(|(f, b)| f - b).collect::<Vec<_>>();
         Some((found.theta, d))
     };
-    let of_all = [force, &motion.first, &motion.second].map(gap);
+    let user = gap(&|i| force[i]);
+    drop(force);
+    let t = signals.t()?;
+    let motion = |i: usize| derivatives_at(&t, &theta, HALF_S, i);
+    let of_all = [user, gap(&|i| motion(i).0), gap(&|i| motion(i).1)];
     let [Some((grid, user)), Some((_, slower)), Some((_, later))] = of_all else {
         return Ok(ActuatorDiscrepancy::default());
     };
@@ -97,10 +102,10 @@ pub(crate) fn actuator_discrepancy(
     })
 }
 
-/// Each sample's mean over the time to the next, in which its command is held.
-fn while_held(y: &[f64]) -> Vec<f64> {
-    let last = y.last().copied();
-    y.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).chain(last).collect()
+/// A sample's mean over the time to the next, in which its command is held; of the last of so many
+/// its own value.
+fn while_held(y: &dyn Fn(usize) -> f64, i: usize, samples: usize) -> f64 {
+    if i + 1 == samples { y(i) } else { (y(i) + y(i + 1)) / 2.0 }
 }
 
 /// The interval of `centre` by the scatter of its line and by what is not known of the plant, whose

@@ -1,5 +1,6 @@
 //! Compression and decompression as two single-valued curves F(θ) on a common grid.
 
+use std::ops::RangeInclusive;
 use zwidth_numerics::phases::Phases;
 use zwidth_numerics::series::interpolate_all;
 
@@ -20,14 +21,20 @@ pub(crate) struct Branches {
 /// function of θ. A lever that jitters or turns back for a moment adds nothing until it is past its
 /// farthest point again. Where the way begins at an angle that is another's (`left`), so does a
 /// lever that still stands there: its force is that of what holds it, not yet that of the way.
-fn advancing(theta: &[f64], force: &[f64], left: Option<f64>, direction: f64) -> Branch {
+fn advancing(
+    theta: &[f64],
+    force: impl Fn(usize) -> f64,
+    samples: RangeInclusive<usize>,
+    left: Option<f64>,
+    direction: f64,
+) -> Branch {
     let mut branch = Branch { theta: Vec::new(), force: Vec::new() };
     let mut farthest = left;
-    for (&theta, &force) in theta.iter().zip(force) {
-        if farthest.is_none_or(|farthest| direction * theta > direction * farthest) {
-            branch.theta.push(theta);
-            branch.force.push(force);
-            farthest = Some(theta);
+    for i in samples {
+        if farthest.is_none_or(|farthest| direction * theta[i] > direction * farthest) {
+            branch.theta.push(theta[i]);
+            branch.force.push(force(i));
+            farthest = Some(theta[i]);
         }
     }
     if direction < 0.0 {
@@ -41,20 +48,19 @@ fn advancing(theta: &[f64], force: &[f64], left: Option<f64>, direction: f64) ->
 /// lever that a brake holds moves back by the angle sensor's jitter and has no decompression.
 const LEAST_SHARE: f64 = 0.1;
 
-/// Both branches by linear interpolation on `points` angles over the range that both cover; `None`
+/// Both branches, `force` that of each sample, by linear interpolation on `points` angles over the range that both cover; `None`
 /// where that is less than a tenth of the compression's. The angle of the reversal belongs to the
 /// compression alone: a lever that a brake holds there has the force of neither way until it has
 /// left.
 pub(crate) fn branches(
     theta: &[f64],
-    force: &[f64],
+    force: impl Fn(usize) -> f64,
     phases: Phases,
     points: usize,
 ) -> Option<Branches> {
     let Phases { onset, reversal, end } = phases;
-    let (turned, way, back) = (theta[reversal], onset..=reversal, reversal + 1..=end);
-    let forward = advancing(&theta[way.clone()], &force[way], None, 1.0);
-    let backward = advancing(&theta[back.clone()], &force[back], Some(turned), -1.0);
+    let forward = advancing(theta, &force, onset..=reversal, None, 1.0);
+    let backward = advancing(theta, &force, reversal + 1..=end, Some(theta[reversal]), -1.0);
     let low = forward.theta.first()?.max(*backward.theta.first()?);
     let high = forward.theta.last()?.min(*backward.theta.last()?);
     let least = LEAST_SHARE * (forward.theta.last()? - forward.theta.first()?);
@@ -85,7 +91,7 @@ mod tests {
         let theta = [0.0, 1.0, 0.5, 0.8, 1.0, 2.0, 1.5, 1.6, 0.0];
         let force = [0.0, 1.0, 9.0, 9.0, 9.0, 2.0, 1.0, 9.0, -1.0];
         let phases = Phases { onset: 0, reversal: 5, end: 8 };
-        let found = branches(&theta, &force, phases, 4).unwrap();
+        let found = branches(&theta, |i| force[i], phases, 4).unwrap();
         assert_eq!(found.theta, [0.0, 0.5, 1.0, 1.5]);
         assert_eq!(found.forward, [0.0, 0.5, 1.0, 1.5]);
         let expect = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0];
@@ -99,7 +105,7 @@ mod tests {
         let theta = [0.0, 1.0, 2.0, 2.0, 2.0, 1.9, 1.0, 0.0];
         let force = [1.0, 3.0, 5.0, 5.0, 4.0, 2.0, 2.0, 2.0];
         let phases = Phases { onset: 0, reversal: 2, end: 7 };
-        let found = branches(&theta, &force, phases, 20).unwrap();
+        let found = branches(&theta, |i| force[i], phases, 20).unwrap();
         assert_eq!(found.theta.last(), Some(&1.9));
         assert!(
             found.backward.iter().all(|force| (force - 2.0).abs() < 1e-12),
@@ -112,12 +118,13 @@ mod tests {
     fn a_lever_that_is_held_and_jitters_has_no_decompression() {
         let theta = [0.0, 1.0, 2.0, 1.95, 1.9, 1.95];
         let phases = Phases { onset: 0, reversal: 2, end: 5 };
-        assert!(branches(&theta, &[5.0, 5.0, 5.0, 4.0, 2.0, 0.0], phases, 11).is_none());
+        let force = [5.0, 5.0, 5.0, 4.0, 2.0, 0.0];
+        assert!(branches(&theta, |i| force[i], phases, 11).is_none());
     }
 
     #[test]
     fn a_movement_without_a_way_back_has_no_common_range() {
         let phases = Phases { onset: 0, reversal: 2, end: 2 };
-        assert!(branches(&[0.0, 1.0, 2.0], &[0.0; 3], phases, 11).is_none());
+        assert!(branches(&[0.0, 1.0, 2.0], |_| 0.0, phases, 11).is_none());
     }
 }

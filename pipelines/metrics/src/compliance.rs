@@ -42,7 +42,7 @@ pub(crate) fn compliance(signals: &Signals, parameters: &Parameters) -> Complian
     });
     let count = |up: bool| Some(ways.as_ref()?.iter().filter(|way| **way == up).count() as i64);
     let in_time = in_time(signals, parameters.trial_limit_s);
-    let inside_work_space = inside(signals.theta, parameters);
+    let inside_work_space = inside(signals.theta().as_deref(), parameters);
     Compliance {
         movements_forward: count(true),
         movements_backward: count(false),
@@ -55,7 +55,7 @@ pub(crate) fn compliance(signals: &Signals, parameters: &Parameters) -> Complian
 
 /// The movements in order, true for a way forward.
 fn ways(signals: &Signals) -> Option<Vec<bool>> {
-    let (theta, phases) = (signals.theta?, signals.phases?);
+    let (theta, phases) = (signals.theta()?, signals.phases?);
     let moving = &theta[phases.onset..=phases.end];
     let least = MOVEMENT_SHARE * range(moving);
     Some(zigzag(moving, least).iter().map(|leg| leg.up).collect())
@@ -67,16 +67,16 @@ pub(crate) fn range(values: &[f64]) -> f64 {
     high - low
 }
 
-fn ends(values: &[f64]) -> (f64, f64) {
+pub(crate) fn ends(values: &[f64]) -> (f64, f64) {
     values
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
 fn in_time(signals: &Signals, limit_s: f64) -> Option<bool> {
-    let activity = signals.activity?;
-    let last = activity.end.unwrap_or(signals.t.len() - 1);
-    let took_s = signals.t[last] - signals.t[activity.onset];
+    let (activity, t) = (signals.activity?, signals.t().ok()?);
+    let last = activity.end.unwrap_or(t.len() - 1);
+    let took_s = t[last] - t[activity.onset];
     (activity.end.is_some() || took_s > limit_s).then_some(took_s <= limit_s)
 }
 

@@ -71,7 +71,7 @@ pub(crate) fn discrepancy(
         return Ok(Discrepancy::default());
     }
     let Some(Branches { theta: grid, forward, backward }) =
-        branches(theta, force, phases, grid_points)
+        branches(&theta, |i| force[i], phases, grid_points)
     else {
         return Ok(Discrepancy::default());
     };

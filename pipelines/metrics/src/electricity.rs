@@ -3,7 +3,8 @@
 use crate::Parameters;
 use crate::signals::Signals;
 use serde::Serialize;
-use zwidth_study::Resistances;
+use zwidth_store::Signal;
+use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, Resistances};
 
 /// What a trial takes from its supply.
 ///
@@ -48,7 +49,7 @@ pub(crate) fn electrical_energy(signals: &Signals, parameters: &Parameters) -> E
         return ElectricalEnergy::default();
     }
     let (taken_j, bound_j) = (taken_j(signals, parameters), bound_j(signals, parameters));
-    let commanded = signals.force_cmd.map(|f| held(signals.t, |i| f[i].abs()));
+    let commanded = held(signals, Signal::ForceCmd, |f| f.abs());
     let share = |energy_j: Option<f64>| {
         let both = commanded.zip(energy_j).filter(|(force, energy)| *force > 0.0 && *energy > 0.0);
         both.map(|(force, energy)| force / energy)
@@ -63,37 +64,48 @@ pub(crate) fn electrical_energy(signals: &Signals, parameters: &Parameters) -> E
 
 /// ∫ (U_m I_m + U_b I_b) dt.
 fn taken_j(signals: &Signals, parameters: &Parameters) -> Option<f64> {
-    let Signals { t, voltage_motor, voltage_brake, current_motor, current_brake, .. } = *signals;
-    let taken = |used: bool, voltage: Option<&[f64]>, current: Option<&[f64]>| match used {
-        false => Some(0.0),
-        true => voltage.zip(current).map(|(v, a)| held(t, |i| v[i] * (a[i] + a[i + 1]) / 2.0)),
+    let taken = |used: bool, voltage: Signal, current: &str| {
+        if !used {
+            return Some(0.0);
+        }
+        let (v, a) = (signals.column(voltage)?, signals.channel(current)?);
+        let power = |i: usize| v[i] * (a[i] + a[i + 1]) / 2.0;
+        Some(over_time(&signals.t().ok()?, power))
     };
-    let motor_j = taken(parameters.uses_motor, voltage_motor, current_motor)?;
-    Some(motor_j + taken(parameters.uses_brake, voltage_brake, current_brake)?)
+    let motor_j = taken(parameters.uses_motor, Signal::VoltageMotor, CURRENT_MOTOR)?;
+    Some(motor_j + taken(parameters.uses_brake, Signal::VoltageBrake, CURRENT_BRAKE)?)
 }
 
 /// ∫ (U_m² / R_m + U_b² / R_b + [U_m ≠ 0] |F_cmd| L |θ̇|) dt.
 fn bound_j(signals: &Signals, parameters: &Parameters) -> Option<f64> {
     let Resistances { motor_ohm, brake_ohm } = parameters.resistances;
-    let heat = |used: bool, voltage: Option<&[f64]>, ohm: Option<f64>| match used {
-        false => Some(0.0),
-        true => voltage.zip(ohm).map(|(v, ohm)| held(signals.t, |i| v[i] * v[i] / ohm)),
+    let heat = |used: bool, voltage: Signal, ohm: Option<f64>| match (used, ohm) {
+        (false, _) => Some(0.0),
+        (true, ohm) => ohm.and_then(|ohm| held(signals, voltage, |v| v * v / ohm)),
     };
-    let motor_j = heat(parameters.uses_motor, signals.voltage_motor, motor_ohm)?;
-    let brake_j = heat(parameters.uses_brake, signals.voltage_brake, brake_ohm)?;
+    let motor_j = heat(parameters.uses_motor, Signal::VoltageMotor, motor_ohm)?;
+    let brake_j = heat(parameters.uses_brake, Signal::VoltageBrake, brake_ohm)?;
     let driven_j = if parameters.uses_motor { driven_j(signals)? } else { 0.0 };
     Some(motor_j + brake_j + driven_j)
 }
 
-/// Σ of a power that is held from each sample to the next, times that time.
-fn held(t: &[f64], power: impl Fn(usize) -> f64) -> f64 {
+/// Σ of a signal's `power`, which is held from each sample to the next, times that time; `None` where
+/// the signal is not recorded.
+fn held(signals: &Signals, signal: Signal, power: impl Fn(f64) -> f64) -> Option<f64> {
+    let values = signals.column(signal)?;
+    Some(over_time(&signals.t().ok()?, |i| power(values[i])))
+}
+
+/// Σ of what is held from each sample to the next, times that time.
+fn over_time(t: &[f64], power: impl Fn(usize) -> f64) -> f64 {
     t.windows(2).enumerate().map(|(i, t)| power(i) * (t[1] - t[0])).sum()
 }
 
 /// ∫ |F_cmd| L |dθ| while the motor is on.
 fn driven_j(signals: &Signals) -> Option<f64> {
-    let (voltage, force) = (signals.voltage_motor?, signals.force_cmd?);
-    let (theta, lever_m) = (signals.theta?, signals.lever_m?);
+    let (voltage, force) =
+        (signals.column(Signal::VoltageMotor)?, signals.column(Signal::ForceCmd)?);
+    let (theta, lever_m) = (signals.theta()?, signals.lever_m?);
     let on = |i: &usize| voltage[*i] != 0.0;
     let step = |i: usize| force[i].abs() * lever_m * (theta[i + 1] - theta[i]).abs();
     Some((0..theta.len().saturating_sub(1)).filter(on).map(step).sum())

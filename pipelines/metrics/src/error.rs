@@ -15,7 +15,7 @@ pub enum MetricsError {
     )]
     Ragged {
         /// The column.
-        column: &'static str,
+        column: String,
         /// Samples of time.
         expected: usize,
         /// Samples of the column.

@@ -1,5 +1,6 @@
 //! What happened in a trial, and when: what a reader of its curves wants marked.
 
+use crate::MetricsError;
 use crate::movement::Movement;
 use crate::signals::Signals;
 use crate::wall::contacts;
@@ -52,15 +53,16 @@ pub(crate) fn trial_events(
     signals: &Signals,
     movement: &Movement,
     wall_rad: Option<f64>,
-) -> Vec<TrialEvent> {
+) -> Result<Vec<TrialEvent>, MetricsError> {
     let moved = [
         (EventKind::Onset, movement.onset_s),
         (EventKind::Reversal, movement.reversal_s),
         (EventKind::End, movement.end_s),
     ];
     let moved = moved.into_iter().filter_map(|(kind, t_s)| Some(TrialEvent { kind, t_s: t_s? }));
-    let at = |kind, i: usize| TrialEvent { kind, t_s: signals.t[i] };
-    let touched = signals.theta.zip(wall_rad).map(|(theta, wall)| contacts(theta, wall));
+    let touched = wall_rad.and_then(|wall| Some(contacts(&signals.theta()?, wall)));
+    let t = signals.t()?;
+    let at = |kind, i: usize| TrialEvent { kind, t_s: t[i] };
     let touched = touched.unwrap_or_default().into_iter();
     let on = signals.brake_on.as_deref().unwrap_or_default();
     let let_go = (1..on.len()).filter(|i| on[i - 1] && !on[*i]);
@@ -69,7 +71,7 @@ pub(crate) fn trial_events(
         .chain(let_go.map(|i| at(EventKind::LetGo, i)))
         .collect();
     events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
-    events
+    Ok(events)
 }
 
 /// One row per event of trials, in the order given: which trial it is, `event`, `t_s`.

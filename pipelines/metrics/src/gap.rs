@@ -1,9 +1,9 @@
 //! What compression has over decompression at the same angle, and what it comes to.
 
 use crate::MetricsError;
-use crate::estimates::estimates;
 use zwidth_numerics::series::trapezoid;
 use zwidth_stats::interval::Estimate;
+use zwidth_stats::recording::recording_line;
 
 /// The step at the reversal is read from the last tenth of the common range of angles: wide enough
 /// for the force sensor's held values and the actuators' lag to average out, narrow against a
@@ -63,7 +63,6 @@ fn line_at(
     at_rad: f64,
     level: f64,
 ) -> Result<Option<Estimate>, MetricsError> {
-    let from_there: Vec<f64> = grid.iter().map(|theta| theta - at_rad).collect();
-    let found = estimates(&[&vec![1.0; grid.len()], &from_there], d, level)?;
-    Ok(found.map(|(_, estimates)| estimates[0]))
+    let line = recording_line(grid.len(), |i| (grid[i], d[i]), at_rad, level)?;
+    Ok(line.map(|line| line.value))
 }

@@ -35,7 +35,6 @@ mod discrepancy;
 mod electricity;
 mod energy;
 mod error;
-mod estimates;
 mod events;
 mod gap;
 mod movement;
@@ -76,11 +75,11 @@ pub use table::{join_plant, plant_table, table};
 pub use wall::WallContact;
 
 use signals::Signals;
-use zwidth_store::Trial;
+use zwidth_store::Recorded;
 use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 11;
+pub const VERSION: u32 = 12;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,8 +111,12 @@ pub struct TrialMetrics {
 ///
 /// # Errors
 /// Samples without time or of unequal length; a value that is not a number.
-pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<TrialMetrics, MetricsError> {
-    let signals = Signals::of(trial, parameters)?;
+pub fn trial_metrics<'a>(
+    trial: impl Into<Recorded<'a>>,
+    parameters: &Parameters,
+) -> Result<TrialMetrics, MetricsError> {
+    let Recorded { meta, columns } = trial.into();
+    let signals = Signals::of(columns, parameters)?;
     let analysis = &parameters.analysis;
     let (spring, wall_rad) = (parameters.scene.spring(), parameters.scene.wall_rad());
     let discrepancy = spring
@@ -123,8 +126,8 @@ pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<TrialMetr
     let wall = wall_rad.map(|wall| wall::wall_contact(&signals, wall, analysis));
     let movement = movement::movement(&signals, parameters)?;
     Ok(TrialMetrics {
-        meta: trial.meta.clone(),
-        events: events::trial_events(&signals, &movement, wall_rad),
+        meta: meta.clone(),
+        events: events::trial_events(&signals, &movement, wall_rad)?,
         movement,
         discrepancy: discrepancy.transpose()?.unwrap_or_default(),
         spring: rendering.transpose()?.unwrap_or_default(),
@@ -139,8 +142,11 @@ pub fn trial_metrics(trial: &Trial, parameters: &Parameters) -> Result<TrialMetr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{in_spring, stroke, trial};
-    use zwidth_store::Signal;
+    use crate::testing::{REST_RAD, at_wall, in_spring, stroke, trial};
+    use std::cell::RefCell;
+    use std::sync::{Arc, Weak};
+    use zwidth_store::{Columns, Samples, Signal, Values};
+    use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
 
     #[test]
     fn free_motion_has_movement_and_nothing_that_was_not_rendered() {
@@ -191,6 +197,70 @@ mod tests {
         let at_updates = trial_metrics(&trial, &parameters).unwrap();
         assert!((held.discrepancy.loop_area_j.unwrap() + 3.5e-3).abs() < 3e-4, "{held:?}");
         assert!(at_updates.discrepancy.loop_area_j.unwrap().abs() < 2e-5, "{at_updates:?}");
+    }
+
+    /// Samples that are lent column by column, as those of a long trial's file are.
+    struct Lent<'a> {
+        samples: &'a Samples,
+        lent: RefCell<Vec<Weak<Vec<f64>>>>,
+    }
+
+    impl Lent<'_> {
+        fn lend<'a>(&self, values: Option<Values<'_>>) -> Option<Values<'a>> {
+            let values = Arc::new(values?.to_vec());
+            let mut lent = self.lent.borrow_mut();
+            lent.retain(|values| values.strong_count() > 0);
+            lent.push(Arc::downgrade(&values));
+            assert!(lent.len() <= 3, "{} columns at a time", lent.len());
+            Some(Values::Read(values))
+        }
+    }
+
+    impl Columns for Lent<'_> {
+        fn rows(&self) -> usize {
+            self.samples.rows()
+        }
+
+        fn column(&self, signal: Signal) -> Option<Values<'_>> {
+            self.lend(self.samples.column(signal))
+        }
+
+        fn has(&self, signal: Signal) -> bool {
+            self.samples.has(signal)
+        }
+
+        fn channel(&self, name: &str) -> Option<Values<'_>> {
+            self.lend(Columns::channel(self.samples, name))
+        }
+    }
+
+    #[test]
+    fn no_metric_needs_more_than_three_columns_at_a_time_and_lent_ones_have_the_same_metrics() {
+        let points = stroke(1.2, 2.0);
+        let mut made = trial(&points, |theta, v| 4.0 * (theta - REST_RAD) + 0.3 * v.signum());
+        let on = |from: f64| points.iter().map(|p| f64::from(u8::from(p.0 > from))).collect();
+        made.samples.set(Signal::VoltageMotor, on(1.5));
+        made.samples.set(Signal::VoltageBrake, on(1.0));
+        made.samples.set(Signal::ForceCmd, points.iter().map(|p| 4.0 * p.1).collect());
+        for name in [CURRENT_MOTOR, CURRENT_BRAKE, REFERENCE] {
+            made.samples.set_channel(name.parse().unwrap(), on(0.7));
+        }
+        let plant = Plant {
+            mass_kg: 0.4,
+            damping_ns_per_rad: 0.15,
+            friction_n: 0.2,
+            covariance: [[0.0; 3]; 3],
+            df: 12.0,
+        };
+        for parameters in [in_spring(4.0, REST_RAD), at_wall(4.0, REST_RAD, REST_RAD + 1.0)] {
+            let columns = &Lent { samples: &made.samples, lent: RefCell::default() };
+            let lent = Recorded { meta: &made.meta, columns };
+            assert_eq!(trial_metrics(lent, &parameters), trial_metrics(&made, &parameters));
+            let [lent, held] = [lent, (&made).into()]
+                .map(|trial| plant_metrics(trial, &parameters, Some(&plant)).unwrap());
+            assert!(held.energy.closed_loops.is_some() && held.discrepancy.mean_n.is_some());
+            assert_eq!(lent, held);
+        }
     }
 
     #[test]

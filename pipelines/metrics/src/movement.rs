@@ -4,8 +4,7 @@ use crate::MetricsError;
 use crate::Parameters;
 use crate::compliance::{MOVEMENT_SHARE, range};
 use crate::signals::Signals;
-use zwidth_numerics::series::trapezoid;
-use zwidth_numerics::smoothness::spectral_arc_length;
+use zwidth_numerics::smoothness::Smoothness;
 
 /// A lever has left a stop when it is farther from it than this share of the angles travelled; less
 /// is the angle sensor's jitter.
@@ -35,7 +34,7 @@ pub struct Movement {
     /// Largest |θ̇|, reversal to end, rad/s.
     pub velocity_backward_peak_rad_s: Option<f64>,
     /// Smoothness of the way forward: spectral arc length of |θ̇|, onset to reversal;
-    /// dimensionless, below 0, a minimum-jerk movement has −1.40 ([`spectral_arc_length`];
+    /// dimensionless, below 0, a minimum-jerk movement has −1.40 ([`spectral_arc_length`](zwidth_numerics::smoothness::spectral_arc_length);
     /// Balasubramanian et al. 2015). Null where samples come slower than 20 a second, and for
     /// a way of less than 10 % of the angles travelled.
     pub sparc_forward: Option<f64>,
@@ -53,38 +52,69 @@ pub(crate) fn movement(
     signals: &Signals,
     parameters: &Parameters,
 ) -> Result<Movement, MetricsError> {
-    let Signals { t, theta, theta_dot, activity, phases, .. } = *signals;
-    let onset_s = activity.map(|a| t[a.onset]);
-    let end_s = activity.and_then(|a| a.end).map(|i| t[i]);
-    let speed =
-        |from: usize, to: usize| theta_dot.map(|v| speed(&t[from..=to], &v[from..=to])).transpose();
-    let forward = phases.map(|p| speed(p.onset, p.reversal)).transpose()?.flatten();
-    let backward = phases.map(|p| speed(p.reversal, p.end)).transpose()?.flatten();
-    let smoothness = |from: usize, to: usize| {
-        let theta = theta?;
-        let is_movement = (theta[to] - theta[from]).abs() > MOVEMENT_SHARE * range(theta);
-        let speed: Vec<f64> = theta_dot?[from..=to].iter().map(|v| v.abs()).collect();
-        is_movement.then(|| spectral_arc_length(&t[from..=to], &speed)).flatten()
+    let (activity, phases) = (signals.activity, signals.phases);
+    let ways = phases.map(|p| [(p.onset, p.reversal), (p.reversal, p.end)]);
+    // The angle before the velocity, so that no more than two columns are needed at a time.
+    let angles = signals.theta().map(|theta| Angles::of(&theta, ways, parameters));
+    let (t, theta_dot) = (signals.t()?, signals.theta_dot());
+    let speed = |(from, to): (usize, usize)| {
+        theta_dot.as_ref().map(|v| speed(&t[from..=to], &v[from..=to]))
     };
-    let hits = |limit: Option<f64>, sign: f64| {
-        let theta = theta?;
-        Some(arrivals(theta, limit?, sign, RETREAT_SHARE * range(theta)))
+    let [forward, backward] = ways.map_or([None; 2], |ways| ways.map(speed));
+    let smoothness = |way: usize| {
+        let (from, to) = ways.filter(|_| angles.is_some_and(|a| a.is_movement[way]))?[way];
+        Smoothness::of(&t[from..=to], &theta_dot.as_ref()?[from..=to])
     };
+    let smoothness = [smoothness(0), smoothness(1)];
+    let (onset_s, end_s) =
+        (activity.map(|a| t[a.onset]), activity.and_then(|a| a.end).map(|i| t[i]));
+    let reversal_s = phases.map(|p| t[p.reversal]);
+    drop((t, theta_dot));
+    signals.forget();
+    let [sparc_forward, sparc_backward] =
+        smoothness.map(|found| found.and_then(Smoothness::spectral_arc_length));
     Ok(Movement {
         onset_s,
-        reversal_s: phases.map(|p| t[p.reversal]),
+        reversal_s,
         end_s,
         duration_s: onset_s.zip(end_s).map(|(onset, end)| end - onset),
-        theta_max_rad: theta.and_then(|theta| theta.iter().copied().reduce(f64::max)),
+        theta_max_rad: angles.map(|a| a.most_rad),
         velocity_forward_mean_rad_s: forward.and_then(|s| s.mean),
         velocity_forward_peak_rad_s: forward.map(|s| s.peak),
         velocity_backward_mean_rad_s: backward.and_then(|s| s.mean),
         velocity_backward_peak_rad_s: backward.map(|s| s.peak),
-        sparc_forward: phases.and_then(|p| smoothness(p.onset, p.reversal)),
-        sparc_backward: phases.and_then(|p| smoothness(p.reversal, p.end)),
-        work_space_hits_low: hits(parameters.theta_min_rad, -1.0),
-        work_space_hits_high: hits(parameters.theta_max_rad, 1.0),
+        sparc_forward,
+        sparc_backward,
+        work_space_hits_low: angles.and_then(|a| a.hits[0]),
+        work_space_hits_high: angles.and_then(|a| a.hits[1]),
     })
+}
+
+/// What of the movement the angle alone tells.
+#[derive(Clone, Copy)]
+struct Angles {
+    most_rad: f64,
+    /// Whether the way forward, and the way back, is long enough to have a shape.
+    is_movement: [bool; 2],
+    /// Arrivals at the lower and the upper end of the work space.
+    hits: [Option<i64>; 2],
+}
+
+impl Angles {
+    fn of(theta: &[f64], ways: Option<[(usize, usize); 2]>, parameters: &Parameters) -> Self {
+        let travelled = range(theta);
+        let is_movement = |(from, to): (usize, usize)| {
+            (theta[to] - theta[from]).abs() > MOVEMENT_SHARE * travelled
+        };
+        let hits = |limit: Option<f64>, sign: f64| {
+            Some(arrivals(theta, limit?, sign, RETREAT_SHARE * travelled))
+        };
+        Self {
+            most_rad: theta.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            is_movement: ways.map_or([false; 2], |ways| ways.map(is_movement)),
+            hits: [hits(parameters.theta_min_rad, -1.0), hits(parameters.theta_max_rad, 1.0)],
+        }
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -94,13 +124,17 @@ struct Speed {
     peak: f64,
 }
 
-fn speed(t: &[f64], v: &[f64]) -> Result<Speed, MetricsError> {
-    let v: Vec<f64> = v.iter().map(|v| v.abs()).collect();
+fn speed(t: &[f64], v: &[f64]) -> Speed {
+    let speed = || v.iter().map(|v| v.abs());
     let mean = match t {
-        [first, .., last] => Some(trapezoid(t, &v)? / (last - first)),
+        [first, .., last] => {
+            let steps = t.windows(2).zip(speed().zip(speed().skip(1)));
+            let way = steps.fold(0.0, |sum, (t, (a, b))| sum + (t[1] - t[0]) * (a + b) / 2.0);
+            Some(way / (last - first))
+        }
         _ => None,
     };
-    Ok(Speed { mean, peak: v.iter().copied().fold(0.0, f64::max) })
+    Speed { mean, peak: speed().fold(0.0, f64::max) }
 }
 
 /// How often sign · θ comes from below sign · limit to it or beyond, after a retreat from it by

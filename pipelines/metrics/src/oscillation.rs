@@ -1,5 +1,6 @@
 //! Whether a recorded movement oscillated, how fast, and how strongly.
 
+use crate::MetricsError;
 use crate::compliance::range;
 use crate::signals::Signals;
 use zwidth_numerics::phases::Phases;
@@ -57,11 +58,16 @@ pub struct Swings {
     pub amplitude_rad: Option<f64>,
 }
 
-pub(crate) fn swings(signals: &Signals) -> Swings {
-    let Some((theta, Phases { onset, end, .. })) = signals.theta.zip(signals.phases) else {
-        return Swings::default();
+pub(crate) fn swings(signals: &Signals) -> Result<Swings, MetricsError> {
+    let Some((theta, Phases { onset, end, .. })) = signals.theta().zip(signals.phases) else {
+        return Ok(Swings::default());
     };
-    let (t, theta) = (&signals.t[onset..=end], &theta[onset..=end]);
+    let t = signals.t()?;
+    Ok(swings_of(&t[onset..=end], &theta[onset..=end]))
+}
+
+/// Those of a movement.
+fn swings_of(t: &[f64], theta: &[f64]) -> Swings {
     let legs = zigzag(theta, TURN_SHARE * range(theta));
     let turns: Vec<usize> = legs.iter().skip(1).map(|leg| leg.from).collect();
     let reversals = Some(turns.len() as i64);
@@ -97,28 +103,30 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// What θ̇ does from 5 to 50 Hz between onset and end.
-pub(crate) fn velocity_band(signals: &Signals) -> Option<BandPower> {
-    let Phases { onset, end, .. } = signals.phases?;
-    let (t, velocity) = (&signals.t[onset..=end], &signals.theta_dot?[onset..=end]);
-    band(t, velocity, f64::INFINITY)
+pub(crate) fn velocity_band(signals: &Signals) -> Result<Option<BandPower>, MetricsError> {
+    let Some((velocity, Phases { onset, end, .. })) = signals.theta_dot().zip(signals.phases)
+    else {
+        return Ok(None);
+    };
+    Ok(band(&signals.t()?[onset..=end], &velocity[onset..=end], f64::INFINITY))
 }
 
 /// What the user's force does there, by the values its sensor gave at the times it gave them: a
 /// held value would add steps. `force_rate_hz` bounds the rate where no age of the values is
 /// recorded.
-pub(crate) fn force_band(signals: &Signals, force_rate_hz: Option<f64>) -> Option<BandPower> {
-    let Phases { onset, end, .. } = signals.phases?;
-    match &signals.force_updates {
-        Some(updates) => {
-            let from = updates.t.partition_point(|t| *t < signals.t[onset]);
-            let to = updates.t.partition_point(|t| *t <= signals.t[end]);
-            band(&updates.t[from..to], &updates.values[from..to], f64::INFINITY)
-        }
-        None => {
-            let force = &signals.force.as_deref()?[onset..=end];
-            band(&signals.t[onset..=end], force, force_rate_hz.unwrap_or(f64::INFINITY))
-        }
+pub(crate) fn force_band(
+    signals: &Signals,
+    force_rate_hz: Option<f64>,
+) -> Result<Option<BandPower>, MetricsError> {
+    let Some(Phases { onset, end, .. }) = signals.phases else { return Ok(None) };
+    let t = signals.t()?;
+    if let Some(updates) = signals.force_updates() {
+        let from = updates.t.partition_point(|at| *at < t[onset]);
+        let to = updates.t.partition_point(|at| *at <= t[end]);
+        return Ok(band(&updates.t[from..to], &updates.values[from..to], f64::INFINITY));
     }
+    let Some(force) = signals.force() else { return Ok(None) };
+    Ok(band(&t[onset..=end], &force[onset..=end], force_rate_hz.unwrap_or(f64::INFINITY)))
 }
 
 /// The band of a signal whose source gives at most `most_hz` values per second.

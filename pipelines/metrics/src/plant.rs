@@ -2,11 +2,10 @@
 //! device gave that it had not got.
 
 use crate::actuator::{ActuatorDiscrepancy, actuator_discrepancy};
-use crate::energy::{EnergyObserver, HALF_S, energy_observer};
+use crate::energy::{EnergyObserver, energy_observer};
 use crate::signals::Signals;
 use crate::{MetricsError, Parameters, Plant};
-use zwidth_numerics::local::derivatives;
-use zwidth_store::Trial;
+use zwidth_store::Recorded;
 use zwidth_study::TrialMeta;
 
 /// What a trial says with the plant.
@@ -25,25 +24,21 @@ pub struct PlantMetrics {
 ///
 /// # Errors
 /// As [`trial_metrics`](crate::trial_metrics).
-pub fn plant_metrics(
-    trial: &Trial,
+pub fn plant_metrics<'a>(
+    trial: impl Into<Recorded<'a>>,
     parameters: &Parameters,
     plant: Option<&Plant>,
 ) -> Result<PlantMetrics, MetricsError> {
-    let signals = Signals::of(trial, parameters)?;
-    let motion = match signals.theta {
-        Some(theta) => derivatives(signals.t, theta, HALF_S)?,
-        None => Default::default(),
-    };
+    let Recorded { meta, columns } = trial.into();
+    let signals = Signals::of(columns, parameters)?;
     let known = plant.filter(|_| parameters.scene.spring().is_some());
     let discrepancy =
-        known.map(|plant| actuator_discrepancy(&signals, &motion, plant, &parameters.analysis));
+        known.map(|plant| actuator_discrepancy(&signals, plant, &parameters.analysis));
     Ok(PlantMetrics {
-        meta: trial.meta.clone(),
+        meta: meta.clone(),
         discrepancy: discrepancy.transpose()?.unwrap_or_default(),
         energy: energy_observer(
             &signals,
-            &motion.first,
             parameters.scene.wall_rad(),
             plant.map(|plant| plant.mass_kg),
         )?,

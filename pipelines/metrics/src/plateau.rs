@@ -1,7 +1,6 @@
 //! A spring whose force stops growing: where a line ends in a plateau.
 
-use crate::MetricsError;
-use zwidth_numerics::{NumericsError, lsq};
+use std::ops::Range;
 
 /// Fewest samples of the line and of the plateau: with fewer a mean or a slope rests on chance.
 const LEAST_SAMPLES: usize = 10;
@@ -15,6 +14,9 @@ const FLAT: f64 = 0.25;
 /// line's.
 const BETTER: f64 = 0.5;
 
+/// Angles that differ by a smaller share of themselves are one angle.
+const ROUNDING: f64 = 1e-12;
+
 /// Where the force saturates, the angle u_s: the continuous model F = F₀ + k min(u, u_s) with the
 /// least sum of squares, by all ways of dividing the samples in order of u into a line below and a
 /// mean above whose intersection lies between the two groups (Hudson 1966, J. Am. Stat. Assoc.
@@ -24,28 +26,68 @@ const BETTER: f64 = 0.5;
 /// samples a side, or the best has a line that does not rise, a plateau that is short (under 5 % of
 /// the angles) or on which the force grows on (its own slope at least a quarter of the line's), or
 /// is no better than the straight line (more than half of its residual sum of squares).
-pub(crate) fn plateau(u: &[f64], f: &[f64]) -> Result<Option<f64>, MetricsError> {
-    let mut points: Vec<(f64, f64)> = u.iter().copied().zip(f.iter().copied()).collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((at, u_s, rss)) = best_division(&points) else { return Ok(None) };
-    let (line, flat) = points.split_at(at);
-    let (Some(whole), Some(line), Some(top)) = (fit(&points)?, fit(line)?, fit(flat)?) else {
-        return Ok(None);
-    };
-    let (first, last) = (points[0].0, points[points.len() - 1].0);
+pub(crate) fn plateau(u: &[f64], f: &[f64]) -> Option<f64> {
+    // Places, which are half of an angle: a long press is not copied.
+    let mut order: Vec<u32> = (0..u.len().min(f.len()) as u32).collect();
+    order.sort_unstable_by(|a, b| u[*a as usize].total_cmp(&u[*b as usize]).then(a.cmp(b)));
+    let points = Points { order: &order, u, f };
+    let (at, u_s, rss) = best_division(points)?;
+    let (line, flat) = (points.part(0..at), points.part(at..order.len()));
+    let (whole, rise, on) = (points.fit()?, line.fit()?.slope, flat.fit()?.slope);
+    let (first, last) = (points.at(0).0, points.at(order.len() - 1).0);
     let is_long = last - u_s >= LEAST_SPAN * (last - first);
-    let (rise, on) = (line.coefficients[1], top.coefficients[1]);
     let is_flat = rise > 0.0 && on < FLAT * rise;
     let is_better = rss <= BETTER * whole.rss;
-    Ok((is_long && is_flat && is_better).then_some(u_s))
+    (is_long && is_flat && is_better).then_some(u_s)
 }
 
-/// A straight line; `None` where the points are of one angle.
-fn fit(points: &[(f64, f64)]) -> Result<Option<lsq::LinearFit>, MetricsError> {
-    let (u, f): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
-    match lsq::fit(&[&vec![1.0; u.len()], &u], &f) {
-        Err(NumericsError::RankDeficient { .. } | NumericsError::TooFewRows { .. }) => Ok(None),
-        fit => Ok(Some(fit?)),
+/// Points in the order of u.
+#[derive(Clone, Copy)]
+struct Points<'a> {
+    order: &'a [u32],
+    u: &'a [f64],
+    f: &'a [f64],
+}
+
+/// A straight line through points.
+struct Line {
+    slope: f64,
+    rss: f64,
+}
+
+impl<'a> Points<'a> {
+    fn at(self, i: usize) -> (f64, f64) {
+        let place = self.order[i] as usize;
+        (self.u[place], self.f[place])
+    }
+
+    fn part(self, range: Range<usize>) -> Self {
+        Self { order: &self.order[range], ..self }
+    }
+
+    fn iter(self) -> impl Iterator<Item = (f64, f64)> {
+        (0..self.order.len()).map(move |i| self.at(i))
+    }
+
+    /// Their mean.
+    fn middle(self) -> (f64, f64) {
+        let all = self.iter().fold(Sums::default(), Sums::with);
+        (all.u / all.n, all.f / all.n)
+    }
+
+    /// Their sums about a point.
+    fn sums_about(self, (u0, f0): (f64, f64)) -> Sums {
+        self.iter().map(|(u, f)| (u - u0, f - f0)).fold(Sums::default(), Sums::with)
+    }
+
+    /// The line; `None` where the points are few or of one angle.
+    fn fit(self) -> Option<Line> {
+        let middle = self.middle();
+        let about = self.sums_about(middle);
+        let from_zero = about.uu + about.n * middle.0 * middle.0;
+        let (_, slope, rss) = about.line();
+        let is_line = about.n > 2.0 && about.uu.sqrt() > ROUNDING * from_zero.sqrt();
+        is_line.then_some(Line { slope, rss })
     }
 }
 
@@ -99,23 +141,25 @@ impl Sums {
 
 /// The best division of sorted points: how many belong to the line, where it meets the plateau, and
 /// the residual sum of squares.
-fn best_division(points: &[(f64, f64)]) -> Option<(usize, f64, f64)> {
-    let n = points.len();
-    let all = points.iter().copied().fold(Sums::default(), Sums::with);
-    let (u0, f0) = (all.u / all.n, all.f / all.n);
-    let centred: Vec<(f64, f64)> = points.iter().map(|(u, f)| (u - u0, f - f0)).collect();
-    let all = centred.iter().copied().fold(Sums::default(), Sums::with);
+fn best_division(points: Points) -> Option<(usize, f64, f64)> {
+    let n = points.order.len();
+    let (u0, f0) = points.middle();
+    let all = points.sums_about((u0, f0));
+    let centred = |i: usize| {
+        let (u, f) = points.at(i);
+        (u - u0, f - f0)
+    };
     let mut below = Sums::default();
     let mut best: Option<(usize, f64, f64)> = None;
     for at in 1..n {
-        below = below.with(centred[at - 1]);
+        below = below.with(centred(at - 1));
         if at < LEAST_SAMPLES || n - at < LEAST_SAMPLES {
             continue;
         }
         let (intercept, slope, rss_line) = below.line();
         let (level, rss_flat) = all.without(below).mean();
         let (meets, rss) = ((level - intercept) / slope, rss_line + rss_flat);
-        let between = centred[at - 1].0 <= meets && meets <= centred[at].0;
+        let between = centred(at - 1).0 <= meets && meets <= centred(at).0;
         if between && best.is_none_or(|(_, _, least)| rss < least) {
             best = Some((at, meets + u0, rss));
         }
@@ -133,7 +177,7 @@ mod tests {
 
     fn of(u: &[f64], force: impl Fn(f64) -> f64) -> Option<f64> {
         let f: Vec<f64> = u.iter().map(|u| force(*u)).collect();
-        plateau(u, &f).unwrap()
+        plateau(u, &f)
     }
 
     #[test]
@@ -161,7 +205,7 @@ mod tests {
             .zip(0u32..)
             .map(|(u, i)| (4.0 * u).min(3.0) + f64::from(i * i * 7 % 31) / 62.0)
             .collect();
-        let found = plateau(&u, &f).unwrap().unwrap();
+        let found = plateau(&u, &f).unwrap();
         assert!((found - NUMPY_U).abs() < 1e-9, "{found}");
     }
 

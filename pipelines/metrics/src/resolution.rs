@@ -1,15 +1,63 @@
 //! How fine the angles of a recording are.
 
+use crate::compliance::ends;
+
 /// Smaller steps between angles are their arithmetic, not a sensor, rad.
 const LEAST_RAD: f64 = 1e-9;
+
+/// Angles that are sorted at a time, about: a long recording is not copied whole.
+const AT_ONCE: usize = 1 << 20;
 
 /// The smallest step between two angles of the recording, rad: a count of the angle sensor, where
 /// it has counts. 0 for a lever that never moves.
 pub(crate) fn resolution_rad(theta: &[f64]) -> f64 {
-    let mut sorted = theta.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let steps = sorted.windows(2).map(|w| w[1] - w[0]).filter(|step| *step > LEAST_RAD);
-    steps.reduce(f64::min).unwrap_or(0.0)
+    let nothing = Sorted { last: None, least: f64::INFINITY };
+    let found =
+        if theta.is_empty() { nothing } else { within(theta, ends(theta), nothing, AT_ONCE) };
+    if found.least.is_finite() { found.least } else { 0.0 }
+}
+
+/// Angles up to some angle, in order: the last of them, and the smallest step.
+#[derive(Clone, Copy)]
+struct Sorted {
+    last: Option<f64>,
+    least: f64,
+}
+
+impl Sorted {
+    /// With the next angle, which is no smaller than the last.
+    fn with(self, next: f64) -> Self {
+        let step = self.last.map(|last| next - last).filter(|step| *step > LEAST_RAD);
+        Self { last: Some(next), least: step.map_or(self.least, |step| self.least.min(step)) }
+    }
+}
+
+/// The angles from `low` to `high`, which are two of them, after those before: sorted, or where they
+/// are many, part by part.
+fn within(theta: &[f64], (low, high): (f64, f64), before: Sorted, at_once: usize) -> Sorted {
+    if low >= high {
+        return before.with(low);
+    }
+    let parts = (2 * theta.len()).div_ceil(at_once);
+    let bound = |part: usize| low + (high - low) * (part as f64 / parts as f64);
+    let mut found = before;
+    for part in 0..parts {
+        let is_last = part + 1 == parts;
+        let (from, to) = (bound(part), bound(part + 1));
+        let is_in = |theta: f64| theta >= from && (theta < to || is_last) && theta <= high;
+        let angles = || theta.iter().copied().filter(|theta| is_in(*theta));
+        let mut some: Vec<f64> = angles().take(at_once + 1).collect();
+        if some.len() > at_once {
+            let ends = angles().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), theta| {
+                (low.min(theta), high.max(theta))
+            });
+            found = within(theta, ends, found, at_once);
+        } else {
+            some.sort_unstable_by(f64::total_cmp);
+            found = some.into_iter().fold(found, Sorted::with);
+        }
+    }
+    found
 }
 
 #[cfg(test)]
@@ -23,5 +71,23 @@ mod tests {
         assert!((resolution_rad(&theta) - count).abs() < 1e-15);
         assert!(resolution_rad(&[1.0, 1.0 + 1e-12]).abs() < 1e-300);
         assert!(resolution_rad(&[]).abs() < 1e-300);
+    }
+
+    /// Many angles, few of them apart, among them neighbouring numbers.
+    #[test]
+    fn angles_that_are_looked_at_part_by_part_have_the_step_of_all() {
+        let spread: Vec<f64> = (0..2000_u32).map(|i| f64::from(i * 7919 % 2000) * 1e-3).collect();
+        let next = 1.0_f64.next_up();
+        let few: Vec<f64> = (0..2000).map(|i| [0.5, 1.0, next, 1.25][i % 4]).collect();
+        let one = vec![0.5; 2000];
+        for (angles, step) in [(&spread, 1e-3), (&few, 0.25), (&one, 0.0)] {
+            let nothing = Sorted { last: None, least: f64::INFINITY };
+            for at_once in [1, 2, 16, 100, 5000] {
+                let Sorted { least, .. } = within(angles, ends(angles), nothing, at_once);
+                let least = if least.is_finite() { least } else { 0.0 };
+                assert!((least - step).abs() < 1e-12, "{at_once}: {least}");
+            }
+            assert!((resolution_rad(angles) - step).abs() < 1e-12);
+        }
     }
 }

@@ -1,38 +1,28 @@
-//! A trial's samples as the metrics see them: slices of one length, and where the movement's phases
+//! A trial's samples as the metrics see them: columns of one length, and where the movement's phases
 //! lie.
+//!
+//! A column is asked for where it is needed and let go after, and no metric needs more than three at
+//! a time: those of a long trial are read from its file when they are asked for.
 
 use crate::{MetricsError, Parameters};
-use std::borrow::Cow;
+use std::sync::Arc;
 use zwidth_numerics::activity::{Activity, activity};
 use zwidth_numerics::phases::{Phases, phases};
 use zwidth_numerics::updates::{Updates, updates};
-use zwidth_store::{Signal, Trial};
-use zwidth_study::{Analysis, CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
+use zwidth_store::{Columns, Signal, Values};
+use zwidth_study::Analysis;
 
 /// `flags`: the brake is on.
 const BRAKE_ON: u16 = 128;
 /// `flags`: the motor is on.
 const MOTOR_ON: u16 = 256;
 
-/// The samples of a trial. All slices are as long as `t`, which has at least one sample.
+/// The samples of a trial. All columns are equally long, and have at least one sample.
 pub(crate) struct Signals<'a> {
-    pub(crate) t: &'a [f64],
-    pub(crate) theta: Option<&'a [f64]>,
-    pub(crate) theta_dot: Option<&'a [f64]>,
-    /// The user's force at each sample: as recorded, or between its sensor's own updates where
+    columns: &'a dyn Columns,
+    /// The user's force at each sample between its sensor's own updates, and these updates, where
     /// their age is recorded.
-    pub(crate) force: Option<Cow<'a, [f64]>>,
-    /// The force at its sensor's own updates, where their age is recorded.
-    pub(crate) force_updates: Option<Updates>,
-    pub(crate) force_cmd: Option<&'a [f64]>,
-    /// Commanded voltages, V.
-    pub(crate) voltage_motor: Option<&'a [f64]>,
-    pub(crate) voltage_brake: Option<&'a [f64]>,
-    /// Currents in the windings, A, where a study records them.
-    pub(crate) current_motor: Option<&'a [f64]>,
-    pub(crate) current_brake: Option<&'a [f64]>,
-    /// Set-point of the angle, rad, where a study records it.
-    pub(crate) reference: Option<&'a [f64]>,
+    force_updates: Option<(Arc<Vec<f64>>, Updates)>,
     /// Which samples have the brake on; `None` where the recording does not say.
     pub(crate) brake_on: Option<Vec<bool>>,
     /// Which samples have the motor on.
@@ -45,79 +35,100 @@ pub(crate) struct Signals<'a> {
 }
 
 impl<'a> Signals<'a> {
-    pub(crate) fn of(trial: &'a Trial, parameters: &Parameters) -> Result<Self, MetricsError> {
-        let t = trial
-            .samples
-            .get(Signal::Time)
-            .filter(|t| !t.is_empty())
-            .ok_or(MetricsError::NoTime)?;
-        let column = |signal: Signal| match trial.samples.get(signal) {
-            Some(values) if values.len() != t.len() => {
-                let (expected, found) = (t.len(), values.len());
-                Err(MetricsError::Ragged { column: signal.name(), expected, found })
-            }
-            values => Ok(values),
+    pub(crate) fn of(
+        columns: &'a dyn Columns,
+        parameters: &Parameters,
+    ) -> Result<Self, MetricsError> {
+        let expected = columns.rows();
+        if expected == 0 {
+            return Err(MetricsError::NoTime);
+        }
+        if let Some((column, found)) = columns.ragged() {
+            return Err(MetricsError::Ragged { column, expected, found });
+        }
+        let on = |voltage: Signal, bit: u16| {
+            let (voltage, flags) = (columns.column(voltage), columns.column(Signal::StateBits));
+            on(voltage.as_deref(), flags.as_deref(), bit)
         };
-        let theta = column(Signal::Theta)?;
-        let theta_dot = column(Signal::ThetaDot)?;
+        let brake_on = on(Signal::VoltageBrake, BRAKE_ON);
+        let motor_on = on(Signal::VoltageMotor, MOTOR_ON);
+        let force_updates = force_updates(columns);
         let Analysis { onset_rad_s, offset_rad_s, .. } = parameters.analysis;
-        let active = theta_dot.and_then(|v| activity(v, onset_rad_s, offset_rad_s));
-        let phases = match (theta, theta_dot, active) {
+        let theta_dot = columns.column(Signal::ThetaDot);
+        let active = theta_dot.as_ref().and_then(|v| activity(v, onset_rad_s, offset_rad_s));
+        let phases = match (columns.column(Signal::Theta), theta_dot, active) {
             (Some(theta), Some(_), Some(a)) => {
-                Some(phases(theta, a.onset, a.end.unwrap_or(t.len() - 1)))
+                Some(phases(&theta, a.onset, a.end.unwrap_or(expected - 1)))
             }
-            (Some(theta), None, _) => Some(phases(theta, 0, t.len() - 1)),
+            (Some(theta), None, _) => Some(phases(&theta, 0, expected - 1)),
             _ => None,
         };
-        let recorded = column(Signal::ForceEx)?;
-        let force_updates =
-            recorded.zip(column(Signal::ForceAge)?).map(|(f, age)| updates(t, f, age));
-        let force = match &force_updates {
-            Some(updates) => Some(Cow::Owned(updates.at(t))),
-            None => recorded.map(Cow::Borrowed),
-        };
-        let flags = column(Signal::StateBits)?;
-        let voltage_motor = column(Signal::VoltageMotor)?;
-        let voltage_brake = column(Signal::VoltageBrake)?;
         Ok(Self {
-            t,
-            theta,
-            theta_dot,
-            force,
+            columns,
             force_updates,
-            force_cmd: column(Signal::ForceCmd)?,
-            voltage_motor,
-            voltage_brake,
-            current_motor: channel(trial, CURRENT_MOTOR, t.len())?,
-            current_brake: channel(trial, CURRENT_BRAKE, t.len())?,
-            reference: channel(trial, REFERENCE, t.len())?,
-            brake_on: on(voltage_brake, flags, BRAKE_ON),
-            motor_on: on(voltage_motor, flags, MOTOR_ON),
+            brake_on,
+            motor_on,
             lever_m: parameters.lever_m,
             activity: active,
             phases,
         })
     }
 
+    /// A signal as recorded.
+    pub(crate) fn column(&self, signal: Signal) -> Option<Values<'a>> {
+        self.columns.column(signal)
+    }
+
+    /// A channel of the study's own.
+    pub(crate) fn channel(&self, name: &str) -> Option<Values<'a>> {
+        self.columns.channel(name)
+    }
+
+    pub(crate) fn t(&self) -> Result<Values<'a>, MetricsError> {
+        self.column(Signal::Time).ok_or(MetricsError::NoTime)
+    }
+
+    pub(crate) fn theta(&self) -> Option<Values<'a>> {
+        self.column(Signal::Theta)
+    }
+
+    pub(crate) fn theta_dot(&self) -> Option<Values<'a>> {
+        self.column(Signal::ThetaDot)
+    }
+
+    /// The user's force at each sample: as recorded, or between its sensor's own updates where their
+    /// age is recorded.
+    pub(crate) fn force(&self) -> Option<Values<'a>> {
+        match &self.force_updates {
+            Some((force, _)) => Some(Values::Read(force.clone())),
+            None => self.column(Signal::ForceEx),
+        }
+    }
+
+    /// The force at its sensor's own updates, where their age is recorded.
+    pub(crate) fn force_updates(&self) -> Option<&Updates> {
+        self.force_updates.as_ref().map(|(_, updates)| updates)
+    }
+
     /// θ, F and the phases, where all three are there.
-    pub(crate) fn force_over_angle(&self) -> Option<(&'a [f64], &[f64], Phases)> {
-        Some((self.theta?, self.force.as_deref()?, self.phases?))
+    pub(crate) fn force_over_angle(&self) -> Option<(Values<'a>, Values<'a>, Phases)> {
+        Some((self.theta()?, self.force()?, self.phases?))
+    }
+
+    /// Gives back the columns that nobody holds.
+    pub(crate) fn forget(&self) {
+        self.columns.forget();
     }
 }
 
-/// A channel of the study's own, where the recording has it.
-fn channel<'a>(
-    trial: &'a Trial,
-    name: &'static str,
-    expected: usize,
-) -> Result<Option<&'a [f64]>, MetricsError> {
-    let found = trial.samples.channels().find(|(id, _)| id.as_str() == name);
-    match found.map(|(_, values)| values) {
-        Some(values) if values.len() != expected => {
-            Err(MetricsError::Ragged { column: name, expected, found: values.len() })
-        }
-        values => Ok(values),
+fn force_updates(columns: &dyn Columns) -> Option<(Arc<Vec<f64>>, Updates)> {
+    if !columns.has(Signal::ForceAge) {
+        return None;
     }
+    let t = columns.column(Signal::Time)?;
+    let (recorded, age) = (columns.column(Signal::ForceEx)?, columns.column(Signal::ForceAge)?);
+    let updates = updates(&t, &recorded, &age);
+    Some((Arc::new(updates.at(&t)), updates))
 }
 
 /// An actuator is on where its flag is set or its commanded voltage is not 0.

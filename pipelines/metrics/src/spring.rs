@@ -1,12 +1,13 @@
 //! How a spring was rendered.
 
 use crate::MetricsError;
-use crate::estimates::estimates;
 use crate::plateau::plateau;
 use crate::signals::Signals;
 use zwidth_numerics::phases::Phases;
 use zwidth_numerics::series::trapezoid;
 use zwidth_stats::interval::{Estimate, t_interval};
+use zwidth_stats::recording::{RecordingLine, recording_line, recording_mean};
+use zwidth_store::{Signal, Values};
 use zwidth_study::{Analysis, Spring};
 
 /// How a spring was rendered: F = F₀ + k (θ − θ_rest) up to saturation, a constant force from there
@@ -83,24 +84,58 @@ pub(crate) fn spring_rendering(
     let Some((theta, force, phases)) = signals.force_over_angle() else {
         return Ok(SpringRendering::default());
     };
-    let in_fit = |&i: &usize| {
-        let u = theta[i] - spring.rest_rad;
-        u >= analysis.slope_from_rad && wall_rad.is_none_or(|wall| theta[i] < wall)
+    let returned_energy_share = returned_energy(&theta, &force, phases)?;
+    drop(force);
+    let is_in_fit = |theta: &f64| {
+        theta - spring.rest_rad >= analysis.slope_from_rad
+            && wall_rad.is_none_or(|wall| *theta < wall)
     };
-    let samples: Vec<usize> = (phases.onset..=phases.reversal).filter(in_fit).collect();
-    let u: Vec<f64> = samples.iter().map(|&i| theta[i] - spring.rest_rad).collect();
-    let f: Vec<f64> = samples.iter().map(|&i| force[i]).collect();
-    let commanded =
-        signals.force_cmd.map(|cmd| samples.iter().map(|&i| cmd[i]).collect::<Vec<_>>());
+    let fit = Fit(theta[phases.onset..=phases.reversal].iter().map(is_in_fit).collect());
+    drop(theta);
+    let begins = signals.theta_dot().and_then(|v| return_begins(&v, phases, analysis));
+    let return_force_n = begins.and_then(|begins| Some(signals.force()?[begins]));
+    let force_rms_error_n = fit.rms_error(signals, phases);
+    let from_rest = |theta: f64| theta - spring.rest_rad;
+    let u = fit.taken(signals.theta(), phases, from_rest);
+    signals.forget();
+    let f = fit.taken(signals.force(), phases, |force| force);
+    signals.forget();
     Ok(SpringRendering {
-        force_rms_error_n: commanded.and_then(|cmd| rms_difference(&f, &cmd)),
-        return_force_n: signals
-            .theta_dot
-            .and_then(|v| return_begins(v, phases, analysis))
-            .map(|begins| force[begins]),
-        returned_energy_share: returned_energy(theta, force, phases)?,
+        force_rms_error_n,
+        return_force_n,
+        returned_energy_share,
         ..line_and_plateau(&u, &f, spring, analysis.confidence)?
     })
+}
+
+/// Which samples of the compression are in the fit.
+struct Fit(Vec<bool>);
+
+impl Fit {
+    /// Their values.
+    fn taken(
+        &self,
+        values: Option<Values>,
+        phases: Phases,
+        value: impl Fn(f64) -> f64,
+    ) -> Vec<f64> {
+        let values = values.as_deref().unwrap_or_default();
+        let mut taken = Vec::with_capacity(self.0.iter().filter(|is_in| **is_in).count());
+        let is_in =
+            self.0.iter().zip(values.iter().skip(phases.onset)).filter(|(is_in, _)| **is_in);
+        taken.extend(is_in.map(|(_, v)| value(*v)));
+        taken
+    }
+
+    /// √mean (F_ex − F_cmd)².
+    fn rms_error(&self, signals: &Signals, phases: Phases) -> Option<f64> {
+        let (force, commanded) = (signals.force()?, signals.column(Signal::ForceCmd)?);
+        let both = force.iter().zip(commanded.iter()).skip(phases.onset);
+        let both = self.0.iter().zip(both).filter(|(is_in, _)| **is_in).map(|(_, both)| both);
+        let (n, squares) =
+            both.fold((0_u64, 0.0), |(n, sum), (a, b)| (n + 1, sum + (a - b) * (a - b)));
+        (n > 0).then(|| (squares / n as f64).sqrt())
+    }
 }
 
 /// The sample at which the lever begins to return.
@@ -122,20 +157,20 @@ fn line_and_plateau(
     spring: Spring,
     level: f64,
 ) -> Result<SpringRendering, MetricsError> {
-    let Some(u_s) = plateau(u, f)? else {
-        return line(u, f, spring.stiffness_n_per_rad, level);
+    let Some(u_s) = plateau(u, f) else {
+        return line(u.len(), |i| (u[i], f[i]), spring.stiffness_n_per_rad, level);
     };
-    let part = |below: bool| -> (Vec<f64>, Vec<f64>) {
-        u.iter().zip(f).filter(|(u, _)| (**u < u_s) == below).map(|(u, f)| (*u, *f)).unzip()
-    };
-    let ((u_line, f_line), (_, f_flat)) = (part(true), part(false));
-    let rendering = line(&u_line, &f_line, spring.stiffness_n_per_rad, level)?;
+    // Of every sample its place, in the order of recording: those of the line, those of the plateau.
+    let (below, past): (Vec<u32>, Vec<u32>) =
+        (0..u.len() as u32).partition(|i| u[*i as usize] < u_s);
+    let of = |places: &[u32], i: usize| (u[places[i] as usize], f[places[i] as usize]);
+    let commanded = spring.stiffness_n_per_rad;
+    let rendering = line(below.len(), |i| of(&below, i), commanded, level)?;
     let Some(stiffness) = rendering.stiffness_n_per_rad else { return Ok(rendering) };
-    let from_meeting: Vec<f64> = u_line.iter().map(|u| u - u_s).collect();
-    let below = estimates(&[&vec![1.0; u_line.len()], &from_meeting], &f_line, level)?;
-    let flat = estimates(&[&vec![1.0; f_flat.len()]], &f_flat, level)?;
-    let (Some((_, below)), Some((_, flat))) = (below, flat) else { return Ok(rendering) };
-    let saturation = saturation(stiffness, below[0], flat[0], spring.rest_rad + u_s, level)?;
+    let below = recording_line(below.len(), |i| of(&below, i), u_s, level)?;
+    let flat = recording_mean(past.len(), |i| of(&past, i).1, level)?;
+    let (Some(below), Some(flat)) = (below, flat) else { return Ok(rendering) };
+    let saturation = saturation(stiffness, below.value, flat, spring.rest_rad + u_s, level)?;
     Ok(SpringRendering { saturation, ..rendering })
 }
 
@@ -161,28 +196,28 @@ fn saturation(
 
 /// The fitted line; all null but the count where the samples cannot show one (too few, or of one
 /// angle).
-fn line(u: &[f64], f: &[f64], stiffness: f64, level: f64) -> Result<SpringRendering, MetricsError> {
-    let samples = Some(u.len() as i64);
-    let Some((fit, estimates)) = estimates(&[&vec![1.0; u.len()], u], f, level)? else {
+fn line(
+    n: usize,
+    sample: impl Fn(usize) -> (f64, f64),
+    stiffness: f64,
+    level: f64,
+) -> Result<SpringRendering, MetricsError> {
+    let samples = Some(n as i64);
+    let Some(RecordingLine { value, slope, r2, .. }) = recording_line(n, sample, 0.0, level)?
+    else {
         return Ok(SpringRendering { samples, ..SpringRendering::default() });
     };
-    let slope = estimates[1];
     Ok(SpringRendering {
         stiffness_n_per_rad: Some(slope.estimate),
         stiffness_std_error_n_per_rad: Some(slope.std_error),
         stiffness_ci_low_n_per_rad: Some(slope.ci_low),
         stiffness_ci_high_n_per_rad: Some(slope.ci_high),
         stiffness_error_n_per_rad: Some(slope.estimate - stiffness),
-        force_at_rest_n: Some(estimates[0].estimate),
-        r2: fit.r2,
+        force_at_rest_n: Some(value.estimate),
+        r2,
         samples,
         ..SpringRendering::default()
     })
-}
-
-fn rms_difference(a: &[f64], b: &[f64]) -> Option<f64> {
-    let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-    (!a.is_empty()).then(|| (squares / a.len() as f64).sqrt())
 }
 
 /// The lever length cancels, so torque per radian would do as well.

@@ -51,21 +51,21 @@ pub(crate) fn stability(
         motor_switches: switches(&signals.motor_on),
         brake_switches: switches(&signals.brake_on),
         actuator_switches: actuator_switches(signals, phases),
-        swings: swings(signals),
-        force_band: force_band(signals, force_rate_hz),
-        velocity_band: velocity_band(signals),
+        swings: swings(signals)?,
+        force_band: force_band(signals, force_rate_hz)?,
+        velocity_band: velocity_band(signals)?,
     })
 }
 
-fn changes<T: PartialEq>(states: &[T]) -> i64 {
+fn changes(states: &[bool]) -> i64 {
     states.windows(2).map(|w| i64::from(w[0] != w[1])).sum()
 }
 
 fn actuator_switches(signals: &Signals, Phases { onset, end, .. }: Phases) -> Option<i64> {
     let known: Vec<&Vec<bool>> =
         [&signals.motor_on, &signals.brake_on].into_iter().flatten().collect();
-    let state = |i: usize| known.iter().map(|on| on[i]).collect::<Vec<_>>();
-    (!known.is_empty()).then(|| changes(&(onset..=end).map(state).collect::<Vec<_>>()))
+    let changes = |i: &usize| known.iter().any(|on| on[*i] != on[*i + 1]);
+    (!known.is_empty()).then(|| (onset..end).filter(changes).count() as i64)
 }
 
 #[cfg(test)]

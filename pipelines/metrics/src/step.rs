@@ -2,6 +2,7 @@
 
 use crate::signals::Signals;
 use serde::Serialize;
+use zwidth_study::REFERENCE;
 
 /// A step of the reference is at least this share of the reference's whole range, so that ripple of
 /// a recorded set-point is none.
@@ -44,8 +45,8 @@ pub(crate) fn step_response(signals: &Signals) -> StepResponse {
 }
 
 fn response(signals: &Signals) -> Option<StepResponse> {
-    let (reference, theta, t) = (signals.reference?, signals.theta?, signals.t);
-    let at = step(reference)?;
+    let (reference, theta, t) = (signals.channel(REFERENCE)?, signals.theta()?, signals.t().ok()?);
+    let at = step(&reference)?;
     let (from, to) = (reference[at - 1], reference[at]);
     let is_changed = |r: &f64| (r - to).abs() > CHANGED * (to - from).abs();
     let end = reference[at..].iter().position(is_changed).map_or(t.len(), |n| at + n);

@@ -1,12 +1,13 @@
 //! What happened at the wall.
 
 use crate::MetricsError;
-use crate::estimates::estimates;
 use crate::resolution::resolution_rad;
 use crate::signals::Signals;
 use zwidth_numerics::phases::first_passing;
 use zwidth_numerics::series::interpolate;
 use zwidth_stats::interval::Estimate;
+use zwidth_stats::recording::recording_line;
+use zwidth_store::Values;
 use zwidth_study::Analysis;
 
 /// A rebound is a retreat from the wall by more than this share of the angles travelled; less is
@@ -82,72 +83,89 @@ pub(crate) fn wall_contact(
     wall_rad: f64,
     analysis: &Analysis,
 ) -> Result<WallContact, MetricsError> {
-    let Some(theta) = signals.theta else {
+    let Some(theta) = signals.theta() else {
         return Ok(WallContact::default());
     };
     let highest = theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if highest <= wall_rad {
         return Ok(WallContact { reached: Some(false), ..WallContact::default() });
     }
-    let past = pieces(theta, wall_rad);
-    let duration = |p: &Piece| (p.to - p.from) * (signals.t[p.i + 1] - signals.t[p.i]);
-    let way = |p: &Piece| (p.to - p.from) * (theta[p.i + 1] - theta[p.i]);
-    let force = signals.force.as_deref();
-    let over_pieces = |step: &dyn Fn(&Piece) -> f64| {
-        force.map(|f| past.iter().map(|p| at(f, p.i, (p.from + p.to) / 2.0) * step(p)).sum::<f64>())
+    // Angle and force, then time and force, then time and velocity: two columns at a time.
+    let past = Past::of(&theta, wall_rad);
+    let count_rad = resolution_rad(&theta);
+    let rebounds = rebounds(&theta, wall_rad);
+    let by_way = signals.force().map(|f| {
+        past.over_pieces(|p| p.mean(&f) * (p.to - p.from) * (theta[p.i + 1] - theta[p.i]))
+    });
+    let hold =
+        signals.force().and_then(|f| hold_rigidity(&theta, &f, (wall_rad, highest), count_rad));
+    let stiffness = match signals.force() {
+        Some(f) => stiffness(&theta, &f, (wall_rad, highest), analysis.confidence)?,
+        None => None,
     };
-    let force_max_n = force.and_then(|f| largest_past(f, theta, wall_rad));
-    let at_wall = first_passing(signals.t, theta, wall_rad);
-    let when_passing = |y: Option<&[f64]>| interpolate(signals.t, y?, at_wall?);
-    let rigidity =
-        force.zip(when_passing(force)).and_then(|(f, f0)| rigidity(theta, f, wall_rad, f0));
-    let stiffness = stiffness(theta, force, wall_rad, highest, analysis.confidence)?;
+    let at_wall = first_passing(&signals.t()?, &theta, wall_rad);
+    let when_passing = |y: Option<Values>| interpolate(&signals.t().ok()?, &y?, at_wall?);
+    let first_n = when_passing(signals.force());
+    let rigidity = signals
+        .force()
+        .zip(first_n)
+        .and_then(|(f, first_n)| rigidity(&theta, &f, wall_rad, (first_n, count_rad)));
+    drop(theta);
+    let force_max_n = signals.force().and_then(|f| past.largest(&f));
+    let t = signals.t()?;
+    let duration = |p: &Piece| (p.to - p.from) * (t[p.i + 1] - t[p.i]);
+    let impulse_n_s = signals.force().map(|f| past.over_pieces(|p| p.mean(&f) * duration(p)));
+    let still_s = signals
+        .theta_dot()
+        .map(|v| longest(&t, |i| past.samples[i] && v[i].abs() < analysis.offset_rad_s));
     Ok(WallContact {
         reached: Some(true),
         past_max_rad: Some(highest - wall_rad),
         past_max_m: signals.lever_m.map(|lever_m| lever_m * (highest - wall_rad)),
-        dwell_s: Some(past.iter().map(duration).sum()),
-        impulse_n_s: over_pieces(&duration),
-        energy_j: signals
-            .lever_m
-            .zip(over_pieces(&way))
-            .map(|(lever_m, integral)| lever_m * integral),
-        impact_velocity_rad_s: when_passing(signals.theta_dot),
-        rebounds: Some(rebounds(theta, wall_rad)),
-        brake_releases: signals.brake_on.as_deref().map(|on| releases(on, theta, wall_rad)),
-        still_s: signals.theta_dot.map(|v| {
-            let still = |i: usize| theta[i] > wall_rad && v[i].abs() < analysis.offset_rad_s;
-            longest(signals.t, still)
-        }),
+        dwell_s: Some(past.over_pieces(duration)),
+        impulse_n_s,
+        energy_j: signals.lever_m.zip(by_way).map(|(lever_m, integral)| lever_m * integral),
+        impact_velocity_rad_s: when_passing(signals.theta_dot()),
+        rebounds: Some(rebounds),
+        brake_releases: signals.brake_on.as_deref().map(|on| releases(on, &past.samples)),
+        still_s,
         force_max_n,
-        force_rise_n: force_max_n.zip(when_passing(force)).map(|(most, first)| most - first),
+        force_rise_n: force_max_n.zip(first_n).map(|(most, first)| most - first),
         rigidity_n_per_rad: rigidity.map(|r| r.0),
         rigidity_at_least: rigidity.map(|r| r.1),
-        hold_rigidity_min_n_per_rad: force.and_then(|f| hold_rigidity(theta, f, wall_rad, highest)),
+        hold_rigidity_min_n_per_rad: hold,
         stiffness_n_per_rad: stiffness.map(|s| s.estimate),
         stiffness_ci_low_n_per_rad: stiffness.map(|s| s.ci_low),
         stiffness_ci_high_n_per_rad: stiffness.map(|s| s.ci_high),
     })
 }
 
-fn releases(on: &[bool], theta: &[f64], wall: f64) -> i64 {
-    let past = theta.iter().map(|theta| *theta > wall);
-    on.windows(2).zip(past).map(|(on, past)| i64::from(past && on[0] && !on[1])).sum()
+fn releases(on: &[bool], past: &[bool]) -> i64 {
+    on.windows(2).zip(past).map(|(on, past)| i64::from(*past && on[0] && !on[1])).sum()
 }
 
 /// The rigidity, and whether it is a bound; `first_n` is the force where the wall is passed.
-fn rigidity(theta: &[f64], force: &[f64], wall: f64, first_n: f64) -> Option<(f64, bool)> {
+fn rigidity(
+    theta: &[f64],
+    force: &[f64],
+    wall: f64,
+    (first_n, count_rad): (f64, f64),
+) -> Option<(f64, bool)> {
     let past = (0..theta.len()).filter(|i| theta[*i] > wall);
     let most = past.reduce(|most, i| if force[i] > force[most] { i } else { most })?;
-    let (grown_n, count_rad) = (force[most] - first_n, resolution_rad(theta));
+    let grown_n = force[most] - first_n;
     let until = theta[..=most].iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let moved_rad = (until - wall).max(count_rad);
     (grown_n > 0.0 && moved_rad > 0.0).then(|| (grown_n / moved_rad, until - wall <= count_rad))
 }
 
 /// The least rigidity of a lever that is held at its farthest angle.
-fn hold_rigidity(theta: &[f64], force: &[f64], wall: f64, highest: f64) -> Option<f64> {
-    let count_rad = resolution_rad(theta);
+fn hold_rigidity(
+    theta: &[f64],
+    force: &[f64],
+    (wall, highest): (f64, f64),
+    count_rad: f64,
+) -> Option<f64> {
     let held = |theta: &f64| *theta > wall && highest - theta <= SAME * count_rad;
     let first = theta.iter().position(held)?;
     let while_held =
@@ -159,17 +177,17 @@ fn hold_rigidity(theta: &[f64], force: &[f64], wall: f64, highest: f64) -> Optio
 /// The slope on the way in, up to the first sample at `highest`.
 fn stiffness(
     theta: &[f64],
-    force: Option<&[f64]>,
-    wall: f64,
-    highest: f64,
+    force: &[f64],
+    (wall, highest): (f64, f64),
     level: f64,
 ) -> Result<Option<Estimate>, MetricsError> {
-    let Some(force) = force else { return Ok(None) };
     let deepest = theta.iter().position(|theta| *theta >= highest).unwrap_or_default();
-    let way_in = theta[..=deepest].iter().zip(force).filter(|(theta, _)| **theta > wall);
-    let (depth, f): (Vec<f64>, Vec<f64>) = way_in.map(|(theta, f)| (theta - wall, *f)).unzip();
-    let fit = estimates(&[&vec![1.0; f.len()], &depth], &f, level)?;
-    Ok(fit.map(|(_, estimates)| estimates[1]))
+    let way_in: Vec<u32> = (0..=deepest as u32).filter(|i| theta[*i as usize] > wall).collect();
+    let sample = |i: usize| {
+        let place = way_in[i] as usize;
+        (theta[place] - wall, force[place])
+    };
+    Ok(recording_line(way_in.len(), sample, 0.0, level)?.map(|line| line.slope))
 }
 
 /// The part of the interval between samples i and i + 1 that lies past the wall, as shares of the
@@ -180,27 +198,50 @@ struct Piece {
     to: f64,
 }
 
-fn pieces(theta: &[f64], wall: f64) -> Vec<Piece> {
-    let piece = |(i, w): (usize, &[f64])| {
-        let crossing = (wall - w[0]) / (w[1] - w[0]);
-        match (w[0] > wall, w[1] > wall) {
-            (true, true) => Some(Piece { i, from: 0.0, to: 1.0 }),
-            (false, true) => Some(Piece { i, from: crossing, to: 1.0 }),
-            (true, false) => Some(Piece { i, from: 0.0, to: crossing }),
-            (false, false) => None,
+impl Piece {
+    /// The mean over it of a signal with straight lines between its samples.
+    fn mean(&self, values: &[f64]) -> f64 {
+        let share = (self.from + self.to) / 2.0;
+        values[self.i] + share * (values[self.i + 1] - values[self.i])
+    }
+}
+
+/// When the lever is past the wall.
+struct Past {
+    /// Whether a sample is.
+    samples: Vec<bool>,
+    /// Where an interval with one sample past it and one not passes the wall, as a share of it: in
+    /// order.
+    crossings: Vec<f64>,
+}
+
+impl Past {
+    fn of(theta: &[f64], wall: f64) -> Self {
+        let passes = theta.windows(2).filter(|w| (w[0] > wall) != (w[1] > wall));
+        Self {
+            samples: theta.iter().map(|theta| *theta > wall).collect(),
+            crossings: passes.map(|w| (wall - w[0]) / (w[1] - w[0])).collect(),
         }
-    };
-    theta.windows(2).enumerate().filter_map(piece).collect()
-}
+    }
 
-/// The value a share of the interval after sample `i`.
-fn at(values: &[f64], i: usize, share: f64) -> f64 {
-    values[i] + share * (values[i + 1] - values[i])
-}
+    /// Σ over the parts of intervals past the wall.
+    fn over_pieces(&self, of: impl Fn(&Piece) -> f64) -> f64 {
+        let mut crossings = self.crossings.iter();
+        let mut crossing = || crossings.next().copied().unwrap_or_default();
+        let pieces = self.samples.windows(2).enumerate().filter_map(|(i, w)| match (w[0], w[1]) {
+            (true, true) => Some(Piece { i, from: 0.0, to: 1.0 }),
+            (false, true) => Some(Piece { i, from: crossing(), to: 1.0 }),
+            (true, false) => Some(Piece { i, from: 0.0, to: crossing() }),
+            (false, false) => None,
+        });
+        pieces.fold(0.0, |sum, piece| sum + of(&piece))
+    }
 
-fn largest_past(force: &[f64], theta: &[f64], wall: f64) -> Option<f64> {
-    let past = force.iter().zip(theta).filter(|(_, theta)| **theta > wall);
-    past.map(|(f, _)| *f).reduce(f64::max)
+    /// The largest value of a signal there.
+    fn largest(&self, values: &[f64]) -> Option<f64> {
+        let past = values.iter().zip(&self.samples).filter(|(_, past)| **past);
+        past.map(|(value, _)| *value).reduce(f64::max)
+    }
 }
 
 /// The longest time, s, from the first to the last of neighbouring samples that are all `still`.

@@ -5,7 +5,7 @@ use crate::compliance::range;
 use crate::resolution::resolution_rad;
 use crate::signals::Signals;
 use crate::wall::{Contact, REBOUND_SHARE, contacts};
-use zwidth_numerics::series::cumulative_trapezoid;
+use zwidth_numerics::local::derivatives_at;
 use zwidth_numerics::zigzag::{Leg, zigzag};
 
 /// θ̇ and θ̈ are those of a parabola through the angles of this time to either side, s: long
@@ -64,20 +64,25 @@ pub struct EnergyObserver {
 
 pub(crate) fn energy_observer(
     signals: &Signals,
-    theta_dot: &[f64],
     wall_rad: Option<f64>,
     mass_kg: Option<f64>,
 ) -> Result<EnergyObserver, MetricsError> {
-    let (Some(theta), Some(force), Some(lever_m)) =
-        (signals.theta, signals.force.as_deref(), signals.lever_m)
-    else {
+    let (Some(theta), Some(lever_m)) = (signals.theta(), signals.lever_m) else {
         return Ok(EnergyObserver::default());
     };
-    let work = cumulative_trapezoid(theta, force)?.into_iter().map(|w| lever_m * w).collect();
-    let count_m = lever_m * resolution_rad(theta);
-    let path = Path { t: signals.t, theta, force, theta_dot, work, lever_m, mass_kg, count_m };
-    let at_wall = wall_rad.map(|wall| told(contacts(theta, wall), |c| path.over_contact(c, wall)));
-    let closed = told(loops(theta, REBOUND_SHARE * range(theta)), |closed| path.over_loop(closed));
+    // How fast the lever is, by time and angle, before the work, by angle and force.
+    let t = signals.t()?;
+    let motion = Motion { t: &t, theta: &theta };
+    let at_wall: Option<Vec<Exchange>> = wall_rad
+        .map(|wall| contacts(&theta, wall).iter().map(|c| motion.of_contact(c, wall)).collect());
+    let closed = loops(&theta, REBOUND_SHARE * range(&theta));
+    let closed: Vec<Exchange> = closed.iter().map(|closed| motion.of_loop(closed)).collect();
+    drop(t);
+    let count_m = lever_m * resolution_rad(&theta);
+    let Some(force) = signals.force() else { return Ok(EnergyObserver::default()) };
+    let work = Work { theta: &theta, force: &force, lever_m, mass_kg, count_m };
+    let at_wall = at_wall.map(|contacts| told(&contacts, |of| work.observed(of)));
+    let closed = told(&closed, |of| work.observed(of));
     Ok(EnergyObserver {
         wall_contacts: at_wall.map(|found| found.all),
         wall_contacts_active: at_wall.map(|found| found.active),
@@ -102,7 +107,7 @@ struct Told {
     least_j: Option<f64>,
 }
 
-fn told<T>(all: Vec<T>, observe: impl Fn(&T) -> Option<Observed>) -> Told {
+fn told(all: &[Exchange], observe: impl Fn(&Exchange) -> Option<Observed>) -> Told {
     let found: Vec<Observed> = all.iter().filter_map(observe).collect();
     Told {
         all: all.len() as i64,
@@ -129,59 +134,43 @@ impl Place {
     }
 }
 
-/// The trial as a path of θ with the user's force on it.
-struct Path<'a> {
-    t: &'a [f64],
-    theta: &'a [f64],
-    force: &'a [f64],
-    theta_dot: &'a [f64],
-    /// ∫F dx from the first sample to each, J.
-    work: Vec<f64>,
-    lever_m: f64,
-    mass_kg: Option<f64>,
-    /// A step between recorded angles, at the lever's end, m.
-    count_m: f64,
+/// A place on the path, and how fast the lever is there.
+#[derive(Debug, Clone, Copy)]
+struct Passed {
+    at: Place,
+    speed_rad_s: f64,
 }
 
-impl Path<'_> {
-    /// ∫F dx from the first sample to a place, F a straight line between samples, J.
-    fn work_j(&self, at: Place) -> f64 {
-        let way = at.of(self.theta) - self.theta[at.i];
-        self.work[at.i] + self.lever_m * way * (self.force[at.i] + at.of(self.force)) / 2.0
+/// A contact or a closed loop: where it begins, and where the observer is looked at.
+struct Exchange {
+    from: Passed,
+    /// The speed at each sample from this one on: of a contact all of its samples.
+    samples: (usize, Vec<f64>),
+    /// After them: of a contact where it is left, of a loop where it is closed.
+    to: Option<Passed>,
+    /// The sample up to which energy is exchanged.
+    last: usize,
+}
+
+/// The lever's angle over time.
+struct Motion<'a> {
+    t: &'a [f64],
+    theta: &'a [f64],
+}
+
+impl Motion<'_> {
+    fn speed_rad_s(&self, i: usize) -> f64 {
+        derivatives_at(self.t, self.theta, HALF_S, i).0
     }
 
     /// A place that is passed at the speed there.
     fn passed(&self, at: Place) -> Passed {
-        Passed { at, speed_rad_s: at.of(self.theta_dot) }
+        let here = self.speed_rad_s(at.i);
+        let next = self.speed_rad_s((at.i + 1).min(self.t.len() - 1));
+        Passed { at, speed_rad_s: here + at.share * (next - here) }
     }
 
-    /// The largest speed at some samples, rad/s.
-    fn fastest(&self, samples: impl Iterator<Item = usize>) -> f64 {
-        samples.map(|i| self.theta_dot[i].abs()).fold(0.0, f64::max)
-    }
-
-    /// The observer from one place to another, J; `None` where it cannot be told.
-    fn observer_j(&self, from: Passed, to: Passed) -> Option<f64> {
-        let [began, now] = [from, to].map(|of| of.speed_rad_s * of.speed_rad_s);
-        let brought_j = match self.mass_kg {
-            Some(mass_kg) => mass_kg * self.lever_m * self.lever_m * (began - now) / 2.0,
-            None if began - now <= SAME_SPEED * began => 0.0,
-            None => return None,
-        };
-        Some(self.work_j(to.at) - self.work_j(from.at) + brought_j)
-    }
-
-    /// Down to where energy given from a place to a sample counts as zero, J.
-    fn bound_j(&self, from: Passed, to: usize) -> f64 {
-        let force = &self.force[from.at.i..=to];
-        let work = self.work[from.at.i..=to].windows(2);
-        let exchanged_j: f64 = work.map(|w| (w[1] - w[0]).abs()).sum();
-        let speed_m_s = self.lever_m * from.speed_rad_s;
-        let motion_j = self.mass_kg.unwrap_or(0.0) * speed_m_s * speed_m_s / 2.0;
-        WORK_SHARE * exchanged_j + self.count_m * range(force) + MOTION_SHARE * motion_j
-    }
-
-    fn over_contact(&self, contact: &Contact, wall: f64) -> Option<Observed> {
+    fn of_contact(&self, contact: &Contact, wall: f64) -> Exchange {
         let last = self.theta.len() - 1;
         let from = match contact.first.checked_sub(1) {
             Some(before) => crossing(self.theta, before, wall),
@@ -189,30 +178,88 @@ impl Path<'_> {
         };
         let (began_s, end) = (from.of(self.t), contact.last);
         let before = (0..=from.i).rev().take_while(|i| self.t[*i] >= began_s - HALF_S);
-        let from = Passed { at: from, speed_rad_s: self.fastest(before) };
+        let fastest = before.map(|i| self.speed_rad_s(i).abs()).fold(0.0, f64::max);
         let left = (end < last).then(|| {
             let at = crossing(self.theta, end, wall);
             let way = self.theta[end + 1] - self.theta[end];
             Passed { at, speed_rad_s: way.abs() / (self.t[end + 1] - self.t[end]) }
         });
-        let within = (contact.first..=end).map(|i| self.passed(Place::sample(i))).chain(left);
-        let least_j = within.filter_map(|to| self.observer_j(from, to)).reduce(f64::min)?;
-        Some(Observed { least_j, bound_j: self.bound_j(from, (end + 1).min(last)) })
+        let speeds = (contact.first..=end).map(|i| self.speed_rad_s(i)).collect();
+        Exchange {
+            from: Passed { at: from, speed_rad_s: fastest },
+            samples: (contact.first, speeds),
+            to: left,
+            last: (end + 1).min(last),
+        }
     }
 
-    fn over_loop(&self, closed: &[Place; 2]) -> Option<Observed> {
+    fn of_loop(&self, closed: &[Place; 2]) -> Exchange {
         let [from, to] = closed.map(|at| self.passed(at));
         let last = (to.at.i + 1).min(self.theta.len() - 1);
-        let least_j = self.observer_j(from, to)?;
-        Some(Observed { least_j, bound_j: self.bound_j(from, last) })
+        Exchange { from, samples: (0, Vec::new()), to: Some(to), last }
     }
 }
 
-/// A place on the path, and how fast the lever is there.
-#[derive(Debug, Clone, Copy)]
-struct Passed {
-    at: Place,
-    speed_rad_s: f64,
+/// The user's force on the path.
+struct Work<'a> {
+    theta: &'a [f64],
+    force: &'a [f64],
+    lever_m: f64,
+    mass_kg: Option<f64>,
+    /// A step between recorded angles, at the lever's end, m.
+    count_m: f64,
+}
+
+impl Work<'_> {
+    /// ∫F dx from a sample to the next, F a straight line between them, J.
+    fn step_j(&self, i: usize) -> f64 {
+        let way = self.theta[i + 1] - self.theta[i];
+        self.lever_m * way * (self.force[i] + self.force[i + 1]) / 2.0
+    }
+
+    /// ∫F dx from a place's sample to the place, J.
+    fn beyond_j(&self, at: Place) -> f64 {
+        let way = at.of(self.theta) - self.theta[at.i];
+        self.lever_m * way * (self.force[at.i] + at.of(self.force)) / 2.0
+    }
+
+    /// The observer after some work, J; `None` where it cannot be told.
+    fn observer_j(&self, work_j: f64, began_rad_s: f64, now_rad_s: f64) -> Option<f64> {
+        let [began, now] = [began_rad_s, now_rad_s].map(|speed| speed * speed);
+        let brought_j = match self.mass_kg {
+            Some(mass_kg) => mass_kg * self.lever_m * self.lever_m * (began - now) / 2.0,
+            None if began - now <= SAME_SPEED * began => 0.0,
+            None => return None,
+        };
+        Some(work_j + brought_j)
+    }
+
+    fn observed(&self, of: &Exchange) -> Option<Observed> {
+        let (began, (first, speeds)) = (of.from.speed_rad_s, &of.samples);
+        let mut least_j: Option<f64> = None;
+        let mut look = |work_j: f64, speed_rad_s: f64| {
+            let found = self.observer_j(work_j, began, speed_rad_s);
+            least_j = least_j.into_iter().chain(found).reduce(f64::min);
+        };
+        let (mut work_j, mut exchanged_j) = (-self.beyond_j(of.from.at), 0.0);
+        for i in of.from.at.i..=of.last {
+            if let Some(speed) = i.checked_sub(*first).and_then(|place| speeds.get(place)) {
+                look(work_j, *speed);
+            }
+            if let Some(to) = of.to.filter(|to| to.at.i == i) {
+                look(work_j + self.beyond_j(to.at), to.speed_rad_s);
+            }
+            if i < of.last {
+                let step_j = self.step_j(i);
+                (work_j, exchanged_j) = (work_j + step_j, exchanged_j + step_j.abs());
+            }
+        }
+        let speed_m_s = self.lever_m * began;
+        let motion_j = self.mass_kg.unwrap_or(0.0) * speed_m_s * speed_m_s / 2.0;
+        let force = range(&self.force[of.from.at.i..=of.last]);
+        let bound_j = WORK_SHARE * exchanged_j + self.count_m * force + MOTION_SHARE * motion_j;
+        Some(Observed { least_j: least_j?, bound_j })
+    }
 }
 
 /// Where θ is at `level` between sample `i` and the next.
