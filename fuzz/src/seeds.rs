@@ -176,6 +176,9 @@ pub fn write() -> Result<(), Any> {
     let length = u16::try_from(header.len())?.to_le_bytes();
     let values = [0.0_f64, 0.5].map(f64::to_le_bytes).concat();
     let array = [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &values].concat();
+    // h5py of two vectors, one in a group, and as MATLAB has them after a block of its own.
+    put("h5", "two_vectors", include_bytes!("two_vectors.h5"))?;
+    put("mat", "of_7_3", include_bytes!("of_7_3.mat"))?;
     put("npy", "vector", &array)?;
     put("npz", "stored", &archive(&[("theta.npy", &array, &array)]))?;
     put("npz", "deflated", &archive(&[("theta.npy", &array, &deflated(&array)?)]))?;

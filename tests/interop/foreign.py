@@ -1,5 +1,6 @@
 """Recordings in other programs' formats, made here by their own libraries: what zwidth reads of them, against those libraries."""
 
+import json
 import shlex
 import struct
 import subprocess
@@ -27,11 +28,11 @@ session = "{session}"
 environment = "spring"
 mode = "active"
 [time]
-from = "{time}"
+from = {time}
 unit = "s"
 [[column]]
 to = "force_ex_n"
-from = "{force}"
+from = {force}
 unit = "N"
 """
 # To what times and values agree, s and N.
@@ -62,27 +63,35 @@ class World:
         self.sessions += 1
         session = f"S{self.sessions:02}"
         mapping = self.root / "map.toml"
-        mapping.write_text(MAP.format(file=f"[file]\n{file}\n", session=session, time=time, force=force))
+        mapping.write_text(MAP.format(file=f"[file]\n{file}\n", session=session, time=json.dumps(time), force=json.dumps(force)))
         said = run(self.zwidth, "--root", self.root, "import", "foreign", "--map", mapping, path, codes=DONE_OR_WITH_CARE)
         frame = pd.read_parquet(self.root / "raw/foreign/trials")
         frame = frame[frame["session"].astype(str) == session].sort_values("t_s")
         return frame["t_s"].to_numpy(), frame["force_ex_n"].to_numpy(), said
 
-    def refused(self, path):
+    def bring_by_place(self, path, file):
+        """The same with the first column as time and the second as force."""
+        return self.bring(path, file, 1, 2)
+
+    def refused(self, path, force="f"):
         """What is said of a file that is not read."""
         mapping = self.root / "map.toml"
-        mapping.write_text(MAP.format(file="", session="S99", time="t", force="f"))
+        mapping.write_text(MAP.format(file="", session="S99", time='"t"', force=json.dumps(force)))
         given = [self.zwidth, "--root", self.root, "import", "foreign", "--map", mapping, path]
         done = subprocess.run([str(part) for part in given], capture_output=True, text=True, check=False)
         return done.returncode, done.stderr
 
-    def convert(self, what, path, extension):
-        """Converts a file that is refused by the line that is printed."""
+    def line(self, what, path, extension):
+        """The arguments of the line that is printed for a file that is refused."""
         code, said = self.refused(path)
         line = said[said.find("python -c") :].splitlines()[0] if "python -c" in said else ""
         check(f"{what} is refused with a line", code == 1 and line.endswith(f"IN OUT.{extension}"), said)
+        return shlex.split(line)[1:-2]
+
+    def convert(self, what, path, extension):
+        """Converts a file that is refused by the line that is printed."""
         converted = self.root / f"converted.{extension}"
-        subprocess.run([sys.executable, *shlex.split(line)[1:-2], path, converted], check=True)
+        subprocess.run([sys.executable, *self.line(what, path, extension), path, converted], check=True)
         return converted
 
 
@@ -230,16 +239,62 @@ def arrow(world):
 
 
 def hdf5(world):
-    """HDF5 is not read: the line that is printed converts it."""
+    """HDF5 as h5py writes it, and as MATLAB does; what is not read is converted by the line that is printed."""
     frame = table()
-    path = world.root / "a.h5"
+    for number, (name, file_options, options) in enumerate([
+        ("as it likes", {}, {}),
+        ("in chunks", {}, {"chunks": True}),
+        ("packed", {}, {"chunks": (7,), "compression": "gzip", "shuffle": True}),
+        ("with lzf", {}, {"chunks": True, "compression": "lzf", "fletcher32": True}),
+        ("that grows", {}, {"chunks": (16,), "maxshape": (None,)}),
+        ("of the latest version", {"libver": "latest"}, {}),
+        ("of the latest version, in chunks", {"libver": "latest"}, {"chunks": (16,), "maxshape": (None,)}),
+    ]):
+        path, f = world.root / f"{number}.h5", frame["f"].to_numpy() + number
+        with h5py.File(path, "w", **file_options) as file:
+            file.create_dataset("t", data=frame["t"].to_numpy(), **options)
+            file.create_group("rig").create_dataset("f", data=f, **options)
+            file["name"] = "rig 2"
+            file["who"] = np.array([(1, 2.0)], dtype=[("a", "i4"), ("b", "f8")])
+        t, found, _ = world.bring(path, "", "t", "rig/f")
+        same(f"hdf5 {name}: times", t, frame["t"])
+        same(f"hdf5 {name}: values", found, f)
+    matrix = np.column_stack([frame["t"], frame["f"] + 20])
+    with h5py.File(world.root / "matrix.h5", "w") as file:
+        file["rig/all"] = matrix
+    t, f, _ = world.bring_by_place(world.root / "matrix.h5", 'matrix = "rig/all"')
+    same("a matrix of hdf5: times", t, matrix[:, 0])
+    same("a matrix of hdf5: values", f, matrix[:, 1])
+    # MATLAB -v7.3: a block of its own first, and the last dimension counts rows.
+    path = world.root / "a.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["all"] = matrix.T + 0.0
+        file["all"].attrs["MATLAB_class"] = np.bytes_("double")
+        file["what"] = np.frombuffer("rig".encode("utf-16-le"), dtype="u2")[:, None]
+        file["what"].attrs["MATLAB_class"] = np.bytes_("char")
+        file["#refs#/a"] = np.zeros(2)
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64, Created on: Mon Jan  1 00:00:00 2026 HDF5 schema 1.00 .")
+        file.seek(124)
+        file.write(b"\x00\x02IM")
+    with h5py.File(path, "r+") as file:
+        file["all"][:, :] = matrix.T + [[0.0], [1.0]]
+    t, f, _ = world.bring_by_place(path, 'matrix = "all"')
+    same("a matrix of MATLAB 7.3: times", t, matrix[:, 0])
+    same("a matrix of MATLAB 7.3: values", f, matrix[:, 1] + 1.0)
+    # A complex signal is no column.
+    path = world.root / "complex.h5"
     with h5py.File(path, "w") as file:
-        file["t"] = frame["t"].to_numpy()
-        # As MATLAB writes a column.
-        file.create_group("rig")["f"] = frame["f"].to_numpy()[None, :]
-        file["name"] = "rig 2"
-    converted = world.convert("hdf5", path, "npz")
+        file["t"], file["rig/f"] = frame["t"].to_numpy(), frame["f"].to_numpy().astype(complex)
+    code, said = world.refused(path, force="rig/f")
+    check("a complex column of hdf5 is refused with a line", code == 1 and "python -c" in said, said)
+    # The line itself, by a file of a version that is not read.
+    path = world.root / "latest.h5"
+    with h5py.File(path, "w", libver="latest") as file:
+        file.create_dataset("t", data=frame["t"].to_numpy(), chunks=(16,), compression="gzip")
+        file["rig/f"], file["name"] = frame["f"].to_numpy()[None, :] + 40, "rig 2"
+    converted = world.convert("packed hdf5 of the latest version", path, "npz")
     t, f, _ = world.bring(converted, "", "t", "rig.f")
     same("hdf5, converted by that line: times", t, frame["t"])
-    same("hdf5, converted by that line: values", f, frame["f"])
+    same("hdf5, converted by that line: values", f, frame["f"] + 40)
     equal("hdf5, converted by that line: what is no number is left out", sorted(np.load(converted)), ["rig.f", "t"])

@@ -3,7 +3,7 @@
 use super::csv::Dialect;
 use super::limits::{Take, shown};
 use super::table::Table;
-use super::{csv, feather, jsonl, mat, npy, parquet, workbook, xdf};
+use super::{csv, feather, hdf5, jsonl, mat, npy, parquet, workbook, xdf};
 use serde::Deserialize;
 use std::path::Path;
 use zwidth_store::StoreError;
@@ -19,6 +19,8 @@ pub(super) enum Format {
     Parquet,
     Arrow,
     Mat,
+    #[serde(rename = "h5")]
+    Hdf5,
     Npy,
     Npz,
     Xdf,
@@ -36,9 +38,12 @@ pub(super) struct FormatOptions<'a> {
     pub(super) part: Option<&'a str>,
 }
 
+/// What a MAT file of version 7.3 begins with.
+const MATLAB_7_3: &[u8] = b"MATLAB 7.3";
+
 impl Format {
     /// Every format.
-    pub(super) const ALL: [Self; 12] = [
+    pub(super) const ALL: [Self; 13] = [
         Self::Csv,
         Self::Tsv,
         Self::Txt,
@@ -46,6 +51,7 @@ impl Format {
         Self::Parquet,
         Self::Arrow,
         Self::Mat,
+        Self::Hdf5,
         Self::Npy,
         Self::Npz,
         Self::Xdf,
@@ -63,6 +69,7 @@ impl Format {
             Self::Parquet => &["parquet"],
             Self::Arrow => &["arrow", "feather", "ipc"],
             Self::Mat => &["mat"],
+            Self::Hdf5 => &["h5", "hdf5"],
             Self::Npy => &["npy"],
             Self::Npz => &["npz"],
             Self::Xdf => &["xdf"],
@@ -86,6 +93,7 @@ impl Format {
             Self::Parquet => "a Parquet file",
             Self::Arrow => "an Arrow file",
             Self::Mat => "a MAT file",
+            Self::Hdf5 => "an HDF5 file",
             Self::Npy => "a NumPy array",
             Self::Npz => "a NumPy archive",
             Self::Xdf => "an XDF file",
@@ -96,13 +104,22 @@ impl Format {
 
     /// Whether a file may unpack to more than its size.
     pub(super) fn is_packed(self) -> bool {
-        matches!(self, Self::Parquet | Self::Arrow | Self::Mat | Self::Npz | Self::Xlsx | Self::Ods)
+        matches!(
+            self,
+            Self::Parquet
+                | Self::Arrow
+                | Self::Mat
+                | Self::Hdf5
+                | Self::Npz
+                | Self::Xlsx
+                | Self::Ods
+        )
     }
 
     /// What the key is called that names a part of a file; `None` where a file has but one.
     fn part_key(self) -> Option<&'static str> {
         match self {
-            Self::Mat | Self::Npz => Some("matrix"),
+            Self::Mat | Self::Hdf5 | Self::Npz => Some("matrix"),
             Self::Xdf => Some("stream"),
             Self::Xlsx | Self::Ods => Some("sheet"),
             _ => None,
@@ -129,7 +146,11 @@ impl Format {
             Self::Jsonl => jsonl::read(path, &bytes, options.dialect.encoding, take),
             Self::Parquet => parquet::read(path, bytes, take),
             Self::Arrow => feather::read(path, &bytes, take),
+            Self::Mat if bytes.starts_with(MATLAB_7_3) => {
+                hdf5::read(path, bytes, (options.part, hdf5::Order::Columns), take)
+            }
             Self::Mat => mat::read(path, &bytes, options.part, take),
+            Self::Hdf5 => hdf5::read(path, bytes, (options.part, hdf5::Order::Rows), take),
             Self::Npy => npy::read(path, &bytes, take),
             Self::Npz => npy::read_archive(path, &bytes, options.part, take),
             Self::Xdf => xdf::read(path, &bytes, options.part, take),

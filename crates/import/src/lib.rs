@@ -20,6 +20,7 @@ mod format;
 mod given;
 mod guess;
 mod guess_names;
+mod hdf5;
 mod identity;
 mod jsonl;
 #[cfg(test)]

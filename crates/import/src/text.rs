@@ -22,9 +22,7 @@ pub(super) enum Encoding {
 }
 
 /// What files begin with that nothing here reads, and what to do about one.
-const UNREAD: [(&[u8], &str, &str); 9] = [
-    (b"\x89HDF\r\n", "an HDF5 file", HDF5),
-    (b"MATLAB 7.3", "a MAT file of version 7.3, which is HDF5", HDF5),
+const UNREAD: [(&[u8], &str, &str); 7] = [
     (
         b"\xd0\xcf\x11\xe0",
         "an old Excel workbook (.xls), or one that a password locks",
@@ -37,9 +35,9 @@ const UNREAD: [(&[u8], &str, &str); 9] = [
     (b"SQLite format 3", "an SQLite database", "write its table as CSV"),
     (b"%PDF", "a PDF", "ask for the numbers themselves"),
 ];
-/// The line that converts an HDF5 file: its numbers by their path, as arrays of an archive.
-/// `tests/interop/foreign.py` tries it.
-const HDF5: &str = "save it from MATLAB with -v7, or convert it: python -c \"import sys, h5py, numpy as np; d = {}; \
+/// The line that converts an HDF5 file that is not read: its numbers by their path, as arrays of an
+/// archive. `tests/interop/foreign.py` tries it.
+pub(super) const HDF5: &str = "save it from MATLAB with -v7, or convert it: python -c \"import sys, h5py, numpy as np; d = {}; \
      h5py.File(sys.argv[1]).visititems(lambda n, o: d.update({n.replace('/', '.'): np.squeeze(o).astype(float)}) \
      if hasattr(o, 'dtype') and o.dtype.kind in 'iuf' else None); np.savez(sys.argv[2], **d)\" IN OUT.npz";
 const PICKLED: &str = "a Python pickle";
@@ -47,13 +45,15 @@ const PICKLED: &str = "a Python pickle";
 const PICKLE: &str = "where it was made, write it as CSV: frame.to_csv(\"OUT.csv\", index=False)";
 
 /// What files begin with that other readers read, and how to ask for them.
-const OTHER: [(&[u8], &str, &str); 6] = [
+const OTHER: [(&[u8], &str, &str); 8] = [
     (
         b"PK\x03\x04",
         "a packed file: an .xlsx or .ods workbook, or a ZIP",
         "set format = \"xlsx\" or \"ods\" in [file], or unpack it",
     ),
     (b"MATLAB 5.0", "a MAT file", "set format = \"mat\" in [file]"),
+    (b"MATLAB 7.3", "a MAT file of version 7.3", "set format = \"mat\" in [file]"),
+    (b"\x89HDF\r\n", "an HDF5 file", "set format = \"h5\" in [file]"),
     (b"PAR1", "a Parquet file", "set format = \"parquet\" in [file]"),
     (b"ARROW1", "an Arrow file", "set format = \"arrow\" in [file]"),
     (b"XDF:", "an XDF file", "set format = \"xdf\" in [file]"),
@@ -161,10 +161,7 @@ mod tests {
     #[test]
     fn a_workbook_and_other_files_that_are_no_text_are_called_by_their_name() {
         check(b"PK\x03\x04rest", "an .xlsx or .ods workbook, or a ZIP; set format = \"xlsx\"");
-        check(
-            b"\x89HDF\r\n\x1a\n",
-            "this is an HDF5 file; save it from MATLAB with -v7, or convert it: python",
-        );
+        check(b"\x89HDF\r\n\x1a\n", "an HDF5 file; set format = \"h5\" in [file]");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Mappings and commands, and files of other kinds.
 
 use super::super::feather::tests as feather;
+use super::super::hdf5;
 use super::super::workbook::tests as workbook;
 use super::super::world::{FORCE, ONE, trials_map};
 use super::super::xdf::tests as xdf;
@@ -78,8 +79,10 @@ pub(super) fn kinds() -> Vec<Row> {
     let formula = workbook::xlsx(&[("data", &WORKBOOK.replace("<v>-2</v>", "<f>B2*2</f>"))]);
     let wrong =
         workbook::xlsx(&[("data", &WORKBOOK.replace("<c><v>-2</v>", "<c t=\"e\"><v>#DIV/0!</v>"))]);
-    let hdf5 = b"\x89HDF\r\n\x1a\n\0\0\0\0";
-    let mat = [&b"MATLAB 7.3 MAT-file, Platform: GLNXA64"[..], &[b' '; 474], hdf5].concat();
+    let hdf5 = hdf5::tests::written(b"");
+    let mat = hdf5::tests::written(b"MATLAB 7.3 MAT-file, Platform: GLNXA64");
+    let from_hdf5 = trials_map(&[ONE, &FORCE.replace("\"f\"", "\"rig/f\"")]);
+    let cut_hdf5 = hdf5[..hdf5.len() / 2].to_vec();
     let inner: ArrayRef = Arc::new(Float64Array::from(vec![1.5, -2.0, 4.0]));
     let nested = StructArray::from(vec![(
         Arc::new(arrow::datatypes::Field::new("x", inner.data_type().clone(), true)),
@@ -143,23 +146,15 @@ pub(super) fn kinds() -> Vec<Row> {
             "a.csv.gz",
             b"\x1f\x8b\x08\0\0\0\0\0",
         ),
-        file(
-            "HDF5",
-            (Refused, "an HDF5 file; save it from MATLAB with -v7, or convert it: python -c"),
-            "",
+        mapped("HDF5", (Read, ""), from_hdf5.clone(), "a.h5", hdf5),
+        mapped(
+            "an HDF5 file that is cut off",
+            (Refused, "save it from MATLAB with -v7, or convert it: python -c"),
+            from_hdf5.clone(),
             "a.h5",
-            hdf5,
+            cut_hdf5,
         ),
-        file(
-            "a MAT file of version 7.3",
-            (
-                Refused,
-                "version 7.3, which is HDF5; save it from MATLAB with -v7, or convert it: python -c",
-            ),
-            "",
-            "a.mat",
-            mat,
-        ),
+        mapped("a MAT file of version 7.3", (Read, ""), from_hdf5, "a.mat", mat),
         file(
             "a Python pickle",
             (Refused, "a Python pickle; where it was made, write it as CSV"),
