@@ -21,12 +21,15 @@
 //! A [`Shard`] makes a share of what is derived from trials, and says in a manifest what it made.
 //! It writes nothing else, so that shards may run at the same time, on one disk or on several.
 //! [`survey`] says which shards' results are those of the study as it is, and what is missing;
-//! [`merge`] adds their records to the study's, and their files where these lie elsewhere.
+//! [`merge`] adds their records to the study's, and their files where these lie elsewhere. An engine
+//! that shares out parts itself asks [`due`] what there is to make, and lays down what it got back
+//! ([`lay_down`]) as shards to merge.
 //!
 //! A run writes and removes by its [`Results`] alone: below `derived/<study>` and
 //! `reports/<study>`, whatever the records of earlier runs say.
 
 mod change;
+mod elsewhere;
 mod hashes;
 mod job;
 mod manifest;
@@ -42,8 +45,9 @@ mod survey;
 mod trace;
 
 pub use change::{Change, Field, FileChange, How};
+pub use elsewhere::{Sent, due, lay_down};
 pub use job::{Inputs, Job, JobError, Made, Making, Stage, strip_root};
-pub use manifest::waiting;
+pub use manifest::{PROGRAM, waiting};
 pub use merge::{Merged, merge};
 pub use provenance::{ORIGIN, Provenance, origins};
 pub use record::{Record, Records};

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use zwidth_store::{Layout, StoreError, from_json, hex_blake3};
 
-/// The version of the program.
-pub(crate) const PROGRAM: &str = env!("CARGO_PKG_VERSION");
+/// The version of the program: results of another version are not merged.
+pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
 
 /// What a shard says of itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

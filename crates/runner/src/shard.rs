@@ -96,22 +96,23 @@ impl From<Shard> for String {
     }
 }
 
-/// For each job the shard that can make it now: the one it belongs to, if all that it reads is raw,
-/// up to date by the study's own records, or made by other jobs of that shard. The other jobs need
-/// results of several shards first, for instance the plant that is identified from all trials. So
-/// it does not matter which shards run at the same time, or what they have made so far.
-pub(crate) fn ready(
+/// For each job the share of the work (a shard, a part) that can make it now: the one it belongs to,
+/// if all that it reads is raw, up to date by the study's own records, or made by other jobs of that
+/// share. The other jobs need results of several shares first, for instance the plant that is
+/// identified from all trials. So it does not matter which shares are made at the same time, or what
+/// they have made so far.
+pub(crate) fn ready<S: Clone + PartialEq>(
     jobs: &[Job],
-    shard_of: impl Fn(&Job) -> Option<Shard>,
+    share_of: impl Fn(&Job) -> Option<S>,
     up_to_date: &[bool],
-) -> Vec<Option<Shard>> {
+) -> Vec<Option<S>> {
     let needs = needs(jobs);
     let mut ready = vec![None; jobs.len()];
     for i in levels(jobs).into_iter().flatten() {
-        let shard = shard_of(&jobs[i]);
-        let is_there = |maker: &usize| up_to_date[*maker] || ready[*maker] == shard;
-        if shard.is_some() && needs[i].iter().all(is_there) {
-            ready[i] = shard;
+        let share = share_of(&jobs[i]);
+        let is_there = |maker: &usize| up_to_date[*maker] || ready[*maker] == share;
+        if share.is_some() && needs[i].iter().all(is_there) {
+            ready[i] = share;
         }
     }
     ready
@@ -125,13 +126,24 @@ pub(crate) fn share(
     records: &Records,
     hashes: &Hashes,
 ) -> Vec<bool> {
-    let states = states_by(hashes, jobs, root, records, |job| shard.takes(job));
-    let current = states.iter().filter(|state| state.again() == Again::No);
-    let current: BTreeSet<&str> = current.map(|state| state.job.name.as_str()).collect();
-    let up_to_date: Vec<bool> =
-        jobs.iter().map(|job| current.contains(job.name.as_str())).collect();
+    let up_to_date = up_to_date(jobs, |job| shard.takes(job), root, records, hashes);
     let ready = ready(jobs, |job| shard.takes(job).then_some(shard), &up_to_date);
     ready.into_iter().map(|shard| shard.is_some()).collect()
+}
+
+/// Which jobs have up-to-date results by the study's own records, of those chosen and those whose
+/// outputs they need.
+pub(crate) fn up_to_date(
+    jobs: &[Job],
+    chosen: impl Fn(&Job) -> bool,
+    root: &Path,
+    records: &Records,
+    hashes: &Hashes,
+) -> Vec<bool> {
+    let states = states_by(hashes, jobs, root, records, chosen);
+    let current = states.iter().filter(|state| state.again() == Again::No);
+    let current: BTreeSet<&str> = current.map(|state| state.job.name.as_str()).collect();
+    jobs.iter().map(|job| current.contains(job.name.as_str())).collect()
 }
 
 #[cfg(test)]
