@@ -8,7 +8,7 @@ use zwidth_study::{printable, printable_lines};
 
 /// Where words go: results to standard output, progress and errors to standard error.
 pub(crate) struct Screen {
-    quiet: bool,
+    pub(crate) quiet: bool,
     pub(crate) verbose: bool,
     pub(crate) json: bool,
     bold: bool,

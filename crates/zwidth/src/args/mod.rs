@@ -48,7 +48,8 @@ pub(crate) enum Command {
     #[command(after_help = concat!(
         "Examples:\n",
         "  zwidth run thesis-twin\n",
-        "  zwidth run thesis-twin --only metrics"
+        "  zwidth run thesis-twin --only metrics\n",
+        "  zwidth run thesis-twin --cluster node1:50050"
     ))]
     Run(Run),
     /// Which shards of a study have made their share (`run --shard`), and what is missing
@@ -214,6 +215,14 @@ pub(crate) struct Run {
     /// Only the share I of N of what is derived from trials, to be merged later: 3/7
     #[arg(long, value_name = "I/N", conflicts_with = "only")]
     pub(crate) shard: Option<Shard>,
+    /// Have what is derived from trials made on a Ballista cluster, by its scheduler's address; the
+    /// program `zwidth-cluster` must be on the path
+    #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["fresh", "only", "shard", "dry_run", "without_origin"])]
+    pub(crate) cluster: Option<String>,
+    /// Where the cluster's executors find raw/: a folder that all machines share, or an object store
+    /// [default: the same folder as here]
+    #[arg(long, value_name = "DIR|s3://BUCKET/PREFIX", requires = "cluster")]
+    pub(crate) raw: Option<String>,
     /// Say what would be made, and why; make nothing
     #[arg(long)]
     pub(crate) dry_run: bool,

@@ -4,6 +4,7 @@ pub(crate) mod acquire;
 mod alike;
 pub(crate) mod characterise;
 pub(crate) mod check;
+mod cluster;
 pub(crate) mod compare;
 mod device;
 pub(crate) mod figure;

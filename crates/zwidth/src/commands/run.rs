@@ -1,6 +1,7 @@
 //! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
 
 use super::alike::once;
+use super::cluster::run_on;
 use super::near::did_you_mean;
 use super::{hashes_read, join_findings, nameless, studies};
 use crate::args::Run;
@@ -53,8 +54,19 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
     let layouts = studies(root, command.studies.clone())?;
     let several = layouts.len() > 1;
     for layout in layouts {
-        let outcome = match one(&layout, command, screen) {
-            Ok(outcome) => outcome,
+        // First the parts on the cluster, if there is one; then the rest here.
+        let shared_out = match &command.cluster {
+            Some(scheduler) => run_on(scheduler, &layout, command.raw.as_deref(), screen),
+            None => Ok(Exit::Fine),
+        };
+        let outcome = shared_out.and_then(|shared| Ok((shared, one(&layout, command, screen)?)));
+        let outcome = match outcome {
+            Ok((shared, outcome)) => {
+                if shared != Exit::Fine {
+                    exit = shared;
+                }
+                outcome
+            }
             Err(error) if several => {
                 screen.error(&error);
                 exit = Exit::Partly;

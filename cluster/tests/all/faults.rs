@@ -1,0 +1,126 @@
+//! Whatever goes wrong with a cluster ends in a result or in a clear error.
+
+use crate::hosts::{executor, free_port, run, scheduler};
+use crate::stored::{URL, settings, silent_store, store};
+use crate::studies::{is_as_without_a_cluster, raw};
+use ballista_core::config::TaskSchedulingPolicy;
+use ballista_executor::executor_process::{ExecutorProcessConfig, start_executor_process};
+use std::fs;
+use std::sync::Arc;
+use std::thread;
+
+#[test]
+fn without_a_scheduler_a_run_says_so() {
+    let root = raw();
+    let address = format!("127.0.0.1:{}", free_port());
+    run(root.path(), &address, &[])
+        .end()
+        .ends(1, &["no scheduler answers", "zwidth-cluster scheduler"]);
+    // Something else listens there.
+    let other = store(root.path());
+    let other = other.strip_prefix("http://").unwrap();
+    run(root.path(), other, &[]).end().ends(1, &["no scheduler of Ballista"]);
+    assert!(!root.path().join("derived").exists());
+}
+
+#[test]
+fn without_an_executor_a_run_says_so() {
+    let (_scheduler, address) = scheduler();
+    let root = raw();
+    let words = ["has no executor", "zwidth-cluster executor --scheduler"];
+    run(root.path(), &address, &["--patience", "1"]).end().ends(1, &words);
+}
+
+#[test]
+fn when_all_executors_are_killed_in_the_middle_a_run_ends_and_says_so() {
+    let (_scheduler, address) = scheduler();
+    let (endpoint, asked) = silent_store();
+    let mut executors = [(); 2].map(|()| executor(&address, &settings(&endpoint)));
+    let root = raw();
+    let running = run(root.path(), &address, &["--raw", URL, "--patience", "1"]);
+    let _open = [asked.recv().unwrap(), asked.recv().unwrap()];
+    executors.iter_mut().for_each(|executor| executor.kill());
+    running.end().ends(1, &["what came back of thesis-twin is merged", "run it again"]);
+    // The same study, with executors that live: nothing of the run that failed is in the way.
+    let _executor = executor(&address, &[]);
+    run(root.path(), &address, &[]).end().ends(0, &[]);
+    is_as_without_a_cluster(root.path());
+}
+
+#[test]
+fn when_one_executor_is_killed_in_the_middle_the_other_does_its_tasks_and_the_bytes_are_the_same() {
+    let (_scheduler, address) = scheduler();
+    let root = raw();
+    let (silent, asked) = silent_store();
+    let mut dies = executor(&address, &settings(&silent));
+    let running = run(root.path(), &address, &["--raw", URL]);
+    let _open = asked.recv().unwrap();
+    // It has a task, and the other one comes only now.
+    let lives = store(root.path());
+    let _lives = executor(&address, &settings(&lives));
+    dies.kill();
+    running.end().ends(0, &["18 of 18 jobs came back"]);
+    is_as_without_a_cluster(root.path());
+}
+
+#[test]
+fn when_the_scheduler_is_killed_in_the_middle_a_run_ends_and_says_so() {
+    let (mut scheduler, address) = scheduler();
+    let (endpoint, asked) = silent_store();
+    let _executor = executor(&address, &settings(&endpoint));
+    let root = raw();
+    let running = run(root.path(), &address, &["--raw", URL, "--patience", "1"]);
+    let _open = asked.recv().unwrap();
+    scheduler.kill();
+    running.end().ends(1, &["what came back of thesis-twin is merged"]);
+}
+
+#[test]
+fn an_executor_that_takes_too_long_is_not_waited_for() {
+    let (_scheduler, address) = scheduler();
+    let (endpoint, _asked) = silent_store();
+    let _executor = executor(&address, &settings(&endpoint));
+    let root = raw();
+    let running = run(root.path(), &address, &["--raw", URL, "--deadline", "1"]);
+    running.end().ends(1, &["gave no answer within 1 s", "--deadline"]);
+}
+
+#[test]
+fn a_task_that_an_executor_cannot_decode_ends_the_run_and_says_what_executors_must_be() {
+    let (_scheduler, address) = scheduler();
+    let (host, port) = address.split_once(':').unwrap();
+    let work = tempfile::tempdir().unwrap();
+    // Ballista's own, which does not have our function.
+    let config = ExecutorProcessConfig {
+        port: free_port(),
+        scheduler_host: host.to_owned(),
+        scheduler_port: port.parse().unwrap(),
+        external_host: Some(host.to_owned()),
+        vcores: 1,
+        task_scheduling_policy: TaskSchedulingPolicy::PullStaged,
+        work_dir: Some(work.path().to_str().unwrap().to_owned()),
+        ..ExecutorProcessConfig::default()
+    };
+    thread::spawn(move || {
+        let runtime = tokio::runtime::Runtime::new().unwrap();
+        runtime.block_on(start_executor_process(Arc::new(config)))
+    });
+    let root = raw();
+    let words = ["failed 3 times", "zwidth_part", "must be a `zwidth-cluster executor`"];
+    run(root.path(), &address, &[]).end().ends(1, &words);
+}
+
+#[test]
+fn recordings_that_are_others_than_the_clients_are_refused_by_their_part() {
+    let (_scheduler, address) = scheduler();
+    let (root, other) = (raw(), raw());
+    let changed = other.path().join("raw/thesis-twin/study.toml");
+    let text = fs::read_to_string(&changed).unwrap();
+    fs::write(&changed, format!("{text}\n# another\n")).unwrap();
+    let _executor = executor(&address, &[]);
+    let there = other.path().to_str().unwrap();
+    let words = ["P01.S01.", "study.toml is another file", "the executors could make nothing"];
+    run(root.path(), &address, &["--raw", there]).end().ends(1, &words);
+    let words = ["there is no folder", "/no/such/folder"];
+    run(root.path(), &address, &["--raw", "/no/such/folder"]).end().ends(1, &words);
+}
