@@ -4,172 +4,59 @@
 //! Nothing is imported by a guess: the mapping is a text that a person reads, mends and names in
 //! `--map`. What could not be told stands in it as a line to fill in.
 
-use super::csv::{Dialect, WHITE_SPACE};
-use super::format::{Format, FormatOptions};
+use super::format::Format;
+use super::guess_apart::{Sorted, sort};
 use super::guess_names::{Names, names};
-use super::limits::{Budget, MOST_FILE, Take};
-use super::plain::is_labchart;
+use super::guess_read::{LOOKED_AT, Looked, MOST_GUESSED, Written, look};
+use super::guess_words::{ANSWERS, COMMANDED, CURRENTS, LABELS, Said, said, signal_of};
 use super::recording::number;
-use super::table::{Cell, Cells, ColumnRef, Table};
-use super::text::{Encoding, check_readable, decode};
-use super::unit::{find, may_become};
+use super::table::{Cell, Cells, Table};
+use super::text::Encoding;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use zwidth_store::{Signal, StoreError, read_named};
+use zwidth_store::{Signal, StoreError};
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
 
-/// Columns that are looked at: more are not one recording's.
-const MOST_GUESSED: usize = 64;
-/// Lines and rows that are looked at.
-const LOOKED_AT: usize = 200;
-/// Lines before the header, at most.
-const MOST_PREAMBLE: usize = 50;
-/// What stands between cells, the likeliest first.
-const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', WHITE_SPACE];
-
-/// What columns are called, and what they then are. The words stand in small letters, the first
-/// line that has one of a name's words wins.
-const NAMES: [(Signal, &[&str]); 7] = [
-    (Signal::Time, &["t", "time", "zeit", "timestamp", "elapsed", "seconds", "millis", "temps"]),
-    (Signal::ThetaDdot, &["accel", "acceleration", "beschleunigung", "thetaddot", "ddot"]),
-    (
-        Signal::ThetaDot,
-        &["v", "vel", "velocity", "speed", "geschwindigkeit", "omega", "thetadot", "dot"],
-    ),
-    (Signal::ForceEx, &["f", "fx", "force", "kraft", "fex", "load"]),
-    (Signal::TorqueEx, &["torque", "tau", "moment", "drehmoment"]),
-    (Signal::Theta, &["theta", "angle", "winkel", "pos", "position", "x", "phi", "encoder", "weg"]),
-    (Signal::VoltageMotor, &["voltage", "spannung"]),
-];
-
-/// How a text is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Written {
-    encoding: Encoding,
-    delimiter: u8,
-    decimal_comma: bool,
-    header: bool,
-    skip: usize,
-    /// What a line of remarks begins with.
-    comment: Option<u8>,
+/// What a guess found.
+#[derive(Debug)]
+pub struct Guess {
+    /// The mapping's text, to be edited.
+    pub mapping: String,
+    /// Files that the mapping does not fit: what each is instead, and what to do with it.
+    pub apart: Vec<StoreError>,
 }
 
-/// What lines of remarks begin with.
-const REMARKS: [u8; 3] = [b'%', b'#', b'!'];
-
-/// A mapping for recordings, guessed: from the first one what is in it, from all of their names
-/// whose trial each is.
+/// A mapping for recordings, guessed: from the first of those that are alike what is in them, from
+/// all of their names whose trial each is. Files with other columns are told apart.
 ///
 /// # Errors
-/// A file that cannot be read.
-pub fn guess(path: &Path, others: &[PathBuf]) -> Result<String, StoreError> {
+/// A file that cannot be read, where it is the only one or the first of those alike.
+pub fn guess(path: &Path, others: &[PathBuf]) -> Result<Guess, StoreError> {
     let files: Vec<PathBuf> = std::iter::once(path.to_owned()).chain(others.to_vec()).collect();
-    let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
-    check_readable(path, &bytes)?;
-    let extension =
-        path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let named = Format::ALL.into_iter().find(|f| f.extensions().contains(&extension.as_str()));
-    let format = named.unwrap_or(Format::Txt);
-    let is_delimited = matches!(format, Format::Csv | Format::Tsv | Format::Txt);
-    let encoding = encoding(&bytes);
-    let written = match is_delimited {
-        true => written(&decode(path, &bytes, encoding)?, encoding),
-        false => Written {
-            encoding,
-            delimiter: b',',
-            decimal_comma: false,
-            header: true,
-            skip: 0,
-            comment: None,
-        },
-    };
-    let dialect = Dialect {
-        delimiter: written.delimiter,
-        header: written.header,
-        comment: written.comment,
-        skip: written.skip,
-        encoding,
-        bad_lines: usize::MAX,
-        before: 0,
-    };
-    let columns: Vec<ColumnRef> = (1..=MOST_GUESSED).map(ColumnRef::Position).collect();
-    let budget = Budget::default();
-    let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
-    let table = format.read(path, bytes, FormatOptions { dialect, part: None }, &take)?;
-    let (format, written) = (named.is_none().then_some(format), is_delimited.then_some(written));
-    Ok(mapping(path, &table, format, written, &names(&files)))
-}
-
-/// UTF-8 where the bytes are, and else Latin-1, in which any bytes are text.
-fn encoding(bytes: &[u8]) -> Encoding {
-    let marked = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
-    // Half of the bytes of plain letters are 0 in UTF-16.
-    let zeros = bytes.iter().take(LOOKED_AT).filter(|b| **b == 0).count();
-    if !marked && 4 * zeros > bytes.len().min(LOOKED_AT) {
-        return Encoding::Utf16;
-    }
-    if marked || std::str::from_utf8(bytes).is_ok() { Encoding::Utf8 } else { Encoding::Latin1 }
-}
-
-/// How a delimited text is written. Lines of remarks are left out, unless the header is one.
-fn written(text: &str, encoding: Encoding) -> Written {
-    let first = text.trim_start_matches('\u{feff}').as_bytes().first();
-    let whole = || form(text, encoding);
-    let Some(mark) = REMARKS.into_iter().find(|mark| first == Some(mark)) else { return whole() };
-    let rest = text.lines().filter(|line| line.as_bytes().first() != Some(&mark));
-    let rest = form(&Vec::from_iter(rest).join("\n"), encoding);
-    if rest.header { Written { comment: Some(mark), ..rest } } else { whole() }
-}
-
-/// The delimiter that parts most lines into the same number of cells, the most of them, and what
-/// follows from it.
-fn form(text: &str, encoding: Encoding) -> Written {
-    let lines: Vec<&str> =
-        text.lines().filter(|line| !line.trim().is_empty()).take(LOOKED_AT).collect();
-    let of = |delimiter: u8| {
-        let counts: Vec<usize> = lines.iter().map(|line| cells(line, delimiter).len()).collect();
-        let usual = counts.last().copied().unwrap_or(1);
-        (counts.iter().filter(|n| **n == usual && usual > 1).count(), delimiter)
-    };
-    let best = DELIMITERS
-        .into_iter()
-        .map(of)
-        .fold((0, b','), |best, next| if next.0 > best.0 { next } else { best });
-    let (delimiter, last) = (best.1, lines.last().copied().unwrap_or_default());
-    let width = cells(last, delimiter).len();
-    // A comma that is no delimiter and stands between digits is one before decimals.
-    let has_comma = |cell: &&str| number(cell, false).is_err() && number(cell, true).is_ok();
-    let decimal_comma = delimiter != b',' && cells(last, delimiter).iter().any(has_comma);
-    let mut all = text.lines();
-    let fits = |line: &str| !line.trim().is_empty() && cells(line, delimiter).len() + 1 >= width;
-    let skip = all.position(fits).filter(|skip| *skip <= MOST_PREAMBLE).unwrap_or(0);
-    let first = text.lines().nth(skip).unwrap_or_default();
-    let is_number = |cell: &&str| matches!(number(cell, decimal_comma), Ok(Some(_)));
-    let header = is_labchart(text) || !cells(first, delimiter).iter().any(is_number);
-    let skip = if is_labchart(text) { 0 } else { skip };
-    Written { encoding, delimiter, decimal_comma, header, skip, comment: None }
-}
-
-fn cells(line: &str, delimiter: u8) -> Vec<&str> {
-    match delimiter {
-        WHITE_SPACE => line.split_whitespace().collect(),
-        _ => line.split(char::from(delimiter)).map(str::trim).collect(),
-    }
+    let Sorted { alike, apart } = sort(&files);
+    let first = alike.first().map_or(path, PathBuf::as_path);
+    let Looked { table, format, written } = look(first)?;
+    let text = mapping((first, &apart), &table, format, written, &names(&alike));
+    Ok(Guess { mapping: text, apart })
 }
 
 /// The mapping's text.
 fn mapping(
-    path: &Path,
+    (path, apart): (&Path, &[StoreError]),
     table: &Table,
     format: Option<Format>,
     written: Option<Written>,
     names: &Names,
 ) -> String {
     let mut text = format!(
-        "# Guessed from {}: check every line, fill in what stands at `TODO`, then\n# zwidth import STUDY --map THIS FILES…\n\
-         kind = \"trials\"\n\n[file]\n",
-        path.file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, " ")
+        "# Guessed from {}: check every line, fill in what stands at `TODO`, then\n# zwidth import STUDY --map THIS FILES…\n",
+        file_name(path)
     );
+    for StoreError { path, what, remedy, .. } in apart {
+        let told = format!("{what}; {remedy}").replace(char::is_control, " ");
+        let _ = writeln!(text, "# Not for {}: {told}", file_name(path));
+    }
+    text.push_str("kind = \"trials\"\n\n[file]\n");
     if let Some(format) = format {
         let _ = writeln!(text, "format = \"{}\"", format.word());
     }
@@ -223,6 +110,10 @@ fn mapping(
         );
     }
     text
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, " ")
 }
 
 /// `[name]` and `[trial]`.
@@ -359,13 +250,11 @@ fn described(table: &Table, decimal_comma: bool) -> Vec<Guessed> {
         let name =
             table.names.as_ref().and_then(|names| names.get(place)).filter(|n| !n.is_empty());
         let is_number = is_number(&table.columns[place], decimal_comma);
-        let (words, unit) = name.map_or((Vec::new(), None), |name| words_and_unit(name));
-        let to = signal_of(&words).filter(|to| is_number && !taken.contains(to));
+        let Said { words, signal, unit } = name.map_or_else(Said::default, |name| said(name));
+        let to = signal.filter(|to| is_number && !taken.contains(to));
         taken.extend(to);
-        let fits =
-            |unit: &String| to.is_none_or(|to| find(unit).is_some_and(|unit| may_become(unit, to)));
         let from = name.map_or_else(|| (place + 1).to_string(), |name| quoted(name));
-        Guessed { place, from, to, unit: unit.filter(fits), is_number, words }
+        Guessed { place, from, to, unit, is_number, words }
     };
     (0..table.columns.len().min(MOST_GUESSED)).map(one).collect()
 }
@@ -383,55 +272,6 @@ fn quoted(text: &str) -> String {
         }
     }
     quoted + "\""
-}
-
-/// Words of a column that says which trial it is, and the key under `[trial]`.
-const LABELS: [(&str, &[&str]); 5] = [
-    ("participant", &["participant", "subject", "subj", "vp", "proband", "user"]),
-    ("session", &["session", "day", "visit"]),
-    ("mode", &["controller", "condition", "mode", "group", "treatment", "regler"]),
-    ("repeat", &["repetition", "repeat", "rep", "wdh"]),
-    ("trial", &["trial", "run"]),
-];
-/// Words of a column of answers.
-const ANSWERS: [&str; 6] = ["likert", "rating", "answer", "score", "response", "bewertung"];
-/// Words of a column of a winding's current.
-const CURRENTS: [&str; 3] = ["current", "strom", "courant"];
-
-/// Words of a column that was asked for, not measured.
-const COMMANDED: [&str; 11] = [
-    "desired",
-    "commanded",
-    "cmd",
-    "command",
-    "target",
-    "set",
-    "setpoint",
-    "reference",
-    "ref",
-    "demand",
-    "soll",
-];
-
-/// The words of a name in small letters, and the last of them that is a unit: `Force (mN)` →
-/// `force`, `mN`; `angle_deg` → `angle`, `deg`.
-fn words_and_unit(name: &str) -> (Vec<String>, Option<String>) {
-    let parts = name.split([' ', '_', '(', ')', '[', ']', ',', ':']);
-    let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
-    let unit = (1..parts.len()).rev().find(|i| find(parts[*i]).is_some());
-    let words = parts.iter().enumerate().filter(|(i, _)| Some(*i) != unit);
-    (words.map(|(_, part)| part.to_lowercase()).collect(), unit.map(|i| parts[i].to_owned()))
-}
-
-/// What a column of these words is.
-fn signal_of(words: &[String]) -> Option<Signal> {
-    let is_called = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
-    let signal = NAMES.iter().find(|(_, known)| is_called(known))?.0;
-    match (is_called(&COMMANDED), signal) {
-        (false, signal) => Some(signal),
-        (true, Signal::ForceEx) => Some(Signal::ForceCmd),
-        (true, _) => None,
-    }
 }
 
 fn first_numbers(cells: &Cells, decimal_comma: bool) -> Vec<Option<f64>> {
@@ -462,7 +302,7 @@ mod tests {
 
     fn check(name: &str, content: &[u8], expect: &[&str]) -> String {
         let world = World::new();
-        let text = guess(&world.file(name, content), &[]).unwrap();
+        let text = guess(&world.file(name, content), &[]).unwrap().mapping;
         for words in expect {
             assert!(text.contains(words), "'{words}' is not in\n{text}");
         }
@@ -554,7 +394,10 @@ mod tests {
         check("a.csv", b"time_ms,angle_deg\n0,1\n1,2\n", &[derived]);
         let world = World::new();
         for text in ["t_s,theta_rad,omega\n0,1,2\n1,2,3\n", "t_s,force_n\n0,1\n1,2\n"] {
-            assert!(!guess(&world.file("b.csv", text), &[]).unwrap().contains("derive"), "{text}");
+            assert!(
+                !guess(&world.file("b.csv", text), &[]).unwrap().mapping.contains("derive"),
+                "{text}"
+            );
         }
     }
 
@@ -563,7 +406,7 @@ mod tests {
     fn a_guess_with_its_blanks_filled_in_imports() {
         let world = World::new();
         let file = world.file("a.csv", "Time (s)\tForce (N)\r\n0\t1,5\r\n0,5\t2,5\r\n");
-        let text = guess(&file, &[]).unwrap();
+        let text = guess(&file, &[]).unwrap().mapping;
         let filled = text
             .replacen("\"TODO\"     # a code", "\"P01\"     # a code", 1)
             .replace("environment = \"TODO\"", "environment = \"spring\"")

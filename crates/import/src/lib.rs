@@ -19,8 +19,11 @@ mod feather;
 mod format;
 mod given;
 mod guess;
+mod guess_apart;
 mod guess_names;
 mod hdf5;
+mod guess_read;
+mod guess_words;
 mod identity;
 mod jsonl;
 #[cfg(test)]
@@ -58,7 +61,7 @@ mod xdf;
 mod xml;
 mod zip;
 
-pub use guess::guess;
+pub use guess::{Guess, guess};
 pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped};
 

@@ -75,8 +75,8 @@ const MINUTE: f64 = 60.0;
 
 // Two letters look like µ, the sign of micro and the Greek letter: both are typed.
 const UNITS: [Unit; 43] = [
-    unit(&["s"], Time, 1.0),
-    unit(&["ms"], Time, 1e-3),
+    unit(&["s", "sec"], Time, 1.0),
+    unit(&["ms", "msec"], Time, 1e-3),
     unit(&["µs", "μs", "us"], Time, 1e-6),
     unit(&["ns"], Time, 1e-9),
     unit(&["min"], Time, MINUTE),
@@ -124,6 +124,14 @@ const UNITS: [Unit; 43] = [
 /// The unit of that spelling, where it is one we know.
 pub(super) fn find(text: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|u| u.spellings.contains(&text))
+}
+
+/// The spelling of the one unit of `signal` that is written so in other letters: `mn` of a force is
+/// mN.
+pub(super) fn find_in_any_case(text: &str, signal: Signal) -> Option<&'static str> {
+    let spelled = UNITS.iter().filter(|unit| may_become(unit, signal)).flat_map(|u| u.spellings);
+    let mut same = spelled.filter(|spelling| spelling.to_lowercase() == text.to_lowercase());
+    same.next().copied().filter(|_| same.next().is_none())
 }
 
 /// The first spelling of every unit that can become `signal`, for error messages.

@@ -8,7 +8,7 @@ use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use zwidth_import::{Mapping, guess, import as import_files, long_bytes};
+use zwidth_import::{Guess, Mapping, guess, import as import_files, long_bytes};
 use zwidth_store::started::settle;
 use zwidth_store::{Raw, RealFiles, read_study};
 
@@ -18,10 +18,14 @@ fn guessed(
     map: Option<&Path>,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
-    let text = guess(file, others)?;
+    let Guess { mapping: text, apart } = guess(file, others)?;
+    let exit = if apart.is_empty() { Exit::Fine } else { Exit::Partly };
+    for file in &apart {
+        screen.warn(file.to_string());
+    }
     let Some(map) = map else {
         screen.result(text.trim_end());
-        return Ok(Exit::Fine);
+        return Ok(exit);
     };
     if map.exists() {
         bail!("{} exists already; name another file with --map", map.display());
@@ -33,7 +37,7 @@ fn guessed(
         "{}: guessed; edit what stands at TODO, then import with it",
         map.display()
     ));
-    Ok(Exit::Fine)
+    Ok(exit)
 }
 
 pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {
