@@ -29,6 +29,7 @@ mod jsonl;
 #[cfg(test)]
 mod killed;
 mod label;
+mod late;
 mod likert;
 mod limits;
 mod long;
@@ -62,6 +63,7 @@ mod xml;
 mod zip;
 
 pub use guess::{Guess, guess};
+pub use late::{LateAnswer, LateAnswers, TrialMeant};
 pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped};
 

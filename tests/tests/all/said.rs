@@ -163,3 +163,77 @@ fn in_a_session_any_trial_is_excluded_asked_again_remarked_on_and_done_again() {
     assert!(said.into_iter().all(|line| line["by"] == "E1"));
     assert_eq!(answers(&desk).iter().find(|(trial, _)| *trial == 3), Some(&(3, 5)));
 }
+
+/// The session, with a table of answers beside it.
+fn with_table(rows: &[&str]) -> (Desk, String) {
+    let desk = done();
+    let path = desk.root().join("ratings.csv");
+    fs::write(&path, rows.join("\n") + "\n").unwrap();
+    (desk, path.to_str().unwrap().to_owned())
+}
+
+#[test]
+fn a_table_of_answers_is_given_whole_and_only_once() {
+    let rows = ["participant,session,trial,answer", "P01,S01,2,5", "P01,S01,3,3", "P01,S01,4,1"];
+    let (desk, table) = with_table(&rows);
+    let before = answers(&desk);
+    let give = |more: &[&str]| {
+        zwidth(desk.root(), &[&["answer", "small", "--from", &table], more].concat()).exits(0).out
+    };
+    let told = "2 answers in 1 session would be given; 2 in place of others, which are kept; 1 there already";
+    assert!(give(&["--dry-run"]).contains(told));
+    assert_eq!(answers(&desk), before, "a dry run gives nothing");
+    assert!(give(&["--by", "E2"]).contains("2 answers in 1 session are given; 2 in place"));
+    assert_eq!(log(&desk).pop().unwrap()["by"], "E2");
+    let value = |trial| answers(&desk).iter().find(|(t, _)| *t == trial).unwrap().1;
+    assert_eq!((value(2), value(3), value(4)), (5, 3, 1));
+    let lines = log(&desk).len();
+    assert!(give(&[]).contains("0 answers in 0 sessions are given; 3 there already"));
+    assert_eq!(log(&desk).len(), lines);
+    desk.verify();
+}
+
+#[test]
+fn a_table_with_a_wrong_line_gives_nothing_and_tells_each_such_line() {
+    let rows = [
+        "participant,session,trial,answer",
+        "P01,S01,2,5",
+        "P01,S01,2,4",
+        "P09,S01,2,4",
+        "P01,S01,99,4",
+        "P01,S01,3,9",
+    ];
+    let (desk, table) = with_table(&rows);
+    let lines = log(&desk).len();
+    let ran = zwidth(desk.root(), &["answer", "small", "--from", &table]).exits(1);
+    for words in [
+        "trial 2 has an answer to felt_",
+        "in line 2 too (line 3)",
+        "there is no session S01 of P09",
+        "the session has no trial 99: they are 1 to 7 (line 5)",
+        "9 is no answer to felt_",
+        "nothing was written",
+    ] {
+        assert!(ran.err.contains(words), "'{words}' is not in\n{}", ran.err);
+    }
+    assert_eq!(log(&desk).len(), lines);
+}
+
+#[test]
+fn a_table_names_trials_by_condition_and_repeat_as_well() {
+    let desk = done();
+    let data = zwidth_store::StudyData::load(&zwidth_store::Layout::new(
+        desk.root(),
+        "small".parse().unwrap(),
+    ))
+    .unwrap();
+    let trial = &data.sessions[0].trials.iter().find(|t| t.trial == 5).unwrap();
+    let table = desk.root().join("ratings.csv");
+    let row = format!("P01,{},{},{},5", trial.environment, trial.mode, trial.repeat);
+    fs::write(&table, format!("participant,environment,mode,repeat,answer\n{row}\n")).unwrap();
+    let give = ["answer", "small", "--from", table.to_str().unwrap()];
+    let ran = zwidth(desk.root(), &give).exits(1);
+    assert!(ran.err.contains("no column 'session': add it, or name one with -s"), "{}", ran.err);
+    zwidth(desk.root(), &[&give[..], &["-s", "S01"]].concat()).exits(0);
+    assert!(answers(&desk).contains(&(5, 5)));
+}

@@ -104,8 +104,13 @@ pub(crate) enum Command {
     #[command(after_help = "Example:\n  zwidth note mystudy -p P01 -s S01 left-handed")]
     /// Add a remark to a session, or to one of its trials
     Note(Note),
-    #[command(after_help = "Example:\n  zwidth answer mystudy -p P01 -s S01 --trial 7 4")]
-    /// Give an answer after the session; it counts in place of an earlier one, which is kept
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth answer mystudy -p P01 -s S01 --trial 7 4\n",
+        "  zwidth answer mystudy --from ratings.csv"
+    ))]
+    /// Give answers after the session, one or a table of them; each counts in place of an earlier
+    /// one, which is kept
     Answer(Answer),
     /// Open a blinded session's seal: its modes are known from then on
     #[command(after_help = "Example:\n  zwidth unseal mystudy -p P01 -s S01")]
@@ -485,17 +490,34 @@ pub(crate) struct Note {
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Answer {
-    #[command(flatten)]
-    pub(crate) said: Said,
+    /// The study
+    pub(crate) study: StudyId,
+    /// The participant
+    #[arg(long, short, value_name = "P01", required_unless_present = "from")]
+    pub(crate) participant: Option<ParticipantId>,
+    /// The session; with --from, that of a table without a column of sessions
+    #[arg(long, short, value_name = "S01", required_unless_present = "from")]
+    pub(crate) session: Option<SessionId>,
+    /// Your code, which is kept with it; no name
+    #[arg(long, value_name = "E1")]
+    pub(crate) by: Option<ExperimenterId>,
     /// The trial's number
-    #[arg(long, value_name = "N")]
-    pub(crate) trial: u32,
-    /// The question [default: the only one that is asked after that trial]
+    #[arg(long, value_name = "N", required_unless_present = "from")]
+    pub(crate) trial: Option<u32>,
+    /// The question [default: the only one that is asked after that trial]; with --from, that of a
+    /// table without a column of questions
     #[arg(long, value_name = "ID")]
     pub(crate) question: Option<QuestionId>,
     /// The answer, a number of the question's scale
-    #[arg(allow_negative_numbers = true)]
-    pub(crate) value: i16,
+    #[arg(allow_negative_numbers = true, required_unless_present = "from")]
+    pub(crate) value: Option<i16>,
+    /// A table of answers (CSV, Excel), one row each, with the columns participant, session, trial
+    /// (or environment, mode and repeat), question and answer: all are given, or none
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["participant", "trial", "value"])]
+    pub(crate) from: Option<PathBuf>,
+    /// Check the table and say what would be given; nothing is written
+    #[arg(long, requires = "from")]
+    pub(crate) dry_run: bool,
 }
 
 #[derive(Debug, clap::Args)]

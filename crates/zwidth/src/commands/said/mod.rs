@@ -1,6 +1,8 @@
 //! `zwidth exclude`, `note`, `answer`: what is said of a session after it was recorded. Each is an
 //! event that is added to its log; nothing that stands there changes.
 
+mod answers;
+
 use super::recover::{lock, now, put_in_order_and_tell};
 use super::{join_findings, session, study};
 use crate::args::{Answer, Exclude, Note, Said};
@@ -42,25 +44,60 @@ pub(crate) fn note(root: &Path, command: &Note, screen: &Screen) -> anyhow::Resu
 }
 
 pub(crate) fn answer(root: &Path, command: &Answer, screen: &Screen) -> anyhow::Result<Exit> {
-    let Answer { trial, value, .. } = *command;
-    add(root, &command.said, screen, &|data, log| {
-        let entry = recorded(data, log, trial)?;
-        let id = question(data, log, command)?;
-        let asked =
-            data.study.question(&id).with_context(|| format!("{id} is not in study.toml"))?;
-        if !asked.scale.has(value) {
-            bail!("{value} is no answer to {id}: {}", asked.scale.range());
-        }
-        let before = before(log, entry, &id, trial);
+    let Answer { study, participant, session, by, trial, question, value, from, .. } = command;
+    if let Some(from) = from {
+        return answers::from_table(root, command, from, screen);
+    }
+    let (Some(participant), Some(session)) = (participant.clone(), session.clone()) else {
+        bail!("name the participant and the session: -p P01 -s S01");
+    };
+    let (Some(trial), Some(value)) = (*trial, *value) else {
+        bail!("name the trial (--trial N) and the answer");
+    };
+    let said = Said { study: study.clone(), participant, session, by: by.clone() };
+    add(root, &said, screen, &|data, log| {
+        let Given { event, question, before, but } =
+            given(data, log, trial, question.as_ref(), value)?;
         let before = before.map(|value| format!(", in place of {value}, which is kept"));
-        let why_not = entry.filter(|entry| entry.sealed.is_none()).and_then(TrialEntry::why_not);
-        let but = why_not.map(|why| format!("; the trial itself does not count: {why}"));
+        let but = but.map(|why| format!("; the trial itself does not count: {why}"));
         let said = format!(
-            "trial {trial}: {id} is answered with {value}{}{}",
+            "trial {trial}: {question} is answered with {value}{}{}",
             before.unwrap_or_default(),
             but.unwrap_or_default()
         );
-        Ok((Event::Answer { trial, question: id, value, time_ms: None }, said))
+        Ok((event, said))
+    })
+}
+
+/// An answer that may be given.
+struct Given {
+    event: Event,
+    question: QuestionId,
+    /// The answer that counted so far.
+    before: Option<i16>,
+    /// Why the trial itself does not count.
+    but: Option<String>,
+}
+
+/// The answer to a question, the only one that is asked where none is named, after a trial.
+fn given(
+    data: &StudyData,
+    log: &SessionLog,
+    trial: u32,
+    named: Option<&QuestionId>,
+    value: i16,
+) -> anyhow::Result<Given> {
+    let entry = recorded(data, log, trial)?;
+    let id = question(data, log, trial, named)?;
+    let asked = data.study.question(&id).with_context(|| format!("{id} is not in study.toml"))?;
+    if !asked.scale.has(value) {
+        bail!("{value} is no answer to {id}: {}", asked.scale.range());
+    }
+    Ok(Given {
+        before: before(log, entry, &id, trial),
+        but: entry.filter(|entry| entry.sealed.is_none()).and_then(TrialEntry::why_not),
+        event: Event::Answer { trial, question: id.clone(), value, time_ms: None },
+        question: id,
     })
 }
 
@@ -122,20 +159,24 @@ fn recorded<'a>(
 }
 
 /// The question that is answered: one that is asked after the trial.
-fn question(data: &StudyData, log: &SessionLog, command: &Answer) -> anyhow::Result<QuestionId> {
-    let planned = log.trials.iter().find(|t| t.trial == command.trial);
+fn question(
+    data: &StudyData,
+    log: &SessionLog,
+    trial: u32,
+    named: Option<&QuestionId>,
+) -> anyhow::Result<QuestionId> {
+    let planned = log.trials.iter().find(|t| t.trial == trial);
     let environment = planned.and_then(|t| data.study.environment(&t.environment));
     let asked: Vec<&QuestionId> = environment.iter().flat_map(|e| e.questions()).collect();
     let list = || asked.iter().map(|id| id.as_str()).collect::<Vec<_>>().join(", ");
-    match (&command.question, asked.as_slice()) {
+    match (named, asked.as_slice()) {
         (Some(id), asked) if asked.contains(&id) => Ok(id.clone()),
         (None, [only]) => Ok((*only).clone()),
         (_, []) => bail!(
-            "nothing is asked after trial {}: name a question of [[questions]] in its environment of study.toml, question = \"…\"",
-            command.trial
+            "nothing is asked after trial {trial}: name a question of [[questions]] in its environment of study.toml, question = \"…\""
         ),
         (Some(id), _) => {
-            bail!("{id} is not asked after trial {}: name one of {}", command.trial, list())
+            bail!("{id} is not asked after trial {trial}: name one of {}", list())
         }
         (None, _) => bail!("say which question is answered, with --question: {}", list()),
     }

@@ -1,0 +1,265 @@
+//! Answers that a study kept beside its recordings, for trials that are there: a table with one
+//! row per answer, without a mapping file. Its columns have fixed names.
+
+use super::guess_read::{Looked, look};
+use super::identity::{id, number};
+use super::limits::MOST_ERRORS;
+use super::recording::Recording;
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_store::StoreError;
+use zwidth_study::{EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId};
+
+/// What to do about a row that is wrong.
+const MEND: &str = "mend the row, or remove it; nothing was written";
+
+/// Which trial of its session a row speaks of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum TrialMeant {
+    /// The trial of this number.
+    Number(u32),
+    /// This repeat of a condition.
+    Repeat {
+        /// The condition's environment.
+        environment: EnvironmentId,
+        /// The condition's mode.
+        mode: ModeId,
+        /// The repeat, from 1.
+        repeat: u32,
+    },
+}
+
+/// One row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LateAnswer {
+    /// Whose answer.
+    pub participant: ParticipantId,
+    /// In which session; `None` where the table has no such column.
+    pub session: Option<SessionId>,
+    /// After which trial.
+    pub trial: TrialMeant,
+    /// To which question; `None` where the table has no such column.
+    pub question: Option<QuestionId>,
+    /// The answer.
+    pub value: i16,
+    row: usize,
+}
+
+/// A table of answers, read.
+pub struct LateAnswers {
+    recording: Recording,
+    answer: usize,
+    /// The rows, in the order of the table.
+    pub rows: Vec<LateAnswer>,
+}
+
+impl LateAnswers {
+    /// Reads a table with the columns participant, session, trial (or environment, mode and
+    /// repeat), question and answer, in any order and among others.
+    ///
+    /// # Errors
+    /// A file that cannot be read, a column that is missing, and each row in which a cell is wrong.
+    pub fn read(path: &Path) -> Result<Self, Vec<StoreError>> {
+        let Looked { table, written, .. } = look(path).map_err(|error| vec![error])?;
+        let comma = written.is_some_and(|written| written.decimal_comma);
+        let recording = Recording::part(path, table, comma, BTreeMap::new());
+        let columns = Columns::of(&recording).map_err(|error| vec![error])?;
+        let (mut rows, mut errors) = (Vec::new(), Vec::new());
+        let read = |row| match recording.table.bad.iter().find(|(bad, _)| *bad == row) {
+            Some((_, why)) => Err(recording.cell_error(columns.answer, row, why, MEND)),
+            None => columns.row(&recording, row),
+        };
+        for row in 0..recording.table.columns[columns.answer].len() {
+            match read(row) {
+                Ok(answer) => rows.push(answer),
+                Err(error) => errors.push(error),
+            }
+            if errors.len() >= MOST_ERRORS {
+                break;
+            }
+        }
+        if rows.is_empty() && errors.is_empty() {
+            errors.push(recording.error("the table has no rows", "name the table of answers"));
+        }
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        Ok(Self { recording, answer: columns.answer, rows })
+    }
+
+    /// An error about a row.
+    pub fn error(&self, row: &LateAnswer, what: &str) -> StoreError {
+        self.recording.cell_error(self.answer, row.row, what, MEND)
+    }
+
+    /// Where a row is, for people.
+    pub fn place(&self, row: &LateAnswer) -> String {
+        let line = self.recording.table.lines.get(row.row);
+        line.map_or_else(|| format!("row {}", row.row + 1), |line| format!("line {line}"))
+    }
+}
+
+/// Where the columns are.
+struct Columns {
+    participant: usize,
+    session: Option<usize>,
+    trial: TrialColumns,
+    question: Option<usize>,
+    answer: usize,
+}
+
+enum TrialColumns {
+    Number(usize),
+    Repeat { environment: usize, mode: usize, repeat: usize },
+}
+
+impl Columns {
+    /// Names are the same in any case.
+    fn of(recording: &Recording) -> Result<Self, StoreError> {
+        let names = recording.table.names.iter().flatten();
+        let names: Vec<String> = names.map(|name| name.trim().to_lowercase()).collect();
+        let find = |name: &str| names.iter().position(|known| known == name);
+        let needed = |name: &str| {
+            find(name).ok_or_else(|| {
+                let what = format!(
+                    "there is no column '{name}'; the table has {}",
+                    if names.is_empty() { "no header".to_owned() } else { names.join(", ") }
+                );
+                let remedy = "name the columns participant, session, trial (or environment, mode and repeat), \
+                              question and answer in its first line";
+                recording.error(what, remedy)
+            })
+        };
+        let trial = match (find("trial"), find("environment")) {
+            (None, Some(environment)) => TrialColumns::Repeat {
+                environment,
+                mode: needed("mode")?,
+                repeat: needed("repeat")?,
+            },
+            _ => TrialColumns::Number(needed("trial")?),
+        };
+        Ok(Self {
+            participant: needed("participant")?,
+            session: find("session"),
+            trial,
+            question: find("question"),
+            answer: needed("answer")?,
+        })
+    }
+
+    fn row(&self, recording: &Recording, row: usize) -> Result<LateAnswer, StoreError> {
+        let cell = |column: usize| {
+            let text = recording.table.columns[column].cell(row).to_string().trim().to_owned();
+            if text.is_empty() {
+                Err(at(recording, column, row, "the cell is empty"))
+            } else {
+                Ok(text)
+            }
+        };
+        let trial = match self.trial {
+            TrialColumns::Number(trial) => TrialMeant::Number(
+                number("trial", &cell(trial)?).map_err(|why| at(recording, trial, row, &why))?,
+            ),
+            TrialColumns::Repeat { environment, mode, repeat } => TrialMeant::Repeat {
+                environment: id(&cell(environment)?)
+                    .map_err(|why| at(recording, environment, row, &why))?,
+                mode: id(&cell(mode)?).map_err(|why| at(recording, mode, row, &why))?,
+                repeat: number("repeat", &cell(repeat)?)
+                    .map_err(|why| at(recording, repeat, row, &why))?,
+            },
+        };
+        let code = cell(self.participant)?;
+        let session = self
+            .session
+            .map(|column| id(&cell(column)?).map_err(|why| at(recording, column, row, &why)));
+        let question = self
+            .question
+            .map(|column| id(&cell(column)?).map_err(|why| at(recording, column, row, &why)));
+        Ok(LateAnswer {
+            participant: id(&code).map_err(|why| at(recording, self.participant, row, &why))?,
+            session: session.transpose()?,
+            trial,
+            question: question.transpose()?,
+            value: value(&cell(self.answer)?)
+                .map_err(|why| at(recording, self.answer, row, &why))?,
+            row,
+        })
+    }
+}
+
+fn at(recording: &Recording, column: usize, row: usize, what: &str) -> StoreError {
+    recording.cell_error(column, row, what, MEND)
+}
+
+/// A whole number, which spreadsheets write as `4.0` too.
+#[allow(clippy::cast_possible_truncation)]
+fn value(text: &str) -> Result<i16, String> {
+    let number = text.parse::<f64>().ok().filter(|n| n.fract() == 0.0);
+    let number = number.filter(|n| (f64::from(i16::MIN)..=f64::from(i16::MAX)).contains(n));
+    number.map(|n| n as i16).ok_or_else(|| format!("the answer '{text}' must be a whole number"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::World;
+    use super::*;
+
+    fn read(text: &str) -> Result<LateAnswers, Vec<StoreError>> {
+        LateAnswers::read(&World::new().file("ratings.csv", text))
+    }
+
+    #[test]
+    fn columns_are_found_in_any_order_and_case_and_others_are_left_alone() {
+        let found =
+            read("Answer;remark;Participant;TRIAL;session\n4;ok;P01;7;S02\n-1.0;;P02;8;S01\n");
+        let found = found.unwrap_or_else(|e| panic!("{e:#?}"));
+        let [first, second] = &found.rows[..] else { panic!("{:?}", found.rows) };
+        assert_eq!((first.participant.as_str(), first.value), ("P01", 4));
+        assert_eq!(first.session.as_ref().map(SessionId::as_str), Some("S02"));
+        assert_eq!((&first.trial, &first.question), (&TrialMeant::Number(7), &None));
+        assert_eq!((second.value, found.place(second)), (-1, "line 3".to_owned()));
+    }
+
+    #[test]
+    fn a_trial_may_be_named_by_its_condition_and_repeat() {
+        let text =
+            "participant,environment,mode,repeat,question,answer\nP01,spring,active,2,q1,3\n";
+        let found = read(text).unwrap_or_else(|e| panic!("{e:#?}"));
+        assert_eq!(
+            found.rows[0].trial,
+            TrialMeant::Repeat {
+                environment: "spring".parse().unwrap(),
+                mode: "active".parse().unwrap(),
+                repeat: 2
+            }
+        );
+        assert_eq!(found.rows[0].question.as_ref().map(QuestionId::as_str), Some("q1"));
+    }
+
+    #[test]
+    fn every_bad_line_is_told_with_its_number_and_the_rest_is_read_on() {
+        let text = "participant,trial,answer\nP01,1,4\nP 1,1,4\nP01,0,4\nP01,1,agree\nP01,1,\n";
+        let told: Vec<String> = read(text).err().unwrap().iter().map(ToString::to_string).collect();
+        let expect = [
+            ("participant", "(line 3)"),
+            ("trial", "trial '0' must be a whole number from 1 to 1000000 (line 4)"),
+            ("answer", "the answer 'agree' must be a whole number (line 5)"),
+            ("answer", "the cell is empty (line 6)"),
+        ];
+        assert_eq!(told.len(), expect.len(), "{told:#?}");
+        for (told, (column, words)) in told.iter().zip(expect) {
+            assert!(told.contains(&format!("column {column}, ")) && told.contains(words), "{told}");
+        }
+    }
+
+    #[test]
+    fn a_column_that_is_missing_is_told_with_what_there_is() {
+        let told = |text| read(text).err().unwrap()[0].to_string();
+        assert!(
+            told("who,trial,answer\nP01,1,4\n")
+                .contains("no column 'participant'; the table has who,")
+        );
+        let told = told("participant,environment,mode,answer\nP01,a,b,4\n");
+        assert!(told.contains("no column 'repeat'"), "{told}");
+    }
+}
