@@ -19,10 +19,29 @@ const ROUNDINGS: f64 = 10.0;
 
 /// The differences A − B of `pairs` [A, B], in their order. Unit as the values.
 ///
-/// A difference that is only the rounding of its terms is exactly zero, so that equal values
+/// A difference that is only the rounding of the values (10⁻¹² of the largest of them) is exactly
+/// zero, and differences that are one value up to that rounding are exactly one value: equal values
 /// count as equal however they were computed.
 pub fn differences(pairs: &[[f64; 2]]) -> Vec<f64> {
-    pairs.iter().map(|[a, b]| difference(*a, *b)).collect()
+    let bound = rounding(pairs);
+    let is_rounding = |value: f64| value.abs() <= bound;
+    let plain = pairs.iter().map(|[a, b]| a - b);
+    let found: Vec<f64> = plain.map(|d| if is_rounding(d) { 0.0 } else { d }).collect();
+    match found.first() {
+        Some(first) if found.iter().all(|d| is_rounding(d - first)) => vec![*first; found.len()],
+        _ => found,
+    }
+}
+
+/// Whether a difference made of these values is only their rounding.
+pub fn is_rounding(difference: f64, pairs: &[[f64; 2]]) -> bool {
+    difference.abs() <= rounding(pairs)
+}
+
+/// The size of these values' rounding; 0 where one of them is not finite.
+fn rounding(pairs: &[[f64; 2]]) -> f64 {
+    let largest = pairs.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()));
+    if largest.is_finite() { ROUNDING * largest } else { 0.0 }
 }
 
 /// a − b, exactly zero where it is only rounding.
@@ -36,12 +55,18 @@ pub(crate) fn difference(a: f64, b: f64) -> f64 {
 /// Biometrika 6:1). Units as the differences.
 ///
 /// # Errors
-/// Fewer than two differences; differences that are all equal; a value that is not finite; `level`
-/// outside (0, 1).
+/// Fewer than two differences; differences that are all zero, or all equal; a value that is not
+/// finite; `level` outside (0, 1).
 pub fn mean_difference(differences: &[f64], level: f64) -> Result<Tested, Unestimable> {
     all_finite(differences)?;
     let n = differences.len();
     let (mean, sd) = two_or_more(differences)?;
+    let largest = differences.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    if largest <= 0.0 {
+        return Err(Unestimable::NoDifference);
+    }
+    // Differences that cancel leave the rounding of their sum.
+    let mean = if mean.abs() <= ROUNDING * largest { 0.0 } else { mean };
     let std_error = sd / (n as f64).sqrt();
     if std_error <= ROUNDINGS * f64::EPSILON * mean.abs() {
         return Err(Unestimable::Constant { units: "differences" });
@@ -219,6 +244,32 @@ mod tests {
         near(found.df, 5.0);
     }
 
+    /// 0.1 is no sum of powers of two: the differences of these values scatter by their rounding.
+    #[test]
+    fn differences_that_are_all_rounding_are_none_and_have_no_t() {
+        let rounded = [[0.1 + 0.2, 0.3], [1e-17, -3e-17], [0.7 + 0.1, 0.8]];
+        assert_eq!(differences(&rounded), [0.0; 3]);
+        let none = mean_difference(&differences(&rounded), 0.95);
+        assert_eq!(none, Err(Unestimable::NoDifference));
+    }
+
+    #[test]
+    fn one_difference_computed_in_several_ways_is_one_value() {
+        let pairs = [[100.1, 100.0], [200.1, 200.0], [300.1, 300.0]];
+        assert!(pairs.iter().any(|[a, b]| a - b > 0.1) && pairs.iter().any(|[a, b]| a - b < 0.1));
+        let found = mean_difference(&differences(&pairs), 0.95);
+        assert_eq!(found, Err(Unestimable::Constant { units: "differences" }));
+    }
+
+    /// Closed form: the differences ±0.1 and ±0.3 have the mean 0, so t = 0 and p = 1.
+    #[test]
+    fn differences_that_cancel_have_a_t_of_zero() {
+        let pairs = [[1.1, 1.0], [1.0, 1.1], [2.3, 2.0], [2.0, 2.3]];
+        let found = mean_difference(&differences(&pairs), 0.95).unwrap();
+        assert_eq!((found.estimate, found.statistic, found.p_value), (0.0, 0.0, 1.0));
+        assert!(found.std_error > 0.1);
+    }
+
     /// R 4.2: `mean(a - b) / sqrt((var(a) + var(b)) / 2)`.
     #[test]
     fn d_av_is_the_difference_over_the_root_mean_variance() {
@@ -275,7 +326,7 @@ mod tests {
 
     #[test]
     fn equal_values_are_no_difference_however_they_were_computed() {
-        let pairs = [[0.1 + 0.2, 0.3], [0.3, 0.1 + 0.2], [1e300, 1e300], [1.0, 1.0 + 1e-9]];
+        let pairs = [[0.1 + 0.2, 0.3], [0.3, 0.1 + 0.2], [10.0, 10.0], [1.0, 1.0 + 1e-9]];
         let found = differences(&pairs);
         assert_eq!(found[..3], [0.0; 3]);
         assert!(found[3] < 0.0);
@@ -287,7 +338,8 @@ mod tests {
         assert_eq!(words(&[]), "0 participants, 2 are needed");
         assert_eq!(words(&[1.0]), "1 participant, 2 are needed");
         let equal = Unestimable::Constant { units: "differences" };
-        for constant in [&[0.0; 5][..], &[0.1; 7], &[1e-300; 3], &[0.3, 0.1 + 0.2]] {
+        assert_eq!(mean_difference(&[0.0; 5], 0.95), Err(Unestimable::NoDifference));
+        for constant in [&[0.1; 7][..], &[1e-300; 3], &[0.3, 0.1 + 0.2]] {
             assert_eq!(mean_difference(constant, 0.95), Err(equal.clone()));
         }
         assert!(mean_difference(&[0.0, 0.0, 1e-12], 0.95).is_ok());

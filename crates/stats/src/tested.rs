@@ -54,6 +54,9 @@ pub enum Unestimable {
         /// How many the statistic takes at least.
         needed: usize,
     },
+    /// Values that are equal up to their rounding.
+    #[error("there is no difference beyond the rounding of the values")]
+    NoDifference,
     /// Values that do not vary, so that no error can be estimated from them.
     #[error("all {units} are equal, so nothing tells how far they scatter")]
     Constant {

@@ -86,10 +86,11 @@ impl Row {
         why.map(|why| format!("no test: {why}"))
     }
 
-    /// The mean difference over participants.
+    /// The mean difference over participants; 0 where it is only the rounding of their means.
     fn estimate(&self) -> f64 {
         let all = self.differences.iter().map(|d| d.estimate);
-        all.sum::<f64>() / self.differences.len() as f64
+        let mean = all.sum::<f64>() / self.differences.len() as f64;
+        if paired::is_rounding(mean, &self.pairs()) { 0.0 } else { mean }
     }
 
     /// The mean over participants in the one mode (0) or in the other (1).

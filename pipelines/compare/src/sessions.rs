@@ -180,5 +180,34 @@ fn as_table(
     let note = "Agreement takes in those who lack a session, by a mixed model of everybody's means, \
                 with intervals by a parametric bootstrap (999); changes are of those who came to both.";
     let is_incomplete = rows.iter().any(|row| row.is_incomplete);
-    Ok(if is_incomplete { table.with_note(note) } else { table })
+    let table = if is_incomplete { table.with_note(note) } else { table };
+    let is_negative = rows.iter().flat_map(|row| &row.agreement).any(is_negative);
+    Ok(if is_negative { table.with_note(NEGATIVE) } else { table })
+}
+
+/// What is said where an intraclass correlation is below 0.
+const NEGATIVE: &str = "An ICC below 0 means that participants differed less from each other than from \
+                        themselves in another session (chance alone can do that where participants are \
+                        alike): one session tells nothing of another. It stands as it \
+                        was computed; read it as 0.";
+
+fn is_negative(agreement: &Agreement) -> bool {
+    let Agreement { a1, c1, ak, ck, .. } = agreement;
+    [a1, c1, ak, ck].into_iter().any(|icc| icc.estimate < 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two sessions in which the order of the participants turns round.
+    #[test]
+    fn an_icc_below_zero_is_recognised_as_it_was_computed() {
+        let turned = [[Some(1.0), Some(3.0)], [Some(2.0), Some(2.5)], [Some(3.0), Some(1.2)]];
+        let found = row(&turned, 0.95).agreement.unwrap();
+        assert!(found.c1.estimate < 0.0, "{found:?}");
+        assert!(is_negative(&found));
+        let alike = [[Some(1.0), Some(1.1)], [Some(2.0), Some(2.2)], [Some(3.0), Some(2.9)]];
+        assert!(!is_negative(&row(&alike, 0.95).agreement.unwrap()));
+    }
 }

@@ -224,6 +224,23 @@ fn a_change_from_repeat_to_repeat_is_each_participants_slope() {
 }
 
 #[test]
+fn differences_that_are_all_rounding_are_none_and_have_no_t() {
+    // Each pair is one number, computed in two ways.
+    let means = [("P01", 0.1 + 0.2, 0.3), ("P02", 0.7 + 0.1, 0.8), ("P03", 0.5, 0.5)];
+    let trials: Vec<Trial> = means
+        .iter()
+        .flat_map(|(who, active, hybrid)| {
+            [(*who, "S01", "active", 1, Some(*active)), (*who, "S01", "hybrid", 1, Some(*hybrid))]
+        })
+        .collect();
+    let contrasts = compare(&metrics(&trials), &parameters()).unwrap().contrasts;
+    assert_eq!(floats(&contrasts, "difference_n"), [0.0]);
+    assert!(contrasts.floats("statistic").unwrap().iter().all(Option::is_none));
+    let verdict = contrasts.texts("verdict").unwrap()[0].clone().unwrap();
+    assert_eq!(verdict, "no test: there is no difference beyond the rounding of the values");
+}
+
+#[test]
 fn differences_without_scatter_have_no_test_and_say_why() {
     let trials: Vec<Trial> = ["P01", "P02", "P03"]
         .iter()
