@@ -121,6 +121,11 @@ fn wanted(study: &Study) -> Vec<String> {
     wanted
 }
 
+/// What a metric measures, in words, if there is one of that name.
+pub fn metric_in_words(name: &str) -> Option<&'static str> {
+    zwidth_metrics::in_words(name)
+}
+
 /// Whether there is a metric of that name that can be compared: a number.
 pub fn is_metric(name: &str) -> bool {
     zwidth_metrics::is_number(name)
@@ -161,6 +166,13 @@ fn table_of(layout: &Layout, table: &str, metric: &str) -> PathBuf {
 /// The tables of a metric that the summary speaks of: its means and its contrasts.
 pub(crate) fn summarised(layout: &Layout, metric: &str) -> [PathBuf; 2] {
     ["means", "contrasts"].map(|table| table_of(layout, table, metric))
+}
+
+/// The changes between sessions in a metric, where several people took part and somebody came
+/// again.
+pub(crate) fn changes(data: &StudyData, metric: &str) -> Option<PathBuf> {
+    let (several, again) = who(data);
+    (several && again).then(|| table_of(&data.layout, "sessions", metric))
 }
 
 /// Whether several people took part, and whether somebody came again.

@@ -42,7 +42,9 @@ mod tables;
 mod trade;
 mod trials;
 
-pub use compare::{By, answers, asked_in_vain, compared, comparison, is_metric, spreads};
+pub use compare::{
+    By, answers, asked_in_vain, compared, comparison, is_metric, metric_in_words, spreads,
+};
 pub use figures::{captions, chosen_in_vain, describe, on_demand};
 pub use ladder::ladders;
 pub use methods::recorded;

@@ -68,7 +68,7 @@ fn one_participant_tells_no_spread_and_assumed_spreads_give_a_plan_that_is_not_w
     let assumed =
         ["--participant-mode-sd", "0.1", "--residual-sd", "0.2", "--studies", "200", "--plan"];
     let arguments = [&difference[..], &assumed].concat();
-    prints(&zwidth(root.path(), &arguments).exits(0), &["80 % power", "200 studies"]);
+    prints(&zwidth(root.path(), &arguments).exits(0), &["power of 80 %", "200 simulated studies"]);
     let written = fs::read(&plan).unwrap();
     zwidth(root.path(), &arguments).exits(1).says(&["exists already; move it elsewhere"]);
     assert_eq!(fs::read(plan).unwrap(), written);

@@ -12,6 +12,7 @@ use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_stats::power::{self, Plan, PlannedTest, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
+use zwidth_study::{Study, contrast_label};
 use zwidth_tables::Table;
 
 /// The power that a study is planned with.
@@ -150,9 +151,10 @@ fn spread(
     let [contrasts, models] =
         plan::spreads(&data.layout, metric).map(|file| Table::from_parquet(&file));
     let (contrasts, models) = (contrasts?, models?);
-    let widest = widest(&contrasts, &models, f64::from(data.study.design.repeats))?;
+    let repeats = f64::from(data.study.design.repeats);
+    let widest = widest(&contrasts, &models, repeats, &data.study)?;
     let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
-    let mark = if simulated { " (SYNTHETIC: simulated data)" } else { "" };
+    let mark = if simulated { "; SYNTHETIC: simulated data" } else { "" };
     let widest = widest.with_context(|| {
         format!(
             "the trials of {} do not tell the spread of {metric} (one participant, or no mixed model): \
@@ -160,14 +162,19 @@ fn spread(
             data.layout.study()
         )
     })?;
-    Ok(Spread { source: format!("the study's own trials, {}{mark}", widest.source), ..widest })
+    Ok(Spread { source: format!("from the study's own trials, {}{mark}", widest.source), ..widest })
 }
 
 /// The spread of the contrast in which participants differ most. Their differences scatter with
 /// 2 (σ² of their own mode effects + σ² of repeats / repeats): each contrast has its own, where a
 /// model of all modes would pool those in which people differ little with those in which they
 /// differ much. None where the claims are not about participants.
-fn widest(contrasts: &Table, models: &Table, repeats: f64) -> anyhow::Result<Option<Spread>> {
+fn widest(
+    contrasts: &Table,
+    models: &Table,
+    repeats: f64,
+    study: &Study,
+) -> anyhow::Result<Option<Spread>> {
     let floats = |table: &Table, stem: &str| -> anyhow::Result<Vec<Option<f64>>> {
         let name = table.column_of(stem)?.field.name.to_string();
         Ok(table.floats(&name)?)
@@ -185,10 +192,12 @@ fn widest(contrasts: &Table, models: &Table, repeats: f64) -> anyhow::Result<Opt
         let variance = errors[row]?.powi(2) * n[row]? as f64;
         let of_repeats = 2.0 * residual.powi(2) / (repeats * sessions[row]?.max(1) as f64);
         let own = ((variance - of_repeats).max(0.0) / 2.0).sqrt();
+        let environment = environments[row].as_deref()?;
+        let known = study.environments.iter().find(|e| e.id.as_str() == environment);
         let source = format!(
             "{}, {}: the contrast in which participants differ most",
-            environments[row].as_deref()?,
-            names[row].as_deref()?
+            known.map_or(environment, |e| e.label.as_str()),
+            contrast_label(&study.modes, names[row].as_deref()?)
         );
         let spread =
             Spread { participant: participant[model]?, participant_mode: own, residual, source };
@@ -199,32 +208,36 @@ fn widest(contrasts: &Table, models: &Table, repeats: f64) -> anyhow::Result<Opt
 }
 
 fn tell(result: &Planned, screen: &Screen) {
-    let Planned { difference, participants, power, power_ci_low, power_ci_high, .. } = result;
-    screen.result(format!(
-        "{}: a difference of {difference} with {participants} participants: power {:.1} % ({:.1} to {:.1} %, {} studies)",
-        result.metric,
-        100.0 * power,
-        100.0 * power_ci_low,
-        100.0 * power_ci_high,
-        result.studies
-    ));
-    screen.result(match result.participants_needed {
-        Some(needed) => format!("80 % power: {needed} participants"),
-        None => "80 % power: not with 10,000 participants".to_owned(),
-    });
-    screen.result(format!(
-        "smallest difference with {participants} participants and 80 % power: {:.4}",
-        result.smallest_difference
-    ));
-    screen.result(format!(
-        "SDs ({}): participants {:.4}, their own mode effects {:.4}, repeats {:.4}; alpha {} a contrast; \
-         all in the metric's SI unit",
-        result.source,
-        result.participant_sd,
-        result.participant_mode_sd,
-        result.residual_sd,
-        result.alpha
-    ));
+    screen.result(told(result).join("\n"));
+}
+
+/// The result in sentences.
+fn told(result: &Planned) -> [String; 4] {
+    let Planned { metric, difference, participants, studies, alpha, source, .. } = result;
+    let named = plan::metric_in_words(metric).map(|words| format!("{words} ({metric})"));
+    let [power, low, high] =
+        [result.power, result.power_ci_low, result.power_ci_high].map(|share| 100.0 * share);
+    [
+        format!(
+            "{}: if two modes differ by {difference}, a study of {participants} participants finds it with a \
+             probability (power) of {power:.1} % ({low:.1} to {high:.1} %, from {studies} simulated studies).",
+            named.unwrap_or_else(|| metric.clone())
+        ),
+        match result.participants_needed {
+            Some(needed) => format!("For a power of 80 % it takes {needed} participants."),
+            None => "Even 10,000 participants do not reach a power of 80 %.".to_owned(),
+        },
+        format!(
+            "The smallest difference that {participants} participants find with a power of 80 % is {:.4}.",
+            result.smallest_difference
+        ),
+        format!(
+            "This rests on these standard deviations ({source}): {:.4} between participants, {:.4} between \
+             participants in how they respond to a mode, {:.4} between repeats. Each contrast is tested at a level \
+             of {alpha}. All differences and deviations are in the metric's SI unit.",
+            result.participant_sd, result.participant_mode_sd, result.residual_sd
+        ),
+    ]
 }
 
 #[cfg(test)]
@@ -258,15 +271,15 @@ mod tests {
     #[test]
     fn the_spread_is_that_of_the_contrast_in_which_participants_differ_most() {
         let [contrasts, models] = table("participants");
-        let found = widest(&contrasts, &models, 2.0).unwrap().unwrap();
+        let found = widest(&contrasts, &models, 2.0, &zwidth_testing::study()).unwrap().unwrap();
         assert!((found.participant_mode - (0.12_f64 / 2.0).sqrt()).abs() < 1e-12);
         assert!((found.participant - 0.3).abs() < 1e-12 && (found.residual - 0.2).abs() < 1e-12);
-        assert!(found.source.starts_with("spring, hybrid − passive"), "{}", found.source);
+        assert!(found.source.starts_with("Spring, Hybrid − Passive"), "{}", found.source);
     }
 
     #[test]
     fn trials_of_one_participant_tell_no_spread_of_people() {
         let [contrasts, models] = table("trials of P01");
-        assert!(widest(&contrasts, &models, 2.0).unwrap().is_none());
+        assert!(widest(&contrasts, &models, 2.0, &zwidth_testing::study()).unwrap().is_none());
     }
 }
