@@ -10,8 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
-    ComparedMetric, Gallery, Made as Listed, Remark, Role, Shown, Summary, Told, findings,
-    laddered, summary_markdown, survey, traded, uneven_ranges,
+    ComparedMetric, Gallery, Made as Listed, Remark, Role, Shown, Summary, Told, TrialNames,
+    changes, findings, laddered, summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
@@ -19,7 +19,7 @@ use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 14 };
+const STAGE: Stage = Stage { name: "summary", version: 15 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -39,6 +39,8 @@ pub(crate) struct Page {
     primary: String,
     /// Whether it is the one that is primary by default.
     primary_by_default: bool,
+    /// The trials whose clock, angle or velocity is to be read with care.
+    doubted: TrialNames,
     gallery: Gallery,
 }
 
@@ -84,12 +86,14 @@ pub(crate) struct Files {
     ladder: Option<PathBuf>,
     /// Means and contrasts of each metric that is compared, the primary one first.
     compared: Vec<[PathBuf; 2]>,
+    /// Changes between sessions in the first of these metrics.
+    sessions: Option<PathBuf>,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let tables =
-            [&self.metrics, &self.tally, &self.statements, &self.trade, &self.ladder].into_iter();
+        let Self { metrics, tally, statements, trade, ladder, sessions, .. } = self;
+        let tables = [metrics, tally, statements, trade, ladder, sessions].into_iter();
         let numbers: Vec<PathBuf> = tables.flatten().cloned().collect();
         let compared: Vec<PathBuf> = self.compared.iter().flatten().cloned().collect();
         [&self.noted, &self.conditions, &self.figures, &self.tables, &numbers, &compared]
@@ -118,6 +122,7 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
         trade: trade::recommended(data),
         ladder: ladder::of_study(data),
         compared: compared.iter().map(|metric| compare::summarised(&data.layout, metric)).collect(),
+        sessions: compared.first().and_then(|metric| compare::changes(data, metric)),
     };
     let page = Page {
         facts: facts(data, found),
@@ -126,6 +131,7 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
         compared,
         primary: data.study.compare.primary.to_string(),
         primary_by_default: !data.study.compare.is_primary_named,
+        doubted: doubted(data, found),
         gallery: report::gallery(data, figures),
     };
     (page, files)
@@ -186,13 +192,16 @@ fn list_findings(
     made: &Summary,
 ) -> Result<Vec<Listed>, TableError> {
     let (metrics, tally) = (read(&files.metrics)?, read(&files.tally)?);
-    let compared = zwidth_report::contrasts(&page.planned, compared)?;
+    let mut sentences = zwidth_report::contrasts(&page.planned, compared)?;
+    if let Some(sessions) = read(&files.sessions)? {
+        sentences.extend(changes(&page.planned, compared, &sessions)?);
+    }
     let found = match (&metrics, &tally) {
-        (Some(metrics), tally) => findings(&page.planned, metrics, tally.as_ref())?,
+        (Some(metrics), tally) => findings(&page.planned, metrics, tally.as_ref(), &page.doubted)?,
         (None, Some(tally)) => survey(&page.planned, tally)?,
         (None, None) => Vec::new(),
     };
-    let all = compared.into_iter().chain(found);
+    let all = sentences.into_iter().chain(found);
     Ok(all.map(|f| Listed { path: page.shown_by(&f.shown, made), caption: f.text }).collect())
 }
 
@@ -294,6 +303,20 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
             .collect(),
         ..Summary::default()
     }
+}
+
+/// The trials that count whose clock, angle or velocity is in doubt: from these a swing is told.
+fn doubted(data: &StudyData, found: &Findings) -> TrialNames {
+    let told_from = [Signal::Time, Signal::Theta, Signal::ThetaDot].map(Signal::name);
+    let is_of = |column: &String| told_from.contains(&column.as_str());
+    let doubts = found.with_care.iter().filter(|doubt| doubt.column.as_ref().is_some_and(is_of));
+    let files: BTreeSet<&Path> = doubts.map(|doubt| doubt.path.as_path()).collect();
+    let trials = data.counting().filter(|trial| files.contains(trial.path.as_path()));
+    let name = |trial: &TrialEntry| {
+        let meta = &trial.meta;
+        (meta.participant.to_string(), meta.session.to_string(), i64::from(meta.trial))
+    };
+    trials.map(name).collect()
 }
 
 /// Whether trials recorded the user's torque, and none a force.

@@ -1,7 +1,7 @@
 //! What figures say of a study besides what was recorded and derived, and what each says of itself.
 
 use serde::Serialize;
-use zwidth_study::{Coordinate, Mode, Study};
+use zwidth_study::{Coordinate, Mode, REFERENCE, Study};
 
 /// What figures need to know of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -14,6 +14,8 @@ pub struct About {
     pub confidence: f64,
     /// The modes, in the order of their colours.
     pub modes: Vec<Mode>,
+    /// Whether its trials record a set-point of the angle.
+    pub has_reference: bool,
 }
 
 impl About {
@@ -24,6 +26,7 @@ impl About {
             coordinate: study.coordinate,
             confidence: study.analysis.confidence,
             modes: study.modes.clone(),
+            has_reference: study.channels.iter().any(|channel| channel.id.as_str() == REFERENCE),
         }
     }
 }

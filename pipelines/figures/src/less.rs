@@ -24,18 +24,32 @@ const FRAME_MM: f64 = 4.0;
 /// Changes below this share of what is felt are drawn at it.
 const LEAST: f64 = 1e-3;
 /// What a mark is.
-const LEGEND: &str = "Marker: the median trial. Line: to the 90th percentile of the trials. Both of the condition whose median \
-     trial changes most. Dashed: just felt. At the left edge: a thousandth of that or less. A row without a mark: not there, or lost.";
+const LEGEND: &str = "How to read it: each row is a metric, each colour a change of the recording or of the setup. A mark says how much that \
+     changes the metric, as a multiple of the smallest change that a person feels: right of the dashed line (1) it is felt, left of it not. \
+     Marker: the median trial. Line: to the 90th percentile of the trials. Of several conditions the one that changes most is shown. \
+     At the left edge: 0.001 or less. A row without a mark: the metric is not there, or is lost.";
 
 /// In the names of an interval's ends.
 const INTERVAL: &str = "_ci_";
 /// Units at the end of a metric's name, the longest first.
 const UNITS: [&str; 5] = ["_n_per_rad", "_rad", "_n", "_j", "_m"];
 
-/// A metric as it stands beside its row: `wall_past_max_rad` reads `wall past max`.
+/// Words of columns, and how people read them; the first that fits a word wins.
+const READS: [(&str, &str); 7] = [
+    ("discrepancy_user", "force discrepancy"),
+    ("theta_max", "largest angle"),
+    ("wall_past_max", "largest way past the wall"),
+    ("loop_area", "net work"),
+    ("force_band_rms", "RMS of fast force"),
+    ("theta", "angle"),
+    ("rms", "RMS"),
+];
+
+/// A metric as it stands beside its row: `saturation_theta_rad` reads `saturation angle`.
 fn row_words(metric: &str) -> String {
     let bare = UNITS.iter().find_map(|unit| metric.strip_suffix(unit)).unwrap_or(metric);
-    plain(&bare.replace('_', " "))
+    let read = READS.iter().fold(bare.to_owned(), |text, (word, reads)| text.replace(word, reads));
+    plain(&read.replace('_', " "))
 }
 
 /// One panel per kind of less, a row a metric whose unit has a change that is just felt, a marker a
@@ -133,7 +147,7 @@ impl Rows {
             })
         }));
         let x =
-            Axis { ticks: Ticks::Powers, ..Axis::new("change / just felt", "") }.linked("share");
+            Axis { ticks: Ticks::Powers, ..Axis::new("change ÷ just felt", "") }.linked("share");
         let y = Axis::categories(self.names.iter().map(|name| row_words(name))).linked("metric");
         let panel = Panel::new(Cell::at(0, column), x, y, layers).titled(plain(kind));
         Panel { height_mm: Some(FRAME_MM + ROW_MM * self.names.len() as f64), ..panel }
@@ -194,6 +208,7 @@ mod tests {
         assert!((first.estimate[0] - 1.0).abs() < 1e-12, "{:?}", first.estimate);
         assert!((first.high[0] - 20_f64.log10()).abs() < 1e-12, "{:?}", first.high);
         assert_eq!(row_words("wall_stiffness_n_per_rad"), "wall stiffness");
+        assert_eq!(row_words("discrepancy_user_mean_n"), "force discrepancy mean");
     }
 
     #[test]

@@ -22,6 +22,10 @@ pub const MODES: FigureKind = FigureKind {
     drawn_from: "trial",
 };
 
+/// What is said where trials have a set-point.
+const UNDRAWN: &str = "The set-point (channel reference_rad) is not drawn, neither against time nor as a line or band on \
+                       the right; the metrics of the step response measure against it.";
+
 /// Height of one of the three panels against time, mm.
 const PANEL_MM: f64 = 30.0;
 
@@ -127,7 +131,8 @@ fn footnotes(scene: &EnvironmentData) -> Vec<String> {
         legend += ".";
     }
     let legend = (!legend.is_empty()).then_some(legend);
-    legend.into_iter().chain(scene.notes.iter().map(|n| plain(n))).collect()
+    let undrawn = scene.about.has_reference.then(|| UNDRAWN.to_owned());
+    legend.into_iter().chain(undrawn).chain(scene.notes.iter().map(|n| plain(n))).collect()
 }
 
 /// How the dots of each mode stand, where there are several:

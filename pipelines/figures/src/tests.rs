@@ -238,6 +238,15 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
     assert_eq!(without.panels[2].x.label, "time since movement onset", "there is no mean");
 }
 
+#[test]
+fn a_figure_without_the_set_point_that_was_recorded_says_so() {
+    let (mut study, trial) = (study(), trial(Source::Recorded, &ALL));
+    let says = |figure: &Figure| figure.footnotes.iter().any(|note| note.contains("reference_rad"));
+    assert!(!says(&modes(&scene(&study, &trial, None), &[]).unwrap()));
+    study.about.has_reference = true;
+    assert!(says(&modes(&scene(&study, &trial, None), &[]).unwrap()));
+}
+
 /// A movement that a wall holds half a degree past it, and one that goes far past.
 #[test]
 fn where_a_mode_stays_near_the_wall_a_panel_shows_what_it_does_there() {

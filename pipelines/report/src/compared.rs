@@ -185,8 +185,8 @@ fn answer(table: &Table, role: Role) -> Result<String, TableError> {
     };
     Ok(smallest_p(table).map_or(text.clone(), |p| {
         format!(
-            "{text} Tested by the other orders that the design could have drawn, which reach an \
-             adjusted p of {} at best; the intervals only describe the trials.",
+            "{text} The test compares the order of trials that was drawn with every other order that the design could \
+             have drawn; with this design, no adjusted p can be below {}. The intervals only describe the trials.",
             number(p, None)
         )
     }))

@@ -75,15 +75,13 @@ pub(crate) fn notes(metrics: Option<&Table>) -> Result<Vec<String>, TableError> 
     let Some(metrics) = metrics else { return Ok(Vec::new()) };
     let mut notes = Vec::new();
     if simulated(metrics)? {
-        notes.push(
-            "Metrics of trials are of simulated ones: they say what the model does.".to_owned(),
-        );
+        notes.push("The trials were simulated: their metrics say what the model does.".to_owned());
     }
     let mut people = metrics.texts("participant")?;
     people.sort();
     people.dedup();
     if let [Some(one)] = people.as_slice() {
-        notes.push(format!("Every metric of trials is within the one participant {one}."));
+        notes.push(format!("All metrics of trials are those of one participant, {one}."));
     }
     Ok(notes)
 }

@@ -5,6 +5,7 @@ use crate::evidence::NOTHING_RETURNED;
 use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
+use std::collections::BTreeSet;
 use zwidth_study::{Coordinate, Environment, Mode, Setup, in_a_sentence};
 use zwidth_tables::{Table, TableError, given, quantity};
 
@@ -17,10 +18,14 @@ pub struct Finding {
     pub shown: Shown,
 }
 
+/// Trials, each by its participant, session and number.
+pub type TrialNames = BTreeSet<(String, String, i64)>;
+
 /// What the trials of a study show, in sentences: for each environment what each mode did, then the
 /// modes against each other, then the answers. Descriptive: means over trials, no sentence goes
 /// beyond them, and none speaks of anybody who did not take part. `metrics` has one row per trial;
-/// `tally` is that of the answers.
+/// `tally` is that of the answers; `doubted` are the trials whose clock, angle or velocity is to be
+/// read with care.
 ///
 /// # Errors
 /// A table that lacks a column.
@@ -28,6 +33,7 @@ pub fn findings(
     study: &Setup,
     metrics: &Table,
     tally: Option<&Table>,
+    doubted: &TrialNames,
 ) -> Result<Vec<Finding>, TableError> {
     let mut found = Vec::new();
     for environment in &study.environments {
@@ -49,7 +55,7 @@ pub fn findings(
         );
     }
     found.extend(both(study, metrics)?);
-    found.extend(steadiness(study, metrics)?);
+    found.extend(steadiness(study, metrics, doubted)?);
     if let Some(tally) = tally {
         found.extend(answers(study, tally, simulated(metrics)?)?);
     }
@@ -178,8 +184,12 @@ fn both(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableError> {
     }))
 }
 
-/// Whether any mode swung.
-fn steadiness(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableError> {
+/// Whether any mode swung. A swing in a trial that is to be read with care may be its noise.
+fn steadiness(
+    study: &Setup,
+    metrics: &Table,
+    doubted: &TrialNames,
+) -> Result<Option<Finding>, TableError> {
     let (mut smooth, mut all, mut swung) = (0, 0, Vec::new());
     for mode in &study.modes {
         let (still, n) =
@@ -189,20 +199,56 @@ fn steadiness(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableEr
             swung.push(format!("{} of {n} with {}", n - still, in_a_sentence(&mode.label)));
         }
     }
-    let text = match (all, swung.as_slice()) {
+    let [doubtful_swung, doubtful] = doubtful(metrics, doubted)?;
+    let (n, swung) = (all - smooth, swung.join(", "));
+    let are = |n: usize| if n == 1 { "is" } else { "are" };
+    let care = "listed under “Read with care” for clock, angle or velocity";
+    let text = match (all, n) {
         (0, _) => return Ok(None),
-        (_, []) => {
+        (_, 0) => {
+            let but =
+                (doubtful > 0).then(|| format!(" Of these, {doubtful} {} {care}.", are(doubtful)));
             format!(
-                "No fast oscillation was found in any of {all} trials; all {smooth} were smooth."
+                "No fast oscillation was found in any of {all} trials; all {smooth} were smooth.{}",
+                but.unwrap_or_default()
             )
         }
-        (_, swung) => format!(
-            "The lever swung fast in {all_but} of {all} trials: {}.",
-            swung.join(", "),
-            all_but = all - smooth
+        _ if doubtful_swung == n => format!(
+            "The lever seems to swing fast in {n} of {all} trials: {swung}. All of these are {care}: \
+             the swing may be noise."
         ),
+        _ => {
+            let but = (doubtful_swung > 0).then(|| {
+                format!(
+                    " Of these, {doubtful_swung} {} {care}: there the swing may be noise.",
+                    are(doubtful_swung)
+                )
+            });
+            format!(
+                "The lever swung fast in {n} of {all} trials: {swung}.{}",
+                but.unwrap_or_default()
+            )
+        }
     };
     Ok(Some(Finding { text, shown: Shown::Metrics }))
+}
+
+/// How many trials with a verdict are to be read with care: those that swung, and all.
+fn doubtful(metrics: &Table, doubted: &TrialNames) -> Result<[usize; 2], TableError> {
+    if doubted.is_empty() {
+        return Ok([0, 0]);
+    }
+    let (who, session) = (metrics.texts("participant")?, metrics.texts("session")?);
+    let (trial, verdict) = (metrics.integers("trial")?, metrics.texts("recorded_stability")?);
+    let is_doubted = |row: &usize| {
+        let name = who[*row].clone().zip(session[*row].clone()).zip(trial[*row]);
+        name.is_some_and(|((who, session), trial)| doubted.contains(&(who, session, trial)))
+    };
+    let found: Vec<&str> = (0..metrics.height())
+        .filter(is_doubted)
+        .filter_map(|row| verdict[row].as_deref())
+        .collect();
+    Ok([found.iter().filter(|verdict| **verdict != "smooth").count(), found.len()])
 }
 
 /// The median answer of each mode, an environment a sentence.
@@ -245,7 +291,11 @@ mod tests {
     }
 
     fn texts(rows: &[MetricsRow], tally: Option<&Table>) -> Vec<String> {
-        findings(&study(), &metrics(rows), tally).unwrap().into_iter().map(|f| f.text).collect()
+        findings(&study(), &metrics(rows), tally, &TrialNames::new())
+            .unwrap()
+            .into_iter()
+            .map(|f| f.text)
+            .collect()
     }
 
     #[test]
@@ -269,13 +319,42 @@ mod tests {
         );
     }
 
+    #[test]
+    fn a_swing_of_a_trial_in_doubt_carries_the_mark() {
+        let swung = || MetricsRow { stability: "limit cycle", ..row("spring", "active") };
+        let rows = [swung(), swung(), row("spring", "active")];
+        let told = |doubted: &[i64]| {
+            let name = |trial: &i64| ("P01".to_owned(), "S01".to_owned(), *trial);
+            let doubted = doubted.iter().map(name).collect();
+            findings(&study(), &metrics(&rows), None, &doubted).unwrap().pop().unwrap().text
+        };
+        let plain = "The lever swung fast in 2 of 3 trials: 2 of 3 with active.";
+        assert_eq!(told(&[]), plain);
+        assert_eq!(told(&[3]), plain, "the trial in doubt did not swing");
+        let care = "listed under “Read with care” for clock, angle or velocity";
+        assert_eq!(
+            told(&[1]),
+            format!("{plain} Of these, 1 is {care}: there the swing may be noise.")
+        );
+        let all = format!(
+            "The lever seems to swing fast in 2 of 3 trials: 2 of 3 with active. All of these are {care}: \
+             the swing may be noise."
+        );
+        assert_eq!(told(&[1, 2]), all);
+        let smooth = [row("spring", "active")];
+        let doubted = [("P01".to_owned(), "S01".to_owned(), 1)].into();
+        let found = findings(&study(), &metrics(&smooth), None, &doubted).unwrap();
+        let last = &found.last().unwrap().text;
+        assert!(last.ends_with(&format!("all 1 were smooth. Of these, 1 is {care}.")), "{last}");
+    }
+
     /// 292.75 N/rad on a slide whose L is 1 m are 0.293 N/mm.
     #[test]
     fn a_slide_is_told_in_newtons_per_millimetre() {
         let mut study = study();
         study.coordinate = Coordinate::Linear { lever_m: 1.0 };
         let rows = [MetricsRow { stiffness: Some(292.75), ..row("spring", "active") }];
-        let found = findings(&study, &metrics(&rows), None).unwrap();
+        let found = findings(&study, &metrics(&rows), None, &TrialNames::new()).unwrap();
         let start =
             "Spring, active: compressing gave 0.293\u{a0}N/mm where 0.004\u{a0}N/mm were asked for";
         assert!(found[0].text.starts_with(start), "{}", found[0].text);
@@ -339,7 +418,7 @@ mod tests {
         let mut turned = study();
         turned.questions.iter_mut().for_each(|question| question.reversed = true);
         let rows = metrics(&[row("spring", "active")]);
-        let told = findings(&turned, &rows, Some(&tally)).unwrap();
+        let told = findings(&turned, &rows, Some(&tally), &TrialNames::new()).unwrap();
         assert!(told[2].text.contains("answer was 2 (disagree) with active"), "{}", told[2].text);
         let of = |source| {
             texts(&[MetricsRow { source, ..row("spring", "active") }], Some(&tally))[2].clone()

@@ -17,6 +17,8 @@ pub enum Shown {
     Answers,
     /// In the figure that compares the modes in this metric.
     Compared(String),
+    /// In the figure of the changes between sessions in this metric.
+    Sessions(String),
     /// In the figure of the forces that each mode can render.
     Forces,
     /// In the figure of one environment's replays.
@@ -37,7 +39,7 @@ impl Shown {
         match self {
             Self::Modes(_) | Self::Metrics => "tables/metrics.md",
             Self::Conditions => "tables/conditions.md",
-            Self::Compared(_) => "tables/comparison.md",
+            Self::Compared(_) | Self::Sessions(_) => "tables/comparison.md",
             Self::Answers => "tables/likert.md",
             Self::Forces => "tables/modes.md",
             Self::Replays(_) => "tables/replay.md",
@@ -79,6 +81,7 @@ impl Gallery {
                 ["likert", "ratings"].into_iter().find(drawn).map(str::to_owned)
             }
             Shown::Compared(metric) => Some(format!("compare.{metric}")),
+            Shown::Sessions(metric) => Some(format!("sessions.{metric}")),
             Shown::Forces => Some("rendering_range".to_owned()),
             Shown::Trade(scene) => Some(format!("trade.{scene}")),
             Shown::Conditions

@@ -24,6 +24,7 @@ mod people;
 mod pros_cons;
 mod ranges;
 mod runs;
+mod sessions;
 mod survey;
 mod thesis;
 mod trials;
@@ -33,7 +34,7 @@ pub use compared::{ComparedMetric, Matrix, MatrixRow, Role, contrasts, matrix};
 pub use components::components_table;
 pub use design::{device_table, modes_table};
 pub use evidence::Known;
-pub use findings::{Finding, findings};
+pub use findings::{Finding, TrialNames, findings};
 pub use gallery::{Gallery, Shown};
 pub use methods::{MethodsForm, MethodsPart, Recorded, methods};
 pub use model::model_table;
@@ -44,6 +45,7 @@ pub use page::{
 pub use pros_cons::pros_cons_table;
 pub use ranges::uneven_ranges;
 pub use runs::{laddered, traded};
+pub use sessions::changes;
 pub use survey::survey;
 pub use thesis::{Derived, Told, thesis_table, told};
 pub use weight::{is_weighed, weight_table};
@@ -55,7 +57,7 @@ use zwidth_study::Source;
 use zwidth_tables::escape_markdown as escape;
 
 /// Version of the tables' form: raised when a table would be another from the same data.
-pub const VERSION: u32 = 10;
+pub const VERSION: u32 = 11;
 
 /// Stands in a cell of the matrix without a mean.
 pub(crate) const NO_MEAN: &str = "–";
@@ -241,9 +243,9 @@ fn listed(title: &str, made: &[Made], none: &str) -> String {
     }
     let lines = kinds.iter().map(|(kind, of_kind)| match of_kind.as_slice() {
         [first, .., last] => format!(
-            "- {} files {} from {} to {}",
-            of_kind.len(),
+            "- {}: {} files, from {} to {}",
             escape(kind),
+            of_kind.len(),
             link_to(first),
             link_to(last)
         ),
@@ -392,7 +394,9 @@ Of 2 statements, 1 is supported.
         let figures: Vec<Made> = (1..=150).map(figure).chain([likert]).collect();
         let text = summary_markdown(&Summary { figures, ..sample() });
         assert!(
-            text.contains("## Figures\n\n151 files of 2 kinds.\n\n- 150 files modes from [P001 in"),
+            text.contains(
+                "## Figures\n\n151 files of 2 kinds.\n\n- modes: 150 files, from [P001 in"
+            ),
             "{text}"
         );
         assert!(

@@ -25,10 +25,12 @@ pub fn traded(study: &Setup, table: &Table) -> Result<Vec<Finding>, TableError> 
             (Some(solver), Some(work), _) => {
                 let setting = setting(solver, steps[row], tolerances[row]);
                 let not = cheaper[row].as_ref().zip(why[row].as_ref());
-                let not = not.map(|(next, why)| format!(" The next cheaper, {next}: {why}."));
+                let not = not.map(|(next, why)| {
+                    format!(" The next cheaper run ({next}) is no such run: {why}.")
+                });
                 format!(
-                    "{setting} is the cheapest run of the model that a person could not tell from the right one, \
-                     {work} evaluations.{}",
+                    "{setting} is the cheapest run of the model that a person could not tell from the right one \
+                     ({work} evaluations).{}",
                     not.unwrap_or_default()
                 )
             }
@@ -89,8 +91,8 @@ const UNPROVEN: &str = "unproven";
 fn setting(solver: &str, step_s: Option<f64>, tolerance: Option<f64>) -> String {
     let label = solver_label(solver);
     match (step_s, tolerance) {
-        (Some(step_s), _) => format!("{label}, {} ms,", (step_s * 1e6).round() / 1e3),
-        (None, Some(tolerance)) => format!("{label}, tolerance {tolerance:e},"),
+        (Some(step_s), _) => format!("{label} with steps of {} ms", (step_s * 1e6).round() / 1e3),
+        (None, Some(tolerance)) => format!("{label} with a tolerance of {tolerance:e}"),
         (None, None) => label.to_owned(),
     }
 }
@@ -136,9 +138,9 @@ mod tests {
         assert_eq!(
             told,
             [
-                "Spring, active: Moreau–Jean, 1.024 ms, is the cheapest run of the model that a person could not \
-                 tell from the right one, 480 evaluations. The next cheaper, symplectic Euler, 2.048 ms: it breaks \
-                 the bound of the angle.",
+                "Spring, active: Moreau–Jean with steps of 1.024 ms is the cheapest run of the model that a person \
+                 could not tell from the right one (480 evaluations). The next cheaper run (symplectic Euler, \
+                 2.048 ms) is no such run: it breaks the bound of the angle.",
                 "Spring + wall, hybrid: no run of the model is known to be right: two solvers differ.",
                 "other: a person could tell each run of the model that was tried from the right one.",
             ]

@@ -178,6 +178,7 @@ pub(crate) mod testing {
         let columns = vec![
             text("participant", |r| r.participant),
             text("session", |_| "S01"),
+            Column::integer("trial", "1", "", (1..).zip(rows).map(|(trial, _)| Some(trial))),
             text("environment", |r| r.condition.0),
             text("mode", |r| r.condition.1),
             text("source", |r| r.source),

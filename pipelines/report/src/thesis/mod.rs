@@ -48,8 +48,8 @@ pub fn thesis_table(derived: &Derived) -> Result<Table, TableError> {
     let table = notes(derived.known.metrics)?.into_iter().fold(table, Table::with_note);
     Ok(table
         .with_note(
-            "A statement is supported where the whole interval lies in what is asked, contradicted where none of it \
-             does, else undecided. Intervals are not adjusted for the number of statements.",
+            "A statement is supported if the whole interval lies within what is asked, contradicted if no part of it \
+             does, and undecided otherwise. Intervals are not adjusted for the number of statements.",
         )
         .with_note_of(NoteKind::General, derived.basis.footnote()))
 }

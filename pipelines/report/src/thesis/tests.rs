@@ -289,7 +289,7 @@ fn each_judged_statement_is_told_with_its_number_its_interval_its_n_and_where_it
     let table = judged(&study(), Some(&trials(&of, "twin")), None);
     let (counts, judged) = told(&table).unwrap();
     assert!(counts.starts_with("Of ") && counts.contains("simulated"), "{counts}");
-    assert!(counts.contains("within the one participant P01"), "{counts}");
+    assert!(counts.contains("those of one participant, P01"), "{counts}");
     let found = judged.iter().find(|t| t.text().contains("40°")).unwrap();
     assert_eq!(
         found.text(),
