@@ -124,13 +124,3 @@ fn recordings_that_are_others_than_the_clients_are_refused_by_their_part() {
     let words = ["there is no folder", "/no/such/folder"];
     run(root.path(), &address, &["--raw", "/no/such/folder"]).end().ends(1, &words);
 }
-
-#[test]
-fn an_object_store_that_is_not_there_is_told_with_its_name_and_its_file() {
-    let (_scheduler, address) = scheduler();
-    let endpoint = format!("http://127.0.0.1:{}", free_port());
-    let _executor = executor(&address, &settings(&endpoint));
-    let root = raw();
-    let words = ["cannot be read from s3://bucket/data", "the executors could make nothing"];
-    run(root.path(), &address, &["--raw", URL]).end().ends(1, &words);
-}

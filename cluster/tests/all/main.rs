@@ -2,6 +2,8 @@
 //! the study that comes with the software has the bytes of a run without them, and whatever goes
 //! wrong with them ends in a result or in a clear error.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "tests")]
+
 mod faults;
 mod hosts;
 mod locks;

@@ -21,9 +21,9 @@ mod given;
 mod guess;
 mod guess_apart;
 mod guess_names;
-mod hdf5;
 mod guess_read;
 mod guess_words;
+mod hdf5;
 mod identity;
 mod jsonl;
 #[cfg(test)]
