@@ -486,7 +486,7 @@ mod tests {
             pros_cons_table(known).unwrap().notes().join(" ")
         };
         assert!(of("twin", ["P01", "P01"]).contains("simulated"));
-        assert!(of("recorded", ["P01", "P01"]).contains("one participant P01"));
+        assert!(of("recorded", ["P01", "P01"]).contains("one participant, P01"));
         assert_eq!(of("recorded", ["P01", "P02"]), "");
     }
 }

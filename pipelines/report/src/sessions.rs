@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(
             told([5, 1]).unwrap(),
             "Exploratory, mean change between sessions in the primary metric, peak force: Spring, Active, \
-             S02 − S01: −0.12 N (−0.15 to −0.09, n = 5 participants). Not adjusted for the number of changes."
+             S02 − S01: −0.120\u{a0}N (−0.150 to −0.090, n = 5 participants). Not adjusted for the number of changes."
         );
     }
 

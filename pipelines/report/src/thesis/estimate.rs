@@ -82,7 +82,7 @@ fn group(values: &[f64]) -> Group {
 fn spread(tested: Result<Tested, Unestimable>) -> Spread {
     match tested {
         Ok(tested) => Spread::Interval([tested.ci_low, tested.ci_high]),
-        Err(Unestimable::Constant { .. }) => Spread::Equal,
+        Err(Unestimable::Constant { .. } | Unestimable::NoDifference) => Spread::Equal,
         Err(why) => Spread::Unknown(why.to_string()),
     }
 }
