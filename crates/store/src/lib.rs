@@ -32,6 +32,7 @@ mod laid;
 mod layout;
 mod lock;
 mod memory;
+mod open;
 mod plausible;
 mod port;
 mod raw;
@@ -64,7 +65,7 @@ pub use atomic::{
     write_new, write_private,
 };
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
-pub use columns::{Columns, OpenTrial, Recorded, Values};
+pub use columns::{Columns, Recorded, Values};
 pub use content::Content;
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
@@ -79,6 +80,7 @@ pub use laid::{laid_down, lay_down, record_bytes};
 pub use layout::Layout;
 pub use lock::{StudyLock, owner};
 pub use memory::{Fault, Memory, Survives};
+pub use open::OpenTrial;
 pub use plausible::Asked;
 pub use port::{PortFile, read_port};
 pub use raw::Raw;

@@ -1,0 +1,91 @@
+//! A trial of a file whose columns are read when they are looked at, if it is long.
+
+use crate::columns::{Columns, LONG, Recorded};
+use crate::read::{OpenColumns, read_trial_and_channels};
+use crate::{RealFiles, Signal, StoreError, Trial};
+use std::path::Path;
+use zwidth_study::{ChannelId, TrialMeta};
+
+/// A trial of a file: in memory, or if it is long with columns that are read when they are looked
+/// at.
+pub struct OpenTrial {
+    /// What is known of the trial.
+    pub meta: TrialMeta,
+    columns: Box<dyn Columns + Send>,
+}
+
+impl OpenTrial {
+    /// Opens the trial at `path`. Of a short one all signals and these channels are read.
+    ///
+    /// # Errors
+    /// Those of [`read_trial`](crate::read_trial), of a long one those that show without its columns:
+    /// the others are a [`Columns::failure`].
+    pub fn open(path: &Path, channels: &[ChannelId]) -> Result<Self, StoreError> {
+        Self::open_from(path, channels, LONG)
+    }
+
+    fn open_from(path: &Path, channels: &[ChannelId], long: usize) -> Result<Self, StoreError> {
+        let open = OpenColumns::open(&RealFiles, path)?;
+        if open.rows() <= long {
+            let Trial { meta, samples, .. } =
+                read_trial_and_channels(path, Signal::all(), channels)?;
+            return Ok(Self { meta, columns: Box::new(samples) });
+        }
+        Ok(Self { meta: open.said()?.0, columns: Box::new(open) })
+    }
+
+    /// Its samples.
+    pub fn columns(&self) -> &dyn Columns {
+        &*self.columns
+    }
+}
+
+impl<'a> From<&'a OpenTrial> for Recorded<'a> {
+    fn from(trial: &'a OpenTrial) -> Self {
+        Self { meta: &trial.meta, columns: trial.columns() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::Values;
+    use crate::read::tests::written;
+
+    #[test]
+    fn a_long_trial_has_the_columns_of_a_short_one_and_keeps_none_that_nobody_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let trial = crate::read_trial(&path, Signal::all()).unwrap();
+        let [short, long] = [1000, 10].map(|long| OpenTrial::open_from(&path, &[], long).unwrap());
+        for open in [&short, &long] {
+            assert_eq!((&open.meta, open.columns().rows()), (&trial.meta, 200));
+            for signal in Signal::all() {
+                let values = open.columns().column(signal);
+                assert!(values.as_deref() == trial.samples.get(signal), "{signal:?}");
+                assert_eq!(open.columns().has(signal), values.is_some());
+            }
+        }
+        let held = long.columns().column(Signal::Theta);
+        long.columns().forget();
+        let again = long.columns().column(Signal::Theta);
+        let place = |values: &Option<Values>| values.as_ref().unwrap().as_ptr();
+        assert_eq!(place(&held), place(&again), "what somebody holds is not read twice");
+        assert_eq!(long.columns().failure(), None);
+    }
+
+    #[test]
+    fn a_long_trial_whose_file_is_damaged_says_so_though_nobody_looked_at_that_column() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let mut bytes = std::fs::read(&path).unwrap();
+        // The first column's first page.
+        bytes[8..64].iter_mut().for_each(|byte| *byte ^= 0x5a);
+        std::fs::write(&path, &bytes).unwrap();
+        let refused = OpenTrial::open_from(&path, &[], 1000).err().unwrap();
+        let long = OpenTrial::open_from(&path, &[], 10).unwrap();
+        assert!(long.columns().column(Signal::Theta).is_some());
+        assert_eq!(long.columns().failure(), Some(refused));
+        assert!(long.columns().column(Signal::Time).is_none());
+    }
+}
