@@ -5,7 +5,7 @@ use super::guess_read::look_at_head;
 use super::guess_words::are_answers;
 use super::limits::shown;
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zwidth_store::StoreError;
 
 /// Columns that are named of a file that differs.
@@ -29,7 +29,8 @@ pub(super) fn sort(files: &[PathBuf]) -> Sorted {
     let [_, _, ..] = files else {
         return Sorted { alike: files.to_vec(), apart: Vec::new() };
     };
-    let found: Vec<Result<Columns, StoreError>> = files.par_iter().map(columns).collect();
+    let found: Vec<Result<Columns, StoreError>> =
+        files.par_iter().map(|file| columns(file)).collect();
     let like = |columns: &Columns| found.iter().flatten().filter(|other| *other == columns).count();
     let most = found.iter().flatten().map(like).max();
     let usual = found.iter().flatten().find(|columns| Some(like(columns)) == most);
@@ -44,7 +45,7 @@ pub(super) fn sort(files: &[PathBuf]) -> Sorted {
     sorted
 }
 
-fn columns(file: &PathBuf) -> Result<Columns, StoreError> {
+fn columns(file: &Path) -> Result<Columns, StoreError> {
     let table = look_at_head(file)?.table;
     let names = table.names.map(|mut names| {
         names.sort();
@@ -53,7 +54,7 @@ fn columns(file: &PathBuf) -> Result<Columns, StoreError> {
     Ok((names, table.columns.len()))
 }
 
-fn other_columns(file: &PathBuf, (names, number): &Columns, most: usize) -> StoreError {
+fn other_columns(file: &Path, (names, number): &Columns, most: usize) -> StoreError {
     let files = if most == 1 { "file".to_owned() } else { format!("{most} files") };
     let which = names.as_ref().map_or_else(
         || format!("{number}, without a header"),

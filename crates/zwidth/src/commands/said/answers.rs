@@ -1,6 +1,6 @@
 //! `zwidth answer --from`: a table of answers to trials that are there, all given or none.
 
-use super::{Given, given};
+use super::given::{Given, given};
 use crate::args::Answer;
 use crate::commands::recover::{lock, now, put_in_order_and_tell};
 use crate::commands::{join_findings, session, study, sum_up};
