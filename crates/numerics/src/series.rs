@@ -8,11 +8,17 @@ use crate::error::{NumericsError, same_length};
 /// Value of the polyline through (tᵢ, yᵢ) at `at`; `None` outside [t₀, tₙ₋₁] or for an empty series
 /// (there is no extrapolation). At a sample it is that sample, exactly.
 pub fn interpolate(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
-    interpolate_by(t.len(), |i| t[i], y, at)
+    interpolate_by(t.len().min(y.len()), |i| t[i], |i| y[i], at)
 }
 
-/// [`interpolate`] with times that a rule gives for each of so many samples.
-pub fn interpolate_by(samples: usize, t: impl Fn(usize) -> f64, y: &[f64], at: f64) -> Option<f64> {
+/// [`interpolate`] with times and values that a rule gives for each of so many samples: values are
+/// asked for beside `at` alone.
+pub fn interpolate_by(
+    samples: usize,
+    t: impl Fn(usize) -> f64,
+    y: impl Fn(usize) -> f64,
+    at: f64,
+) -> Option<f64> {
     // The first sample that is not before `at`, by halving.
     let (mut after, mut end) = (0, samples);
     while after < end {
@@ -22,14 +28,14 @@ pub fn interpolate_by(samples: usize, t: impl Fn(usize) -> f64, y: &[f64], at: f
     if after >= samples {
         return None;
     }
-    let (t1, &y1) = (t(after), y.get(after)?);
+    let (t1, y1) = (t(after), y(after));
     if t1 <= at {
         // A sample's own time: arithmetic would blur its value.
         return Some(y1);
     }
     let before = after.checked_sub(1)?;
-    let share = (at - t(before)) / (t1 - t(before));
-    Some(y[before] + share * (y1 - y[before]))
+    let (t0, y0) = (t(before), y(before));
+    Some(y0 + (at - t0) / (t1 - t0) * (y1 - y0))
 }
 
 /// [`interpolate`] at every point of `grid`, in its order.

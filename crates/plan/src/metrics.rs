@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::Parameters;
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
-use zwidth_store::{Asked, Layout, OpenTrial, StoreError, StudyData, check_samples};
+use zwidth_store::{Asked, Layout, OpenTrial, Signal, StoreError, StudyData, check_samples};
 use zwidth_study::Condition;
 use zwidth_tables::{NoteKind, Table};
 
@@ -117,7 +117,8 @@ fn make_with_plant(
         }
         None => None,
     };
-    let (rows, _) = of_each(trials, &of.trials, |trial| {
+    let signals = zwidth_metrics::PLANT_SIGNALS;
+    let (rows, _) = of_each((trials, &of.trials), &signals, |trial| {
         let row = zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref());
         row.map_err(|e| e.to_string())
     });
@@ -129,7 +130,8 @@ fn make_condition(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (made, problems) = of_each(files, &of.trials, |trial| {
+    let signals: Vec<Signal> = Signal::all().collect();
+    let (made, problems) = of_each((files, &of.trials), &signals, |trial| {
         let row = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
         Ok((
             row.map_err(|e| format!("{}: {e}", name(&trial.meta))),

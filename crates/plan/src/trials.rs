@@ -82,19 +82,19 @@ pub(crate) fn read_drawn(
     split(read.collect())
 }
 
-/// What `make` makes of each trial, side by side: of a long one it reads the columns that it looks
-/// at. With every signal, and the channels that metrics read where the files have them. What cannot be
-/// read, and why `make` made nothing, is told.
+/// What `make` makes of each trial with these signals, side by side: of a long one it reads the
+/// columns that it looks at. Channels that metrics read are there where the files have them. What
+/// cannot be read, and why `make` made nothing, is told.
 pub(crate) fn of_each<T: Send>(
-    files: &[PathBuf],
-    known: &[Known],
+    (files, known): (&[PathBuf], &[Known]),
+    signals: &[Signal],
     make: impl Fn(&OpenTrial) -> Result<T, String> + Sync,
 ) -> (Vec<T>, Vec<String>) {
     let names = [CURRENT_MOTOR, CURRENT_BRAKE, REFERENCE];
     let channels: Vec<ChannelId> =
         names.into_iter().filter_map(|name| ChannelId::new(name).ok()).collect();
     let each = files.par_iter().zip(known).map(|(file, known)| {
-        let trial = opened(file, known, &channels).map_err(|e| e.to_string())?;
+        let trial = opened(file, known, signals, &channels).map_err(|e| e.to_string())?;
         let made = make(&trial);
         // Whatever was made without a column that could not be read is void.
         trial.columns().failure().map_or(made, |error| Err(error.to_string()))
@@ -104,11 +104,17 @@ pub(crate) fn of_each<T: Send>(
 
 /// The trials, opened, one after the other: of long ones no column is read yet.
 pub(crate) fn open_all(files: &[PathBuf], known: &[Known]) -> (Vec<OpenTrial>, Vec<String>) {
-    split(files.par_iter().zip(known).map(|(file, known)| opened(file, known, &[])).collect())
+    let all: Vec<Signal> = Signal::all().collect();
+    split(files.par_iter().zip(known).map(|(file, known)| opened(file, known, &all, &[])).collect())
 }
 
-fn opened(file: &Path, known: &Known, channels: &[ChannelId]) -> Result<OpenTrial, StoreError> {
-    let mut trial = OpenTrial::open(file, channels)?;
+fn opened(
+    file: &Path,
+    known: &Known,
+    signals: &[Signal],
+    channels: &[ChannelId],
+) -> Result<OpenTrial, StoreError> {
+    let mut trial = OpenTrial::open(file, signals, channels)?;
     trial.meta = known.named(trial.meta);
     Ok(trial)
 }

@@ -8,6 +8,7 @@
 use crate::error::{StatsError, check_level};
 use crate::rounded::rounded;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use std::cell::Cell;
 
 /// From here on the corrections of the normal distribution leave less than 1e-13 of a critical
 /// value.
@@ -31,9 +32,21 @@ pub fn two_sided_p(t: f64, df: f64) -> Result<f64, StatsError> {
 /// # Errors
 /// `level` outside (0, 1), `df` not positive.
 pub fn critical_value(level: f64, df: f64) -> Result<f64, StatsError> {
+    thread_local! {
+        // The search takes fifty values of the distribution, and all intervals of a trial ask for
+        // the same.
+        static LAST: Cell<Option<(f64, f64, f64)>> = const { Cell::new(None) };
+    }
+    let is_same = |last: &(f64, f64, f64)| (last.0, last.1) == (level, df);
+    if let Some((.., found)) = LAST.get().filter(is_same) {
+        return Ok(found);
+    }
     check_level(level)?;
     let distribution = distribution(df)?;
-    Ok(rounded(if df < MANY { searched(level, &distribution) } else { corrected(level, df) }))
+    let found =
+        rounded(if df < MANY { searched(level, &distribution) } else { corrected(level, df) });
+    LAST.set(Some((level, df, found)));
+    Ok(found)
 }
 
 fn distribution(df: f64) -> Result<StudentsT, StatsError> {

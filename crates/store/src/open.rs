@@ -1,7 +1,7 @@
 //! A trial of a file whose columns are read when they are looked at, if it is long.
 
 use crate::columns::{Columns, LONG, Recorded};
-use crate::read::{OpenColumns, read_trial_and_channels};
+use crate::read::{OpenColumns, with_time};
 use crate::{RealFiles, Signal, StoreError, Trial};
 use std::path::Path;
 use zwidth_study::{ChannelId, TrialMeta};
@@ -15,20 +15,30 @@ pub struct OpenTrial {
 }
 
 impl OpenTrial {
-    /// Opens the trial at `path`. Of a short one all signals and these channels are read.
+    /// Opens the trial at `path`. Of a short one time, these signals and these channels are read; a
+    /// long one has them all.
     ///
     /// # Errors
     /// Those of [`read_trial`](crate::read_trial), of a long one those that show without its columns:
     /// the others are a [`Columns::failure`].
-    pub fn open(path: &Path, channels: &[ChannelId]) -> Result<Self, StoreError> {
-        Self::open_from(path, channels, LONG)
+    pub fn open(
+        path: &Path,
+        signals: &[Signal],
+        channels: &[ChannelId],
+    ) -> Result<Self, StoreError> {
+        Self::open_from(path, (signals, channels), LONG)
     }
 
-    fn open_from(path: &Path, channels: &[ChannelId], long: usize) -> Result<Self, StoreError> {
+    fn open_from(
+        path: &Path,
+        (signals, channels): (&[Signal], &[ChannelId]),
+        long: usize,
+    ) -> Result<Self, StoreError> {
         let open = OpenColumns::open(&RealFiles, path)?;
         if open.rows() <= long {
+            let wanted = with_time(signals.iter().copied());
             let Trial { meta, samples, .. } =
-                read_trial_and_channels(path, Signal::all(), channels)?;
+                open.read(&wanted, &|channel| channels.contains(&channel.id))?;
             return Ok(Self { meta, columns: Box::new(samples) });
         }
         Ok(Self { meta: open.said()?.0, columns: Box::new(open) })
@@ -57,7 +67,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (_, path) = written(folder.path());
         let trial = crate::read_trial(&path, Signal::all()).unwrap();
-        let [short, long] = [1000, 10].map(|long| OpenTrial::open_from(&path, &[], long).unwrap());
+        let all: Vec<Signal> = Signal::all().collect();
+        let [short, long] =
+            [1000, 10].map(|long| OpenTrial::open_from(&path, (&all, &[]), long).unwrap());
         for open in [&short, &long] {
             assert_eq!((&open.meta, open.columns().rows()), (&trial.meta, 200));
             for signal in Signal::all() {
@@ -82,8 +94,9 @@ mod tests {
         // The first column's first page.
         bytes[8..64].iter_mut().for_each(|byte| *byte ^= 0x5a);
         std::fs::write(&path, &bytes).unwrap();
-        let refused = OpenTrial::open_from(&path, &[], 1000).err().unwrap();
-        let long = OpenTrial::open_from(&path, &[], 10).unwrap();
+        let all: Vec<Signal> = Signal::all().collect();
+        let refused = OpenTrial::open_from(&path, (&all, &[]), 1000).err().unwrap();
+        let long = OpenTrial::open_from(&path, (&all, &[]), 10).unwrap();
         assert!(long.columns().column(Signal::Theta).is_some());
         assert_eq!(long.columns().failure(), Some(refused));
         assert!(long.columns().column(Signal::Time).is_none());

@@ -127,7 +127,7 @@ pub fn read_trial_from(
 }
 
 /// These signals and time, each once and in order.
-fn with_time(signals: impl IntoIterator<Item = Signal>) -> Vec<Signal> {
+pub(crate) fn with_time(signals: impl IntoIterator<Item = Signal>) -> Vec<Signal> {
     let mut wanted: Vec<Signal> = signals.into_iter().chain([Signal::Time]).collect();
     wanted.sort();
     wanted.dedup();
@@ -140,32 +140,8 @@ fn read_some(
     wanted: Vec<Signal>,
     is_wanted: &dyn Fn(&Channel) -> bool,
 ) -> Result<Trial, StoreError> {
-    let trial = OpenColumns::open(files, path)?;
-    let (meta, said) = trial.said()?;
-    let channels: Vec<&Channel> = trial.form.channels.iter().filter(|c| is_wanted(c)).collect();
-    let recorded = wanted.iter().filter(|signal| trial.has(**signal)).count() + channels.len();
-    if trial.file.rows.saturating_mul(recorded) > MOST_VALUES {
-        let rows = trial.file.rows;
-        let what = format!(
-            "{rows} rows of {recorded} columns are more numbers than the {MOST_VALUES} that are read at once"
-        );
-        return Err(StoreError::new(path, what, "split the recording"));
-    }
-    let mut samples = Samples::default();
-    for signal in wanted {
-        if let Some(values) = trial.signal(signal)? {
-            samples.set(signal, values);
-        }
-    }
-    for channel in channels {
-        if let Some(values) = trial.channel(channel)? {
-            samples.set_channel(channel.id.clone(), values);
-        }
-    }
-    samples.check(path)?;
-    Ok(Trial { meta, file: said, samples })
+    OpenColumns::open(files, path)?.read(&wanted, is_wanted)
 }
-
 /// A trial's file, opened: its columns are read one by one.
 pub(crate) struct OpenColumns {
     form: TrialForm,
@@ -193,6 +169,40 @@ impl OpenColumns {
     /// What is known of the trial, and what the file says of itself besides.
     pub(crate) fn said(&self) -> Result<(TrialMeta, TrialFile), StoreError> {
         meta_from(&self.file.path, self.file.footer.clone(), &self.form)
+    }
+
+    /// A trial in memory with these signals, and the channels that are wanted.
+    ///
+    /// # Errors
+    /// Those of [`read_trial`].
+    pub(crate) fn read(
+        &self,
+        wanted: &[Signal],
+        is_wanted: &dyn Fn(&Channel) -> bool,
+    ) -> Result<Trial, StoreError> {
+        let (path, rows) = (&self.file.path, self.file.rows);
+        let (meta, said) = self.said()?;
+        let channels: Vec<&Channel> = self.form.channels.iter().filter(|c| is_wanted(c)).collect();
+        let recorded = wanted.iter().filter(|signal| self.has(**signal)).count() + channels.len();
+        if rows.saturating_mul(recorded) > MOST_VALUES {
+            let what = format!(
+                "{rows} rows of {recorded} columns are more numbers than the {MOST_VALUES} that are read at once"
+            );
+            return Err(StoreError::new(path, what, "split the recording"));
+        }
+        let mut samples = Samples::default();
+        for signal in wanted {
+            if let Some(values) = self.signal(*signal)? {
+                samples.set(*signal, values);
+            }
+        }
+        for channel in channels {
+            if let Some(values) = self.channel(channel)? {
+                samples.set_channel(channel.id.clone(), values);
+            }
+        }
+        samples.check(path)?;
+        Ok(Trial { meta, file: said, samples })
     }
 
     /// Checks what [`read_whole_trial`] checks, a column at a time.

@@ -85,7 +85,7 @@ impl<'a> Aligned<'a> {
         let columns = self.trial.columns;
         let (t, values) = (columns.column(Signal::Time)?, columns.column(signal)?);
         let time = |i: usize| self.common_s(t[i] - self.onset_s);
-        Some(grid_s.iter().map(|at| interpolate_by(t.len(), time, &values, *at)).collect())
+        Some(grid_s.iter().map(|at| interpolate_by(t.len(), time, |i| values[i], *at)).collect())
     }
 }
 

@@ -1,11 +1,13 @@
 //! The actuators' force discrepancy: what is left of the user's without the plant (thesis, appendix
 //! B).
 
-use crate::branch::branches;
+use crate::branch::Branches;
 use crate::energy::HALF_S;
 use crate::gap::Gap;
 use crate::signals::Signals;
 use crate::{MetricsError, Plant};
+use std::cell::RefCell;
+use std::collections::HashMap;
 use zwidth_numerics::local::derivatives_at;
 use zwidth_numerics::phases::Phases;
 use zwidth_stats::interval::{Estimate, t_interval};
@@ -58,27 +60,26 @@ pub(crate) fn actuator_discrepancy(
         return Ok(ActuatorDiscrepancy::default());
     };
     let Phases { reversal, end, .. } = phases;
-    let gap = |y: &dyn Fn(usize) -> f64| {
-        let held = |i: usize| while_held(y, i, theta.len());
-        let found = branches(&theta, held, phases, analysis.grid_points)?;
-        let d = found.forward.iter().zip(&found.backward).map(|(f, b)| f - b).collect::<Vec<_>>();
-        Some((found.theta, d))
-    };
-    let user = gap(&|i| force[i]);
-    drop(force);
-    let t = signals.t()?;
-    let motion = |i: usize| derivatives_at(&t, &theta, HALF_S, i);
-    let of_all = [user, gap(&|i| motion(i).0), gap(&|i| motion(i).1)];
-    let [Some((grid, user)), Some((_, slower)), Some((_, later))] = of_all else {
-        return Ok(ActuatorDiscrepancy::default());
-    };
     if reversal == end {
         return Ok(ActuatorDiscrepancy::default());
     }
+    let Some(branches) = Branches::of(&theta, phases, analysis.grid_points) else {
+        return Ok(ActuatorDiscrepancy::default());
+    };
+    let gap = |y: &dyn Fn(usize) -> f64| branches.gap(|i| while_held(y, i, theta.len()));
+    let user = gap(&|i| force[i]);
+    drop(force);
+    let t = signals.t()?;
+    // Neighbouring angles of the grid lie between the same samples, and both derivatives come at once.
+    let found = RefCell::new(HashMap::new());
+    let motion = |i: usize| {
+        *found.borrow_mut().entry(i).or_insert_with(|| derivatives_at(&t, &theta, HALF_S, i))
+    };
+    let (slower, later) = (gap(&|i| motion(i).0), gap(&|i| motion(i).1));
     let (inertia, damping) = (plant.mass_kg * lever_m, plant.damping_ns_per_rad);
     let of_plant = |i: usize| inertia * later[i] + damping * slower[i] + 2.0 * plant.friction_n;
     let d: Vec<f64> = (0..user.len()).map(|i| user[i] - of_plant(i)).collect();
-    let at = |d: Vec<f64>| Gap::new(grid.clone(), d, theta[reversal]);
+    let at = |d: Vec<f64>| Gap::new(branches.grid.clone(), d, theta[reversal]);
     let (gap, slower, later) = (at(d), at(slower), at(later));
     let level = analysis.confidence;
     let mean = gap.mean()?;

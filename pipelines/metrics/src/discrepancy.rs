@@ -1,7 +1,7 @@
 //! The user's force discrepancy: compression against decompression (thesis §5.3.1).
 
 use crate::MetricsError;
-use crate::branch::{Branches, branches};
+use crate::branch::Branches;
 use crate::gap::Gap;
 use crate::signals::Signals;
 use zwidth_numerics::phases::Phases;
@@ -70,14 +70,12 @@ pub(crate) fn discrepancy(
     if reversal == end {
         return Ok(Discrepancy::default());
     }
-    let Some(Branches { theta: grid, forward, backward }) =
-        branches(&theta, |i| force[i], phases, grid_points)
-    else {
+    let Some(branches) = Branches::of(&theta, phases, grid_points) else {
         return Ok(Discrepancy::default());
     };
     let area = loop_area(&theta[onset..=end], &force[onset..=end])?;
-    let d = forward.iter().zip(&backward).map(|(f, b)| f - b).collect();
-    let gap = Gap::new(grid, d, theta[reversal]);
+    let d = branches.gap(|i| force[i]);
+    let gap = Gap::new(branches.grid, d, theta[reversal]);
     let (mean, line) = (gap.mean()?, gap.line_in_the_middle(level)?);
     let mean_interval = around(mean, line, 1.0, level)?;
     let loop_area_j = signals.lever_m.map(|lever_m| lever_m * area);

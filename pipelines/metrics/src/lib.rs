@@ -67,7 +67,7 @@ pub use events::{EventKind, TrialEvent, events_table};
 pub use movement::Movement;
 pub use oscillation::{RecordedStability, Swings};
 pub use parameters::{Parameters, Plant};
-pub use plant::{PlantMetrics, plant_metrics};
+pub use plant::{PLANT_SIGNALS, PlantMetrics, plant_metrics};
 pub use spring::{Saturation, SpringRendering};
 pub use stability::Stability;
 pub use step::StepResponse;
@@ -256,10 +256,16 @@ mod tests {
             let columns = &Lent { samples: &made.samples, lent: RefCell::default() };
             let lent = Recorded { meta: &made.meta, columns };
             assert_eq!(trial_metrics(lent, &parameters), trial_metrics(&made, &parameters));
-            let [lent, held] = [lent, (&made).into()]
+            let mut few = Samples::default();
+            for signal in PLANT_SIGNALS {
+                made.samples.get(signal).map(|values| few.set(signal, values.to_vec()));
+            }
+            let few = Recorded { meta: &made.meta, columns: &few };
+            let [lent, few, held] = [lent, few, (&made).into()]
                 .map(|trial| plant_metrics(trial, &parameters, Some(&plant)).unwrap());
             assert!(held.energy.closed_loops.is_some() && held.discrepancy.mean_n.is_some());
             assert_eq!(lent, held);
+            assert_eq!(few, held, "nothing but these signals is looked at");
         }
     }
 

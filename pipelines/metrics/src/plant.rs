@@ -5,8 +5,12 @@ use crate::actuator::{ActuatorDiscrepancy, actuator_discrepancy};
 use crate::energy::{EnergyObserver, energy_observer};
 use crate::signals::Signals;
 use crate::{MetricsError, Parameters, Plant};
-use zwidth_store::Recorded;
+use zwidth_store::{Recorded, Signal};
 use zwidth_study::TrialMeta;
+
+/// The signals at which [`plant_metrics`] looks.
+pub const PLANT_SIGNALS: [Signal; 5] =
+    [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::ForceAge];
 
 /// What a trial says with the plant.
 #[derive(Debug, Clone, PartialEq)]
