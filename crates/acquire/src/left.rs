@@ -2,15 +2,15 @@
 
 use crate::flow::Flow;
 use crate::session::recorded;
-use zwidth_store::{SessionLog, StudyData};
+use zwidth_store::{SessionLog, TrialEntry};
 
-/// How many trials of a session's order are still to be done; 0 of an imported one, which has no
-/// order.
-pub fn left_to_do(data: &StudyData, log: &SessionLog) -> usize {
+/// How many trials of a session's order are still to be done, its own among `trials`; 0 of an
+/// imported one, which has no order.
+pub fn left_to_do<'t>(trials: impl IntoIterator<Item = &'t TrialEntry>, log: &SessionLog) -> usize {
     if log.record.order.is_none() {
         return 0;
     }
     let order = log.record.trials.iter().map(|t| (t.clone(), Vec::new())).collect();
-    let (flow, _) = Flow::begin(order, 0.0, &recorded(&data.trials, log), &log.events);
+    let (flow, _) = Flow::begin(order, 0.0, &recorded(trials, log), &log.events);
     flow.places().len() - flow.done()
 }

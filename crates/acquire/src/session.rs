@@ -247,7 +247,10 @@ fn found(
 }
 
 /// What was recorded of a session.
-pub(crate) fn recorded(trials: &[TrialEntry], log: &SessionLog) -> Vec<Recorded> {
+pub(crate) fn recorded<'t>(
+    trials: impl IntoIterator<Item = &'t TrialEntry>,
+    log: &SessionLog,
+) -> Vec<Recorded> {
     let of_session = |t: &&TrialEntry| {
         t.meta.participant == log.record.participant && t.meta.session == log.record.session
     };
@@ -256,7 +259,7 @@ pub(crate) fn recorded(trials: &[TrialEntry], log: &SessionLog) -> Vec<Recorded>
         complete: t.meta.status == Status::Complete,
         settled: t.meta.likert.is_some() || t.excluded.is_some(),
     };
-    trials.iter().filter(of_session).map(one).collect()
+    trials.into_iter().filter(of_session).map(one).collect()
 }
 
 fn opened(seal: &Seal, record: &SessionRecord) -> Result<Vec<ModeId>, AcquireError> {

@@ -3,17 +3,18 @@
 
 use crate::conditions::{Repeats, repeats, sessions};
 use crate::drawing::{Drawing, Figured};
-use crate::making::{derived, read_tables, write_tables};
+use crate::making::{derived, write_tables};
 use crate::trials::{OfTrials, files, open_all};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_average::{Alignment, AverageError, Parameters, WhyNot};
+use zwidth_average::{Alignment, AverageError, Parameters, SessionCourse, WhyNot};
 use zwidth_figures::{About, EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::{Environment, SceneKind, Source};
-use zwidth_tables::Table;
+use zwidth_tables::{Table, TableError};
 
 pub(crate) const STAGE: Stage = Stage { name: "average", version: zwidth_average::VERSION };
 
@@ -89,7 +90,12 @@ impl People<'_> {
 }
 
 fn make_people(level: &f64, sessions: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    let table = match zwidth_average::over_participants(&read_tables(sessions)?, *level)? {
+    let looked_at = zwidth_average::looked_at();
+    let names: Vec<&str> = looked_at.iter().map(String::as_str).collect();
+    // Of a large study the tables together would take far more memory than the courses.
+    let course = |file: &PathBuf| SessionCourse::of(&Table::columns_from_parquet(file, &names)?);
+    let courses: Vec<_> = sessions.par_iter().map(course).collect::<Result<_, TableError>>()?;
+    let table = match zwidth_average::over_participants(courses.into_iter().flatten(), *level)? {
         Some(table) => table,
         None => zwidth_average::no_average(&WhyNot::Nobody)?,
     };

@@ -1,6 +1,6 @@
 //! The sessions of a study, and the conditions of each, with their trials that count.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::{StudyData, TrialEntry};
 use zwidth_study::{Calibration, Environment, Mode, ParticipantId, SessionId, TrialMeta};
 
@@ -57,8 +57,10 @@ impl<'a> Session<'a> {
 /// The sessions with trials that count, each trial in a known condition.
 pub(crate) fn sessions(data: &StudyData) -> Vec<Session<'_>> {
     let mut sessions: BTreeMap<_, Vec<&TrialEntry>> = BTreeMap::new();
-    for trial in data.counting() {
-        sessions.entry((&trial.meta.participant, &trial.meta.session)).or_default().push(trial);
+    let counting: Vec<&TrialEntry> = data.counting().collect();
+    for trials in counting.chunk_by(|a, b| a.meta.is_of_session_of(&b.meta)) {
+        let of = (&trials[0].meta.participant, &trials[0].meta.session);
+        sessions.entry(of).or_default().extend(trials);
     }
     let session = |((participant, session), trials)| Session { participant, session, trials };
     sessions.into_iter().map(session).collect()
@@ -76,11 +78,41 @@ pub(crate) fn repeats(data: &StudyData) -> Vec<Repeats<'_>> {
     found
 }
 
+/// So many samples stand for a large study where a result gains little from more and costs as much
+/// for each: 1,000 trials of 4 s at 1 kHz. A plant has six parameters, and its error shrinks with
+/// the root of the trials.
+const MOST_SAMPLES: usize = 4_000_000;
+
+/// Whose trials stand for all, of trials with so many samples each: everybody's, or in a large study
+/// those of so many participants, evenly spread over the list, as keep within the most samples; one
+/// participant's at least.
+pub(crate) fn spread<'p>(trials: &[(&'p ParticipantId, usize)]) -> BTreeSet<&'p ParticipantId> {
+    spread_within(trials, MOST_SAMPLES)
+}
+
+pub(crate) fn spread_within<'p>(
+    trials: &[(&'p ParticipantId, usize)],
+    most: usize,
+) -> BTreeSet<&'p ParticipantId> {
+    let all: usize = trials.iter().map(|(_, rows)| rows).sum();
+    let people: BTreeSet<_> = trials.iter().map(|(who, _)| *who).collect();
+    if all <= most {
+        return people;
+    }
+    let people: Vec<_> = people.into_iter().collect();
+    let kept = (people.len() * most / all).max(1);
+    (0..kept).map(|k| people[k * people.len() / kept]).collect()
+}
+
+/// Whether there are any.
+pub(crate) fn is_any(data: &StudyData) -> bool {
+    let is_known = |meta: &TrialMeta| {
+        data.study.environment(&meta.environment).is_some() && data.study.mode(&meta.mode).is_some()
+    };
+    data.counting().any(|trial| is_known(&trial.meta))
+}
+
 /// The calibration in force in a trial's session.
 pub(crate) fn calibration<'a>(data: &'a StudyData, meta: &TrialMeta) -> Option<&'a Calibration> {
-    let mut records = data.sessions.iter().map(|session| &session.record);
-    records
-        .find(|r| r.participant == meta.participant && r.session == meta.session)?
-        .calibration
-        .as_ref()
+    data.session(&meta.participant, &meta.session)?.record.calibration.as_ref()
 }

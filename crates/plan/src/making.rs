@@ -1,6 +1,7 @@
 //! What the jobs of every stage share: where results lie, reading and writing tables, keeping apart
 //! what went well and what did not.
 
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_runner::{JobError, Made, Making};
 use zwidth_store::Layout;
@@ -22,6 +23,17 @@ pub(crate) fn write_tables(
 /// Tables that stages made.
 pub(crate) fn read_tables(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
     files.iter().map(|file| Table::from_parquet(file)).collect()
+}
+
+/// Tables of one form that are read at a time to be joined.
+const JOINED_AT_ONCE: usize = 256;
+
+/// The same as fewer tables, to be joined: a large study has thousands of one form. Titles and notes
+/// are left out.
+pub(crate) fn read_parts(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
+    let part = |files: &[PathBuf]| Table::concat("part", "", &read_tables(files)?);
+    let parts: Result<Vec<_>, TableError> = files.par_chunks(JOINED_AT_ONCE).map(part).collect();
+    Ok(parts?.into_iter().flatten().collect())
 }
 
 /// The good results, and the bad ones in words.

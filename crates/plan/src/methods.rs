@@ -12,12 +12,12 @@ const NOBODY: &str = "none";
 pub fn recorded(data: &StudyData) -> Recorded {
     let answers = &data.answers;
     let with_samples =
-        data.counting().map(|t| (t.meta.participant.clone(), t.meta.session.clone(), t.meta.trial));
-    let with_answers = answers.iter().map(|a| (a.participant.clone(), a.session.clone(), a.trial));
+        data.counting().map(|t| (&t.meta.participant, &t.meta.session, t.meta.trial));
+    let with_answers = answers.iter().map(|a| (&a.participant, &a.session, a.trial));
     let trials: BTreeSet<_> = with_samples.chain(with_answers).collect();
-    let sessions: BTreeSet<_> = trials.iter().map(|(p, s, _)| (p, s)).collect();
+    let sessions: BTreeSet<_> = trials.iter().map(|(p, s, _)| (*p, *s)).collect();
     let people: BTreeSet<_> =
-        trials.iter().map(|(p, _, _)| p).filter(|p| p.as_str() != NOBODY).collect();
+        sessions.iter().map(|(p, _)| *p).filter(|p| p.as_str() != NOBODY).collect();
     let mut sources = BTreeMap::new();
     // By the footers, wherever there is one.
     for trial in &data.trials {
@@ -51,7 +51,7 @@ pub fn recorded(data: &StudyData) -> Recorded {
         answers: likert::tally(data).is_some(),
         guesses: likert::blinding(data).is_some(),
         // Without the lever's length the table of replays says of each trial that it could not be.
-        replayed: !replay::jobs(data).is_empty() && data.study.device.lever_m.is_some(),
+        replayed: !replay::of_study(data).is_empty() && data.study.device.lever_m.is_some(),
         identified: identify::known_plant(data).is_some(),
     }
 }

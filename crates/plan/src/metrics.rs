@@ -3,9 +3,9 @@
 //! take their onsets from them. Metrics that need the identified plant are in a second table for
 //! each condition, because `identify` depends on every trial. The study's table has both kinds.
 
-use crate::conditions::{Repeats, repeats};
+use crate::conditions::{Repeats, is_any, repeats};
 use crate::identify::{known_plant, plant_with_spread};
-use crate::making::{derived, read_tables, split, write_tables};
+use crate::making::{derived, read_parts, split, write_tables};
 use crate::trials::{OfTrials, files, name, of_each};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ pub(crate) fn of_conditions(data: &StudyData) -> Vec<PathBuf> {
 
 /// The metrics of the study, where it has trials.
 pub(crate) fn of_study(data: &StudyData) -> Option<PathBuf> {
-    (!repeats(data).is_empty()).then(|| study_files(&data.layout)[0].clone())
+    is_any(data).then(|| study_files(&data.layout)[0].clone())
 }
 
 /// The metrics of the study trial by trial, and by condition.
@@ -157,7 +157,7 @@ fn make_study(
     making: &Making,
 ) -> Result<Made, JobError> {
     let join = |tables: &[PathBuf]| -> Result<Table, JobError> {
-        let joined = zwidth_metrics::join_conditions(&read_tables(tables)?)?;
+        let joined = zwidth_metrics::join_conditions(&read_parts(tables)?)?;
         Ok(joined.ok_or("there is no trial")?)
     };
     let all = zwidth_metrics::join_plant(&join(plain)?, &join(plant)?)?;

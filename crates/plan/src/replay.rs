@@ -6,7 +6,7 @@
 use crate::conditions::{Repeats, repeats};
 use crate::identify;
 use crate::ladder::{self, Auto};
-use crate::making::{derived, read_tables, split, write_tables};
+use crate::making::{derived, read_parts, split, write_tables};
 use crate::replayable::{rendering, replayable};
 use crate::trials::{Known, OfTrials, files, name, read_all};
 use rayon::prelude::*;
@@ -38,7 +38,7 @@ fn auto_of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
 /// The replays, and their agreement, if anything was rendered.
 pub(crate) fn of_study(data: &StudyData) -> Vec<PathBuf> {
     let names = ["replay.parquet", "replay.agreement.parquet"].into_iter();
-    let is_any = replayed(data).next().is_some();
+    let is_any = replayable(data).next().is_some();
     names.filter(|_| is_any).map(|name| derived(&data.layout, name)).collect()
 }
 
@@ -186,7 +186,7 @@ fn replays(
 
 fn make_study(level: &f64, tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
     let replays =
-        zwidth_replay::join_conditions(&read_tables(tables)?)?.ok_or("there is no trial")?;
+        zwidth_replay::join_conditions(&read_parts(tables)?)?.ok_or("there is no trial")?;
     let agreement = zwidth_replay::agreement(&replays, *level)?;
     write_tables(&[replays, agreement], making, Vec::new())
 }

@@ -87,16 +87,30 @@ struct Printed {
     simulated: bool,
 }
 
+/// Trials from which on a table with a row for each is written for programs alone: printed, these
+/// would be a hundred pages.
+const MOST_READ: usize = 5000;
+
+/// The formats of a table: all, but of one that nobody could read those for programs.
+fn formats(data: &StudyData, stem: &str) -> impl Iterator<Item = Format> {
+    let of_each_trial = ["metrics", "replay"].contains(&stem);
+    let is_read = !of_each_trial || data.counting().nth(MOST_READ).is_none();
+    Format::ALL.into_iter().filter(move |f| is_read || matches!(f, Format::Csv | Format::Parquet))
+}
+
 fn job(data: &StudyData, input: PathBuf, simulated: bool) -> Job {
     let stem = stem(&input);
-    let outputs = Format::ALL.iter().map(|f| printed_as(&data.layout, &stem, *f)).collect();
+    let outputs = formats(data, &stem).map(|f| printed_as(&data.layout, &stem, f)).collect();
     let how = Printed { wording: Wording::of(&data.study), simulated };
     Job::new(STAGE, format!("table {stem}"), how, input, outputs, make)
 }
 
 fn make(how: &Printed, input: &PathBuf, making: &Making) -> Result<Made, JobError> {
     let table = Table::from_parquet(input)?.with_mark(how.simulated);
-    let files = Format::ALL.into_iter().zip(making.outputs.iter().map(PathBuf::as_path));
+    let format = |path: &Path| {
+        Format::ALL.into_iter().find(|f| path.extension().is_some_and(|e| e == f.extension()))
+    };
+    let files = making.outputs.iter().filter_map(|path| Some((format(path)?, path.as_path())));
     let files: Vec<_> = files.collect();
     Ok(Made { outputs: write(&table, &files, &how.wording, making.from)?, ..Made::default() })
 }

@@ -1,9 +1,9 @@
 //! Stage `trade`: speed against accuracy of a study's conditions as scenes, in counts alone; what
 //! less of a recording does to its metrics; and their figures.
 
-use crate::conditions::Repeats;
+use crate::conditions::{Repeats, spread};
 use crate::drawing::{Drawing, Figured};
-use crate::making::{derived, read_tables, split, write_tables};
+use crate::making::{derived, read_parts, split, write_tables};
 use crate::measured::measured;
 use crate::replay::rendered;
 use crate::trials::{OfTrials, files as trial_files, name, read_all};
@@ -126,18 +126,35 @@ pub(crate) fn measured_conditions(data: &StudyData) -> impl Iterator<Item = Repe
 }
 
 /// The conditions of which less is taken, with the trials that are not too long for that: each of
-/// them is measured a dozen times.
-fn lessened_conditions(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
+/// them is measured a dozen times, and so in a large study those of some participants stand for
+/// all. How many trials that leaves, and of how many, where it is not all.
+fn lessened_conditions(data: &StudyData) -> (Vec<Repeats<'_>>, Option<Share>) {
     let of_short = measured_conditions(data).map(|mut repeats| {
         repeats.trials.retain(|trial| trial.rows <= LONGEST);
         repeats
     });
-    of_short.filter(|repeats| !repeats.trials.is_empty())
+    let mut conditions: Vec<_> = of_short.filter(|repeats| !repeats.trials.is_empty()).collect();
+    let trials = |conditions: &[Repeats]| conditions.iter().map(|r| r.trials.len()).sum();
+    let of: usize = trials(&conditions);
+    let each = conditions.iter().flat_map(|r| &r.trials);
+    let rows: Vec<_> = each.map(|trial| (&trial.meta.participant, trial.rows)).collect();
+    let people = spread(&rows);
+    conditions.retain(|r| r.trials.iter().all(|trial| people.contains(&trial.meta.participant)));
+    let taken = trials(&conditions);
+    (conditions, (taken < of).then_some(Share { taken, of }))
+}
+
+/// How many of a study's trials stand for all of them.
+#[derive(Serialize)]
+struct Share {
+    taken: usize,
+    of: usize,
 }
 
 /// What less of the recordings does, where there are any.
 fn data_table_of(data: &StudyData) -> Option<PathBuf> {
-    lessened_conditions(data).next().is_some().then(|| derived(&data.layout, "trade_data.parquet"))
+    let is_any = measured_conditions(data).any(|r| r.trials.iter().any(|t| t.rows <= LONGEST));
+    is_any.then(|| derived(&data.layout, "trade_data.parquet"))
 }
 
 /// What the trade of a study depends on. Recordings are not part of it.
@@ -157,7 +174,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 /// What less of a condition's recordings does, and all of them joined.
 fn data_jobs(data: &StudyData) -> Vec<Job> {
-    let conditions: Vec<Repeats> = lessened_conditions(data).collect();
+    let (conditions, share) = lessened_conditions(data);
     let table = |r: &Repeats| derived(&data.layout, format!("trade/{}.parquet", r.key));
     let one = |r: &Repeats| {
         let metrics = zwidth_metrics::Parameters::of(&data.study, r.environment, r.mode);
@@ -172,7 +189,14 @@ fn data_jobs(data: &StudyData) -> Vec<Job> {
     if !conditions.is_empty() {
         let tables: Vec<PathBuf> = conditions.iter().map(table).collect();
         let output = vec![derived(&data.layout, "trade_data.parquet")];
-        jobs.push(Job::new(STAGE, "less of the study's recordings", (), tables, output, join_data));
+        jobs.push(Job::new(
+            STAGE,
+            "less of the study's recordings",
+            share,
+            tables,
+            output,
+            join_data,
+        ));
     }
     jobs
 }
@@ -210,9 +234,19 @@ fn make_data(
     write_tables(&[data_table(condition, &whole, &less, &bounds)?], making, problems)
 }
 
-fn join_data((): &(), tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    let joined = zwidth_trade::join_conditions(&read_tables(tables)?)?;
-    write_tables(&[joined.ok_or("there is no trial")?], making, Vec::new())
+fn join_data(
+    share: &Option<Share>,
+    tables: &Vec<PathBuf>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let joined = zwidth_trade::join_conditions(&read_parts(tables)?)?.ok_or("there is no trial")?;
+    let joined = match share {
+        Some(Share { taken, of }) => joined.with_note(format!(
+            "Of {of} trials, those of participants evenly spread over the list were taken: {taken} trials."
+        )),
+        None => joined,
+    };
+    write_tables(&[joined], making, Vec::new())
 }
 
 fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
@@ -239,7 +273,8 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let less = data_table_of(data).map(|table| {
         let sources: BTreeSet<Source> = data.counting().map(|t| t.meta.source).collect();
         let sources: Vec<Source> = sources.into_iter().collect();
-        let trials = data.counting().filter(|t| t.rows <= LONGEST).count();
+        let all = || data.counting().filter(|t| t.rows <= LONGEST).count();
+        let trials = lessened_conditions(data).1.map_or_else(all, |share| share.taken);
         Drawing::new(data, LESS, [""; 0], sources, table, draw_less).of(trials)
     });
     scenes.chain(less).collect()

@@ -142,8 +142,9 @@ impl Job {
         I: Inputs,
     {
         let mut files = inputs.files();
-        files.sort();
-        files.dedup();
+        // By their bytes: that is quicker than name by name, and any order will do.
+        files.sort_unstable_by(|a, b| a.as_os_str().cmp(b.as_os_str()));
+        files.dedup_by(|a, b| a.as_os_str() == b.as_os_str());
         let written = canonical(&parameters);
         // Told when the job is made: it fails alone, and the others are planned and run.
         let failed = written.as_ref().err().cloned();

@@ -4,8 +4,9 @@
 //! **A job is made again** exactly when one of these differs from the record of its last success:
 //! its stage's algorithm version, its parameters, the set or the content of its input files, the
 //! set or the content of its output files (a missing or edited output counts). Nothing else
-//! matters: no time stamp, no order, no number of threads. Outputs of jobs that are no longer
-//! planned are removed.
+//! matters: no time stamp, no order, no number of threads. (A file whose state the system says is
+//! the same as when it was last hashed is not read again: [`zwidth_store::Seen`].) Outputs of jobs
+//! that are no longer planned are removed.
 //!
 //! A job's function is a plain function of its parameters (one serialisable struct, whose JSON is
 //! the key) and of the files that it declares ([`Job::new`]): it has no other way to get at

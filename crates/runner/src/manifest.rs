@@ -7,7 +7,7 @@ use crate::record::{MOST_RECORDS, Records};
 use crate::{Results, Shard};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use zwidth_store::{Layout, StoreError, from_json, hex_blake3};
+use zwidth_store::{Layout, StoreError, hex_blake3};
 
 /// The version of the program: results of another version are not merged.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
@@ -120,7 +120,7 @@ fn parsed(
     let refused = |what: String| refusal(layout, shard, path, &what);
     let damaged = |what: String| refused(format!("its manifest is damaged: {what}"));
     let text = std::str::from_utf8(bytes).map_err(|e| damaged(e.to_string()))?;
-    let manifest: Manifest = from_json(text).map_err(|e| damaged(e.to_string()))?;
+    let manifest: Manifest = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
     if manifest.shard != shard || manifest.study != layout.study().as_str() {
         let (study, of) = (&manifest.study, manifest.shard);
         return Err(damaged(format!("it says that it is shard {of} of the study {study:?}")));

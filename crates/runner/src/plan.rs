@@ -2,16 +2,20 @@
 
 use crate::Job;
 use std::collections::{BTreeSet, HashMap, HashSet};
-use std::path::PathBuf;
+use std::ffi::OsStr;
 
 /// For each job, the jobs whose outputs it reads.
 pub(crate) fn needs(jobs: &[Job]) -> Vec<BTreeSet<usize>> {
-    let maker: HashMap<&PathBuf, usize> =
-        jobs.iter().enumerate().flat_map(|(i, j)| j.outputs.iter().map(move |o| (o, i))).collect();
+    // Paths of one plan are written alike, and their bytes are compared sooner than their names.
+    let maker: HashMap<&OsStr, usize> = jobs
+        .iter()
+        .enumerate()
+        .flat_map(|(i, job)| job.outputs.iter().map(move |output| (output.as_os_str(), i)))
+        .collect();
     let numbered = jobs.iter().enumerate();
     numbered
         .map(|(i, job)| {
-            let makers = job.inputs.iter().filter_map(|file| maker.get(file).copied());
+            let makers = job.inputs.iter().filter_map(|file| maker.get(file.as_os_str()).copied());
             // A job that reads its own output would wait for itself for ever.
             makers.filter(|maker| *maker != i).collect()
         })
@@ -38,10 +42,13 @@ pub(crate) fn levels(jobs: &[Job]) -> Vec<Vec<usize>> {
 pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool) -> Vec<bool> {
     let mut keep: Vec<bool> = jobs.iter().map(chosen).collect();
     loop {
-        let needed: HashSet<&PathBuf> =
-            jobs.iter().zip(&keep).filter(|(_, k)| **k).flat_map(|(j, _)| &j.inputs).collect();
+        let kept = jobs.iter().zip(&keep).filter(|(_, keep)| **keep);
+        let needed: HashSet<&OsStr> =
+            kept.flat_map(|(job, _)| job.inputs.iter().map(|input| input.as_os_str())).collect();
         let more: Vec<usize> = (0..jobs.len())
-            .filter(|i| !keep[*i] && jobs[*i].outputs.iter().any(|o| needed.contains(o)))
+            .filter(|i| {
+                !keep[*i] && jobs[*i].outputs.iter().any(|o| needed.contains(o.as_os_str()))
+            })
             .collect();
         if more.is_empty() {
             return keep;
@@ -53,5 +60,6 @@ pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool) -> Vec<boo
 /// All jobs, or those that are called so ([`Job::is_called`]) and those whose
 /// outputs they need.
 pub(crate) fn named(jobs: &[Job], only: Option<&str>) -> Vec<bool> {
-    with_needs(jobs, |job| only.is_none_or(|name| job.is_called(name)))
+    let Some(name) = only else { return vec![true; jobs.len()] };
+    with_needs(jobs, |job| job.is_called(name))
 }

@@ -4,10 +4,14 @@ use crate::Job;
 use crate::hashes::Hashes;
 use crate::provenance::origin;
 use crate::results::{Results, relative};
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
+use std::marker::PhantomData;
 use std::path::Path;
-use zwidth_store::{Layout, StoreError, from_json};
+use std::sync::Arc;
+use zwidth_store::{Layout, MOST_BYTES, StoreError};
 
 /// What is kept of a job that succeeded. Paths are relative to the root, hashes are BLAKE3 of
 /// contents.
@@ -20,11 +24,13 @@ pub struct Record {
     /// The job's parameters, as canonical text ([`Job::parameters`]).
     pub parameters: String,
     /// What it read: path → hash; empty for a file that was missing.
+    #[serde(deserialize_with = "each_once")]
     pub inputs: BTreeMap<String, String>,
     /// The files from which its parameters came at the last run: path → hash.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "each_once")]
     pub origins: BTreeMap<String, String>,
     /// What it made: path → hash.
+    #[serde(deserialize_with = "each_once")]
     pub outputs: BTreeMap<String, String>,
     /// What had to be left out.
     pub problems: Vec<String>,
@@ -64,12 +70,45 @@ impl Record {
     }
 }
 
-/// The records of a study's jobs, by job name.
+/// The records of a study's jobs, by job name. A copy shares them.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Records(pub(crate) BTreeMap<String, Record>);
+pub struct Records(
+    #[serde(deserialize_with = "each_once")] pub(crate) BTreeMap<String, Arc<Record>>,
+);
 
-/// Largest file of records that is read, bytes (256 MiB): a hundred thousand jobs.
-pub(crate) const MOST_RECORDS: u64 = 1 << 28;
+/// Largest file of records that is read, bytes (1 GiB): some three hundred thousand jobs.
+pub(crate) const MOST_RECORDS: u64 = MOST_BYTES;
+
+/// An object whose keys stand once: where one stands twice, readers differ in which of the two they
+/// believe.
+fn each_once<'de, D, V>(reader: D) -> Result<BTreeMap<String, V>, D::Error>
+where
+    D: Deserializer<'de>,
+    V: Deserialize<'de>,
+{
+    struct Once<V>(PhantomData<V>);
+
+    impl<'de, V: Deserialize<'de>> Visitor<'de> for Once<V> {
+        type Value = BTreeMap<String, V>;
+
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("an object")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, mut object: A) -> Result<Self::Value, A::Error> {
+            let mut all = BTreeMap::new();
+            while let Some((key, value)) = object.next_entry::<String, V>()? {
+                if all.contains_key(&key) {
+                    return Err(A::Error::custom(format!("{key:?} stands twice")));
+                }
+                all.insert(key, value);
+            }
+            Ok(all)
+        }
+    }
+
+    reader.deserialize_map(Once(PhantomData))
+}
 
 impl Records {
     /// Reads the records of a study, and says which of them are not believed. A missing file gives
@@ -95,7 +134,8 @@ impl Records {
             Err(error) => return Ok((Self::default(), vec![distrusted(error.what)])),
         };
         let read = std::str::from_utf8(&bytes).map_err(|e| e.to_string());
-        let read = read.and_then(|text| from_json::<Self>(text).map_err(|e| e.to_string()));
+        let read =
+            read.and_then(|text| serde_json::from_str::<Self>(text).map_err(|e| e.to_string()));
         let Self(all) = match read {
             Ok(records) => records,
             Err(what) => return Ok((Self::default(), vec![distrusted(what)])),
@@ -125,12 +165,12 @@ impl Records {
 
     /// The record of the job of that name.
     pub fn get(&self, name: &str) -> Option<&Record> {
-        self.0.get(name)
+        self.0.get(name).map(Arc::as_ref)
     }
 
     /// Every job's name and record, by name.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &Record)> {
-        self.0.iter().map(|(name, record)| (name.as_str(), record))
+        self.0.iter().map(|(name, record)| (name.as_str(), record.as_ref()))
     }
 
     /// The job that made the file at `path`, relative to the root.
@@ -185,6 +225,10 @@ mod tests {
         let (records, remarks) = read(&format!(r#"{{"good": {good}, "good": {good}}}"#));
         assert_eq!(records, Records::default());
         assert!(remarks[0].contains("\"good\" stands twice"), "{remarks:?}");
+        let twice = good.replace(r#"{"raw/s/a":"""#, r#"{"raw/s/a":"","raw/s/a":"""#);
+        let (records, remarks) = read(&format!(r#"{{"good": {twice}}}"#));
+        assert_eq!(records, Records::default());
+        assert!(remarks[0].contains("\"raw/s/a\" stands twice"), "{remarks:?}");
         for text in ["", "[]", "{\"a\": 1}", "\u{0}"] {
             let (records, remarks) = read(text);
             assert_eq!((records, remarks.len()), (Records::default(), 1), "{text:?}");

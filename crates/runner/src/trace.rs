@@ -83,7 +83,7 @@ mod tests {
             ("figure", record(&[("raw/a", "1"), ("mean", "3")], ("figure", "4"))),
             ("page", record(&[("figure", "4"), ("gone", "")], ("page", "5"))),
         ];
-        Records(jobs.into_iter().map(|(name, record)| (name.to_owned(), record)).collect())
+        Records(jobs.into_iter().map(|(name, record)| (name.to_owned(), record.into())).collect())
     }
 
     fn paths(sources: &[Source]) -> Vec<&str> {
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn a_content_that_was_replaced_since_is_told_and_not_guessed() {
         let mut records = records();
-        records.0.insert("mean".to_owned(), record(&[("raw/c", "7")], ("mean", "8")));
+        records.0.insert("mean".to_owned(), record(&[("raw/c", "7")], ("mean", "8")).into());
         let trace = trace(&records, "figure").unwrap();
         assert_eq!(trace.lost, [Source { path: "mean".to_owned(), blake3: "3".to_owned() }]);
         assert_eq!(paths(&trace.sources), ["raw/a"], "not raw/c: the figure did not see it");

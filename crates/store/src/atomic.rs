@@ -29,7 +29,7 @@ pub enum Entry {
 pub trait Files: Sync {
     /// What lies at `path`; nothing if nothing does, or nothing that can be looked at.
     fn kind(&self, path: &Path) -> Option<Entry> {
-        path.symlink_metadata().ok().map(|found| entry(&found))
+        path.symlink_metadata().ok().map(|found| entry(found.file_type()))
     }
     /// The names in a folder, sorted, each with what it is.
     fn list(&self, folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
@@ -133,7 +133,7 @@ impl Append for File {
 #[cfg(unix)]
 fn made_private(path: &Path) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt as _;
-    let mode = match entry(&path.symlink_metadata()?) {
+    let mode = match entry(path.symlink_metadata()?.file_type()) {
         Entry::File => 0o600,
         Entry::Folder => 0o700,
         // What it leads to is somebody else's.
@@ -160,8 +160,7 @@ pub fn append_to(path: &Path) -> io::Result<File> {
     }
 }
 
-fn entry(found: &fs::Metadata) -> Entry {
-    let kind = found.file_type();
+fn entry(kind: fs::FileType) -> Entry {
     match (kind.is_file(), kind.is_dir(), kind.is_symlink()) {
         (true, _, _) => Entry::File,
         (_, true, _) => Entry::Folder,
@@ -173,14 +172,15 @@ fn entry(found: &fs::Metadata) -> Entry {
 fn listed(folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
     let mut entries = Vec::new();
     for found in fs::read_dir(folder)? {
-        let path = found?.path();
-        match path.symlink_metadata() {
-            Ok(found) => entries.push((path, entry(&found))),
+        let found = found?;
+        match found.file_type() {
+            Ok(kind) => entries.push((found.path(), entry(kind))),
             Err(e) if e.kind() == io::ErrorKind::NotFound => {} // gone since
             Err(e) => return Err(e),
         }
     }
-    entries.sort_by(|a, b| a.0.cmp(&b.0));
+    // All of one folder, so that bytes have the order of names.
+    entries.sort_by(|a, b| a.0.as_os_str().cmp(b.0.as_os_str()));
     Ok(entries)
 }
 

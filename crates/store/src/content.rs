@@ -10,6 +10,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Files of up to so many bytes are read whole (16 MiB): most trials are far smaller.
 pub(crate) const WHOLE: u64 = 1 << 24;
+/// Bytes at the end of a file that are read at once (32 KiB): the footer of most trials.
+const END: u64 = 1 << 15;
 /// Bytes that are read at a time to hash a file.
 const HASHED_AT_ONCE: usize = 1 << 20;
 
@@ -20,7 +22,16 @@ pub struct Content(Kept);
 #[derive(Debug, Clone)]
 enum Kept {
     Memory(Bytes),
-    Disk { file: Arc<Mutex<File>>, length: u64 },
+    Disk {
+        file: Arc<Mutex<File>>,
+        length: u64,
+    },
+    /// The end of a file is in memory.
+    End {
+        end: Bytes,
+        file: Arc<Mutex<File>>,
+        length: u64,
+    },
 }
 
 impl Content {
@@ -34,11 +45,22 @@ impl Content {
         Self(Kept::Disk { file: Arc::new(Mutex::new(file)), length })
     }
 
+    /// The same, of which the end is read: the footer of a trial is in it.
+    pub(crate) fn with_end(file: File, length: u64) -> io::Result<Self> {
+        let content = Self::on_disk(file, length);
+        let end = length.min(END);
+        let end = content.range(length - end, usize::try_from(end).unwrap_or(0))?;
+        Ok(match content.0 {
+            Kept::Disk { file, length } => Self(Kept::End { end, file, length }),
+            kept => Self(kept),
+        })
+    }
+
     /// How many bytes.
     pub(crate) fn length(&self) -> u64 {
         match &self.0 {
             Kept::Memory(bytes) => bytes.len() as u64,
-            Kept::Disk { length, .. } => *length,
+            Kept::Disk { length, .. } | Kept::End { length, .. } => *length,
         }
     }
 
@@ -56,7 +78,13 @@ impl Content {
                 let from = usize::try_from(from).map_err(|_| io::ErrorKind::UnexpectedEof)?;
                 Ok(bytes.slice(from..from + length))
             }
-            Kept::Disk { file, .. } => {
+            Kept::End { end, length: all, .. } if from >= *all - end.len() as u64 => {
+                let before = *all - end.len() as u64;
+                let from =
+                    usize::try_from(from - before).map_err(|_| io::ErrorKind::UnexpectedEof)?;
+                Ok(end.slice(from..from + length))
+            }
+            Kept::Disk { file, .. } | Kept::End { file, .. } => {
                 // Its length was looked at: what is claimed beyond it takes no memory.
                 let mut bytes = vec![0; length];
                 let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
@@ -136,7 +164,13 @@ mod tests {
         for (from, length) in [(0, 10), (2_999_990, 10), (1_234_567, 0)] {
             assert_eq!(disk.range(from, length).unwrap(), memory.range(from, length).unwrap());
         }
-        for content in [&disk, &memory] {
+        let end = Content::with_end(File::open(&path).unwrap(), bytes.len() as u64).unwrap();
+        assert_eq!(end.blake3().unwrap(), memory.blake3().unwrap());
+        let last = bytes.len() as u64 - END;
+        for (from, length) in [(last, 10), (last - 1, 10), (last + 5, 10), (last, END as usize)] {
+            assert_eq!(end.range(from, length).unwrap(), memory.range(from, length).unwrap());
+        }
+        for content in [&disk, &memory, &end] {
             assert!(content.range(2_999_990, 11).is_err() && content.range(u64::MAX, 2).is_err());
             let mut read = Vec::new();
             content.get_read(2_000_000).unwrap().read_to_end(&mut read).unwrap();

@@ -1,22 +1,15 @@
 //! The trials of a study, or of one session, by their footers.
 
-use crate::read::{TrialFooter, read_footer_from};
+use crate::read::{TrialFooter, read_footer_from, read_footer_seen};
 use crate::study::parquet_below;
-use crate::{Files, Layout, StoreError, TrialEntry};
+use crate::{Files, Layout, Seen, StoreError, TrialEntry};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Every trial of the study.
+/// The trials below a folder of the tree: `files` lists them, and reads those that were not `seen`
+/// before.
 pub(crate) fn read_trials(
-    files: &dyn Files,
-    layout: &Layout,
-) -> Vec<Result<TrialEntry, StoreError>> {
-    read_trials_below(files, layout, &layout.trials())
-}
-
-/// The trials below a folder of the tree.
-pub(crate) fn read_trials_below(
-    files: &dyn Files,
+    (files, seen): (&dyn Files, Option<&Seen>),
     layout: &Layout,
     folder: &Path,
 ) -> Vec<Result<TrialEntry, StoreError>> {
@@ -27,8 +20,11 @@ pub(crate) fn read_trials_below(
     found
         .into_par_iter()
         .map(|path| {
-            let TrialFooter { meta, file, form, signals, rows, blake3 } =
-                read_footer_from(files, &path)?;
+            let footer = match seen {
+                Some(seen) => read_footer_seen(seen, &path),
+                None => read_footer_from(files, &path),
+            };
+            let TrialFooter { meta, file, form, signals, rows, blake3 } = footer?;
             let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
             if expected != path {
                 let what =

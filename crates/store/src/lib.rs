@@ -41,6 +41,7 @@ mod record;
 mod recover;
 mod regular;
 mod sealed;
+mod seen;
 mod sessions;
 mod signal;
 mod sources;
@@ -91,6 +92,7 @@ pub use read::{
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover, unfinished_below};
 pub use regular::{MOST_BYTES, MOST_RECORDING, open_named, open_regular, read_named, read_regular};
+pub use seen::Seen;
 pub use sessions::read_records;
 pub use signal::{COLUMNS, Column, Signal, Storage};
 pub use sources::{SOURCE, Sources, readable_records, sweep_sources, trial_sources};

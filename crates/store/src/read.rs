@@ -9,6 +9,8 @@ use crate::columns::{Columns, Values};
 use crate::content::Content;
 use crate::digest::ColumnDigest;
 use crate::json::from_json;
+use crate::regular::open_end;
+use crate::seen::{Begun, Seen};
 use crate::trial::{check_column, check_time};
 use crate::write::{
     CHANNELS, DIGEST, FOOTER_DIGEST, VERSION, channel_field, described, footer_digest,
@@ -66,6 +68,25 @@ pub fn read_footer(path: &Path) -> Result<TrialFooter, StoreError> {
 
 pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFooter, StoreError> {
     let opened = ParquetFile::open_recording(files, path)?;
+    let blake3 = opened.blake3()?;
+    footer_of(path, opened, blake3)
+}
+
+/// The same of the real disk, where the hash of a file that was seen before is known: of that the
+/// end alone is read.
+pub(crate) fn read_footer_seen(seen: &Seen, path: &Path) -> Result<TrialFooter, StoreError> {
+    if let Some(blake3) = seen.known(path) {
+        let content = open_end(path, MOST_RECORDING);
+        let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
+        return footer_of(path, ParquetFile::of(path, content)?.recording()?, blake3);
+    }
+    let begun = Begun::now(path);
+    let footer = read_footer(path)?;
+    seen.read(path, begun, &footer.blake3);
+    Ok(footer)
+}
+
+fn footer_of(path: &Path, opened: ParquetFile, blake3: String) -> Result<TrialFooter, StoreError> {
     let form = form_of(path, &opened.footer)?;
     let (meta, file) = meta_from(path, opened.footer.clone(), &form)?;
     // A column that is null throughout has no digest.
@@ -73,8 +94,7 @@ pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFo
         opened.footer.contains_key(&format!("{DIGEST}{}", signal.column().name_in(form.schema)))
     });
     let signals = signals.collect();
-    let (rows, blake3) = (opened.rows, opened.blake3()?);
-    Ok(TrialFooter { meta, file, form, signals, rows, blake3 })
+    Ok(TrialFooter { meta, file, form, signals, rows: opened.rows, blake3 })
 }
 
 /// Reads a trial, with only the `signals` asked for (all: `Signal::all()`). Time is always read.
@@ -382,7 +402,11 @@ impl ParquetFile {
     /// Opens `path`, checks what it claims, its version and its footer's digest.
     pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
         let content = files.open(path, MOST_RECORDING);
-        let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
+        Self::of(path, content.map_err(|e| StoreError::io(path, "read", &e))?)
+    }
+
+    /// The same of what was opened.
+    fn of(path: &Path, content: Content) -> Result<Self, StoreError> {
         if content.length() == 0 {
             return Err(StoreError::new(path, "the file is empty", DAMAGED));
         }
@@ -411,11 +435,14 @@ impl ParquetFile {
 
     /// Opens a recording: a file without rows is not one.
     pub(crate) fn open_recording(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
-        let file = Self::open(files, path)?;
-        if file.rows == 0 {
-            return Err(StoreError::new(path, "the file has 0 rows", DAMAGED));
+        Self::open(files, path)?.recording()
+    }
+
+    fn recording(self) -> Result<Self, StoreError> {
+        if self.rows == 0 {
+            return Err(StoreError::new(&self.path, "the file has 0 rows", DAMAGED));
         }
-        Ok(file)
+        Ok(self)
     }
 
     /// Its columns as Arrow has them, with their types and units.

@@ -62,6 +62,13 @@ pub(crate) fn open_content(path: &Path, most: u64) -> io::Result<Content> {
     if length > most { Err(too_large(length, most)) } else { Ok(Content::on_disk(file, length)) }
 }
 
+/// The same, of which the end alone is read however small it is.
+pub(crate) fn open_end(path: &Path, most: u64) -> io::Result<Content> {
+    let file = open_regular(path)?;
+    let length = file.metadata()?.len();
+    if length > most { Err(too_large(length, most)) } else { Content::with_end(file, length) }
+}
+
 fn too_large(length: u64, most: u64) -> io::Error {
     let what = format!("it has {length} bytes, and at most {most} are read");
     io::Error::new(io::ErrorKind::FileTooLarge, what)

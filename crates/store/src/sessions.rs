@@ -177,10 +177,9 @@ pub(crate) fn join(
         let what = format!("the log does not mention {words} {}: left out", trials.join(", "));
         StoreError::new(path, what, RESTORE)
     });
-    silent
-        .chain(changed)
-        .chain(sessions.iter().flat_map(|log| lost(files, layout, &log.record, &log.events)))
-        .collect()
+    let lost = sessions.par_iter().map(|log| lost(files, layout, &log.record, &log.events));
+    let lost: Vec<Vec<StoreError>> = lost.collect();
+    silent.chain(changed).chain(lost.into_iter().flatten()).collect()
 }
 
 /// Holds a trial's footer against its session's record; one that contradicts it is left out. Then

@@ -11,7 +11,8 @@ use crate::sweep::entry;
 use crate::sweep_log::logged_sweeps;
 use crate::walk::{below, files_below, strange};
 use crate::{
-    Entry, Files, Layout, RealFiles, Signal, StoreError, Trial, TrialFile, hex_blake3, read_trial,
+    Entry, Files, Layout, RealFiles, Seen, Signal, StoreError, Trial, TrialFile, hex_blake3,
+    read_trial,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -59,6 +60,11 @@ impl TrialEntry {
 
     /// Why the trial does not count, in words.
     pub fn why_not(&self) -> Option<String> {
+        self.why_left_out().or_else(|| self.sealed.clone())
+    }
+
+    /// Why the trial does not count even where its mode is known, in words.
+    pub fn why_left_out(&self) -> Option<String> {
         if self.meta.kind == Kind::Familiarisation {
             return Some("familiarisation".to_owned());
         }
@@ -68,8 +74,7 @@ impl TrialEntry {
         if let Some(by) = self.superseded_by {
             return Some(format!("superseded by trial {by}"));
         }
-        let excluded = self.excluded.as_ref().map(|reason| format!("excluded: {reason}"));
-        excluded.or_else(|| self.sealed.clone())
+        self.excluded.as_ref().map(|reason| format!("excluded: {reason}"))
     }
 
     /// Reads the trial's file, with those of the `signals` asked for that were recorded, as
@@ -184,7 +189,15 @@ impl StudyData {
     /// A missing or wrong `study.toml`, one error per finding, and behind them whatever else was
     /// found. If that file is whole, what cannot be read is left out and listed in `problems`.
     pub fn load(layout: &Layout) -> Result<Self, Vec<StoreError>> {
-        Self::load_from(&RealFiles, layout)
+        Self::load_seen(&Seen::of(layout), layout)
+    }
+
+    /// [`StudyData::load`], where it is known what files were when they were last read.
+    ///
+    /// # Errors
+    /// Those of [`StudyData::load`].
+    pub fn load_seen(seen: &Seen, layout: &Layout) -> Result<Self, Vec<StoreError>> {
+        Self::load_by((&RealFiles, Some(seen)), layout)
     }
 
     /// [`StudyData::load`] from any file layer.
@@ -192,11 +205,21 @@ impl StudyData {
     /// # Errors
     /// Those of [`StudyData::load`].
     pub fn load_from(files: &dyn Files, layout: &Layout) -> Result<Self, Vec<StoreError>> {
+        Self::load_by((files, None), layout)
+    }
+
+    fn load_by(
+        (files, seen): (&dyn Files, Option<&Seen>),
+        layout: &Layout,
+    ) -> Result<Self, Vec<StoreError>> {
         check_folders(files, layout).map_err(|error| vec![error])?;
         let study = read_study_from(files, layout);
-        let mut problems =
-            below(files, &layout.raw()).map_or_else(|error| vec![error], |found| found.strange);
-        let mut trials = keep(&mut problems, read_trials(files, layout));
+        let (found, trials) = rayon::join(
+            || below(files, &layout.raw()),
+            || read_trials((files, seen), layout, &layout.trials()),
+        );
+        let mut problems = found.map_or_else(|error| vec![error], |found| found.strange);
+        let mut trials = keep(&mut problems, trials);
         let sweeps = keep(&mut problems, list_sweeps(files, layout));
         let (sweeps, unsure) = logged_sweeps(files, layout, sweeps);
         problems.extend(unsure);
@@ -223,12 +246,27 @@ impl StudyData {
         self.trials.iter().filter(|t| t.counts())
     }
 
+    /// One session.
+    pub fn session(&self, participant: &ParticipantId, session: &SessionId) -> Option<&SessionLog> {
+        let is = |log: &SessionLog| {
+            (&log.record.participant, &log.record.session) == (participant, session)
+        };
+        // They come in the order of their files' names, unless somebody put them otherwise.
+        let name = |p: &ParticipantId, s: &SessionId| format!("{p}_{s}");
+        let wanted = name(participant, session);
+        let order =
+            |log: &SessionLog| name(&log.record.participant, &log.record.session).cmp(&wanted);
+        let found = self.sessions.binary_search_by(order).ok().map(|at| &self.sessions[at]);
+        found.filter(|log| is(log)).or_else(|| self.sessions.iter().find(|log| is(log)))
+    }
+
     /// The trials of each session, whether or not they count.
     pub fn by_session(&self) -> BTreeMap<(&ParticipantId, &SessionId), Vec<&TrialEntry>> {
         let mut sessions: BTreeMap<_, Vec<&TrialEntry>> = BTreeMap::new();
-        for trial in &self.trials {
-            let of = (&trial.meta.participant, &trial.meta.session);
-            sessions.entry(of).or_default().push(trial);
+        // One after the other, as a rule: a session is looked up once.
+        for trials in self.trials.chunk_by(|a, b| a.meta.is_of_session_of(&b.meta)) {
+            let of = (&trials[0].meta.participant, &trials[0].meta.session);
+            sessions.entry(of).or_default().extend(trials);
         }
         sessions
     }

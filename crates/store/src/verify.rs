@@ -257,17 +257,19 @@ fn event_finding(
 fn strays(files: &dyn Files, layout: &Layout) -> Findings {
     let stray = |path: &Path, what: &str, remedy: &str| StoreError::new(path, what, remedy);
     let mut found = Findings::default();
-    for tree in [layout.trials(), layout.sweeps()] {
-        for path in files_below(files, &tree).unwrap_or_default() {
-            if path.extension().is_none_or(|e| e != "parquet") {
-                let what = "only Parquet files belong in this tree";
-                let remedy = "move the file elsewhere; other tools read the whole tree";
-                found.with_care.push(stray(&path, what, remedy));
-            }
-        }
+    let trees = || {
+        let trees = [layout.trials(), layout.sweeps()].into_iter();
+        let others = trees.flat_map(|tree| files_below(files, &tree).unwrap_or_default());
+        others.filter(|path| path.extension().is_none_or(|e| e != "parquet")).collect::<Vec<_>>()
+    };
+    let (others, unfinished) = rayon::join(trees, || unfinished(files, layout));
+    for path in others {
+        let what = "only Parquet files belong in this tree";
+        let remedy = "move the file elsewhere; other tools read the whole tree";
+        found.with_care.push(stray(&path, what, remedy));
     }
     let recover = format!("run `zwidth recover {}`", layout.study());
-    for path in unfinished(files, layout) {
+    for path in unfinished {
         found.left_out.push(stray(&path, "a write was cut short here", &recover));
     }
     if files.kind(&layout.import_list()).is_some() {

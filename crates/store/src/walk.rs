@@ -19,21 +19,21 @@ pub(crate) struct Below {
 /// A folder that cannot be listed.
 pub(crate) fn below(files: &dyn Files, folder: &Path) -> Result<Below, StoreError> {
     let mut found = Below::default();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(folder) = folders.pop() {
-        let entries = match files.list(&folder) {
-            Err(e) if e.kind() == io::ErrorKind::NotFound => continue,
-            listed => listed.map_err(|e| StoreError::io(&folder, "list", &e))?,
-        };
-        for (path, kind) in entries {
-            match kind {
-                Entry::File => found.files.push(path),
-                Entry::Folder => folders.push(path),
-                Entry::Link | Entry::Special => found.strange.push(strange(&path, kind)),
-            }
+    // Names come sorted, and what is below a folder before the next name: paths are in order.
+    let mut waiting = vec![(folder.to_owned(), Entry::Folder)];
+    while let Some((path, kind)) = waiting.pop() {
+        match kind {
+            Entry::File => found.files.push(path),
+            Entry::Link | Entry::Special => found.strange.push(strange(&path, kind)),
+            Entry::Folder => match files.list(&path) {
+                Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+                listed => {
+                    let entries = listed.map_err(|e| StoreError::io(&path, "list", &e))?;
+                    waiting.extend(entries.into_iter().rev());
+                }
+            },
         }
     }
-    found.files.sort();
     Ok(found)
 }
 

@@ -2,7 +2,7 @@
 //! it must find it whole: what is recorded onto a session in doubt is in doubt as well.
 
 use crate::atomic::folder_of;
-use crate::entries::read_trials_below;
+use crate::entries::read_trials;
 use crate::events::read_events_from;
 use crate::hash::blake3_of;
 use crate::head::head_of;
@@ -45,7 +45,7 @@ pub fn read_session(
         log_of(files, layout, participant, session, &mut findings).map_err(|error| vec![error])?;
     let folder = folder_of_trials(layout, participant, session);
     let mut trials = Vec::new();
-    for read in read_trials_below(files, layout, &folder) {
+    for read in read_trials((files, None), layout, &folder) {
         match read {
             Ok(trial) => trials.push(trial),
             Err(finding) => findings.push(finding),

@@ -14,6 +14,7 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_study::{AnswerScale, Channel, Schema, TrialForm, TrialMeta};
@@ -260,6 +261,10 @@ fn units(schema: &ArrowSchema) -> String {
 /// Digest of all footer keys but the digest itself.
 pub(crate) fn footer_digest(footer: &BTreeMap<String, String>) -> String {
     let ours = footer.iter().filter(|(k, _)| *k != FOOTER_DIGEST && *k != "ARROW:schema");
-    let text: String = ours.map(|(k, v)| format!("{}:{k}={}:{v};", k.len(), v.len())).collect();
+    let mut text = String::with_capacity(1 << 13);
+    for (k, v) in ours {
+        // Writing to a text does not fail.
+        let _ = write!(text, "{}:{k}={}:{v};", k.len(), v.len());
+    }
     hex_blake3(text.as_bytes())
 }

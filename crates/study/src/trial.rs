@@ -98,6 +98,11 @@ impl TrialMeta {
     pub fn condition(&self) -> Condition {
         Condition { environment: self.environment.clone(), mode: self.mode.clone() }
     }
+
+    /// Whether another trial is of the same session.
+    pub fn is_of_session_of(&self, other: &Self) -> bool {
+        (&self.participant, &self.session) == (&other.participant, &other.session)
+    }
 }
 
 #[cfg(test)]

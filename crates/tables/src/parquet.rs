@@ -132,13 +132,24 @@ fn kind_of(values: &Values) -> Type {
     }
 }
 
+/// Texts, of which those that are the same one after the other are kept once.
+fn texts<'a>(values: impl Iterator<Item = Option<&'a str>>) -> Vec<Option<Arc<str>>> {
+    let mut last: Arc<str> = Arc::from("");
+    let kept = values.map(|value| {
+        let value = value?;
+        if *last != *value {
+            last = Arc::from(value);
+        }
+        Some(last.clone())
+    });
+    kept.collect()
+}
+
 fn values(a: &ArrayRef) -> Option<Values> {
     Some(match a.data_type() {
         DataType::Float64 => Values::Float(a.as_primitive::<Float64Type>().iter().collect()),
         DataType::Int64 => Values::Integer(a.as_primitive::<Int64Type>().iter().collect()),
-        DataType::Utf8 => {
-            Values::Text(a.as_string::<i32>().iter().map(|v| v.map(Arc::from)).collect())
-        }
+        DataType::Utf8 => Values::Text(texts(a.as_string::<i32>().iter())),
         DataType::Boolean => Values::Flag(a.as_boolean().iter().collect()),
         _ => return None,
     })

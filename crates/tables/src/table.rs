@@ -371,16 +371,19 @@ impl Table {
         fn of<T: Clone>(values: &[Option<T>], rows: &[usize]) -> Vec<Option<T>> {
             rows.iter().map(|row| values.get(*row).cloned().flatten()).collect()
         }
-        let mut some = self.clone();
-        for column in &mut some.columns {
-            column.values = match &column.values {
+        let some = |column: &Column| {
+            let values = match &column.values {
                 Values::Float(v) => Values::Float(of(v, rows)),
                 Values::Integer(v) => Values::Integer(of(v, rows)),
                 Values::Text(v) => Values::Text(of(v, rows)),
                 Values::Flag(v) => Values::Flag(of(v, rows)),
             };
-        }
-        some
+            Column { field: column.field.clone(), values }
+        };
+        let columns = self.columns.iter().map(some).collect();
+        let (name, title) = (self.name.clone(), self.title.clone());
+        let (notes, kinds) = (self.notes.clone(), self.kinds.clone());
+        Self { name, title, notes, kinds, columns }
     }
 
     /// The columns' names, for a message.

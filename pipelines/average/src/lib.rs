@@ -44,7 +44,7 @@ mod testing;
 pub use average::{Average, Course, LeftOut, Parameters, Repeat, SIGNALS, average, times_s};
 pub use error::{AverageError, WhyNot};
 pub use landmarks::Landmark;
-pub use people::over_participants;
+pub use people::{SessionCourse, looked_at, over_participants};
 pub use table::{no_average, table};
 pub use zwidth_study::Alignment;
 

@@ -17,24 +17,52 @@ const LAST_PHASE: f64 = 3.0;
 /// A course on the grid of phases, signal by signal.
 type OnGrid = BTreeMap<Signal, Vec<f64>>;
 
-/// The mean over participants of one condition: `sessions` are tables of averages aligned by
-/// landmarks, one per participant and session, in any number and order. Each is taken at the same
-/// phases of the movement; a participant's sessions are averaged with equal weight, and the band is
-/// over participants, Student's t at `level`. One row per phase; a signal that some participant
-/// lacks is null. `None` for fewer than two participants with such an average.
+/// The columns at which [`SessionCourse::of`] looks.
+pub fn looked_at() -> Vec<String> {
+    let means = SIGNALS.into_iter().map(|signal| column_name(signal, "mean"));
+    ["participant", "phase"].into_iter().map(str::to_owned).chain(means).collect()
+}
+
+/// A participant's mean course in a session.
+#[derive(Debug, Clone)]
+pub struct SessionCourse {
+    participant: String,
+    on_grid: OnGrid,
+}
+
+impl SessionCourse {
+    /// That of a table of averages aligned by landmarks; `None` without an average.
+    ///
+    /// # Errors
+    /// A table that is not of this stage.
+    pub fn of(table: &Table) -> Result<Option<Self>, TableError> {
+        let who = table.texts("participant")?.into_iter().flatten().next();
+        let course = who.zip(on_grid(table, &phases())?);
+        Ok(course.map(|(participant, on_grid)| Self { participant, on_grid }))
+    }
+}
+
+fn phases() -> Vec<f64> {
+    (0..POINTS).map(|i| LAST_PHASE * (i as f64 / (POINTS - 1) as f64)).collect()
+}
+
+/// The mean over participants of one condition, of one course per participant and session, in any
+/// number and order. Each is taken at the same phases of the movement; a participant's sessions are
+/// averaged with equal weight, and the band is over participants, Student's t at `level`. One row
+/// per phase; a signal that some participant lacks is null. `None` for fewer than two participants
+/// with such an average.
 ///
 /// # Errors
-/// Tables that are not of this stage; a level outside (0, 1).
-pub fn over_participants(sessions: &[Table], level: f64) -> Result<Option<Table>, AverageError> {
-    let phases: Vec<f64> =
-        (0..POINTS).map(|i| LAST_PHASE * (i as f64 / (POINTS - 1) as f64)).collect();
+/// A level outside (0, 1).
+pub fn over_participants(
+    sessions: impl IntoIterator<Item = SessionCourse>,
+    level: f64,
+) -> Result<Option<Table>, AverageError> {
     let mut people: BTreeMap<String, Vec<OnGrid>> = BTreeMap::new();
-    for table in sessions {
-        let who = table.texts("participant")?.into_iter().flatten().next();
-        if let Some((who, course)) = who.zip(on_grid(table, &phases)?) {
-            people.entry(who).or_default().push(course);
-        }
+    for SessionCourse { participant, on_grid } in sessions {
+        people.entry(participant).or_default().push(on_grid);
     }
+    let phases = phases();
     if people.len() < 2 {
         return Ok(None);
     }
@@ -106,6 +134,10 @@ fn nothing() -> Band {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn courses(tables: &[Table]) -> Vec<SessionCourse> {
+        tables.iter().filter_map(|table| SessionCourse::of(table).unwrap()).collect()
+    }
     use crate::testing::{parameters, repeat, there_and_back};
     use crate::{Alignment, average, table};
     use zwidth_store::Trial;
@@ -129,7 +161,7 @@ mod tests {
     fn participants_meet_at_their_phases_whatever_their_speed() {
         let people =
             [of("P01", there_and_back(1, 0.8, 1.6)), of("P02", there_and_back(1, 1.5, 0.7))];
-        let all = over_participants(&people, 0.95).unwrap().unwrap();
+        let all = over_participants(courses(&people), 0.95).unwrap().unwrap();
         let theta = column(&all, Signal::Theta, "mean");
         assert_eq!(theta.len(), POINTS);
         // both turn at phase 2 and at 1 rad, and so does their mean
@@ -142,8 +174,9 @@ mod tests {
     #[test]
     fn sessions_of_one_participant_count_once_and_one_participant_is_nobody_else() {
         let (a, b, c) = (stroke("P01", 0.4), stroke("P01", 0.8), stroke("P02", 1.2));
-        assert!(over_participants(&[a.clone(), b.clone()], 0.95).unwrap().is_none());
-        let all = over_participants(&[a.clone(), b.clone(), c.clone()], 0.95).unwrap().unwrap();
+        assert!(over_participants(courses(&[a.clone(), b.clone()]), 0.95).unwrap().is_none());
+        let all =
+            over_participants(courses(&[a.clone(), b.clone(), c.clone()]), 0.95).unwrap().unwrap();
         assert_eq!(all.integers("n").unwrap()[0], Some(2));
         let at = |table: &Table| on_grid(table, &[1.0]).unwrap().unwrap()[&Signal::ForceEx][0];
         let expect = ((at(&a) + at(&b)) / 2.0 + at(&c)) / 2.0;
@@ -154,7 +187,7 @@ mod tests {
     #[test]
     fn without_an_average_nobody_is_in_it() {
         let none = crate::no_average(&crate::WhyNot::NoVelocity).unwrap();
-        assert!(over_participants(&[none, stroke("P01", 1.0)], 0.95).unwrap().is_none());
-        assert!(over_participants(&[], 0.95).unwrap().is_none());
+        assert!(over_participants(courses(&[none, stroke("P01", 1.0)]), 0.95).unwrap().is_none());
+        assert!(over_participants([], 0.95).unwrap().is_none());
     }
 }

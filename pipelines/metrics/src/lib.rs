@@ -258,7 +258,9 @@ mod tests {
             assert_eq!(trial_metrics(lent, &parameters), trial_metrics(&made, &parameters));
             let mut few = Samples::default();
             for signal in PLANT_SIGNALS {
-                made.samples.get(signal).map(|values| few.set(signal, values.to_vec()));
+                if let Some(values) = made.samples.get(signal) {
+                    few.set(signal, values.to_vec());
+                }
             }
             let few = Recorded { meta: &made.meta, columns: &few };
             let [lent, few, held] = [lent, few, (&made).into()]

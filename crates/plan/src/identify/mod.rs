@@ -2,19 +2,19 @@
 //! balances the forces of the recorded motion, the judge is the replay driven by force; here stages
 //! meet, because they do not know each other.
 
+use crate::conditions::spread;
 use crate::making::{derived, split, write_tables};
 use crate::replayable::{rendering, replayable};
 use crate::trials::{OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_identify::{Bracket, IdentifyError, Parameter, Recording, Switching, Task};
 use zwidth_metrics::Plant;
 use zwidth_replay::{Balance, Drive, Judged, Parameters, Rendering, ReplayError};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
-use zwidth_study::{ParticipantId, TrialMeta};
+use zwidth_study::TrialMeta;
 use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "identify", version: zwidth_identify::VERSION };
@@ -117,24 +117,6 @@ fn plant(
     Parameters { mass_kg, damping_ns_per_rad, friction_n, motor_lag_s, brake_on_s, brake_off_s }
 }
 
-/// So many samples are fitted and judged at most: 1,000 trials of 4 s at 1 kHz. A plant has six
-/// parameters, and its error shrinks with the root of the trials; time and memory grow with them.
-const MOST_SAMPLES: usize = 4_000_000;
-
-/// Whose trials are fitted and judged, of trials with so many samples each: everybody's, or in a
-/// large study those of so many participants, evenly spread over the list, as keep within `most`
-/// samples; one participant's at least.
-fn chosen<'p>(trials: &[(&'p ParticipantId, usize)], most: usize) -> BTreeSet<&'p ParticipantId> {
-    let all: usize = trials.iter().map(|(_, rows)| rows).sum();
-    let people: BTreeSet<_> = trials.iter().map(|(who, _)| *who).collect();
-    if all <= most {
-        return people;
-    }
-    let people: Vec<_> = people.into_iter().collect();
-    let kept = (people.len() * most / all).max(1);
-    (0..kept).map(|k| people[k * people.len() / kept]).collect()
-}
-
 /// What the fit depends on besides the trials.
 #[derive(Serialize)]
 struct Fit {
@@ -158,7 +140,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     }
     let there = all.len();
     let rows: Vec<_> = all.iter().map(|trial| (&trial.meta.participant, trial.rows)).collect();
-    let people = chosen(&rows, MOST_SAMPLES);
+    let people = spread(&rows);
     let trials: Vec<&TrialEntry> =
         all.into_iter().filter(|trial| people.contains(&trial.meta.participant)).collect();
     let study = &data.study;

@@ -1,10 +1,12 @@
 //! Simulate, record, fit: without a sensor's noise every parameter comes back.
 
 use super::*;
+use crate::conditions::spread_within;
 use zwidth_device::{Controller, TwinParameters};
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, Hand, Tissue, table3};
 use zwidth_identify::Identifiability;
 use zwidth_store::{Samples, TrialFile};
+use zwidth_study::ParticipantId;
 use zwidth_study::{Calibration, Scene, Spring, Study, TrialMeta, template};
 
 /// Samples of angle and force a second, Hz: what is between them is a cubic.
@@ -86,13 +88,13 @@ fn a_large_study_is_fitted_by_the_trials_of_participants_spread_over_its_list() 
     let people: Vec<ParticipantId> = (0..10).map(|i| format!("P{i:02}").parse().unwrap()).collect();
     let trials: Vec<_> = people.iter().flat_map(|who| [(who, 300), (who, 100)]).collect();
     let names = |most| -> Vec<&str> {
-        chosen(&trials, most).into_iter().map(ParticipantId::as_str).collect()
+        spread_within(&trials, most).into_iter().map(ParticipantId::as_str).collect()
     };
     assert_eq!(names(4000).len(), 10);
     assert_eq!(names(3999).len(), 9);
     assert_eq!(names(1300), ["P00", "P03", "P06"]);
     assert_eq!(names(1), ["P00"], "somebody's");
-    assert!(chosen(&[], 1).is_empty());
+    assert!(spread_within(&[], 1).is_empty());
 }
 
 #[test]

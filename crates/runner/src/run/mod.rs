@@ -9,16 +9,17 @@ use crate::provenance::provenance;
 use crate::record::Record;
 use crate::{Job, Made, Making, Provenance, Records, Results};
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
+use std::ffi::OsStr;
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use zwidth_store::{StoreError, hex_blake3};
 
 mod options;
 
 pub use options::{Options, wanted};
-use options::{records_before, save};
+use options::{keep_seen, records_before, save};
 
 /// How a job ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -87,7 +88,7 @@ pub fn run(
     // Those that are not believed go from their file too.
     // A shard that has nothing to make says so, too.
     board.unsaved = !remarks.is_empty() || options.shard.is_some();
-    let (hashes, board) = (Hashes::new(&options.known), Mutex::new(board));
+    let (hashes, board) = (Hashes::seen(&options.known, options.seen.clone()), Mutex::new(board));
     let run = Run { jobs, before, results, options, done, hashes, board };
     for begun in [Board::ready, Board::in_a_circle] {
         let begun = begun(&mut run.board());
@@ -105,33 +106,43 @@ pub fn run(
     remarks.extend(stayed);
     if options.only.is_none() && options.shard.is_none() && !options.dry_run {
         unsaved |= !unplanned(jobs, &mut records).is_empty();
-        let planned: BTreeSet<&PathBuf> = jobs.iter().flat_map(|job| &job.outputs).collect();
+        let planned: HashSet<&PathBuf> =
+            jobs.par_iter().flat_map_iter(|job| &job.outputs).collect();
         // Of jobs that are gone all, of the others what they no longer make.
-        let made = before.0.values();
-        remarks.extend(made.flat_map(|record| remove_unplanned(&planned, record, results)));
+        let made: Vec<&Arc<Record>> = before.0.values().collect();
+        let stayed = made.par_iter().map(|record| remove_unplanned(&planned, record, results));
+        remarks.extend(stayed.collect::<Vec<_>>().into_iter().flatten());
     }
     if unsaved && !options.dry_run {
         save(&records, results, options)?;
     }
+    keep_seen(results, options);
+    // Of a large study that takes long, and nobody needs it to be over.
+    rayon::spawn(move || drop((records, before)));
     Ok(Done { reports: reports.into_iter().flatten().collect(), remarks })
 }
 
 /// How often records are saved while jobs end, s: a run that is killed makes again what came after.
 const SAVED_EVERY_S: f64 = 1.0;
 
-/// Bytes of input files from which on a job reads much (64 MiB): as numbers in memory some five
-/// times as many.
-const MUCH: u64 = 1 << 26;
+/// Bytes of input files from which on a job reads much (16 MiB): as numbers in memory some five to
+/// ten times as many.
+const MUCH: u64 = 1 << 24;
 
 /// Which jobs read much, as far as their inputs are there.
 fn read_much(jobs: &[Job]) -> Vec<bool> {
-    let inputs: BTreeSet<&PathBuf> = jobs.iter().flat_map(|job| &job.inputs).collect();
-    let bytes = |path: &PathBuf| std::fs::metadata(path).map_or(0, |found| found.len());
-    let inputs: HashMap<&PathBuf, u64> =
+    let inputs: HashSet<&OsStr> = jobs.iter().flat_map(|job| names(&job.inputs)).collect();
+    let bytes = |path: &OsStr| std::fs::metadata(path).map_or(0, |found| found.len());
+    let inputs: HashMap<&OsStr, u64> =
         inputs.into_par_iter().map(|path| (path, bytes(path))).collect();
     jobs.iter()
-        .map(|job| job.inputs.iter().filter_map(|path| inputs.get(path)).sum::<u64>() > MUCH)
+        .map(|job| names(&job.inputs).filter_map(|path| inputs.get(path)).sum::<u64>() > MUCH)
         .collect()
+}
+
+/// Paths as they are written: those of one plan are written alike.
+fn names(paths: &[PathBuf]) -> impl Iterator<Item = &OsStr> {
+    paths.iter().map(|path| path.as_os_str())
 }
 
 /// How a run stands.
@@ -299,7 +310,7 @@ impl<'j> Run<'j> {
         let job = &self.jobs[i];
         match (&report.verdict, record) {
             (JobEnd::Made(_) | JobEnd::UpToDate, Some(record)) => {
-                board.records.0.insert(job.name.clone(), record);
+                board.records.0.insert(job.name.clone(), Arc::new(record));
                 board.unsaved = true;
             }
             (JobEnd::Failed(_) | JobEnd::Blocked(_), _) => {
@@ -368,7 +379,7 @@ impl<'j> Run<'j> {
                 for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
                     let hash = hex_blake3(bytes);
                     record.outputs.insert(show_path(root, path), hash.clone());
-                    self.hashes.set(path, hash);
+                    self.hashes.written(path, hash);
                 }
                 record.problems.clone_from(&made.problems);
                 record.care.clone_from(&made.care);
@@ -409,7 +420,7 @@ fn make(job: &Job, making: &Making, results: &Results) -> Result<Result<Made, St
 }
 
 /// Takes the records of jobs that are no longer planned out of the others.
-fn unplanned(jobs: &[Job], records: &mut Records) -> Vec<Record> {
+fn unplanned(jobs: &[Job], records: &mut Records) -> Vec<Arc<Record>> {
     let names: BTreeSet<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
     let gone: Vec<String> =
         records.0.keys().filter(|n| !names.contains(n.as_str())).cloned().collect();
@@ -418,7 +429,7 @@ fn unplanned(jobs: &[Job], records: &mut Records) -> Vec<Record> {
 
 /// Removes what a job made before and no planned job makes any more; what stayed nevertheless.
 fn remove_unplanned(
-    planned: &BTreeSet<&PathBuf>,
+    planned: &HashSet<&PathBuf>,
     record: &Record,
     results: &Results,
 ) -> Vec<StoreError> {

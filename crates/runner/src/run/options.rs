@@ -7,7 +7,8 @@ use crate::shard::share;
 use crate::{Job, Records, Results, Shard};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_store::StoreError;
+use std::sync::Arc;
+use zwidth_store::{Seen, StoreError};
 
 /// How to run.
 #[derive(Debug, Clone, Default)]
@@ -23,6 +24,9 @@ pub struct Options {
     pub shard: Option<Shard>,
     /// BLAKE3 of files that were read already, hexadecimal.
     pub known: Vec<(PathBuf, String)>,
+    /// What files were when they were last read: those that are the same are not read again. A run
+    /// that is no shard's writes down what it has seen.
+    pub seen: Arc<Seen>,
     /// Outputs say nothing of their making: their bytes are their content alone.
     pub without_origin: bool,
 }
@@ -34,7 +38,13 @@ pub struct Options {
 pub fn wanted(jobs: &[Job], results: &Results, options: &Options) -> Result<Vec<bool>, StoreError> {
     let Some(shard) = options.shard else { return Ok(named(jobs, options.only.as_deref())) };
     let (records, _) = Records::read(results)?;
-    Ok(share(jobs, shard, results.root(), &records, &Hashes::new(&options.known)))
+    Ok(share(
+        jobs,
+        shard,
+        results.root(),
+        &records,
+        &Hashes::seen(&options.known, options.seen.clone()),
+    ))
 }
 
 /// The records that a run begins with, and what is wrong with them. A shard has what its own
@@ -70,5 +80,14 @@ pub(super) fn save(
     match options.shard {
         Some(shard) => Manifest::new(results.layout(), shard, records.clone()).write(results),
         None => records.write(results),
+    }
+}
+
+/// Writes down what files were.
+pub(super) fn keep_seen(results: &Results, options: &Options) {
+    let text = if options.dry_run || options.shard.is_some() { None } else { options.seen.text() };
+    if let Some(text) = text {
+        // Without it the next run reads more, and is as right.
+        let _ = results.write(&Seen::file(results.layout()), &text);
     }
 }

@@ -3,6 +3,7 @@
 use super::{join_findings, nameless, studies};
 use crate::exit::Exit;
 use crate::screen::Screen;
+use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -82,7 +83,7 @@ fn listing(layout: &Layout) -> anyhow::Result<Listing> {
         title: data.study.title.clone(),
         schema: data.study.schema.number(),
         channels: data.study.channels.clone(),
-        sessions: data.sessions.iter().map(of_session).collect(),
+        sessions: data.sessions.par_iter().map(of_session).collect(),
         sweeps,
         unreadable: data.problems.iter().map(ToString::to_string).collect(),
     })
@@ -91,7 +92,7 @@ fn listing(layout: &Layout) -> anyhow::Result<Listing> {
 fn session(data: &StudyData, log: &SessionLog, trials: &[&TrialEntry]) -> Session {
     let sealed = log.is_sealed();
     // A sealed trial that nothing else keeps out will count.
-    let counts = |t: &&&TrialEntry| TrialEntry { sealed: None, ..(**t).clone() }.counts();
+    let counts = |t: &&&TrialEntry| t.why_left_out().is_none();
     let left_out = trials.iter().filter(|t| t.meta.kind == Kind::Trial && !counts(t));
     Session {
         participant: log.record.participant.to_string(),
@@ -101,7 +102,7 @@ fn session(data: &StudyData, log: &SessionLog, trials: &[&TrialEntry]) -> Sessio
         trials: trials.iter().filter(counts).count(),
         trials_that_count: trials.iter().filter(|t| t.counts()).count(),
         familiarisation: trials.iter().filter(|t| t.meta.kind == Kind::Familiarisation).count(),
-        to_go: left_to_do(data, log),
+        to_go: left_to_do(trials.iter().copied(), log),
         left_out: left_out
             .filter_map(|t| Some(format!("trial {}: {}", t.meta.trial, t.why_not()?)))
             .collect(),

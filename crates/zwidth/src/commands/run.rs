@@ -10,13 +10,14 @@ use crate::screen::Screen;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
 use zwidth_runner::{
     Done, Job, JobEnd, Options, Report, Results, run as run_jobs, waiting, wanted,
 };
-use zwidth_store::{Layout, RealFiles, StoreError, StudyData, findings};
+use zwidth_store::{Layout, RealFiles, Seen, StoreError, StudyData, findings};
 use zwidth_study::StudyId;
 
 /// What `--json` prints of a study.
@@ -87,7 +88,9 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
 
 fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcome> {
     let start = Instant::now();
-    let data = StudyData::load(layout).map_err(|findings| join_findings(&findings))?;
+    // Who asks for everything afresh wants nothing taken for what it was.
+    let seen = if command.fresh { Seen::nothing(layout) } else { Seen::of(layout) };
+    let data = StudyData::load_seen(&seen, layout).map_err(|findings| join_findings(&findings))?;
     let found = findings(&RealFiles, &data);
     let mut jobs = plan::jobs(&data, &found);
     jobs.extend(on_demand(&data, &jobs, command));
@@ -98,6 +101,7 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
         only: command.only.clone(),
         shard: command.shard,
         known: hashes_read(&data),
+        seen: Arc::new(seen),
         without_origin: command.without_origin,
     };
     // Not waited for: what a power cut spoils no longer has the hash in its record, and is made
@@ -121,6 +125,8 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     if !screen.json {
         tell(&data, &reports, &outcome, command, screen);
     }
+    // Of a large study that takes long, and the command need not wait for it.
+    rayon::spawn(move || drop((jobs, data)));
     Ok(outcome)
 }
 

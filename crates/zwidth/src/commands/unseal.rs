@@ -22,7 +22,7 @@ pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::
         screen.say(format!("{name} is unsealed already"));
         return Ok(Exit::Fine);
     }
-    let open = left_to_do(&data, log);
+    let open = left_to_do(&data.trials, log);
     if open > 0 && !command.unfinished {
         bail!(
             "{name} has {open} trials to go, which would not be blind: finish it with `zwidth acquire {} -p {} -s {}`, \

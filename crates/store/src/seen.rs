@@ -1,0 +1,273 @@
+//! What files were when their content was last hashed: as long as the system says that nothing of a
+//! file has changed, its hash is known without its being read.
+//!
+//! A file is taken for the same while its length, its two times and its place on the disk are. The
+//! time at which its state last changed (`ctime`) moves with every write and every renaming, and no
+//! program can set it back; so what this does not see is a disk that loses bytes by itself.
+//! [`verify`](crate::verify) reads everything, whatever is known. Where a system keeps no such time,
+//! nothing is known.
+
+use crate::regular::read_regular;
+use crate::{Layout, StoreError, file_blake3};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, HashMap};
+use std::fs::Metadata;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime};
+
+/// Largest file of hashes that is read, bytes (256 MiB): a million files.
+const MOST_SEEN: u64 = 1 << 28;
+
+/// A file whose state changed so little ago may change again and have the same time: systems count
+/// it in steps, of two seconds at most.
+const SETTLED: Duration = Duration::from_secs(2);
+
+/// Files from which on their hashes are worth a file of their own.
+const WORTH_WRITING: usize = 2000;
+
+/// What the system says of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+struct Stamp {
+    length: u64,
+    /// Seconds and nanoseconds of its last write.
+    modified: (i64, i64),
+    /// Likewise of its last change of any kind.
+    changed: (i64, i64),
+    /// Its number on its disk.
+    number: u64,
+}
+
+impl Stamp {
+    #[cfg(unix)]
+    fn of(found: &Metadata) -> Option<Self> {
+        use std::os::unix::fs::MetadataExt as _;
+        found.file_type().is_file().then(|| Self {
+            length: found.len(),
+            modified: (found.mtime(), found.mtime_nsec()),
+            changed: (found.ctime(), found.ctime_nsec()),
+            number: found.ino(),
+        })
+    }
+
+    #[cfg(not(unix))]
+    fn of(_: &Metadata) -> Option<Self> {
+        None
+    }
+
+    /// Of what lies at `path`; a link is no file.
+    fn at(path: &Path) -> Option<Self> {
+        Self::of(&path.symlink_metadata().ok()?)
+    }
+
+    /// Whether any change after `now` shows.
+    fn is_settled(&self, now: SystemTime) -> bool {
+        let since = now
+            .checked_sub(SETTLED)
+            .and_then(|now| now.duration_since(SystemTime::UNIX_EPOCH).ok());
+        since.is_some_and(|since| {
+            let since = (
+                i64::try_from(since.as_secs()).unwrap_or(i64::MAX),
+                i64::from(since.subsec_nanos()),
+            );
+            self.changed < since
+        })
+    }
+}
+
+/// What a file was before it was read, where any change after that shows.
+pub(crate) struct Begun(Option<Stamp>);
+
+impl Begun {
+    pub(crate) fn now(path: &Path) -> Self {
+        Self(Stamp::at(path).filter(|stamp| stamp.is_settled(SystemTime::now())))
+    }
+}
+
+/// A file as it was, and the hash of its content then.
+type Known = (Stamp, String);
+
+/// The hashes of a study's files, recordings and results, by what these files were.
+#[derive(Debug, Default)]
+pub struct Seen {
+    root: PathBuf,
+    /// What was known before, by the path relative to the root.
+    before: HashMap<String, Known>,
+    /// What was hashed since, or written with a hash that is known.
+    since: Mutex<BTreeMap<String, Known>>,
+}
+
+impl Seen {
+    /// Where it lies: hidden, because it is none of a study's results.
+    pub fn file(layout: &Layout) -> PathBuf {
+        layout.derived().join(".hashes.json")
+    }
+
+    /// What earlier runs of the study wrote down. Nothing where that is missing, or cannot be
+    /// understood.
+    pub fn of(layout: &Layout) -> Self {
+        let text = read_regular(&Self::file(layout), MOST_SEEN).unwrap_or_default();
+        let before = serde_json::from_slice(&text).unwrap_or_default();
+        Self { before, ..Self::nothing(layout) }
+    }
+
+    /// As if no run had written anything down.
+    pub fn nothing(layout: &Layout) -> Self {
+        Self { root: layout.root().to_owned(), ..Self::default() }
+    }
+
+    /// BLAKE3 of a file's content, hexadecimal: read only if it may have changed.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn blake3(&self, path: &Path) -> Result<String, StoreError> {
+        if let Some(known) = self.known(path) {
+            return Ok(known);
+        }
+        let begun = Begun::now(path);
+        let hash = file_blake3(path)?;
+        self.read(path, begun, &hash);
+        Ok(hash)
+    }
+
+    /// Remembers what was read of a file since `begun`, unless it changed meanwhile.
+    pub(crate) fn read(&self, path: &Path, begun: Begun, blake3: &str) {
+        if let Some(stamp) = begun.0.filter(|stamp| Stamp::at(path) == Some(*stamp)) {
+            self.note(path, (stamp, blake3.to_owned()));
+        }
+    }
+
+    /// Remembers what was just written to a file.
+    pub fn written(&self, path: &Path, blake3: &str) {
+        if let Some(stamp) = Stamp::at(path) {
+            self.note(path, (stamp, blake3.to_owned()));
+        }
+    }
+
+    /// Its text, to be written to [`Seen::file`]: nothing if nothing was hashed since, or if there
+    /// are so few files that they are as soon read.
+    pub fn text(&self) -> Option<Vec<u8>> {
+        let (since, now) = (self.since(), SystemTime::now());
+        // What was written a moment ago is hashed once more by the next run.
+        let settled = since.iter().filter(|(_, (stamp, _))| stamp.is_settled(now));
+        let mut settled = settled.map(|(path, known)| (path.as_str(), known)).peekable();
+        settled.peek()?;
+        let before = self.before.iter().map(|(path, known)| (path.as_str(), known));
+        let all: BTreeMap<_, _> = before.chain(settled).collect();
+        if all.len() < WORTH_WRITING { None } else { serde_json::to_vec(&all).ok() }
+    }
+
+    /// The hash of a file that has not changed.
+    pub(crate) fn known(&self, path: &Path) -> Option<String> {
+        let named = self.named(path)?;
+        let (before, since) = (self.before.get(named), self.since());
+        let (stamp, hash) = since.get(named).or(before)?;
+        (Stamp::at(path)? == *stamp).then(|| hash.clone())
+    }
+
+    fn note(&self, path: &Path, known: Known) {
+        if let Some(named) = self.named(path) {
+            self.since().insert(named.to_owned(), known);
+        }
+    }
+
+    /// A path relative to the root; one that is no text is not kept.
+    fn named<'p>(&self, path: &'p Path) -> Option<&'p str> {
+        path.strip_prefix(&self.root).ok()?.to_str()
+    }
+
+    fn since(&self) -> MutexGuard<'_, BTreeMap<String, Known>> {
+        self.since.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+    use crate::hex_blake3;
+    use std::fs::{self, File};
+    use std::os::unix::fs::FileExt as _;
+
+    /// A study's folder with a file, as a run finds it that knows `text` of it.
+    fn known(text: &str) -> (tempfile::TempDir, Layout, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(folder.path(), "s".parse().unwrap());
+        let path = layout.derived().join("a");
+        fs::create_dir_all(layout.derived()).unwrap();
+        fs::write(&path, text).unwrap();
+        (folder, layout, path)
+    }
+
+    fn knowing(layout: &Layout, path: &Path, hash: &str) -> Seen {
+        let seen = Seen::nothing(layout);
+        seen.written(path, hash);
+        seen
+    }
+
+    #[test]
+    fn what_has_not_changed_is_not_read_and_what_has_is() {
+        let (_folder, layout, path) = known("text");
+        let seen = knowing(&layout, &path, "told");
+        assert_eq!(seen.blake3(&path).unwrap(), "told", "nothing was read");
+        assert_eq!(Seen::nothing(&layout).blake3(&path).unwrap(), hex_blake3(b"text"));
+        // As long as before, and with the time of its last write set back.
+        let modified = fs::metadata(&path).unwrap().modified().unwrap();
+        let changed = |of: &Path| Stamp::at(of).unwrap().changed;
+        let before = changed(&path);
+        let file = File::options().write(true).open(&path).unwrap();
+        while changed(&path) == before {
+            file.write_all_at(b"TEXT", 0).unwrap();
+            file.set_modified(modified).unwrap();
+        }
+        assert_eq!(seen.blake3(&path).unwrap(), hex_blake3(b"TEXT"));
+        fs::remove_file(&path).unwrap();
+        assert!(seen.blake3(&path).is_err());
+    }
+
+    #[test]
+    fn another_file_with_the_same_name_and_a_link_are_not_the_one_that_was_seen() {
+        let (_folder, layout, path) = known("text");
+        let seen = knowing(&layout, &path, "told");
+        let other = layout.derived().join("b");
+        fs::write(&other, "text").unwrap();
+        fs::rename(&other, &path).unwrap();
+        assert_eq!(seen.blake3(&path).unwrap(), hex_blake3(b"text"));
+        let seen = knowing(&layout, &path, "told");
+        fs::rename(&path, &other).unwrap();
+        std::os::unix::fs::symlink(&other, &path).unwrap();
+        assert_eq!(seen.known(&path), None);
+    }
+
+    #[test]
+    fn what_changed_a_moment_ago_is_not_taken_as_known() {
+        let (_folder, layout, path) = known("text");
+        let seen = Seen::nothing(&layout);
+        seen.blake3(&path).unwrap();
+        assert_eq!(seen.known(&path), None, "it may change again within the same step of its time");
+        let stamp = Stamp::at(&path).unwrap();
+        let written = SystemTime::UNIX_EPOCH + Duration::from_secs(stamp.changed.0 as u64);
+        assert!(!stamp.is_settled(written) && !stamp.is_settled(SystemTime::UNIX_EPOCH));
+        assert!(stamp.is_settled(written + 2 * SETTLED));
+    }
+
+    #[test]
+    fn many_files_are_written_down_and_read_back_and_few_are_not() {
+        let (_folder, layout, path) = known("text");
+        let seen = knowing(&layout, &path, "told");
+        assert_eq!(seen.text(), None);
+        let long_ago = Stamp { changed: (1, 0), ..Stamp::at(&path).unwrap() };
+        let note =
+            |i: usize| seen.note(&layout.derived().join(i.to_string()), (long_ago, i.to_string()));
+        (0..WORTH_WRITING).for_each(note);
+        fs::write(Seen::file(&layout), seen.text().unwrap()).unwrap();
+        let back = Seen::of(&layout);
+        assert_eq!(back.before.len(), WORTH_WRITING, "what was just written is left out");
+        assert_eq!(back.before["derived/s/7"], (long_ago, "7".to_owned()));
+        assert_eq!(back.text(), None, "nothing is new");
+        for damaged in ["", "[]", "{\"derived/s/7\": 1}", "\u{0}"] {
+            fs::write(Seen::file(&layout), damaged).unwrap();
+            assert!(Seen::of(&layout).before.is_empty());
+        }
+    }
+}
