@@ -1,0 +1,234 @@
+"""A large study, read and made into metrics by zwidth, polars and DuckDB in turns; prints Markdown.
+
+    python bench.py ZWIDTH DECODE FOLDER [--participants 1000] [--rounds 3] [--whole]
+
+FOLDER keeps the study between runs. Nothing but Python's own library is loaded here: the system counts the memory of a
+process from before its program is loaded, when it is still a copy of this one.
+"""
+
+import argparse
+import json
+import os
+import platform
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+HERE = Path(__file__).parent
+STUDY = "big"
+# Columns of ours that say which trial it is.
+IDENTITY = 7
+PEERS = {
+    "polars, in memory": ["by_polars.py", "--engine", "in-memory"],
+    "polars, streaming": ["by_polars.py", "--engine", "streaming"],
+    "DuckDB": ["by_duckdb.py"],
+}
+
+
+def measured(*command):
+    """Runs a command: seconds of the clock, of processors, largest resident set in MB, and what it printed."""
+    begun = time.perf_counter()
+    with tempfile.TemporaryFile("w+") as said:
+        process = subprocess.Popen([str(part) for part in command], stdout=said, stderr=subprocess.STDOUT)
+        _, status, usage = os.wait4(process.pid, 0)
+        wall = time.perf_counter() - begun
+        said.seek(0)
+        text = said.read()
+    code = os.waitstatus_to_exitcode(status)
+    # 3: something is to be read with care.
+    if code not in (0, 3):
+        raise SystemExit(f"{command} ended with {code}: {text[-2000:]}")
+    print(f"{wall:9.2f} s  {' '.join(str(part) for part in command[:6])}", file=sys.stderr)
+    return wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, text
+
+
+def output(*command):
+    return subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, text=True, check=True).stdout
+
+
+class Study:
+    """A simulated study below a folder of its own, and zwidth at work on it."""
+
+    def __init__(self, zwidth, folder, participants):
+        self.zwidth, self.root = zwidth, folder / str(participants)
+        self.raw, self.derived = (self.root / place / STUDY for place in ("raw", "derived"))
+        if not self.raw.exists():
+            self.make(folder / f"{participants}.unfinished", participants)
+        self.files = sum(1 for _ in (self.raw / "trials").glob("*/*/*.parquet"))
+
+    def make(self, place, participants):
+        shutil.rmtree(place, ignore_errors=True)
+        place.mkdir(parents=True)
+        size = ["--participants", participants, "--sessions", 1, "--rate", 1000]
+        measured(self.zwidth, "--root", place, "--quiet", "twin", STUDY, *size)
+        place.rename(self.root)
+
+    def run(self, *words):
+        return measured(self.zwidth, "--root", self.root, *words)
+
+    def forget(self):
+        for place in ("derived", "reports"):
+            shutil.rmtree(self.root / place / STUDY, ignore_errors=True)
+
+    def first(self):
+        """The metrics as somebody gets them who asks for them first: with the plant that some rest on."""
+        self.forget()
+        return self.run("-v", "run", STUDY, "--only", "metrics")
+
+    def stage(self):
+        """The metrics anew, where the plant is known."""
+        shutil.rmtree(self.derived / "metrics")
+        for table in ("metrics", "conditions"):
+            (self.derived / f"{table}.parquet").unlink()
+        return self.run("-v", "run", STUDY, "--only", "metrics")
+
+
+def stage_seconds(said):
+    """What `-v` says that the jobs of the stage took together."""
+    return next(float(line.split()[-2]) for line in said.splitlines() if line.split()[:1] == ["metrics"])
+
+
+def compared(study, theirs):
+    """Each column's trials and largest relative difference; ends the bench where one differs."""
+    lines = output(sys.executable, HERE / "check.py", study.derived / "metrics.parquet", theirs).splitlines()
+    rows = (line.split("\t") for line in lines)
+    return {name: (int(trials), float(largest)) for name, trials, _, largest in rows}
+
+
+def in_turns(study, decode, scratch, rounds):
+    """The runs of each, and how each peer's columns compare."""
+    runs, differences = {}, {}
+    for _ in range(rounds):
+        runs.setdefault("decode", []).append(measured(decode, study.raw / "trials"))
+        runs.setdefault("first", []).append(study.first())
+        runs.setdefault("stage", []).append(study.stage())
+        for name, (script, *words) in PEERS.items():
+            table = scratch / "metrics.parquet"
+            runs.setdefault(name, []).append(measured(sys.executable, HERE / script, study.raw, table, *words))
+            differences[name] = compared(study, table)
+    return runs, differences
+
+
+def median(runs, which=0):
+    return statistics.median(run[which] for run in runs)
+
+
+def table(headings, rows, left=1):
+    rule = ["---"] * left + ["--:"] * (len(headings) - left)
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in [headings, rule, *rows]) + "\n"
+
+
+def cells(name, columns, runs, stage):
+    wall, processor = median(runs), median(runs, 1)
+    ratios = [f"{wall / median(stage):.2f}", f"{processor / median(stage, 1):.2f}"]
+    return [name, columns, f"{wall:,.2f}", f"{processor:,.2f}", f"{median(runs, 2):,.0f}", *ratios]
+
+
+def times(runs, ours, theirs):
+    stage = runs["stage"]
+    rows = [cells("decoding alone, parquet in Rust", "–", runs["decode"], stage),
+            cells("**zwidth, the stage `metrics`**", str(ours), stage, stage),
+            cells("zwidth, with the identification before it", str(ours), runs["first"], stage)]
+    rows += [cells(name, str(theirs), runs[name], stage) for name in PEERS]
+    ratios = ["wall / zwidth", "of processors / zwidth"]
+    return table(["metrics", "columns", "wall, s", "of processors, s", "memory, MB", *ratios], rows)
+
+
+def beside(runs):
+    """The rows that `cargo xtask bench` reads."""
+    wall = median(runs["stage"])
+    names = {"decoding alone": runs["decode"]} | {name: runs[name] for name in PEERS}
+    rows = [[name, f"{wall:,.2f}", f"{median(run):,.2f}", f"{median(run) / wall:.2f}"] for name, run in names.items()]
+    return table(["metrics, beside", "zwidth, s", "a part of it, s", "ratio"], rows)
+
+
+def columns(differences):
+    names = sorted({name for found in differences.values() for name in found})
+    rows = [[f"`{name}`", f"{next(iter(differences.values()))[name][0]:,}"]
+            + [f"{found[name][1]:.0e}" if found[name][1] else "0" for found in differences.values()] for name in names]
+    return table(["column", "trials", *differences], rows)
+
+
+def sizes(study, scratch):
+    found = json.loads(output(sys.executable, HERE / "sizes.py", study.raw, scratch))
+    ours, theirs = found["zwidth"], found["pandas"]
+    times = lambda of: [f"{of[clock] * 1e3:.2f}" for clock in ("wall_s", "processor_s")]
+    row = lambda name, of: [name, f"{of['bytes'] / 1e3:,.1f}", *times(of)]
+    ratios = [f"{theirs[what] / ours[what]:.2f}" for what in ("bytes", "wall_s", "processor_s")]
+    rows = [row("zwidth's", ours), row("`DataFrame.to_parquet()`", theirs), ["pandas' / zwidth's", *ratios]]
+    about = (
+        f"{found['files']} trial files, and the same columns with the same values written by pandas' defaults. Both\n"
+        "are read by `pandas.read_parquet`, all columns, file by file in turns: means over the files, medians of\n"
+        f"{found['rounds']} rounds.\n\n"
+    )
+    return about + table(["files", "kB per trial", "to read one, ms", "of processors, ms"], rows)
+
+
+def whole(study, rounds):
+    """The whole study, and what is asked of it then."""
+    study.forget()
+    rows = [["`zwidth run`, everything", *(f"{value:,.2f}" for value in study.run("--quiet", "run", STUDY)[:3])]]
+    for name in ("list", "verify", "run"):
+        runs = [study.run("--quiet", name, STUDY) for _ in range(rounds)]
+        what = "`zwidth run`, nothing to do" if name == "run" else f"`zwidth {name}`"
+        rows.append([what, *(f"{median(runs, which):,.2f}" for which in range(3))])
+    return f"The whole study, once, and then in {rounds} rounds:\n\n" + table(
+        ["command", "wall, s", "of processors, s", "memory, MB"], rows)
+
+
+def page(study, runs, differences, ours, raw):
+    theirs = len(next(iter(differences.values())))
+    samples = int(runs["decode"][0][3].split()[2]) // 9
+    stage = statistics.median(stage_seconds(run[3]) for run in runs["stage"])
+    largest = max(value for found in differences.values() for _, value in found.values())
+    versions = [f"{name} {version(name)}" for name in ("polars", "duckdb", "pandas", "pyarrow")]
+    return [
+        f"{output(study.zwidth, '--version').strip()}, Python {platform.python_version()}, {', '.join(versions)}.\n",
+        f"{study.files:,} trial files with {samples:,} samples at 1 kHz, {raw / 1e9:.2f} GB; those of\n"
+        f"practice trials are decoded, but are in nobody's metrics. Medians of {len(runs['stage'])} rounds in\n"
+        "turns, each a process of its own from its start to its end. Processors: user and system time together;\n"
+        "memory: the largest resident set.\n",
+        times(runs, ours, theirs),
+        f"`-v` says that the jobs of zwidth's stage took {stage:.1f} s together, in which time that one spends on\n"
+        "another's work counts twice. The stage reads each file twice (without the plant and with it), hashes it,\n"
+        "checks all of its columns, and writes tables with records of what they were made from. Its\n"
+        f"{ours} columns have intervals, spectra, smoothness and energies among them. The peers make {theirs} of\n"
+        "them, and check, hash and record nothing.\n",
+        beside(runs),
+        "Largest relative difference of each column from zwidth's, over all trials (the largest of all:\n"
+        f"{largest:.0e}). A value is missing in both or in none. Above 1e-9 the bench would have stopped.\n",
+        columns(differences),
+    ]
+
+
+def count_columns(table):
+    code = "import sys, pyarrow.parquet as p; print(len(p.read_schema(sys.argv[1])))"
+    return int(output(sys.executable, "-c", code, table)) - IDENTITY
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("zwidth", type=Path)
+    arguments.add_argument("decode", type=Path)
+    arguments.add_argument("folder", type=Path)
+    arguments.add_argument("--participants", type=int, default=1000)
+    arguments.add_argument("--rounds", type=int, default=3)
+    arguments.add_argument("--whole", action="store_true")
+    given = arguments.parse_args()
+    study = Study(given.zwidth.resolve(), given.folder.resolve(), given.participants)
+    with tempfile.TemporaryDirectory(dir=given.folder) as scratch:
+        runs, differences = in_turns(study, given.decode.resolve(), Path(scratch), given.rounds)
+        raw = sum(file.stat().st_size for file in (study.raw / "trials").glob("*/*/*.parquet"))
+        parts = page(study, runs, differences, count_columns(study.derived / "metrics.parquet"), raw)
+        parts.append(sizes(study, Path(scratch)))
+    if given.whole:
+        parts.append(whole(study, given.rounds))
+    print("\n".join(parts), end="")
+
+
+main()
