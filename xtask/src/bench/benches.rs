@@ -24,6 +24,7 @@ const PEERS: &str = "benches/peers/RESULTS.md";
 const LONG: &str = "benches/long/RESULTS.md";
 const STATISTICS: &str = "benches/statistics/RESULTS.md";
 const PAGE: &str = "benches/page/RESULTS.md";
+const SCALE: &str = "benches/scale/RESULTS.md";
 
 /// What lines have in common.
 pub(super) const PRELUDE: &str = "\
@@ -31,7 +32,7 @@ pub(super) const PRELUDE: &str = "\
     notes=\"${CARGO_TARGET_DIR:-target}/bench\"; mkdir -p \"$notes\"\n";
 
 /// All of them: the quick ones first.
-pub(super) const BENCHES: [Bench; 9] = [
+pub(super) const BENCHES: [Bench; 10] = [
     criterion("store", "measure --bench reference --bench store", |target| {
         from_criterion(target, &["trial of 4,000 samples"])
     }),
@@ -74,6 +75,14 @@ pub(super) const BENCHES: [Bench; 9] = [
         side_by_side(LONG, &["rows"], ("the three, s", "pandas, s", "pandas, a part of it"), 1.0)
     }),
     page_of("page", "benches/page/run.sh", (PAGE, 0), |_| browsed(&page(PAGE)?)),
+    page_of("scale", "benches/scale/run.sh", (SCALE, 0), |_| {
+        side_by_side(
+            SCALE,
+            &["metrics, beside"],
+            ("zwidth, s", "a part of it, s", "a part of it"),
+            1.0,
+        )
+    }),
 ];
 
 type Read = fn(&Path) -> anyhow::Result<Vec<Case>>;
