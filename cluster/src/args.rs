@@ -49,8 +49,9 @@ pub(crate) struct Scheduler {
     /// The name by which others reach this machine [default: the address]
     #[arg(long, value_name = "HOST")]
     pub(crate) host: Option<String>,
-    /// After so many seconds without a word an executor is given up, and others do its tasks
-    #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = clap::value_parser!(u64).range(2..=3600))]
+    /// After so many seconds without a word an executor is given up, and others do its tasks. One
+    /// that is busy says a word every 5 s
+    #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = clap::value_parser!(u64).range(10..=3600))]
     pub(crate) executor_timeout: u64,
 }
 

@@ -38,7 +38,7 @@ pub(crate) fn program() -> Command {
 /// A scheduler and its address.
 pub(crate) fn scheduler() -> (Host, String) {
     let mut command = program();
-    command.args(["scheduler", "--bind", "127.0.0.1:0", "--executor-timeout", "4"]);
+    command.args(["scheduler", "--bind", "127.0.0.1:0", "--executor-timeout", "15"]);
     let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
     let mut line = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
