@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 use std::net::SocketAddr;
 use std::num::NonZeroU16;
 use std::path::PathBuf;
+use std::time::Duration;
 use zwidth_study::StudyId;
 
 /// The jobs of a study's trials on the executors of a Ballista cluster
@@ -75,6 +76,8 @@ pub(crate) struct Executor {
     /// How long to wait for the scheduler
     #[arg(long, value_name = "SECONDS", default_value_t = 60)]
     pub(crate) patience: u64,
+    #[command(flatten)]
+    pub(crate) store: Store,
 }
 
 #[derive(Debug, clap::Args)]
@@ -112,4 +115,19 @@ pub(crate) struct Fetch {
     /// The folder that is to hold raw/STUDY
     #[arg(long, value_name = "DIR", env = "ZWIDTH_ROOT", default_value = ".")]
     pub(crate) root: PathBuf,
+    #[command(flatten)]
+    pub(crate) store: Store,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Store {
+    /// How long the place where recordings lie may be silent
+    #[arg(long = "store-timeout", value_name = "SECONDS", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=3600))]
+    timeout: u64,
+}
+
+impl Store {
+    pub(crate) fn timeout(&self) -> Duration {
+        Duration::from_secs(self.timeout)
+    }
 }

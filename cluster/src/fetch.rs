@@ -21,7 +21,7 @@ pub(crate) fn fetch(args: &Fetch, runtime: &Runtime, say: Say) -> anyhow::Result
         "{} is here already, and recordings are never overwritten; move it elsewhere to fetch it again",
         raw.display()
     );
-    let source = Source::open(&url_of(&args.raw)?)?;
+    let source = Source::open(&url_of(&args.raw)?, args.store.timeout())?;
     let below = format!("raw/{}", args.study);
     let paths = runtime.block_on(source.list(&below))?;
     ensure!(

@@ -1,7 +1,7 @@
 //! The function by which an engine of queries calls [`crate::part::answer`]: from the bytes of a
 //! task to those of its answer.
 
-use crate::part::answer;
+use crate::part::{Means, answer};
 use crate::task::FUNCTION;
 use datafusion::arrow::array::{Array as _, BinaryArray, cast::AsArray as _};
 use datafusion::arrow::datatypes::DataType;
@@ -10,23 +10,22 @@ use datafusion::error::Result;
 use datafusion::logical_expr::{
     ColumnarValue, ScalarFunctionArgs, ScalarUDF, ScalarUDFImpl, Signature, Volatility,
 };
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The function.
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct Part {
     signature: Signature,
-    /// Where executors have their scratch folders; `None` on a client and on the scheduler, which
-    /// only need to know that there is such a function.
-    scratch: Option<PathBuf>,
+    /// What executors have for it; `None` on a client and on the scheduler, which only need to know
+    /// that there is such a function.
+    means: Option<Means>,
 }
 
-/// The function for an executor with this folder for scratch, or for a client or scheduler.
-pub(crate) fn function(scratch: Option<PathBuf>) -> ScalarUDF {
+/// The function for an executor with these means, or for a client or scheduler.
+pub(crate) fn function(means: Option<Means>) -> ScalarUDF {
     // Volatile: otherwise whoever plans the query would compute it right away, as a constant.
     let signature = Signature::exact(vec![DataType::Binary], Volatility::Volatile);
-    ScalarUDF::new_from_impl(Part { signature, scratch })
+    ScalarUDF::new_from_impl(Part { signature, means })
 }
 
 impl ScalarUDFImpl for Part {
@@ -43,7 +42,7 @@ impl ScalarUDFImpl for Part {
     }
 
     fn invoke_with_args(&self, args: ScalarFunctionArgs) -> Result<ColumnarValue> {
-        let Some(scratch) = self.scratch.clone() else {
+        let Some(means) = self.means.clone() else {
             return exec_err!("{FUNCTION} is computed by executors alone");
         };
         let arrays = ColumnarValue::values_to_arrays(&args.args)?;
@@ -56,7 +55,7 @@ impl ScalarUDFImpl for Part {
         // another one.
         let work = std::thread::Builder::new()
             .name(FUNCTION.to_owned())
-            .spawn(move || tasks.iter().map(|task| answer(task, &scratch)).collect::<Vec<_>>());
+            .spawn(move || tasks.iter().map(|task| answer(task, &means)).collect::<Vec<_>>());
         match work.map(std::thread::JoinHandle::join) {
             Ok(Ok(answers)) => {
                 let answers = BinaryArray::from_iter_values(answers);

@@ -7,15 +7,25 @@ use crate::task::{Answer, MOST_PACKED, Task};
 use anyhow::{Context as _, anyhow, bail, ensure};
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 use zwidth_plan as plan;
 use zwidth_runner::{Job, Options, PROGRAM, Records, Results, run};
 use zwidth_store::{Findings, Layout, RealFiles, StudyData, hex_blake3};
 
+/// What an executor has for its tasks.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Means {
+    /// Where its scratch folders are.
+    pub(crate) scratch: PathBuf,
+    /// How long the place where recordings lie may be silent.
+    pub(crate) store_timeout: Duration,
+}
+
 /// The answer to a packed task, packed. Whatever goes wrong is an answer too: an error would only
 /// make the scheduler try the same again.
-pub(crate) fn answer(task: &[u8], scratch: &Path) -> Vec<u8> {
-    let made = catch_unwind(AssertUnwindSafe(|| made(task, scratch)));
+pub(crate) fn answer(task: &[u8], means: &Means) -> Vec<u8> {
+    let made = catch_unwind(AssertUnwindSafe(|| made(task, means)));
     let made =
         made.unwrap_or_else(|_| Err(anyhow!("it has a defect and stopped; please report it")));
     made.unwrap_or_else(|error| {
@@ -23,17 +33,17 @@ pub(crate) fn answer(task: &[u8], scratch: &Path) -> Vec<u8> {
     })
 }
 
-fn made(task: &[u8], scratch: &Path) -> anyhow::Result<Vec<u8>> {
+fn made(task: &[u8], means: &Means) -> anyhow::Result<Vec<u8>> {
     let (task, given): (Task, _) = unpack(task).context("the task cannot be read")?;
     ensure!(
         task.zwidth == PROGRAM,
         "this executor is zwidth {PROGRAM} and the client zwidth {}; use the same version on all machines",
         task.zwidth
     );
-    let folder = tempfile::tempdir_in(scratch)
-        .with_context(|| format!("there is no scratch folder in {}", scratch.display()))?;
+    let folder = tempfile::tempdir_in(&means.scratch)
+        .with_context(|| format!("there is no scratch folder in {}", means.scratch.display()))?;
     let layout = Layout::new(folder.path(), task.study.parse().map_err(|e| anyhow!("{e}"))?);
-    fetch(&task, folder.path())?;
+    fetch(&task, folder.path(), means.store_timeout)?;
     lay_given(&task, &given, &layout)?;
     let data = StudyData::load(&layout).map_err(|found| {
         anyhow!("{}", found.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))
@@ -46,13 +56,13 @@ fn made(task: &[u8], scratch: &Path) -> anyhow::Result<Vec<u8>> {
 }
 
 /// Fetches the raw files, and holds each against what the client has.
-fn fetch(task: &Task, root: &Path) -> anyhow::Result<()> {
+fn fetch(task: &Task, root: &Path, store_timeout: Duration) -> anyhow::Result<()> {
     let below = format!("raw/{}/", task.study);
     let outside = task.raw.iter().find(|file| !is_below(&file.path, &below));
     if let Some(file) = outside {
         bail!("{:?} is not a raw file of {}", file.path, task.study);
     }
-    let source = Source::open(&task.source)?;
+    let source = Source::open(&task.source, store_timeout)?;
     let check = |path: &str, bytes: &[u8]| {
         let expected = task.raw.iter().find(|file| file.path == path).map(|file| &file.blake3);
         ensure!(
@@ -122,7 +132,9 @@ mod tests {
 
     fn refusal(task: &[u8]) -> String {
         let scratch = tempfile::tempdir().unwrap();
-        let (answer, _) = unpack(&answer(task, scratch.path())).unwrap();
+        let store_timeout = Duration::from_secs(1);
+        let means = Means { scratch: scratch.path().to_owned(), store_timeout };
+        let (answer, _) = unpack(&answer(task, &means)).unwrap();
         match answer {
             Answer::Refused(why) => why,
             Answer::Made { .. } => panic!("something was made"),

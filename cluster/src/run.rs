@@ -9,12 +9,15 @@ use crate::source::url_of;
 use crate::task::Answer;
 use crate::watch::{until_lost, until_ready};
 use crate::{Exit, joined};
-use anyhow::{Context as _, bail, ensure};
+use anyhow::{Context as _, anyhow, bail, ensure};
 use futures::StreamExt as _;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::runtime::Runtime;
+use tokio::signal::ctrl_c;
+use tokio::sync::Notify;
 use zwidth_plan as plan;
 use zwidth_runner::{Job, Options, Results, Sent, Shard, due, lay_down, merge, run as run_jobs};
 use zwidth_store::{Layout, RealFiles, StudyData, findings};
@@ -30,11 +33,17 @@ const SHOWN: usize = 3;
 /// job, which is made here.
 const PLANT: &str = "identify";
 
+/// How the program ends if it is interrupted while it asks nothing, as a shell has it.
+const INTERRUPTED: i32 = 130;
+
 /// What a run has to do with.
 struct World<'w> {
     args: &'w Run,
     runtime: &'w Runtime,
     say: Say,
+    engine: &'w Engine,
+    /// Tells a round to end.
+    interrupted: &'w Notify,
     data: &'w StudyData,
     jobs: &'w [Job],
     /// Hashes of raw files.
@@ -62,7 +71,23 @@ pub(crate) fn run(args: &Run, runtime: &Runtime, say: Say) -> anyhow::Result<Exi
     let jobs = plan::jobs(&data, &findings(&RealFiles, &data));
     let known = data.trials.iter().map(|trial| (trial.path.clone(), trial.blake3.clone()));
     let (known, results) = (known.collect(), Results::new(&layout, &RealFiles));
-    World { args, runtime, say, data: &data, jobs: &jobs, known, results }.rounds()
+    let deadline = Duration::from_secs(args.deadline);
+    let engine = Arc::new(runtime.block_on(Engine::new(&args.scheduler, deadline))?);
+    let interrupted = Arc::new(Notify::new());
+    runtime.spawn(notice_interrupts(Arc::clone(&engine), Arc::clone(&interrupted)));
+    let (engine, interrupted) = (engine.as_ref(), interrupted.as_ref());
+    let (data, jobs) = (&data, jobs.as_slice());
+    World { args, runtime, say, engine, interrupted, data, jobs, known, results }.rounds()
+}
+
+/// If the program is interrupted: ends it, or the round that is asking.
+async fn notice_interrupts(engine: Arc<Engine>, interrupted: Arc<Notify>) {
+    while ctrl_c().await.is_ok() {
+        if !engine.is_asking() {
+            std::process::exit(INTERRUPTED);
+        }
+        interrupted.notify_waiters();
+    }
 }
 
 impl World<'_> {
@@ -101,10 +126,13 @@ impl World<'_> {
         let laid = [Results::new(&layout, &RealFiles)];
         let asked = self.runtime.block_on(async {
             let lost = until_lost(&self.args.scheduler, Duration::from_secs(self.args.patience));
-            tokio::select! {
+            let asked = tokio::select! {
                 asked = self.ask(due, &laid[0]) => asked,
                 lost = lost => Err(lost),
-            }
+                () = self.interrupted.notified() => Err(anyhow!("it was interrupted")),
+            };
+            self.engine.take_back().await;
+            asked
         });
         let merged = merge(self.jobs, (&self.results, &laid), &self.known)?;
         let survey = &merged.survey;
@@ -115,39 +143,44 @@ impl World<'_> {
         let refused = asked.with_context(|| {
             format!("what came back of {study} is merged; run it again, or without the cluster")
         })?;
-        self.tell(&refused);
-        if refused.len() == due.len() {
+        if refused > SHOWN {
+            self.say.warn(format!("and {} more parts were not made", refused - SHOWN));
+        }
+        if refused == due.len() {
             bail!(
                 "{study}: the executors could make nothing; `zwidth run {study}` makes it without them"
             );
         }
-        let is_whole = refused.is_empty() && survey.refused.is_empty() && survey.remarks.is_empty();
+        let is_whole = refused == 0 && survey.refused.is_empty() && survey.remarks.is_empty();
         Ok(if is_whole { Exit::Fine } else { Exit::Partly })
     }
 
-    /// Gives the parts to the engine, some at a time, and lays down what comes back; which parts
-    /// were refused, and why.
+    /// Gives the parts to the engine, some at a time, and lays down what comes back; says why the
+    /// first parts are refused, and counts them.
     async fn ask(
         &self,
         due: &BTreeMap<&str, Vec<&Job>>,
         laid: &Results<'_>,
-    ) -> anyhow::Result<Vec<String>> {
+    ) -> anyhow::Result<usize> {
         let raw = self.args.raw.clone().unwrap_or_else(|| self.args.root.display().to_string());
         let slices = Slices::of(self.data, url_of(&raw)?)?;
-        let deadline = Duration::from_secs(self.args.deadline);
-        let engine = Engine::new(&self.args.scheduler, deadline).await?;
-        let (slices, engine) = (&slices, &engine);
+        let (slices, engine) = (&slices, self.engine);
         let asking = due.iter().map(|(part, jobs)| async move {
             let task = slices.task(part, jobs)?;
             anyhow::Ok((*part, engine.answer(part, &task).await?))
         });
         let mut asking =
             futures::stream::iter(asking).buffer_unordered(self.args.at_once.get().into());
-        let mut refused = Vec::new();
+        let mut refused = 0;
         while let Some(answered) = asking.next().await {
             let (part, (answer, contents)) = answered?;
             match answer {
-                Answer::Refused(why) => refused.push(format!("{part}: {why}")),
+                Answer::Refused(why) => {
+                    refused += 1;
+                    if refused <= SHOWN {
+                        self.say.warn(format!("{part}: {why}"));
+                    }
+                }
                 Answer::Made { records, files } => {
                     ensure!(files.len() == contents.len(), "{part}: the answer lacks files");
                     let shard = Shard::of_part(part, SHARDS).context("no shard")?;
@@ -169,12 +202,5 @@ impl World<'_> {
         // What fails is told by the run that follows.
         run_jobs(self.jobs, &self.results, &options, &|_| {})?;
         Ok(())
-    }
-
-    fn tell(&self, refused: &[String]) {
-        refused.iter().take(SHOWN).for_each(|why| self.say.warn(why.clone()));
-        if refused.len() > SHOWN {
-            self.say.warn(format!("and {} more parts were not made", refused.len() - SHOWN));
-        }
     }
 }

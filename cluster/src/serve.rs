@@ -2,6 +2,7 @@
 
 use crate::args::{Executor, Scheduler};
 use crate::function::function;
+use crate::part::Means;
 use crate::say::Say;
 use crate::task::{FUNCTION, MOST_MESSAGE};
 use crate::watch::{Address, State, state};
@@ -81,7 +82,8 @@ pub(crate) async fn executor(args: &Executor) -> anyhow::Result<()> {
     let scratch = scratch.context("there is no folder for scratch; name one with --scratch")?;
     let work = scratch.path().to_str().context("the path of the scratch folder is not UTF-8")?;
     let mut functions = BallistaFunctionRegistry::default();
-    let ours = function(Some(scratch.path().to_owned()));
+    let means = Means { scratch: scratch.path().to_owned(), store_timeout: args.store.timeout() };
+    let ours = function(Some(means));
     functions.scalar_functions.insert(FUNCTION.to_owned(), Arc::new(ours));
     let config = ExecutorProcessConfig {
         bind_host: args.bind.ip().to_string(),

@@ -16,10 +16,8 @@ use zwidth_store::MOST_BYTES;
 /// Longest wait for a connection to an object store.
 const CONNECTING: Duration = Duration::from_secs(10);
 
-/// Longest wait for one request, and for all attempts at it.
-const REQUEST: Duration = Duration::from_secs(60);
-
-/// Longest wait for one file, whatever kind of place it comes from: a network folder may hang too.
+/// Longest wait for one file from its first byte on, whatever kind of place it comes from: a network
+/// folder may hang too.
 const FILE: Duration = Duration::from_secs(180);
 
 /// Files that are fetched at a time.
@@ -32,18 +30,21 @@ pub(crate) struct Source {
     /// What stands before each path.
     prefix: StorePath,
     /// As people name it.
-    url: String,
+    name: String,
+    /// How long it may be silent.
+    patience: Duration,
 }
 
 impl Source {
-    /// The place with this URL. An object store takes its keys and its endpoint from the
-    /// environment (`AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY`, `AWS_REGION`, `AWS_ENDPOINT`,
-    /// `AWS_ALLOW_HTTP`).
+    /// The place with this URL, which may be silent for so long. An object store takes its keys and
+    /// its endpoint from the environment (`AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY`,
+    /// `AWS_REGION`, `AWS_ENDPOINT`, `AWS_ALLOW_HTTP`).
     ///
     /// # Errors
     /// A URL of another kind; a folder that is not there; settings that make no sense.
-    pub(crate) fn open(url: &str) -> anyhow::Result<Self> {
+    pub(crate) fn open(url: &str, patience: Duration) -> anyhow::Result<Self> {
         let parsed = Url::parse(url).with_context(|| format!("{url:?} is no URL"))?;
+        let mut name = url.to_owned();
         let (store, prefix): (Box<dyn ObjectStore>, StorePath) = match parsed.scheme() {
             "file" => {
                 let folder = parsed.to_file_path().map_err(|()| anyhow!("{url:?} is no folder"))?;
@@ -57,19 +58,23 @@ impl Source {
                 let limit = |key| AmazonS3ConfigKey::Client(key);
                 let seconds = |time: Duration| format!("{} seconds", time.as_secs());
                 let retry =
-                    RetryConfig { max_retries: 3, retry_timeout: REQUEST, ..Default::default() };
-                let store = AmazonS3Builder::from_env()
+                    RetryConfig { max_retries: 3, retry_timeout: patience, ..Default::default() };
+                let settings = AmazonS3Builder::from_env()
                     .with_bucket_name(bucket)
                     .with_config(limit(ClientConfigKey::ConnectTimeout), seconds(CONNECTING))
-                    .with_config(limit(ClientConfigKey::Timeout), seconds(REQUEST))
-                    .with_retry(retry)
+                    .with_config(limit(ClientConfigKey::Timeout), seconds(patience + FILE))
+                    .with_retry(retry);
+                if let Some(endpoint) = settings.get_config_value(&AmazonS3ConfigKey::Endpoint) {
+                    name = format!("{url} at {endpoint}");
+                }
+                let store = settings
                     .build()
                     .with_context(|| format!("the object store {url} cannot be used"))?;
                 (Box::new(store), StorePath::parse(parsed.path())?)
             }
             other => bail!("recordings lie in a folder or in s3://BUCKET/PREFIX, not in {other}:"),
         };
-        Ok(Self { store, prefix, url: url.to_owned() })
+        Ok(Self { store, prefix, name, patience })
     }
 
     /// Reads a file.
@@ -79,14 +84,13 @@ impl Source {
     pub(crate) async fn read(&self, path: &str) -> anyhow::Result<Bytes> {
         let place = self.place(path)?;
         let reading = async {
-            let found = self.store.get(&place).await?;
+            let found = self.in_time(self.store.get(&place)).await?;
             let size = found.meta.size;
             ensure!(size <= MOST_BYTES, "it has {size} bytes, and {MOST_BYTES} are allowed");
-            Ok(found.bytes().await?)
+            let late = || format!("it did not come within {} s", FILE.as_secs());
+            anyhow::Ok(timeout(FILE, found.bytes()).await.with_context(late)??)
         };
-        let late = || anyhow!("it did not come within {} s", FILE.as_secs());
-        let read = timeout(FILE, reading).await.unwrap_or_else(|_| Err(late()));
-        read.with_context(|| format!("{path} cannot be read from {}", self.url))
+        reading.await.with_context(|| format!("{path} cannot be read from {}", self.name))
     }
 
     /// The paths of all files below a folder, relative to the root, sorted.
@@ -95,12 +99,16 @@ impl Source {
     /// A place that cannot be listed, or not in time.
     pub(crate) async fn list(&self, folder: &str) -> anyhow::Result<Vec<String>> {
         let place = self.place(folder)?;
-        let listing = self.store.list(Some(&place)).map_ok(|found| found.location);
-        let listing = async { Ok(listing.try_collect::<Vec<_>>().await?) };
-        let late = || anyhow!("there was no answer within {} s", FILE.as_secs());
-        let listed = timeout(FILE, listing).await.unwrap_or_else(|_| Err(late()));
+        let mut listing = self.store.list(Some(&place)).map_ok(|found| found.location);
+        let listing = async {
+            let mut listed = Vec::new();
+            while let Some(found) = self.in_time(listing.try_next()).await? {
+                listed.push(found);
+            }
+            anyhow::Ok(listed)
+        };
         let listed =
-            listed.with_context(|| format!("{folder} of {} cannot be listed", self.url))?;
+            listing.await.with_context(|| format!("{folder} of {} cannot be listed", self.name))?;
         let relative = |place: StorePath| {
             let parts = place.prefix_match(&self.prefix)?;
             Some(parts.map(|part| part.as_ref().to_owned()).collect::<Vec<_>>().join("/"))
@@ -136,10 +144,26 @@ impl Source {
         Ok(())
     }
 
+    /// The next that this place says, if it says something in time.
+    async fn in_time<T>(
+        &self,
+        next: impl Future<Output = object_store::Result<T>>,
+    ) -> anyhow::Result<T> {
+        let silent = || format!("there was no answer within {} s", self.patience.as_secs());
+        timeout(self.patience, next).await.with_context(silent)?.map_err(in_short)
+    }
+
     fn place(&self, path: &str) -> anyhow::Result<StorePath> {
         let path = StorePath::parse(path).with_context(|| format!("{path:?} is no path"))?;
         Ok(self.prefix.parts().chain(path.parts()).collect())
     }
+}
+
+/// A store's error repeats its causes: the first and the last say all.
+fn in_short(error: object_store::Error) -> anyhow::Error {
+    let (error, all) = (error.to_string(), anyhow::Error::from(error));
+    let last = all.root_cause().to_string();
+    if error.contains(&last) { anyhow!(error) } else { anyhow!("{error}: {last}") }
 }
 
 /// The URL of a place: a folder's, or the URL itself.
@@ -171,7 +195,7 @@ mod tests {
         for file in ["raw/s/study.toml", "raw/s/trials/participant=P01/001.parquet"] {
             std::fs::write(folder.path().join(file), file).unwrap();
         }
-        let source = Source::open(&url_of(folder.path().to_str().unwrap()).unwrap()).unwrap();
+        let source = Source::open(&url_of(folder.path().to_str().unwrap()).unwrap(), FILE).unwrap();
         let paths = runs(source.list("raw/s")).unwrap();
         assert_eq!(paths, ["raw/s/study.toml", "raw/s/trials/participant=P01/001.parquet"]);
         assert_eq!(runs(source.read(&paths[1])).unwrap(), paths[1].as_bytes());
@@ -187,7 +211,7 @@ mod tests {
     #[test]
     fn only_folders_and_s3_are_sources() {
         for bad in ["http://127.0.0.1/raw", "ftp://x/y", "s3:///prefix", "file:///no/such/folder"] {
-            assert!(Source::open(bad).is_err(), "{bad}");
+            assert!(Source::open(bad, FILE).is_err(), "{bad}");
         }
         assert!(url_of("/no/such/folder").is_err());
         assert_eq!(url_of("s3://bucket/prefix").unwrap(), "s3://bucket/prefix");

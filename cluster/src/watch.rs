@@ -117,6 +117,13 @@ pub(crate) async fn until_ready(at: &Address, patience: Duration) -> anyhow::Res
     }
 }
 
+/// Waits until a scheduler answers; [`until_lost`] says when that takes too long.
+pub(crate) async fn until_answered(at: &Address) {
+    while matches!(state(at).await, State::NoScheduler(_)) {
+        sleep(EVERY).await;
+    }
+}
+
 /// Ends only once the cluster was not ready for so long; with what is wrong.
 pub(crate) async fn until_lost(at: &Address, patience: Duration) -> anyhow::Error {
     let mut last_ready = Instant::now();

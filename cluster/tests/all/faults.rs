@@ -1,13 +1,16 @@
 //! Whatever goes wrong with a cluster ends in a result or in a clear error.
 
-use crate::hosts::{executor, free_port, run, scheduler};
-use crate::stored::{URL, settings, silent_store, store};
+use crate::hosts::{Ran, Running, executor, executor_with, fetch, free_port, run, scheduler};
+use crate::stored::{URL, settings, silent_store, store, store_without};
 use crate::studies::{is_as_without_a_cluster, raw};
 use ballista_core::config::TaskSchedulingPolicy;
 use ballista_executor::executor_process::{ExecutorProcessConfig, start_executor_process};
+use log::{LevelFilter, Log, Metadata, Record};
 use std::fs;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
+use zwidth_store::{Layout, StudyData};
 
 #[test]
 fn without_a_scheduler_a_run_says_so() {
@@ -72,17 +75,82 @@ fn when_the_scheduler_is_killed_in_the_middle_a_run_ends_and_says_so() {
     let running = run(root.path(), &address, &["--raw", URL, "--patience", "1"]);
     let _open = asked.recv().unwrap();
     scheduler.kill();
-    running.end().ends(1, &["what came back of thesis-twin is merged"]);
+    let ran = running.end();
+    ran.ends(1, &["what came back of thesis-twin is merged", "no scheduler answers"]);
+    // Nothing is wrong with the executors.
+    ran.says_nothing_of("version");
 }
 
 #[test]
-fn an_executor_that_takes_too_long_is_not_waited_for() {
+fn an_executor_that_takes_too_long_is_not_waited_for_and_its_tasks_are_taken_back() {
+    let late = gives_up(&["--deadline", "1"], |_| {});
+    late.ends(1, &["gave no answer within 1 s", "--deadline"]);
+}
+
+#[test]
+fn what_an_interrupted_run_asked_is_taken_back() {
+    let interrupted = gives_up(&[], Running::interrupt);
+    interrupted.ends(1, &["what came back of thesis-twin is merged", "interrupted"]);
+}
+
+/// A run that gives up while an executor holds a task. Nothing of it may be left at the scheduler: an
+/// executor that comes only then would ask its store for recordings.
+fn gives_up(more: &[&str], why: impl Fn(&Running)) -> Ran {
     let (_scheduler, address) = scheduler();
-    let (endpoint, _asked) = silent_store();
-    let _executor = executor(&address, &settings(&endpoint));
+    let (silent, asked) = silent_store();
+    let mut holds = executor(&address, &settings(&silent));
     let root = raw();
-    let running = run(root.path(), &address, &["--raw", URL, "--deadline", "1"]);
-    running.end().ends(1, &["gave no answer within 1 s", "--deadline"]);
+    let running = run(root.path(), &address, &[&["--raw", URL], more].concat());
+    let _open = asked.recv().unwrap();
+    why(&running);
+    let ran = running.end();
+    holds.kill();
+
+    let (silent, asked) = silent_store();
+    let _comes = executor_with(&address, &settings(&silent), &["--store-timeout", "1"]);
+    // It does the tasks of another run, whose recordings lie in a folder.
+    run(root.path(), &address, &[]).end().ends(0, &["18 of 18 jobs came back"]);
+    assert!(asked.try_recv().is_err(), "a task of the run that gave up was begun");
+    ran
+}
+
+#[test]
+fn an_object_store_that_does_not_answer_is_named() {
+    let (_scheduler, address) = scheduler();
+    let root = raw();
+    let (silent, _asked) = silent_store();
+    let refuses = format!("http://127.0.0.1:{}", free_port());
+    let words = [(silent, "2", "no answer within 2 s"), (refuses, "60", "Connection refused")];
+    for (endpoint, timeout, why) in words {
+        let timeout = ["--store-timeout", timeout];
+        let _executor = executor_with(&address, &settings(&endpoint), &timeout);
+        let ran = run(root.path(), &address, &["--raw", URL]).end();
+        let store = format!("{URL} at {endpoint}");
+        ran.ends(1, &["warning: P01.S01.", &store, why, "the executors could make nothing"]);
+    }
+    // Without a cluster.
+    let empty = tempfile::tempdir().unwrap();
+    let (silent, _asked) = silent_store();
+    let ran = fetch(empty.path(), &silent, &["--store-timeout", "1"]);
+    ran.ends(1, &[URL, &silent, "no answer within 1 s"]);
+}
+
+#[test]
+fn a_part_whose_recordings_do_not_come_is_named_and_the_others_are_made() {
+    let (_scheduler, address) = scheduler();
+    let root = raw();
+    let layout = Layout::new(root.path(), "thesis-twin".parse().unwrap());
+    let data = StudyData::load(&layout).unwrap();
+    let missing = data.counting().last().unwrap();
+    let endpoint = store_without(root.path(), Some(missing.path.clone()));
+    let _executor = executor_with(&address, &settings(&endpoint), &["--store-timeout", "1"]);
+    let ran = run(root.path(), &address, &["--raw", URL]).end();
+    let file = missing.path.file_name().unwrap().to_str().unwrap();
+    ran.ends(
+        3,
+        &["warning: P01.S01.", file, "no answer within 1 s", "jobs came back and are merged"],
+    );
+    is_as_without_a_cluster(root.path());
 }
 
 #[test]
@@ -105,9 +173,38 @@ fn a_task_that_an_executor_cannot_decode_ends_the_run_and_says_what_executors_mu
         let runtime = tokio::runtime::Runtime::new().unwrap();
         runtime.block_on(start_executor_process(Arc::new(config)))
     });
+    let failures = Failures::listen();
     let root = raw();
     let words = ["failed 3 times", "zwidth_part", "must be a `zwidth-cluster executor`"];
-    run(root.path(), &address, &[]).end().ends(1, &words);
+    run(root.path(), &address, &["--at-once", "1"]).end().ends(1, &words);
+    // The scheduler does not try it again by itself.
+    assert_eq!(failures.load(Ordering::SeqCst), 3);
+}
+
+/// Counts the tasks that an executor in this process could not begin, by what it logs.
+struct Failures(AtomicUsize);
+
+impl Failures {
+    fn listen() -> &'static AtomicUsize {
+        static LISTENS: Failures = Failures(AtomicUsize::new(0));
+        log::set_logger(&LISTENS).unwrap();
+        log::set_max_level(LevelFilter::Warn);
+        &LISTENS.0
+    }
+}
+
+impl Log for Failures {
+    fn enabled(&self, _: &Metadata) -> bool {
+        true
+    }
+
+    fn log(&self, record: &Record) {
+        if record.args().to_string().contains("Executor failed to run task") {
+            self.0.fetch_add(1, Ordering::SeqCst);
+        }
+    }
+
+    fn flush(&self) {}
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The processes of a cluster. Each ends with the test that began it.
 
+use crate::stored::{URL, settings};
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::net::TcpListener;
 use std::path::Path;
@@ -9,7 +10,7 @@ use std::thread;
 use std::time::Duration;
 
 /// Longest that a process of a test may take: one that takes longer hangs, which is a failure.
-const HANGS: Duration = Duration::from_secs(600);
+const HANGS: Duration = Duration::from_secs(1500);
 
 /// A process that is killed when its test ends.
 pub(crate) struct Host(Child);
@@ -48,9 +49,14 @@ pub(crate) fn scheduler() -> (Host, String) {
 
 /// An executor, with these settings of its environment.
 pub(crate) fn executor(scheduler: &str, environment: &[(&str, &str)]) -> Host {
+    executor_with(scheduler, environment, &[])
+}
+
+/// An executor with these arguments too.
+pub(crate) fn executor_with(scheduler: &str, environment: &[(&str, &str)], more: &[&str]) -> Host {
     let bind = format!("127.0.0.1:{}", free_port());
     let mut command = program();
-    command.args(["executor", "--scheduler", scheduler, "--bind", &bind]);
+    command.args(["executor", "--scheduler", scheduler, "--bind", &bind]).args(more);
     command.envs(environment.iter().copied());
     Host(command.spawn().unwrap())
 }
@@ -70,36 +76,59 @@ pub(crate) struct Ran {
 impl Ran {
     /// The exit code must be this one, and each of these words must have been said.
     #[track_caller]
-    pub(crate) fn ends(self, code: i32, words: &[&str]) {
+    pub(crate) fn ends(&self, code: i32, words: &[&str]) {
         assert_eq!(self.code, Some(code), "{}", self.err);
         for word in words {
             assert!(self.err.contains(word), "{word:?} is not in {}", self.err);
         }
     }
+
+    /// This must not have been said.
+    #[track_caller]
+    pub(crate) fn says_nothing_of(&self, word: &str) {
+        assert!(!self.err.contains(word), "{word:?} is in {}", self.err);
+    }
 }
 
 /// A process that goes on beside the test.
-pub(crate) struct Running(mpsc::Receiver<Ran>);
+pub(crate) struct Running {
+    id: u32,
+    ended: mpsc::Receiver<Ran>,
+}
 
 impl Running {
     /// Begins it.
     pub(crate) fn begin(mut command: Command) -> Self {
         let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
-        let (end, ended) = mpsc::channel();
+        let (id, (end, ended)) = (child.id(), mpsc::channel());
         thread::spawn(move || {
             let mut err = String::new();
             child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
             let code = child.wait().unwrap().code();
             let _ = end.send(Ran { code, err });
         });
-        Self(ended)
+        Self { id, ended }
+    }
+
+    /// Interrupts it, as Ctrl-C does.
+    pub(crate) fn interrupt(&self) {
+        let sent = Command::new("kill").args(["-INT", &self.id.to_string()]).status().unwrap();
+        assert!(sent.success());
     }
 
     /// Waits for its end.
     #[track_caller]
     pub(crate) fn end(self) -> Ran {
-        self.0.recv_timeout(HANGS).expect("it hangs")
+        self.ended.recv_timeout(HANGS).expect("it hangs")
     }
+}
+
+/// `zwidth-cluster fetch thesis-twin` into a data folder, from the store at an endpoint.
+pub(crate) fn fetch(root: &Path, endpoint: &str, more: &[&str]) -> Ran {
+    let mut command = program();
+    command.args(["fetch", "thesis-twin", "--raw", URL, "--root"]).arg(root).args(more);
+    command.envs(settings(endpoint));
+    Running::begin(command).end()
 }
 
 /// `zwidth-cluster run thesis-twin` in a data folder.

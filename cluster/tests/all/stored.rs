@@ -24,12 +24,17 @@ pub(crate) const URL: &str = "s3://bucket/data";
 
 /// A store that has the files of a folder; where it is.
 pub(crate) fn store(root: &Path) -> String {
+    store_without(root, None)
+}
+
+/// A store that has the files of a folder, and is silent if it is asked for this one; where it is.
+pub(crate) fn store_without(root: &Path, missing: Option<PathBuf>) -> String {
     let (root, listener) = (root.to_owned(), TcpListener::bind("127.0.0.1:0").unwrap());
     let endpoint = format!("http://{}", listener.local_addr().unwrap());
     thread::spawn(move || {
         for stream in listener.incoming().flatten() {
-            let root = root.clone();
-            thread::spawn(move || serve(&stream, &root));
+            let (root, missing) = (root.clone(), missing.clone());
+            thread::spawn(move || serve(&stream, &root, missing.as_deref()));
         }
     });
     endpoint
@@ -46,12 +51,17 @@ pub(crate) fn silent_store() -> (String, Receiver<TcpStream>) {
 }
 
 /// Answers the requests of one connection.
-fn serve(stream: &TcpStream, root: &Path) {
+fn serve(stream: &TcpStream, root: &Path, missing: Option<&Path>) {
     let mut lines = BufReader::new(stream).lines().map_while(Result::ok);
     while let Some(request) = lines.next() {
         while lines.next().is_some_and(|line| !line.is_empty()) {}
         let path = request.split(' ').nth(1).unwrap_or_default().replace("%3D", "=");
         let path: Option<PathBuf> = path.strip_prefix("/bucket/data/").map(|path| root.join(path));
+        if path.is_some() && path.as_deref() == missing {
+            // Until the other side hangs up.
+            lines.by_ref().for_each(drop);
+            return;
+        }
         let (head, body) = match path.and_then(|path| fs::read(path).ok()) {
             Some(body) => ("200 OK", body),
             None => ("404 Not Found", b"there is none".to_vec()),
