@@ -110,6 +110,16 @@ where
     reader.deserialize_map(Once(PhantomData))
 }
 
+/// What is wrong with a file of records: of a record's own fields, serde says in other words than
+/// [`each_once`] that one stands twice.
+fn in_words(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    match text.strip_prefix("duplicate field `").and_then(|rest| rest.split_once('`')) {
+        Some((key, place)) => format!("{key:?} stands twice{place}"),
+        None => text,
+    }
+}
+
 impl Records {
     /// Reads the records of a study, and says which of them are not believed. A missing file gives
     /// no records, and so does one that cannot be understood: then everything is made again, which
@@ -135,7 +145,7 @@ impl Records {
         };
         let read = std::str::from_utf8(&bytes).map_err(|e| e.to_string());
         let read =
-            read.and_then(|text| serde_json::from_str::<Self>(text).map_err(|e| e.to_string()));
+            read.and_then(|text| serde_json::from_str::<Self>(text).map_err(|e| in_words(&e)));
         let Self(all) = match read {
             Ok(records) => records,
             Err(what) => return Ok((Self::default(), vec![distrusted(what)])),
