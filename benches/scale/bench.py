@@ -1,23 +1,21 @@
 """A large study, read and made into metrics by zwidth, polars and DuckDB in turns; prints Markdown.
 
-    python bench.py ZWIDTH DECODE FOLDER [--participants 1000] [--rounds 3] [--whole]
+    python bench.py ZWIDTH DECODE FOLDER [--participants 1000] [--rounds 3]
 
-FOLDER keeps the study between runs. Nothing but Python's own library is loaded here: the system counts the memory of a
-process from before its program is loaded, when it is still a copy of this one.
+FOLDER keeps the study between runs.
 """
 
 import argparse
 import json
-import os
 import platform
 import shutil
 import statistics
-import subprocess
 import sys
 import tempfile
-import time
 from importlib.metadata import version
 from pathlib import Path
+
+from measure import measured, median, output, table
 
 HERE = Path(__file__).parent
 STUDY = "big"
@@ -28,27 +26,6 @@ PEERS = {
     "polars, streaming": ["by_polars.py", "--engine", "streaming"],
     "DuckDB": ["by_duckdb.py"],
 }
-
-
-def measured(*command):
-    """Runs a command: seconds of the clock, of processors, largest resident set in MB, and what it printed."""
-    begun = time.perf_counter()
-    with tempfile.TemporaryFile("w+") as said:
-        process = subprocess.Popen([str(part) for part in command], stdout=said, stderr=subprocess.STDOUT)
-        _, status, usage = os.wait4(process.pid, 0)
-        wall = time.perf_counter() - begun
-        said.seek(0)
-        text = said.read()
-    code = os.waitstatus_to_exitcode(status)
-    # 3: something is to be read with care.
-    if code not in (0, 3):
-        raise SystemExit(f"{command} ended with {code}: {text[-2000:]}")
-    print(f"{wall:9.2f} s  {' '.join(str(part) for part in command[:6])}", file=sys.stderr)
-    return wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, text
-
-
-def output(*command):
-    return subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, text=True, check=True).stdout
 
 
 class Study:
@@ -114,15 +91,6 @@ def in_turns(study, decode, scratch, rounds):
     return runs, differences
 
 
-def median(runs, which=0):
-    return statistics.median(run[which] for run in runs)
-
-
-def table(headings, rows, left=1):
-    rule = ["---"] * left + ["--:"] * (len(headings) - left)
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in [headings, rule, *rows]) + "\n"
-
-
 def cells(name, columns, runs, stage):
     wall, processor = median(runs), median(runs, 1)
     ratios = [f"{wall / median(stage):.2f}", f"{processor / median(stage, 1):.2f}"]
@@ -169,18 +137,6 @@ def sizes(study, scratch):
     return about + table(["files", "kB per trial", "to read one, ms", "of processors, ms"], rows)
 
 
-def whole(study, rounds):
-    """The whole study, and what is asked of it then."""
-    study.forget()
-    rows = [["`zwidth run`, everything", *(f"{value:,.2f}" for value in study.run("--quiet", "run", STUDY)[:3])]]
-    for name in ("list", "verify", "run"):
-        runs = [study.run("--quiet", name, STUDY) for _ in range(rounds)]
-        what = "`zwidth run`, nothing to do" if name == "run" else f"`zwidth {name}`"
-        rows.append([what, *(f"{median(runs, which):,.2f}" for which in range(3))])
-    return f"The whole study, once, and then in {rounds} rounds:\n\n" + table(
-        ["command", "wall, s", "of processors, s", "memory, MB"], rows)
-
-
 def page(study, runs, differences, ours, raw):
     theirs = len(next(iter(differences.values())))
     samples = int(runs["decode"][0][3].split()[2]) // 9
@@ -218,7 +174,6 @@ def main():
     arguments.add_argument("folder", type=Path)
     arguments.add_argument("--participants", type=int, default=1000)
     arguments.add_argument("--rounds", type=int, default=3)
-    arguments.add_argument("--whole", action="store_true")
     given = arguments.parse_args()
     study = Study(given.zwidth.resolve(), given.folder.resolve(), given.participants)
     with tempfile.TemporaryDirectory(dir=given.folder) as scratch:
@@ -226,8 +181,6 @@ def main():
         raw = sum(file.stat().st_size for file in (study.raw / "trials").glob("*/*/*.parquet"))
         parts = page(study, runs, differences, count_columns(study.derived / "metrics.parquet"), raw)
         parts.append(sizes(study, Path(scratch)))
-    if given.whole:
-        parts.append(whole(study, given.rounds))
     print("\n".join(parts), end="")
 
 

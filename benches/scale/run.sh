@@ -4,7 +4,6 @@
 #
 #   benches/scale/run.sh                        1,000 participants, 36 trials of 4 s each: an hour, 8 GB of disk
 #   benches/scale/run.sh 100                    100 of them
-#   benches/scale/run.sh 1000 --whole           also the whole study, page and all, then list, verify and run: 16 GB
 #   benches/scale/run.sh 100 --rounds 5
 #
 # The Python environment is made once, in VENV (default: the build folder). The study is made once per size, below the
