@@ -79,7 +79,7 @@ pub(crate) fn typical_trials<'a>(
     replays: &[PathBuf],
 ) -> Result<Vec<(Trial, &'a Rendering)>, JobError> {
     let replays =
-        zwidth_replay::join_conditions(&read_parts(replays)?)?.ok_or("there is no trial")?;
+        zwidth_replay::join_conditions(read_parts(replays)?)?.ok_or("there is no trial")?;
     let mut trials = Vec::new();
     for (mode, rendering) in &of.stage.modes {
         let Some(number) = zwidth_replay::typical(&replays, mode.as_str())? else { continue };

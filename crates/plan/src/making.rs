@@ -31,7 +31,7 @@ const JOINED_AT_ONCE: usize = 256;
 /// The same as fewer tables, to be joined: a large study has thousands of one form. Titles and notes
 /// are left out.
 pub(crate) fn read_parts(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
-    let part = |files: &[PathBuf]| Table::concat("part", "", &read_tables(files)?);
+    let part = |files: &[PathBuf]| Table::concat("part", "", read_tables(files)?);
     let parts: Result<Vec<_>, TableError> = files.par_chunks(JOINED_AT_ONCE).map(part).collect();
     Ok(parts?.into_iter().flatten().collect())
 }

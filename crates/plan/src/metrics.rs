@@ -157,7 +157,7 @@ fn make_study(
     making: &Making,
 ) -> Result<Made, JobError> {
     let join = |tables: &[PathBuf]| -> Result<Table, JobError> {
-        let joined = zwidth_metrics::join_conditions(&read_parts(tables)?)?;
+        let joined = zwidth_metrics::join_conditions(read_parts(tables)?)?;
         Ok(joined.ok_or("there is no trial")?)
     };
     let all = zwidth_metrics::join_plant(&join(plain)?, &join(plant)?)?;

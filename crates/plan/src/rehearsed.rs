@@ -82,7 +82,7 @@ pub fn rehearsed(
         tables.push(made.0);
         stops.extend(made.1);
     }
-    let Some(all) = join_twin(&tables)? else { return Ok(None) };
+    let Some(all) = join_twin(tables)? else { return Ok(None) };
     let short = twin_summary(&all, &stops)?;
     Ok(Some([all, short]))
 }

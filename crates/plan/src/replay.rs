@@ -186,7 +186,7 @@ fn replays(
 
 fn make_study(level: &f64, tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
     let replays =
-        zwidth_replay::join_conditions(&read_parts(tables)?)?.ok_or("there is no trial")?;
+        zwidth_replay::join_conditions(read_parts(tables)?)?.ok_or("there is no trial")?;
     let agreement = zwidth_replay::agreement(&replays, *level)?;
     write_tables(&[replays, agreement], making, Vec::new())
 }

@@ -239,7 +239,7 @@ fn join_data(
     tables: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let joined = zwidth_trade::join_conditions(&read_parts(tables)?)?.ok_or("there is no trial")?;
+    let joined = zwidth_trade::join_conditions(read_parts(tables)?)?.ok_or("there is no trial")?;
     let joined = match share {
         Some(Share { taken, of }) => joined.with_note(format!(
             "Of {of} trials, those of participants evenly spread over the list were taken: {taken} trials."

@@ -16,21 +16,33 @@ use std::borrow::Cow;
 pub fn csv(table: &Table) -> String {
     let columns = table.columns();
     let marked = table.notes().iter().any(|note| note == SYNTHETIC);
-    let mark = |text: &str| marked.then(|| text.to_owned());
-    let names = columns.iter().map(|c| quoted(&c.field.name)).chain(mark("synthetic")).collect();
-    let rows = (0..table.height())
-        .map(|i| columns.iter().map(|c| field(c, i)).chain(mark("true")).collect());
-    let lines: Vec<Vec<String>> = std::iter::once(names).chain(rows).collect();
-    lines.iter().map(|line| line.join(",") + "\r\n").collect()
+    let mark = |text: &'static str| marked.then_some(Cow::Borrowed(text));
+    let mut text = String::new();
+    line(&mut text, columns.iter().map(|c| quoted(&c.field.name)).chain(mark("synthetic")));
+    for row in 0..table.height() {
+        line(&mut text, columns.iter().map(|c| field(c, row)).chain(mark("true")));
+    }
+    text
 }
 
-fn field(column: &Column, row: usize) -> String {
+fn line<'a>(text: &mut String, fields: impl Iterator<Item = Cow<'a, str>>) {
+    for (i, field) in fields.enumerate() {
+        text.push_str(if i == 0 { "" } else { "," });
+        text.push_str(&field);
+    }
+    text.push_str("\r\n");
+}
+
+fn field(column: &Column, row: usize) -> Cow<'_, str> {
     let text = match &column.values {
         // Shortest digits either way, but `Display` would write 1e300 with all its zeros.
-        Values::Float(v) => v[row].map(|v| format!("{:?}", v + 0.0)), // -0 + 0 is 0
-        Values::Integer(v) => v[row].map(|v| v.to_string()),
-        Values::Text(v) => v[row].as_deref().map(|text| quoted(&inert(text))),
-        Values::Flag(v) => v[row].map(|v| v.to_string()),
+        Values::Float(v) => v[row].map(|v| format!("{:?}", v + 0.0).into()), // -0 + 0 is 0
+        Values::Integer(v) => v[row].map(|v| v.to_string().into()),
+        Values::Text(v) => v[row].as_deref().map(|text| match inert(text) {
+            Cow::Borrowed(text) => quoted(text),
+            Cow::Owned(text) => quoted(&text).into_owned().into(),
+        }),
+        Values::Flag(v) => v[row].map(|v| if v { "true" } else { "false" }.into()),
     };
     text.unwrap_or_default()
 }
@@ -45,10 +57,10 @@ fn inert(text: &str) -> Cow<'_, str> {
     }
 }
 
-fn quoted(text: &str) -> String {
+fn quoted(text: &str) -> Cow<'_, str> {
     // Some readers cut the spaces at the ends of a field without quotes.
     let plain = !text.is_empty() && text.trim() == text && !text.contains([',', '"', '\r', '\n']);
-    if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
+    if plain { text.into() } else { format!("\"{}\"", text.replace('"', "\"\"")).into() }
 }
 
 #[cfg(test)]

@@ -61,6 +61,22 @@ impl Format {
         self != Self::Parquet
     }
 
+    /// The text of a table in a format for people; `None` of one for programs.
+    fn of_people(self, seen: &Seen) -> Option<String> {
+        match self {
+            Self::Csv | Self::Parquet => None,
+            Self::Markdown => Some(markdown(seen)),
+            Self::Latex => Some(latex(seen)),
+            Self::Typst => Some(typst(seen)),
+            Self::Html => Some(html(seen)),
+        }
+    }
+
+    /// Whether its files are for programs: SI, every digit, nothing laid out.
+    fn is_for_programs(self) -> bool {
+        matches!(self, Self::Csv | Self::Parquet)
+    }
+
     /// The lines that, at the end of a file, hold its `origin` and are not shown; `None` where the
     /// format has no comments (CSV by RFC 4180; Parquet has its footer).
     pub fn comment(self, origin: &str) -> Option<String> {
@@ -92,9 +108,20 @@ impl Table {
         wording: &Wording,
         provenance: &BTreeMap<String, String>,
     ) -> Result<Vec<Vec<u8>>, TableError> {
-        Seen::of(&wording.tell(narrow)?, |seen| {
+        // A long table as people would see it takes many times the memory of its numbers.
+        if files.iter().all(|(format, _)| format.is_for_programs()) {
             let all = files.iter();
-            all.map(|(format, path)| self.in_format(*format, seen, provenance, path)).collect()
+            return all.map(|(format, path)| self.in_format(*format, provenance, path)).collect();
+        }
+        Seen::of(&wording.tell(narrow)?, |seen| {
+            let written = |(format, path): &(Format, &Path)| match format.of_people(seen) {
+                None => self.in_format(*format, provenance, path),
+                Some(text) => {
+                    let comment = provenance.get("origin").and_then(|of| format.comment(of));
+                    Ok((text + &comment.unwrap_or_default()).into_bytes())
+                }
+            };
+            files.iter().map(written).collect()
         })
     }
 
@@ -112,24 +139,17 @@ impl Table {
         Ok(Seen::of(&wording.tell(self)?, |seen| terminal(seen, width, least)))
     }
 
-    /// The bytes of one file, of the table itself or of it as people see it.
+    /// The bytes of a file for programs.
     fn in_format(
         &self,
         format: Format,
-        seen: &Seen,
         provenance: &BTreeMap<String, String>,
         path: &Path,
     ) -> Result<Vec<u8>, TableError> {
-        let text = match format {
-            Format::Csv => csv(self),
-            Format::Markdown => markdown(seen),
-            Format::Latex => latex(seen),
-            Format::Typst => typst(seen),
-            Format::Html => html(seen),
-            Format::Parquet => return self.to_parquet(provenance, path),
-        };
-        let comment = provenance.get("origin").and_then(|origin| format.comment(origin));
-        Ok((text + &comment.unwrap_or_default()).into_bytes())
+        match format {
+            Format::Parquet => self.to_parquet(provenance, path),
+            _ => Ok(csv(self).into_bytes()),
+        }
     }
 }
 

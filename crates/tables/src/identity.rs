@@ -28,7 +28,7 @@ pub fn identity(trials: &[&TrialMeta]) -> Vec<Column> {
 ///
 /// # Errors
 /// Tables whose columns differ, or that do not say which trial a row is about.
-pub fn of_trials(name: &str, title: &str, tables: &[Table]) -> Result<Option<Table>, TableError> {
+pub fn of_trials(name: &str, title: &str, tables: Vec<Table>) -> Result<Option<Table>, TableError> {
     let Some(all) = Table::concat(name, title, tables)? else { return Ok(None) };
     let people = [all.texts("participant")?, all.texts("session")?];
     let trials = all.integers("trial")?;
@@ -50,11 +50,11 @@ mod tests {
                 vec![texts("participant", people), texts("session", ["S01", "S01"]), trials];
             Table::new("metrics", "", columns).unwrap()
         };
-        let parts = [part(["P01", "P02"], [10, 3]), part(["P02", "P01"], [4, 9])];
-        let all = of_trials("all", "", &parts).unwrap().unwrap();
+        let parts = vec![part(["P01", "P02"], [10, 3]), part(["P02", "P01"], [4, 9])];
+        let all = of_trials("all", "", parts).unwrap().unwrap();
         assert_eq!(all.integers("trial").unwrap(), [9, 10, 3, 4].map(Some));
         let people: Vec<_> = all.texts("participant").unwrap().into_iter().flatten().collect();
         assert_eq!(people, ["P01", "P01", "P02", "P02"]);
-        assert!(of_trials("all", "", &[]).unwrap().is_none());
+        assert!(of_trials("all", "", Vec::new()).unwrap().is_none());
     }
 }

@@ -63,14 +63,50 @@ impl Values {
         }
     }
 
+    /// Their values one after the other; all are of one type.
+    fn joined(parts: Vec<Self>) -> Option<Self> {
+        let rows: usize = parts.iter().map(Self::len).sum();
+        let mut parts = parts.into_iter();
+        let mut all = parts.next()?;
+        all.reserve(rows - all.len());
+        parts.for_each(|more| all.append(more));
+        Some(all)
+    }
+
+    fn reserve(&mut self, more: usize) {
+        match self {
+            Self::Float(v) => v.reserve_exact(more),
+            Self::Integer(v) => v.reserve_exact(more),
+            Self::Text(v) => v.reserve_exact(more),
+            Self::Flag(v) => v.reserve_exact(more),
+        }
+    }
+
     /// Appends values of the same type; the caller never passes another.
-    fn append(&mut self, more: &Self) {
+    fn append(&mut self, more: Self) {
         match (self, more) {
-            (Self::Float(v), Self::Float(more)) => v.extend_from_slice(more),
-            (Self::Integer(v), Self::Integer(more)) => v.extend_from_slice(more),
-            (Self::Text(v), Self::Text(more)) => v.extend_from_slice(more),
-            (Self::Flag(v), Self::Flag(more)) => v.extend_from_slice(more),
+            (Self::Float(v), Self::Float(more)) => v.extend(more),
+            (Self::Integer(v), Self::Integer(more)) => v.extend(more),
+            (Self::Text(v), Self::Text(more)) => v.extend(more),
+            (Self::Flag(v), Self::Flag(more)) => v.extend(more),
             _ => {}
+        }
+    }
+
+    /// The values of some rows, in this order; null for a row that is not there.
+    #[must_use]
+    pub fn of_rows(&self, rows: impl Iterator<Item = Option<usize>>) -> Self {
+        fn of<T: Clone>(
+            values: &[Option<T>],
+            rows: impl Iterator<Item = Option<usize>>,
+        ) -> Vec<Option<T>> {
+            rows.map(|row| values.get(row?).cloned().flatten()).collect()
+        }
+        match self {
+            Self::Float(v) => Self::Float(of(v, rows)),
+            Self::Integer(v) => Self::Integer(of(v, rows)),
+            Self::Text(v) => Self::Text(of(v, rows)),
+            Self::Flag(v) => Self::Flag(of(v, rows)),
         }
     }
 }
@@ -332,52 +368,49 @@ impl Table {
         }
     }
 
-    /// The rows of several tables of one form, one after the other.
+    /// The rows of several tables of one form, one after the other. Each column of theirs is dropped
+    /// once it is joined, so that two of all the rows are never held.
     ///
     /// # Errors
     /// Tables whose columns differ.
-    pub fn concat(name: &str, title: &str, tables: &[Self]) -> Result<Option<Self>, TableError> {
-        let Some((first, others)) = tables.split_first() else {
+    pub fn concat(name: &str, title: &str, tables: Vec<Self>) -> Result<Option<Self>, TableError> {
+        let Some(first) = tables.first() else {
             return Ok(None);
         };
         let form =
             |table: &Self| table.fields().map(|f| (f.name.clone(), f.kind)).collect::<Vec<_>>();
-        let mut columns = first.columns.clone();
-        for table in others {
-            if form(table) != form(first) {
-                let (table_name, columns, expected) =
-                    (table.name.clone(), table.names(), first.names());
-                return Err(TableError::Unlike { table: table_name, columns, expected });
-            }
-            columns
-                .iter_mut()
-                .zip(&table.columns)
-                .for_each(|(all, more)| all.values.append(&more.values));
+        if let Some(table) = tables.iter().find(|table| form(table) != form(first)) {
+            let (table_name, columns, expected) =
+                (table.name.clone(), table.names(), first.names());
+            return Err(TableError::Unlike { table: table_name, columns, expected });
         }
+        let fields: Vec<Field> = first.fields().cloned().collect();
+        let mut parts: Vec<_> = tables.into_iter().map(|table| table.columns.into_iter()).collect();
+        let column = |field| {
+            let parts = parts.iter_mut().filter_map(Iterator::next).map(|column| column.values);
+            Some(Column { field, values: Values::joined(parts.collect())? })
+        };
+        let columns = fields.into_iter().filter_map(column).collect();
         Self::new(name, title, columns).map(Some)
     }
 
     /// The rows in the order of a key; rows of one key stay as they are.
     #[must_use]
-    pub fn sorted<K: Ord>(&self, key: impl Fn(usize) -> K) -> Self {
+    pub fn sorted<K: Ord>(mut self, key: impl Fn(usize) -> K) -> Self {
         let mut rows: Vec<usize> = (0..self.height()).collect();
         rows.sort_by_cached_key(|row| key(*row));
-        self.rows(&rows)
+        // A column at a time, so that two of all the rows are never held.
+        for column in &mut self.columns {
+            column.values = column.values.of_rows(rows.iter().copied().map(Some));
+        }
+        self
     }
 
     /// Some of the rows, in this order. One that is not there is null.
     #[must_use]
     pub fn rows(&self, rows: &[usize]) -> Self {
-        fn of<T: Clone>(values: &[Option<T>], rows: &[usize]) -> Vec<Option<T>> {
-            rows.iter().map(|row| values.get(*row).cloned().flatten()).collect()
-        }
         let some = |column: &Column| {
-            let values = match &column.values {
-                Values::Float(v) => Values::Float(of(v, rows)),
-                Values::Integer(v) => Values::Integer(of(v, rows)),
-                Values::Text(v) => Values::Text(of(v, rows)),
-                Values::Flag(v) => Values::Flag(of(v, rows)),
-            };
+            let values = column.values.of_rows(rows.iter().copied().map(Some));
             Column { field: column.field.clone(), values }
         };
         let columns = self.columns.iter().map(some).collect();
@@ -471,15 +504,15 @@ mod tests {
 
     #[test]
     fn tables_of_one_form_are_put_together() {
-        let both = Table::concat("both", "Both", &[sample(), sample()]).unwrap().unwrap();
+        let both = Table::concat("both", "Both", vec![sample(), sample()]).unwrap().unwrap();
         assert_eq!(both.height(), 4);
-        assert!(Table::concat("none", "", &[]).unwrap().is_none());
+        assert!(Table::concat("none", "", Vec::new()).unwrap().is_none());
         let other =
             Table::new("other", "", vec![Column::text("force_n", "", [Some("1")])]).unwrap();
-        assert!(Table::concat("both", "", &[sample(), other]).is_err());
+        assert!(Table::concat("both", "", vec![sample(), other]).is_err());
         let more = [sample().columns(), &[Column::flag("more", "", [None, None])]].concat();
         let more = Table::new("more", "", more).unwrap();
-        let error = Table::concat("both", "", &[sample(), more]).unwrap_err().to_string();
+        let error = Table::concat("both", "", vec![sample(), more]).unwrap_err().to_string();
         assert!(error.contains("mode, force_n, more instead of mode, force_n"), "{error}");
     }
 }

@@ -56,7 +56,9 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
         };
         keys.push((number, conditions.iter().position(is).unwrap_or(conditions.len())));
     }
-    Ok(metrics.sorted(|row| keys[row]))
+    let mut rows: Vec<usize> = (0..keys.len()).collect();
+    rows.sort_by_key(|row| keys[*row]);
+    Ok(metrics.rows(&rows))
 }
 
 /// The metrics of several conditions as one table in the order of participant, session and trial;
@@ -64,7 +66,7 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
 ///
 /// # Errors
 /// Tables that are not of this stage.
-pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, TableError> {
+pub fn join_conditions(conditions: Vec<Table>) -> Result<Option<Table>, TableError> {
     of_trials("metrics", "Metrics, one row per trial", conditions)
 }
 

@@ -3,7 +3,7 @@
 use crate::columns::{GROUPS, Get, PLANT_GROUPS, Spec};
 use crate::{PlantMetrics, TrialMetrics};
 use std::collections::BTreeMap;
-use zwidth_tables::{Column, Table, TableError, Values, identity};
+use zwidth_tables::{Column, Table, TableError, identity};
 
 /// One row per trial, in the order given: which trial it is, then every metric. SI units; null
 /// where a metric does not apply or the recording lacks what it needs. The columns' definitions
@@ -40,7 +40,7 @@ pub fn join_plant(metrics: &Table, plant: &Table) -> Result<Table, TableError> {
     let mut columns = metrics.columns().to_vec();
     for spec in PLANT_GROUPS.into_iter().flatten() {
         let column = plant.column(spec.name)?;
-        let values = picked(&column.values, &rows);
+        let values = column.values.of_rows(rows.iter().copied());
         columns.push(Column { field: column.field.clone(), values });
     }
     let joined = Table::new(metrics.name(), metrics.title(), columns)?;
@@ -54,18 +54,6 @@ fn keys(table: &Table) -> Result<Vec<Key>, TableError> {
     let [people, sessions] = ["participant", "session"].map(|name| table.texts(name));
     let pairs = people?.into_iter().zip(sessions?).zip(table.integers("trial")?);
     Ok(pairs.map(|((person, session), trial)| (person, session, trial)).collect())
-}
-
-fn picked(values: &Values, rows: &[Option<usize>]) -> Values {
-    fn of<T: Clone>(values: &[Option<T>], rows: &[Option<usize>]) -> Vec<Option<T>> {
-        rows.iter().map(|row| row.and_then(|row| values[row].clone())).collect()
-    }
-    match values {
-        Values::Float(v) => Values::Float(of(v, rows)),
-        Values::Integer(v) => Values::Integer(of(v, rows)),
-        Values::Text(v) => Values::Text(of(v, rows)),
-        Values::Flag(v) => Values::Flag(of(v, rows)),
-    }
 }
 
 fn column<R>(spec: &Spec<R>, rows: &[R]) -> Column {

@@ -105,7 +105,7 @@ pub fn table(rows: &[TrialReplay]) -> Result<Table, ReplayError> {
 ///
 /// # Errors
 /// Tables that are not of this stage.
-pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, ReplayError> {
+pub fn join_conditions(conditions: Vec<Table>) -> Result<Option<Table>, ReplayError> {
     let Some(all) = of_trials(NAME, TITLE, conditions)? else { return Ok(None) };
     Ok(Some(match own_model(&all)? {
         Some(note) => all.with_note(note),

@@ -171,7 +171,7 @@ fn table([name, title, note]: About, condition: &str, rows: &[Row]) -> Result<Ta
 ///
 /// # Errors
 /// Tables that are not of this stage.
-pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, TradeError> {
+pub fn join_conditions(conditions: Vec<Table>) -> Result<Option<Table>, TradeError> {
     join(RECORDINGS, conditions)
 }
 
@@ -179,11 +179,11 @@ pub fn join_conditions(conditions: &[Table]) -> Result<Option<Table>, TradeError
 ///
 /// # Errors
 /// Tables that are not of [`twin_table`].
-pub fn join_twin(conditions: &[Table]) -> Result<Option<Table>, TradeError> {
+pub fn join_twin(conditions: Vec<Table>) -> Result<Option<Table>, TradeError> {
     join(TWIN, conditions)
 }
 
-fn join([name, title, note]: About, tables: &[Table]) -> Result<Option<Table>, TradeError> {
+fn join([name, title, note]: About, tables: Vec<Table>) -> Result<Option<Table>, TradeError> {
     Ok(Table::concat(name, title, tables)?.map(|table| table.with_note(note)))
 }
 

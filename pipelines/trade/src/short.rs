@@ -136,10 +136,10 @@ mod tests {
 
     #[test]
     fn a_summary_names_the_metric_that_a_setup_changes_most_and_counts_what_was_stopped() {
-        let tables = [rehearsed("a", [0.07, 0.1]), rehearsed("b", [0.7, 0.2])];
+        let tables = vec![rehearsed("a", [0.07, 0.1]), rehearsed("b", [0.7, 0.2])];
         let stops = [Setup::ForceRateHz(10.0), Setup::SampleRateHz(30.0)];
         let stops = stops.map(|setup| Stops { setup, trials: 6, why: "refused".to_owned() });
-        let found = twin_summary(&join_twin(&tables).unwrap().unwrap(), &stops).unwrap();
+        let found = twin_summary(&join_twin(tables).unwrap().unwrap(), &stops).unwrap();
         assert_eq!(found.integers("felt").unwrap(), [Some(1), Some(0), Some(0)]);
         assert_eq!(found.integers("stopped").unwrap(), [Some(0), Some(6), Some(6)]);
         let conditions = found.texts("condition").unwrap();
