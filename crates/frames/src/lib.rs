@@ -4,7 +4,9 @@
 //! No other crate uses polars, so that only crates with queries wait for it to compile.
 //! Polars groups by its in-memory engine with stable order: the same table gives the same bits.
 
-use polars::prelude::{self as pl, ChunkAgg as _, ChunkVar as _, IntoColumn, NamedFrom};
+use polars::prelude::{
+    self as pl, ChunkAgg as _, ChunkTake as _, ChunkVar as _, IntoColumn, NamedFrom,
+};
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::thread;
@@ -114,14 +116,16 @@ fn summary(
     aggregates: &[Aggregate],
 ) -> Result<pl::DataFrame, pl::PolarsError> {
     let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
-    let mut columns = rows.group_by_stable(&keys)?.keys();
-    let groups = rows.partition_by_stable(&keys, false)?;
-    let heights = groups.iter().map(|group| whole(group.height()));
+    let grouped = rows.group_by_stable(&keys)?;
+    let groups: Vec<Vec<pl::IdxSize>> = grouped.get_groups().iter().map(members).collect();
+    let mut columns = grouped.keys();
+    let heights = groups.iter().map(|group| whole(group.len()));
     columns.push(pl::Column::new(n.into(), heights.collect::<Vec<i64>>()));
     for Aggregate { of, statistic, name } in aggregates {
-        let values = |group| pl::DataFrame::column(group, of)?.f64();
-        let values = groups.iter().map(values).collect::<Result<Vec<_>, _>>()?;
-        let floats = |of: fn(&&pl::Float64Chunked) -> Option<f64>| -> Vec<Option<f64>> {
+        // Of one column at a time: a frame for each of thousands of groups takes far more memory.
+        let all = rows.column(of)?.f64()?;
+        let values = groups.iter().map(|group| all.take(group)).collect::<Result<Vec<_>, _>>()?;
+        let floats = |of: fn(&pl::Float64Chunked) -> Option<f64>| -> Vec<Option<f64>> {
             values.iter().map(of).collect()
         };
         let name = pl::PlSmallStr::from_str(name);
@@ -135,6 +139,14 @@ fn summary(
         });
     }
     pl::DataFrame::new(groups.len(), columns)
+}
+
+/// The rows of a group.
+fn members(group: pl::GroupsIndicator) -> Vec<pl::IdxSize> {
+    match group {
+        pl::GroupsIndicator::Idx((_, rows)) => rows.to_vec(),
+        pl::GroupsIndicator::Slice([first, length]) => (first..first + length).collect(),
+    }
 }
 
 /// A number of rows in memory, which fits into the type.
