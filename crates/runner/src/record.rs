@@ -164,13 +164,11 @@ impl Records {
         Ok((Self(believed), remarks))
     }
 
-    /// Writes the records, as a whole.
+    /// Writes the records, as a whole. Those of a thousand participants are a hundred megabytes,
+    /// written while stages run: their text is never in memory whole.
     pub(crate) fn write(&self, results: &Results) -> Result<(), StoreError> {
         let path = Results::records_file(results.layout());
-        let text = serde_json::to_vec(self).map_err(|e| {
-            StoreError::new(&path, e.to_string(), "this is a defect of zwidth; please report it")
-        })?;
-        results.write(&path, &text)
+        results.write_by(&path, |out| Ok(serde_json::to_writer(out, self)?))
     }
 
     /// The record of the job of that name.

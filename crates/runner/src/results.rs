@@ -5,9 +5,10 @@
 //! whenever something is opened or removed, the disk: no folder on the way may be a link.
 
 use std::fs::{File, TryLockError};
+use std::io;
 use std::path::{Path, PathBuf};
 use zwidth_store::{
-    Entry, Files, Layout, MOST_BYTES, StoreError, hex_blake3, replace, unfinished_below,
+    Entry, Files, Layout, MOST_BYTES, StoreError, hex_blake3, replace, replace_by, unfinished_below,
 };
 
 /// `derived/<study>` and `reports/<study>`: nothing else in a run writes or removes there, and it
@@ -59,6 +60,19 @@ impl<'a> Results<'a> {
     pub(crate) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
         self.check(path)?;
         replace(self.files, path, bytes)
+    }
+
+    /// Writes an output, whole, a part at a time.
+    ///
+    /// # Errors
+    /// Those of [`Results::write`], and of what writes it.
+    pub(crate) fn write_by(
+        &self,
+        path: &Path,
+        write: impl Fn(&mut dyn io::Write) -> io::Result<()>,
+    ) -> Result<(), StoreError> {
+        self.check(path)?;
+        replace_by(self.files, path, write)
     }
 
     /// Removes an output that its own job made, or was to make. It may be missing.

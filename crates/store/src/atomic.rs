@@ -281,7 +281,7 @@ pub fn keep_private(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
 }
 
 /// Writes beside a path, and gives what was written its name.
-fn place(
+pub(crate) fn place(
     files: &dyn Files,
     path: &Path,
     write: impl Fn(&Path) -> io::Result<()>,

@@ -96,7 +96,7 @@ pub use seen::Seen;
 pub use sessions::read_records;
 pub use signal::{COLUMNS, Column, Signal, Storage};
 pub use sources::{SOURCE, Sources, readable_records, sweep_sources, trial_sources};
-pub use stream::{Staged, TrialWriter};
+pub use stream::{Staged, TrialWriter, replace_by};
 pub use study::{Answer, MOST_STUDY, SessionLog, StudyData, SweepEntry, TrialEntry, read_study};
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::log_sweeps;

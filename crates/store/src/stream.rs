@@ -1,7 +1,7 @@
-//! A long trial, written row group by row group beside its place, so that it is never in memory
-//! whole; published whole, or not at all.
+//! What is too long to be in memory whole, above all a long trial, row group by row group: written
+//! beside its place, and published whole, or not at all.
 
-use crate::atomic::{create_folders, folder_of, temporary};
+use crate::atomic::{create_folders, folder_of, place, temporary};
 use crate::digest::ColumnDigest;
 use crate::encode::{GROUP_ROWS, recorded};
 use crate::read::OpenColumns;
@@ -64,11 +64,8 @@ impl TrialWriter {
         let batch = trial_batch(&meta, &Samples::default(), form, path)?;
         let properties = recorded(&batch.schema(), Vec::new(), Some(GROUP_ROWS))
             .map_err(|e| cannot_encode(path, &e))?;
-        if files.kind(&beside).is_some() {
-            files.remove(&beside).map_err(|e| StoreError::io(&beside, "remove", &e))?;
-        }
-        let file_out = files.open_append(&beside).map_err(|e| StoreError::io(path, "write", &e))?;
-        let writer = ArrowWriter::try_new(Out::new(file_out), batch.schema(), Some(properties))
+        let out = Out::begin(files, &beside).map_err(|e| StoreError::io(path, "write", &e))?;
+        let writer = ArrowWriter::try_new(out, batch.schema(), Some(properties))
             .map_err(|e| cannot_encode(path, &e))?;
         Ok(Self {
             path: path.to_owned(),
@@ -176,6 +173,25 @@ impl Staged {
     }
 }
 
+/// Writes a file as a whole, as [`crate::replace`] does, but a part at a time: what `write` puts
+/// into it is never in memory whole.
+///
+/// # Errors
+/// Those of [`crate::replace`]; those of `write`.
+pub fn replace_by(
+    files: &dyn Files,
+    path: &Path,
+    write: impl Fn(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), StoreError> {
+    let folder = folder_of(path);
+    create_folders(files, folder).map_err(|e| StoreError::io(folder, "create the folder", &e))?;
+    place(files, path, |beside| {
+        let mut out = Out::begin(files, beside)?;
+        write(&mut out)?;
+        out.sync()
+    })
+}
+
 /// An error whose row is counted from the trial's beginning.
 fn later(error: StoreError, rows: usize) -> StoreError {
     StoreError { row: error.row.map(|row| row + rows), ..error }
@@ -203,8 +219,13 @@ struct Out {
 }
 
 impl Out {
-    fn new(file: Box<dyn Append>) -> Self {
-        Self { file, pending: Vec::new(), hasher: blake3::Hasher::new(), failed: None }
+    /// A new file; what an earlier write of this name left is removed.
+    fn begin(files: &dyn Files, path: &Path) -> io::Result<Self> {
+        if files.kind(path).is_some() {
+            files.remove(path)?;
+        }
+        let file = files.open_append(path)?;
+        Ok(Self { file, pending: Vec::new(), hasher: blake3::Hasher::new(), failed: None })
     }
 
     fn sync(&mut self) -> io::Result<()> {
@@ -286,6 +307,22 @@ mod tests {
         assert_eq!(found, expect);
         let footer = read_footer(&path).unwrap();
         assert_eq!((footer.rows, footer.blake3), (200, staged.blake3));
+    }
+
+    #[test]
+    fn a_file_written_in_parts_stands_whole_or_the_one_before_it_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new").join("records");
+        let part = vec![b'x'; SYNCED_AT_ONCE / 2 + 1];
+        replace_by(&RealFiles, &path, |out| (0..5).try_for_each(|_| out.write_all(&part))).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), part.repeat(5));
+        let cut = replace_by(&RealFiles, &path, |out| {
+            out.write_all(&part.repeat(3))?;
+            Err(io::Error::other("no more"))
+        });
+        assert!(cut.unwrap_err().what.contains("no more"));
+        assert_eq!(std::fs::read(&path).unwrap().len(), part.len() * 5);
+        assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
     }
 
     #[test]

@@ -99,8 +99,7 @@ impl Drive {
         }
     }
 
-    /// θ (rad) of the model driven by force, at times of your own: from 0 on, increasing. A fit
-    /// needs no more samples than the movement has to tell.
+    /// θ (rad) of the model driven by force, at times of your own: from 0 on, increasing.
     ///
     /// # Errors
     /// Times that do not increase; parameters that make no model, or a model that diverges.
@@ -109,8 +108,7 @@ impl Drive {
         t_s: &[f64],
         parameters: &Parameters,
     ) -> Result<Vec<f64>, DynamicsError> {
-        let system = System::new(parameters.put(&self.scene))?;
-        Ok(Exact::default().run(&system, &Grid::Times(t_s.to_vec()))?.theta_rad().collect())
+        theta_at(&self.scene, t_s, parameters)
     }
 
     fn force_driven(&self, scene: ModelScene) -> Result<Course, DynamicsError> {
@@ -160,11 +158,21 @@ impl Drive {
 /// the hand.
 const LEAST_STEP_S: f64 = 0.004;
 
+fn theta_at(
+    scene: &ModelScene,
+    t_s: &[f64],
+    parameters: &Parameters,
+) -> Result<Vec<f64>, DynamicsError> {
+    let system = System::new(parameters.put(scene))?;
+    Ok(Exact::default().run(&system, &Grid::Times(t_s.to_vec()))?.theta_rad().collect())
+}
+
 /// A trial at which a plant is judged: the error of the replay driven by force, at some of the
-/// recording's samples.
+/// recording's samples: those that say something new of the movement. It keeps nothing of the
+/// others, for a fit holds a thousand trials at once.
 #[derive(Debug, Clone)]
 pub struct Judged {
-    drive: Drive,
+    scene: ModelScene,
     t_s: Vec<f64>,
     theta_rad: Vec<f64>,
 }
@@ -180,12 +188,12 @@ impl Judged {
                 theta_rad.push(*theta);
             }
         }
-        Self { drive, t_s, theta_rad }
+        Self { scene: drive.scene, t_s, theta_rad }
     }
 
     /// Root mean square error of θ, rad; `None` where the model does not run.
     pub fn rmse_rad(&self, plant: &Parameters) -> Option<f64> {
-        let replayed = self.drive.theta_at(&self.t_s, plant).ok()?;
+        let replayed = theta_at(&self.scene, &self.t_s, plant).ok()?;
         let squares: f64 =
             replayed.iter().zip(&self.theta_rad).map(|(r, o)| (r - o) * (r - o)).sum();
         Some((squares / self.theta_rad.len() as f64).sqrt())
