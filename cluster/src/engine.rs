@@ -2,7 +2,7 @@
 
 use crate::function::function;
 use crate::pack::unpack;
-use crate::task::{Answer, MOST_MESSAGE, MOST_PACKED};
+use crate::task::{Answer, FUNCTION, MOST_MESSAGE, MOST_PACKED};
 use crate::watch::{Address, until_answered};
 use anyhow::{Context as _, anyhow, bail, ensure};
 use ballista::prelude::{SessionConfigExt as _, SessionContextExt as _};
@@ -88,9 +88,13 @@ impl Engine {
             }
         }
         let last = failures.pop().unwrap_or_else(|| anyhow!("it was not tried"));
+        // An executor that does not have the function says its name.
+        let remedy = match format!("{last:#}").contains(FUNCTION) {
+            true => "every executor must be a `zwidth-cluster executor` of this version",
+            false => "look into the logs of the scheduler and its executors",
+        };
         Err(last.context(format!(
-            "{part}: the cluster at {} failed {ATTEMPTS} times; every executor must be a `zwidth-cluster executor` of \
-             this version",
+            "{part}: the cluster at {} failed {ATTEMPTS} times; {remedy}",
             self.at
         )))
     }

@@ -29,6 +29,10 @@ const SHARDS: u32 = 64;
 /// Refusals that people are shown.
 const SHOWN: usize = 3;
 
+/// Where so many parts are refused before any is made, the others are not asked for: what is wrong,
+/// such as a store that is silent for a minute each time, is not wrong with the parts.
+const REFUSED_AT_FIRST: usize = 4;
+
 /// The stage whose results the second round needs. It takes trials of the whole study, and is one
 /// job, which is made here.
 const PLANT: &str = "identify";
@@ -49,6 +53,14 @@ struct World<'w> {
     /// Hashes of raw files.
     known: Vec<(PathBuf, String)>,
     results: Results<'w>,
+}
+
+/// What came of a round.
+#[derive(Default)]
+struct Came {
+    /// Parts that were made.
+    parts: usize,
+    refused: usize,
 }
 
 /// Runs it.
@@ -140,28 +152,34 @@ impl World<'_> {
         survey.refused.iter().for_each(|error| self.say.warn(error.to_string()));
         let made: usize = merged.shards.iter().map(|(_, jobs)| jobs).sum();
         self.say.progress(format!("{study}: {made} of {jobs} jobs came back and are merged"));
-        let refused = asked.with_context(|| {
+        let Came { parts, refused } = asked.with_context(|| {
             format!("what came back of {study} is merged; run it again, or without the cluster")
         })?;
         if refused > SHOWN {
-            self.say.warn(format!("and {} more parts were not made", refused - SHOWN));
+            self.say.warn(format!("and {} more parts were refused", refused - SHOWN));
         }
-        if refused == due.len() {
+        if parts == 0 {
+            let untried = due.len() - refused;
+            let of = if untried == 0 {
+                String::new()
+            } else {
+                format!(" of the first {refused} parts, and {untried} were not tried")
+            };
             bail!(
-                "{study}: the executors could make nothing; `zwidth run {study}` makes it without them"
+                "{study}: the executors could make nothing{of}; `zwidth run {study}` makes it without them"
             );
         }
         let is_whole = refused == 0 && survey.refused.is_empty() && survey.remarks.is_empty();
         Ok(if is_whole { Exit::Fine } else { Exit::Partly })
     }
 
-    /// Gives the parts to the engine, some at a time, and lays down what comes back; says why the
-    /// first parts are refused, and counts them.
+    /// Gives the parts to the engine, some at a time, lays down what comes back, and says why the
+    /// first parts are refused.
     async fn ask(
         &self,
         due: &BTreeMap<&str, Vec<&Job>>,
         laid: &Results<'_>,
-    ) -> anyhow::Result<usize> {
+    ) -> anyhow::Result<Came> {
         let raw = self.args.raw.clone().unwrap_or_else(|| self.args.root.display().to_string());
         let slices = Slices::of(self.data, url_of(&raw)?)?;
         let (slices, engine) = (&slices, self.engine);
@@ -171,14 +189,17 @@ impl World<'_> {
         });
         let mut asking =
             futures::stream::iter(asking).buffer_unordered(self.args.at_once.get().into());
-        let mut refused = 0;
+        let mut came = Came::default();
         while let Some(answered) = asking.next().await {
             let (part, (answer, contents)) = answered?;
             match answer {
                 Answer::Refused(why) => {
-                    refused += 1;
-                    if refused <= SHOWN {
+                    came.refused += 1;
+                    if came.refused <= SHOWN {
                         self.say.warn(format!("{part}: {why}"));
+                    }
+                    if came.parts == 0 && came.refused == REFUSED_AT_FIRST {
+                        break;
                     }
                 }
                 Answer::Made { records, files } => {
@@ -186,10 +207,11 @@ impl World<'_> {
                     let shard = Shard::of_part(part, SHARDS).context("no shard")?;
                     let files = files.into_iter().zip(contents).collect();
                     lay_down(Sent { records, files }, shard, laid)?;
+                    came.parts += 1;
                 }
             }
         }
-        Ok(refused)
+        Ok(came)
     }
 
     /// Identifies the plant, which takes trials of the whole study.

@@ -22,8 +22,13 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::time::{Instant, sleep};
 
-/// How long results of finished tasks are kept, s, by those who could be asked for them again.
+/// How long results of finished tasks are kept, s, by the executors that could be asked for them
+/// again.
 const KEPT_S: u64 = 600;
+
+/// How long the scheduler remembers a finished task, s: with it what the task was given, a megabyte
+/// or more. A client asks twenty times a second.
+const REMEMBERED_S: u64 = 120;
 
 /// Longest that one request to an executor may take, s: it may be for an answer of
 /// [`crate::task::MOST_PACKED`] bytes.
@@ -49,7 +54,7 @@ pub(crate) async fn scheduler(args: &Scheduler, say: Say) -> anyhow::Result<()> 
         expire_dead_executor_interval_seconds: (args.executor_timeout / 4).max(1),
         no_executors_grace_period_seconds: args.executor_timeout,
         finished_job_data_clean_up_interval_seconds: KEPT_S,
-        finished_job_state_clean_up_interval_seconds: KEPT_S,
+        finished_job_state_clean_up_interval_seconds: REMEMBERED_S,
         override_session_builder: Some(Arc::new(session)),
         ..SchedulerConfig::default()
     };

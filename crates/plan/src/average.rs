@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_average::{Alignment, AverageError, Parameters, SessionCourse, WhyNot};
-use zwidth_figures::{About, EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople};
+use zwidth_figures::{About, EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople, draws_each};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::{Environment, SceneKind, Source};
@@ -125,14 +125,16 @@ pub(crate) fn figure(data: &StudyData) -> Option<Drawing> {
         environments,
         sources: data.counting().map(|trial| trial.meta.source).collect(),
     };
+    let most = people.iter().map(|people| people.sessions.len()).max().unwrap_or(0);
+    let each = |sessions| if draws_each(most) { sessions } else { Vec::new() };
     let files: Vec<(PathBuf, Vec<PathBuf>)> =
-        people.into_iter().map(|people| (people.mean, people.sessions)).collect();
+        people.into_iter().map(|people| (people.mean, each(people.sessions))).collect();
     let trials = data.counting().count();
     (!files.is_empty())
         .then(|| Drawing::new(data, MEAN_LOOPS, [""; 0], of, OfPeople(files), draw).of(trials))
 }
 
-/// Each condition's mean over participants, and the means of its sessions.
+/// Each condition's mean over participants, and the means of its sessions where they are drawn.
 struct OfPeople(Vec<(PathBuf, Vec<PathBuf>)>);
 
 impl Inputs for OfPeople {

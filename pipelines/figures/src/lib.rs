@@ -92,7 +92,7 @@ pub use loaded::{Averages, Loaded, METRICS_COLUMNS, Of};
 pub use loops::{LOOPS, loops};
 pub use modes::{MODES, modes};
 pub use oscillation::oscillation;
-pub use people::{EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople, mean_loops};
+pub use people::{EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople, draws_each, mean_loops};
 pub use ratings::{RATINGS, RatingsPage, ratings, ratings_pages};
 pub use rendering_range::{RENDERING_RANGE, rendering_range};
 pub use repeats::{REPEATS, repeats};

@@ -23,6 +23,12 @@ const PANEL_MM: f64 = 62.0;
 /// Above so many curves of participants the mean would not be seen.
 const MOST_THIN: usize = 60;
 
+/// Whether each session's own loop is drawn beside the mean, where a condition has so many: those of
+/// more need not be read.
+pub fn draws_each(sessions: usize) -> bool {
+    sessions <= MOST_THIN
+}
+
 /// One mode in one environment.
 #[derive(Debug, Clone)]
 pub struct ModeOfPeople<'a> {
@@ -30,7 +36,8 @@ pub struct ModeOfPeople<'a> {
     pub index: usize,
     /// The mean over participants, as the stage `average` made it.
     pub mean: &'a Table,
-    /// The mean of every session, aligned by landmarks.
+    /// The mean of every session, aligned by landmarks; none where [`draws_each`] says that they are
+    /// not drawn.
     pub sessions: &'a [Table],
 }
 
@@ -65,7 +72,7 @@ pub fn mean_loops(
         let (mut thin, mut thick) = (wall(words, of.environment), Vec::new());
         for mode in &of.modes {
             let colour = style::mode_colour(mode.index);
-            let each = mode.sessions.iter().filter(|_| sessions <= MOST_THIN);
+            let each = mode.sessions.iter().filter(|_| draws_each(sessions));
             for session in each {
                 thin.extend(curve(words, session, load, style::faint(colour))?.map(Layer::Line));
             }
@@ -89,7 +96,7 @@ pub fn mean_loops(
         "Thick: mean over participants of {} and {load_word} at the same phase of the movement; {}n counts \
          participants. What they do at different phases is smoothed in the mean.",
         words.position_word(),
-        if sessions <= MOST_THIN { each } else { "" }
+        if sessions > 0 && draws_each(sessions) { each } else { "" }
     );
     Ok(Figure {
         title: Some(plain(&format!(
@@ -206,8 +213,11 @@ mod tests {
     fn many_participants_have_no_lines_of_their_own_and_a_torque_stands_for_a_force() {
         let sessions = vec![average(1.0, "torque_ex"); MOST_THIN + 1];
         let mean = average(1.0, "torque_ex");
+        assert!(draws_each(MOST_THIN) && !draws_each(sessions.len()));
         let figure = drawn(&mean, &sessions);
         assert_eq!(lines(&figure).len(), 1);
+        // As well without having read them.
+        assert_eq!(format!("{figure:?}"), format!("{:?}", drawn(&mean, &[])));
         assert!(
             figure.description.starts_with("Mean torque") && !figure.footnotes[0].contains("thin:")
         );
