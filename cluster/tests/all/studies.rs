@@ -29,7 +29,7 @@ pub(crate) fn raw() -> TempDir {
     root
 }
 
-/// Every file below a folder, except locks.
+/// Every file below a folder, except locks, and what a run knows of the times of files.
 pub(crate) fn files(folder: &Path) -> Files {
     let mut found = Files::new();
     let mut folders = vec![folder.to_owned()];
@@ -37,7 +37,10 @@ pub(crate) fn files(folder: &Path) -> Files {
         for entry in fs::read_dir(&next).unwrap().map(|entry| entry.unwrap().path()) {
             if entry.is_dir() {
                 folders.push(entry);
-            } else if entry.file_name().is_some_and(|name| name != ".lock") {
+            } else if entry
+                .file_name()
+                .is_some_and(|name| name != ".lock" && name != ".hashes.json")
+            {
                 let path = entry.strip_prefix(folder).unwrap().to_str().unwrap().to_owned();
                 found.insert(path, fs::read(entry).unwrap());
             }
