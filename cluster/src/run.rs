@@ -29,10 +29,6 @@ const SHARDS: u32 = 64;
 /// Refusals that people are shown.
 const SHOWN: usize = 3;
 
-/// Where so many parts are refused before any is made, the others are not asked for: what is wrong,
-/// such as a store that is silent for a minute each time, is not wrong with the parts.
-const REFUSED_AT_FIRST: usize = 4;
-
 /// The stage whose results the second round needs. It takes trials of the whole study, and is one
 /// job, which is made here.
 const PLANT: &str = "identify";
@@ -53,14 +49,6 @@ struct World<'w> {
     /// Hashes of raw files.
     known: Vec<(PathBuf, String)>,
     results: Results<'w>,
-}
-
-/// What came of a round.
-#[derive(Default)]
-struct Came {
-    /// Parts that were made.
-    parts: usize,
-    refused: usize,
 }
 
 /// Runs it.
@@ -152,34 +140,28 @@ impl World<'_> {
         survey.refused.iter().for_each(|error| self.say.warn(error.to_string()));
         let made: usize = merged.shards.iter().map(|(_, jobs)| jobs).sum();
         self.say.progress(format!("{study}: {made} of {jobs} jobs came back and are merged"));
-        let Came { parts, refused } = asked.with_context(|| {
+        let refused = asked.with_context(|| {
             format!("what came back of {study} is merged; run it again, or without the cluster")
         })?;
         if refused > SHOWN {
-            self.say.warn(format!("and {} more parts were refused", refused - SHOWN));
+            self.say.warn(format!("and {} more parts were not made", refused - SHOWN));
         }
-        if parts == 0 {
-            let untried = due.len() - refused;
-            let of = if untried == 0 {
-                String::new()
-            } else {
-                format!(" of the first {refused} parts, and {untried} were not tried")
-            };
+        if refused == due.len() {
             bail!(
-                "{study}: the executors could make nothing{of}; `zwidth run {study}` makes it without them"
+                "{study}: the executors could make nothing; `zwidth run {study}` makes it without them"
             );
         }
         let is_whole = refused == 0 && survey.refused.is_empty() && survey.remarks.is_empty();
         Ok(if is_whole { Exit::Fine } else { Exit::Partly })
     }
 
-    /// Gives the parts to the engine, some at a time, lays down what comes back, and says why the
-    /// first parts are refused.
+    /// Gives the parts to the engine, some at a time, and lays down what comes back; says why the
+    /// first parts are refused, and counts them.
     async fn ask(
         &self,
         due: &BTreeMap<&str, Vec<&Job>>,
         laid: &Results<'_>,
-    ) -> anyhow::Result<Came> {
+    ) -> anyhow::Result<usize> {
         let raw = self.args.raw.clone().unwrap_or_else(|| self.args.root.display().to_string());
         let slices = Slices::of(self.data, url_of(&raw)?)?;
         let (slices, engine) = (&slices, self.engine);
@@ -189,17 +171,14 @@ impl World<'_> {
         });
         let mut asking =
             futures::stream::iter(asking).buffer_unordered(self.args.at_once.get().into());
-        let mut came = Came::default();
+        let mut refused = 0;
         while let Some(answered) = asking.next().await {
             let (part, (answer, contents)) = answered?;
             match answer {
                 Answer::Refused(why) => {
-                    came.refused += 1;
-                    if came.refused <= SHOWN {
+                    refused += 1;
+                    if refused <= SHOWN {
                         self.say.warn(format!("{part}: {why}"));
-                    }
-                    if came.parts == 0 && came.refused == REFUSED_AT_FIRST {
-                        break;
                     }
                 }
                 Answer::Made { records, files } => {
@@ -207,11 +186,10 @@ impl World<'_> {
                     let shard = Shard::of_part(part, SHARDS).context("no shard")?;
                     let files = files.into_iter().zip(contents).collect();
                     lay_down(Sent { records, files }, shard, laid)?;
-                    came.parts += 1;
                 }
             }
         }
-        Ok(came)
+        Ok(refused)
     }
 
     /// Identifies the plant, which takes trials of the whole study.
