@@ -1,10 +1,11 @@
 //! Time as the control loop sees it.
 
+use crate::digits::{next_tick, on_ticks};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::time::{Duration, Instant};
 
-/// A monotonic clock with a deadline timer. Seconds since some fixed moment.
+/// A monotonic clock with a deadline timer. Seconds since some fixed moment, in ticks of 2⁻³⁰ s.
 pub trait Clock: Send {
     /// Now, s.
     fn now_s(&mut self) -> f64;
@@ -38,7 +39,7 @@ impl RealClock {
 
 impl Clock for RealClock {
     fn now_s(&mut self) -> f64 {
-        self.origin.elapsed().as_secs_f64()
+        on_ticks(self.origin.elapsed().as_secs_f64())
     }
 
     fn wait_until(&mut self, deadline_s: f64) -> f64 {
@@ -91,7 +92,7 @@ impl Clock for SimulatedClock {
     }
 
     fn wait_until(&mut self, deadline_s: f64) -> f64 {
-        self.now_s = self.now_s.max(deadline_s + self.late_s());
+        self.now_s = self.now_s.max(next_tick(deadline_s + self.late_s()));
         self.now_s
     }
 }
@@ -111,6 +112,15 @@ mod tests {
                 last_s = woke_s;
             }
             assert!(clock.wait_until(0.0) >= last_s);
+        }
+    }
+
+    #[test]
+    fn clocks_count_whole_ticks() {
+        for clock in [&mut SimulatedClock::new(1) as &mut dyn Clock, &mut RealClock::new()] {
+            let woke_s = clock.wait_until(1.3e-4);
+            assert!(woke_s > 0.0);
+            assert_eq!(on_ticks(woke_s).to_bits(), woke_s.to_bits());
         }
     }
 

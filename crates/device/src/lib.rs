@@ -42,6 +42,7 @@ pub mod check;
 mod clock;
 mod control;
 mod device;
+mod digits;
 mod error;
 mod guard;
 pub mod mock;

@@ -43,18 +43,19 @@ pub fn derivatives_at(t: &[f64], y: &[f64], half: f64, i: usize) -> (f64, f64) {
 /// the one in the `middle`.
 fn parabola(t: &[f64], y: &[f64], middle: usize) -> [f64; 2] {
     let reach = t.iter().map(|at| (at - t[middle]).abs()).fold(0.0, f64::max);
-    if t.len() < 3 || reach <= 0.0 {
+    let scale = reach.recip();
+    if t.len() < 3 || !scale.is_finite() {
         return [0.0; 2];
     }
     let (mut sums, mut moments) = ([0.0; 5], [0.0; 3]);
     for (at, value) in t.iter().zip(y) {
-        let x = (at - t[middle]) / reach;
+        let x = (at - t[middle]) * scale;
         let powers = [1.0, x, x * x, x * x * x, x * x * x * x];
         sums.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power);
         moments.iter_mut().zip(powers).for_each(|(m, power)| *m += power * (value - y[middle]));
     }
     let [slope, bend] = solved(sums, moments);
-    [slope / reach, bend / (reach * reach)]
+    [slope * scale, bend * scale * scale]
 }
 
 /// The second and third of the three unknowns of the normal equations, by Cramer's rule; 0 where

@@ -1,12 +1,13 @@
 //! Stage `metrics`: one table for each condition of a session, then one for the whole study. A
 //! changed trial leaves the tables of the other conditions as they are, and so the figures that
-//! take their onsets from them. Metrics that need the identified plant are in a second table for
-//! each condition, because `identify` depends on every trial. The study's table has both kinds.
+//! take their onsets from them. Metrics that need the identified plant are in a table of their own
+//! for each session, because `identify` depends on every trial. The study's table has both kinds.
 
 use crate::conditions::{Repeats, is_any, repeats};
 use crate::identify::{known_plant, plant_with_spread};
 use crate::making::{derived, read_parts, split, write_tables};
 use crate::trials::{OfTrials, files, name, of_each};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::Parameters;
@@ -27,9 +28,9 @@ pub(crate) fn events_of(layout: &Layout, repeats: &Repeats) -> PathBuf {
     derived(layout, format!("metrics/{}.events.parquet", repeats.key))
 }
 
-/// Those that rest on the plant, `metrics/P01.S01.spring.hybrid.plant.parquet`.
-fn with_plant(layout: &Layout, repeats: &Repeats) -> PathBuf {
-    derived(layout, format!("metrics/{}.plant.parquet", repeats.key))
+/// Those of a session that rest on the plant, `metrics/P01.S01.plant.parquet`.
+fn with_plant(layout: &Layout, session: &str) -> PathBuf {
+    derived(layout, format!("metrics/{session}.plant.parquet"))
 }
 
 /// The metrics of every condition that has trials.
@@ -62,9 +63,16 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     }
     let mut jobs: Vec<Job> = repeats.iter().map(|r| condition_job(data, r)).collect();
     let plant = known_plant(data);
-    jobs.extend(repeats.iter().map(|r| plant_job(data, r, plant.clone())));
-    jobs.push(study_job(data, &repeats));
+    let (of_sessions, tables): (Vec<Job>, Vec<PathBuf>) =
+        by_session(&repeats).map(|session| plant_job(data, session, plant.clone())).unzip();
+    jobs.extend(of_sessions);
+    jobs.push(study_job(data, tables));
     jobs
+}
+
+/// The conditions of each session.
+fn by_session<'r, 'a>(repeats: &'r [Repeats<'a>]) -> impl Iterator<Item = &'r [Repeats<'a>]> {
+    repeats.chunk_by(|a, b| a.trials[0].meta.is_of_session_of(&b.trials[0].meta))
 }
 
 /// The metrics and events of a condition's trials that need nothing but the trials.
@@ -84,31 +92,35 @@ fn condition_job(data: &StudyData, repeats: &Repeats) -> Job {
     .of_part(&repeats.key)
 }
 
-/// The metrics of a condition's trials that need the identified plant.
-fn plant_job(data: &StudyData, repeats: &Repeats, plant: Option<[PathBuf; 2]>) -> Job {
-    let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
-    Job::new(
-        STAGE,
-        format!("metrics {} with the plant", repeats.who),
-        OfTrials::new(metrics, &repeats.trials),
-        (files(&repeats.trials), plant),
-        vec![with_plant(&data.layout, repeats)],
-        make_with_plant,
-    )
-    .of_part(&repeats.key)
+/// The metrics of a session's trials that need the identified plant, and their table.
+fn plant_job(data: &StudyData, session: &[Repeats], plant: Option<[PathBuf; 2]>) -> (Job, PathBuf) {
+    let of = &session[0].trials[0].meta;
+    let key = format!("{}.{}", of.participant, of.session);
+    let conditions: Vec<_> = session
+        .iter()
+        .map(|r| {
+            let metrics = Parameters::of(&data.study, r.environment, r.mode);
+            OfTrials::new(metrics, &r.trials)
+        })
+        .collect();
+    let trials: Vec<_> = session.iter().map(|repeats| files(&repeats.trials)).collect();
+    let table = with_plant(&data.layout, &key);
+    let title = format!("metrics {} {} with the plant", of.participant, of.session);
+    let outputs = vec![table.clone()];
+    let job = Job::new(STAGE, title, conditions, (trials, plant), outputs, make_with_plant);
+    (job.of_part(key), table)
 }
 
 /// The metrics of all conditions in one table, and by condition.
-fn study_job(data: &StudyData, repeats: &[Repeats]) -> Job {
-    let plant: Vec<PathBuf> = repeats.iter().map(|r| with_plant(&data.layout, r)).collect();
+fn study_job(data: &StudyData, plant: Vec<PathBuf>) -> Job {
     let (tables, outputs) = ((of_conditions(data), plant), study_files(&data.layout).to_vec());
     Job::new(STAGE, "metrics of the study", data.study.conditions(), tables, outputs, make_study)
 }
 
 /// Trials that cannot be read, or whose samples make no metrics, the job without the plant tells.
 fn make_with_plant(
-    of: &OfTrials<Parameters>,
-    (trials, plant): &(Vec<PathBuf>, Option<[PathBuf; 2]>),
+    conditions: &Vec<OfTrials<Parameters>>,
+    (trials, plant): &(Vec<Vec<PathBuf>>, Option<[PathBuf; 2]>),
     making: &Making,
 ) -> Result<Made, JobError> {
     let plant = match plant {
@@ -117,11 +129,14 @@ fn make_with_plant(
         }
         None => None,
     };
-    let signals = zwidth_metrics::PLANT_SIGNALS;
-    let (rows, _) = of_each((trials, &of.trials), &signals, |trial| {
-        let row = zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref());
-        row.map_err(|e| e.to_string())
-    });
+    let of_condition = |(of, trials): (&OfTrials<Parameters>, &Vec<PathBuf>)| {
+        let (rows, _) = of_each((trials, &of.trials), &zwidth_metrics::PLANT_SIGNALS, |trial| {
+            let row = zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref());
+            row.map_err(|e| e.to_string())
+        });
+        rows
+    };
+    let rows: Vec<_> = conditions.par_iter().zip(trials).flat_map_iter(of_condition).collect();
     write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
 }
 

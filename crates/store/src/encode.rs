@@ -38,8 +38,8 @@ const ZSTD_LEVEL: i32 = 3;
 pub fn encoding_of(column: &str) -> Encoding {
     match column {
         "t_s" | "t_device_s" | "theta_rad" | "theta_dot_rad_s" | "theta_ddot_rad_s2"
-        | "force_ex_n" | "torque_ex_nm" | "force_cmd_n" | "force_age_s" | "command"
-        | "response" => Encoding::ByteStreamSplit,
+        | "force_ex_n" | "torque_ex_nm" | "force_cmd_n" | "force_age_s" | "voltage_motor_v"
+        | "voltage_brake_v" | "command" | "response" => Encoding::ByteStreamSplit,
         "theta_raw" => Encoding::Delta,
         _ => Encoding::Dictionary,
     }

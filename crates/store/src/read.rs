@@ -625,9 +625,11 @@ fn column_values(
     // Without a digest it has no value, or is damaged: no room is taken for it.
     let mut whole = Part { values: room, ..Part::default() };
     whole.values.clear();
-    whole.values.reserve_exact(if digest.is_some() { file.rows } else { 0 });
     let mut digest_now = ColumnDigest::new(storage);
     let mut groups = file.groups();
+    // One part is taken as it was decoded.
+    let is_joined = groups.len() > 1 && digest.is_some();
+    whole.values.reserve_exact(if is_joined { file.rows } else { 0 });
     let mut decode = || some_groups(file, columns, (name, digest.is_some()), &mut groups);
     let mut parts = decode()?;
     while !parts.is_empty() {
@@ -673,7 +675,11 @@ impl Part {
         self.rows += next.rows;
         self.nulls += next.nulls;
         self.is_missing |= next.is_missing;
-        self.values.extend_from_slice(&next.values);
+        if self.values.capacity() == 0 {
+            self.values = next.values;
+        } else {
+            self.values.extend_from_slice(&next.values);
+        }
     }
 }
 

@@ -89,7 +89,7 @@ fn shared_out_merged_and_run_is_the_same_bytes_as_one_run() {
         let late = |n: &&String| {
             n.contains("with the plant") || n.contains("fitted") || n.starts_with("courses")
         };
-        assert!(again.len() == 14 && again.iter().all(late), "{again:#?}");
+        assert!(again.len() == 9 && again.iter().all(late), "{again:#?}");
         compare_tables(root.path());
     }
 }
@@ -109,8 +109,8 @@ fn a_second_round_makes_what_rests_on_all_trials_and_then_nothing_of_trials_is_l
         .flat_map(|shard| shard["missing"].as_array().unwrap())
         .map(|name| name.as_str().unwrap())
         .collect();
-    assert!(names.len() == 14 && names.iter().all(|n| is_of_a_part(n)), "{names:?}");
-    assert_eq!(round(), 32, "with those of the first");
+    assert!(names.len() == 9 && names.iter().all(|n| is_of_a_part(n)), "{names:?}");
+    assert_eq!(round(), 27, "with those of the first");
     let made = zwidth(root.path(), &["run", STUDY, "--json"]).exits(0).made();
     assert!(!made.iter().any(|name| is_of_a_part(name)), "{made:#?}");
     assert_eq!(results(root.path()), results(shipped::folder()), "records and figures, too");

@@ -13,6 +13,7 @@ pub use live::{BatchSink, LiveRun, run_live};
 pub(crate) use live::{Collected, run_caught, said};
 pub use moments::Moments;
 
+use crate::digits::{on_steps, on_ticks};
 use crate::timing::{Pace, Tick};
 use crate::{
     Capabilities, Clock, Controller, Cue, Device, DeviceError, Guard, Reading, Seen, Timing, Trip,
@@ -171,19 +172,20 @@ fn step(
     start_s: f64,
 ) -> Result<Sample, Trip> {
     let (reading, seen) = output.look(tick)?;
-    let theta_dot_rad_s = velocity.step(seen.t_angle_s, seen.theta_rad);
-    let (asked, flags) = controller.step(seen.theta_rad, theta_dot_rad_s, reading.force_n);
+    let (theta_rad, force_ex_n) = (on_steps(seen.theta_rad), on_steps(reading.force_n));
+    let theta_dot_rad_s = on_steps(velocity.step(seen.t_angle_s, theta_rad));
+    let (asked, flags) = controller.step(theta_rad, theta_dot_rad_s, force_ex_n);
     let (voltages, clipped) = output.command(clock.now_s(), asked)?;
     Ok(Sample {
         t_s: tick.now_s - start_s,
-        t_device_s: reading.t_device_s,
-        theta_rad: seen.theta_rad,
+        t_device_s: reading.t_device_s.map(on_ticks),
+        theta_rad,
         theta_dot_rad_s,
-        force_ex_n: reading.force_n,
+        force_ex_n,
         voltages,
         force_age_s: reading.force_age_s,
         theta_raw: reading.raw(),
-        force_cmd_n: controller.force_n(voltages),
+        force_cmd_n: on_steps(controller.force_n(voltages)),
         flags: Flags(flags.0 | seen.flags.0)
             .with(Flags::DROPOUT, tick.missed > 0)
             .with(Flags::CLIPPED, clipped)

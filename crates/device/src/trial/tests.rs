@@ -173,7 +173,7 @@ fn samples_say_what_the_lever_did_and_what_was_commanded() {
             "more than half a count off at {}",
             sample.t_s
         );
-        assert_eq!(sample.force_ex_n.to_bits(), force_n.to_bits());
+        assert_eq!(sample.force_ex_n.to_bits(), on_steps(force_n).to_bits());
         let Voltages { motor_v, brake_v } = sample.voltages;
         assert_eq!(
             (sample.flags.has(Flags::MOTOR_ON), sample.flags.has(Flags::BRAKE_ON)),

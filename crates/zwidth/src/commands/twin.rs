@@ -24,9 +24,9 @@ use zwidth_study::{ParticipantId, SessionId, template};
 
 /// Version of what this command makes of a seed. Another version gives other bytes, and another
 /// software in the files.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// The software, as records, trials and sweeps of a simulated study name it.
-const SOFTWARE: &str = "zwidth twin 2";
+const SOFTWARE: &str = "zwidth twin 3";
 /// Sweeps of each actuator (thesis App. D).
 const SWEEPS: [(Actuator, u32); 2] = [(Actuator::Motor, 15), (Actuator::Brake, 30)];
 /// When the calendar of a simulated study begins, s since 1970: 1 January 2026, 09:00 UTC. Session
