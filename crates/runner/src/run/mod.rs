@@ -122,8 +122,18 @@ pub fn run(
     Ok(Done { reports: reports.into_iter().flatten().collect(), remarks })
 }
 
-/// How often records are saved while jobs end, s: a run that is killed makes again what came after.
-const SAVED_EVERY_S: f64 = 1.0;
+/// How often records are saved while jobs end, at most: a run that is killed makes again what came
+/// after.
+const SAVED_EVERY: Duration = Duration::from_secs(1);
+
+/// To save those of a large study takes long, and jobs that end wait meanwhile: no more than one
+/// part in so many of the time goes into it.
+const PARTS_OF_SAVING: u32 = 30;
+
+/// Whether records are saved again, so long after they were last, which took so long.
+fn is_save_due(since: Duration, took: Duration) -> bool {
+    since >= SAVED_EVERY.max(took * PARTS_OF_SAVING)
+}
 
 /// Bytes of input files from which on a job reads much (16 MiB): as numbers in memory some five to
 /// ten times as many.
@@ -150,7 +160,8 @@ struct Board<'j> {
     records: Records,
     /// Whether these differ from those in their file.
     unsaved: bool,
-    saved: Instant,
+    /// When records were last saved, and how long it took.
+    saved: (Instant, Duration),
     /// Outputs that could not be made.
     failed: BTreeSet<&'j PathBuf>,
     reports: Vec<Option<Report>>,
@@ -183,7 +194,7 @@ impl Board<'_> {
         Board {
             records: Records::default(),
             unsaved: false,
-            saved: Instant::now(),
+            saved: (Instant::now(), Duration::ZERO),
             failed: BTreeSet::new(),
             reports: jobs.iter().map(|_| None).collect(),
             readers,
@@ -322,12 +333,11 @@ impl<'j> Run<'j> {
             _ => {}
         }
         board.reports[i] = Some(report);
-        if board.unsaved
-            && !self.options.dry_run
-            && board.saved.elapsed().as_secs_f64() >= SAVED_EVERY_S
-        {
+        let (saved, took) = board.saved;
+        if board.unsaved && !self.options.dry_run && is_save_due(saved.elapsed(), took) {
+            let begun = Instant::now();
             save(&board.records, self.results, self.options)?;
-            (board.unsaved, board.saved) = (false, Instant::now());
+            (board.unsaved, board.saved) = (false, (Instant::now(), begun.elapsed()));
         }
         Ok(())
     }

@@ -403,3 +403,12 @@ fn of_jobs_that_read_much_one_runs_at_a_time_and_all_are_made() {
     assert!(made.iter().all(|verdict| matches!(verdict, JobEnd::Made(_))) && made.len() == 12);
     assert_eq!(MOST.load(Ordering::SeqCst), 1);
 }
+
+#[test]
+fn records_are_saved_every_second_and_less_often_where_that_takes_long() {
+    let due = |since_ms, took_ms| {
+        is_save_due(Duration::from_millis(since_ms), Duration::from_millis(took_ms))
+    };
+    assert!(!due(999, 0) && due(1000, 0) && due(1000, 20));
+    assert!(!due(11_999, 400) && due(12_000, 400), "of 12.4 s, 0.4 s");
+}
