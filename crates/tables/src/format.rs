@@ -110,8 +110,12 @@ impl Table {
     ) -> Result<Vec<Vec<u8>>, TableError> {
         // A long table as people would see it takes many times the memory of its numbers.
         if files.iter().all(|(format, _)| format.is_for_programs()) {
-            let all = files.iter();
-            return all.map(|(format, path)| self.in_format(*format, provenance, path)).collect();
+            // From the last, which is Parquet: its arrays are gone before the text is there.
+            let all = files.iter().rev();
+            let written = all.map(|(format, path)| self.in_format(*format, provenance, path));
+            let mut written = written.collect::<Result<Vec<_>, _>>()?;
+            written.reverse();
+            return Ok(written);
         }
         Seen::of(&wording.tell(narrow)?, |seen| {
             let written = |(format, path): &(Format, &Path)| match format.of_people(seen) {

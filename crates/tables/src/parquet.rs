@@ -67,13 +67,14 @@ impl Table {
         (batch, footer): (RecordBatch, BTreeMap<String, String>),
     ) -> Result<Self, TableError> {
         let text = |key: &str| footer.get(key).cloned().unwrap_or_default();
-        let columns = batch
-            .schema()
+        // Each array is gone before the next column is made: a long table is not held twice.
+        let (schema, arrays, _) = batch.into_parts();
+        let columns = schema
             .fields()
             .iter()
-            .zip(batch.columns())
+            .zip(arrays)
             .map(|(f, a)| {
-                let values = values(a).ok_or_else(|| {
+                let values = values(&a).ok_or_else(|| {
                     let what = format!("its type {} is not one of a table", f.data_type());
                     StoreError::new(path, what, "delete derived/ and run again").column(f.name())
                 })?;
