@@ -3,4 +3,4 @@
 
 pub use crate::bounds::{check_footer, check_pages};
 pub use crate::codec::check_codecs;
-pub use crate::read::guarded;
+pub use crate::opened::guarded;

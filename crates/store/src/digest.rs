@@ -2,7 +2,7 @@
 
 use crate::Storage;
 
-/// Values that are hashed at a time.
+/// Values that are narrowed at a time.
 const AT_ONCE: usize = 1 << 12;
 
 /// The digest of a column as its values come.
@@ -10,27 +10,34 @@ const AT_ONCE: usize = 1 << 12;
 pub(crate) struct ColumnDigest {
     hasher: blake3::Hasher,
     storage: Storage,
-    bytes: Vec<u8>,
 }
-
-/// Bytes of a value.
-const BYTES: usize = size_of::<f64>();
 
 impl ColumnDigest {
     pub(crate) fn new(storage: Storage) -> Self {
-        Self { hasher: blake3::Hasher::new(), storage, bytes: vec![0; BYTES * AT_ONCE] }
+        Self { hasher: blake3::Hasher::new(), storage }
     }
 
     /// Takes the next values, as they come back from the file.
     #[allow(clippy::cast_possible_truncation)]
     pub(crate) fn add(&mut self, values: &[f64]) {
+        if self.storage != Storage::F32 {
+            self.take(values);
+            return;
+        }
         for values in values.chunks(AT_ONCE) {
-            let narrow = self.storage == Storage::F32;
-            for (bytes, value) in self.bytes.chunks_exact_mut(BYTES).zip(values) {
-                let stored = if narrow { f64::from(*value as f32) } else { *value };
-                bytes.copy_from_slice(&stored.to_le_bytes());
-            }
-            self.hasher.update(&self.bytes[..BYTES * values.len()]);
+            let narrow: Vec<f64> = values.iter().map(|v| f64::from(*v as f32)).collect();
+            self.take(&narrow);
+        }
+    }
+
+    /// The bytes of values, each with its lowest first.
+    fn take(&mut self, values: &[f64]) {
+        if cfg!(target_endian = "little") {
+            self.hasher.update(bytemuck::cast_slice(values));
+            return;
+        }
+        for value in values {
+            self.hasher.update(&value.to_le_bytes());
         }
     }
 

@@ -31,17 +31,37 @@ impl OpenTrial {
 
     fn open_from(
         path: &Path,
-        (signals, channels): (&[Signal], &[ChannelId]),
+        wanted: (&[Signal], &[ChannelId]),
         long: usize,
     ) -> Result<Self, StoreError> {
+        let read = Self::read_from(path, wanted, long)?;
+        Ok(read.map_or_else(|long| long, |trial| Self::of(trial.meta, trial.samples)))
+    }
+
+    /// A short trial, read; or a long one, opened.
+    pub(crate) fn read(
+        path: &Path,
+        signals: &[Signal],
+        channels: &[ChannelId],
+    ) -> Result<Result<Trial, Self>, StoreError> {
+        Self::read_from(path, (signals, channels), LONG)
+    }
+
+    fn read_from(
+        path: &Path,
+        (signals, channels): (&[Signal], &[ChannelId]),
+        long: usize,
+    ) -> Result<Result<Trial, Self>, StoreError> {
         let open = OpenColumns::open(&RealFiles, path)?;
-        if open.rows() <= long {
-            let wanted = with_time(signals.iter().copied());
-            let Trial { meta, samples, .. } =
-                open.read(&wanted, &|channel| channels.contains(&channel.id))?;
-            return Ok(Self { meta, columns: Box::new(samples) });
+        if open.rows() > long {
+            return Ok(Err(Self::of(open.said()?.0, open)));
         }
-        Ok(Self { meta: open.said()?.0, columns: Box::new(open) })
+        let wanted = with_time(signals.iter().copied());
+        open.read(&wanted, &|channel| channels.contains(&channel.id)).map(Ok)
+    }
+
+    pub(crate) fn of(meta: TrialMeta, columns: impl Columns + Send + 'static) -> Self {
+        Self { meta, columns: Box::new(columns) }
     }
 
     /// Its samples.

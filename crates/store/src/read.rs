@@ -1,47 +1,28 @@
 //! Reading strictly: a file that is not exactly what it should be is one clear error.
 
-use crate::bounds::{
-    MOST_COLUMN_BYTES, MOST_RECORDED_BYTES, MOST_VALUES, check_footer_in, check_pages_in,
-    check_size,
-};
-use crate::codec::check_codecs;
+use crate::bounds::MOST_VALUES;
 use crate::columns::{Columns, Values};
-use crate::content::Content;
-use crate::digest::ColumnDigest;
 use crate::json::from_json;
+use crate::opened::{DAMAGED, ParquetFile, version};
 use crate::regular::open_end;
 use crate::seen::{Begun, Seen};
 use crate::trial::{check_column, check_time};
-use crate::write::{
-    CHANNELS, DIGEST, FOOTER_DIGEST, VERSION, channel_field, described, footer_digest,
-};
+use crate::values::column_values;
+use crate::write::{CHANNELS, DIGEST, FOOTER_DIGEST, VERSION, channel_field, described};
 use crate::{
     Column, Files, MOST_RECORDING, RealFiles, Samples, Signal, Storage, StoreError, Trial,
     TrialFile,
 };
-use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
-use arrow::compute::concat_batches;
-use arrow::datatypes::{DataType, Field, Float32Type, Float64Type, SchemaRef, UInt16Type};
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{
-    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
-};
-use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
-use rayon::prelude::*;
+use arrow::array::RecordBatch;
+use arrow::datatypes::{DataType, Field, SchemaRef};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
-use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_study::{
     AnswerScale, Channel, ChannelId, Kind, MOST_CHANNELS, ParticipantId, Schema, SessionId, Source,
     Status, TrialForm, TrialMeta,
 };
-
-const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
-/// Rows that are decoded at a time: what a file claims decides no allocation.
-const BATCH_ROWS: usize = 1 << 16;
 
 /// What a trial file says of itself, without its samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -166,7 +147,7 @@ fn read_some(
 pub(crate) struct OpenColumns {
     form: TrialForm,
     file: ParquetFile,
-    columns: ArrowReaderMetadata,
+    schema: SchemaRef,
     /// The columns that were looked at last.
     last: RefCell<VecDeque<(Signal, Arc<Vec<f64>>)>>,
     /// Which were looked at, and so read and checked.
@@ -181,9 +162,9 @@ impl OpenColumns {
     pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
         let file = ParquetFile::open_recording(files, path)?;
         let form = form_of(path, &file.footer)?;
-        let columns = file.columns()?;
+        let schema = file.schema()?;
         let (last, seen, failed) = Default::default();
-        Ok(Self { form, file, columns, last, seen, failed })
+        Ok(Self { form, file, schema, last, seen, failed })
     }
 
     /// What is known of the trial, and what the file says of itself besides.
@@ -269,20 +250,20 @@ impl OpenColumns {
         room: Vec<f64>,
     ) -> Result<Option<Vec<f64>>, StoreError> {
         let column = signal.column();
-        check_field(&self.file.path, self.columns.schema(), column, self.form.schema)?;
+        check_field(&self.file.path, &self.schema, column, self.form.schema)?;
         let name = column.name_in(self.form.schema);
         if !self.has(signal) && self.file.is_said_to_be_null(name) {
             return Ok(None);
         }
-        column_values(&self.file, &self.columns, (name, column.storage), room)
+        column_values(&self.file, (name, column.storage), room)
     }
 
     /// [`OpenColumns::signal_in`], decoded whatever the statistics say.
     fn decoded(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
         let column = signal.column();
-        check_field(&self.file.path, self.columns.schema(), column, self.form.schema)?;
+        check_field(&self.file.path, &self.schema, column, self.form.schema)?;
         let of = (column.name_in(self.form.schema), column.storage);
-        column_values(&self.file, &self.columns, of, room)
+        column_values(&self.file, of, room)
     }
 
     /// [`OpenColumns::signal_in`], and whether it is what a trial's file promises.
@@ -308,9 +289,9 @@ impl OpenColumns {
 
     /// The values of a channel of the study's own.
     pub(crate) fn channel(&self, channel: &Channel) -> Result<Option<Vec<f64>>, StoreError> {
-        check_described(&self.file.path, self.columns.schema(), &channel_field(channel))?;
+        check_described(&self.file.path, &self.schema, &channel_field(channel))?;
         let of = (channel.id.as_str(), Storage::F64);
-        column_values(&self.file, &self.columns, of, Vec::new())
+        column_values(&self.file, of, Vec::new())
     }
 }
 
@@ -389,170 +370,6 @@ pub fn read_entries(path: &Path) -> Result<BTreeMap<String, String>, StoreError>
     Ok(ParquetFile::open(&RealFiles, path)?.footer)
 }
 
-/// An opened Parquet file of ours: footer checked, columns not read yet.
-pub(crate) struct ParquetFile {
-    path: std::path::PathBuf,
-    content: Content,
-    metadata: Arc<ParquetMetaData>,
-    pub(crate) footer: BTreeMap<String, String>,
-    pub(crate) rows: usize,
-}
-
-impl ParquetFile {
-    /// Opens `path`, checks what it claims, its version and its footer's digest.
-    pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
-        let content = files.open(path, MOST_RECORDING);
-        Self::of(path, content.map_err(|e| StoreError::io(path, "read", &e))?)
-    }
-
-    /// The same of what was opened.
-    fn of(path: &Path, content: Content) -> Result<Self, StoreError> {
-        if content.length() == 0 {
-            return Err(StoreError::new(path, "the file is empty", DAMAGED));
-        }
-        check_footer_in(&content).map_err(|why| unreadable(path, DAMAGED, &why))?;
-        let metadata =
-            guarded(path, DAMAGED, || ParquetMetaDataReader::new().parse_and_finish(&content))?;
-        let file_metadata = metadata.file_metadata();
-        let footer: BTreeMap<String, String> = file_metadata
-            .key_value_metadata()
-            .into_iter()
-            .flatten()
-            .map(|kv| (kv.key.clone(), kv.value.clone().unwrap_or_default()))
-            // The writer of Arrow adds it by itself; our digest is without it.
-            .filter(|(key, _)| key != "ARROW:schema")
-            .collect();
-        check_size(path, &metadata, DAMAGED)?;
-        let rows = usize::try_from(file_metadata.num_rows()).unwrap_or(0);
-        version(path, &footer)?;
-        check_codecs(path, &metadata)?;
-        if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
-            let what = "the file is damaged: its footer does not match its digest";
-            return Err(StoreError::new(path, what, DAMAGED));
-        }
-        Ok(Self { path: path.to_owned(), content, metadata: Arc::new(metadata), footer, rows })
-    }
-
-    /// Opens a recording: a file without rows is not one.
-    pub(crate) fn open_recording(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
-        Self::open(files, path)?.recording()
-    }
-
-    fn recording(self) -> Result<Self, StoreError> {
-        if self.rows == 0 {
-            return Err(StoreError::new(&self.path, "the file has 0 rows", DAMAGED));
-        }
-        Ok(self)
-    }
-
-    /// Its columns as Arrow has them, with their types and units.
-    pub(crate) fn columns(&self) -> Result<ArrowReaderMetadata, StoreError> {
-        let options = ArrowReaderOptions::default();
-        guarded(&self.path, DAMAGED, || {
-            ArrowReaderMetadata::try_new(self.metadata.clone(), options)
-        })
-    }
-
-    /// BLAKE3 of the whole file, hexadecimal.
-    pub(crate) fn blake3(&self) -> Result<String, StoreError> {
-        self.content.blake3().map_err(|e| StoreError::io(&self.path, "read", &e))
-    }
-
-    /// Those of these names, as one batch.
-    pub(crate) fn read(
-        &self,
-        columns: ArrowReaderMetadata,
-        names: &[&str],
-    ) -> Result<RecordBatch, StoreError> {
-        let mut batches = Vec::new();
-        self.check_pages(names, MOST_COLUMN_BYTES)?;
-        let schema =
-            self.each_batch(columns, (names, self.groups()), |batch| batches.push(batch))?;
-        guarded(&self.path, DAMAGED, || Ok(concat_batches(&schema, &batches)?))
-    }
-
-    /// Whether the statistics of a column say that it is null throughout.
-    fn is_said_to_be_null(&self, name: &str) -> bool {
-        let nulls = |group: &parquet::file::metadata::RowGroupMetaData| {
-            let column = group.columns().iter().find(|c| c.column_path().string() == name)?;
-            let nulls = column.statistics()?.null_count_opt()?;
-            Some(i64::try_from(nulls).ok()? == group.num_rows())
-        };
-        self.metadata.row_groups().iter().all(|group| nulls(group) == Some(true))
-    }
-
-    /// Checks that none of the columns of these names unpacks to more than `most` bytes.
-    fn check_pages(&self, names: &[&str], most: u64) -> Result<(), StoreError> {
-        let mask = self.columns_of(names);
-        check_pages_in(&self.content, &self.metadata, most, |place| mask.leaf_included(place))
-            .map(drop)
-            .map_err(|why| unreadable(&self.path, DAMAGED, &why))
-    }
-
-    fn columns_of(&self, names: &[&str]) -> ProjectionMask {
-        let schema = self.metadata.file_metadata().schema_descr();
-        ProjectionMask::columns(schema, names.iter().copied())
-    }
-
-    /// Decodes the columns of these names in some row groups, so many rows at a time.
-    fn each_batch(
-        &self,
-        columns: ArrowReaderMetadata,
-        (names, groups): (&[&str], Range<usize>),
-        mut take: impl FnMut(RecordBatch),
-    ) -> Result<SchemaRef, StoreError> {
-        guarded(&self.path, DAMAGED, || {
-            let builder =
-                ParquetRecordBatchReaderBuilder::new_with_metadata(self.content.clone(), columns);
-            let rows = self.rows.clamp(1, BATCH_ROWS);
-            let builder = builder.with_projection(self.columns_of(names)).with_batch_size(rows);
-            let reader = builder.with_row_groups(groups.collect()).build()?;
-            let schema = arrow::array::RecordBatchReader::schema(&reader);
-            for batch in reader {
-                take(batch?);
-            }
-            Ok(schema)
-        })
-    }
-
-    fn groups(&self) -> Range<usize> {
-        0..self.metadata.num_row_groups()
-    }
-}
-
-/// Runs a decoder on bytes that may be damaged: an error, or a panic of the decoder, is one error
-/// of ours.
-pub fn guarded<T>(
-    path: &Path,
-    remedy: &str,
-    decode: impl FnOnce() -> Result<T, parquet::errors::ParquetError>,
-) -> Result<T, StoreError> {
-    match catch_unwind(AssertUnwindSafe(decode)) {
-        Ok(result) => result.map_err(|e| unreadable(path, remedy, &e.to_string())),
-        Err(_) => Err(unreadable(path, remedy, "the decoder gave up on it")),
-    }
-}
-
-fn unreadable(path: &Path, remedy: &str, why: &str) -> StoreError {
-    StoreError::new(path, format!("not a readable Parquet file: {why}"), remedy)
-}
-
-/// The version that a file says it has, if it is one of a file of ours.
-fn version(path: &Path, footer: &BTreeMap<String, String>) -> Result<Schema, StoreError> {
-    let error = |what: String| {
-        let remedy = "this software reads versions 1 and 2; use `zwidth import` for other files";
-        StoreError::new(path, what, remedy)
-    };
-    let said = footer
-        .get(VERSION)
-        .ok_or_else(|| error("not a zwidth file: no schema version in its footer".to_owned()))?;
-    let known = said.parse().ok().and_then(Schema::from_number);
-    // `+1` and `01` are numbers too, and nothing that we write.
-    known
-        .filter(|schema| schema.number().to_string() == *said)
-        .ok_or_else(|| error(format!("schema version {said} is unknown")))
-}
-
 /// Which columns a trial's file has, by its footer.
 fn form_of(path: &Path, footer: &BTreeMap<String, String>) -> Result<TrialForm, StoreError> {
     let schema = version(path, footer)?;
@@ -609,132 +426,6 @@ pub(crate) fn check_described(
         return Err(StoreError::new(path, what, remedy).column(name));
     }
     Ok(())
-}
-
-/// The values of one column of a trial, in the memory of `room`; `None` where the column is null
-/// throughout.
-fn column_values(
-    file: &ParquetFile,
-    columns: &ArrowReaderMetadata,
-    (name, storage): (&str, Storage),
-    room: Vec<f64>,
-) -> Result<Option<Vec<f64>>, StoreError> {
-    let error = |what: &str| StoreError::new(&file.path, what, DAMAGED).column(name);
-    let digest = file.footer.get(&format!("{DIGEST}{name}"));
-    file.check_pages(&[name], MOST_RECORDED_BYTES)?;
-    // Without a digest it has no value, or is damaged: no room is taken for it.
-    let mut whole = Part { values: room, ..Part::default() };
-    whole.values.clear();
-    let mut digest_now = ColumnDigest::new(storage);
-    let mut groups = file.groups();
-    // One part is taken as it was decoded.
-    let is_joined = groups.len() > 1 && digest.is_some();
-    whole.values.reserve_exact(if is_joined { file.rows } else { 0 });
-    let mut decode = || some_groups(file, columns, (name, digest.is_some()), &mut groups);
-    let mut parts = decode()?;
-    while !parts.is_empty() {
-        let (next, ()) = rayon::join(&mut decode, || {
-            for part in parts {
-                digest_now.add(&part.values);
-                whole.add(part);
-            }
-        });
-        parts = next?;
-    }
-    let Part { values, rows, nulls, first_null, is_missing } = whole;
-    if is_missing {
-        return Err(error("the column is missing"));
-    }
-    // With a digest it had values once.
-    if nulls == rows && digest.is_none() {
-        return Ok(None);
-    }
-    if let Some(row) = first_null {
-        return Err(error("the value is null in a column that has others").row0(row));
-    }
-    if digest != Some(&digest_now.end()) {
-        return Err(error("the column is damaged: its values do not match their digest"));
-    }
-    Ok(Some(values))
-}
-
-/// What some rows of a column hold.
-#[derive(Default)]
-struct Part {
-    /// As far as there are any.
-    values: Vec<f64>,
-    rows: usize,
-    nulls: usize,
-    first_null: Option<usize>,
-    is_missing: bool,
-}
-
-impl Part {
-    fn add(&mut self, next: Self) {
-        self.first_null = self.first_null.or(next.first_null.map(|row| self.rows + row));
-        self.rows += next.rows;
-        self.nulls += next.nulls;
-        self.is_missing |= next.is_missing;
-        if self.values.capacity() == 0 {
-            self.values = next.values;
-        } else {
-            self.values.extend_from_slice(&next.values);
-        }
-    }
-}
-
-/// The next row groups of a column, as many as there are cores, decoded side by side.
-fn some_groups(
-    file: &ParquetFile,
-    columns: &ArrowReaderMetadata,
-    (name, has_values): (&str, bool),
-    groups: &mut Range<usize>,
-) -> Result<Vec<Part>, StoreError> {
-    let next: Vec<usize> = groups.take(rayon::current_num_threads()).collect();
-    let decode = |group: usize| -> Result<Part, StoreError> {
-        let mut part = Part::default();
-        file.each_batch(columns.clone(), (&[name], group..group + 1), |batch| {
-            let Some(array) = batch.column_by_name(name) else {
-                part.is_missing = true;
-                return;
-            };
-            if array.null_count() > 0 && part.first_null.is_none() {
-                let null = (0..array.len()).find(|i| array.is_null(*i));
-                part.first_null = null.map(|i| part.rows + i);
-            }
-            (part.rows, part.nulls) = (part.rows + array.len(), part.nulls + array.null_count());
-            if has_values && part.first_null.is_none() {
-                extend_with(&mut part.values, array);
-            }
-        })?;
-        Ok(part)
-    };
-    next.into_par_iter().map(decode).collect()
-}
-
-/// A numeric column as `f64`; its type was checked before.
-pub(crate) fn floats(array: &ArrayRef) -> Vec<f64> {
-    let mut values = Vec::new();
-    extend_with(&mut values, array);
-    values
-}
-
-/// Adds a numeric column as `f64`.
-fn extend_with(values: &mut Vec<f64>, array: &ArrayRef) {
-    match array.data_type() {
-        DataType::Float64 => {
-            values.extend_from_slice(array.as_primitive::<Float64Type>().values());
-        }
-        DataType::Float32 => {
-            values
-                .extend(array.as_primitive::<Float32Type>().values().iter().map(|v| f64::from(*v)));
-        }
-        DataType::UInt16 => {
-            values
-                .extend(array.as_primitive::<UInt16Type>().values().iter().map(|v| f64::from(*v)));
-        }
-        _ => {}
-    }
 }
 
 /// Takes the trial's own keys out of the footer; the rest is what the file says of itself besides.

@@ -28,7 +28,7 @@ const WORTH_WRITING: usize = 2000;
 
 /// What the system says of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-struct Stamp {
+pub(crate) struct Stamp {
     length: u64,
     /// Seconds and nanoseconds of its last write.
     modified: (i64, i64),
@@ -56,8 +56,13 @@ impl Stamp {
     }
 
     /// Of what lies at `path`; a link is no file.
-    fn at(path: &Path) -> Option<Self> {
+    pub(crate) fn at(path: &Path) -> Option<Self> {
         Self::of(&path.symlink_metadata().ok()?)
+    }
+
+    /// The same, where any change from now on shows.
+    pub(crate) fn settled(path: &Path) -> Option<Self> {
+        Self::at(path).filter(|stamp| stamp.is_settled(SystemTime::now()))
     }
 
     /// Whether any change after `now` shows.
@@ -80,7 +85,7 @@ pub(crate) struct Begun(Option<Stamp>);
 
 impl Begun {
     pub(crate) fn now(path: &Path) -> Self {
-        Self(Stamp::at(path).filter(|stamp| stamp.is_settled(SystemTime::now())))
+        Self(Stamp::settled(path))
     }
 }
 

@@ -117,7 +117,12 @@ pub(crate) fn check_column(
         let remedy = "columns must be equally long";
         return Err(StoreError::new(path, what, remedy).column(name));
     }
-    if let Some(row) = values.iter().position(|v| !fits(*v, storage)) {
+    // Without a way out of the loop a processor looks at several values at once.
+    let all = match storage {
+        Storage::F64 => values.iter().fold(true, |all, v| all & v.is_finite()),
+        _ => values.iter().fold(true, |all, v| all & fits(*v, storage)),
+    };
+    if let Some(row) = values.iter().position(|v| !all && !fits(*v, storage)) {
         let what = format!("{} is not a number this column can hold", values[row]);
         let remedy = "mend or drop the row; a gap is a null column, never a NaN";
         return Err(StoreError::new(path, what, remedy).column(name).row0(row));
@@ -127,7 +132,11 @@ pub(crate) fn check_column(
 
 /// Whether time runs forward.
 pub(crate) fn check_time(path: &Path, t: &[f64]) -> Result<(), StoreError> {
-    match t.windows(2).position(|w| w[1] <= w[0]) {
+    let next = || t.iter().zip(t.iter().skip(1));
+    if next().fold(true, |all, (now, next)| all & (next > now)) {
+        return Ok(());
+    }
+    match next().position(|(now, next)| next <= now) {
         None => Ok(()),
         Some(i) => Err(backwards(path, t[i], t[i + 1]).row0(i + 1)),
     }

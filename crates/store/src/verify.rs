@@ -113,6 +113,16 @@ fn off_scale(study: &Study, entry: &TrialEntry) -> Option<StoreError> {
     Some(StoreError::new(&entry.path, what, remedy).column("likert"))
 }
 
+/// The signals that [`check_samples`] looks at.
+pub const CHECKED: [Signal; 6] = [
+    Signal::Time,
+    Signal::DeviceTime,
+    Signal::Theta,
+    Signal::ThetaDot,
+    Signal::ForceEx,
+    Signal::TorqueEx,
+];
+
 /// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
 /// care.
 pub fn check_samples(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {

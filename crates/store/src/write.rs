@@ -3,16 +3,19 @@
 use crate::digest::column_digest;
 use crate::encode::{GROUP_ROWS, derived, recorded};
 use crate::hash::hex_blake3;
+use crate::memo::Memo;
 use crate::{COLUMNS, Column, Samples, Storage, StoreError, Trial, TrialFile};
 use arrow::array::{
     ArrayRef, DictionaryArray, Float32Array, Float64Array, Int32Array, RecordBatch, StringArray,
     UInt16Array, new_null_array,
 };
 use arrow::datatypes::{DataType, Field, Int32Type, Schema as ArrowSchema};
-use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_writer::ArrowWriterOptions;
+use parquet::arrow::{ARROW_SCHEMA_META_KEY, ArrowWriter, encode_arrow_schema};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -57,7 +60,7 @@ pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u
         let key = format!("{DIGEST}{}", id.as_str());
         footer.insert(key, column_digest(values, Storage::F64));
     }
-    let entries = entries(&batch.schema(), footer);
+    let entries = all_entries(&batch.schema(), footer);
     let rows = (form.schema > Schema::One).then_some(GROUP_ROWS);
     let properties =
         recorded(&batch.schema(), entries, rows).map_err(|e| cannot_encode(path, &e))?;
@@ -89,7 +92,7 @@ pub fn write_parquet(
     footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let entries = entries(&batch.schema(), footer);
+    let entries = all_entries(&batch.schema(), footer);
     let properties =
         recorded(&batch.schema(), entries, None).map_err(|e| cannot_encode(path, &e))?;
     write(batch, properties, path)
@@ -103,7 +106,7 @@ pub fn write_table(
     footer: BTreeMap<String, String>,
     path: &Path,
 ) -> Result<Vec<u8>, StoreError> {
-    let properties = derived(&batch.schema(), entries(&batch.schema(), footer));
+    let properties = derived(&batch.schema(), all_entries(&batch.schema(), footer));
     write(batch, properties, path)
 }
 
@@ -116,6 +119,28 @@ pub(crate) fn entries(schema: &ArrowSchema, mut footer: BTreeMap<String, String>
     footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect()
 }
 
+/// [`entries`], and what readers of Arrow are told, which the writer of Arrow would add by itself.
+fn all_entries(schema: &ArrowSchema, footer: BTreeMap<String, String>) -> Vec<KeyValue> {
+    let mut entries = entries(schema, footer);
+    entries.push(KeyValue::new(ARROW_SCHEMA_META_KEY.to_owned(), encoded(schema)));
+    entries
+}
+
+/// What a file says of its columns to readers of Arrow. Most that a thread writes one after the other
+/// have one of a few schemas.
+fn encoded(schema: &ArrowSchema) -> String {
+    thread_local! {
+        static KNOWN: RefCell<Memo<ArrowSchema, String>> = const { RefCell::new(Memo::new()) };
+    }
+    KNOWN.with_borrow_mut(|known| {
+        known.known(|of| of == schema).unwrap_or_else(|| {
+            let encoded = encode_arrow_schema(schema);
+            known.keep(schema.clone(), encoded.clone());
+            encoded
+        })
+    })
+}
+
 fn write(
     batch: &RecordBatch,
     properties: WriterProperties,
@@ -123,7 +148,9 @@ fn write(
 ) -> Result<Vec<u8>, StoreError> {
     let bytes = (|| {
         let mut bytes = Vec::new();
-        let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))?;
+        let options = ArrowWriterOptions::new().with_properties(properties);
+        let options = options.with_skip_arrow_metadata(true); // it is there (`all_entries`)
+        let mut writer = ArrowWriter::try_new_with_options(&mut bytes, batch.schema(), options)?;
         writer.write(batch)?;
         writer.close()?;
         Ok(bytes)

@@ -8,8 +8,7 @@
 
 use crate::StoreError;
 use crate::content::Content;
-use parquet::file::metadata::ParquetMetaData;
-use std::borrow::Cow;
+use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 use std::path::Path;
 
 /// Rows of one file: nine hours at 1 kHz; a column in memory takes 256 MiB.
@@ -139,9 +138,9 @@ pub fn check_pages(
 ) -> Result<u64, String> {
     let pages = |from: u64, length: usize| {
         let from = usize::try_from(from).ok()?;
-        Some(Cow::Borrowed(bytes.get(from..from.checked_add(length)?)?))
+        bytes.get(from..from.checked_add(length)?)
     };
-    check_each_chunk(&pages, metadata, MOST_COLUMN_BYTES, wanted)
+    check_each_chunk(pages, metadata, MOST_COLUMN_BYTES, wanted)
 }
 
 /// [`check_pages`] of a file of which one column chunk is read at a time; a column may unpack to
@@ -155,16 +154,13 @@ pub(crate) fn check_pages_in(
     most: u64,
     wanted: impl Fn(usize) -> bool,
 ) -> Result<u64, String> {
-    let pages =
-        |from: u64, length: usize| Some(Cow::Owned(content.range(from, length).ok()?.to_vec()));
-    check_each_chunk(&pages, metadata, most, wanted)
+    let pages = |from: u64, length: usize| content.range(from, length).ok();
+    check_each_chunk(pages, metadata, most, wanted)
 }
 
-/// The bytes of a file from a place on, so many of them, if it has them.
-type Pages<'a> = &'a dyn Fn(u64, usize) -> Option<Cow<'a, [u8]>>;
-
-fn check_each_chunk(
-    pages_at: Pages,
+/// `pages_at` gives the bytes of a file from a place on, so many of them, if it has them.
+fn check_each_chunk<B: AsRef<[u8]>>(
+    pages_at: impl Fn(u64, usize) -> Option<B>,
     metadata: &ParquetMetaData,
     most: u64,
     wanted: impl Fn(usize) -> bool,
@@ -174,40 +170,83 @@ fn check_each_chunk(
         for (place, column) in
             group.columns().iter().enumerate().filter(|(place, _)| wanted(*place))
         {
-            let name = column.column_path().string();
-            let damaged = || format!("the pages of column {name} are damaged");
-            // A dictionary, where there is one, lies before the data.
-            let first =
-                column.dictionary_page_offset().unwrap_or(i64::MAX).min(column.data_page_offset());
-            let from = u64::try_from(first).map_err(|_| damaged())?;
-            let length = usize::try_from(column.compressed_size()).map_err(|_| damaged())?;
+            let name = || column.column_path().string();
+            let damaged = || format!("the pages of column {} are damaged", name());
+            let (from, length) = place_of(column).ok_or_else(damaged)?;
             let pages = pages_at(from, length).ok_or_else(damaged)?;
-            unpacked[place] =
-                unpacked[place].saturating_add(unpacked_length(&pages).ok_or_else(damaged)?);
+            let length = unpacked_length(pages.as_ref()).ok_or_else(damaged)?;
+            unpacked[place] = unpacked[place].saturating_add(length);
             if unpacked[place] > most {
-                return Err(format!("column {name} unpacks to more than {most} bytes"));
+                return Err(format!("column {} unpacks to more than {most} bytes", name()));
             }
         }
     }
     Ok(unpacked.iter().fold(0, |sum, n| sum.saturating_add(*n)))
 }
 
+/// Where a column chunk begins in its file, and how many bytes it has.
+pub(crate) fn place_of(column: &ColumnChunkMetaData) -> Option<(u64, usize)> {
+    // A dictionary, where there is one, lies before the data.
+    let first = column.dictionary_page_offset().unwrap_or(i64::MAX).min(column.data_page_offset());
+    Some((u64::try_from(first).ok()?, usize::try_from(column.compressed_size()).ok()?))
+}
+
 /// What the pages of a column chunk claim to unpack to, bytes.
 fn unpacked_length(pages: &[u8]) -> Option<u64> {
     let (mut rest, mut total) = (pages, 0_u64);
     while !rest.is_empty() {
-        let (mut packed, mut unpacked) = (0, 0);
-        let mut walk = Walk { bytes: rest, at: 0 };
-        // In `PageHeader` field 2 is the size unpacked, and 3 the one in the file.
-        walk.fields(0, &mut |walk, field, kind| match (field, kind) {
-            (2, I32) => walk.zigzag().map(|size| unpacked = size),
-            (3, I32) => walk.zigzag().map(|size| packed = size),
-            _ => walk.skip(kind, 0),
-        })?;
-        total = total.saturating_add(u64::try_from(unpacked).ok()?);
-        rest = rest.get(walk.at.checked_add(usize::try_from(packed).ok()?)?..)?;
+        let header = page_header(rest)?;
+        total = total.saturating_add(u64::try_from(header.unpacked).ok()?);
+        rest = header.page_and_rest(rest)?.1;
     }
     Some(total)
+}
+
+/// What the header of a page says, as far as it matters to a column without lists.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct PageHeader {
+    /// Bytes of the header itself.
+    length: usize,
+    /// 0 for data, 2 for a dictionary; others are of later versions.
+    pub(crate) kind: i64,
+    /// Bytes of the page once unpacked.
+    pub(crate) unpacked: i64,
+    /// Bytes of the page in the file.
+    packed: i64,
+    /// How many values it has.
+    pub(crate) values: i64,
+    /// How they are laid out.
+    pub(crate) encoding: i64,
+    /// How it is laid out which of them are null.
+    pub(crate) nulls: i64,
+}
+
+impl PageHeader {
+    /// The page that follows its header at the beginning of `bytes`, and what follows it.
+    pub(crate) fn page_and_rest<'a>(&self, bytes: &'a [u8]) -> Option<(&'a [u8], &'a [u8])> {
+        bytes.get(self.length..)?.split_at_checked(usize::try_from(self.packed).ok()?)
+    }
+}
+
+/// The header that `bytes` begin with.
+pub(crate) fn page_header(bytes: &[u8]) -> Option<PageHeader> {
+    let (mut header, mut walk) = (PageHeader::default(), Walk { bytes, at: 0 });
+    // In `PageHeader` 1 is the kind, 2 the size unpacked, 3 the one in the file, 5 what data has besides,
+    // and 7 what a dictionary has; in both of these 1 is the number of values, and 2 their encoding.
+    walk.fields(0, &mut |walk, field, kind| match (field, kind) {
+        (1, I32) => walk.zigzag().map(|kind| header.kind = kind),
+        (2, I32) => walk.zigzag().map(|size| header.unpacked = size),
+        (3, I32) => walk.zigzag().map(|size| header.packed = size),
+        (5 | 7, STRUCT) => walk.fields(1, &mut |walk, field, kind| match (field, kind) {
+            (1, I32) => walk.zigzag().map(|n| header.values = n),
+            (2, I32) => walk.zigzag().map(|encoding| header.encoding = encoding),
+            (3, I32) => walk.zigzag().map(|encoding| header.nulls = encoding),
+            _ => walk.skip(kind, 1),
+        }),
+        _ => walk.skip(kind, 0),
+    })?;
+    header.length = walk.at;
+    Some(header)
 }
 
 fn footer_of(bytes: &[u8]) -> Option<&[u8]> {

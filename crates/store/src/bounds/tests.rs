@@ -213,7 +213,7 @@ fn a_file_of_ours_with_any_byte_of_its_tail_changed_is_an_error_or_the_same_and_
             let mut bytes = whole.clone();
             bytes[at] ^= 1 << bit;
             memory.put(here, &bytes);
-            if let Ok(file) = crate::read::ParquetFile::open(&memory, here) {
+            if let Ok(file) = crate::opened::ParquetFile::open(&memory, here) {
                 assert_eq!(file.rows, 5);
             }
         }

@@ -46,9 +46,10 @@ pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     let at_the_end = [Signal::ForceEx, Signal::TorqueEx]
         .into_iter()
         .filter_map(|signal| at_the_end(samples, signal));
+    let usual_s = samples.column(Signal::Time).and_then(|t| usual_interval_s(&t));
     let single = [
-        interval(samples),
-        jump(samples),
+        interval(usual_s),
+        jump(samples, usual_s),
         clocks(samples),
         too_far(asked, samples),
         wrapped(asked, samples),
@@ -72,8 +73,8 @@ fn usual_interval_s(t: &[f64]) -> Option<f64> {
     Some(*copy.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-fn interval(samples: &dyn Columns) -> Option<Doubt> {
-    let interval_s = usual_interval_s(&samples.column(Signal::Time)?)?;
+fn interval(usual_s: Option<f64>) -> Option<Doubt> {
+    let interval_s = usual_s?;
     let so = if interval_s > LONGEST_INTERVAL_S {
         "no movement of a hand can be read from that: milliseconds taken for seconds?"
     } else if interval_s < SHORTEST_INTERVAL_S {
@@ -86,9 +87,9 @@ fn interval(samples: &dyn Columns) -> Option<Doubt> {
     Some(Doubt::new(Signal::Time, what, remedy))
 }
 
-fn jump(samples: &dyn Columns) -> Option<Doubt> {
+fn jump(samples: &dyn Columns, usual_s: Option<f64>) -> Option<Doubt> {
     let t = samples.column(Signal::Time)?;
-    let usual_s = usual_interval_s(&t)?;
+    let usual_s = usual_s?;
     let least_s = (JUMP * usual_s).max(LEAST_JUMP_S);
     let row = (1..t.len()).find(|i| t[*i] - t[*i - 1] > least_s)?;
     let what = format!(

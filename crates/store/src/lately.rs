@@ -1,0 +1,203 @@
+//! Trials that were read last, for whoever looks at the same ones next: several jobs of a run look at
+//! the trials of a session one after the other.
+
+use crate::columns::{Columns, Values};
+use crate::open::OpenTrial;
+use crate::read::with_time;
+use crate::seen::Stamp;
+use crate::{Samples, Signal, StoreError, Trial};
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use zwidth_study::{ChannelId, TrialMeta};
+
+/// Bytes of samples that are kept at most (32 MiB): the trials of two sessions of 36 of 4 s at 1 kHz.
+const MOST: usize = 1 << 25;
+
+/// Trials that were read last. A file that changed since is read again.
+#[derive(Debug, Default)]
+pub struct Lately(Mutex<VecDeque<Read>>);
+
+/// A trial as it was read.
+#[derive(Debug, Clone)]
+struct Read {
+    path: PathBuf,
+    stamp: Stamp,
+    meta: TrialMeta,
+    samples: Arc<Samples>,
+    /// What was asked for, which its file may lack.
+    signals: Vec<Signal>,
+    channels: Vec<ChannelId>,
+}
+
+impl Lately {
+    /// [`OpenTrial::open`], from memory where a short one was read lately with all that is asked for.
+    ///
+    /// # Errors
+    /// Those of [`OpenTrial::open`].
+    pub fn open(
+        &self,
+        path: &Path,
+        signals: &[Signal],
+        channels: &[ChannelId],
+    ) -> Result<OpenTrial, StoreError> {
+        self.open_if(Stamp::settled, path, (signals, channels))
+    }
+
+    /// `stamp_of` tells one state of a file from any other.
+    fn open_if(
+        &self,
+        stamp_of: impl Fn(&Path) -> Option<Stamp>,
+        path: &Path,
+        (signals, channels): (&[Signal], &[ChannelId]),
+    ) -> Result<OpenTrial, StoreError> {
+        let signals = &*with_time(signals.iter().copied());
+        let stamp = stamp_of(path);
+        if let Some(read) = stamp.and_then(|stamp| self.kept(path, stamp, (signals, channels))) {
+            return Ok(OpenTrial::of(read.meta, Shown::new(read.samples, signals, channels)));
+        }
+        let Trial { meta, samples, .. } = match OpenTrial::read(path, signals, channels)? {
+            Ok(trial) => trial,
+            Err(long) => return Ok(long),
+        };
+        let samples = Arc::new(samples);
+        if let Some(stamp) = stamp.filter(|stamp| stamp_of(path) == Some(*stamp)) {
+            self.keep(Read {
+                path: path.to_owned(),
+                stamp,
+                meta: meta.clone(),
+                samples: samples.clone(),
+                signals: signals.to_vec(),
+                channels: channels.to_vec(),
+            });
+        }
+        Ok(OpenTrial::of(meta, Shown::new(samples, signals, channels)))
+    }
+
+    fn kept(
+        &self,
+        path: &Path,
+        stamp: Stamp,
+        (signals, channels): (&[Signal], &[ChannelId]),
+    ) -> Option<Read> {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let serves = |read: &&Read| {
+            (read.stamp, read.path.as_path()) == (stamp, path)
+                && signals.iter().all(|signal| read.signals.contains(signal))
+                && channels.iter().all(|channel| read.channels.contains(channel))
+        };
+        kept.iter().find(serves).cloned()
+    }
+
+    fn keep(&self, read: Read) {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.push_front(read);
+        let mut bytes = 0;
+        let fits = kept.iter().take_while(|read| {
+            bytes += size(&read.samples);
+            bytes <= MOST
+        });
+        let fits = fits.count();
+        kept.truncate(fits);
+    }
+}
+
+/// Bytes of samples.
+fn size(samples: &Samples) -> usize {
+    let signals = Signal::all().filter(|signal| samples.get(*signal).is_some()).count();
+    samples.len() * (signals + samples.channels().count()) * size_of::<f64>()
+}
+
+/// Of the samples of a trial what was asked for.
+struct Shown {
+    samples: Arc<Samples>,
+    signals: Vec<Signal>,
+    channels: Vec<ChannelId>,
+}
+
+impl Shown {
+    fn new(samples: Arc<Samples>, signals: &[Signal], channels: &[ChannelId]) -> Self {
+        Self { samples, signals: signals.to_vec(), channels: channels.to_vec() }
+    }
+}
+
+impl Columns for Shown {
+    fn rows(&self) -> usize {
+        self.samples.rows()
+    }
+
+    fn column(&self, signal: Signal) -> Option<Values<'_>> {
+        self.samples.column(signal).filter(|_| self.has(signal))
+    }
+
+    fn has(&self, signal: Signal) -> bool {
+        self.signals.contains(&signal) && self.samples.has(signal)
+    }
+
+    fn channel(&self, name: &str) -> Option<Values<'_>> {
+        let is_shown = self.channels.iter().any(|channel| channel.as_str() == name);
+        Columns::channel(&*self.samples, name).filter(|_| is_shown)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read::tests::written;
+    use std::fs::File;
+    use std::time::SystemTime;
+
+    fn places(trial: &OpenTrial) -> [Option<*const f64>; 3] {
+        [Signal::Time, Signal::Theta, Signal::VoltageMotor]
+            .map(|signal| trial.columns().column(signal).map(|values| values.as_ptr()))
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_trial_is_read_once_for_those_who_ask_for_no_more_and_shows_each_what_it_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let (trial, path) = written(folder.path());
+        let lately = Lately::default();
+        let open = |signals: &[Signal]| lately.open_if(Stamp::at, &path, (signals, &[])).unwrap();
+        let first = open(&[Signal::Theta]);
+        let same = open(&[Signal::Theta, Signal::Time]);
+        assert_eq!(places(&first), [places(&same)[0], places(&same)[1], None], "read once");
+        let more = open(&[Signal::Theta, Signal::VoltageMotor]);
+        assert_ne!(places(&more)[1], places(&first)[1]);
+        let few = open(&[Signal::VoltageMotor]);
+        assert_eq!(places(&few), [places(&more)[0], None, places(&more)[2]], "what it asked for");
+        let theta = more.columns().column(Signal::Theta).unwrap();
+        assert_eq!(Some(&*theta), trial.samples.get(Signal::Theta));
+        assert_eq!((&few.meta, few.columns().rows()), (&trial.meta, 200));
+        // A file that changed is read again, and one that may have changed is not kept.
+        let file = File::options().append(true).open(&path).unwrap();
+        file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
+        assert_ne!(places(&open(&[Signal::VoltageMotor]))[2], places(&more)[2]);
+        let doubtful = Lately::default();
+        doubtful.open_if(|_| None, &path, (&[], &[])).unwrap();
+        assert!(doubtful.0.lock().unwrap().is_empty());
+    }
+
+    #[test]
+    fn no_more_is_kept_than_fits() {
+        let lately = Lately::default();
+        let folder = tempfile::tempdir().unwrap();
+        let (trial, path) = written(folder.path());
+        let Some(stamp) = Stamp::at(&path) else { return };
+        let samples = Arc::new({
+            let mut samples = Samples::default();
+            samples.set(Signal::Time, vec![0.0; MOST / size_of::<f64>() / 3]);
+            samples
+        });
+        for i in 0..5 {
+            let path = PathBuf::from(i.to_string());
+            let (signals, channels, meta) = (Vec::new(), Vec::new(), trial.meta.clone());
+            lately.keep(Read { path, stamp, meta, samples: samples.clone(), signals, channels });
+        }
+        let kept = lately.0.into_inner().unwrap();
+        assert_eq!(
+            kept.iter().map(|read| read.path.to_str().unwrap()).collect::<Vec<_>>(),
+            ["4", "3", "2"]
+        );
+    }
+}

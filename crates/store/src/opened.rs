@@ -1,0 +1,218 @@
+//! A Parquet file of ours, opened strictly: its footer checked, its columns not read yet.
+
+use crate::bounds::{MOST_COLUMN_BYTES, check_footer_in, check_pages_in, check_size};
+use crate::codec::check_codecs;
+use crate::content::Content;
+use crate::memo::Memo;
+use crate::write::{FOOTER_DIGEST, VERSION, footer_digest};
+use crate::{Files, MOST_RECORDING, StoreError};
+use arrow::array::RecordBatch;
+use arrow::compute::concat_batches;
+use arrow::datatypes::SchemaRef;
+use parquet::arrow::arrow_reader::{
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
+};
+use parquet::arrow::{ARROW_SCHEMA_META_KEY, ProjectionMask, parquet_to_arrow_schema};
+use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
+use parquet::schema::types::SchemaDescPtr;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use zwidth_study::Schema;
+
+pub(crate) const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
+/// Rows that are decoded at a time: what a file claims decides no allocation.
+pub(crate) const BATCH_ROWS: usize = 1 << 16;
+
+/// An opened Parquet file of ours: footer checked, columns not read yet.
+pub(crate) struct ParquetFile {
+    pub(crate) path: PathBuf,
+    pub(crate) content: Content,
+    pub(crate) metadata: Arc<ParquetMetaData>,
+    pub(crate) footer: BTreeMap<String, String>,
+    pub(crate) rows: usize,
+}
+
+impl ParquetFile {
+    /// Opens `path`, checks what it claims, its version and its footer's digest.
+    pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
+        let content = files.open(path, MOST_RECORDING);
+        Self::of(path, content.map_err(|e| StoreError::io(path, "read", &e))?)
+    }
+
+    /// The same of what was opened.
+    pub(crate) fn of(path: &Path, content: Content) -> Result<Self, StoreError> {
+        if content.length() == 0 {
+            return Err(StoreError::new(path, "the file is empty", DAMAGED));
+        }
+        check_footer_in(&content).map_err(|why| unreadable(path, DAMAGED, &why))?;
+        let metadata =
+            guarded(path, DAMAGED, || ParquetMetaDataReader::new().parse_and_finish(&content))?;
+        let file_metadata = metadata.file_metadata();
+        let footer: BTreeMap<String, String> = file_metadata
+            .key_value_metadata()
+            .into_iter()
+            .flatten()
+            .map(|kv| (kv.key.clone(), kv.value.clone().unwrap_or_default()))
+            // The writer of Arrow adds it by itself; our digest is without it.
+            .filter(|(key, _)| key != ARROW_SCHEMA_META_KEY)
+            .collect();
+        check_size(path, &metadata, DAMAGED)?;
+        let rows = usize::try_from(file_metadata.num_rows()).unwrap_or(0);
+        version(path, &footer)?;
+        check_codecs(path, &metadata)?;
+        if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
+            let what = "the file is damaged: its footer does not match its digest";
+            return Err(StoreError::new(path, what, DAMAGED));
+        }
+        Ok(Self { path: path.to_owned(), content, metadata: Arc::new(metadata), footer, rows })
+    }
+
+    /// Opens a recording: a file without rows is not one.
+    pub(crate) fn open_recording(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
+        Self::open(files, path)?.recording()
+    }
+
+    pub(crate) fn recording(self) -> Result<Self, StoreError> {
+        if self.rows == 0 {
+            return Err(StoreError::new(&self.path, "the file has 0 rows", DAMAGED));
+        }
+        Ok(self)
+    }
+
+    /// Its columns as Arrow has them, with their types and units.
+    pub(crate) fn columns(&self) -> Result<ArrowReaderMetadata, StoreError> {
+        let options = ArrowReaderOptions::default().with_schema(self.schema()?);
+        guarded(&self.path, DAMAGED, || {
+            ArrowReaderMetadata::try_new(self.metadata.clone(), options)
+        })
+    }
+
+    /// Its columns' names, types and units. The files of a study have one of a few: they are read out
+    /// once for those that a thread opens one after the other.
+    pub(crate) fn schema(&self) -> Result<SchemaRef, StoreError> {
+        type Said = (Option<KeyValue>, SchemaDescPtr);
+        thread_local! {
+            static KNOWN: RefCell<Memo<Said, SchemaRef>> = const { RefCell::new(Memo::new()) };
+        }
+        let of = self.metadata.file_metadata();
+        let mut entries = of.key_value_metadata().into_iter().flatten();
+        let said = entries.find(|entry| entry.key == ARROW_SCHEMA_META_KEY);
+        let columns = of.schema_descr_ptr();
+        let is_it = |known: &Said| known.0.as_ref() == said && known.1 == columns;
+        if let Some(schema) = KNOWN.with_borrow(|known| known.known(is_it)) {
+            return Ok(schema);
+        }
+        let entries = said.map(|entry| vec![entry.clone()]);
+        let schema =
+            guarded(&self.path, DAMAGED, || parquet_to_arrow_schema(&columns, entries.as_ref()))?;
+        let schema = Arc::new(schema);
+        KNOWN.with_borrow_mut(|known| known.keep((said.cloned(), columns), schema.clone()));
+        Ok(schema)
+    }
+
+    /// BLAKE3 of the whole file, hexadecimal.
+    pub(crate) fn blake3(&self) -> Result<String, StoreError> {
+        self.content.blake3().map_err(|e| StoreError::io(&self.path, "read", &e))
+    }
+
+    /// Those of these names, as one batch.
+    pub(crate) fn read(
+        &self,
+        columns: ArrowReaderMetadata,
+        names: &[&str],
+    ) -> Result<RecordBatch, StoreError> {
+        let mut batches = Vec::new();
+        self.check_pages(names, MOST_COLUMN_BYTES)?;
+        let schema =
+            self.each_batch(columns, (names, self.groups()), |batch| batches.push(batch))?;
+        guarded(&self.path, DAMAGED, || Ok(concat_batches(&schema, &batches)?))
+    }
+
+    /// Whether the statistics of a column say that it is null throughout.
+    pub(crate) fn is_said_to_be_null(&self, name: &str) -> bool {
+        let nulls = |group: &parquet::file::metadata::RowGroupMetaData| {
+            let column = group.columns().iter().find(|c| c.column_path().string() == name)?;
+            let nulls = column.statistics()?.null_count_opt()?;
+            Some(i64::try_from(nulls).ok()? == group.num_rows())
+        };
+        self.metadata.row_groups().iter().all(|group| nulls(group) == Some(true))
+    }
+
+    /// Checks that none of the columns of these names unpacks to more than `most` bytes.
+    pub(crate) fn check_pages(&self, names: &[&str], most: u64) -> Result<(), StoreError> {
+        let mask = self.columns_of(names);
+        check_pages_in(&self.content, &self.metadata, most, |place| mask.leaf_included(place))
+            .map(drop)
+            .map_err(|why| unreadable(&self.path, DAMAGED, &why))
+    }
+
+    fn columns_of(&self, names: &[&str]) -> ProjectionMask {
+        let schema = self.metadata.file_metadata().schema_descr();
+        ProjectionMask::columns(schema, names.iter().copied())
+    }
+
+    /// Decodes the columns of these names in some row groups, so many rows at a time.
+    pub(crate) fn each_batch(
+        &self,
+        columns: ArrowReaderMetadata,
+        (names, groups): (&[&str], Range<usize>),
+        mut take: impl FnMut(RecordBatch),
+    ) -> Result<SchemaRef, StoreError> {
+        guarded(&self.path, DAMAGED, || {
+            let builder =
+                ParquetRecordBatchReaderBuilder::new_with_metadata(self.content.clone(), columns);
+            let rows = self.rows.clamp(1, BATCH_ROWS);
+            let builder = builder.with_projection(self.columns_of(names)).with_batch_size(rows);
+            let reader = builder.with_row_groups(groups.collect()).build()?;
+            let schema = arrow::array::RecordBatchReader::schema(&reader);
+            for batch in reader {
+                take(batch?);
+            }
+            Ok(schema)
+        })
+    }
+
+    pub(crate) fn groups(&self) -> Range<usize> {
+        0..self.metadata.num_row_groups()
+    }
+}
+
+/// Runs a decoder on bytes that may be damaged: an error, or a panic of the decoder, is one error
+/// of ours.
+pub fn guarded<T>(
+    path: &Path,
+    remedy: &str,
+    decode: impl FnOnce() -> Result<T, parquet::errors::ParquetError>,
+) -> Result<T, StoreError> {
+    match catch_unwind(AssertUnwindSafe(decode)) {
+        Ok(result) => result.map_err(|e| unreadable(path, remedy, &e.to_string())),
+        Err(_) => Err(unreadable(path, remedy, "the decoder gave up on it")),
+    }
+}
+
+fn unreadable(path: &Path, remedy: &str, why: &str) -> StoreError {
+    StoreError::new(path, format!("not a readable Parquet file: {why}"), remedy)
+}
+
+/// The version that a file says it has, if it is one of a file of ours.
+pub(crate) fn version(
+    path: &Path,
+    footer: &BTreeMap<String, String>,
+) -> Result<Schema, StoreError> {
+    let error = |what: String| {
+        let remedy = "this software reads versions 1 and 2; use `zwidth import` for other files";
+        StoreError::new(path, what, remedy)
+    };
+    let said = footer
+        .get(VERSION)
+        .ok_or_else(|| error("not a zwidth file: no schema version in its footer".to_owned()))?;
+    let known = said.parse().ok().and_then(Schema::from_number);
+    // `+1` and `01` are numbers too, and nothing that we write.
+    known
+        .filter(|schema| schema.number().to_string() == *said)
+        .ok_or_else(|| error(format!("schema version {said} is unknown")))
+}
