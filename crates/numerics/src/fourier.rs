@@ -7,23 +7,27 @@
 //! itself to about 1e-14 of ∫ |y| dt. Plain loops and `libm`, so that it is the same bits on every
 //! processor.
 
-use crate::spectrum::trapezoidal_weights;
 use core::f64::consts::{PI, TAU};
+use std::borrow::Cow;
+use std::sync::OnceLock;
 
 /// Cells to either side of a sample that its Gaussian reaches: e^(−π · 12 · 7/8) = 5e-15 is left
 /// out.
 const REACH: usize = 12;
+/// Cells that are added to side by side, so that a compiler can keep them in one register.
+const LANES: usize = 4;
+/// Samples whose exponentials are taken one after the other.
+const AT_ONCE: usize = 256;
 /// Cells a period of the highest frequency, at least: half of that is by how much finer the grid is
 /// than it must be.
 const FINENESS: usize = 8;
-/// The frequencies are those of this many transforms of a sixteenth of the grid's length: a signal
-/// that fills no more than a sixteenth of it, as one that is padded with zeros 16 times, then needs
-/// no more memory than itself.
+/// The frequencies are those of so many transforms, at most, of a sixteenth of the grid's length: a
+/// signal that fills no more than a sixteenth of it, as one that is padded with zeros 16 times, then
+/// needs no more memory than itself.
 const PARTS: usize = 16;
 
 /// |Y|² with Y(f) = ∫ y e^(−2πift) dt by the trapezoidal rule, at the `count` frequencies f = k `step_hz` from 0 on; unit of
-/// `y` squared times s². As [`crate::spectrum::squared_fourier`] within 1e-13 of (∫ |y| dt)², in n
-/// log n. `t` in s, increasing, as long as `y`.
+/// `y` squared times s². The sum itself within 1e-13 of (∫ |y| dt)², in n log n. `t` in s, increasing, as long as `y`.
 pub fn squared_fourier_from_zero(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
     Spread::of(t, y.iter().copied(), step_hz, count).squared()
 }
@@ -48,12 +52,12 @@ impl Spread {
 
     /// |Y|² at its frequencies.
     pub(crate) fn squared(self) -> Vec<f64> {
-        let length = self.gaussian.length;
-        let turns = turns(length / PARTS);
-        let mut power = vec![0.0; self.count];
-        for part in 0..PARTS.min(self.count) {
-            let spectrum = transform(folded(&self.grid, part, length), &turns);
-            for (power, [re, im]) in power[part..].iter_mut().step_by(PARTS).zip(spectrum) {
+        let (length, mut power) = (self.gaussian.length, vec![0.0; self.count]);
+        let parts = (length / self.grid.len()).next_power_of_two().min(PARTS);
+        let turns = turns(length / parts);
+        for part in 0..parts.min(self.count) {
+            let spectrum = transform(folded(&self.grid, part, (length, parts)), &turns);
+            for (power, [re, im]) in power[part..].iter_mut().step_by(parts).zip(spectrum) {
                 *power = re * re + im * im;
             }
         }
@@ -69,7 +73,7 @@ struct Gaussian {
     /// what other frequencies leak are then equally small.
     a: f64,
     /// Its values at whole cells, from −(reach − 1) to reach.
-    at_cells: Vec<f64>,
+    at_cells: [[f64; LANES]; 2 * REACH / LANES],
     /// Cells of the whole grid.
     length: usize,
 }
@@ -78,8 +82,9 @@ impl Gaussian {
     fn new(length: usize, count: usize) -> Self {
         let finer = length as f64 / (2 * count) as f64;
         let a = PI * (finer - 0.5) / (finer * REACH as f64);
-        let at = |i: usize| libm::exp(-a * square(i as f64 - (REACH - 1) as f64));
-        Self { a, at_cells: (0..2 * REACH).map(at).collect(), length }
+        let at = |i: usize| libm::exp(-a * square_of(i as f64 - (REACH - 1) as f64));
+        let at_cells = std::array::from_fn(|i| std::array::from_fn(|lane| at(LANES * i + lane)));
+        Self { a, at_cells, length }
     }
 
     /// Σ yⱼ wⱼ e^(−a (l − uⱼ)²) at each cell l, from as far before the first sample as it reaches
@@ -88,19 +93,43 @@ impl Gaussian {
         let start = t.first().copied().unwrap_or(0.0);
         let last = t.last().map_or(0.0, |last| (last - start) * cells_a_s);
         let mut grid = vec![0.0; last as usize + 2 * REACH];
-        for ((t, y), weight) in t.iter().zip(y).zip(trapezoidal_weights(t)) {
-            let at = (t - start) * cells_a_s;
-            let off = at - at.floor();
-            // e^(−a (l − d)²) = e^(−a d²) (e^(2ad))^l e^(−a l²): two exponentials a sample.
-            let ratio = libm::exp(2.0 * self.a * off);
-            let first = -self.a * off * (off + 2.0 * (REACH - 1) as f64);
-            let mut value = y * weight * libm::exp(first);
-            for (cell, fixed) in grid.iter_mut().skip(at as usize).zip(&self.at_cells) {
-                *cell += value * fixed;
-                value *= ratio;
+        let mut samples = t.iter().zip(y).zip(trapezoidal_weights(t));
+        let mut some = Vec::with_capacity(AT_ONCE.min(t.len()));
+        loop {
+            some.clear();
+            some.extend(samples.by_ref().take(AT_ONCE).map(|((t, y), weight)| {
+                let at = (t - start) * cells_a_s;
+                (at as usize, at - at.floor(), y * weight)
+            }));
+            if some.is_empty() {
+                return grid;
+            }
+            // e^(−a (l − d)²) = e^(−a d²) (e^(2ad))^l e^(−a l²): two exponentials a sample, of many of them
+            // one after the other, and then products alone.
+            let exps: Vec<[f64; 2]> = some.iter().map(|(_, off, _)| self.exps(*off)).collect();
+            for ((cell, _, value), [first, ratio]) in some.iter().zip(exps) {
+                let two = ratio * ratio;
+                let (mut values, next) = ([1.0, ratio, two, two * ratio], two * two);
+                values.iter_mut().for_each(|v| *v *= value * first);
+                let cells = grid.get_mut(*cell..).unwrap_or_default().as_chunks_mut::<LANES>().0;
+                for (cells, fixed) in cells.iter_mut().zip(&self.at_cells) {
+                    for lane in 0..LANES {
+                        cells[lane] += values[lane] * fixed[lane];
+                        values[lane] *= next;
+                    }
+                }
             }
         }
-        grid
+    }
+
+    /// e^(−a d²) (e^(−2ad))^(reach − 1), what the first cell's is, and e^(2ad), by which the next one's is
+    /// larger; d from 0 to 1.
+    fn exps(&self, off: f64) -> [f64; 2] {
+        let [square, turn] = small_exps([-self.a * off * off, -2.0 * self.a * off]);
+        let (two, first) = (turn * turn, square * turn);
+        let eight = square_of(square_of(two));
+        // REACH − 1 is 8 + 2 + 1.
+        [first * two * eight, turn.recip()]
     }
 
     /// What undoes the Gaussian in the square of the `k`-th frequency: (a/π) e^(ω²/2a), ω = 2πk /
@@ -111,16 +140,21 @@ impl Gaussian {
     }
 }
 
-/// What the transform of a [`PARTS`]th of the grid's `length` has to be taken of, so that it gives
-/// the frequencies `part`, `part` + 16, …: each cell turned by its phase, and those a transform's
+/// What the transform of one of `parts` of the grid's `length` has to be taken of, so that it gives
+/// the frequencies `part`, `part` + `parts`, …: each cell turned by its phase, and those a transform's
 /// length apart together.
-fn folded(grid: &[f64], part: usize, length: usize) -> Vec<[f64; 2]> {
-    let folded_length = length / PARTS;
+fn folded(grid: &[f64], part: usize, (length, parts): (usize, usize)) -> Vec<[f64; 2]> {
+    let folded_length = length / parts;
+    let half = if length <= KEPT { turns(length) } else { Cow::Borrowed(&[][..]) };
+    let turn = |at: usize| match (half.get(at), half.get(at.wrapping_sub(length / 2))) {
+        (Some(turn), _) => *turn,
+        (_, Some([cos, sin])) => [-cos, -sin],
+        _ => turn(at, length),
+    };
     let mut folded = vec![[0.0; 2]; folded_length];
     for (round, cells) in grid.chunks(folded_length).enumerate() {
         for (i, (sum, cell)) in folded.iter_mut().zip(cells).enumerate() {
-            let at = (round * folded_length + i) * part % length;
-            let (sin, cos) = libm::sincos(-TAU * (at as f64 / length as f64));
+            let [cos, sin] = turn((round * folded_length + i) * part % length);
             sum[0] += cell * cos;
             sum[1] += cell * sin;
         }
@@ -128,10 +162,25 @@ fn folded(grid: &[f64], part: usize, length: usize) -> Vec<[f64; 2]> {
     folded
 }
 
+/// Turns of transforms up to this length are kept: 1 MiB.
+const KEPT: usize = 1 << 16;
+
 /// e^(−2πij/n) for the first half of a turn, `n` a power of two.
-pub(crate) fn turns(n: usize) -> Vec<[f64; 2]> {
-    let turn = |j: usize| libm::sincos(-TAU * (j as f64 / n as f64));
-    (0..n / 2).map(turn).map(|(sin, cos)| [cos, sin]).collect()
+pub(crate) fn turns(n: usize) -> Cow<'static, [[f64; 2]]> {
+    type Turns = OnceLock<Vec<[f64; 2]>>;
+    static TABLES: [Turns; KEPT.ilog2() as usize + 1] =
+        [const { OnceLock::new() }; KEPT.ilog2() as usize + 1];
+    let made = || (0..n / 2).map(|j| turn(j, n)).collect();
+    match n.checked_ilog2().and_then(|power| TABLES.get(power as usize)) {
+        Some(table) => Cow::Borrowed(table.get_or_init(made)),
+        None => Cow::Owned(made()),
+    }
+}
+
+/// e^(−2πij/n).
+fn turn(j: usize, n: usize) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(-TAU * (j as f64 / n as f64));
+    [cos, sin]
 }
 
 /// Σ zⱼ e^(−2πijk/n) for each k: Cooley & Tukey's transform (1965, Math. Comp. 19:297) of a power
@@ -139,7 +188,11 @@ pub(crate) fn turns(n: usize) -> Vec<[f64; 2]> {
 pub(crate) fn transform(mut z: Vec<[f64; 2]>, turns: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let n = z.len();
     reverse_bits(&mut z);
-    let mut half = 1;
+    // The first round turns nothing.
+    for [a, b] in z.as_chunks_mut::<2>().0 {
+        (*a, *b) = ([a[0] + b[0], a[1] + b[1]], [a[0] - b[0], a[1] - b[1]]);
+    }
+    let mut half = 2;
     while half < n {
         for block in z.chunks_mut(2 * half) {
             let (low, high) = block.split_at_mut(half);
@@ -166,14 +219,46 @@ fn reverse_bits(z: &mut [[f64; 2]]) {
     }
 }
 
-fn square(x: f64) -> f64 {
+fn square_of(x: f64) -> f64 {
     x * x
+}
+
+/// What each sample counts in ∫ y dt: half of the interval to either side.
+fn trapezoidal_weights(t: &[f64]) -> impl Iterator<Item = f64> {
+    let last = t.len().saturating_sub(1);
+    (0..t.len()).map(move |i| (t[(i + 1).min(last)] - t[i.saturating_sub(1)]) / 2.0)
+}
+
+/// [`squared_fourier_from_zero`] by the sum itself, frequency by frequency.
+#[cfg(test)]
+pub(crate) fn squared_fourier(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
+    let weighted: Vec<f64> = trapezoidal_weights(t).zip(y).map(|(weight, y)| weight * y).collect();
+    // |Y|² does not depend on where time begins, and small angles keep their digits.
+    let start = t.first().copied().unwrap_or(0.0);
+    let at = |k: usize| {
+        let turned = t.iter().zip(&weighted).map(|(t, y)| {
+            let (sin, cos) = libm::sincos(-TAU * step_hz * k as f64 * (t - start));
+            [y * cos, y * sin]
+        });
+        let [re, im] = turned.fold([0.0; 2], |[a, b], [re, im]| [a + re, b + im]);
+        re * re + im * im
+    };
+    (0..count).map(at).collect()
+}
+
+/// e^x of two small numbers, from −π/6 to 0, side by side: its series up to the term that is below
+/// 1e-16, and so within two units of the last place.
+fn small_exps(x: [f64; 2]) -> [f64; 2] {
+    const TERMS: i32 = 14;
+    (1..=TERMS).rev().fold([1.0; 2], |sum, n| {
+        let share = f64::from(n).recip();
+        [1.0 + x[0] * share * sum[0], 1.0 + x[1] * share * sum[1]]
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::squared_fourier;
 
     /// Uneven times about 1/200 s apart, and a signal with slow, fast and random parts.
     fn signal(n: u32) -> (Vec<f64>, Vec<f64>) {
@@ -195,13 +280,25 @@ mod tests {
         {
             let (t, y) = signal(n);
             let absolute: Vec<f64> = y.iter().map(|y| y.abs()).collect();
-            let scale = squared_fourier(&t, &absolute, step_hz, 0, 1)[0];
-            let direct = squared_fourier(&t, &y, step_hz, 0, count);
+            let scale = squared_fourier(&t, &absolute, step_hz, 1)[0];
+            let direct = squared_fourier(&t, &y, step_hz, count);
             let found = squared_fourier_from_zero(&t, &y, step_hz, count);
             assert_eq!(found.len(), count);
             for (k, (found, direct)) in found.iter().zip(direct).enumerate() {
                 assert!((found - direct).abs() < 1e-13 * scale, "{n}, {k}: {found}, {direct}");
             }
+        }
+    }
+
+    /// The box of 1 s: |Y|² = (sin πf / πf)²; the trapezoidal rule is within (πfh)² / 3 of it.
+    #[test]
+    fn the_spectrum_of_a_box_is_a_sinc() {
+        let t: Vec<f64> = (0..=1000).map(|i| f64::from(i) / 1000.0).collect();
+        let found = squared_fourier_from_zero(&t, &vec![1.0; t.len()], 0.25, 20);
+        assert!((found[0] - 1.0).abs() < 1e-12);
+        for (k, found) in found.iter().enumerate().skip(1) {
+            let x = PI * 0.25 * k as f64;
+            assert!((found - square_of(libm::sin(x) / x)).abs() < 1e-4);
         }
     }
 
@@ -215,9 +312,9 @@ mod tests {
         for (k, found) in found.iter().enumerate().skip(1) {
             let f = 1e-4 * k as f64;
             let kernel = libm::sin(PI * f64::from(n) * f) / libm::sin(PI * f);
-            let expect = square(kernel - libm::cos(PI * f64::from(n - 1) * f));
+            let expect = square_of(kernel - libm::cos(PI * f64::from(n - 1) * f));
             assert!(
-                (found - expect).abs() < 1e-13 * square(f64::from(n)),
+                (found - expect).abs() < 1e-13 * square_of(f64::from(n)),
                 "{k}: {found}, {expect}"
             );
         }

@@ -24,37 +24,166 @@ pub struct Derivatives {
 /// Unequal lengths.
 pub fn derivatives(t: &[f64], y: &[f64], half: f64) -> Result<Derivatives, NumericsError> {
     same_length("y", t.len(), y.len())?;
-    let (first, second) = (0..t.len()).map(|i| derivatives_at(t, y, half, i)).unzip();
+    let mut derivator = Derivator::new(t, y, half);
+    let (first, second) = (0..t.len()).map(|i| derivator.at(i)).unzip();
     Ok(Derivatives { first, second })
 }
 
 /// [`derivatives`] at sample `i` alone: dy/dt and d²y/dt². `t` and `y` are of one length, and `i` is
 /// one of them.
-pub fn derivatives_at(t: &[f64], y: &[f64], half: f64, i: usize) -> (f64, f64) {
+fn derivatives_at(t: &[f64], y: &[f64], half: f64, i: usize) -> (f64, f64) {
     let before = t[..i].iter().rev().take_while(|at| **at >= t[i] - half).count();
     let after = t[i..].iter().take_while(|at| **at <= t[i] + half).count();
-    let low = i - before.max(LEAST_BESIDE.min(i));
-    let high = (i + after).max((i + LEAST_BESIDE + 1).min(t.len()));
+    let (low, high) = neighbourhood(i, (i - before, i + after), t.len());
     let [slope, bend] = parabola(&t[low..high], &y[low..high], i - low);
     (slope, 2.0 * bend)
 }
 
+/// A neighbourhood with two samples to either side at least, where the signal has them.
+fn neighbourhood(i: usize, (low, high): (usize, usize), samples: usize) -> (usize, usize) {
+    (low.min(i.saturating_sub(LEAST_BESIDE)), high.max((i + LEAST_BESIDE + 1).min(samples)))
+}
+
+/// [`derivatives`] at single samples, which may be asked for in any order. Those of samples that are
+/// near each other share their sums: neighbourhoods overlap, and the powers of their times are added
+/// up once, about one origin, for every few samples.
+pub struct Derivator<'a> {
+    t: &'a [f64],
+    y: &'a [f64],
+    half: f64,
+    stretch: Option<Stretch>,
+}
+
+/// Samples whose neighbourhoods share their sums: about as long as one of these of 1 kHz.
+const STRETCH: usize = 32;
+
+/// Sums about one origin over the neighbourhoods of a stretch of samples.
+#[derive(Default)]
+struct Stretch {
+    number: usize,
+    /// The first sample that is in a neighbourhood.
+    first: usize,
+    origin: (f64, f64),
+    /// Σ x, x², x³, x⁴, y, x y, x² y of the samples before each, from `first` on.
+    sums: Vec<[f64; 7]>,
+    /// Whether the samples are so dense that the sums keep their digits about another origin.
+    is_dense: bool,
+    /// What was found at each already.
+    found: [Option<(f64, f64)>; STRETCH],
+}
+
+impl<'a> Derivator<'a> {
+    /// Of `y` at the times `t`, of one length.
+    pub fn new(t: &'a [f64], y: &'a [f64], half: f64) -> Self {
+        Self { t, y, half, stretch: None }
+    }
+
+    /// dy/dt and d²y/dt² at sample `i`, one of those that are there.
+    pub fn at(&mut self, i: usize) -> (f64, f64) {
+        let number = i / STRETCH;
+        if self.stretch.as_ref().is_none_or(|stretch| stretch.number != number) {
+            let room = self.stretch.take().unwrap_or_default().sums;
+            self.stretch = Some(self.begun(number, room));
+        }
+        let found = self.stretch.as_ref().and_then(|stretch| {
+            stretch.found[i % STRETCH]
+                .or_else(|| stretch.is_dense.then(|| self.by_sums(stretch, i)))
+        });
+        let found = found.unwrap_or_else(|| derivatives_at(self.t, self.y, self.half, i));
+        if let Some(stretch) = &mut self.stretch {
+            stretch.found[i % STRETCH] = Some(found);
+        }
+        found
+    }
+
+    fn begun(&self, number: usize, mut sums: Vec<[f64; 7]>) -> Stretch {
+        let from = number * STRETCH;
+        let to = (from + STRETCH).min(self.t.len());
+        let is_dense = self.t[to - 1] - self.t[from] <= 2.0 * self.half && to - from > 1;
+        let middle = from + (to - from) / 2;
+        let origin = (self.t[middle], self.y[middle]);
+        let all = (0, self.t.len());
+        let (first, last) = (self.window(from, all).0, self.window(to - 1, all).1);
+        sums.clear();
+        if is_dense {
+            let scale = self.half.recip();
+            let mut sum = [0.0; 7];
+            sums.push(sum);
+            sums.extend(self.t[first..last].iter().zip(&self.y[first..last]).map(|(t, y)| {
+                let (x, y) = ((t - origin.0) * scale, y - origin.1);
+                let (xx, xy) = (x * x, x * y);
+                let terms = [x, xx, x * xx, xx * xx, y, xy, x * xy];
+                sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+                sum
+            }));
+        }
+        Stretch { number, first, origin, sums, is_dense, found: [None; STRETCH] }
+    }
+
+    /// From which sample to which (exclusive) the neighbourhood of `i` goes, which is sought among
+    /// these.
+    fn window(&self, i: usize, (first, last): (usize, usize)) -> (usize, usize) {
+        let (from, to) = (self.t[i] - self.half, self.t[i] + self.half);
+        let low = first + self.t[first..i].partition_point(|t| *t < from);
+        let high = i + self.t[i..last].partition_point(|t| *t <= to);
+        neighbourhood(i, (low, high), self.t.len())
+    }
+
+    fn by_sums(&self, stretch: &Stretch, i: usize) -> (f64, f64) {
+        let last = stretch.first + stretch.sums.len() - 1;
+        let (low, high) = self.window(i, (stretch.first, last));
+        let (before, until) =
+            (stretch.sums[low - stretch.first], stretch.sums[high - stretch.first]);
+        let [s1, s2, s3, s4, m0, m1, m2] = std::array::from_fn(|k| until[k] - before[k]);
+        let (n, scale) = ((high - low) as f64, self.half.recip());
+        // About the sample itself: x − d for x, and y − e for y.
+        let d = (self.t[i] - stretch.origin.0) * scale;
+        let e = self.y[i] - stretch.origin.1;
+        let about = [
+            n,
+            s1 - d * n,
+            s2 - d * (2.0 * s1 - d * n),
+            s3 - d * (3.0 * s2 - d * (3.0 * s1 - d * n)),
+            s4 - d * (4.0 * s3 - d * (6.0 * s2 - d * (4.0 * s1 - d * n))),
+        ];
+        let moments =
+            [m0 - e * n, m1 - d * m0 - e * about[1], m2 - d * (2.0 * m1 - d * m0) - e * about[2]];
+        let [slope, bend] = solved(about, moments);
+        (slope * scale, 2.0 * bend * scale * scale)
+    }
+}
+
+/// Samples that are added up side by side, so that a compiler can keep them in one register.
+const LANES: usize = 4;
+
 /// Slope, and half of the second derivative, of the parabola by least squares through samples, at
 /// the one in the `middle`.
 fn parabola(t: &[f64], y: &[f64], middle: usize) -> [f64; 2] {
-    let reach = t.iter().map(|at| (at - t[middle]).abs()).fold(0.0, f64::max);
+    let (t0, y0) = (t[middle], y[middle]);
+    let reach = (t0 - t[0]).max(t[t.len() - 1] - t0);
     let scale = reach.recip();
     if t.len() < 3 || !scale.is_finite() {
         return [0.0; 2];
     }
-    let (mut sums, mut moments) = ([0.0; 5], [0.0; 3]);
-    for (at, value) in t.iter().zip(y) {
-        let x = (at - t[middle]) * scale;
-        let powers = [1.0, x, x * x, x * x * x, x * x * x * x];
-        sums.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power);
-        moments.iter_mut().zip(powers).for_each(|(m, power)| *m += power * (value - y[middle]));
-    }
-    let [slope, bend] = solved(sums, moments);
+    // x, x², x³, x⁴, then y, x y, x² y.
+    let mut sums = [[0.0; LANES]; 7];
+    let mut add = |t: &[f64; LANES], y: &[f64; LANES]| {
+        for lane in 0..LANES {
+            let (x, y) = ((t[lane] - t0) * scale, y[lane] - y0);
+            let (xx, xy) = (x * x, x * y);
+            let terms = [x, xx, x * xx, xx * xx, y, xy, x * xy];
+            (0..terms.len()).for_each(|i| sums[i][lane] += terms[i]);
+        }
+    };
+    let ((t_whole, t_rest), (y_whole, y_rest)) = (t.as_chunks::<LANES>(), y.as_chunks::<LANES>());
+    t_whole.iter().zip(y_whole).for_each(|(t, y)| add(t, y));
+    // What fills the last ones up lies in the middle: it adds 0.
+    let (mut t_last, mut y_last) = ([t0; LANES], [y0; LANES]);
+    t_last[..t_rest.len()].copy_from_slice(t_rest);
+    y_last[..y_rest.len()].copy_from_slice(y_rest);
+    add(&t_last, &y_last);
+    let [s1, s2, s3, s4, m0, m1, m2] = sums.map(|[a, b, c, d]| (a + b) + (c + d));
+    let [slope, bend] = solved([t.len() as f64, s1, s2, s3, s4], [m0, m1, m2]);
     [slope * scale, bend * scale * scale]
 }
 
@@ -96,6 +225,25 @@ mod tests {
         for (i, t) in t.iter().enumerate().take(1970).skip(30) {
             assert!((found.first[i] - 3.0 * libm::cos(3.0 * t)).abs() < 0.01);
             assert!((found.second[i] + 9.0 * libm::sin(3.0 * t)).abs() < 0.6);
+        }
+    }
+
+    /// In any order, and with gaps in the clock.
+    #[test]
+    fn samples_that_share_their_sums_have_the_derivatives_of_their_own_parabolas() {
+        let jitter = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 20) * 1e-7;
+        let gap = |i: u32| if i > 900 { 0.4 } else { 0.0 } + if i > 1500 { 0.03 } else { 0.0 };
+        for step_s in [1e-3, 3e-4, 1.0 / 120.0] {
+            let t: Vec<f64> =
+                (0..3000).map(|i| 3.0 + f64::from(i) * step_s + jitter(i) + gap(i)).collect();
+            let y: Vec<f64> =
+                t.iter().zip(0..).map(|(t, i)| libm::sin(7.0 * t) + jitter(i)).collect();
+            let mut derivator = Derivator::new(&t, &y, 0.025);
+            for i in (0..3000).map(|i| i * 1009 % 3000).chain(0..3000).chain((0..3000).rev()) {
+                let (found, expect) = (derivator.at(i), derivatives_at(&t, &y, 0.025, i));
+                assert!((found.0 - expect.0).abs() < 1e-10, "{step_s}, {i}: {found:?}, {expect:?}");
+                assert!((found.1 - expect.1).abs() < 1e-8, "{step_s}, {i}: {found:?}, {expect:?}");
+            }
         }
     }
 

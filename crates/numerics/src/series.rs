@@ -25,9 +25,16 @@ pub fn interpolate_by(
         let middle = after + (end - after) / 2;
         if t(middle) < at { after = middle + 1 } else { end = middle }
     }
-    if after >= samples {
-        return None;
-    }
+    (after < samples).then(|| interpolated(t, y, at, after)).flatten()
+}
+
+/// The polyline's value at `at`, of which `after` is the first sample that is not before it.
+fn interpolated(
+    t: impl Fn(usize) -> f64,
+    y: impl Fn(usize) -> f64,
+    at: f64,
+    after: usize,
+) -> Option<f64> {
     let (t1, y1) = (t(after), y(after));
     if t1 <= at {
         // A sample's own time: arithmetic would blur its value.
@@ -38,9 +45,24 @@ pub fn interpolate_by(
     Some(y0 + (at - t0) / (t1 - t0) * (y1 - y0))
 }
 
-/// [`interpolate`] at every point of `grid`, in its order.
+/// [`interpolate`] at every point of `grid`, in its order; the fewer samples lie between a point and
+/// the next, the less it takes.
 pub fn interpolate_all(t: &[f64], y: &[f64], grid: &[f64]) -> Vec<Option<f64>> {
-    grid.iter().map(|&at| interpolate(t, y, at)).collect()
+    // From a point to the next, this far.
+    const STEPS: usize = 8;
+    let (samples, mut after) = (t.len().min(y.len()), 0);
+    let value = |&at: &f64| {
+        let is_ahead = after == 0 || t[after - 1] < at;
+        after = if is_ahead { after } else { 0 };
+        // The first sample that is not before the point: nearby, or by halving what is left.
+        let near = t[after..samples].iter().take(STEPS).take_while(|t| **t < at).count();
+        after += near;
+        if near == STEPS {
+            after += t[after..samples].partition_point(|t| *t < at);
+        }
+        (after < samples).then(|| interpolated(|i| t[i], |i| y[i], at, after)).flatten()
+    };
+    grid.iter().map(value).collect()
 }
 
 /// ∫ y dt by the trapezoidal rule, unit of `y` times unit of `t`; 0 for fewer than two samples.
@@ -118,6 +140,10 @@ mod tests {
             assert_eq!(interpolate(&T, &y, at), expected);
         }
         assert_eq!(interpolate_all(&T, &y, &[-1e-9, 3.6, f64::NAN]), [None, None, None]);
+        let many: Vec<f64> = (0..100).map(f64::from).collect();
+        let grid = [3.5, 3.6, 90.0, 90.25, f64::NAN, 2.0, 99.0, 99.1, -1.0, 0.0, 50.5, 49.0];
+        let one_by_one = grid.map(|at| interpolate(&many, &many, at));
+        assert_eq!(interpolate_all(&many, &many, &grid), one_by_one);
         assert_eq!(interpolate(&[], &[], 0.0), None);
         assert_eq!(interpolate(&[1.0], &[7.0], 1.0), Some(7.0));
     }

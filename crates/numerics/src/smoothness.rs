@@ -76,7 +76,7 @@ fn arc_length(power: Vec<f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::squared_fourier;
+    use crate::fourier::squared_fourier;
     use core::f64::consts::TAU;
 
     /// Speed of a minimum-jerk way from 0 to 1 in unit time.
@@ -129,7 +129,7 @@ mod tests {
     fn term_by_term(t: &[f64], speed: &[f64]) -> f64 {
         let n = t.len();
         let step_hz = (n - 1) as f64 / (t[n - 1] - t[0]) / (PADDING * n.next_power_of_two()) as f64;
-        let power = squared_fourier(t, speed, step_hz, 0, (CUTOFF_HZ / step_hz) as usize + 1);
+        let power = squared_fourier(t, speed, step_hz, (CUTOFF_HZ / step_hz) as usize + 1);
         -arc_length(power).unwrap()
     }
 

@@ -1,14 +1,12 @@
-//! Spectra of sampled signals whose samples need not be even, by the Fourier integral itself.
+//! What a sampled signal does in a band of frequencies; its samples need not be even.
 //!
-//! ∫ y e^(−2πift) dt by the trapezoidal rule at the recorded times: no resampling. The few
-//! frequencies of a band need no fast transform, and a plain loop gives the same bits on every
-//! processor. For many frequencies of a long signal there is [`crate::fourier`].
+//! By the Fourier integral ∫ y e^(−2πift) dt at the recorded times ([`crate::fourier`]): no
+//! resampling.
 
-use core::f64::consts::TAU;
+use crate::fourier::squared_fourier_from_zero;
+use core::f64::consts::PI;
 use rayon::prelude::*;
 
-/// Samples that are turned side by side, so that a compiler can keep them in one register.
-const LANES: usize = 4;
 /// Length of a segment of [`band_power`], s: its bins are 1 Hz wide.
 const SEGMENT_S: f64 = 1.0;
 /// Segments overlap by at least half, so that the window's weights add up nearly evenly (Welch
@@ -20,53 +18,6 @@ const AT_ONCE: usize = 256;
 const FEWEST: usize = 64;
 /// ∫ w² dt of the Hann window over a segment of 1 s.
 const HANN_POWER_S: f64 = 3.0 / 8.0;
-
-/// |Y(f)|² with Y(f) = ∫ y e^(−2πift) dt at the `count` frequencies f = (`first` + k) `step_hz`; unit of `y` squared
-/// times s². `t` in s, increasing, as long as `y`. Cost: `count` complex products a sample.
-pub fn squared_fourier(t: &[f64], y: &[f64], step_hz: f64, first: usize, count: usize) -> Vec<f64> {
-    let mut sums = vec![[[0.0; LANES]; 2]; count];
-    let weighted: Vec<f64> = trapezoidal_weights(t).zip(y).map(|(weight, y)| weight * y).collect();
-    // |Y|² does not depend on where time begins, and small angles keep their digits.
-    let start = t.first().copied().unwrap_or(0.0);
-    for (t, y) in t.chunks(LANES).zip(weighted.chunks(LANES)) {
-        let (mut now, mut turn) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2]);
-        for (lane, (t, y)) in t.iter().zip(y).enumerate() {
-            let angle = -TAU * step_hz * (t - start);
-            let (sin, cos) = libm::sincos(angle * first as f64);
-            (now[0][lane], now[1][lane]) = (y * cos, y * sin);
-            (turn[1][lane], turn[0][lane]) = libm::sincos(angle);
-        }
-        for sum in &mut sums {
-            add_and_turn(sum, &mut now, &turn);
-        }
-    }
-    sums.iter().map(|[re, im]| square(re.iter().sum()) + square(im.iter().sum())).collect()
-}
-
-/// sum ← sum + now, now ← now · turn: complex numbers, lane by lane.
-fn add_and_turn(
-    sum: &mut [[f64; LANES]; 2],
-    now: &mut [[f64; LANES]; 2],
-    turn: &[[f64; LANES]; 2],
-) {
-    for lane in 0..LANES {
-        let (re, im) = (now[0][lane], now[1][lane]);
-        sum[0][lane] += re;
-        sum[1][lane] += im;
-        now[0][lane] = re * turn[0][lane] - im * turn[1][lane];
-        now[1][lane] = re * turn[1][lane] + im * turn[0][lane];
-    }
-}
-
-fn square(x: f64) -> f64 {
-    x * x
-}
-
-/// What each sample counts in ∫ y dt: half of the interval to either side.
-pub(crate) fn trapezoidal_weights(t: &[f64]) -> impl Iterator<Item = f64> {
-    let last = t.len().saturating_sub(1);
-    (0..t.len()).map(move |i| (t[(i + 1).min(last)] - t[i.saturating_sub(1)]) / 2.0)
-}
 
 /// What a signal does in a band of frequencies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,7 +81,8 @@ fn mean_periodogram(t: &[f64], y: &[f64], first: usize, count: usize) -> Option<
         let begin = t.partition_point(|t| *t < from);
         let end = t.partition_point(|t| *t <= from + SEGMENT_S);
         let windowed = windowed(&t[begin..end], &y[begin..end], from);
-        squared_fourier(&t[begin..end], &windowed, SEGMENT_S.recip(), first, count)
+        let bins = first + count;
+        squared_fourier_from_zero(&t[begin..end], &windowed, SEGMENT_S.recip(), bins)
     };
     let scale = 2.0 / (HANN_POWER_S * SEGMENT_S * (hops + 1.0));
     let (mut mean, segments) = (vec![0.0; count], hops as usize + 1);
@@ -139,7 +91,8 @@ fn mean_periodogram(t: &[f64], y: &[f64], first: usize, count: usize) -> Option<
         let some = (begin..segments.min(begin + AT_ONCE)).into_par_iter().with_min_len(FEWEST);
         let some: Vec<Vec<f64>> = some.map(squares).collect();
         for squares in some {
-            mean.iter_mut().zip(squares).for_each(|(mean, square)| *mean += scale * square);
+            let squares = mean.iter_mut().zip(&squares[first..]);
+            squares.for_each(|(mean, square)| *mean += scale * square);
         }
     }
     Some(mean)
@@ -155,9 +108,17 @@ fn windowed(t: &[f64], y: &[f64], from: f64) -> Vec<f64> {
     centred().zip(t).map(|((t0, y0), &t)| (y0 - slope * t0) * hann(t - from)).collect()
 }
 
-/// The Hann window of a segment, `after_s` its beginning: 0 at both ends, 1 in the middle.
+/// The Hann window of a segment, `after_s` its beginning: 0 at both ends, 1 in the middle. It is
+/// cos²(πu), u from −½ to ½, and its cosine the series of it up to the term that is below 1e-17.
 fn hann(after_s: f64) -> f64 {
-    0.5 - 0.5 * libm::cos(TAU * after_s / SEGMENT_S)
+    const TERMS: i32 = 11;
+    let x = PI * (after_s / SEGMENT_S - 0.5);
+    let xx = x * x;
+    let cos = (1..=TERMS).rev().fold(1.0, |sum, n| {
+        let share = f64::from(2 * n * (2 * n - 1)).recip();
+        1.0 - xx * share * sum
+    });
+    cos * cos
 }
 
 /// How far a tone lies from its highest bin `k`, in bins: with r the amplitude of the higher
@@ -178,22 +139,18 @@ mod tests {
     }
 
     fn tone(t: &[f64], amplitude: f64, hz: f64) -> Vec<f64> {
-        t.iter().map(|t| amplitude * libm::sin(TAU * hz * t + 0.3)).collect()
+        t.iter().map(|t| amplitude * libm::sin(core::f64::consts::TAU * hz * t + 0.3)).collect()
     }
 
     fn check(found: f64, expect: f64, tolerance: f64) {
         assert!((found - expect).abs() < tolerance, "{found} against {expect}");
     }
 
-    /// The box of 1 s: |Y|² = (sin πf / πf)²; the trapezoidal rule is within (πfh)² / 3 of it.
     #[test]
-    fn the_spectrum_of_a_box_is_a_sinc() {
-        let t = times(1000.0, 1.0);
-        let found = squared_fourier(&t, &vec![1.0; t.len()], 0.25, 0, 20);
-        check(found[0], 1.0, 1e-12);
-        for (k, found) in found.iter().enumerate().skip(1) {
-            let x = core::f64::consts::PI * 0.25 * k as f64;
-            check(*found, square(libm::sin(x) / x), 1e-4);
+    fn the_window_is_that_of_hann() {
+        for i in 0..=1000 {
+            let u = f64::from(i) / 1000.0;
+            check(hann(u), 0.5 - 0.5 * libm::cos(core::f64::consts::TAU * u), 5e-16);
         }
     }
 

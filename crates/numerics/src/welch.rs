@@ -55,7 +55,7 @@ impl CrossSpectra {
         (length.is_power_of_two() && length >= LEAST && rate_hz > 0.0).then(|| Self {
             rate_hz,
             window: (0..length).map(hann).collect(),
-            turns: turns(length),
+            turns: turns(length).into_owned(),
             segments: 0,
             spread: 0.0,
             xx: vec![0.0; bins],

@@ -6,9 +6,7 @@ use crate::energy::HALF_S;
 use crate::gap::Gap;
 use crate::signals::Signals;
 use crate::{MetricsError, Plant};
-use std::cell::RefCell;
-use std::collections::HashMap;
-use zwidth_numerics::local::derivatives_at;
+use zwidth_numerics::local::Derivator;
 use zwidth_numerics::phases::Phases;
 use zwidth_stats::interval::{Estimate, t_interval};
 use zwidth_study::Analysis;
@@ -66,16 +64,12 @@ pub(crate) fn actuator_discrepancy(
     let Some(branches) = Branches::of(&theta, phases, analysis.grid_points) else {
         return Ok(ActuatorDiscrepancy::default());
     };
-    let gap = |y: &dyn Fn(usize) -> f64| branches.gap(|i| while_held(y, i, theta.len()));
-    let user = gap(&|i| force[i]);
+    let [user] = branches.gaps(|i| while_held(|i| [force[i]], i, theta.len()));
     drop(force);
     let t = signals.t()?;
-    // Neighbouring angles of the grid lie between the same samples, and both derivatives come at once.
-    let found = RefCell::new(HashMap::new());
-    let motion = |i: usize| {
-        *found.borrow_mut().entry(i).or_insert_with(|| derivatives_at(&t, &theta, HALF_S, i))
-    };
-    let (slower, later) = (gap(&|i| motion(i).0), gap(&|i| motion(i).1));
+    let mut motion = Derivator::new(&t, &theta, HALF_S);
+    let mut motion = |i: usize| <[f64; 2]>::from(motion.at(i));
+    let [slower, later] = branches.gaps(|i| while_held(&mut motion, i, theta.len()));
     let (inertia, damping) = (plant.mass_kg * lever_m, plant.damping_ns_per_rad);
     let of_plant = |i: usize| inertia * later[i] + damping * slower[i] + 2.0 * plant.friction_n;
     let d: Vec<f64> = (0..user.len()).map(|i| user[i] - of_plant(i)).collect();
@@ -105,8 +99,13 @@ pub(crate) fn actuator_discrepancy(
 
 /// A sample's mean over the time to the next, in which its command is held; of the last of so many
 /// its own value.
-fn while_held(y: &dyn Fn(usize) -> f64, i: usize, samples: usize) -> f64 {
-    if i + 1 == samples { y(i) } else { (y(i) + y(i + 1)) / 2.0 }
+fn while_held<const N: usize>(
+    mut y: impl FnMut(usize) -> [f64; N],
+    i: usize,
+    samples: usize,
+) -> [f64; N] {
+    let (now, next) = (y(i), y((i + 1).min(samples - 1)));
+    std::array::from_fn(|j| (now[j] + next[j]) / 2.0)
 }
 
 /// The interval of `centre` by the scatter of its line and by what is not known of the plant, whose

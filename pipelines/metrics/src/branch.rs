@@ -2,7 +2,6 @@
 
 use std::ops::RangeInclusive;
 use zwidth_numerics::phases::Phases;
-use zwidth_numerics::series::interpolate_by;
 
 /// The two branches, and evenly spaced angles that both of them reach.
 pub(crate) struct Branches<'a> {
@@ -60,21 +59,46 @@ impl<'a> Branches<'a> {
         Some(Self { theta, grid, forward, backward })
     }
 
-    /// What each branch has of `y`, that of each sample, on the grid: by linear interpolation, so
-    /// that it is asked for at the samples beside an angle of the grid alone.
-    pub(crate) fn on_grid(&self, y: impl Fn(usize) -> f64) -> [Vec<f64>; 2] {
+    /// What each branch has of `y`, quantities of each sample, on the grid: by linear interpolation, so
+    /// that they are asked for at the samples beside an angle of the grid alone, in their order and
+    /// seldom twice.
+    pub(crate) fn on_grid<const N: usize>(
+        &self,
+        mut y: impl FnMut(usize) -> [f64; N],
+    ) -> [Vec<[f64; N]>; 2] {
         [&self.forward, &self.backward].map(|branch| {
             let theta = |k: usize| at(self.theta, branch[k]);
-            let y = |k: usize| y(branch[k] as usize);
-            let within = |angle: &f64| interpolate_by(branch.len(), theta, y, *angle);
-            self.grid.iter().filter_map(within).collect()
+            // The first sample that is not before the angle, what is there, and what is before it.
+            let (mut k, mut here, mut before) = (0, y(branch[0] as usize), None);
+            let mut found = Vec::with_capacity(self.grid.len());
+            for angle in &self.grid {
+                let from = k;
+                while k + 1 < branch.len() && theta(k) < *angle {
+                    k += 1;
+                }
+                if k > from {
+                    let is_next = k == from + 1;
+                    before = Some(if is_next { here } else { y(branch[k - 1] as usize) });
+                    here = y(branch[k] as usize);
+                }
+                found.push(match before {
+                    // A sample's own angle: arithmetic would blur its value.
+                    Some(before) if theta(k) > *angle => {
+                        let share = (angle - theta(k - 1)) / (theta(k) - theta(k - 1));
+                        std::array::from_fn(|j| before[j] + share * (here[j] - before[j]))
+                    }
+                    _ => here,
+                });
+            }
+            found
         })
     }
 
-    /// By how much `y` of the compression exceeds that of the decompression, on the grid.
-    pub(crate) fn gap(&self, y: impl Fn(usize) -> f64) -> Vec<f64> {
+    /// By how much each of the quantities `y` of the compression exceeds that of the decompression, on
+    /// the grid.
+    pub(crate) fn gaps<const N: usize>(&self, y: impl FnMut(usize) -> [f64; N]) -> [Vec<f64>; N] {
         let [forward, backward] = self.on_grid(y);
-        forward.iter().zip(&backward).map(|(f, b)| f - b).collect()
+        std::array::from_fn(|j| forward.iter().zip(&backward).map(|(f, b)| f[j] - b[j]).collect())
     }
 }
 
@@ -101,7 +125,7 @@ mod tests {
         let phases = Phases { onset: 0, reversal: 5, end: 8 };
         let found = Branches::of(&theta, phases, 4).unwrap();
         assert_eq!(found.grid, [0.0, 0.5, 1.0, 1.5]);
-        let [forward, backward] = found.on_grid(|i| force[i]);
+        let [forward, backward] = found.on_grid(|i| [force[i]]).map(|branch| branch.concat());
         assert_eq!(forward, [0.0, 0.5, 1.0, 1.5]);
         let expect = [-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0];
         assert!(backward.iter().zip(expect).all(|(f, e)| (f - e).abs() < 1e-15));
@@ -116,7 +140,7 @@ mod tests {
         let phases = Phases { onset: 0, reversal: 2, end: 7 };
         let found = Branches::of(&theta, phases, 20).unwrap();
         assert_eq!(found.grid.last(), Some(&1.9));
-        let [_, backward] = found.on_grid(|i| force[i]);
+        let [_, backward] = found.on_grid(|i| [force[i]]).map(|branch| branch.concat());
         assert!(backward.iter().all(|force| (force - 2.0).abs() < 1e-12), "{backward:?}");
     }
 

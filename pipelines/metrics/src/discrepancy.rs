@@ -74,7 +74,7 @@ pub(crate) fn discrepancy(
         return Ok(Discrepancy::default());
     };
     let area = loop_area(&theta[onset..=end], &force[onset..=end])?;
-    let d = branches.gap(|i| force[i]);
+    let [d] = branches.gaps(|i| [force[i]]);
     let gap = Gap::new(branches.grid, d, theta[reversal]);
     let (mean, line) = (gap.mean()?, gap.line_in_the_middle(level)?);
     let mean_interval = around(mean, line, 1.0, level)?;

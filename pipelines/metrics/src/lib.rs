@@ -75,11 +75,11 @@ pub use table::{join_plant, plant_table, table};
 pub use wall::WallContact;
 
 use signals::Signals;
-use zwidth_store::Recorded;
+use zwidth_store::{Recorded, Signal};
 use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 13;
+pub const VERSION: u32 = 14;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,6 +106,19 @@ pub struct TrialMetrics {
     /// What happened when.
     pub events: Vec<TrialEvent>,
 }
+
+/// The signals that [`trial_metrics`] looks at; currents and references are channels.
+pub const SIGNALS: [Signal; 9] = [
+    Signal::Time,
+    Signal::Theta,
+    Signal::ThetaDot,
+    Signal::ForceEx,
+    Signal::VoltageMotor,
+    Signal::VoltageBrake,
+    Signal::ForceAge,
+    Signal::ForceCmd,
+    Signal::StateBits,
+];
 
 /// The metrics of `trial`.
 ///
@@ -145,7 +158,7 @@ mod tests {
     use crate::testing::{REST_RAD, at_wall, in_spring, stroke, trial};
     use std::cell::RefCell;
     use std::sync::{Arc, Weak};
-    use zwidth_store::{Columns, Samples, Signal, Values};
+    use zwidth_store::{Columns, Samples, Values};
     use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
 
     #[test]
@@ -222,10 +235,12 @@ mod tests {
         }
 
         fn column(&self, signal: Signal) -> Option<Values<'_>> {
+            assert!(SIGNALS.contains(&signal), "{signal:?} is not among the signals read");
             self.lend(self.samples.column(signal))
         }
 
         fn has(&self, signal: Signal) -> bool {
+            assert!(SIGNALS.contains(&signal), "{signal:?} is not among the signals read");
             self.samples.has(signal)
         }
 

@@ -53,7 +53,10 @@ fn within(theta: &[f64], (low, high): (f64, f64), before: Sorted, at_once: usize
             });
             found = within(theta, ends, found, at_once);
         } else {
-            some.sort_unstable_by(f64::total_cmp);
+            // A lever at rest has one angle for long, and on its way they are in order: this sort takes them
+            // as they come.
+            some.dedup_by_key(|theta| theta.to_bits());
+            some.sort_by(f64::total_cmp);
             found = some.into_iter().fold(found, Sorted::with);
         }
     }

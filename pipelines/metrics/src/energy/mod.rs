@@ -5,7 +5,7 @@ use crate::compliance::range;
 use crate::resolution::resolution_rad;
 use crate::signals::Signals;
 use crate::wall::{Contact, REBOUND_SHARE, contacts};
-use zwidth_numerics::local::derivatives_at;
+use zwidth_numerics::local::Derivator;
 use zwidth_numerics::zigzag::{Leg, zigzag};
 
 /// θ̇ and θ̈ are those of a parabola through the angles of this time to either side, s: long
@@ -72,7 +72,8 @@ pub(crate) fn energy_observer(
     };
     // How fast the lever is, by time and angle, before the work, by angle and force.
     let t = signals.t()?;
-    let motion = Motion { t: &t, theta: &theta };
+    let derivator = Derivator::new(&t, &theta, HALF_S);
+    let mut motion = Motion { t: &t, theta: &theta, derivator };
     let at_wall: Option<Vec<Exchange>> = wall_rad
         .map(|wall| contacts(&theta, wall).iter().map(|c| motion.of_contact(c, wall)).collect());
     let closed = loops(&theta, REBOUND_SHARE * range(&theta));
@@ -156,28 +157,30 @@ struct Exchange {
 struct Motion<'a> {
     t: &'a [f64],
     theta: &'a [f64],
+    derivator: Derivator<'a>,
 }
 
 impl Motion<'_> {
-    fn speed_rad_s(&self, i: usize) -> f64 {
-        derivatives_at(self.t, self.theta, HALF_S, i).0
+    fn speed_rad_s(&mut self, i: usize) -> f64 {
+        self.derivator.at(i).0
     }
 
     /// A place that is passed at the speed there.
-    fn passed(&self, at: Place) -> Passed {
+    fn passed(&mut self, at: Place) -> Passed {
         let here = self.speed_rad_s(at.i);
         let next = self.speed_rad_s((at.i + 1).min(self.t.len() - 1));
         Passed { at, speed_rad_s: here + at.share * (next - here) }
     }
 
-    fn of_contact(&self, contact: &Contact, wall: f64) -> Exchange {
+    fn of_contact(&mut self, contact: &Contact, wall: f64) -> Exchange {
         let last = self.theta.len() - 1;
         let from = match contact.first.checked_sub(1) {
             Some(before) => crossing(self.theta, before, wall),
             None => Place::sample(0),
         };
         let (began_s, end) = (from.of(self.t), contact.last);
-        let before = (0..=from.i).rev().take_while(|i| self.t[*i] >= began_s - HALF_S);
+        let t = self.t;
+        let before = (0..=from.i).rev().take_while(|i| t[*i] >= began_s - HALF_S);
         let fastest = before.map(|i| self.speed_rad_s(i).abs()).fold(0.0, f64::max);
         let left = (end < last).then(|| {
             let at = crossing(self.theta, end, wall);
@@ -193,7 +196,7 @@ impl Motion<'_> {
         }
     }
 
-    fn of_loop(&self, closed: &[Place; 2]) -> Exchange {
+    fn of_loop(&mut self, closed: &[Place; 2]) -> Exchange {
         let [from, to] = closed.map(|at| self.passed(at));
         let last = (to.at.i + 1).min(self.theta.len() - 1);
         Exchange { from, samples: (0, Vec::new()), to: Some(to), last }
