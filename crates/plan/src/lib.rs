@@ -65,12 +65,13 @@ use zwidth_store::{Findings, StudyData};
 pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     let of_data: [fn(&StudyData) -> Vec<Job>; 13] = [
         characterise::jobs,
+        // Before the metrics, of which some rest on it: those of a session are then made together.
+        identify::jobs,
         metrics::jobs,
         average::jobs,
         freemotion::jobs,
         ladder::jobs,
         replay::jobs,
-        identify::jobs,
         courses::jobs,
         runs::jobs,
         likert::jobs,

@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::Parameters;
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
-use zwidth_store::{Asked, Layout, OpenTrial, Signal, StoreError, StudyData, check_samples};
+use zwidth_store::{Asked, Layout, OpenTrial, StoreError, StudyData, check_samples};
 use zwidth_study::Condition;
 use zwidth_tables::{NoteKind, Table};
 
@@ -61,11 +61,15 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     if repeats.is_empty() {
         return Vec::new();
     }
-    let mut jobs: Vec<Job> = repeats.iter().map(|r| condition_job(data, r)).collect();
     let plant = known_plant(data);
-    let (of_sessions, tables): (Vec<Job>, Vec<PathBuf>) =
-        by_session(&repeats).map(|session| plant_job(data, session, plant.clone())).unzip();
-    jobs.extend(of_sessions);
+    let (mut jobs, mut tables) = (Vec::new(), Vec::new());
+    // Those of a session follow each other: they look at the same trials.
+    for session in by_session(&repeats) {
+        jobs.extend(session.iter().map(|r| condition_job(data, r)));
+        let (job, table) = plant_job(data, session, plant.clone());
+        jobs.push(job);
+        tables.push(table);
+    }
     jobs.push(study_job(data, tables));
     jobs
 }
@@ -130,11 +134,12 @@ fn make_with_plant(
         None => None,
     };
     let of_condition = |(of, trials): (&OfTrials<Parameters>, &Vec<PathBuf>)| {
-        let (rows, _) = of_each((trials, &of.trials), &zwidth_metrics::PLANT_SIGNALS, |trial| {
+        let signals = &zwidth_metrics::PLANT_SIGNALS;
+        of_each(making.trials, (trials, &of.trials), signals, |trial| {
             let row = zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref());
             row.map_err(|e| e.to_string())
-        });
-        rows
+        })
+        .0
     };
     let rows: Vec<_> = conditions.par_iter().zip(trials).flat_map_iter(of_condition).collect();
     write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
@@ -145,8 +150,8 @@ fn make_condition(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let signals: Vec<Signal> = Signal::all().collect();
-    let (made, problems) = of_each((files, &of.trials), &signals, |trial| {
+    let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
+    let (made, problems) = of_each(making.trials, (files, &of.trials), &signals, |trial| {
         let row = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
         Ok((
             row.map_err(|e| format!("{}: {e}", name(&trial.meta))),

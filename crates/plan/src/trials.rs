@@ -4,7 +4,9 @@ use crate::making::split;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zwidth_store::{OpenTrial, Signal, StoreError, Trial, TrialEntry, read_thinned, read_trial};
+use zwidth_store::{
+    Lately, OpenTrial, Signal, StoreError, Trial, TrialEntry, read_thinned, read_trial,
+};
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, ChannelId, ModeId, REFERENCE, TrialMeta};
 
 /// What the session knows of a trial beside its file: of an unsealed one, whose file has a code,
@@ -43,6 +45,11 @@ impl Known {
     /// A trial with what is known of it.
     fn names(&self, trial: Trial) -> Trial {
         Trial { meta: self.named(trial.meta), ..trial }
+    }
+
+    fn of_open(&self, mut trial: OpenTrial) -> OpenTrial {
+        trial.meta = self.named(trial.meta);
+        trial
     }
 
     fn named(&self, meta: TrialMeta) -> TrialMeta {
@@ -86,6 +93,7 @@ pub(crate) fn read_drawn(
 /// columns that it looks at. Channels that metrics read are there where the files have them. What
 /// cannot be read, and why `make` made nothing, is told.
 pub(crate) fn of_each<T: Send>(
+    lately: &Lately,
     (files, known): (&[PathBuf], &[Known]),
     signals: &[Signal],
     make: impl Fn(&OpenTrial) -> Result<T, String> + Sync,
@@ -94,7 +102,8 @@ pub(crate) fn of_each<T: Send>(
     let channels: Vec<ChannelId> =
         names.into_iter().filter_map(|name| ChannelId::new(name).ok()).collect();
     let each = files.par_iter().zip(known).map(|(file, known)| {
-        let trial = opened(file, known, signals, &channels).map_err(|e| e.to_string())?;
+        let trial = lately.open(file, signals, &channels).map_err(|e| e.to_string())?;
+        let trial = known.of_open(trial);
         let made = make(&trial);
         // Whatever was made without a column that could not be read is void.
         trial.columns().failure().map_or(made, |error| Err(error.to_string()))
@@ -105,18 +114,10 @@ pub(crate) fn of_each<T: Send>(
 /// The trials, opened, one after the other: of long ones no column is read yet.
 pub(crate) fn open_all(files: &[PathBuf], known: &[Known]) -> (Vec<OpenTrial>, Vec<String>) {
     let all: Vec<Signal> = Signal::all().collect();
-    split(files.par_iter().zip(known).map(|(file, known)| opened(file, known, &all, &[])).collect())
-}
-
-fn opened(
-    file: &Path,
-    known: &Known,
-    signals: &[Signal],
-    channels: &[ChannelId],
-) -> Result<OpenTrial, StoreError> {
-    let mut trial = OpenTrial::open(file, signals, channels)?;
-    trial.meta = known.named(trial.meta);
-    Ok(trial)
+    let open = |(file, known): (&PathBuf, &Known)| {
+        Ok::<_, StoreError>(known.of_open(OpenTrial::open(file, &all, &[])?))
+    };
+    split(files.par_iter().zip(known).map(open).collect())
 }
 
 fn read_one(

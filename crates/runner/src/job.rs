@@ -4,7 +4,7 @@ use crate::Provenance;
 use serde::Serialize;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use zwidth_store::hex_blake3;
+use zwidth_store::{Lately, hex_blake3};
 
 /// What a job's function can fail with.
 pub type JobError = Box<dyn Error + Send + Sync>;
@@ -87,6 +87,8 @@ pub struct Making<'m> {
     pub outputs: &'m [PathBuf],
     /// The folder that holds the data: results do not depend on where it lies.
     pub root: &'m Path,
+    /// Trials that other jobs of the run read last.
+    pub trials: &'m Lately,
 }
 
 /// A text without the folder that holds the data in it, so that results have the same bytes
@@ -234,7 +236,8 @@ mod tests {
         let map: std::collections::BTreeMap<(u8, u8), u8> = [((1, 2), 3)].into();
         let job = job(map);
         let (from, root) = (Provenance::new(), Path::new(""));
-        let error = (job.make)(&Making { from: &from, outputs: &[], root }).unwrap_err();
+        let making = Making { from: &from, outputs: &[], root, trials: &Lately::default() };
+        let error = (job.make)(&making).unwrap_err();
         assert!(error.to_string().contains("its parameters cannot be written"), "{error}");
     }
 

@@ -14,7 +14,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-use zwidth_store::{StoreError, hex_blake3};
+use zwidth_store::{Lately, StoreError, hex_blake3};
 
 mod options;
 
@@ -89,10 +89,11 @@ pub fn run(
     // A shard that has nothing to make says so, too.
     board.unsaved = !remarks.is_empty() || options.shard.is_some();
     let (hashes, board) = (Hashes::seen(&options.known, options.seen.clone()), Mutex::new(board));
-    let run = Run { jobs, before, results, options, done, hashes, board };
-    for begun in [Board::ready, Board::in_a_circle] {
-        let begun = begun(&mut run.board());
-        rayon::scope_fifo(|scope| begun.into_iter().for_each(|i| run.spawn(scope, i)));
+    let trials = Lately::default();
+    let run = Run { jobs, before, results, options, done, hashes, trials, board };
+    for begin in [Board::waiting_for_none, Board::in_a_circle] {
+        let ready = begin(&mut run.board());
+        rayon::scope(|scope| run.spawn(scope, ready));
     }
     let (before, board) = (run.before, run.board);
     let Board { mut records, mut unsaved, reports, stayed, disk, .. } =
@@ -170,6 +171,8 @@ struct Board<'j> {
     /// For each job how many others it waits for; `None` once it was begun, or if nobody asked for
     /// it.
     waits: Vec<Option<usize>>,
+    /// Those that wait for nothing but a core.
+    ready: BTreeSet<usize>,
     /// Which jobs read much.
     large: Vec<bool>,
     /// Whether one of these runs.
@@ -199,6 +202,7 @@ impl Board<'_> {
             reports: jobs.iter().map(|_| None).collect(),
             readers,
             waits: (0..jobs.len()).map(|i| wanted[i].then(|| waits_for(i))).collect(),
+            ready: BTreeSet::new(),
             large: read_much(jobs),
             large_runs: false,
             held: VecDeque::new(),
@@ -233,7 +237,7 @@ impl Board<'_> {
     }
 
     /// Jobs that wait for nothing, from now on begun.
-    fn ready(&mut self) -> Vec<usize> {
+    fn waiting_for_none(&mut self) -> Vec<usize> {
         self.begin(|waits| waits == 0)
     }
 
@@ -283,6 +287,7 @@ struct Run<'j> {
     options: &'j Options,
     done: &'j (dyn Fn(&Report) + Sync),
     hashes: Hashes,
+    trials: Lately,
     board: Mutex<Board<'j>>,
 }
 
@@ -291,9 +296,17 @@ impl<'j> Run<'j> {
         self.board.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Runs a job, and then those that it was the last to make ready.
-    fn spawn<'s>(&'s self, scope: &rayon::ScopeFifo<'s>, i: usize) {
-        scope.spawn_fifo(move |scope| {
+    /// Runs jobs that are ready, and then those that each was the last to make ready; of all that are
+    /// ready the one that is planned first, for jobs that look at the same are planned together.
+    fn spawn<'s>(&'s self, scope: &rayon::Scope<'s>, ready: Vec<usize>) {
+        let n = ready.len();
+        self.board().ready.extend(ready);
+        (0..n).for_each(|_| self.spawn_one(scope));
+    }
+
+    fn spawn_one<'s>(&'s self, scope: &rayon::Scope<'s>) {
+        scope.spawn(move |scope| {
+            let Some(i) = self.board().ready.pop_first() else { return };
             let begun = Instant::now();
             let mut result = self.one(&self.jobs[i]);
             result.iter_mut().for_each(|(report, _)| report.took = begun.elapsed());
@@ -307,7 +320,7 @@ impl<'j> Run<'j> {
             }
             let next = board.after(i);
             drop(board);
-            next.into_iter().for_each(|next| self.spawn(scope, next));
+            self.spawn(scope, next);
         });
     }
 
@@ -382,7 +395,7 @@ impl<'j> Run<'j> {
             true => Provenance::new(),
             false => provenance(&job.name, &record),
         };
-        let making = Making { from: &from, outputs: &job.outputs, root };
+        let making = Making { from: &from, outputs: &job.outputs, root, trials: &self.trials };
         Ok(match make(job, &making, self.results)? {
             Err(error) => (without(JobEnd::Failed(error)), None),
             Ok(made) => {
