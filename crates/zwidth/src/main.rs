@@ -17,6 +17,11 @@ use exit::Exit;
 use std::path::Path;
 use std::process::ExitCode;
 
+/// Tables of a hundred columns and the columns of trials come and go on every core: with the system's
+/// allocator a run of a large study takes a seventh longer.
+#[global_allocator]
+static MEMORY: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> ExitCode {
     // A decoder's panic on a damaged file is caught and told as an error of that file; its own
     // words would only confuse.
