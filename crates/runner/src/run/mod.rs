@@ -171,8 +171,8 @@ struct Board<'j> {
     /// For each job how many others it waits for; `None` once it was begun, or if nobody asked for
     /// it.
     waits: Vec<Option<usize>>,
-    /// Those that wait for nothing but a core.
-    ready: BTreeSet<usize>,
+    /// Those that wait for nothing but a core, and before each whether it reads little.
+    ready: BTreeSet<(bool, usize)>,
     /// Which jobs read much.
     large: Vec<bool>,
     /// Whether one of these runs.
@@ -296,17 +296,22 @@ impl<'j> Run<'j> {
         self.board.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Runs jobs that are ready, and then those that each was the last to make ready; of all that are
-    /// ready the one that is planned first, for jobs that look at the same are planned together.
+    /// Runs jobs that are ready, and then those that each was the last to make ready. Of all that are
+    /// ready those that read much begin first, because they run one at a time and all others can run
+    /// beside them; then the one that is planned first, for jobs that look at the same are planned
+    /// together.
     fn spawn<'s>(&'s self, scope: &rayon::Scope<'s>, ready: Vec<usize>) {
-        let n = ready.len();
-        self.board().ready.extend(ready);
-        (0..n).for_each(|_| self.spawn_one(scope));
+        let mut board = self.board();
+        for i in ready {
+            let is_small = !board.large[i];
+            board.ready.insert((is_small, i));
+            self.spawn_one(scope);
+        }
     }
 
     fn spawn_one<'s>(&'s self, scope: &rayon::Scope<'s>) {
         scope.spawn(move |scope| {
-            let Some(i) = self.board().ready.pop_first() else { return };
+            let Some((_, i)) = self.board().ready.pop_first() else { return };
             let begun = Instant::now();
             let mut result = self.one(&self.jobs[i]);
             result.iter_mut().for_each(|(report, _)| report.took = begun.elapsed());
