@@ -4,8 +4,8 @@ use crate::conditions::{Repeats, Session, sessions};
 use crate::drawing::{Drawing, Figured};
 use crate::trials::{Known, MOST_DRAWN, describe_trials, files, read_drawn};
 use crate::{
-    average, characterise, compare, design, freemotion, ladder, likert_figures, metrics,
-    replay_figures, scenes, schematics, trade,
+    average, characterise, compare, design, freemotion, ladder, likert_figures, replay_figures,
+    scenes, schematics, trade,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -146,7 +146,6 @@ struct Recorded {
 #[derive(Clone)]
 struct Files {
     trials: Vec<PathBuf>,
-    metrics: Vec<PathBuf>,
     /// Against time.
     averages: Vec<PathBuf>,
     /// Against position; empty where they are the same.
@@ -155,7 +154,7 @@ struct Files {
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        [self.trials.as_slice(), &self.metrics, &self.averages, &self.loops].concat()
+        [self.trials.as_slice(), &self.averages, &self.loops].concat()
     }
 }
 
@@ -187,7 +186,6 @@ fn recorded(
     };
     let files = Files {
         trials: files(trials),
-        metrics: conditions.iter().map(|r| metrics::of_condition(&data.layout, r)).collect(),
         averages: averages(over_time),
         loops: if over_time == over_position { Vec::new() } else { averages(over_position) },
     };
@@ -250,10 +248,6 @@ fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError>
     let found = found(files, recorded);
     let columns = zwidth_figures::average_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-    let mut metrics = Vec::new();
-    for path in &files.metrics {
-        metrics.push(Table::columns_from_parquet(path, &zwidth_figures::METRICS_COLUMNS)?);
-    }
     let read = |paths: &[PathBuf]| -> Result<BTreeMap<ModeId, Table>, JobError> {
         let of_modes = recorded.averaged.iter().zip(paths);
         let table = |path| Table::columns_from_parquet(path, &columns);
@@ -262,8 +256,8 @@ fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError>
     let over_position = (!files.loops.is_empty()).then(|| read(&files.loops)).transpose()?;
     let averages = Averages { over_time: read(&files.averages)?, over_position };
     let Recorded { about, environment, who, alignments, average: (parameters, _), .. } = recorded;
-    let about = (about, environment, who.as_str(), *alignments);
-    let loaded = Loaded::new(about, trials, &metrics, averages, |trials| {
+    let about = (about, environment, who.as_str(), *alignments, &parameters.analysis);
+    let loaded = Loaded::new(about, trials, averages, |trials| {
         zwidth_average::times_s(trials, parameters, alignments.over_time).ok()
     })?;
     Ok(Read { loaded, problems, found, thinned })

@@ -1,7 +1,6 @@
-//! Stage `metrics`: one table for each condition of a session, then one for the whole study. A
-//! changed trial leaves the tables of the other conditions as they are, and so the figures that
-//! take their onsets from them. Metrics that need the identified plant are in a table of their own
-//! for each session, because `identify` depends on every trial. The study's table has both kinds.
+//! Stage `metrics`: one table for each session, and one of what happened in its trials; then one
+//! table for the whole study. Metrics that need the identified plant are in a table of their own for
+//! each session, because `identify` depends on every trial. The study's table has both kinds.
 
 use crate::conditions::{Repeats, is_any, repeats};
 use crate::identify::{known_plant, plant_with_spread};
@@ -10,7 +9,7 @@ use crate::trials::{OfTrials, files, name, of_each};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zwidth_metrics::Parameters;
+use zwidth_metrics::{Parameters, TrialMetrics};
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
 use zwidth_store::{Asked, Layout, OpenTrial, StoreError, StudyData, check_samples};
 use zwidth_study::Condition;
@@ -18,14 +17,14 @@ use zwidth_tables::{NoteKind, Table};
 
 const STAGE: Stage = Stage { name: "metrics", version: zwidth_metrics::VERSION };
 
-/// The metrics of a condition, `metrics/P01.S01.spring.hybrid.parquet`.
-pub(crate) fn of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
-    derived(layout, format!("metrics/{}.parquet", repeats.key))
+/// The metrics of a session that need nothing but its trials, `metrics/P01.S01.parquet`.
+fn of_session(layout: &Layout, session: &str) -> PathBuf {
+    derived(layout, format!("metrics/{session}.parquet"))
 }
 
-/// What happened in a condition's trials, `metrics/P01.S01.spring.hybrid.events.parquet`.
-pub(crate) fn events_of(layout: &Layout, repeats: &Repeats) -> PathBuf {
-    derived(layout, format!("metrics/{}.events.parquet", repeats.key))
+/// What happened in the trials of the session of these conditions, `metrics/P01.S01.events.parquet`.
+pub(crate) fn events_of(layout: &Layout, session: &[Repeats]) -> PathBuf {
+    derived(layout, format!("metrics/{}.events.parquet", key(session)))
 }
 
 /// Those of a session that rest on the plant, `metrics/P01.S01.plant.parquet`.
@@ -33,9 +32,9 @@ fn with_plant(layout: &Layout, session: &str) -> PathBuf {
     derived(layout, format!("metrics/{session}.plant.parquet"))
 }
 
-/// The metrics of every condition that has trials.
-pub(crate) fn of_conditions(data: &StudyData) -> Vec<PathBuf> {
-    repeats(data).iter().map(|repeats| of_condition(&data.layout, repeats)).collect()
+/// The metrics of every session that has trials.
+pub(crate) fn of_sessions(data: &StudyData) -> Vec<PathBuf> {
+    by_session(&repeats(data)).map(|session| of_session(&data.layout, &key(session))).collect()
 }
 
 /// The metrics of the study, where it has trials.
@@ -48,7 +47,7 @@ pub(crate) fn study_files(layout: &Layout) -> [PathBuf; 2] {
     ["metrics.parquet", "conditions.parquet"].map(|name| derived(layout, name))
 }
 
-/// What the table of a condition depends on besides its trials.
+/// What the metrics of a condition depend on besides its trials.
 #[derive(Serialize)]
 struct OfCondition {
     #[serde(flatten)]
@@ -62,15 +61,13 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         return Vec::new();
     }
     let plant = known_plant(data);
-    let (mut jobs, mut tables) = (Vec::new(), Vec::new());
-    // Those of a session follow each other: they look at the same trials.
-    for session in by_session(&repeats) {
-        jobs.extend(session.iter().map(|r| condition_job(data, r)));
-        let (job, table) = plant_job(data, session, plant.clone());
-        jobs.push(job);
-        tables.push(table);
-    }
-    jobs.push(study_job(data, tables));
+    // The two of a session follow each other: they look at the same trials.
+    let of_session =
+        |session| [session_job(data, session), plant_job(data, session, plant.clone())];
+    let mut jobs: Vec<Job> = by_session(&repeats).flat_map(of_session).collect();
+    let plain = of_sessions(data);
+    let plant = by_session(&repeats).map(|session| with_plant(&data.layout, &key(session)));
+    jobs.push(study_job(data, plain, plant.collect()));
     jobs
 }
 
@@ -79,45 +76,52 @@ fn by_session<'r, 'a>(repeats: &'r [Repeats<'a>]) -> impl Iterator<Item = &'r [R
     repeats.chunk_by(|a, b| a.trials[0].meta.is_of_session_of(&b.trials[0].meta))
 }
 
-/// The metrics and events of a condition's trials that need nothing but the trials.
-fn condition_job(data: &StudyData, repeats: &Repeats) -> Job {
-    let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
-    Job::new(
-        STAGE,
-        format!("metrics {}", repeats.who),
-        OfTrials::new(
-            OfCondition { metrics, asked: Asked::of(&data.study, &repeats.environment.id) },
-            &repeats.trials,
-        ),
-        files(&repeats.trials),
-        vec![of_condition(&data.layout, repeats), events_of(&data.layout, repeats)],
-        make_condition,
-    )
-    .of_part(&repeats.key)
+/// `P01.S01`, the session of these conditions.
+fn key(session: &[Repeats]) -> String {
+    ids(session).join(".")
 }
 
-/// The metrics of a session's trials that need the identified plant, and their table.
-fn plant_job(data: &StudyData, session: &[Repeats], plant: Option<[PathBuf; 2]>) -> (Job, PathBuf) {
+fn ids(session: &[Repeats]) -> [String; 2] {
     let of = &session[0].trials[0].meta;
-    let key = format!("{}.{}", of.participant, of.session);
-    let conditions: Vec<_> = session
-        .iter()
-        .map(|r| {
-            let metrics = Parameters::of(&data.study, r.environment, r.mode);
-            OfTrials::new(metrics, &r.trials)
-        })
-        .collect();
-    let trials: Vec<_> = session.iter().map(|repeats| files(&repeats.trials)).collect();
-    let table = with_plant(&data.layout, &key);
-    let title = format!("metrics {} {} with the plant", of.participant, of.session);
-    let outputs = vec![table.clone()];
-    let job = Job::new(STAGE, title, conditions, (trials, plant), outputs, make_with_plant);
-    (job.of_part(key), table)
+    [of.participant.to_string(), of.session.to_string()]
 }
 
-/// The metrics of all conditions in one table, and by condition.
-fn study_job(data: &StudyData, plant: Vec<PathBuf>) -> Job {
-    let (tables, outputs) = ((of_conditions(data), plant), study_files(&data.layout).to_vec());
+/// The trials of each condition of a session.
+fn trials_of(session: &[Repeats]) -> Vec<Vec<PathBuf>> {
+    session.iter().map(|repeats| files(&repeats.trials)).collect()
+}
+
+/// The metrics of a session's trials that need nothing but the trials, and what happened in them.
+fn session_job(data: &StudyData, session: &[Repeats]) -> Job {
+    let of_condition = |repeats: &Repeats| {
+        let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
+        let asked = Asked::of(&data.study, &repeats.environment.id);
+        OfTrials::new(OfCondition { metrics, asked }, &repeats.trials)
+    };
+    let conditions: Vec<_> = session.iter().map(of_condition).collect();
+    let key = key(session);
+    let outputs = vec![of_session(&data.layout, &key), events_of(&data.layout, session)];
+    let title = format!("metrics {}", ids(session).join(" "));
+    Job::new(STAGE, title, conditions, trials_of(session), outputs, make_session).of_part(key)
+}
+
+/// The metrics of a session's trials that need the identified plant.
+fn plant_job(data: &StudyData, session: &[Repeats], plant: Option<[PathBuf; 2]>) -> Job {
+    let of_condition = |repeats: &Repeats| {
+        let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
+        OfTrials::new(metrics, &repeats.trials)
+    };
+    let conditions: Vec<_> = session.iter().map(of_condition).collect();
+    let key = key(session);
+    let outputs = vec![with_plant(&data.layout, &key)];
+    let title = format!("metrics {} with the plant", ids(session).join(" "));
+    let inputs = (trials_of(session), plant);
+    Job::new(STAGE, title, conditions, inputs, outputs, make_with_plant).of_part(key)
+}
+
+/// The metrics of all sessions in one table, and by condition.
+fn study_job(data: &StudyData, plain: Vec<PathBuf>, plant: Vec<PathBuf>) -> Job {
+    let (tables, outputs) = ((plain, plant), study_files(&data.layout).to_vec());
     Job::new(STAGE, "metrics of the study", data.study.conditions(), tables, outputs, make_study)
 }
 
@@ -145,11 +149,41 @@ fn make_with_plant(
     write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
 }
 
-fn make_condition(
-    of: &OfTrials<OfCondition>,
-    files: &Vec<PathBuf>,
+/// What is made of a condition's trials.
+struct OfOne {
+    rows: Vec<TrialMetrics>,
+    /// What had to be left out.
+    problems: Vec<String>,
+    /// What is to be read with care.
+    care: Vec<String>,
+}
+
+fn make_session(
+    conditions: &Vec<OfTrials<OfCondition>>,
+    trials: &Vec<Vec<PathBuf>>,
     making: &Making,
 ) -> Result<Made, JobError> {
+    let made: Vec<OfOne> = conditions
+        .par_iter()
+        .zip(trials)
+        .map(|(of, files)| make_condition(of, files, making))
+        .collect();
+    let (mut rows, mut problems, mut care) = (Vec::new(), Vec::new(), Vec::new());
+    for of in made {
+        rows.extend(of.rows);
+        problems.extend(of.problems);
+        care.extend(of.care);
+    }
+    let left_out = problems.iter().map(|p| (NoteKind::LeftOut, strip_root(making.root, p)));
+    let notes = left_out.chain(care.iter().map(|note| (NoteKind::Care, note.clone())));
+    let table = zwidth_metrics::table(&rows)?;
+    let table = notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note));
+    let events: Vec<_> = rows.iter().map(|row| (&row.meta, row.events.as_slice())).collect();
+    let events = zwidth_metrics::events_table(&events)?;
+    Ok(Made { care, ..write_tables(&[table, events], making, problems)? })
+}
+
+fn make_condition(of: &OfTrials<OfCondition>, files: &[PathBuf], making: &Making) -> OfOne {
     let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
     let (made, problems) = of_each(making.trials, (files, &of.trials), &signals, |trial| {
         let row = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
@@ -160,15 +194,7 @@ fn make_condition(
     });
     let (rows, care): (Vec<_>, Vec<_>) = made.into_iter().unzip();
     let (rows, more) = split(rows);
-    let problems = [problems, more].concat();
-    let care = care.concat();
-    let left_out = problems.iter().map(|p| (NoteKind::LeftOut, strip_root(making.root, p)));
-    let notes = left_out.chain(care.iter().map(|note| (NoteKind::Care, note.clone())));
-    let table = zwidth_metrics::table(&rows)?;
-    let table = notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note));
-    let events: Vec<_> = rows.iter().map(|row| (&row.meta, row.events.as_slice())).collect();
-    let events = zwidth_metrics::events_table(&events)?;
-    Ok(Made { care, ..write_tables(&[table, events], making, problems)? })
+    OfOne { rows, problems: [problems, more].concat(), care: care.concat() }
 }
 
 fn make_study(
@@ -177,7 +203,7 @@ fn make_study(
     making: &Making,
 ) -> Result<Made, JobError> {
     let join = |tables: &[PathBuf]| -> Result<Table, JobError> {
-        let joined = zwidth_metrics::join_conditions(read_parts(tables)?)?;
+        let joined = zwidth_metrics::join_sessions(read_parts(tables)?)?;
         Ok(joined.ok_or("there is no trial")?)
     };
     let all = zwidth_metrics::join_plant(&join(plain)?, &join(plant)?)?;

@@ -104,7 +104,7 @@ struct Condition {
 /// The files of one condition.
 struct Files {
     trials: Vec<PathBuf>,
-    /// What happened in them, and when.
+    /// What happened in them and the other trials of their session, and when.
     events: PathBuf,
     averages: Vec<PathBuf>,
     /// The models' runs of a typical trial of each mode, where one could be replayed.
@@ -121,7 +121,7 @@ impl Inputs for Files {
 fn of_condition(data: &StudyData, repeats: &Repeats, courses: Option<PathBuf>) -> Job {
     let files = Files {
         trials: trial_files(&repeats.trials),
-        events: metrics::events_of(&data.layout, repeats),
+        events: metrics::events_of(&data.layout, std::slice::from_ref(repeats)),
         averages: Alignment::ALL.map(|a| average::aligned(&data.layout, repeats, a)).to_vec(),
         courses,
     };

@@ -73,8 +73,8 @@ impl Page {
 pub(crate) struct Files {
     /// Averages and fits, whose notes are limits of the study.
     noted: Vec<PathBuf>,
-    /// Metrics by condition, whose notes are of trials.
-    conditions: Vec<PathBuf>,
+    /// Metrics by session, whose notes are of trials.
+    of_trials: Vec<PathBuf>,
     figures: Vec<PathBuf>,
     tables: Vec<PathBuf>,
     pub(crate) metrics: Option<PathBuf>,
@@ -96,7 +96,7 @@ impl Inputs for Files {
         let tables = [metrics, tally, statements, trade, ladder, sessions].into_iter();
         let numbers: Vec<PathBuf> = tables.flatten().cloned().collect();
         let compared: Vec<PathBuf> = self.compared.iter().flatten().cloned().collect();
-        [&self.noted, &self.conditions, &self.figures, &self.tables, &numbers, &compared]
+        [&self.noted, &self.of_trials, &self.figures, &self.tables, &numbers, &compared]
             .map(Clone::clone)
             .concat()
     }
@@ -113,7 +113,7 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
     let fits = freemotion::planes(data).into_iter().chain(freemotion::plants(data));
     let files = Files {
         noted: average::at_onset(data).into_iter().chain(fits).collect(),
-        conditions: metrics::of_conditions(data),
+        of_trials: metrics::of_sessions(data),
         figures: figures.iter().map(Drawing::picture).collect(),
         tables: tables::files(data),
         metrics: metrics::of_study(data),
@@ -153,9 +153,9 @@ pub(crate) fn gather(
     let folder = making.outputs.first().and_then(|page| page.parent()).unwrap_or(making.root);
     let mut summary = page.facts.clone();
     summary.limits.extend(notes(&files.noted, |kind| kind != NoteKind::Extent)?);
-    let left_out = notes(&files.conditions, |kind| kind == NoteKind::LeftOut)?;
+    let left_out = notes(&files.of_trials, |kind| kind == NoteKind::LeftOut)?;
     summary.left_out.extend(left_out.iter().map(|note| to_remark(note)));
-    let with_care = notes(&files.conditions, |kind| kind != NoteKind::LeftOut)?;
+    let with_care = notes(&files.of_trials, |kind| kind != NoteKind::LeftOut)?;
     summary.care.extend(with_care.iter().map(|note| to_remark(note)));
     let listed = |(file, caption): (&PathBuf, &Caption)| match file.exists() {
         true => Ok(Listed { path: relative(file, folder), caption: caption.text() }),

@@ -104,18 +104,37 @@ impl fmt::Display for Change {
             Self::Version { recorded, now } => {
                 write!(f, "algorithm version {recorded} is now {now}")
             }
-            Self::Parameters { fields } => match fields.as_slice() {
-                [one] if !one.name.is_empty() => write!(f, "parameter {} changed", one.name),
-                fields if (2..=NAMED).contains(&fields.len()) => {
-                    let names = fields.iter().map(|field| field.name.as_str());
-                    write!(f, "parameters {} changed", Vec::from_iter(names).join(", "))
+            Self::Parameters { fields } => match names(fields).as_slice() {
+                [one] if !one.is_empty() => write!(f, "parameter {one} changed"),
+                names if (2..=NAMED).contains(&names.len()) => {
+                    write!(f, "parameters {} changed", names.join(", "))
                 }
-                fields => write!(f, "{} of its parameters changed", fields.len()),
+                names => write!(f, "{} of its parameters changed", names.len()),
             },
             Self::Input(file) => write!(f, "input {} {}", file.path, file.how),
             Self::Output(file) => write!(f, "output {} {}", file.path, file.how),
         }
     }
+}
+
+/// The names of parameters, each once: one that every item of a list has, such as `[2].analysis.confidence` of
+/// the third condition, without the item's number where several are named.
+fn names(fields: &[Field]) -> Vec<&str> {
+    let of_items: Vec<&str> = fields.iter().map(|field| without_item(&field.name)).collect();
+    let is_of_several = |name: &&str| of_items.iter().filter(|other| *other == name).count() > 1;
+    let mut names = Vec::new();
+    for (field, of_item) in fields.iter().zip(&of_items) {
+        let name = if is_of_several(of_item) { of_item } else { field.name.as_str() };
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// `analysis.confidence` of `[2].analysis.confidence`.
+fn without_item(name: &str) -> &str {
+    name.strip_prefix('[').and_then(|rest| rest.split_once("].")).map_or(name, |(_, field)| field)
 }
 
 impl fmt::Display for How {
@@ -266,6 +285,15 @@ mod tests {
             "b: nothing is now null",
         ];
         assert_eq!(fields, expect);
+        let of_two = |level: f64, grid: u32| {
+            let one =
+                |grid| format!(r#"{{"analysis":{{"confidence":{level},"grid_points":{grid}}}}}"#);
+            format!("[{},{}]", one(grid), one(401))
+        };
+        let (change, fields) = told(&of_two(0.95, 401), &of_two(0.9, 401));
+        assert_eq!((change.as_str(), fields.len()), ("parameter analysis.confidence changed", 2));
+        let change = told(&of_two(0.95, 401), &of_two(0.95, 201)).0;
+        assert_eq!(change, "parameter [0].analysis.grid_points changed");
         assert_eq!(told("level 0.9", "{}").1, ["all of them: \"level 0.9\" is now {}"]);
     }
 

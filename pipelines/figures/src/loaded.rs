@@ -2,15 +2,14 @@
 
 use crate::{About, EnvironmentData, ModeData, Repeat};
 use std::collections::BTreeMap;
-use zwidth_store::Trial;
-use zwidth_study::{Alignment, Alignments, Environment, ModeId};
+use zwidth_numerics::activity::activity;
+use zwidth_store::{Signal, Trial};
+use zwidth_study::{Alignment, Alignments, Analysis, Environment, ModeId};
 use zwidth_tables::{NoteKind, Table, TableError};
 
-/// The columns that figures read of a table of the stage `metrics`.
-pub const METRICS_COLUMNS: [&str; 2] = ["trial", "onset_s"];
-
-/// What a figure of trials is of: the study, the environment, who, and how means are aligned.
-pub type Of<'a> = (&'a About, &'a Environment, &'a str, Alignments);
+/// What a figure of trials is of: the study, the environment, who, how means are aligned, and from
+/// which speed on somebody moves.
+pub type Of<'a> = (&'a About, &'a Environment, &'a str, Alignments, &'a Analysis);
 
 /// Tables of the stage `average`, by mode.
 #[derive(Debug, Clone, Default)]
@@ -37,26 +36,18 @@ pub struct Loaded<'a> {
 }
 
 impl<'a> Loaded<'a> {
-    /// What was read: trials, tables of the stage `metrics` with [`METRICS_COLUMNS`], and those of
-    /// the stage `average`. `warp` gives, for trials of one mode, the times at which their samples
-    /// stand behind a mean against time aligned by landmarks; a repeat that is in no mean stays at
-    /// its own.
+    /// What was read: trials, and tables of the stage `average`. `warp` gives, for trials of one mode, the times at which their samples stand
+    /// behind a mean against time aligned by landmarks; a repeat that is in no mean stays at its own.
     ///
     /// # Errors
     /// A table that lacks a column.
     pub fn new(
-        (about, environment, who, alignments): Of<'a>,
+        (about, environment, who, alignments, analysis): Of<'a>,
         mut trials: Vec<Trial>,
-        metrics: &[Table],
         averages: Averages,
         warp: impl Fn(&[Trial]) -> Option<Vec<Option<Vec<f64>>>>,
     ) -> Result<Self, TableError> {
         trials.sort_by_key(|t| about.modes.iter().position(|mode| mode.id == t.meta.mode));
-        let mut onsets = BTreeMap::new();
-        for table in metrics {
-            onsets.extend(table.integers("trial")?.into_iter().zip(table.floats("onset_s")?));
-        }
-        let onset = |t: &Trial| onsets.get(&Some(i64::from(t.meta.trial))).copied().flatten();
         let by_landmarks =
             alignments.over_time == Alignment::Landmarks && !averages.over_time.is_empty();
         let times = |of_mode: &[Trial]| {
@@ -70,7 +61,7 @@ impl<'a> Loaded<'a> {
             environment,
             who,
             alignments,
-            onsets: trials.iter().map(onset).collect(),
+            onsets: trials.iter().map(|trial| onset_s(trial, analysis)).collect(),
             warped_s: of_modes.flat_map(times).collect(),
             trials,
             averages,
@@ -107,6 +98,14 @@ impl<'a> Loaded<'a> {
             warped_s: self.warped_s[i].as_deref(),
         }
     }
+}
+
+/// When the movement of a trial begins, s, as metrics and means have it; of a long trial that has fewer samples
+/// here, to one of its stretches.
+fn onset_s(trial: &Trial, analysis: &Analysis) -> Option<f64> {
+    let [t, velocity] = [Signal::Time, Signal::ThetaDot].map(|signal| trial.samples.get(signal));
+    let moving = activity(velocity?, analysis.onset_rad_s, analysis.offset_rad_s)?;
+    t?.get(moving.onset).copied()
 }
 
 /// Why there is no mean, and which repeats are not in one, each once; and where the earliest mean

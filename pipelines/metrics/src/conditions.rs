@@ -61,13 +61,13 @@ fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableErro
     Ok(metrics.rows(&rows))
 }
 
-/// The metrics of several conditions as one table in the order of participant, session and trial;
+/// The metrics of several sessions as one table in the order of participant, session and trial;
 /// `None` without tables.
 ///
 /// # Errors
 /// Tables that are not of this stage.
-pub fn join_conditions(conditions: Vec<Table>) -> Result<Option<Table>, TableError> {
-    of_trials("metrics", "Metrics, one row per trial", conditions)
+pub fn join_sessions(sessions: Vec<Table>) -> Result<Option<Table>, TableError> {
+    of_trials("metrics", "Metrics, one row per trial", sessions)
 }
 
 /// What is made of a metric's values in one condition.

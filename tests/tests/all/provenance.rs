@@ -68,12 +68,6 @@ fn a_trace_goes_back_to_the_trials_of_the_figure_and_to_nothing_else() {
         "average P01 S01 spring active",
         "average P01 S01 spring hybrid",
         "average P01 S01 spring passive",
-        "metrics P01 S01 spring active",
-        "metrics P01 S01 spring hybrid",
-        "metrics P01 S01 spring passive",
-        "metrics P01 S01 spring_wall active",
-        "metrics P01 S01 spring_wall hybrid",
-        "metrics P01 S01 spring_wall passive",
     ];
     assert_eq!(jobs, expect);
     let raw = traced["raw"].as_array().unwrap();
@@ -247,7 +241,7 @@ fn why_names_the_input_that_changed_with_both_hashes_and_what_is_made_before() {
     assert_eq!((trial["what"].as_str(), trial["how"].as_str(), trial["recorded"].as_str()), expect);
     let first: Vec<&str> =
         why["first"].as_array().unwrap().iter().map(|j| j["job"].as_str().unwrap()).collect();
-    assert_eq!(first, ["metrics P01 S01 spring hybrid", "average P01 S01 spring hybrid"]);
+    assert_eq!(first, ["average P01 S01 spring hybrid"]);
     // A table made from that alone is made again only if the numbers come out otherwise.
     let table = only(root.path(), &["why", "reports/thesis-twin/tables/conditions.md"]);
     assert_eq!(

@@ -82,7 +82,7 @@ fn shared_out_merged_and_run_is_the_same_bytes_as_one_run() {
         let early = zwidth(root.path(), &["run", STUDY, "--dry-run", "--only", "average"]).exits(0);
         early.says(&[&format!("manifests of {of} shards are not merged"), "zwidth merge"]);
         let merged = zwidth(root.path(), &["merge", STUDY, "--json"]).exits(0).json();
-        assert_eq!((&merged["copied"], &merged["jobs"]), (&0.into(), &18.into()), "{merged}");
+        assert_eq!((&merged["copied"], &merged["jobs"]), (&0.into(), &13.into()), "{merged}");
         // What needs the plant, which all trials give, is not of the first round.
         let made = run_tables(root.path());
         let again: Vec<&String> = made.iter().filter(|name| is_of_a_part(name)).collect();
@@ -101,7 +101,7 @@ fn a_second_round_makes_what_rests_on_all_trials_and_then_nothing_of_trials_is_l
         all_shards(root.path(), 3, 3);
         zwidth(root.path(), &["merge", STUDY, "--json"]).exits(0).json()["jobs"].as_u64().unwrap()
     };
-    assert_eq!(round(), 18);
+    assert_eq!(round(), 13);
     zwidth(root.path(), &["run", STUDY, "--only", "identify"]).exits(0);
     let missing = zwidth(root.path(), &["shards", STUDY, "--missing", "--of", "3", "--json"]);
     let missing = missing.exits(3).json();
@@ -110,7 +110,7 @@ fn a_second_round_makes_what_rests_on_all_trials_and_then_nothing_of_trials_is_l
         .map(|name| name.as_str().unwrap())
         .collect();
     assert!(names.len() == 9 && names.iter().all(|n| is_of_a_part(n)), "{names:?}");
-    assert_eq!(round(), 27, "with those of the first");
+    assert_eq!(round(), 22, "with those of the first");
     let made = zwidth(root.path(), &["run", STUDY, "--json"]).exits(0).made();
     assert!(!made.iter().any(|name| is_of_a_part(name)), "{made:#?}");
     assert_eq!(results(root.path()), results(shipped::folder()), "records and figures, too");
@@ -128,8 +128,8 @@ fn shards_made_in_folders_of_their_own_are_merged_from_there_and_stay_as_they_ar
     assert!(zwidth(root.path(), &half).exits(3).out.starts_with("2/2  "));
     let merge = ["merge", STUDY, "--json", "--from", from[0], from[1]];
     let merged = zwidth(root.path(), &merge).exits(0).json();
-    assert_eq!(merged["jobs"], 18, "{merged}");
-    assert!(merged["copied"].as_u64().unwrap() > 18, "{merged}");
+    assert_eq!(merged["jobs"], 13, "{merged}");
+    assert!(merged["copied"].as_u64().unwrap() > 13, "{merged}");
     assert_eq!(elsewhere.iter().map(|f| listing(f.path())).collect::<Vec<_>>(), before);
     run_tables(root.path());
     compare_tables(root.path());
