@@ -2,7 +2,7 @@
 # A study of a thousand simulated participants, from the device to the page, and its time and memory. Writes
 # whole/RESULTS.md.
 #
-#   benches/scale/whole.sh                      1,000 participants, 36 trials of 4 s each: 16 min, 8 GB of disk
+#   benches/scale/whole.sh                      1,000 participants, 36 trials of 4 s each: 13 min, 8 GB of disk
 #   benches/scale/whole.sh 100                  100 of them
 #   benches/scale/whole.sh 1000 --rounds 5
 #

@@ -36,7 +36,7 @@ fn what_two_executors_make_is_what_shards_make_and_what_a_run_makes_bit_for_bit(
 }
 
 #[test]
-fn if_a_trial_is_gone_only_its_condition_is_made_again() {
+fn if_a_trial_is_gone_only_its_condition_and_the_metrics_of_its_session_are_made_again() {
     let (_scheduler, address) = scheduler();
     let _executor = executor(&address, &[]);
     let root = raw();
@@ -44,7 +44,7 @@ fn if_a_trial_is_gone_only_its_condition_is_made_again() {
     let layout = Layout::new(root.path(), "thesis-twin".parse().unwrap());
     let data = StudyData::load(&layout).unwrap();
     fs::remove_file(&data.counting().next().unwrap().path).unwrap();
-    run(root.path(), &address, &[]).end().ends(0, &["of 1 parts on the cluster"]);
+    run(root.path(), &address, &[]).end().ends(0, &["3 jobs of 2 parts on the cluster"]);
 }
 
 /// The program as people call it, with a cluster of this build on its path: `ZWIDTH` names it.
