@@ -4,7 +4,6 @@ use crate::bounds::MOST_RECORDED_BYTES;
 use crate::digest::ColumnDigest;
 use crate::opened::{BATCH_ROWS, DAMAGED, ParquetFile, guarded};
 use crate::pages::Pages;
-
 use crate::write::DIGEST;
 use crate::{Storage, StoreError};
 use arrow::array::{Array, ArrayRef, AsArray};
@@ -36,17 +35,20 @@ pub(crate) fn column_values(
     // One part is taken as it was decoded.
     let is_joined = groups.len() > 1 && digest.is_some();
     whole.values.reserve_exact(if is_joined { file.rows } else { 0 });
-    let mut decode = || some_groups(file, (name, storage, digest.is_some()), &mut groups);
-    let mut parts = decode()?;
-    while !parts.is_empty() {
-        let (next, ()) = rayon::join(&mut decode, || {
-            for part in parts {
-                digest_now.add(&part.values);
-                whole.add(part);
-            }
-        });
+    let mut add = |parts: Vec<Part>| {
+        for part in parts {
+            digest_now.add(&part.values);
+            whole.add(part);
+        }
+    };
+    let wanted = (name, storage, digest.is_some());
+    let mut parts = some_groups(file, wanted, &mut groups)?;
+    // Nobody is woken where nothing is left to be decoded meanwhile: a short trial has one group.
+    while !groups.is_empty() {
+        let (next, ()) = rayon::join(|| some_groups(file, wanted, &mut groups), || add(parts));
         parts = next?;
     }
+    add(parts);
     let Part { values, rows, nulls, first_null, is_missing } = whole;
     if is_missing {
         return Err(error("the column is missing"));
