@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use zwidth_metrics::{Parameters, TrialMetrics};
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
 use zwidth_store::{Asked, Layout, OpenTrial, StoreError, StudyData, check_samples};
-use zwidth_study::Condition;
+use zwidth_study::{Condition, TrialMeta};
 use zwidth_tables::{NoteKind, Table};
 
 const STAGE: Stage = Stage { name: "metrics", version: zwidth_metrics::VERSION };
@@ -22,9 +22,9 @@ fn of_session(layout: &Layout, session: &str) -> PathBuf {
     derived(layout, format!("metrics/{session}.parquet"))
 }
 
-/// What happened in the trials of the session of these conditions, `metrics/P01.S01.events.parquet`.
-pub(crate) fn events_of(layout: &Layout, session: &[Repeats]) -> PathBuf {
-    derived(layout, format!("metrics/{}.events.parquet", key(session)))
+/// What happened in the trials of a session, `metrics/P01.S01.events.parquet`.
+pub(crate) fn events_of(layout: &Layout, of: &TrialMeta) -> PathBuf {
+    derived(layout, format!("metrics/{}.events.parquet", key(of)))
 }
 
 /// Those of a session that rest on the plant, `metrics/P01.S01.plant.parquet`.
@@ -34,7 +34,7 @@ fn with_plant(layout: &Layout, session: &str) -> PathBuf {
 
 /// The metrics of every session that has trials.
 pub(crate) fn of_sessions(data: &StudyData) -> Vec<PathBuf> {
-    by_session(&repeats(data)).map(|session| of_session(&data.layout, &key(session))).collect()
+    by_session(&repeats(data)).map(|s| of_session(&data.layout, &key(meta(s)))).collect()
 }
 
 /// The metrics of the study, where it has trials.
@@ -62,12 +62,12 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     }
     let plant = known_plant(data);
     // The two of a session follow each other: they look at the same trials.
-    let of_session =
-        |session| [session_job(data, session), plant_job(data, session, plant.clone())];
-    let mut jobs: Vec<Job> = by_session(&repeats).flat_map(of_session).collect();
-    let plain = of_sessions(data);
-    let plant = by_session(&repeats).map(|session| with_plant(&data.layout, &key(session)));
-    jobs.push(study_job(data, plain, plant.collect()));
+    let of_one = |session| [session_job(data, session), plant_job(data, session, plant.clone())];
+    let mut jobs: Vec<Job> = by_session(&repeats).flat_map(of_one).collect();
+    let keys = || by_session(&repeats).map(|session| key(meta(session)));
+    let plain = keys().map(|key| of_session(&data.layout, &key)).collect();
+    let plant = keys().map(|key| with_plant(&data.layout, &key)).collect();
+    jobs.push(study_job(data, plain, plant));
     jobs
 }
 
@@ -76,14 +76,14 @@ fn by_session<'r, 'a>(repeats: &'r [Repeats<'a>]) -> impl Iterator<Item = &'r [R
     repeats.chunk_by(|a, b| a.trials[0].meta.is_of_session_of(&b.trials[0].meta))
 }
 
-/// `P01.S01`, the session of these conditions.
-fn key(session: &[Repeats]) -> String {
-    ids(session).join(".")
+/// A trial of a session: which session it is.
+fn meta<'r>(session: &'r [Repeats]) -> &'r TrialMeta {
+    &session[0].trials[0].meta
 }
 
-fn ids(session: &[Repeats]) -> [String; 2] {
-    let of = &session[0].trials[0].meta;
-    [of.participant.to_string(), of.session.to_string()]
+/// `P01.S01`, the session of a trial.
+fn key(of: &TrialMeta) -> String {
+    format!("{}.{}", of.participant, of.session)
 }
 
 /// The trials of each condition of a session.
@@ -99,9 +99,9 @@ fn session_job(data: &StudyData, session: &[Repeats]) -> Job {
         OfTrials::new(OfCondition { metrics, asked }, &repeats.trials)
     };
     let conditions: Vec<_> = session.iter().map(of_condition).collect();
-    let key = key(session);
-    let outputs = vec![of_session(&data.layout, &key), events_of(&data.layout, session)];
-    let title = format!("metrics {}", ids(session).join(" "));
+    let (of, key) = (meta(session), key(meta(session)));
+    let outputs = vec![of_session(&data.layout, &key), events_of(&data.layout, of)];
+    let title = format!("metrics {} {}", of.participant, of.session);
     Job::new(STAGE, title, conditions, trials_of(session), outputs, make_session).of_part(key)
 }
 
@@ -112,9 +112,9 @@ fn plant_job(data: &StudyData, session: &[Repeats], plant: Option<[PathBuf; 2]>)
         OfTrials::new(metrics, &repeats.trials)
     };
     let conditions: Vec<_> = session.iter().map(of_condition).collect();
-    let key = key(session);
+    let (of, key) = (meta(session), key(meta(session)));
     let outputs = vec![with_plant(&data.layout, &key)];
-    let title = format!("metrics {} with the plant", ids(session).join(" "));
+    let title = format!("metrics {} {} with the plant", of.participant, of.session);
     let inputs = (trials_of(session), plant);
     Job::new(STAGE, title, conditions, inputs, outputs, make_with_plant).of_part(key)
 }

@@ -121,7 +121,7 @@ impl Inputs for Files {
 fn of_condition(data: &StudyData, repeats: &Repeats, courses: Option<PathBuf>) -> Job {
     let files = Files {
         trials: trial_files(&repeats.trials),
-        events: metrics::events_of(&data.layout, std::slice::from_ref(repeats)),
+        events: metrics::events_of(&data.layout, &repeats.trials[0].meta),
         averages: Alignment::ALL.map(|a| average::aligned(&data.layout, repeats, a)).to_vec(),
         courses,
     };

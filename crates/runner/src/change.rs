@@ -117,8 +117,8 @@ impl fmt::Display for Change {
     }
 }
 
-/// The names of parameters, each once: one that every item of a list has, such as `[2].analysis.confidence` of
-/// the third condition, without the item's number where several are named.
+/// The names of parameters, each once: one that differs in several items of a list, such as
+/// `[2].analysis.confidence` of the third condition, without the item's number.
 fn names(fields: &[Field]) -> Vec<&str> {
     let of_items: Vec<&str> = fields.iter().map(|field| without_item(&field.name)).collect();
     let is_of_several = |name: &&str| of_items.iter().filter(|other| *other == name).count() > 1;

@@ -36,8 +36,9 @@ pub struct Loaded<'a> {
 }
 
 impl<'a> Loaded<'a> {
-    /// What was read: trials, and tables of the stage `average`. `warp` gives, for trials of one mode, the times at which their samples stand
-    /// behind a mean against time aligned by landmarks; a repeat that is in no mean stays at its own.
+    /// What was read: trials, and tables of the stage `average`. `warp` gives, for trials of one
+    /// mode, the times at which their samples stand behind a mean against time aligned by
+    /// landmarks; a repeat that is in no mean stays at its own.
     ///
     /// # Errors
     /// A table that lacks a column.
@@ -100,8 +101,8 @@ impl<'a> Loaded<'a> {
     }
 }
 
-/// When the movement of a trial begins, s, as metrics and means have it; of a long trial that has fewer samples
-/// here, to one of its stretches.
+/// When the movement of a trial begins, s, as metrics and means have it. A long trial that is drawn
+/// with fewer samples has the largest speed of each short stretch, so its onset is in the same one.
 fn onset_s(trial: &Trial, analysis: &Analysis) -> Option<f64> {
     let [t, velocity] = [Signal::Time, Signal::ThetaDot].map(|signal| trial.samples.get(signal));
     let moving = activity(velocity?, analysis.onset_rad_s, analysis.offset_rad_s)?;
@@ -131,4 +132,27 @@ fn footnotes(averages: &Averages) -> Result<Vec<String>, TableError> {
         ));
     }
     Ok(notes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_store::{Samples, TrialFile};
+
+    #[test]
+    fn a_movement_begins_at_the_first_sample_above_the_speed_whatever_its_sign() {
+        let of = |velocity: Option<[f64; 4]>| {
+            let mut samples = Samples::default();
+            samples.set(Signal::Time, vec![0.5, 0.6, 0.7, 0.8]);
+            if let Some(velocity) = velocity {
+                samples.set(Signal::ThetaDot, velocity.to_vec());
+            }
+            let meta = zwidth_testing::meta(1, "hybrid");
+            let analysis = Analysis { onset_rad_s: 0.1, ..Analysis::default() };
+            onset_s(&Trial { meta, file: TrialFile::new(), samples }, &analysis)
+        };
+        assert_eq!(of(Some([0.0, 0.1, -0.2, 0.3])), Some(0.7), "at the threshold nobody moves yet");
+        assert_eq!(of(Some([0.0, 0.1, -0.1, 0.0])), None);
+        assert_eq!(of(None), None, "without a velocity nobody knows");
+    }
 }
