@@ -51,6 +51,7 @@ mod signal;
 mod sources;
 pub mod started;
 mod stream;
+mod streams;
 mod study;
 mod sweep;
 mod sweep_log;

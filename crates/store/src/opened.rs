@@ -9,11 +9,15 @@ use crate::{Files, MOST_RECORDING, StoreError};
 use arrow::array::RecordBatch;
 use arrow::compute::concat_batches;
 use arrow::datatypes::SchemaRef;
+use bytes::Bytes;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
 };
 use parquet::arrow::{ARROW_SCHEMA_META_KEY, ProjectionMask, parquet_to_arrow_schema};
-use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::{
+    KeyValue, ParquetMetaData, ParquetMetaDataOptions, ParquetMetaDataReader,
+};
 use parquet::schema::types::SchemaDescPtr;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -48,9 +52,8 @@ impl ParquetFile {
         if content.length() == 0 {
             return Err(StoreError::new(path, "the file is empty", DAMAGED));
         }
-        check_footer_in(&content).map_err(|why| unreadable(path, DAMAGED, &why))?;
-        let metadata =
-            guarded(path, DAMAGED, || ParquetMetaDataReader::new().parse_and_finish(&content))?;
+        let schema = check_footer_in(&content).map_err(|why| unreadable(path, DAMAGED, &why))?;
+        let metadata = guarded(path, DAMAGED, || parsed(&content, &schema))?;
         let file_metadata = metadata.file_metadata();
         let footer: BTreeMap<String, String> = file_metadata
             .key_value_metadata()
@@ -181,12 +184,34 @@ impl ParquetFile {
     }
 }
 
+/// What a footer says. The files of a study have one of a few schemas: that of the same bytes is not
+/// parsed again by a thread that knows it.
+fn parsed(content: &Content, schema: &Bytes) -> Result<ParquetMetaData, ParquetError> {
+    thread_local! {
+        static KNOWN: RefCell<Memo<Bytes, SchemaDescPtr>> = const { RefCell::new(Memo::new()) };
+    }
+    let known = KNOWN.with_borrow(|known| known.known(|bytes| bytes == schema));
+    let is_known = known.is_some();
+    let options = known.map(|schema| ParquetMetaDataOptions::new().with_schema(schema));
+    let reader = ParquetMetaDataReader::new().with_metadata_options(options);
+    let metadata = reader.parse_and_finish(content)?;
+    if !is_known && schema.len() <= MOST_KNOWN {
+        let of = metadata.file_metadata().schema_descr_ptr();
+        // A copy: the bytes are a part of the file's.
+        KNOWN.with_borrow_mut(|known| known.keep(Bytes::copy_from_slice(schema), of));
+    }
+    Ok(metadata)
+}
+
+/// Bytes of a schema that is remembered (64 KiB): forty times those of a recording's.
+const MOST_KNOWN: usize = 1 << 16;
+
 /// Runs a decoder on bytes that may be damaged: an error, or a panic of the decoder, is one error
 /// of ours.
 pub fn guarded<T>(
     path: &Path,
     remedy: &str,
-    decode: impl FnOnce() -> Result<T, parquet::errors::ParquetError>,
+    decode: impl FnOnce() -> Result<T, ParquetError>,
 ) -> Result<T, StoreError> {
     match catch_unwind(AssertUnwindSafe(decode)) {
         Ok(result) => result.map_err(|e| unreadable(path, remedy, &e.to_string())),

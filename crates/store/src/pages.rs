@@ -2,8 +2,10 @@
 //! parquet crate makes a compressor and a decompressor for every column of every file, which takes
 //! longer than to unpack a trial.
 
-use crate::bounds::{PageHeader, page_header, place_of};
+use crate::bounds::{PageHeader, page_header, place_of, run_of_ones};
 use crate::content::Content;
+use crate::opened::BATCH_ROWS;
+use crate::streams::Joined;
 use bytes::Bytes;
 use parquet::basic::{CompressionCodec, Encoding};
 use parquet::column::page::{Page, PageMetadata, PageReader};
@@ -48,6 +50,44 @@ impl Pages {
         }
         Some(Self { left, is_packed })
     }
+
+    /// The values of these rows, where their bytes are split into streams and none is null; `None`
+    /// where they are laid otherwise, or damaged.
+    pub(crate) fn split<T: Joined>(&self, rows: usize) -> Option<Vec<f64>> {
+        let of_pages = |(header, _): &(Header, Bytes)| header.values as usize;
+        if self.left.iter().map(of_pages).sum::<usize>() != rows {
+            return None;
+        }
+        let mut values = Vec::with_capacity(rows.min(BATCH_ROWS));
+        for (header, page) in &self.left {
+            let is_split = header.encoding == Encoding::BYTE_STREAM_SPLIT;
+            if header.is_dictionary || !is_split || header.unpacked > MOST_ROOM {
+                return None;
+            }
+            let mut add = |page: &[u8]| {
+                let streams = all_there(page, header)?;
+                T::join(streams, header.values as usize, &mut values)
+            };
+            match self.is_packed {
+                true => UNPACKED.with_borrow_mut(|room| {
+                    room.clear();
+                    room.reserve(header.unpacked);
+                    with_decompressor(|with| with.decompress_to_buffer(page, room)).ok()?;
+                    add(room)
+                })?,
+                false => add(page)?,
+            }
+        }
+        Some(values)
+    }
+}
+
+/// The values of an unpacked page whose levels say, in one run, that all are there.
+fn all_there<'a>(page: &'a [u8], header: &Header) -> Option<&'a [u8]> {
+    let (length, rest) = page.split_first_chunk::<4>()?;
+    let (levels, values) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+    let is_whole = page.len() == header.unpacked && header.nulls == Encoding::RLE;
+    (is_whole && run_of_ones(levels)? == u64::from(header.values)).then_some(values)
 }
 
 impl Header {
@@ -80,19 +120,30 @@ fn encoding(number: i64) -> Option<Encoding> {
     })
 }
 
+/// Largest page that is unpacked into memory that a thread keeps, bytes (2 MiB): twice as long as
+/// writers make them.
+const MOST_ROOM: usize = 1 << 21;
+
 thread_local! {
     static DECOMPRESSOR: RefCell<Option<Decompressor<'static>>> = const { RefCell::new(None) };
+    static UNPACKED: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
+}
+
+/// What `unpack` makes with the thread's decompressor.
+fn with_decompressor<T>(
+    unpack: impl FnOnce(&mut Decompressor<'static>) -> io::Result<T>,
+) -> io::Result<T> {
+    DECOMPRESSOR.with_borrow_mut(|kept| {
+        unpack(match kept {
+            Some(decompressor) => decompressor,
+            None => kept.insert(Decompressor::new()?),
+        })
+    })
 }
 
 /// What was packed into `bytes`, at most `most` bytes.
 fn unpacked(bytes: &[u8], most: usize) -> io::Result<Vec<u8>> {
-    DECOMPRESSOR.with_borrow_mut(|kept| {
-        let decompressor = match kept {
-            Some(decompressor) => decompressor,
-            None => kept.insert(Decompressor::new()?),
-        };
-        decompressor.decompress(bytes, most)
-    })
+    with_decompressor(|with| with.decompress(bytes, most))
 }
 
 impl PageReader for Pages {

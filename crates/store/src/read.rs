@@ -8,13 +8,13 @@ use crate::regular::open_end;
 use crate::seen::{Begun, Seen};
 use crate::trial::{check_column, check_time};
 use crate::values::column_values;
-use crate::write::{CHANNELS, DIGEST, FOOTER_DIGEST, VERSION, channel_field, described};
+use crate::write::{CHANNELS, DIGEST, FOOTER_DIGEST, VERSION};
 use crate::{
     Column, Files, MOST_RECORDING, RealFiles, Samples, Signal, Storage, StoreError, Trial,
     TrialFile,
 };
 use arrow::array::RecordBatch;
-use arrow::datatypes::{DataType, Field, SchemaRef};
+use arrow::datatypes::{DataType, SchemaRef};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
@@ -289,8 +289,9 @@ impl OpenColumns {
 
     /// The values of a channel of the study's own.
     pub(crate) fn channel(&self, channel: &Channel) -> Result<Option<Vec<f64>>, StoreError> {
-        check_described(&self.file.path, &self.schema, &channel_field(channel))?;
         let of = (channel.id.as_str(), Storage::F64);
+        let described = (of.0, &DataType::Float64, channel.unit.as_str());
+        check_described(&self.file.path, &self.schema, described)?;
         column_values(&self.file, of, Vec::new())
     }
 }
@@ -400,29 +401,26 @@ pub(crate) fn check_field(
         Storage::F32 => DataType::Float32,
         Storage::U16 => DataType::UInt16,
     };
-    let field = described(c.name_in(schema), expected, true, c.unit, c.description);
-    check_described(path, columns, &field)
+    check_described(path, columns, (c.name_in(schema), &expected, c.unit))
 }
 
-/// Checks that `schema` has `expected`, with its type and unit.
+/// Checks that `schema` has a column of this name, with this type and unit.
 pub(crate) fn check_described(
     path: &Path,
     schema: &SchemaRef,
-    expected: &Field,
+    (name, data_type, unit): (&str, &DataType, &str),
 ) -> Result<(), StoreError> {
-    let name = expected.name();
     let remedy = "convert the file with `zwidth import`";
     let Ok(found) = schema.field_with_name(name) else {
         return Err(StoreError::new(path, "the column is missing", remedy).column(name));
     };
-    if found.data_type() != expected.data_type() {
-        let what =
-            format!("its type is {} where {} belongs", found.data_type(), expected.data_type());
+    if found.data_type() != data_type {
+        let what = format!("its type is {} where {data_type} belongs", found.data_type());
         return Err(StoreError::new(path, what, remedy).column(name));
     }
-    let unit = |f: &Field| f.metadata().get("unit").cloned().unwrap_or_default();
-    if unit(found) != unit(expected) {
-        let what = format!("its unit is '{}' where '{}' belongs", unit(found), unit(expected));
+    let said = found.metadata().get("unit").map_or("", String::as_str);
+    if said != unit {
+        let what = format!("its unit is '{said}' where '{unit}' belongs");
         return Err(StoreError::new(path, what, remedy).column(name));
     }
     Ok(())

@@ -197,11 +197,7 @@ pub(crate) fn read_sweep_from(files: &dyn Files, path: &Path) -> Result<Sweep, S
     let response = Quantity { name: key("response")?, unit: key("response_unit")? };
     let columns = file.columns()?;
     for (name, q) in [(COMMAND, &command), (RESPONSE, &response)] {
-        check_described(
-            path,
-            columns.schema(),
-            &described(name, DataType::Float64, true, &q.unit, &q.name),
-        )?;
+        check_described(path, columns.schema(), (name, &DataType::Float64, &q.unit))?;
     }
     let batch = file.read(columns, &[TIME, COMMAND, RESPONSE])?;
     let values = |name: &str| -> Result<Option<Vec<f64>>, StoreError> {

@@ -136,6 +136,14 @@ fn decoded_by_pages(
         return Ok(None);
     };
     let rows = usize::try_from(group.num_rows()).unwrap_or(0);
+    let split = match storage {
+        Storage::F64 => pages.split::<f64>(rows),
+        Storage::F32 => pages.split::<f32>(rows),
+        Storage::U16 => None,
+    };
+    if let Some(values) = split.filter(|_| has_values) {
+        return Ok(Some(Part { values, rows, ..Part::default() }));
+    }
     guarded(&file.path, DAMAGED, || match storage {
         Storage::F64 => part_of::<DoubleType>(descr, pages, rows, has_values, |values| values),
         Storage::F32 => part_of::<FloatType>(descr, pages, rows, has_values, widened),
@@ -264,6 +272,35 @@ mod tests {
         reader.build().unwrap().for_each(|batch| writer.write(&batch.unwrap()).unwrap());
         writer.close().unwrap();
         bytes
+    }
+
+    #[test]
+    fn what_is_put_together_from_streams_is_what_the_parquet_crate_reads() {
+        let folder = tempfile::tempdir().unwrap();
+        let (trial, path) = written(folder.path());
+        let file = ParquetFile::open_recording(&RealFiles, &path).unwrap();
+        let columns = file.metadata.row_group(0).columns();
+        let mut split = 0;
+        for signal in Signal::all().filter(|signal| trial.samples.get(*signal).is_some()) {
+            let (name, storage) = (signal.name(), signal.column().storage);
+            let column = columns.iter().find(|c| c.column_path().string() == name).unwrap();
+            let pages = || Pages::of(&file.content, column).unwrap();
+            let found = match storage {
+                Storage::F64 => pages().split::<f64>(file.rows),
+                Storage::F32 => pages().split::<f32>(file.rows),
+                Storage::U16 => None,
+            };
+            let is_split = crate::encoding_of(name) == crate::Encoding::ByteStreamSplit;
+            assert_eq!(found.is_some(), is_split, "{name}");
+            let Some(found) = found else { continue };
+            split += 1;
+            assert_eq!(found, decoded(&file, (name, storage, true), 0).unwrap().values, "{name}");
+            assert_eq!(pages().split::<f64>(file.rows + 1), None);
+            let other =
+                if storage == Storage::F64 { pages().split::<f32>(file.rows) } else { None };
+            assert_eq!(other, None, "{name}: numbers of another width");
+        }
+        assert!(split > 2, "{split}");
     }
 
     #[test]

@@ -139,9 +139,13 @@ fn within_limits(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<Store
 fn too_long(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
     let t = samples.column(Signal::Time)?;
     let (length, limit) = (t.last()? - t.first()?, asked.trial_limit_s);
+    let is_too_long = length > limit;
+    if !is_too_long {
+        return None;
+    }
     let what = format!("it lasts {length} s, longer than design.trial_limit_s = {limit} s");
     let remedy = "check the unit of its time, or raise the limit in study.toml";
-    (length > limit).then(|| StoreError::new(path, what, remedy).column(Signal::Time.name()))
+    Some(StoreError::new(path, what, remedy).column(Signal::Time.name()))
 }
 
 /// Two trials that count as one repeat: one of them was meant to be superseded or excluded.

@@ -8,7 +8,9 @@
 
 use crate::StoreError;
 use crate::content::Content;
+use bytes::Bytes;
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
+use std::ops::Range;
 use std::path::Path;
 
 /// Rows of one file: nine hours at 1 kHz; a column in memory takes 256 MiB.
@@ -39,14 +41,14 @@ const TAIL: usize = 8;
 /// # Errors
 /// Why the file cannot be read, in words.
 pub fn check_footer(bytes: &[u8]) -> Result<(), String> {
-    claims_of(footer_of(bytes).ok_or(NO_FOOTER)?)
+    claims_of(footer_of(bytes).ok_or(NO_FOOTER)?).map(drop)
 }
 
-/// [`check_footer`] of a file of which no more is read than that.
+/// [`check_footer`] of a file of which no more is read than that; the bytes that are its schema.
 ///
 /// # Errors
 /// Those of [`check_footer`]; the disk's.
-pub(crate) fn check_footer_in(content: &Content) -> Result<(), String> {
+pub(crate) fn check_footer_in(content: &Content) -> Result<Bytes, String> {
     let read = |from: u64, length: usize| content.range(from, length).map_err(|e| e.to_string());
     let end = content.length().checked_sub(TAIL as u64).ok_or(NO_FOOTER)?;
     let tail = read(end, TAIL)?;
@@ -58,7 +60,8 @@ pub(crate) fn check_footer_in(content: &Content) -> Result<(), String> {
     let from = end.checked_sub(length as u64).ok_or(NO_FOOTER)?;
     // Before it is read.
     check_length(length)?;
-    claims_of(&read(from, length)?)
+    let footer = read(from, length)?;
+    Ok(footer.slice(claims_of(&footer)?))
 }
 
 const NO_FOOTER: &str = "its end is missing: it was cut short, or is not a Parquet file";
@@ -70,13 +73,19 @@ fn check_length(bytes: usize) -> Result<(), String> {
     }
 }
 
-fn claims_of(footer: &[u8]) -> Result<(), String> {
+/// Where the schema lies in a footer whose claims can be believed.
+fn claims_of(footer: &[u8]) -> Result<Range<usize>, String> {
     check_length(footer.len())?;
-    let mut claims = Claims::default();
+    let (mut claims, mut schema) = (Claims::default(), 0..0);
     // In `FileMetaData` field 2 is the schema, and 4 the row groups.
     Walk { bytes: footer, at: 0 }
         .fields(0, &mut |walk, field, kind| match (field, kind) {
-            (2, LIST) => walk.list(&mut |walk, _| walk.schema_element(&mut claims.children)),
+            (2, LIST) => {
+                let from = walk.at;
+                walk.list(&mut |walk, _| walk.schema_element(&mut claims.children))?;
+                schema = from..walk.at;
+                Some(())
+            }
             (4, LIST) => walk.list(&mut |walk, kind| {
                 claims.groups += 1;
                 walk.skip(kind, 1)
@@ -90,7 +99,7 @@ fn claims_of(footer: &[u8]) -> Result<(), String> {
     if depth(&claims.children).is_none_or(|depth| depth > MOST_DEPTH) {
         return Err(format!("its columns are nested more than {MOST_DEPTH} deep"));
     }
-    Ok(())
+    Ok(schema)
 }
 
 /// Checks the number of rows and columns, and that the row groups have as many, by the footer's
@@ -247,6 +256,14 @@ pub(crate) fn page_header(bytes: &[u8]) -> Option<PageHeader> {
     })?;
     header.length = walk.at;
     Some(header)
+}
+
+/// How many ones levels say that there are, where they are one run of them: twice its length, then the
+/// level.
+pub(crate) fn run_of_ones(levels: &[u8]) -> Option<u64> {
+    let mut walk = Walk { bytes: levels, at: 0 };
+    let (run, level) = (walk.varint()?, walk.byte()?);
+    (run & 1 == 0 && level == 1 && walk.at == levels.len()).then_some(run >> 1)
 }
 
 fn footer_of(bytes: &[u8]) -> Option<&[u8]> {

@@ -46,7 +46,8 @@ pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     let at_the_end = [Signal::ForceEx, Signal::TorqueEx]
         .into_iter()
         .filter_map(|signal| at_the_end(samples, signal));
-    let usual_s = samples.column(Signal::Time).and_then(|t| usual_interval_s(&t));
+    let doubtful = samples.column(Signal::Time).filter(|t| has_doubtful_interval(t));
+    let usual_s = doubtful.and_then(|t| usual_interval_s(&t));
     let single = [
         interval(usual_s),
         jump(samples, usual_s),
@@ -57,6 +58,16 @@ pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
         noisy_onset(asked, samples),
     ];
     single.into_iter().flatten().chain(stopped).chain(at_the_end).collect()
+}
+
+/// Whether any interval is so short or so long that [`interval`] or [`jump`] could find something: that
+/// is quickly told, and of most recordings the usual one need not be sought.
+fn has_doubtful_interval(t: &[f64]) -> bool {
+    let steps = t.windows(2).map(|t| t[1] - t[0]);
+    let (least, most) = steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), step| {
+        (step.min(least), step.max(most))
+    });
+    least < SHORTEST_INTERVAL_S || most > LEAST_JUMP_S
 }
 
 /// The usual interval of the clock, s: the middle one.
@@ -107,12 +118,15 @@ fn clocks(samples: &dyn Columns) -> Option<Doubt> {
     let t = samples.column(Signal::Time)?;
     let (host_s, device_s) = (length(&t)?, length(&samples.column(Signal::DeviceTime)?)?);
     let differ = (device_s / host_s - 1.0).abs() > CLOCKS_DIFFER;
+    if t.len() < LEAST_SAMPLES || !differ {
+        return None;
+    }
     let what = format!(
         "the device's clock runs for {device_s} s while t_s runs for {host_s} s: one of them has another unit, or the \
          rate does not fit"
     );
     let remedy = "compare their units, and rate_hz, with what the rig writes";
-    (t.len() >= LEAST_SAMPLES && differ).then(|| Doubt::new(Signal::DeviceTime, what, remedy))
+    Some(Doubt::new(Signal::DeviceTime, what, remedy))
 }
 
 fn too_far(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
@@ -174,13 +188,15 @@ fn noisy_onset(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
         }
         from += run.len();
     }
+    if spikes.iter().any(|n| *n < SPIKES) {
+        return None;
+    }
     let what = format!(
         "its noise passes onset_deg_s {} times while the lever rests: the movement seems to begin too early, and resting to swing",
         spikes[0] + spikes[1]
     );
     let remedy = "set onset_deg_s (and offset_deg_s) under [analysis] of study.toml above the noise of the velocity at rest";
-    let doubt = Doubt { row: first, ..Doubt::new(Signal::ThetaDot, what, remedy) };
-    spikes.iter().all(|n| *n >= SPIKES).then_some(doubt)
+    Some(Doubt { row: first, ..Doubt::new(Signal::ThetaDot, what, remedy) })
 }
 
 /// A force that no hand has.
@@ -212,8 +228,8 @@ fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal) -> Option<Doubt
         let other = others.iter().find(|other| moves(other))?;
         // Nobody pushes against nothing: no force is what is to be measured there.
         let nothing = held == 0.0 && matches!(asked.scene, Scene::Free | Scene::None);
-        let what = format!("it is {held} throughout, while {} changes", other.name());
-        return (!nothing).then(|| Doubt::new(signal, what, remedy));
+        let what = || format!("it is {held} throughout, while {} changes", other.name());
+        return (!nothing).then(|| Doubt::new(signal, what(), remedy));
     }
     if signal == Signal::Theta || held == 0.0 {
         return None;
@@ -226,9 +242,9 @@ fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal) -> Option<Doubt
         return None;
     }
     let theta = samples.column(Signal::Theta)?;
+    let what = || format!("it holds {held} for {length_s:.2} s while the lever moves on");
     let moved = range(&theta[from..to]) > MOVED * range(&theta);
-    let what = format!("it holds {held} for {length_s:.2} s while the lever moves on");
-    moved.then(|| Doubt { row: Some(from), ..Doubt::new(signal, what, remedy) })
+    moved.then(|| Doubt { row: Some(from), ..Doubt::new(signal, what(), remedy) })
 }
 
 /// A signal that stands at its largest value: its sensor, or what read it, goes no farther.
@@ -242,6 +258,9 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     let usual = n / (changes + 1) as f64;
     let stands =
         there >= LEAST_SAMPLES && count >= AT_THE_END * n && count >= LONGER * usual && changes > 0;
+    if !stands {
+        return None;
+    }
     let what = format!(
         "it stands at its largest value, {end}, in {:.0} % of the samples: the sensor or its converter is at the end of \
          its range",
@@ -249,7 +268,7 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     );
     let remedy = "larger values are lost: exclude the trial, or report it in your methods; check scale and range of the sensor";
     let first = values.iter().position(is_there);
-    stands.then(|| Doubt { row: first, ..Doubt::new(signal, what, remedy) })
+    Some(Doubt { row: first, ..Doubt::new(signal, what, remedy) })
 }
 
 /// The value that `rank` others of `values` come before, in the order of [`f64::total_cmp`]. By

@@ -163,13 +163,17 @@ fn sign_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let steps =
         || theta.windows(2).zip(force.windows(2)).map(|(x, f)| (x[1] - x[0]) * (f[0] + f[1]) / 2.0);
     let (work, all) = (steps().sum::<f64>(), steps().map(f64::abs).sum::<f64>());
+    let is_against = work < -AGAINST * all;
+    if !is_against {
+        return None;
+    }
     let what = format!(
         "the force points against the motion on the way out ({:.0} % of its work is negative): a user's force is positive \
          where it pushes into the object",
         50.0 * (1.0 - work / all)
     );
     let remedy = "set sign = -1 for the force, or for angle and velocity, in the mapping";
-    (work < -AGAINST * all).then(|| Doubt::new(signal, what, remedy))
+    Some(Doubt::new(signal, what, remedy))
 }
 
 fn recorded(samples: &dyn Columns) -> Option<Signal> {

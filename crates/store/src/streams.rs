@@ -1,0 +1,92 @@
+//! Numbers whose bytes were split into streams: the lowest byte of each, then the second of each, and
+//! so on (Parquet's `BYTE_STREAM_SPLIT`). The parquet crate puts them together byte by byte; loops over
+//! whole streams a compiler turns into vector instructions.
+
+use std::ops::Range;
+
+/// Numbers that are put together at a time.
+const AT_ONCE: usize = 64;
+
+/// A number of a recording whose bytes are split.
+pub(crate) trait Joined {
+    /// Adds so many numbers; `None` where the streams are not as long as they.
+    fn join(streams: &[u8], numbers: usize, into: &mut Vec<f64>) -> Option<()>;
+}
+
+impl Joined for f64 {
+    fn join(streams: &[u8], numbers: usize, into: &mut Vec<f64>) -> Option<()> {
+        let (low, high) = streams.split_at_checked(numbers.checked_mul(4)?)?;
+        if high.len() != low.len() {
+            return None;
+        }
+        for from in (0..numbers).step_by(AT_ONCE) {
+            let some = AT_ONCE.min(numbers - from);
+            let (low, high) =
+                (words(low, numbers, from..from + some), words(high, numbers, from..from + some));
+            let both = low.iter().zip(&high).take(some);
+            into.extend(
+                both.map(|(low, high)| f64::from_bits(u64::from(*high) << 32 | u64::from(*low))),
+            );
+        }
+        Some(())
+    }
+}
+
+impl Joined for f32 {
+    fn join(streams: &[u8], numbers: usize, into: &mut Vec<f64>) -> Option<()> {
+        if streams.len() != numbers.checked_mul(4)? {
+            return None;
+        }
+        for from in (0..numbers).step_by(AT_ONCE) {
+            let some = AT_ONCE.min(numbers - from);
+            let words = words(streams, numbers, from..from + some);
+            into.extend(words.iter().take(some).map(|word| f64::from(f32::from_bits(*word))));
+        }
+        Some(())
+    }
+}
+
+/// Some of the words whose four bytes lie in four streams of this length, the lowest first.
+fn words(streams: &[u8], length: usize, some: Range<usize>) -> [u32; AT_ONCE] {
+    let stream = |k: usize| &streams[k * length..(k + 1) * length][some.clone()];
+    let mut words = [0; AT_ONCE];
+    let bytes = stream(0).iter().zip(stream(1)).zip(stream(2)).zip(stream(3));
+    for (word, (((a, b), c), d)) in words.iter_mut().zip(bytes) {
+        *word = u32::from_le_bytes([*a, *b, *c, *d]);
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn split<const N: usize>(numbers: &[[u8; N]]) -> Vec<u8> {
+        (0..N).flat_map(|k| numbers.iter().map(move |bytes| bytes[k])).collect()
+    }
+
+    #[test]
+    fn numbers_come_back_bit_for_bit_and_streams_of_another_length_are_refused() {
+        for n in [0, 1, 63, 64, 65, 200] {
+            let wide: Vec<f64> = (0..n)
+                .map(|i| f64::from_bits(u64::wrapping_mul(i, 0x9e37_79b9_7f4a_7c15)))
+                .collect();
+            let narrow: Vec<f32> = wide.iter().map(|v| *v as f32).collect();
+            let streams = split(&wide.iter().map(|v| v.to_le_bytes()).collect::<Vec<_>>());
+            let narrow_streams = split(&narrow.iter().map(|v| v.to_le_bytes()).collect::<Vec<_>>());
+            let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            let (mut found, mut found_narrow) = (Vec::new(), Vec::new());
+            f64::join(&streams, wide.len(), &mut found).unwrap();
+            f32::join(&narrow_streams, narrow.len(), &mut found_narrow).unwrap();
+            assert_eq!(bits(&found), bits(&wide));
+            assert_eq!(
+                bits(&found_narrow),
+                bits(&narrow.iter().map(|v| f64::from(*v)).collect::<Vec<_>>())
+            );
+            for other in [wide.len() + 1, usize::MAX] {
+                assert_eq!(f64::join(&streams, other, &mut found), None);
+                assert_eq!(f32::join(&narrow_streams, other, &mut found), None);
+            }
+        }
+    }
+}
