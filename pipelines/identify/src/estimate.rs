@@ -212,6 +212,7 @@ pub(crate) fn estimates<const P: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::each;
     use crate::{Recording, Task, identify};
 
     /// Five trials of a line through two columns made of whole numbers, every other repeat held
@@ -240,7 +241,7 @@ mod tests {
         let explain = |i: usize, p: &[f64; 2]| {
             Some(rows[i].iter().map(|r| p[0] * r[0] + p[1] * r[1]).collect())
         };
-        identify(&recordings, &task, explain, |_, _| None).unwrap().estimates
+        identify(&recordings, &task, each(explain), |_, _| None).unwrap().estimates
     }
 
     fn close(found: f64, expect: f64, share: f64) {

@@ -15,9 +15,9 @@ pub(crate) struct Block<const P: usize> {
     pub(crate) gradient: [f64; P],
 }
 
-/// Predictions of trial `i` at parameters; `None` where the model does not run.
+/// Predictions of trial `i` at some points; `None` where the model does not run.
 pub(crate) type Predict<'a, const P: usize> =
-    &'a (dyn Fn(usize, &[f64; P]) -> Option<Vec<f64>> + Sync);
+    &'a (dyn Fn(usize, &[[f64; P]]) -> Vec<Option<Vec<f64>>> + Sync);
 
 /// What is fitted: the trials by their numbers, what was recorded of each, and the model.
 pub(crate) struct Problem<'a, const P: usize> {

@@ -68,16 +68,16 @@ pub struct Identified {
 
 /// Fits parameters to half of the recordings and judges them on all.
 ///
-/// `explain(i, p)` gives what recording `i` should have observed at parameters `p`, and `judge(i,
-/// p)` the model's error of θ (rad, root mean square) on it; either `None` where the model does not
-/// run there. The fit begins at the choice by eye and at every one of the task's starts.
+/// `explain(i, points)` gives what recording `i` should have observed at each of some parameters
+/// (several at a time, because a model may share work between them), and `judge(i, p)` the model's
+/// error of θ (rad, root mean square) on it; either `None` where the model does not run there. The fit begins at the choice by eye and at every one of the task's starts.
 ///
 /// # Errors
 /// Fewer than two trials to fit, a model that runs from no start, a level outside (0, 1).
 pub fn identify<const P: usize>(
     recordings: &[Recording],
     task: &Task<P>,
-    explain: impl Fn(usize, &[f64; P]) -> Option<Vec<f64>> + Sync,
+    explain: impl Fn(usize, &[[f64; P]]) -> Vec<Option<Vec<f64>>> + Sync,
     judge: impl Fn(usize, &[f64; P]) -> Option<f64> + Sync,
 ) -> Result<Identified, IdentifyError> {
     let parts = parts(recordings);
@@ -144,7 +144,7 @@ fn without_each<const P: usize>(
 mod tests {
     use super::*;
     use crate::Identifiability;
-    use crate::testing::{PARAMETERS, STARTS, TRUE, metas, pushed};
+    use crate::testing::{PARAMETERS, STARTS, TRUE, each, metas, pushed};
 
     fn recordings<'a>(metas: &'a [TrialMeta], observed: &'a [Vec<f64>]) -> Vec<Recording<'a>> {
         metas.iter().zip(observed).map(|(meta, observed)| Recording { meta, observed }).collect()
@@ -164,7 +164,7 @@ mod tests {
             Some((squares / theta[i].len() as f64).sqrt())
         };
         let task = Task { starts: &STARTS, ..task(&PARAMETERS) };
-        let found = identify(&recordings(&metas, &theta), &task, pushed, judge).unwrap();
+        let found = identify(&recordings(&metas, &theta), &task, each(pushed), judge).unwrap();
         for (estimate, expect) in found.estimates.iter().zip(TRUE) {
             let fitted = estimate.fitted;
             assert!((fitted / expect - 1.0).abs() < 1e-6, "{fitted} instead of {expect}");
@@ -199,7 +199,8 @@ mod tests {
             .collect();
         let recordings = recordings(&metas, &observed);
         let line = |i: usize, p: &[f64; 3]| Some(x(i).map(|x| p[0] * x).collect());
-        let found = identify(&recordings, &task(&PARAMETERS), line, |_, _| None).unwrap().estimates;
+        let found =
+            identify(&recordings, &task(&PARAMETERS), each(line), |_, _| None).unwrap().estimates;
         assert_eq!(
             [found[0].verdict, found[1].verdict],
             [Identifiability::Identifiable, Identifiability::Insensitive]
@@ -207,15 +208,19 @@ mod tests {
         let (low, high) = found[0].interval.unwrap();
         assert!(low < found[0].fitted && found[0].fitted < high);
         let double = |i: usize, p: &[f64; 3]| Some(x(i).map(|x| (p[0] + p[1]) * x).collect());
-        let found = identify(&recordings, &task(&PARAMETERS), double, |_, _| None).unwrap();
+        let found = identify(&recordings, &task(&PARAMETERS), each(double), |_, _| None).unwrap();
         assert_eq!(found.estimates[0].verdict, Identifiability::Confounded);
     }
 
     #[test]
     fn one_trial_is_too_few() {
         let (metas, observed) = (metas(2), vec![vec![0.0, 1.0]; 2]);
-        let error =
-            identify(&recordings(&metas, &observed), &task(&PARAMETERS), |_, _| None, |_, _| None);
+        let error = identify(
+            &recordings(&metas, &observed),
+            &task(&PARAMETERS),
+            each(|_, _| None),
+            |_, _| None,
+        );
         assert_eq!(error.unwrap_err(), IdentifyError::TooFew { trials: 1 });
     }
 }

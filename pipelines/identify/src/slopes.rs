@@ -24,11 +24,11 @@ const SHARE_OF_RANGE: f64 = 1e-7;
 
 /// Prediction less recording; infinite where the model does not run, which a fit steps back from.
 pub(crate) fn errors<const P: usize>(
-    predict: impl Fn(&[f64; P]) -> Option<Vec<f64>>,
+    predict: impl Fn(&[[f64; P]]) -> Vec<Option<Vec<f64>>>,
     observed: &[f64],
     at: &[f64; P],
 ) -> Vec<f64> {
-    match predict(at).filter(|p| p.len() == observed.len()) {
+    match predict(&[*at]).pop().flatten().filter(|p| p.len() == observed.len()) {
         Some(predicted) => predicted.iter().zip(observed).map(|(p, o)| p - o).collect(),
         None => vec![f64::INFINITY; observed.len()],
     }
@@ -37,26 +37,31 @@ pub(crate) fn errors<const P: usize>(
 /// Slopes of `samples` errors, from runs of the model to either side of `at`; one that cannot be
 /// seen is 0.
 pub(crate) fn slopes<const P: usize>(
-    predict: impl Fn(&[f64; P]) -> Option<Vec<f64>>,
+    predict: impl Fn(&[[f64; P]]) -> Vec<Option<Vec<f64>>>,
     samples: usize,
     parameters: &[Parameter; P],
     at: &[f64; P],
 ) -> Vec<[f64; P]> {
-    let mut slopes = vec![[0.0; P]; samples];
-    for (j, parameter) in parameters.iter().enumerate() {
+    let ends = |j: usize| {
+        let parameter = &parameters[j];
         let step = SHARE * at[j].abs() + SHARE_OF_RANGE * (parameter.upper - parameter.lower);
-        let (low, high) =
-            ((at[j] - step).max(parameter.lower), (at[j] + step).min(parameter.upper));
-        if low >= high {
-            continue; // held at one value: it does not move
-        }
-        let moved = |value: f64| {
-            let mut moved = *at;
-            moved[j] = value;
-            predict(&moved)
-        };
-        let Some((below, above)) = moved(low).zip(moved(high)) else { continue };
-        for (slope, (below, above)) in slopes.iter_mut().zip(below.iter().zip(&above)) {
+        [(at[j] - step).max(parameter.lower), (at[j] + step).min(parameter.upper)]
+    };
+    // One that is held at one value does not move.
+    let moving: Vec<(usize, [f64; 2])> =
+        (0..P).map(|j| (j, ends(j))).filter(|(_, [low, high])| low < high).collect();
+    let moved = |j: usize, value: f64| {
+        let mut moved = *at;
+        moved[j] = value;
+        moved
+    };
+    let points: Vec<_> =
+        moving.iter().flat_map(|(j, ends)| ends.map(|value| moved(*j, value))).collect();
+    let mut slopes = vec![[0.0; P]; samples];
+    let predicted = predict(&points);
+    for ((j, [low, high]), sides) in moving.into_iter().zip(predicted.chunks(2)) {
+        let [Some(below), Some(above)] = sides else { continue };
+        for (slope, (below, above)) in slopes.iter_mut().zip(below.iter().zip(above)) {
             slope[j] = (above - below) / (high - low);
         }
     }
@@ -75,7 +80,8 @@ mod tests {
 
     #[test]
     fn slopes_are_those_of_the_model_also_at_a_bound() {
-        let predict = |p: &[f64; 2]| Some(X.iter().map(|x| p[0] * p[0] * x + p[1]).collect());
+        let one = |p: &[f64; 2]| Some(X.iter().map(|x| p[0] * p[0] * x + p[1]).collect());
+        let predict = |points: &[[f64; 2]]| points.iter().map(one).collect();
         for at in [[3.0, 0.5], [3.0, 0.0]] {
             let values = errors(predict, &[1.0; 3], &at);
             let slopes = slopes(predict, 3, &[parameter(0.0); 2], &at);
@@ -88,7 +94,7 @@ mod tests {
 
     #[test]
     fn a_model_that_does_not_run_has_infinite_errors_and_no_slopes() {
-        let predict = |_: &[f64; 1]| None;
+        let predict = |points: &[[f64; 1]]| vec![None; points.len()];
         assert_eq!(errors(predict, &[1.0; 2], &[1.0]), [f64::INFINITY; 2]);
         assert_eq!(slopes(predict, 2, &[parameter(0.0)], &[1.0]), [[0.0]; 2]);
     }

@@ -47,3 +47,10 @@ pub(crate) fn pushed(i: usize, [mass_kg, damping, friction_n]: &[f64; 3]) -> Opt
     let run = Exact::default().run(&System::new(scene).ok()?, &Grid::Times(t_s)).ok()?;
     Some(run.theta_rad().collect())
 }
+
+/// A model that explains one point at a time, for those who ask for several.
+pub(crate) fn each<const P: usize>(
+    explain: impl Fn(usize, &[f64; P]) -> Option<Vec<f64>>,
+) -> impl Fn(usize, &[[f64; P]]) -> Vec<Option<Vec<f64>>> {
+    move |i, points| points.iter().map(|p| explain(i, p)).collect()
+}

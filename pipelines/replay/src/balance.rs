@@ -20,6 +20,7 @@
 
 use crate::scene::Rendering;
 use crate::{Parameters, ReplayError, WhyNot};
+use std::rc::Rc;
 use zwidth_numerics::cubic;
 use zwidth_numerics::updates::{Updates, updates};
 use zwidth_store::{Signal, Trial};
@@ -44,10 +45,9 @@ const GAUSS: [(f64, f64); 3] = [
 #[derive(Debug, Clone, PartialEq)]
 pub struct Balance {
     lever_m: f64,
-    /// Of every sample, s.
-    t_s: Vec<f64>,
+    clock: Clock,
     /// Commands of motor (above 0 pushes to +θ) and brake (its level) from each sample to the
-    /// next, N.
+    /// next, N; none of an actuator that is commanded nothing.
     motor_n: Vec<f64>,
     brake_n: Vec<f64>,
     hats: Vec<Hat>,
@@ -85,7 +85,7 @@ impl Balance {
         let theta = column(Signal::Theta)?.ok_or(WhyNot::NoAngle)?;
         let force = column(Signal::ForceEx)?.ok_or(WhyNot::NoForce)?;
         let voltages = [column(Signal::VoltageMotor)?, column(Signal::VoltageBrake)?];
-        let [motor_n, brake_n] = rendering.commands_n(t_s.len(), voltages)?;
+        let [motor_n, brake_n] = rendering.commands_n(t_s.len(), voltages)?.map(unless_idle);
         let updates = match column(Signal::ForceAge)? {
             Some(age) => updates(&t_s, force, age),
             None => Updates { t: t_s.clone(), values: force.to_vec() },
@@ -93,7 +93,7 @@ impl Balance {
         let hats = hats(&t_s, theta, &updates);
         let impulse = Impulse::of_force(&t_s, &updates);
         let measured_ns = hats.iter().map(|hat| impulse.through(hat, &t_s)).collect();
-        Ok(Self { lever_m, t_s, motor_n, brake_n, hats, measured_ns })
+        Ok(Self { lever_m, clock: Clock::of(t_s), motor_n, brake_n, hats, measured_ns })
     }
 
     /// ∫φ F_ex dt of every hat, N·s, as the force sensor has it.
@@ -101,19 +101,126 @@ impl Balance {
         &self.measured_ns
     }
 
-    /// The same, as motion and commands need it from a plant.
-    pub fn needed_ns(&self, plant: &Parameters) -> Vec<f64> {
-        let motor = Impulse::of_lagging(&self.t_s, &self.motor_n, [plant.motor_lag_s; 2]);
-        let brake =
-            Impulse::of_lagging(&self.t_s, &self.brake_n, [plant.brake_on_s, plant.brake_off_s]);
-        let needed = |hat: &Hat| {
-            let inertia = plant.mass_kg * self.lever_m * hat.turned_rad_s;
-            let viscous = plant.damping_ns_per_rad * hat.moved_rad;
-            let dry = plant.friction_n * hat.half_base_s + brake.through(hat, &self.t_s);
-            inertia + viscous + hat.direction * dry - motor.through(hat, &self.t_s)
+    /// The same, as motion and commands need it from each of some plants. What takes long are the
+    /// actuators' forces: plants with the same lags share them.
+    pub fn needed_ns(&self, plants: &[Parameters]) -> Vec<Vec<f64>> {
+        let motor = |plant: &Parameters| [plant.motor_lag_s; 2];
+        let brake = |plant: &Parameters| [plant.brake_on_s, plant.brake_off_s];
+        let motor = self.of_lags(&self.motor_n, plants.iter().map(motor));
+        let brake = self.of_lags(&self.brake_n, plants.iter().map(brake));
+        let needed = |((plant, motor), brake): ((&Parameters, Through), Through)| {
+            let of_hat = |(hat, (motor, brake)): (&Hat, (&f64, &f64))| {
+                let inertia = plant.mass_kg * self.lever_m * hat.turned_rad_s;
+                let viscous = plant.damping_ns_per_rad * hat.moved_rad;
+                let dry = plant.friction_n * hat.half_base_s + brake;
+                inertia + viscous + hat.direction * dry - motor
+            };
+            self.hats.iter().zip(motor.iter().zip(brake.iter())).map(of_hat).collect()
         };
-        self.hats.iter().map(needed).collect()
+        plants.iter().zip(motor).zip(brake).map(needed).collect()
     }
+
+    /// ∫φ F dt of every hat, for each of some pairs of lags by which a force follows its commands; of
+    /// equal ones made once.
+    fn of_lags(&self, commands: &[f64], lags: impl Iterator<Item = [f64; 2]>) -> Vec<Through> {
+        let mut made: Vec<([u64; 2], Through)> = Vec::new();
+        let of = |lags: [f64; 2]| {
+            let bits = lags.map(f64::to_bits);
+            if let Some((_, known)) = made.iter().find(|(of, _)| *of == bits) {
+                return known.clone();
+            }
+            let through: Through = match commands {
+                [] => self.hats.iter().map(|_| 0.0).collect(),
+                _ => {
+                    let impulse = Impulse::of_lagging(&self.clock, commands, lags);
+                    self.hats.iter().map(|hat| impulse.through(hat, &self.clock.t_s)).collect()
+                }
+            };
+            made.push((bits, through.clone()));
+            through
+        };
+        lags.map(of).collect()
+    }
+}
+
+/// ∫φ F dt of every hat, N·s.
+type Through = Rc<[f64]>;
+
+/// The commands of an actuator that has any.
+fn unless_idle(commands: Vec<f64>) -> Vec<f64> {
+    if commands.iter().all(|command| *command == 0.0) { Vec::new() } else { commands }
+}
+
+/// When the samples were taken.
+#[derive(Debug, Clone, PartialEq)]
+struct Clock {
+    t_s: Vec<f64>,
+    /// Mean interval, s.
+    usual_s: f64,
+    /// By how much an interval differs from it at most, s.
+    jitter_s: f64,
+}
+
+impl Clock {
+    /// Of two samples at least.
+    fn of(t_s: Vec<f64>) -> Self {
+        let usual_s = (t_s[t_s.len() - 1] - t_s[0]) / (t_s.len() - 1) as f64;
+        let jitter = t_s.windows(2).map(|t| (t[1] - t[0] - usual_s).abs());
+        let jitter_s = jitter.fold(0.0, f64::max);
+        Self { t_s, usual_s, jitter_s }
+    }
+
+    /// 1 − e^(−h/lag) for each interval h: what of a step is gone after it. Intervals are nearly alike:
+    /// e^(−h/lag) is that of the usual one times e^x of a small x, which has a short series.
+    fn gone(&self, lag_s: f64) -> Vec<f64> {
+        if self.usual_s - self.jitter_s > ALL_GONE * lag_s {
+            return vec![1.0; self.t_s.len() - 1];
+        }
+        let intervals = self.t_s.windows(2).map(|t| t[1] - t[0]);
+        let farthest = self.jitter_s / lag_s;
+        let Some(halvings) = (0..=MOST_HALVINGS).find(|n| farthest < NEAR * 2_f64.powi(*n)) else {
+            return intervals.map(|h| -libm::expm1(-h / lag_s)).collect();
+        };
+        // e^x − 1 of halves of halves of x, then e^2x − 1 = y (2 + y) of y = e^x − 1.
+        let scale = 0.5_f64.powi(halvings) / lag_s;
+        let mut gone: Vec<f64> =
+            intervals.map(|h| near_expm1((self.usual_s - h) * scale)).collect();
+        for _ in 0..halvings {
+            gone.iter_mut().for_each(|y| *y *= 2.0 + *y);
+        }
+        let usual = -self.usual_s / lag_s;
+        if self.usual_s > lag_s {
+            let left = libm::exp(usual);
+            gone.iter_mut().for_each(|y| *y = 1.0 - left * (1.0 + *y));
+        } else {
+            // Where little is gone, without a 1 that takes its digits.
+            let less = libm::expm1(usual);
+            gone.iter_mut().for_each(|y| *y = -(less + *y + less * *y));
+        }
+        gone
+    }
+}
+
+/// After so many lags nothing is left that a number near 1 could show: e^−40 is 4e-18.
+const ALL_GONE: f64 = 40.0;
+/// Up to where [`near_expm1`] holds.
+const NEAR: f64 = 0.25;
+/// Each takes a digit's fraction: intervals that differ by more than 16 lags are taken one by one.
+const MOST_HALVINGS: i32 = 6;
+
+/// e^x − 1 for |x| < ¼: its series up to the term that is below 1e-17 of it.
+fn near_expm1(x: f64) -> f64 {
+    const TERMS: usize = 12;
+    /// 1/n! from 1 on.
+    const SHARES: [f64; TERMS] = {
+        let (mut shares, mut n) = ([1.0; TERMS], 1);
+        while n < TERMS {
+            shares[n] = shares[n - 1] / (n + 1) as f64;
+            n += 1;
+        }
+        shares
+    };
+    SHARES.iter().rev().fold(0.0, |sum, share| sum * x + share) * x
 }
 
 /// [y] for values at three nodes.
@@ -208,7 +315,9 @@ struct Impulse {
 impl Impulse {
     /// From the integrals ∫F dt and ∫(t − tᵢ) F dt over each interval between samples.
     fn new(t: &[f64], parts: impl Iterator<Item = [f64; 2]>) -> Self {
-        let (mut force_ns, mut moment_ns2) = (vec![0.0], vec![0.0]);
+        let [mut force_ns, mut moment_ns2] = [(); 2].map(|()| Vec::with_capacity(t.len()));
+        force_ns.push(0.0);
+        moment_ns2.push(0.0);
         let (mut force, mut moment) = (0.0, 0.0);
         for ([part, lever], from) in parts.zip(t) {
             force += part;
@@ -234,22 +343,27 @@ impl Impulse {
 
     /// Of a force that follows held commands with a time constant each for rising and falling, from
     /// 0 on; 0 s is at once.
-    fn of_lagging(t: &[f64], commands: &[f64], [rising_s, falling_s]: [f64; 2]) -> Self {
+    fn of_lagging(clock: &Clock, commands: &[f64], [rising_s, falling_s]: [f64; 2]) -> Self {
+        let t = &clock.t_s;
+        let rising = clock.gone(rising_s);
+        let is_one = falling_s.to_bits() == rising_s.to_bits();
+        let falling = (!is_one).then(|| clock.gone(falling_s));
+        let falling = falling.as_ref().unwrap_or(&rising);
         let mut level = 0.0;
-        let part = |(pair, command): (&[f64], &f64)| {
+        let part = |((pair, command), (rising, falling)): ((&[f64], &f64), (&f64, &f64))| {
             let (h, off) = (pair[1] - pair[0], level - command);
             level = *command;
             let held = [command * h, command * h * h / 2.0];
             if off == 0.0 {
-                return held; // as most of the time for the actuator that the mode does not use
+                return held; // as soon as it has caught up
             }
-            let lag = if off > 0.0 { falling_s } else { rising_s };
-            let gone = -libm::expm1(-h / lag);
+            let (lag, gone) = if off > 0.0 { (falling_s, *falling) } else { (rising_s, *rising) };
             let left = 1.0 - gone;
             level += off * left;
             [held[0] + off * lag * gone, held[1] + off * lag * (lag * gone - h * left)]
         };
-        Self::new(t, t.windows(2).zip(commands).map(part))
+        let gone = rising.iter().zip(falling);
+        Self::new(t, t.windows(2).zip(commands).zip(gone).map(part))
     }
 
     /// ∫φ F dt.
@@ -307,13 +421,15 @@ mod tests {
     #[test]
     fn the_motion_needs_the_force_that_made_it() {
         let found = balance(moved(1000.0, &PLANT)).unwrap();
-        let (needed, measured) = (found.needed_ns(&PLANT), found.measured_ns());
+        let (needed, measured) = (&found.needed_ns(&[PLANT])[0], found.measured_ns());
         assert!(measured.len() > 80, "{}", measured.len());
         for (needed, measured) in needed.iter().zip(measured) {
             assert!((needed - measured).abs() < 1e-11, "{needed} instead of {measured}");
         }
         let heavy = Parameters { mass_kg: 0.2, ..PLANT };
-        assert!(found.needed_ns(&heavy).iter().zip(measured).any(|(n, m)| (n - m).abs() > 5e-4));
+        assert!(
+            found.needed_ns(&[heavy])[0].iter().zip(measured).any(|(n, m)| (n - m).abs() > 5e-4)
+        );
     }
 
     #[test]
@@ -325,7 +441,7 @@ mod tests {
                 && found.hats.iter().any(|h| h.direction < 0.0)
         );
         for hat in &found.hats {
-            let [from, _, to] = hat.nodes.map(|i| found.t_s[i]);
+            let [from, _, to] = hat.nodes.map(|i| found.clock.t_s[i]);
             assert!(from > 0.5 && (to < reversal_s || from > reversal_s), "{from} to {to}");
             assert!((hat.half_base_s - HALF_S).abs() < NODE_S);
         }
@@ -336,21 +452,51 @@ mod tests {
     #[test]
     fn a_lag_is_followed_exactly() {
         let (lag, command, end) = (0.015_f64, 3.0, 0.05_f64);
-        let found = Impulse::of_lagging(&[0.0, 0.02, end], &[command; 3], [lag, 0.5]);
+        let clock = Clock::of(vec![0.0, 0.02, end]);
+        let found = Impulse::of_lagging(&clock, &[command; 3], [lag, 0.5]);
         let e = (-end / lag).exp();
         let force = command * (end - lag * (1.0 - e));
         let moment = command * (end * end / 2.0 - lag * lag * (1.0 - e) + lag * end * e);
         assert!((found.force_ns[2] - force).abs() < 1e-15, "{} {force}", found.force_ns[2]);
         assert!((found.moment_ns2[2] - moment).abs() < 1e-15, "{} {moment}", found.moment_ns2[2]);
-        let at_once = Impulse::of_lagging(&[0.0, 0.02, end], &[command; 3], [0.0; 2]);
+        let at_once = Impulse::of_lagging(&clock, &[command; 3], [0.0; 2]);
         assert!((at_once.force_ns[2] - command * end).abs() < 1e-15);
+    }
+
+    /// Intervals that jitter, against the exponential of each.
+    #[test]
+    fn what_of_a_step_is_gone_is_that_of_each_interval() {
+        let wobble = |i: u32| f64::from(i) * 1e-3 + 1e-4 * libm::sin(f64::from(i * i));
+        for t_s in [(0..200).map(wobble).collect(), vec![0.0, 1.0, 2.0], vec![0.0, 0.1, 5.0]] {
+            let clock = Clock::of(t_s);
+            for lag_s in [0.0, 1e-9, 1e-5, 3e-5, 1e-4, 7e-4, 1.2e-3, 0.01, 0.2, 3.0] {
+                for (gone, t) in clock.gone(lag_s).into_iter().zip(clock.t_s.windows(2)) {
+                    let expect = -libm::expm1((t[0] - t[1]) / lag_s);
+                    assert!((gone / expect - 1.0).abs() < 1e-14, "{lag_s}: {gone}, {expect}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn plants_together_need_what_each_needs_alone() {
+        let mut samples = moved(1000.0, &PLANT);
+        let n = samples.get(Signal::Time).unwrap().len();
+        samples.set(Signal::VoltageMotor, (0..n).map(|i| (i % 40) as f64 * 0.1).collect());
+        let found = balance(samples).unwrap();
+        let heavy = Parameters { mass_kg: 0.2, ..PLANT };
+        let late = Parameters { motor_lag_s: 0.004, ..heavy };
+        let all = [PLANT, heavy, late, PLANT];
+        let together = found.needed_ns(&all);
+        assert_eq!(together, all.map(|plant| found.needed_ns(&[plant]).concat()));
+        assert!(together[1] != together[2] && together[0] == together[3]);
     }
 
     #[test]
     fn a_falling_level_has_its_own_lag() {
-        let t = [0.0, 1.0, 2.0];
+        let clock = Clock::of(vec![0.0, 1.0, 2.0]);
         let [slow, quick] =
-            [0.5, 0.01].map(|off| Impulse::of_lagging(&t, &[4.0, 0.0, 0.0], [1e-3, off]));
+            [0.5, 0.01].map(|off| Impulse::of_lagging(&clock, &[4.0, 0.0, 0.0], [1e-3, off]));
         assert!((slow.force_ns[1] - quick.force_ns[1]).abs() < 1e-12);
         let fallen = |impulse: &Impulse| impulse.force_ns[2] - impulse.force_ns[1];
         assert!((fallen(&quick) - 0.04).abs() < 1e-9 && fallen(&slow) > 1.5);

@@ -59,4 +59,4 @@ pub use table::{join_conditions, table};
 pub use which::Which;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 7;
+pub const VERSION: u32 = 8;

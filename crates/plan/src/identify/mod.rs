@@ -237,7 +237,10 @@ fn tables_of(trials: &[Fitted], fit: &Fit) -> Result<Vec<Table>, JobError> {
         .map(|t| Recording { meta: &t.meta, observed: t.balance.measured_ns() })
         .collect();
     let task = Task { parameters: &fit.plant, starts: &fit.starts, level: fit.level };
-    let explain = |i: usize, p: &[f64; P]| Some(trials[i].balance.needed_ns(&plant(p)));
+    let explain = |i: usize, points: &[[f64; P]]| {
+        let plants: Vec<Parameters> = points.iter().map(plant).collect();
+        trials[i].balance.needed_ns(&plants).into_iter().map(Some).collect()
+    };
     let judge = |i: usize, p: &[f64; P]| trials[i].judged.rmse_rad(&plant(p));
     match zwidth_identify::identify(&recordings, &task, explain, judge) {
         Ok(found) => Ok(vec![

@@ -115,7 +115,10 @@ fn without_noise_every_parameter_comes_back_to_a_millionth() {
         .map(|(trial, balance)| Recording { meta: &trial.meta, observed: balance.measured_ns() })
         .collect();
     let task = Task { parameters: &PLANT, starts: &STARTS[..1], level: 0.95 };
-    let explain = |i: usize, p: &[f64; P]| Some(balances[i].needed_ns(&plant(p)));
+    let explain = |i: usize, points: &[[f64; P]]| {
+        let plants: Vec<Parameters> = points.iter().map(plant).collect();
+        balances[i].needed_ns(&plants).into_iter().map(Some).collect()
+    };
     let found = zwidth_identify::identify(&recordings, &task, explain, |_, _| None).unwrap();
     let truth = device();
     let (friction, [on, off]) = (truth.friction.unwrap(), truth.brake_lag_on_off_s.unwrap());
