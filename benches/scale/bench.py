@@ -24,6 +24,7 @@ IDENTITY = 7
 PEERS = {
     "polars, in memory": ["by_polars.py", "--engine", "in-memory"],
     "polars, streaming": ["by_polars.py", "--engine", "streaming"],
+    "polars, with NumPy and FINUFFT": ["by_polars.py", "--engine", "in-memory", "--series"],
     "DuckDB": ["by_duckdb.py"],
 }
 
@@ -103,12 +104,12 @@ def cells(name, columns, runs, stage):
     return [name, columns, f"{wall:,.2f}", f"{processor:,.2f}", f"{median(runs, 2):,.0f}", *ratios]
 
 
-def times(runs, ours, theirs):
+def times(runs, ours, differences):
     stage = runs["stage"]
     rows = [cells("decoding alone, parquet in Rust", "–", runs["decode"], stage),
             cells("**zwidth, the stage `metrics`**", str(ours), stage, stage),
             cells("zwidth, with the identification before it", str(ours), runs["first"], stage)]
-    rows += [cells(name, str(theirs), runs[name], stage) for name in PEERS]
+    rows += [cells(name, str(len(differences[name])), runs[name], stage) for name in PEERS]
     ratios = ["wall / zwidth", "of processors / zwidth"]
     return table(["metrics", "columns", "wall, s", "of processors, s", "memory, MB", *ratios], rows)
 
@@ -122,9 +123,10 @@ def beside(runs):
 
 
 def columns(differences):
-    names = sorted({name for found in differences.values() for name in found})
-    rows = [[f"`{name}`", f"{next(iter(differences.values()))[name][0]:,}"]
-            + [f"{found[name][1]:.0e}" if found[name][1] else "0" for found in differences.values()] for name in names]
+    trials = {name: trials for found in differences.values() for name, (trials, _) in found.items()}
+    cell = lambda value: "–" if value is None else f"{value:.0e}" if value else "0"
+    rows = [[f"`{name}`", f"{trials[name]:,}"]
+            + [cell(found.get(name, (0, None))[1]) for found in differences.values()] for name in sorted(trials)]
     return table(["column", "trials", *differences], rows)
 
 
@@ -144,7 +146,7 @@ def sizes(study, scratch):
 
 
 def page(study, runs, differences, ours, raw):
-    theirs = len(next(iter(differences.values())))
+    least, most = (of(map(len, differences.values())) for of in (min, max))
     samples = int(runs["decode"][0][3].split()[2]) // 9
     stage = statistics.median(stage_seconds(run[3]) for run in runs["stage"])
     largest = max(value for found in differences.values() for _, value in found.values())
@@ -155,12 +157,12 @@ def page(study, runs, differences, ours, raw):
         f"practice trials are decoded, but are in nobody's metrics. Medians of {len(runs['stage'])} rounds in\n"
         "turns, each a process of its own from its start to its end, after all files were read once.\n"
         "Processors: user and system time together; memory: the largest resident set.\n",
-        times(runs, ours, theirs),
+        times(runs, ours, differences),
         f"`-v` says that the jobs of zwidth's stage took {stage:.1f} s together, in which time that one spends on\n"
         "another's work counts twice. The stage looks at each file for its footer and then reads it,\n"
         "checks all of its columns, and writes tables with records of what they were made from. Its\n"
-        f"{ours} columns have intervals, spectra, smoothness and energies among them. The peers make {theirs} of\n"
-        "them, and check, hash and record nothing.\n",
+        f"{ours} columns have intervals and energies among them. The peers make {least} of them, with FINUFFT\n"
+        f"{most}, and check, hash and record nothing.\n",
         beside(runs),
         "Largest relative difference of each column from zwidth's, over all trials (the largest of all:\n"
         f"{largest:.0e}). A value is missing in both or in none. Above 1e-9 the bench would have stopped.\n",

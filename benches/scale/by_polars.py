@@ -1,15 +1,19 @@
 """Metrics of every trial of a study in polars: lazy scans of the files of some participants at a time, expressions.
 
-    python by_polars.py STUDY_FOLDER OUT.parquet [--engine streaming|in-memory] [--at-a-time PARTICIPANTS]
+    python by_polars.py STUDY_FOLDER OUT.parquet [--engine streaming|in-memory] [--at-a-time PARTICIPANTS] [--series]
 
+With `--series` those too that need a transform of each trial, in NumPy by a process for each core (series.py).
 Definitions: docs/analysis.md. Rows of a trial follow each other, `k` is its number and `i` the sample's.
 """
 
 import argparse
+import os
+from multiprocessing import get_context
 from pathlib import Path
 
 import polars as pl
 
+from series import COLUMNS, of_trial
 from study import BETTER, BRAKE_ON, FLAT, KEYS, LEAST_SAMPLES, LEAST_SHARE, LEAST_SPAN, parameters, participants
 
 MOTION = ["t_s", "theta_rad", "theta_dot_rad_s"]
@@ -50,13 +54,18 @@ def with_polyline(rows, at, points, on, y, name):
     return rows.with_columns(value.alias(name)).drop("x0", "x1", "y0", "y1")
 
 
-def with_force(rows):
-    """The force at each sample between its sensor's own updates; the last one's after it."""
+def updates_of(rows):
+    """The values of the force sensor, at the times at which it gave them."""
     age = col("force_age_s").cast(pl.Float64)
     is_new = (age < before(age) + (t - before(t)) / 2).fill_null(True)
     updates = rows.filter(is_new).select("k", taken=t - age, value="force_ex_n")
     updates = updates.with_columns(latest=col("taken").cum_max().over("k"))
-    updates = updates.filter((col("taken") > before(col("latest"))).fill_null(True))
+    return updates.filter((col("taken") > before(col("latest"))).fill_null(True))
+
+
+def with_force(rows):
+    """The force at each sample between its sensor's own updates; the last one's after it."""
+    updates = updates_of(rows)
     rows = with_polyline(rows, "t", updates, col("taken"), col("value"), "f")
     rows = rows.join(updates.group_by("k").agg(col("value").last()), on="k", how="left", maintain_order="left")
     return rows.with_columns(f=f.fill_null(col("value")))
@@ -215,12 +224,26 @@ def stiffness_of_wall(rows, p):
     return rows.filter(is_in).group_by("k").agg(wall_stiffness_n_per_rad=pl.when(pl.len() >= 3).then(slope))
 
 
-def metrics(files, p, engine):
+def series(rows, pool):
+    """What needs a transform of each trial: its samples are handed to NumPy."""
+    trials = rows.group_by("k", maintain_order=True).agg(t, x, v, *(phase.first() for phase in (onset, reversal, end)))
+    updates = updates_of(rows).group_by("k", maintain_order=True).agg("taken", "value")
+    trials = trials.join(updates, on="k", maintain_order="left").collect()
+    arrays = [[one.to_numpy() for one in trials[name]] for name in ("t", "x", "v", "taken", "value")]
+    phases = [trials[name].to_list() for name in ("onset", "reversal", "end")]
+    found = pool.map(of_trial, zip(*arrays, *phases), chunksize=9)
+    columns = dict(zip(COLUMNS, zip(*found)))
+    return pl.LazyFrame({"k": trials["k"], **columns}, schema_overrides={name: pl.Float64 for name in COLUMNS})
+
+
+def metrics(files, p, engine, pool):
     # Collected once: left lazy, the samples are read anew for each part, and it takes twice as long.
     rows = with_steps(with_phases(with_force(samples(files)), p), p).collect(engine=engine).lazy()
     found = scalars(rows, p)
     for part in (discrepancy, stiffness, stiffness_of_wall):
         found = found.join(part(rows, p), on="k", how="left", maintain_order="left")
+    if pool:
+        found = found.join(series(rows, pool), on="k", how="left", maintain_order="left")
     has_loop = col("discrepancy_user_mean_n").is_not_null()
     found = found.with_columns(loop_area_j=pl.when(has_loop).then(col("loop_area_j"))).drop("k")
     return found.collect(engine=engine)
@@ -232,10 +255,13 @@ def main():
     arguments.add_argument("out", type=Path)
     arguments.add_argument("--engine", default="in-memory")
     arguments.add_argument("--at-a-time", type=int, default=5)
+    arguments.add_argument("--series", action="store_true")
     given = arguments.parse_args()
     p, people = parameters(given.study), participants(given.study)
     parts = [sum(people[at : at + given.at_a_time], []) for at in range(0, len(people), given.at_a_time)]
-    pl.concat([metrics(files, p, given.engine) for files in parts]).write_parquet(given.out)
+    # A new process each: one that is forked would inherit the locks of polars' threads.
+    pool = get_context("spawn").Pool(os.cpu_count()) if given.series else None
+    pl.concat([metrics(files, p, given.engine, pool) for files in parts]).write_parquet(given.out)
 
 
 if __name__ == "__main__":
