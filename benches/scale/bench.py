@@ -150,7 +150,7 @@ def page(study, runs, differences, ours, raw):
     samples = int(runs["decode"][0][3].split()[2]) // 9
     stage = statistics.median(stage_seconds(run[3]) for run in runs["stage"])
     largest = max(value for found in differences.values() for _, value in found.values())
-    versions = [f"{name} {version(name)}" for name in ("polars", "duckdb", "pandas", "pyarrow")]
+    versions = [f"{name} {version(name)}" for name in ("polars", "finufft", "duckdb", "pandas", "pyarrow")]
     return [
         f"{output(study.zwidth, '--version').strip()}, Python {platform.python_version()}, {', '.join(versions)}.\n",
         f"{study.files:,} trial files with {samples:,} samples at 1 kHz, {raw / 1e9:.2f} GB; those of\n"
