@@ -8,6 +8,7 @@ Definitions: docs/analysis.md. Rows of a trial follow each other, `k` is its num
 
 import argparse
 import os
+from contextlib import nullcontext
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -260,8 +261,8 @@ def main():
     p, people = parameters(given.study), participants(given.study)
     parts = [sum(people[at : at + given.at_a_time], []) for at in range(0, len(people), given.at_a_time)]
     # A new process each: one that is forked would inherit the locks of polars' threads.
-    pool = get_context("spawn").Pool(os.cpu_count()) if given.series else None
-    pl.concat([metrics(files, p, given.engine, pool) for files in parts]).write_parquet(given.out)
+    with get_context("spawn").Pool(os.cpu_count()) if given.series else nullcontext() as pool:
+        pl.concat([metrics(files, p, given.engine, pool) for files in parts]).write_parquet(given.out)
 
 
 if __name__ == "__main__":

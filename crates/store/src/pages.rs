@@ -53,7 +53,7 @@ impl Pages {
 
     /// The values of these rows, where their bytes are split into streams and none is null; `None`
     /// where they are laid otherwise, or damaged.
-    pub(crate) fn split<T: Joined>(&self, rows: usize) -> Option<Vec<f64>> {
+    pub(crate) fn split_values<T: Joined>(&self, rows: usize) -> Option<Vec<f64>> {
         let of_pages = |(header, _): &(Header, Bytes)| header.values as usize;
         if self.left.iter().map(of_pages).sum::<usize>() != rows {
             return None;

@@ -137,11 +137,12 @@ fn decoded_by_pages(
     };
     let rows = usize::try_from(group.num_rows()).unwrap_or(0);
     let split = match storage {
-        Storage::F64 => pages.split::<f64>(rows),
-        Storage::F32 => pages.split::<f32>(rows),
+        _ if !has_values => None,
+        Storage::F64 => pages.split_values::<f64>(rows),
+        Storage::F32 => pages.split_values::<f32>(rows),
         Storage::U16 => None,
     };
-    if let Some(values) = split.filter(|_| has_values) {
+    if let Some(values) = split {
         return Ok(Some(Part { values, rows, ..Part::default() }));
     }
     guarded(&file.path, DAMAGED, || match storage {
@@ -286,8 +287,8 @@ mod tests {
             let column = columns.iter().find(|c| c.column_path().string() == name).unwrap();
             let pages = || Pages::of(&file.content, column).unwrap();
             let found = match storage {
-                Storage::F64 => pages().split::<f64>(file.rows),
-                Storage::F32 => pages().split::<f32>(file.rows),
+                Storage::F64 => pages().split_values::<f64>(file.rows),
+                Storage::F32 => pages().split_values::<f32>(file.rows),
                 Storage::U16 => None,
             };
             let is_split = crate::encoding_of(name) == crate::Encoding::ByteStreamSplit;
@@ -295,9 +296,9 @@ mod tests {
             let Some(found) = found else { continue };
             split += 1;
             assert_eq!(found, decoded(&file, (name, storage, true), 0).unwrap().values, "{name}");
-            assert_eq!(pages().split::<f64>(file.rows + 1), None);
+            assert_eq!(pages().split_values::<f64>(file.rows + 1), None);
             let other =
-                if storage == Storage::F64 { pages().split::<f32>(file.rows) } else { None };
+                if storage == Storage::F64 { pages().split_values::<f32>(file.rows) } else { None };
             assert_eq!(other, None, "{name}: numbers of another width");
         }
         assert!(split > 2, "{split}");

@@ -228,8 +228,11 @@ fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal) -> Option<Doubt
         let other = others.iter().find(|other| moves(other))?;
         // Nobody pushes against nothing: no force is what is to be measured there.
         let nothing = held == 0.0 && matches!(asked.scene, Scene::Free | Scene::None);
-        let what = || format!("it is {held} throughout, while {} changes", other.name());
-        return (!nothing).then(|| Doubt::new(signal, what(), remedy));
+        if nothing {
+            return None;
+        }
+        let what = format!("it is {held} throughout, while {} changes", other.name());
+        return Some(Doubt::new(signal, what, remedy));
     }
     if signal == Signal::Theta || held == 0.0 {
         return None;
@@ -242,9 +245,12 @@ fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal) -> Option<Doubt
         return None;
     }
     let theta = samples.column(Signal::Theta)?;
-    let what = || format!("it holds {held} for {length_s:.2} s while the lever moves on");
     let moved = range(&theta[from..to]) > MOVED * range(&theta);
-    moved.then(|| Doubt { row: Some(from), ..Doubt::new(signal, what(), remedy) })
+    if !moved {
+        return None;
+    }
+    let what = format!("it holds {held} for {length_s:.2} s while the lever moves on");
+    Some(Doubt { row: Some(from), ..Doubt::new(signal, what, remedy) })
 }
 
 /// A signal that stands at its largest value: its sensor, or what read it, goes no farther.
