@@ -26,44 +26,74 @@ const FINENESS: usize = 8;
 /// needs no more memory than itself.
 const PARTS: usize = 16;
 
-/// |Y|² with Y(f) = ∫ y e^(−2πift) dt by the trapezoidal rule, at the `count` frequencies f = k `step_hz` from 0 on; unit of
-/// `y` squared times s². The sum itself within 1e-13 of (∫ |y| dt)², in n log n. `t` in s, increasing, as long as `y`.
-pub fn squared_fourier_from_zero(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
-    Spread::of(t, y.iter().copied(), step_hz, count).squared()
-}
-
 /// A signal on the even grid: what is needed of it for its spectrum, in far less memory than a long
 /// one takes itself.
+///
+/// The spectrum is |Y|² with Y(f) = ∫ y e^(−2πift) dt by the trapezoidal rule, at `count` frequencies
+/// f = k `step_hz` from 0 on; unit of `y` squared times s². It is the sum itself within 1e-13 of (∫ |y|
+/// dt)², in n log n.
 #[derive(Debug, Clone)]
 pub(crate) struct Spread {
     gaussian: Gaussian,
     grid: Vec<f64>,
-    count: usize,
 }
 
 impl Spread {
-    /// As [`squared_fourier_from_zero`] takes them; `y` gives as many values as `t` has.
+    /// `t` in s, increasing; `y` gives as many values as `t` has.
     pub(crate) fn of(t: &[f64], y: impl Iterator<Item = f64>, step_hz: f64, count: usize) -> Self {
-        let length = (FINENESS * count).max(PARTS * 2).next_power_of_two();
-        let gaussian = Gaussian::new(length, count);
-        let grid = gaussian.spread(t, y, step_hz * length as f64);
-        Self { gaussian, grid, count }
+        let gaussian = Gaussian::new(count);
+        let grid = gaussian.spread(t, y, step_hz);
+        Self { gaussian, grid }
     }
 
     /// |Y|² at its frequencies.
     pub(crate) fn squared(self) -> Vec<f64> {
-        let (length, mut power) = (self.gaussian.length, vec![0.0; self.count]);
+        let Gaussian { length, count, .. } = self.gaussian;
         let parts = (length / self.grid.len()).next_power_of_two().min(PARTS);
         let turns = turns(length / parts);
-        for part in 0..parts.min(self.count) {
+        let mut power = vec![0.0; count];
+        let set = |power: &mut f64, &[re, im]: &[f64; 2]| *power = re * re + im * im;
+        // A real signal has |Y(f)| = |Y(−f)|: the frequencies of one part are those of another one below 0.
+        for part in 0..=parts / 2 {
             let spectrum = transform(folded(&self.grid, part, (length, parts)), &turns);
-            for (power, [re, im]) in power[part..].iter_mut().step_by(parts).zip(spectrum) {
-                *power = re * re + im * im;
+            let own = power.iter_mut().skip(part).step_by(parts);
+            own.zip(&spectrum).for_each(|(power, y)| set(power, y));
+            if part > 0 {
+                let others = power.iter_mut().skip(parts - part).step_by(parts);
+                others.zip(spectrum.iter().rev()).for_each(|(power, y)| set(power, y));
             }
         }
-        power.iter_mut().enumerate().for_each(|(k, power)| *power *= self.gaussian.undone(k));
+        self.gaussian.undo(&mut power);
         power
     }
+}
+
+/// The sum of the spectra of signals, each at its own times, as [`Spread`] has that of one.
+pub(crate) fn summed_squares<'a>(
+    signals: impl Iterator<Item = (&'a [f64], Vec<f64>)>,
+    step_hz: f64,
+    count: usize,
+) -> Vec<f64> {
+    let gaussian = Gaussian::new(count);
+    let (length, turns) = (gaussian.length, turns(gaussian.length));
+    let mut grids = signals.map(|(t, y)| gaussian.spread(t, y.into_iter(), step_hz));
+    let mut power = vec![0.0; count];
+    while let Some(one) = grids.next() {
+        // Two real signals as the two parts of one that is complex: what they have in common in its |Z(f)|²
+        // is gone from |Z(f)|² + |Z(−f)|².
+        let mut both = vec![[0.0; 2]; length];
+        for (part, grid) in [Some(one), grids.next()].into_iter().flatten().enumerate() {
+            let cells = grid.chunks(length).flat_map(|cells| cells.iter().enumerate());
+            cells.for_each(|(i, cell)| both[i][part] += cell);
+        }
+        let spectrum = transform(both, &turns);
+        let square = |[re, im]: [f64; 2]| re * re + im * im;
+        for (k, power) in power.iter_mut().enumerate() {
+            *power += (square(spectrum[k]) + square(spectrum[(length - k) % length])) / 2.0;
+        }
+    }
+    gaussian.undo(&mut power);
+    power
 }
 
 /// e^(−a u²), u in cells.
@@ -76,20 +106,24 @@ struct Gaussian {
     at_cells: [[f64; LANES]; 2 * REACH / LANES],
     /// Cells of the whole grid.
     length: usize,
+    /// How many frequencies are asked for.
+    count: usize,
 }
 
 impl Gaussian {
-    fn new(length: usize, count: usize) -> Self {
+    fn new(count: usize) -> Self {
+        let length = (FINENESS * count).max(PARTS * 2).next_power_of_two();
         let finer = length as f64 / (2 * count) as f64;
         let a = PI * (finer - 0.5) / (finer * REACH as f64);
         let at = |i: usize| libm::exp(-a * square_of(i as f64 - (REACH - 1) as f64));
         let at_cells = std::array::from_fn(|i| std::array::from_fn(|lane| at(LANES * i + lane)));
-        Self { a, at_cells, length }
+        Self { a, at_cells, length, count }
     }
 
     /// Σ yⱼ wⱼ e^(−a (l − uⱼ)²) at each cell l, from as far before the first sample as it reaches
     /// to as far after the last; uⱼ the sample's time in cells and wⱼ its trapezoidal weight.
-    fn spread(&self, t: &[f64], y: impl Iterator<Item = f64>, cells_a_s: f64) -> Vec<f64> {
+    fn spread(&self, t: &[f64], y: impl Iterator<Item = f64>, step_hz: f64) -> Vec<f64> {
+        let cells_a_s = step_hz * self.length as f64;
         let start = t.first().copied().unwrap_or(0.0);
         let last = t.last().map_or(0.0, |last| (last - start) * cells_a_s);
         let mut grid = vec![0.0; last as usize + 2 * REACH];
@@ -132,11 +166,13 @@ impl Gaussian {
         [first * two * eight, turn.recip()]
     }
 
-    /// What undoes the Gaussian in the square of the `k`-th frequency: (a/π) e^(ω²/2a), ω = 2πk /
+    /// Undoes what the Gaussian did to the square of each frequency, by (a/π) e^(ω²/2a), ω = 2πk /
     /// length.
-    fn undone(&self, k: usize) -> f64 {
-        let omega = TAU * k as f64 / self.length as f64;
-        self.a / PI * libm::exp(omega * omega / (2.0 * self.a))
+    fn undo(&self, power: &mut [f64]) {
+        for (k, power) in power.iter_mut().enumerate() {
+            let omega = TAU * k as f64 / self.length as f64;
+            *power *= self.a / PI * libm::exp(omega * omega / (2.0 * self.a));
+        }
     }
 }
 
@@ -229,7 +265,7 @@ fn trapezoidal_weights(t: &[f64]) -> impl Iterator<Item = f64> {
     (0..t.len()).map(move |i| (t[(i + 1).min(last)] - t[i.saturating_sub(1)]) / 2.0)
 }
 
-/// [`squared_fourier_from_zero`] by the sum itself, frequency by frequency.
+/// [`Spread::squared`] by the sum itself, frequency by frequency.
 #[cfg(test)]
 pub(crate) fn squared_fourier(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
     let weighted: Vec<f64> = trapezoidal_weights(t).zip(y).map(|(weight, y)| weight * y).collect();
@@ -260,6 +296,10 @@ fn small_exps(x: [f64; 2]) -> [f64; 2] {
 mod tests {
     use super::*;
 
+    fn squared_fourier_from_zero(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
+        Spread::of(t, y.iter().copied(), step_hz, count).squared()
+    }
+
     /// Uneven times about 1/200 s apart, and a signal with slow, fast and random parts.
     fn signal(n: u32) -> (Vec<f64>, Vec<f64>) {
         let t: Vec<f64> =
@@ -288,6 +328,27 @@ mod tests {
                 assert!((found - direct).abs() < 1e-13 * scale, "{n}, {k}: {found}, {direct}");
             }
         }
+    }
+
+    #[test]
+    fn signals_two_by_two_have_the_sum_of_their_spectra() {
+        let (t, y) = signal(1000);
+        for ends in [vec![400], vec![300, 1000], vec![300, 640, 1000], vec![200, 400, 700, 1000]] {
+            let mut begin = 0;
+            let parts = ends.into_iter().map(|end| std::mem::replace(&mut begin, end)..end);
+            let parts: Vec<_> = parts.map(|part| (&t[part.clone()], y[part].to_vec())).collect();
+            let mut expect = vec![0.0; 70];
+            for (t, y) in &parts {
+                let squares = squared_fourier(t, y, 0.3, 70);
+                expect.iter_mut().zip(squares).for_each(|(sum, square)| *sum += square);
+            }
+            let found = summed_squares(parts.into_iter(), 0.3, 70);
+            for (found, expect) in found.iter().zip(&expect) {
+                assert!((found - expect).abs() < 1e-13 * expect.max(10.0), "{found}, {expect}");
+            }
+        }
+        assert_eq!(summed_squares(std::iter::empty(), 1.0, 2), [0.0; 2]);
+        assert_eq!(summed_squares([(&[1.0][..], vec![1.0])].into_iter(), 1.0, 0), [0.0; 0]);
     }
 
     /// The box of 1 s: |Y|² = (sin πf / πf)²; the trapezoidal rule is within (πfh)² / 3 of it.

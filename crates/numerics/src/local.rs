@@ -1,6 +1,7 @@
 //! First and second derivative of a sampled signal, by parabolas through its neighbourhoods.
 
 use crate::error::{NumericsError, same_length};
+use std::ops::Range;
 
 /// Fewest samples to either side of a neighbourhood's middle, where the signal has them.
 const LEAST_BESIDE: usize = 2;
@@ -61,13 +62,12 @@ const STRETCH: usize = 32;
 #[derive(Default)]
 struct Stretch {
     number: usize,
-    /// The first sample that is in a neighbourhood.
-    first: usize,
     origin: (f64, f64),
-    /// Σ x, x², x³, x⁴, y, x y, x² y of the samples before each, from `first` on.
+    /// Σ x, x², x³, x⁴, y, x y, x² y of the samples before each, from the first neighbourhood on.
     sums: Vec<[f64; 7]>,
-    /// Whether the samples are so dense that the sums keep their digits about another origin.
-    is_dense: bool,
+    /// From which sample to which (exclusive) each one's neighbourhood goes; none where the samples are
+    /// not so dense that the sums keep their digits about another origin.
+    windows: Vec<(usize, usize)>,
     /// What was found at each already.
     found: [Option<(f64, f64)>; STRETCH],
 }
@@ -82,12 +82,12 @@ impl<'a> Derivator<'a> {
     pub fn at(&mut self, i: usize) -> (f64, f64) {
         let number = i / STRETCH;
         if self.stretch.as_ref().is_none_or(|stretch| stretch.number != number) {
-            let room = self.stretch.take().unwrap_or_default().sums;
-            self.stretch = Some(self.begun(number, room));
+            let Stretch { windows, sums, .. } = self.stretch.take().unwrap_or_default();
+            self.stretch = Some(self.begun(number, windows, sums));
         }
         let found = self.stretch.as_ref().and_then(|stretch| {
-            stretch.found[i % STRETCH]
-                .or_else(|| stretch.is_dense.then(|| self.by_sums(stretch, i)))
+            let window = stretch.windows.get(i % STRETCH);
+            stretch.found[i % STRETCH].or_else(|| Some(self.by_sums(stretch, i, *window?)))
         });
         let found = found.unwrap_or_else(|| derivatives_at(self.t, self.y, self.half, i));
         if let Some(stretch) = &mut self.stretch {
@@ -96,20 +96,26 @@ impl<'a> Derivator<'a> {
         found
     }
 
-    fn begun(&self, number: usize, mut sums: Vec<[f64; 7]>) -> Stretch {
+    fn begun(
+        &self,
+        number: usize,
+        mut windows: Vec<(usize, usize)>,
+        mut sums: Vec<[f64; 7]>,
+    ) -> Stretch {
         let from = number * STRETCH;
         let to = (from + STRETCH).min(self.t.len());
         let is_dense = self.t[to - 1] - self.t[from] <= 2.0 * self.half && to - from > 1;
         let middle = from + (to - from) / 2;
         let origin = (self.t[middle], self.y[middle]);
-        let all = (0, self.t.len());
-        let (first, last) = (self.window(from, all).0, self.window(to - 1, all).1);
+        windows.clear();
         sums.clear();
         if is_dense {
+            self.windows(from..to, &mut windows);
             let scale = self.half.recip();
             let mut sum = [0.0; 7];
             sums.push(sum);
-            sums.extend(self.t[first..last].iter().zip(&self.y[first..last]).map(|(t, y)| {
+            let all = windows[0].0..windows[windows.len() - 1].1;
+            sums.extend(self.t[all.clone()].iter().zip(&self.y[all]).map(|(t, y)| {
                 let (x, y) = ((t - origin.0) * scale, y - origin.1);
                 let (xx, xy) = (x * x, x * y);
                 let terms = [x, xx, x * xx, xx * xx, y, xy, x * xy];
@@ -117,23 +123,26 @@ impl<'a> Derivator<'a> {
                 sum
             }));
         }
-        Stretch { number, first, origin, sums, is_dense, found: [None; STRETCH] }
+        Stretch { number, windows, origin, sums, found: [None; STRETCH] }
     }
 
-    /// From which sample to which (exclusive) the neighbourhood of `i` goes, which is sought among
-    /// these.
-    fn window(&self, i: usize, (first, last): (usize, usize)) -> (usize, usize) {
-        let (from, to) = (self.t[i] - self.half, self.t[i] + self.half);
-        let low = first + self.t[first..i].partition_point(|t| *t < from);
-        let high = i + self.t[i..last].partition_point(|t| *t <= to);
-        neighbourhood(i, (low, high), self.t.len())
+    /// The neighbourhoods of some samples: each one's ends lie at or after those of the one before.
+    fn windows(&self, samples: Range<usize>, windows: &mut Vec<(usize, usize)>) {
+        let (t, half) = (self.t, self.half);
+        let mut low = t[..samples.start].partition_point(|at| *at < t[samples.start] - half);
+        let mut high = samples.start;
+        for i in samples {
+            let (from, to) = (t[i] - half, t[i] + half);
+            low += t[low..i].iter().take_while(|at| **at < from).count();
+            high = high.max(i);
+            high += t[high..].iter().take_while(|at| **at <= to).count();
+            windows.push(neighbourhood(i, (low, high), t.len()));
+        }
     }
 
-    fn by_sums(&self, stretch: &Stretch, i: usize) -> (f64, f64) {
-        let last = stretch.first + stretch.sums.len() - 1;
-        let (low, high) = self.window(i, (stretch.first, last));
-        let (before, until) =
-            (stretch.sums[low - stretch.first], stretch.sums[high - stretch.first]);
+    fn by_sums(&self, stretch: &Stretch, i: usize, (low, high): (usize, usize)) -> (f64, f64) {
+        let first = stretch.windows[0].0;
+        let (before, until) = (stretch.sums[low - first], stretch.sums[high - first]);
         let [s1, s2, s3, s4, m0, m1, m2] = std::array::from_fn(|k| until[k] - before[k]);
         let (n, scale) = ((high - low) as f64, self.half.recip());
         // About the sample itself: x − d for x, and y − e for y.

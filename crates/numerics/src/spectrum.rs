@@ -3,19 +3,18 @@
 //! By the Fourier integral ∫ y e^(−2πift) dt at the recorded times ([`crate::fourier`]): no
 //! resampling.
 
-use crate::fourier::squared_fourier_from_zero;
+use crate::fourier::summed_squares;
 use core::f64::consts::PI;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Length of a segment of [`band_power`], s: its bins are 1 Hz wide.
 const SEGMENT_S: f64 = 1.0;
 /// Segments overlap by at least half, so that the window's weights add up nearly evenly (Welch
 /// 1967).
 const LARGEST_HOP_S: f64 = SEGMENT_S / 2.0;
-/// Segments that are looked at side by side.
-const AT_ONCE: usize = 256;
-/// Fewest of them that are worth another core: a short trial is not divided.
-const FEWEST: usize = 64;
+/// Segments that are one core's: a short trial is not divided.
+const TOGETHER: usize = 64;
 /// ∫ w² dt of the Hann window over a segment of 1 s.
 const HANN_POWER_S: f64 = 3.0 / 8.0;
 
@@ -76,24 +75,23 @@ fn mean_periodogram(t: &[f64], y: &[f64], first: usize, count: usize) -> Option<
     }
     let hops = ((length - SEGMENT_S) / LARGEST_HOP_S).ceil();
     let hop = if hops > 0.0 { (length - SEGMENT_S) / hops } else { 0.0 };
-    let squares = |segment: usize| {
+    let windowed = |segment: usize| {
         let from = start + segment as f64 * hop;
         let begin = t.partition_point(|t| *t < from);
         let end = t.partition_point(|t| *t <= from + SEGMENT_S);
-        let windowed = windowed(&t[begin..end], &y[begin..end], from);
-        let bins = first + count;
-        squared_fourier_from_zero(&t[begin..end], &windowed, SEGMENT_S.recip(), bins)
+        (&t[begin..end], windowed(&t[begin..end], &y[begin..end], from))
+    };
+    let summed = |segments: Range<usize>| {
+        summed_squares(segments.map(windowed), SEGMENT_S.recip(), first + count)
     };
     let scale = 2.0 / (HANN_POWER_S * SEGMENT_S * (hops + 1.0));
     let (mut mean, segments) = (vec![0.0; count], hops as usize + 1);
     // Side by side, and added up in the order of time: the same bits on any number of cores.
-    for begin in (0..segments).step_by(AT_ONCE) {
-        let some = (begin..segments.min(begin + AT_ONCE)).into_par_iter().with_min_len(FEWEST);
-        let some: Vec<Vec<f64>> = some.map(squares).collect();
-        for squares in some {
-            let squares = mean.iter_mut().zip(&squares[first..]);
-            squares.for_each(|(mean, square)| *mean += scale * square);
-        }
+    let some = (0..segments.div_ceil(TOGETHER)).into_par_iter();
+    let some = some.map(|i| summed(i * TOGETHER..segments.min((i + 1) * TOGETHER)));
+    for squares in some.collect::<Vec<_>>() {
+        let squares = mean.iter_mut().zip(&squares[first..]);
+        squares.for_each(|(mean, square)| *mean += scale * square);
     }
     Some(mean)
 }
