@@ -2,7 +2,7 @@
 //! table of the stage `replay`, which the figure draws.
 
 use crate::conditions::{Repeats, Session, sessions};
-use crate::making::{derived, read_parts, write_tables};
+use crate::making::{derived, read_parts, read_shared, write_tables};
 use crate::replay::STAGE;
 use crate::replayable::{is_replayable, rendering};
 use crate::trials::{OfTrials, files, read_all};
@@ -13,7 +13,6 @@ use zwidth_replay::{Parameters, Rendering};
 use zwidth_runner::{Job, JobError, Made, Making};
 use zwidth_store::{Signal, StudyData, Trial};
 use zwidth_study::{Environment, ModeId};
-use zwidth_tables::Table;
 
 /// The courses of typical trials of one environment of a session, if one can be replayed.
 pub(crate) fn file(
@@ -96,7 +95,7 @@ fn make(
     (files, replays, plant): &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let fitted = identify::fitted(&Table::from_parquet(plant)?)?;
+    let fitted = identify::fitted(&*read_shared(plant, making)?)?;
     let trials = typical_trials(of, files, replays)?;
     let courses = zwidth_replay::courses(&trials, &of.stage.plant, fitted.as_ref())?;
     if courses.height() == 0 {

@@ -2,7 +2,10 @@
 //! what went well and what did not.
 
 use rayon::prelude::*;
+use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use zwidth_runner::{JobError, Made, Making};
 use zwidth_store::Layout;
 use zwidth_tables::{Table, TableError};
@@ -23,6 +26,32 @@ pub(crate) fn write_tables(
 /// Tables that stages made.
 pub(crate) fn read_tables(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
     files.iter().map(|file| Table::from_parquet(file)).collect()
+}
+
+/// Tables of one content that a thread keeps.
+const KEPT: usize = 4;
+
+/// A table that many jobs of a run look at: a thread reads each of its contents once. The plant's own
+/// is small, but tells of every trial that it was identified from.
+pub(crate) fn read_shared(file: &Path, making: &Making) -> Result<Rc<Table>, TableError> {
+    type Known = VecDeque<(String, Rc<Table>)>;
+    thread_local! {
+        static KNOWN: RefCell<Known> = const { RefCell::new(VecDeque::new()) };
+    }
+    let hash = making.hash_of(file);
+    let is_it = |(of, _): &&(String, Rc<Table>)| Some(of.as_str()) == hash;
+    let known = KNOWN.with_borrow(|known| known.iter().find(is_it).map(|(_, table)| table.clone()));
+    if let Some(table) = known {
+        return Ok(table);
+    }
+    let table = Rc::new(Table::from_parquet(file)?);
+    if let Some(hash) = hash {
+        KNOWN.with_borrow_mut(|known| {
+            known.push_front((hash.to_owned(), table.clone()));
+            known.truncate(KEPT);
+        });
+    }
+    Ok(table)
 }
 
 /// Tables of one form that are read at a time to be joined.
@@ -49,4 +78,43 @@ pub(crate) fn split<T, E: ToString>(results: Vec<Result<T, E>>) -> (Vec<T>, Vec<
 /// A file under `derived/<study>`.
 pub(crate) fn derived(layout: &Layout, name: impl AsRef<Path>) -> PathBuf {
     layout.derived().join(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use zwidth_runner::Provenance;
+    use zwidth_store::Lately;
+    use zwidth_tables::Column;
+
+    #[test]
+    fn a_shared_table_is_read_once_for_each_of_its_contents() {
+        let folder = tempfile::tempdir().unwrap();
+        let (root, file, trials) =
+            (folder.path(), folder.path().join("plant.parquet"), Lately::default());
+        let read = |hash: Option<&str>| {
+            let from: Provenance = hash
+                .map(|hash| ("input plant.parquet".to_owned(), hash.to_owned()))
+                .into_iter()
+                .collect();
+            let making = Making { from: &from, outputs: &[], root, trials: &trials };
+            read_shared(&file, &making)
+        };
+        let write = |title: &str| {
+            let column = Column::text("parameter", "", [Some("mass".to_owned())]);
+            let table = Table::new("plant", title, vec![column]).unwrap();
+            fs::write(&file, table.to_parquet(&Provenance::new(), &file).unwrap()).unwrap();
+        };
+        write("first");
+        let first = read(Some("1")).unwrap();
+        write("second");
+        assert!(Rc::ptr_eq(&first, &read(Some("1")).unwrap()));
+        assert_eq!(read(Some("2")).unwrap().title(), "second");
+        assert_eq!(read(None).unwrap().title(), "second");
+        fs::remove_file(&file).unwrap();
+        assert!(Rc::ptr_eq(&first, &read(Some("1")).unwrap()));
+        assert!(read(Some("3")).is_err());
+        assert!(read(None).is_err(), "what tells no hash is not remembered");
+    }
 }

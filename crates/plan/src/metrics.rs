@@ -4,7 +4,7 @@
 
 use crate::conditions::{Repeats, is_any, repeats};
 use crate::identify::{known_plant, plant_with_spread};
-use crate::making::{derived, read_parts, split, write_tables};
+use crate::making::{derived, read_parts, read_shared, split, write_tables};
 use crate::trials::{OfTrials, files, name, of_each};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -133,7 +133,9 @@ fn make_with_plant(
 ) -> Result<Made, JobError> {
     let plant = match plant {
         Some([estimates, covariances]) => {
-            plant_with_spread(&Table::from_parquet(estimates)?, &Table::from_parquet(covariances)?)?
+            let (estimates, covariances) =
+                (read_shared(estimates, making)?, read_shared(covariances, making)?);
+            plant_with_spread(&estimates, &covariances)?
         }
         None => None,
     };

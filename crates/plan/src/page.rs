@@ -3,6 +3,7 @@
 
 use crate::conditions::{Repeats, sessions};
 use crate::drawing::Drawing;
+use crate::making::read_shared;
 use crate::trials::{OfTrials, files as trial_files, read_drawn};
 use crate::{average, courses, identify, likert, metrics, runs, summary};
 use serde::Serialize;
@@ -79,7 +80,7 @@ fn make_turned(
     making: &Making,
 ) -> Result<Made, JobError> {
     let turn = |of: &Parameters| [of.mass_kg, of.damping_ns_per_rad, of.friction_n];
-    let fitted = identify::fitted(&Table::from_parquet(plant)?)?;
+    let fitted = identify::fitted(&*read_shared(plant, making)?)?;
     let tables = of.environments.iter().zip(files);
     let tables: Vec<(&str, Table)> = tables
         .map(|(environment, file)| Ok((environment.as_str(), Table::from_parquet(file)?)))

@@ -6,7 +6,7 @@
 use crate::conditions::{Repeats, repeats};
 use crate::identify;
 use crate::ladder::{self, Auto};
-use crate::making::{derived, read_parts, split, write_tables};
+use crate::making::{derived, read_parts, read_shared, split, write_tables};
 use crate::replayable::{rendering, replayable};
 use crate::trials::{Known, OfTrials, files, name, read_all};
 use rayon::prelude::*;
@@ -136,7 +136,7 @@ fn make_fitted(
     (files, plant): &(Vec<PathBuf>, PathBuf),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let plant = identify::fitted(&Table::from_parquet(plant)?)?;
+    let plant = identify::fitted(&*read_shared(plant, making)?)?;
     let rows = match plant {
         Some(plant) => {
             let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {

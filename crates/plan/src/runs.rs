@@ -5,14 +5,13 @@
 use crate::conditions::{Session, sessions};
 use crate::courses::{self, Files, Typical, asked, typical_trials};
 use crate::identify;
-use crate::making::{derived, write_tables};
+use crate::making::{derived, read_shared, write_tables};
 use crate::replay::STAGE;
 use crate::trials::OfTrials;
 use std::path::PathBuf;
 use zwidth_runner::{Job, JobError, Made, Making};
 use zwidth_store::StudyData;
 use zwidth_study::Environment;
-use zwidth_tables::Table;
 
 /// One environment of the session whose trials are turned.
 pub(crate) struct Turned<'a> {
@@ -52,7 +51,7 @@ fn make(
     (files, replays, plant): &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let fitted = identify::fitted(&Table::from_parquet(plant)?)?;
+    let fitted = identify::fitted(&*read_shared(plant, making)?)?;
     let trials = typical_trials(of, files, replays)?;
     let runs = zwidth_replay::runs(&trials, &of.stage.plant, fitted.as_ref())?;
     write_tables(&[runs], making, Vec::new())

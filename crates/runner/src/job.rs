@@ -1,6 +1,8 @@
 //! A job: what it needs, what it makes, and the function that makes it.
 
 use crate::Provenance;
+use crate::hashes::show_path;
+use crate::provenance::input_key;
 use serde::Serialize;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -89,6 +91,13 @@ pub struct Making<'m> {
     pub root: &'m Path,
     /// Trials that other jobs of the run read last.
     pub trials: &'m Lately,
+}
+
+impl Making<'_> {
+    /// The hash of an input, as the outputs tell it; `None` where they tell nothing.
+    pub fn hash_of(&self, input: &Path) -> Option<&str> {
+        self.from.get(&input_key(&show_path(self.root, input))).map(String::as_str)
+    }
 }
 
 /// A text without the folder that holds the data in it, so that results have the same bytes

@@ -21,7 +21,7 @@ const DIGITS: usize = 64;
 
 /// The provenance of what the job of that name makes.
 pub(crate) fn provenance(name: &str, record: &Record) -> Provenance {
-    let inputs = record.inputs.iter().map(|(path, hash)| (format!("input {path}"), hash.clone()));
+    let inputs = record.inputs.iter().map(|(path, hash)| (input_key(path), hash.clone()));
     let own = [
         ("job".to_owned(), name.to_owned()),
         ("stage".to_owned(), record.stage.clone()),
@@ -30,6 +30,11 @@ pub(crate) fn provenance(name: &str, record: &Record) -> Provenance {
         (ORIGIN.to_owned(), record.origin.clone()),
     ];
     own.into_iter().chain(inputs).collect()
+}
+
+/// The key of an input's hash.
+pub(crate) fn input_key(path: &str) -> String {
+    format!("input {path}")
 }
 
 /// The origin of what the job of that name makes; the record's own origin and outputs are left out
