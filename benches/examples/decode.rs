@@ -9,8 +9,8 @@ use arrow::datatypes::{DataType, Float32Type, Float64Type, UInt16Type};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rayon::prelude::*;
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::path::Path;
 use std::time::Instant;
 
 /// What the metrics of a trial without currents and references of its own read.
@@ -33,7 +33,7 @@ fn main() -> anyhow::Result<()> {
     let folder = std::env::args().nth(1).context("which folder of trials?")?;
     let begun = Instant::now();
     let mut files = Vec::new();
-    gather(Path::new(&folder), &mut files)?;
+    zwidth_benches::gather(Path::new(&folder), &mut files)?;
     let sums =
         files.par_iter().map(|file| decoded(file).with_context(|| file.display().to_string()));
     let (values, sum) = sums.try_reduce(|| (0, 0.0), |a, b| Ok((a.0 + b.0, a.1 + b.1)))?;
@@ -42,18 +42,6 @@ fn main() -> anyhow::Result<()> {
         files.len(),
         begun.elapsed().as_secs_f64()
     );
-    Ok(())
-}
-
-fn gather(folder: &Path, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            gather(&path, files)?;
-        } else if path.extension().is_some_and(|extension| extension == "parquet") {
-            files.push(path);
-        }
-    }
     Ok(())
 }
 

@@ -1,8 +1,8 @@
 """A large study, read and made into metrics by zwidth, polars and DuckDB in turns; prints Markdown.
 
-    python bench.py ZWIDTH DECODE FOLDER [--participants 1000] [--rounds 3]
+    python bench.py ZWIDTH EXAMPLES FOLDER [--participants 1000] [--rounds 3]
 
-FOLDER keeps the study between runs.
+EXAMPLES has the programs `decode` and `metrics`; FOLDER keeps the study between runs.
 """
 
 import argparse
@@ -82,13 +82,15 @@ def compared(study, theirs):
     return {name: (int(trials), float(largest)) for name, trials, _, largest in rows}
 
 
-def in_turns(study, decode, scratch, rounds):
+def in_turns(study, examples, scratch, rounds):
     """The runs of each, and how each peer's columns compare."""
     runs, differences = {}, {}
+    decode = examples / "decode"
     # Once before the clock runs: who comes first would otherwise wait for the disk, and the others not.
     measured(decode, study.raw / "trials")
     for _ in range(rounds):
         runs.setdefault("decode", []).append(measured(decode, study.raw / "trials"))
+        runs.setdefault("alone", []).append(measured(examples / "metrics", study.root, STUDY))
         runs.setdefault("first", []).append(study.first())
         runs.setdefault("stage", []).append(study.stage())
         for name, (script, *words) in PEERS.items():
@@ -108,6 +110,7 @@ def times(runs, ours, differences):
     stage = runs["stage"]
     rows = [cells("decoding alone, parquet in Rust", "–", runs["decode"], stage),
             cells("**zwidth, the stage `metrics`**", str(ours), stage, stage),
+            cells("zwidth, its reader and metrics alone", str(ours), runs["alone"], stage),
             cells("zwidth, with the identification before it", str(ours), runs["first"], stage)]
     rows += [cells(name, str(len(differences[name])), runs[name], stage) for name in PEERS]
     ratios = ["wall / zwidth", "of processors / zwidth"]
@@ -117,7 +120,8 @@ def times(runs, ours, differences):
 def beside(runs):
     """The rows that `cargo xtask bench` reads."""
     wall = median(runs["stage"])
-    names = {"decoding alone": runs["decode"]} | {name: runs[name] for name in PEERS}
+    alone = {"decoding alone": runs["decode"], "its reader and metrics alone": runs["alone"]}
+    names = alone | {name: runs[name] for name in PEERS}
     rows = [[name, f"{wall:,.2f}", f"{median(run):,.2f}", f"{median(run) / wall:.2f}"] for name, run in names.items()]
     return table(["metrics, beside", "zwidth, s", "a part of it, s", "ratio"], rows)
 
@@ -160,7 +164,8 @@ def page(study, runs, differences, ours, raw):
         times(runs, ours, differences),
         f"`-v` says that the jobs of zwidth's stage took {stage:.1f} s together, in which time that one spends on\n"
         "another's work counts twice. The stage looks at each file for its footer and then reads it,\n"
-        "checks all of its columns, and writes tables with records of what they were made from. Its\n"
+        "checks all of its columns, and writes tables with records of what they were made from; its reader and\n"
+        "metrics alone do without the footer before, the doubts about clock and angle, tables and records. Its\n"
         f"{ours} columns have intervals and energies among them. The peers make {least} of them, with FINUFFT\n"
         f"{most}, and check, hash and record nothing.\n",
         beside(runs),
@@ -178,14 +183,14 @@ def count_columns(table):
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("zwidth", type=Path)
-    arguments.add_argument("decode", type=Path)
+    arguments.add_argument("examples", type=Path)
     arguments.add_argument("folder", type=Path)
     arguments.add_argument("--participants", type=int, default=1000)
     arguments.add_argument("--rounds", type=int, default=3)
     given = arguments.parse_args()
     study = Study(given.zwidth.resolve(), given.folder.resolve(), given.participants)
     with tempfile.TemporaryDirectory(dir=given.folder) as scratch:
-        runs, differences = in_turns(study, given.decode.resolve(), Path(scratch), given.rounds)
+        runs, differences = in_turns(study, given.examples.resolve(), Path(scratch), given.rounds)
         raw = sum(file.stat().st_size for file in (study.raw / "trials").glob("*/*/*.parquet"))
         parts = page(study, runs, differences, count_columns(study.derived / "metrics.parquet"), raw)
         parts.append(sizes(study, Path(scratch)))

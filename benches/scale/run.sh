@@ -15,14 +15,14 @@ venv="${VENV:-$target/venv-scale}"
 participants=1000
 case "${1:-}" in [0-9]*) participants="$1"; shift ;; esac
 cargo build --release --quiet --locked --package zwidth
-cargo build --release --quiet --locked --package zwidth-benches --example decode
+cargo build --release --quiet --locked --package zwidth-benches --example decode --example metrics
 [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --requirement benches/scale/requirements.txt
 
 load() { cut -d ' ' -f 1-3 /proc/loadavg 2>/dev/null || uptime; }
 before="$(load)"
 mkdir -p "$target/scale-study"
-"$venv/bin/python" benches/scale/bench.py "$target/release/zwidth" "$target/release/examples/decode" \
+"$venv/bin/python" benches/scale/bench.py "$target/release/zwidth" "$target/release/examples" \
     "$target/scale-study" --participants "$participants" "$@" >"$target/scale.md"
 {
     echo "<!-- Written by run.sh. -->"
