@@ -23,7 +23,7 @@ const AT_ONCE: usize = 256;
 const FINENESS: usize = 8;
 /// The frequencies are those of so many transforms, at most, of a sixteenth of the grid's length: a
 /// signal that fills no more than a sixteenth of it, as one that is padded with zeros 16 times, then
-/// needs no more memory than itself.
+/// needs no more memory than itself. It is real, so that little more than half of them are made.
 const PARTS: usize = 16;
 
 /// A signal on the even grid: what is needed of it for its spectrum, in far less memory than a long
