@@ -173,6 +173,8 @@ struct Board<'j> {
     waits: Vec<Option<usize>>,
     /// Those that wait for nothing but a core, and before each whether it reads little.
     ready: BTreeSet<(bool, usize)>,
+    /// Those that are being made.
+    at_work: BTreeSet<usize>,
     /// Which jobs read much.
     large: Vec<bool>,
     /// Whether one of these runs.
@@ -203,12 +205,28 @@ impl Board<'_> {
             readers,
             waits: (0..jobs.len()).map(|i| wanted[i].then(|| waits_for(i))).collect(),
             ready: BTreeSet::new(),
+            at_work: BTreeSet::new(),
             large: read_much(jobs),
             large_runs: false,
             held: VecDeque::new(),
             stayed: Vec::new(),
             disk: None,
         }
+    }
+
+    /// The job to begin next, of those that are ready the first of whose part no other is at work: who
+    /// comes after that one finds its trials read, and who runs beside it reads them once more.
+    fn next(&mut self, jobs: &[Job]) -> Option<usize> {
+        let is_beside = |i: usize, part: &String| jobs[i].part.as_ref() == Some(part);
+        let is_apart = |i: usize| {
+            let part = jobs[i].part.as_ref();
+            !part.is_some_and(|part| self.at_work.iter().any(|other| is_beside(*other, part)))
+        };
+        let apart = self.ready.iter().find(|(_, i)| is_apart(*i));
+        let next = *apart.or_else(|| self.ready.first())?;
+        self.ready.remove(&next);
+        self.at_work.insert(next.1);
+        Some(next.1)
     }
 
     /// Those of these jobs that may run now; others that read much wait for the one that runs.
@@ -227,6 +245,7 @@ impl Board<'_> {
 
     /// Jobs that may run once this one has ended.
     fn after(&mut self, i: usize) -> Vec<usize> {
+        self.at_work.remove(&i);
         let mut next = Vec::new();
         if self.large[i] {
             self.large_runs = false;
@@ -311,7 +330,7 @@ impl<'j> Run<'j> {
 
     fn spawn_one<'s>(&'s self, scope: &rayon::Scope<'s>) {
         scope.spawn(move |scope| {
-            let Some((_, i)) = self.board().ready.pop_first() else { return };
+            let Some(i) = self.board().next(self.jobs) else { return };
             let begun = Instant::now();
             let mut result = self.one(&self.jobs[i]);
             result.iter_mut().for_each(|(report, _)| report.took = begun.elapsed());

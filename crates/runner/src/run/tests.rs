@@ -412,3 +412,31 @@ fn records_are_saved_every_second_and_less_often_where_that_takes_long() {
     assert!(!due(999, 0) && due(1000, 0) && due(1000, 20));
     assert!(!due(11_999, 400) && due(12_000, 400), "of 12.4 s, 0.4 s");
 }
+
+#[test]
+fn of_a_part_one_job_after_the_other_is_made_while_there_are_others() {
+    let folder = folder();
+    let made = Arc::default();
+    let of = |(name, part): (&'static str, Option<&str>)| {
+        let job = noted(folder.path(), (name, &["a.txt"], name), &made);
+        Job { part: part.map(str::to_owned), ..job }
+    };
+    let (a, b) = (Some("P01.S01"), Some("P02.S01"));
+    let jobs = [("a1", a), ("a2", a), ("b1", b), ("b2", b), ("c1", None), ("c2", None)].map(of);
+    let mut board = Board::new(&jobs, &[true; 6]);
+    let ready = board.waiting_for_none();
+    board.ready.extend(ready.into_iter().map(|i| (true, i)));
+    let mut next = |ended: &[usize]| {
+        ended.iter().for_each(|i| assert!(board.after(*i).is_empty()));
+        board.next(&jobs)
+    };
+    assert_eq!([next(&[]), next(&[])], [Some(0), Some(2)]);
+    assert_eq!(next(&[2]), Some(3), "before another one of the part of the first");
+    assert_eq!(
+        [next(&[]), next(&[])],
+        [Some(4), Some(5)],
+        "those of no part are beside each other"
+    );
+    assert_eq!(next(&[]), Some(1), "nothing else is left");
+    assert_eq!(next(&[0, 1, 3, 4, 5]), None);
+}
