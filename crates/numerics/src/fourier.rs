@@ -11,16 +11,20 @@ use core::f64::consts::{PI, TAU};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-/// Cells to either side of a sample that its Gaussian reaches: e^(−π · 12 · 7/8) = 5e-15 is left
+/// Cells to either side of a sample that its Gaussian reaches: e^(−π · 14 · 3/4) = 5e-15 is left
 /// out.
-const REACH: usize = 12;
+const REACH: usize = 14;
 /// Cells that are added to side by side, so that a compiler can keep them in one register.
 const LANES: usize = 4;
+/// Cells that a sample adds to.
+const CELLS: usize = 2 * REACH;
+/// Steps of a cell at which exponentials are tabled.
+const STEPS: usize = 16;
 /// Samples whose exponentials are taken one after the other.
 const AT_ONCE: usize = 256;
 /// Cells a period of the highest frequency, at least: half of that is by how much finer the grid is
 /// than it must be.
-const FINENESS: usize = 8;
+const FINENESS: usize = 4;
 /// The frequencies are those of so many transforms, at most, of a sixteenth of the grid's length: a
 /// signal that fills no more than a sixteenth of it, as one that is padded with zeros 16 times, then
 /// needs no more memory than itself. It is real, so that little more than half of them are made.
@@ -103,7 +107,9 @@ struct Gaussian {
     /// what other frequencies leak are then equally small.
     a: f64,
     /// Its values at whole cells, from −(reach − 1) to reach.
-    at_cells: [[f64; LANES]; 2 * REACH / LANES],
+    at_cells: [[f64; LANES]; CELLS / LANES],
+    /// e^(−a d²) and e^(−2ad) at the steps of a cell.
+    at_steps: [[f64; 2]; STEPS + 1],
     /// Cells of the whole grid.
     length: usize,
     /// How many frequencies are asked for.
@@ -117,7 +123,11 @@ impl Gaussian {
         let a = PI * (finer - 0.5) / (finer * REACH as f64);
         let at = |i: usize| libm::exp(-a * square_of(i as f64 - (REACH - 1) as f64));
         let at_cells = std::array::from_fn(|i| std::array::from_fn(|lane| at(LANES * i + lane)));
-        Self { a, at_cells, length, count }
+        let off = |step: usize| step as f64 / STEPS as f64;
+        let at_steps = std::array::from_fn(|i| {
+            [libm::exp(-a * square_of(off(i))), libm::exp(-2.0 * a * off(i))]
+        });
+        Self { a, at_cells, at_steps, length, count }
     }
 
     /// Σ yⱼ wⱼ e^(−a (l − uⱼ)²) at each cell l, from as far before the first sample as it reaches
@@ -126,14 +136,15 @@ impl Gaussian {
         let cells_a_s = step_hz * self.length as f64;
         let start = t.first().copied().unwrap_or(0.0);
         let last = t.last().map_or(0.0, |last| (last - start) * cells_a_s);
-        let mut grid = vec![0.0; last as usize + 2 * REACH];
+        let mut grid = vec![0.0; last as usize + CELLS];
         let mut samples = t.iter().zip(y).zip(trapezoidal_weights(t));
         let mut some = Vec::with_capacity(AT_ONCE.min(t.len()));
         loop {
             some.clear();
             some.extend(samples.by_ref().take(AT_ONCE).map(|((t, y), weight)| {
                 let at = (t - start) * cells_a_s;
-                (at as usize, at - at.floor(), y * weight)
+                let cell = at as usize;
+                (cell, at - cell as f64, y * weight)
             }));
             if some.is_empty() {
                 return grid;
@@ -145,7 +156,9 @@ impl Gaussian {
                 let two = ratio * ratio;
                 let (mut values, next) = ([1.0, ratio, two, two * ratio], two * two);
                 values.iter_mut().for_each(|v| *v *= value * first);
-                let cells = grid.get_mut(*cell..).unwrap_or_default().as_chunks_mut::<LANES>().0;
+                let cells = grid.get_mut(*cell..).and_then(|cells| cells.first_chunk_mut());
+                let Some(cells): Option<&mut [f64; CELLS]> = cells else { continue };
+                let cells = cells.as_chunks_mut::<LANES>().0;
                 for (cells, fixed) in cells.iter_mut().zip(&self.at_cells) {
                     for lane in 0..LANES {
                         cells[lane] += values[lane] * fixed[lane];
@@ -159,11 +172,13 @@ impl Gaussian {
     /// e^(−a d²) (e^(−2ad))^(reach − 1), what the first cell's is, and e^(2ad), by which the next one's is
     /// larger; d from 0 to 1.
     fn exps(&self, off: f64) -> [f64; 2] {
-        let [square, turn] = small_exps([-self.a * off * off, -2.0 * self.a * off]);
-        let (two, first) = (turn * turn, square * turn);
-        let eight = square_of(square_of(two));
-        // REACH − 1 is 8 + 2 + 1.
-        [first * two * eight, turn.recip()]
+        let step = ((off * STEPS as f64 + 0.5) as usize).min(STEPS);
+        let ([square, turn], rest) = (self.at_steps[step], off - step as f64 / STEPS as f64);
+        let [more, less] = small_exps([-self.a * rest * (2.0 * off - rest), -2.0 * self.a * rest]);
+        let (square, turn) = (square * more, turn * less);
+        let four = square_of(square_of(turn));
+        // REACH − 1 is 8 + 4 + 1.
+        [square * turn * four * square_of(four), turn.recip()]
     }
 
     /// Undoes what the Gaussian did to the square of each frequency, by (a/π) e^(ω²/2a), ω = 2πk /
@@ -282,10 +297,10 @@ pub(crate) fn squared_fourier(t: &[f64], y: &[f64], step_hz: f64, count: usize) 
     (0..count).map(at).collect()
 }
 
-/// e^x of two small numbers, from −π/6 to 0, side by side: its series up to the term that is below
-/// 1e-16, and so within two units of the last place.
+/// e^x of two numbers within a sixtieth of 0, side by side: its series up to the term that is below
+/// 1e-16.
 fn small_exps(x: [f64; 2]) -> [f64; 2] {
-    const TERMS: i32 = 14;
+    const TERMS: i32 = 6;
     (1..=TERMS).rev().fold([1.0; 2], |sum, n| {
         let share = f64::from(n).recip();
         [1.0 + x[0] * share * sum[0], 1.0 + x[1] * share * sum[1]]

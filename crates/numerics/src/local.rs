@@ -56,15 +56,14 @@ pub struct Derivator<'a> {
 }
 
 /// Samples whose neighbourhoods share their sums: about as long as one of these of 1 kHz.
-const STRETCH: usize = 32;
+const STRETCH: usize = 48;
 
 /// Sums about one origin over the neighbourhoods of a stretch of samples.
-#[derive(Default)]
 struct Stretch {
     number: usize,
     origin: (f64, f64),
-    /// Σ x, x², x³, x⁴, y, x y, x² y of the samples before each, from the first neighbourhood on.
-    sums: Vec<[f64; 7]>,
+    /// Σ 1, x, x², x³, x⁴, y, x y, x² y of the samples before each, from the first neighbourhood on.
+    sums: Vec<[f64; 8]>,
     /// From which sample to which (exclusive) each one's neighbourhood goes; none where the samples are
     /// not so dense that the sums keep their digits about another origin.
     windows: Vec<(usize, usize)>,
@@ -82,7 +81,8 @@ impl<'a> Derivator<'a> {
     pub fn at(&mut self, i: usize) -> (f64, f64) {
         let number = i / STRETCH;
         if self.stretch.as_ref().is_none_or(|stretch| stretch.number != number) {
-            let Stretch { windows, sums, .. } = self.stretch.take().unwrap_or_default();
+            let room = self.stretch.take().map(|stretch| (stretch.windows, stretch.sums));
+            let (windows, sums) = room.unwrap_or_default();
             self.stretch = Some(self.begun(number, windows, sums));
         }
         let found = self.stretch.as_ref().and_then(|stretch| {
@@ -100,7 +100,7 @@ impl<'a> Derivator<'a> {
         &self,
         number: usize,
         mut windows: Vec<(usize, usize)>,
-        mut sums: Vec<[f64; 7]>,
+        mut sums: Vec<[f64; 8]>,
     ) -> Stretch {
         let from = number * STRETCH;
         let to = (from + STRETCH).min(self.t.len());
@@ -112,13 +112,13 @@ impl<'a> Derivator<'a> {
         if is_dense {
             self.windows(from..to, &mut windows);
             let scale = self.half.recip();
-            let mut sum = [0.0; 7];
+            let mut sum = [0.0; 8];
             sums.push(sum);
             let all = windows[0].0..windows[windows.len() - 1].1;
             sums.extend(self.t[all.clone()].iter().zip(&self.y[all]).map(|(t, y)| {
                 let (x, y) = ((t - origin.0) * scale, y - origin.1);
                 let (xx, xy) = (x * x, x * y);
-                let terms = [x, xx, x * xx, xx * xx, y, xy, x * xy];
+                let terms = [1.0, x, xx, x * xx, xx * xx, y, xy, x * xy];
                 sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
                 sum
             }));
@@ -143,22 +143,12 @@ impl<'a> Derivator<'a> {
     fn by_sums(&self, stretch: &Stretch, i: usize, (low, high): (usize, usize)) -> (f64, f64) {
         let first = stretch.windows[0].0;
         let (before, until) = (stretch.sums[low - first], stretch.sums[high - first]);
-        let [s1, s2, s3, s4, m0, m1, m2] = std::array::from_fn(|k| until[k] - before[k]);
-        let (n, scale) = ((high - low) as f64, self.half.recip());
-        // About the sample itself: x − d for x, and y − e for y.
-        let d = (self.t[i] - stretch.origin.0) * scale;
-        let e = self.y[i] - stretch.origin.1;
-        let about = [
-            n,
-            s1 - d * n,
-            s2 - d * (2.0 * s1 - d * n),
-            s3 - d * (3.0 * s2 - d * (3.0 * s1 - d * n)),
-            s4 - d * (4.0 * s3 - d * (6.0 * s2 - d * (4.0 * s1 - d * n))),
-        ];
-        let moments =
-            [m0 - e * n, m1 - d * m0 - e * about[1], m2 - d * (2.0 * m1 - d * m0) - e * about[2]];
-        let [slope, bend] = solved(about, moments);
-        (slope * scale, 2.0 * bend * scale * scale)
+        let [n, s1, s2, s3, s4, m0, m1, m2] = std::array::from_fn(|k| until[k] - before[k]);
+        let scale = self.half.recip();
+        // The parabola about the origin, and its derivatives where the sample lies.
+        let [slope, bend] = solved([n, s1, s2, s3, s4], [m0, m1, m2]);
+        let at = (self.t[i] - stretch.origin.0) * scale;
+        ((slope + 2.0 * bend * at) * scale, 2.0 * bend * scale * scale)
     }
 }
 

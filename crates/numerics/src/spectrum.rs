@@ -98,12 +98,35 @@ fn mean_periodogram(t: &[f64], y: &[f64], first: usize, count: usize) -> Option<
 
 /// `y` without its least-squares line, under the Hann window of the segment that begins at `from`.
 fn windowed(t: &[f64], y: &[f64], from: f64) -> Vec<f64> {
-    let n = t.len() as f64;
-    let (t_mean, y_mean) = (t.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
-    let centred = || t.iter().zip(y).map(|(t, y)| (t - t_mean, y - y_mean));
-    let (tt, ty) = centred().fold((0.0, 0.0), |(tt, ty), (t, y)| (tt + t * t, ty + t * y));
+    let [t_mean, y_mean] = sums(t, y, |t, y| [t, y]).map(|sum| sum / t.len() as f64);
+    let [tt, ty] = sums(t, y, |t, y| [(t - t_mean) * (t - t_mean), (t - t_mean) * (y - y_mean)]);
     let slope = if tt > 0.0 { ty / tt } else { 0.0 };
-    centred().zip(t).map(|((t0, y0), &t)| (y0 - slope * t0) * hann(t - from)).collect()
+    let mut windowed = y.to_vec();
+    for (y, t) in windowed.iter_mut().zip(t) {
+        *y = (*y - y_mean - slope * (t - t_mean)) * hann(t - from);
+    }
+    windowed
+}
+
+/// The sums of some terms of all samples, of every fourth on their own: they do not wait for each
+/// other.
+fn sums<const N: usize>(t: &[f64], y: &[f64], terms: impl Fn(f64, f64) -> [f64; N]) -> [f64; N] {
+    let ((t_whole, t_rest), (y_whole, y_rest)) = (t.as_chunks::<4>(), y.as_chunks::<4>());
+    let mut sums = [[0.0; 4]; N];
+    for (t, y) in t_whole.iter().zip(y_whole) {
+        for lane in 0..4 {
+            let terms = terms(t[lane], y[lane]);
+            (0..N).for_each(|i| sums[i][lane] += terms[i]);
+        }
+    }
+    let rest = t_rest.iter().zip(y_rest).fold([0.0; N], |sum, (t, y)| {
+        let terms = terms(*t, *y);
+        std::array::from_fn(|i| sum[i] + terms[i])
+    });
+    std::array::from_fn(|i| {
+        let [a, b, c, d] = sums[i];
+        (a + b) + (c + d) + rest[i]
+    })
 }
 
 /// The Hann window of a segment, `after_s` its beginning: 0 at both ends, 1 in the middle. It is

@@ -127,15 +127,17 @@ impl Sums {
 
     /// Mean of f, and the sum of squares about it.
     fn mean(self) -> (f64, f64) {
-        (self.f / self.n, self.ff - self.f * self.f / self.n)
+        let share = self.n.recip();
+        (self.f * share, self.ff - self.f * self.f * share)
     }
 
     /// Intercept, slope and residual sum of squares of the line of f on u.
     fn line(self) -> (f64, f64, f64) {
-        let uu = self.uu - self.u * self.u / self.n;
-        let uf = self.uf - self.u * self.f / self.n;
+        let share = self.n.recip();
+        let uu = self.uu - self.u * self.u * share;
+        let uf = self.uf - self.u * self.f * share;
         let slope = uf / uu;
-        ((self.f - slope * self.u) / self.n, slope, self.mean().1 - slope * uf)
+        ((self.f - slope * self.u) * share, slope, self.mean().1 - slope * uf)
     }
 }
 

@@ -1,7 +1,7 @@
 //! What single columns say: clock, reach of the angle, sensors that stop or end.
 
 use super::asked::Asked;
-use super::doubt::{Doubt, LEAST_SAMPLES, range};
+use super::doubt::{Doubt, LEAST_SAMPLES, first, range};
 use crate::columns::LONG;
 use crate::{Columns, Signal};
 use zwidth_study::{Coordinate, Scene};
@@ -63,11 +63,8 @@ pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
 /// Whether any interval is so short or so long that [`interval`] or [`jump`] could find something: that
 /// is quickly told, and of most recordings the usual one need not be sought.
 fn has_doubtful_interval(t: &[f64]) -> bool {
-    let steps = t.windows(2).map(|t| t[1] - t[0]);
-    let (least, most) = steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), step| {
-        (step.min(least), step.max(most))
-    });
-    least < SHORTEST_INTERVAL_S || most > LEAST_JUMP_S
+    let is_doubtful = |step: f64| step < SHORTEST_INTERVAL_S || step > LEAST_JUMP_S;
+    first(1..t.len(), |i| is_doubtful(t[i] - t[i - 1])).is_some()
 }
 
 /// The usual interval of the clock, s: the middle one.
@@ -135,7 +132,7 @@ fn too_far(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
         Coordinate::Rotational => value.abs() / FARTHEST_RAD,
         Coordinate::Linear { lever_m } => value.abs() * lever_m / FARTHEST_M,
     };
-    let row = theta.iter().position(|value| size(*value) > 1.0)?;
+    let row = first(0..theta.len(), |i| size(theta[i]) > 1.0)?;
     let what = match asked.coordinate {
         Coordinate::Rotational => format!(
             "{:.0}° is more than two turns of a lever: degrees taken for radians, or counts for an angle?",
@@ -154,7 +151,7 @@ fn too_far(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
 fn wrapped(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let theta =
         samples.column(Signal::Theta).filter(|_| asked.coordinate == Coordinate::Rotational)?;
-    let row = (1..theta.len()).find(|i| (theta[*i] - theta[*i - 1]).abs() > WRAPPED_RAD)?;
+    let row = first(1..theta.len(), |i| (theta[i] - theta[i - 1]).abs() > WRAPPED_RAD)?;
     let what = format!(
         "the angle goes from {:.0}° to {:.0}° within a sample: one that starts over at a full turn?",
         theta[row - 1].to_degrees(),
@@ -202,7 +199,7 @@ fn noisy_onset(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
 /// A force that no hand has.
 fn too_strong(samples: &dyn Columns) -> Option<Doubt> {
     let force = samples.column(Signal::ForceEx)?;
-    let row = force.iter().position(|value| value.abs() > STRONGEST_N)?;
+    let row = first(0..force.len(), |i| force[i].abs() > STRONGEST_N)?;
     let what = format!(
         "{:e} N is more than a person weighs: mN taken for N, counts for a force, or a number that stands for a missing value?",
         force[row]
