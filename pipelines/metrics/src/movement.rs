@@ -2,7 +2,7 @@
 
 use crate::MetricsError;
 use crate::Parameters;
-use crate::compliance::{MOVEMENT_SHARE, range};
+use crate::compliance::{MOVEMENT_SHARE, ends};
 use crate::signals::Signals;
 use zwidth_numerics::smoothness::Smoothness;
 
@@ -102,7 +102,8 @@ struct Angles {
 
 impl Angles {
     fn of(theta: &[f64], ways: Option<[(usize, usize); 2]>, parameters: &Parameters) -> Self {
-        let travelled = range(theta);
+        let (least_rad, most_rad) = ends(theta);
+        let travelled = most_rad - least_rad;
         let is_movement = |(from, to): (usize, usize)| {
             (theta[to] - theta[from]).abs() > MOVEMENT_SHARE * travelled
         };
@@ -110,7 +111,7 @@ impl Angles {
             Some(arrivals(theta, limit?, sign, RETREAT_SHARE * travelled))
         };
         Self {
-            most_rad: theta.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            most_rad,
             is_movement: ways.map_or([false; 2], |ways| ways.map(is_movement)),
             hits: [hits(parameters.theta_min_rad, -1.0), hits(parameters.theta_max_rad, 1.0)],
         }

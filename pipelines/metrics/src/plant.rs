@@ -34,7 +34,7 @@ pub fn plant_metrics<'a>(
     plant: Option<&Plant>,
 ) -> Result<PlantMetrics, MetricsError> {
     let Recorded { meta, columns } = trial.into();
-    let signals = Signals::of(columns, parameters)?;
+    let signals = Signals::of_motion(columns, parameters)?;
     let known = plant.filter(|_| parameters.scene.spring().is_some());
     let discrepancy =
         known.map(|plant| actuator_discrepancy(&signals, plant, &parameters.analysis));

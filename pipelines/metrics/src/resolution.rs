@@ -12,8 +12,11 @@ const AT_ONCE: usize = 1 << 20;
 /// it has counts. 0 for a lever that never moves.
 pub(crate) fn resolution_rad(theta: &[f64]) -> f64 {
     let nothing = Sorted { last: None, least: f64::INFINITY };
-    let found =
-        if theta.is_empty() { nothing } else { within(theta, ends(theta), nothing, AT_ONCE) };
+    let found = match theta.len() {
+        0 => nothing,
+        1..=AT_ONCE => nothing.with_all(theta.to_vec()),
+        _ => within(theta, ends(theta), nothing, AT_ONCE),
+    };
     if found.least.is_finite() { found.least } else { 0.0 }
 }
 
@@ -29,6 +32,19 @@ impl Sorted {
     fn with(self, next: f64) -> Self {
         let step = self.last.map(|last| next - last).filter(|step| *step > LEAST_RAD);
         Self { last: Some(next), least: step.map_or(self.least, |step| self.least.min(step)) }
+    }
+
+    /// With some that follow, in any order.
+    fn with_all(self, mut some: Vec<f64>) -> Self {
+        // A lever at rest has one angle for long, and on its way they are in order: this sort takes them
+        // as they come.
+        some.dedup_by_key(|theta| theta.to_bits());
+        some.sort_by(f64::total_cmp);
+        let Some((first, last)) = some.first().zip(some.last()) else { return self };
+        let steps = some.windows(2).map(|two| two[1] - two[0]);
+        let step = |least: f64, step| if step > LEAST_RAD && step < least { step } else { least };
+        let least = steps.fold(self.with(*first).least, step);
+        Self { last: Some(*last), least }
     }
 }
 
@@ -46,18 +62,14 @@ fn within(theta: &[f64], (low, high): (f64, f64), before: Sorted, at_once: usize
         let (from, to) = (bound(part), bound(part + 1));
         let is_in = |theta: f64| theta >= from && (theta < to || is_last) && theta <= high;
         let angles = || theta.iter().copied().filter(|theta| is_in(*theta));
-        let mut some: Vec<f64> = angles().take(at_once + 1).collect();
+        let some: Vec<f64> = angles().take(at_once + 1).collect();
         if some.len() > at_once {
             let ends = angles().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), theta| {
                 (low.min(theta), high.max(theta))
             });
             found = within(theta, ends, found, at_once);
         } else {
-            // A lever at rest has one angle for long, and on its way they are in order: this sort takes them
-            // as they come.
-            some.dedup_by_key(|theta| theta.to_bits());
-            some.sort_by(f64::total_cmp);
-            found = some.into_iter().fold(found, Sorted::with);
+            found = found.with_all(some);
         }
     }
     found

@@ -39,6 +39,21 @@ impl<'a> Signals<'a> {
         columns: &'a dyn Columns,
         parameters: &Parameters,
     ) -> Result<Self, MetricsError> {
+        let motion = Self::of_motion(columns, parameters)?;
+        let on = |voltage: Signal, bit: u16| {
+            let (voltage, flags) = (columns.column(voltage), columns.column(Signal::StateBits));
+            on(voltage.as_deref(), flags.as_deref(), bit)
+        };
+        let (brake_on, motor_on) =
+            (on(Signal::VoltageBrake, BRAKE_ON), on(Signal::VoltageMotor, MOTOR_ON));
+        Ok(Self { brake_on, motor_on, ..motion })
+    }
+
+    /// The same without saying when an actuator is on.
+    pub(crate) fn of_motion(
+        columns: &'a dyn Columns,
+        parameters: &Parameters,
+    ) -> Result<Self, MetricsError> {
         let expected = columns.rows();
         if expected == 0 {
             return Err(MetricsError::NoTime);
@@ -46,12 +61,6 @@ impl<'a> Signals<'a> {
         if let Some((column, found)) = columns.ragged() {
             return Err(MetricsError::Ragged { column, expected, found });
         }
-        let on = |voltage: Signal, bit: u16| {
-            let (voltage, flags) = (columns.column(voltage), columns.column(Signal::StateBits));
-            on(voltage.as_deref(), flags.as_deref(), bit)
-        };
-        let brake_on = on(Signal::VoltageBrake, BRAKE_ON);
-        let motor_on = on(Signal::VoltageMotor, MOTOR_ON);
         let force_updates = force_updates(columns);
         let Analysis { onset_rad_s, offset_rad_s, .. } = parameters.analysis;
         let theta_dot = columns.column(Signal::ThetaDot);
@@ -66,8 +75,8 @@ impl<'a> Signals<'a> {
         Ok(Self {
             columns,
             force_updates,
-            brake_on,
-            motor_on,
+            brake_on: None,
+            motor_on: None,
             lever_m: parameters.lever_m,
             activity: active,
             phases,

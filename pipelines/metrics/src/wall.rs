@@ -1,6 +1,7 @@
 //! What happened at the wall.
 
 use crate::MetricsError;
+use crate::compliance::{ends, range};
 use crate::resolution::resolution_rad;
 use crate::signals::Signals;
 use zwidth_numerics::phases::first_passing;
@@ -86,7 +87,7 @@ pub(crate) fn wall_contact(
     let Some(theta) = signals.theta() else {
         return Ok(WallContact::default());
     };
-    let highest = theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (_, highest) = ends(&theta);
     if highest <= wall_rad {
         return Ok(WallContact { reached: Some(false), ..WallContact::default() });
     }
@@ -154,7 +155,7 @@ fn rigidity(
     let past = (0..theta.len()).filter(|i| theta[*i] > wall);
     let most = past.reduce(|most, i| if force[i] > force[most] { i } else { most })?;
     let grown_n = force[most] - first_n;
-    let until = theta[..=most].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let until = ends(&theta[..=most]).1;
     let moved_rad = (until - wall).max(count_rad);
     (grown_n > 0.0 && moved_rad > 0.0).then(|| (grown_n / moved_rad, until - wall <= count_rad))
 }
@@ -268,9 +269,7 @@ pub(crate) struct Contact {
 /// The contacts with the wall: each lasts until the lever has retreated from it by more than 1 % of
 /// the angles travelled.
 pub(crate) fn contacts(theta: &[f64], wall: f64) -> Vec<Contact> {
-    let lowest = theta.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest = theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let retreat = wall - REBOUND_SHARE * (highest - lowest);
+    let retreat = wall - REBOUND_SHARE * range(theta);
     let (mut touches, mut found) = (false, Vec::<Contact>::new());
     for (i, &theta) in theta.iter().enumerate() {
         if theta > wall {
