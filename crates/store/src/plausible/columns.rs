@@ -63,8 +63,8 @@ pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
 /// Whether any interval is so short or so long that [`interval`] or [`jump`] could find something: that
 /// is quickly told, and of most recordings the usual one need not be sought.
 fn has_doubtful_interval(t: &[f64]) -> bool {
-    let is_doubtful = |step: f64| step < SHORTEST_INTERVAL_S || step > LEAST_JUMP_S;
-    first(1..t.len(), |i| is_doubtful(t[i] - t[i - 1])).is_some()
+    let usual = SHORTEST_INTERVAL_S..=LEAST_JUMP_S;
+    first(1..t.len(), |i| !usual.contains(&(t[i] - t[i - 1]))).is_some()
 }
 
 /// The usual interval of the clock, s: the middle one.
