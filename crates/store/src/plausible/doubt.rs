@@ -31,17 +31,9 @@ impl Doubt {
 
 /// Largest less smallest value.
 pub(super) fn range(values: &[f64]) -> f64 {
-    // Of every fourth on its own: they do not wait for each other.
-    let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
-    let (whole, rest) = values.as_chunks::<4>();
-    let mut take = |lane: usize, v: f64| {
-        low[lane] = if v < low[lane] { v } else { low[lane] };
-        high[lane] = if v > high[lane] { v } else { high[lane] };
-    };
-    whole.iter().for_each(|four| (0..4).for_each(|lane| take(lane, four[lane])));
-    rest.iter().for_each(|v| take(0, *v));
-    let (low, high) = (low.into_iter().reduce(f64::min), high.into_iter().reduce(f64::max));
-    low.zip(high).map_or(0.0, |(low, high)| (high - low).max(0.0))
+    let ends = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    (high - low).max(0.0)
 }
 
 /// The first of so many places at which something is so; soon told where it is so nowhere.
