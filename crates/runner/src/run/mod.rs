@@ -217,10 +217,9 @@ impl Board<'_> {
     /// The job to begin next, of those that are ready the first of whose part no other is at work: who
     /// comes after that one finds its trials read, and who runs beside it reads them once more.
     fn next(&mut self, jobs: &[Job]) -> Option<usize> {
-        let is_beside = |i: usize, part: &String| jobs[i].part.as_ref() == Some(part);
         let is_apart = |i: usize| {
-            let part = jobs[i].part.as_ref();
-            !part.is_some_and(|part| self.at_work.iter().any(|other| is_beside(*other, part)))
+            let is_other = |at_work: &usize| jobs[*at_work].part != jobs[i].part;
+            jobs[i].part.is_none() || self.at_work.iter().all(is_other)
         };
         let apart = self.ready.iter().find(|(_, i)| is_apart(*i));
         let next = *apart.or_else(|| self.ready.first())?;
