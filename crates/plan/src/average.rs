@@ -186,7 +186,7 @@ fn make(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, problems) = open_all(files, &of.trials);
+    let (trials, problems) = open_all(files, &of.trials)?;
     let table = |alignment| -> Result<Table, JobError> {
         match zwidth_average::average(&trials, &of.stage, alignment) {
             Ok(average) => Ok(zwidth_average::table(&[average])?),

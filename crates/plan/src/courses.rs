@@ -83,7 +83,7 @@ pub(crate) fn typical_trials<'a>(
     for (mode, rendering) in &of.stage.modes {
         let Some(number) = zwidth_replay::typical(&replays, mode.as_str())? else { continue };
         let Some(at) = of.trials.iter().position(|known| known.trial == number) else { continue };
-        let (read, problems) = read_all(&files[at..=at], &of.trials[at..=at], Signal::all());
+        let (read, problems) = read_all(&files[at..=at], &of.trials[at..=at], Signal::all())?;
         let trial = read.into_iter().next().ok_or_else(|| problems.join("; "))?;
         trials.push((trial, rendering));
     }

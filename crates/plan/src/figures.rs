@@ -226,26 +226,30 @@ fn noted(figure: Figure, reads: &[&Read]) -> Figure {
 }
 
 /// What is to be read with care. A trial that cannot be read is told where it is left out.
-fn found(files: &Files, recorded: &Recorded) -> Vec<Found> {
-    let of = files.trials.iter().zip(&recorded.trials).filter_map(|(file, known)| {
-        let found = check_trial(file, &recorded.asked).ok()?.into_iter();
+fn found(files: &Files, recorded: &Recorded) -> Result<Vec<Found>, StoreError> {
+    let mut all = Vec::new();
+    for (file, known) in files.trials.iter().zip(&recorded.trials) {
+        let found = match check_trial(file, &recorded.asked) {
+            Err(error) if error.by_system => return Err(error),
+            found => found.unwrap_or_default(),
+        };
         let named = |e: StoreError| Found {
             trial: known.trial,
             column: e.column.unwrap_or_default(),
             what: e.what,
         };
-        Some(found.map(named).collect::<Vec<_>>())
-    });
-    of.flatten().collect()
+        all.extend(found.into_iter().map(named));
+    }
+    Ok(all)
 }
 
 /// Reads one environment of one session.
 fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError> {
     let signals = zwidth_figures::SIGNALS.into_iter();
-    let (drawn, problems) = read_drawn(&files.trials, &recorded.trials, signals);
+    let (drawn, problems) = read_drawn(&files.trials, &recorded.trials, signals)?;
     let thinned = drawn.iter().filter(|(trial, all)| trial.samples.len() < *all).count();
     let trials = drawn.into_iter().map(|(trial, _)| trial).collect();
-    let found = found(files, recorded);
+    let found = found(files, recorded)?;
     let columns = zwidth_figures::average_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let read = |paths: &[PathBuf]| -> Result<BTreeMap<ModeId, Table>, JobError> {

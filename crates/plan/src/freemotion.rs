@@ -2,12 +2,12 @@
 //! acceleration, the plant of every other that has an angle.
 
 use crate::making::{derived, split, write_tables};
-use crate::trials::{OfTrials, files, name, read_all};
+use crate::trials::{Found, OfTrials, files, name, read_all};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_freemotion::{FreeMotionError, Parameters};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Signal, StudyData, Trial, TrialEntry};
+use zwidth_store::{Signal, StoreError, StudyData, Trial, TrialEntry};
 use zwidth_study::Scene;
 
 const STAGE: Stage = Stage { name: "freemotion", version: zwidth_freemotion::VERSION };
@@ -54,7 +54,7 @@ fn make_planes(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (fits, problems) = fit_all(of, files, zwidth_freemotion::plane_fit);
+    let (fits, problems) = fit_all(of, files, zwidth_freemotion::plane_fit)?;
     write_tables(&[zwidth_freemotion::table(&fits)?], making, problems)
 }
 
@@ -63,7 +63,7 @@ fn make_plants(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (fits, problems) = fit_all(of, files, zwidth_freemotion::plant_fit);
+    let (fits, problems) = fit_all(of, files, zwidth_freemotion::plant_fit)?;
     write_tables(&[zwidth_freemotion::plant_table(&fits)?], making, problems)
 }
 
@@ -72,12 +72,12 @@ fn fit_all<F: Send>(
     of: &OfTrials<Parameters>,
     files: &[PathBuf],
     fit: fn(&Trial, &Parameters) -> Result<F, FreeMotionError>,
-) -> (Vec<F>, Vec<String>) {
-    let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
+) -> Result<Found<F>, StoreError> {
+    let (trials, mut problems) = read_all(files, &of.trials, Signal::all())?;
     let fits = trials
         .par_iter()
         .map(|trial| fit(trial, &of.stage).map_err(|e| format!("{}: {e}", name(&trial.meta))));
     let (fits, more) = split(fits.collect());
     problems.extend(more);
-    (fits, problems)
+    Ok((fits, problems))
 }

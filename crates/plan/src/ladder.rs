@@ -175,7 +175,7 @@ pub fn ladders(
         laddered.control.rate_hz = rate_hz.unwrap_or(laddered.control.rate_hz);
         let of = OfTrials::new(laddered, &condition.trials[..1]);
         let (trials, problems) =
-            read_all(&files(&condition.trials[..1]), &of.trials, Signal::all());
+            read_all(&files(&condition.trials[..1]), &of.trials, Signal::all())?;
         let trial = trials.into_iter().next().ok_or_else(|| problems.join("; "))?;
         found.push((condition.key(), ladder_of(&of.stage, &trial)?, of.stage.synthetic));
     }
@@ -230,7 +230,7 @@ fn measured(
 }
 
 fn make(of: &OfTrials<Laddered>, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    let (trials, problems) = read_all(files, &of.trials, Signal::all());
+    let (trials, problems) = read_all(files, &of.trials, Signal::all())?;
     let trial = trials.first().ok_or_else(|| problems.join("; "))?;
     let ladder = ladder_of(&of.stage, trial)?;
     let tables = [
@@ -251,7 +251,7 @@ fn make_held_out(
     let looped = looped(&of.stage.control)?;
     let (mut recordings, mut problems) = (Vec::new(), Vec::new());
     for (i, rendering) in of.stage.renderings.iter().enumerate().take(files.len()) {
-        let (trial, more) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all());
+        let (trial, more) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all())?;
         problems.extend(more);
         for trial in &trial {
             match recorded(&of.stage, trial, rendering) {

@@ -65,7 +65,7 @@ use zwidth_store::{Findings, StudyData};
 pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     let of_data: [fn(&StudyData) -> Vec<Job>; 13] = [
         characterise::jobs,
-        // Before the metrics, of which some rest on it: those of a session are then made together.
+        // Before the metrics, of which some rest on it.
         identify::jobs,
         metrics::jobs,
         average::jobs,

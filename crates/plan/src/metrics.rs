@@ -125,7 +125,7 @@ fn study_job(data: &StudyData, plain: Vec<PathBuf>, plant: Vec<PathBuf>) -> Job 
     Job::new(STAGE, "metrics of the study", data.study.conditions(), tables, outputs, make_study)
 }
 
-/// Trials that cannot be read, or whose samples make no metrics, the job without the plant tells.
+/// Which trials are damaged, or have samples that make no metrics, the job without the plant tells.
 fn make_with_plant(
     conditions: &Vec<OfTrials<Parameters>>,
     (trials, plant): &(Vec<Vec<PathBuf>>, Option<[PathBuf; 2]>),
@@ -141,13 +141,14 @@ fn make_with_plant(
     };
     let of_condition = |(of, trials): (&OfTrials<Parameters>, &Vec<PathBuf>)| {
         let signals = &zwidth_metrics::PLANT_SIGNALS;
-        of_each(making.trials, (trials, &of.trials), signals, |trial| {
+        let found = of_each(making.trials, (trials, &of.trials), signals, |trial| {
             let row = zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref());
             row.map_err(|e| e.to_string())
-        })
-        .0
+        });
+        found.map(|(rows, _)| rows)
     };
-    let rows: Vec<_> = conditions.par_iter().zip(trials).flat_map_iter(of_condition).collect();
+    let rows = conditions.par_iter().zip(trials).map(of_condition);
+    let rows: Vec<_> = rows.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
 }
 
@@ -165,13 +166,13 @@ fn make_session(
     trials: &Vec<Vec<PathBuf>>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let made: Vec<OfOne> = conditions
+    let made: Result<Vec<OfOne>, StoreError> = conditions
         .par_iter()
         .zip(trials)
         .map(|(of, files)| make_condition(of, files, making))
         .collect();
     let (mut rows, mut problems, mut care) = (Vec::new(), Vec::new(), Vec::new());
-    for of in made {
+    for of in made? {
         rows.extend(of.rows);
         problems.extend(of.problems);
         care.extend(of.care);
@@ -185,7 +186,11 @@ fn make_session(
     Ok(Made { care, ..write_tables(&[table, events], making, problems)? })
 }
 
-fn make_condition(of: &OfTrials<OfCondition>, files: &[PathBuf], making: &Making) -> OfOne {
+fn make_condition(
+    of: &OfTrials<OfCondition>,
+    files: &[PathBuf],
+    making: &Making,
+) -> Result<OfOne, StoreError> {
     let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
     let (made, problems) = of_each(making.trials, (files, &of.trials), &signals, |trial| {
         let row = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
@@ -193,10 +198,10 @@ fn make_condition(of: &OfTrials<OfCondition>, files: &[PathBuf], making: &Making
             row.map_err(|e| format!("{}: {e}", name(&trial.meta))),
             with_care(&of.stage.asked, trial),
         ))
-    });
+    })?;
     let (rows, care): (Vec<_>, Vec<_>) = made.into_iter().unzip();
     let (rows, more) = split(rows);
-    OfOne { rows, problems: [problems, more].concat(), care: care.concat() }
+    Ok(OfOne { rows, problems: [problems, more].concat(), care: care.concat() })
 }
 
 fn make_study(

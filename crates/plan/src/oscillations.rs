@@ -26,7 +26,7 @@ pub struct Oscillations {
 /// Asks of each trial that counts and is wanted whether its oscillation is the device's own.
 ///
 /// # Errors
-/// A table of fitted parameters that cannot be read.
+/// A table of fitted parameters that cannot be read; a recording that the system does not give.
 pub fn oscillations(
     data: &StudyData,
     wanted: &(dyn Fn(&TrialMeta) -> bool + Sync),
@@ -38,7 +38,7 @@ pub fn oscillations(
     let plant = fitted.unwrap_or(Parameters::BY_EYE);
     let entries: Vec<&TrialEntry> = data.counting().filter(|t| wanted(&t.meta)).collect();
     let known = crate::trials::describe_trials(&entries);
-    let (trials, mut problems) = read_all(&files(&entries), &known, Signal::all());
+    let (trials, mut problems) = read_all(&files(&entries), &known, Signal::all())?;
     let one = |trial: &zwidth_store::Trial| {
         progress();
         let (Some(environment), Some(mode)) =

@@ -138,7 +138,7 @@ fn make_condition(
     files: &Files,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, problems) = read_drawn(&files.trials, &of.trials, SIGNALS.into_iter());
+    let (trials, problems) = read_drawn(&files.trials, &of.trials, SIGNALS.into_iter())?;
     let events = summary::read(&Some(files.events.clone()))?;
     let courses: Vec<Course> =
         trials.iter().map(|drawn| course(drawn, events.as_ref())).collect::<Result<_, _>>()?;

@@ -173,7 +173,7 @@ fn replays(
     files: &[PathBuf],
     model: Model,
 ) -> Result<(Vec<TrialReplay>, Vec<String>), JobError> {
-    let (trials, mut problems) = read_all(files, known, Signal::all());
+    let (trials, mut problems) = read_all(files, known, Signal::all())?;
     let rendering = modelled.rendering.as_ref().ok_or("there is no trial")?;
     let rows = |trial: &Trial| -> Result<Vec<TrialReplay>, String> {
         let rows = model(trial, rendering, &modelled.analysis);

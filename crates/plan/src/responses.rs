@@ -23,7 +23,7 @@ pub struct Responses {
 /// length is not known.
 ///
 /// # Errors
-/// No trial can cause one.
+/// A recording that the system does not give.
 pub fn responses(data: &StudyData) -> Result<Responses, JobError> {
     let mut all = Responses { responses: Vec::new(), sources: Vec::new(), problems: Vec::new() };
     let Some(lever_m) = data.study.device.lever_m else { return Ok(all) };
@@ -34,7 +34,7 @@ pub fn responses(data: &StudyData) -> Result<Responses, JobError> {
             let entries: Vec<&TrialEntry> = data.counting().filter(is_of).collect();
             let signals = [Signal::Time, Signal::Theta, Signal::ForceEx, Signal::ForceAge];
             let (trials, problems) =
-                read_all(&files(&entries), &describe_trials(&entries), signals.into_iter());
+                read_all(&files(&entries), &describe_trials(&entries), signals.into_iter())?;
             all.problems.extend(problems);
             let recordings: Vec<Recording> = trials.iter().filter_map(recording).collect();
             if let Some(found) = response(&recordings, lever_m, data.study.analysis.confidence)? {

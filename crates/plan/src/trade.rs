@@ -214,7 +214,7 @@ fn make_data(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (trials, mut problems) = read_all(files, &of.trials, Signal::all());
+    let (trials, mut problems) = read_all(files, &of.trials, Signal::all())?;
     let OfData { condition, metrics, perception } = &of.stage;
     let rows = |trial: &Trial| {
         let of = |trial: &Trial| zwidth_metrics::trial_metrics(trial, metrics);

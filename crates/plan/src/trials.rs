@@ -62,14 +62,33 @@ pub(crate) fn files(trials: &[&TrialEntry]) -> Vec<PathBuf> {
     trials.iter().map(|t| t.path.clone()).collect()
 }
 
+/// What is there of trials, and in words what is wrong with the files of the others.
+pub(crate) type Found<T> = (Vec<T>, Vec<String>);
+
+/// What could be read of trials; what cannot is left out and told.
+///
+/// # Errors
+/// A file that the system does not give, though it did when the study was planned. A result without
+/// it would be remembered as that of all files, and nobody would ask again.
+fn readable<T>(read: Vec<Result<T, StoreError>>) -> Result<Found<T>, StoreError> {
+    let errors = read.iter().filter_map(|read| read.as_ref().err());
+    match errors.into_iter().find(|error| error.by_system) {
+        Some(error) => Err(error.clone()),
+        None => Ok(split(read)),
+    }
+}
+
 /// Reads trials in parallel, with these signals; what cannot be read is left out and told.
+///
+/// # Errors
+/// A file that the system does not give.
 pub(crate) fn read_all(
     files: &[PathBuf],
     known: &[Known],
     signals: impl Iterator<Item = Signal> + Clone + Sync,
-) -> (Vec<Trial>, Vec<String>) {
+) -> Result<Found<Trial>, StoreError> {
     let trials = files.par_iter().zip(known);
-    split(trials.map(|(file, known)| read_one(file, known, signals.clone())).collect())
+    readable(trials.map(|(file, known)| read_one(file, known, signals.clone())).collect())
 }
 
 /// Samples of a trial from which on it is drawn with fewer: what is on paper or a screen has a few
@@ -77,47 +96,56 @@ pub(crate) fn read_all(
 pub(crate) const MOST_DRAWN: usize = 1 << 18;
 
 /// The same to be drawn: a long trial with fewer samples, and of each trial how many were recorded.
+///
+/// # Errors
+/// A file that the system does not give.
 pub(crate) fn read_drawn(
     files: &[PathBuf],
     known: &[Known],
     signals: impl Iterator<Item = Signal> + Clone + Sync,
-) -> (Vec<(Trial, usize)>, Vec<String>) {
+) -> Result<Found<(Trial, usize)>, StoreError> {
     let read = files.par_iter().zip(known).map(|(file, known)| {
         let (trial, recorded) = read_thinned(file, signals.clone(), MOST_DRAWN)?;
-        Ok::<_, StoreError>((known.names(trial), recorded))
+        Ok((known.names(trial), recorded))
     });
-    split(read.collect())
+    readable(read.collect())
 }
 
 /// What `make` makes of each trial with these signals, side by side: of a long one it reads the
 /// columns that it looks at. Channels that metrics read are there where the files have them. What
 /// cannot be read, and why `make` made nothing, is told.
+///
+/// # Errors
+/// A file that the system does not give.
 pub(crate) fn of_each<T: Send>(
     lately: &Lately,
     (files, known): (&[PathBuf], &[Known]),
     signals: &[Signal],
     make: impl Fn(&OpenTrial) -> Result<T, String> + Sync,
-) -> (Vec<T>, Vec<String>) {
+) -> Result<Found<T>, StoreError> {
     let names = [CURRENT_MOTOR, CURRENT_BRAKE, REFERENCE];
     let channels: Vec<ChannelId> =
         names.into_iter().filter_map(|name| ChannelId::new(name).ok()).collect();
     let each = files.par_iter().zip(known).map(|(file, known)| {
-        let trial = lately.open(file, signals, &channels).map_err(|e| e.to_string())?;
-        let trial = known.of_open(trial);
+        let trial = known.of_open(lately.open(file, signals, &channels)?);
         let made = make(&trial);
         // Whatever was made without a column that could not be read is void.
-        trial.columns().failure().map_or(made, |error| Err(error.to_string()))
+        trial.columns().failure().map_or(Ok(made), Err)
     });
-    split(each.collect())
+    let (made, problems) = readable(each.collect())?;
+    let (made, more) = split(made);
+    Ok((made, [problems, more].concat()))
 }
 
 /// The trials, opened, one after the other: of long ones no column is read yet.
-pub(crate) fn open_all(files: &[PathBuf], known: &[Known]) -> (Vec<OpenTrial>, Vec<String>) {
+///
+/// # Errors
+/// A file that the system does not give.
+pub(crate) fn open_all(files: &[PathBuf], known: &[Known]) -> Result<Found<OpenTrial>, StoreError> {
     let all: Vec<Signal> = Signal::all().collect();
-    let open = |(file, known): (&PathBuf, &Known)| {
-        Ok::<_, StoreError>(known.of_open(OpenTrial::open(file, &all, &[])?))
-    };
-    split(files.par_iter().zip(known).map(open).collect())
+    let open =
+        |(file, known): (&PathBuf, &Known)| Ok(known.of_open(OpenTrial::open(file, &all, &[])?));
+    readable(files.par_iter().zip(known).map(open).collect())
 }
 
 fn read_one(
@@ -131,4 +159,34 @@ fn read_one(
 /// A trial's name in a message: `P01 S01 trial 2`.
 pub(crate) fn name(meta: &TrialMeta) -> String {
     format!("{} {} trial {}", meta.participant, meta.session, meta.trial)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    /// A file that went away after the study was read stands for any that the system does not give: a
+    /// disk in the network that fails for a moment.
+    #[test]
+    fn a_damaged_file_is_told_and_one_that_the_system_does_not_give_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let known = [Known { trial: 1, mode: "hybrid".parse().unwrap(), repeat: 1 }];
+        let read = |file: PathBuf| {
+            let files = [file];
+            let counts = |found: Result<usize, StoreError>| found.map_err(|error| error.by_system);
+            let lately = Lately::default();
+            let of = of_each(&lately, (&files, &known), &[], |_| Ok(()));
+            [
+                counts(read_all(&files, &known, Signal::all()).map(|(_, told)| told.len())),
+                counts(read_drawn(&files, &known, Signal::all()).map(|(_, told)| told.len())),
+                counts(open_all(&files, &known).map(|(_, told)| told.len())),
+                counts(of.map(|(_, told)| told.len())),
+            ]
+        };
+        let damaged = folder.path().join("damaged.parquet");
+        fs::write(&damaged, "no recording").unwrap();
+        assert_eq!(read(damaged), [Ok(1); 4]);
+        assert_eq!(read(folder.path().join("gone.parquet")), [Err(true); 4]);
+    }
 }

@@ -17,6 +17,9 @@ pub struct StoreError {
     pub what: String,
     /// What to do about it.
     pub remedy: String,
+    /// Whether the operating system refused it: that says nothing of what is in the file, and may be
+    /// otherwise the next time.
+    pub by_system: bool,
 }
 
 impl StoreError {
@@ -28,6 +31,7 @@ impl StoreError {
             row: None,
             what: what.into(),
             remedy: remedy.into(),
+            by_system: false,
         }
     }
 
@@ -65,7 +69,8 @@ impl StoreError {
             }
             _ => "see the message of the system",
         };
-        Self::new(path, format!("cannot {doing}: {error}"), remedy)
+        let by_system = error.raw_os_error().is_some();
+        Self { by_system, ..Self::new(path, format!("cannot {doing}: {error}"), remedy) }
     }
 }
 

@@ -214,9 +214,18 @@ pub fn guarded<T>(
     decode: impl FnOnce() -> Result<T, ParquetError>,
 ) -> Result<T, StoreError> {
     match catch_unwind(AssertUnwindSafe(decode)) {
-        Ok(result) => result.map_err(|e| unreadable(path, remedy, &e.to_string())),
+        Ok(result) => result.map_err(|e| match refused(&e) {
+            Some(error) => StoreError::io(path, "read", error),
+            None => unreadable(path, remedy, &e.to_string()),
+        }),
         Err(_) => Err(unreadable(path, remedy, "the decoder gave up on it")),
     }
+}
+
+/// What the operating system said when a decoder asked it for more of a file.
+fn refused(error: &ParquetError) -> Option<&std::io::Error> {
+    let ParquetError::External(error) = error else { return None };
+    error.downcast_ref().filter(|error: &&std::io::Error| error.raw_os_error().is_some())
 }
 
 fn unreadable(path: &Path, remedy: &str, why: &str) -> StoreError {

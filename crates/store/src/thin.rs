@@ -42,14 +42,15 @@ pub fn read_thinned(
 /// one no more than two columns are in memory at a time.
 ///
 /// # Errors
-/// A file that cannot be opened.
+/// A file that cannot be read.
 pub fn check_trial(path: &Path, asked: &Asked) -> Result<Vec<StoreError>, StoreError> {
     let open = OpenColumns::open(&RealFiles, path)?;
     // Of a short one each column is decoded once.
     if open.rows() <= LONG {
         return Ok(check_samples(asked, Path::new(""), &read_trial(path, Signal::all())?.samples));
     }
-    Ok(check_samples(asked, Path::new(""), &open))
+    let found = check_samples(asked, Path::new(""), &open);
+    open.failure().map_or(Ok(found), Err)
 }
 
 /// The samples that stand for all of `rows`, in order.

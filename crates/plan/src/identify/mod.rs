@@ -13,7 +13,7 @@ use zwidth_identify::{Bracket, IdentifyError, Parameter, Recording, Switching, T
 use zwidth_metrics::Plant;
 use zwidth_replay::{Balance, Drive, Judged, Parameters, Rendering, ReplayError};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
+use zwidth_store::{Layout, Signal, StoreError, StudyData, Trial, TrialEntry};
 use zwidth_study::TrialMeta;
 use zwidth_tables::{Table, TableError};
 
@@ -166,16 +166,16 @@ fn make(of: &OfTrials<Fit>, files: &Vec<PathBuf>, making: &Making) -> Result<Mad
     let fit = &of.stage;
     // One by one: what the fit needs of a trial is a third of its samples.
     let one = |i: usize| {
-        let (trial, problem) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all());
+        let (trial, problem) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all())?;
         // Those that cannot be read keep the others with their own renderings.
         let Some((trial, how)) = trial.into_iter().next().zip(fit.renderings.get(i)) else {
-            return (Bracket::default(), Ok(None), problem);
+            return Ok((Bracket::default(), Ok(None), problem));
         };
-        (Bracket::of(switching(&trial, how)), fitted_trial(trial, how), problem)
+        Ok((Bracket::of(switching(&trial, how)), fitted_trial(trial, how), problem))
     };
-    let read: Vec<_> = (0..files.len()).into_par_iter().map(one).collect();
+    let read: Result<Vec<_>, StoreError> = (0..files.len()).into_par_iter().map(one).collect();
     let (mut bracket, mut fitted, mut problems) = (Bracket::default(), Vec::new(), Vec::new());
-    for (of_trial, found, problem) in read {
+    for (of_trial, found, problem) in read? {
         bracket = bracket.and(of_trial);
         fitted.push(found);
         problems.extend(problem);
