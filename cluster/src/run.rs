@@ -134,12 +134,21 @@ impl World<'_> {
             self.engine.take_back().await;
             asked
         });
-        let merged = merge(self.jobs, (&self.results, &laid), &self.known)?;
+        let merged = merge(self.jobs, (&self.results, &laid), &self.known, &Arc::default());
+        let merged = merged.map_err(|error| {
+            // Not lost for a run that went on here meanwhile.
+            let kept = folder.keep();
+            asked.as_ref().err().iter().for_each(|error| self.say.warn(format!("{error:#}")));
+            anyhow!(error).context(format!(
+                "what came back of {study} is kept: `zwidth merge {study} --from {}` merges it",
+                kept.display()
+            ))
+        })?;
         let survey = &merged.survey;
         survey.remarks.iter().for_each(|remark| self.say.warn(remark.to_string()));
         survey.refused.iter().for_each(|error| self.say.warn(error.to_string()));
-        let made: usize = merged.shards.iter().map(|(_, jobs)| jobs).sum();
-        self.say.progress(format!("{study}: {made} of {jobs} jobs came back and are merged"));
+        self.say
+            .progress(format!("{study}: {} of {jobs} jobs came back and are merged", merged.jobs));
         let refused = asked.with_context(|| {
             format!("what came back of {study} is merged; run it again, or without the cluster")
         })?;

@@ -71,7 +71,7 @@ pub(crate) fn merge_here(root: &Path) {
     let data = StudyData::load(&layout).unwrap();
     let jobs = plan::jobs(&data, &findings(&RealFiles, &data));
     let own = Results::new(&layout, &RealFiles);
-    let merged = merge(&jobs, (&own, &[]), &[]).unwrap();
+    let merged = merge(&jobs, (&own, &[]), &[], &std::sync::Arc::default()).unwrap();
     assert!(merged.survey.refused.is_empty());
 }
 

@@ -66,8 +66,10 @@ pub fn lay_down(sent: Sent, shard: Shard, results: &Results) -> Result<(), Store
 mod tests {
     use super::*;
     use crate::{Made, Options, Stage, merge, run};
+    use std::collections::BTreeSet;
     use std::fs;
     use std::path::Path;
+    use std::sync::Arc;
     use zwidth_store::{Layout, RealFiles};
 
     fn layout(folder: &Path) -> Layout {
@@ -131,8 +133,8 @@ mod tests {
             )
             .unwrap();
         }
-        let merged = merge(&planned, (&own, &laid), &[]).unwrap();
-        assert_eq!(merged.shards, [(shard, 4)]);
+        let merged = merge(&planned, (&own, &laid), &[], &Arc::default()).unwrap();
+        assert_eq!((merged.shards, merged.jobs), (BTreeSet::from([shard]), 4));
         assert_eq!(names(&due(&planned, &own, &[]).unwrap()), [("a", vec!["both"])]);
     }
 

@@ -138,8 +138,12 @@ fn parsed(
 
 /// The error that refuses a shard, and says what to do about it.
 pub(crate) fn refusal(layout: &Layout, shard: Shard, path: &Path, why: &str) -> StoreError {
+    let root = match layout.root().as_os_str().is_empty() {
+        true => String::new(),
+        false => format!("--root {} ", layout.root().display()),
+    };
     let remedy = format!(
-        "run it again (`zwidth run {} --shard {shard}`), or remove this manifest",
+        "run it again (`zwidth {root}run {} --shard {shard}`), or remove this manifest",
         layout.study()
     );
     StoreError::new(path, format!("shard {shard} is refused: {why}"), remedy)
@@ -219,7 +223,7 @@ mod tests {
             let (shard, Err(error)) = &found[0] else { panic!("{found:?}") };
             assert_eq!(shard, "3/7");
             assert!(error.contains("shard 3/7 is refused") && error.contains(words), "{error}");
-            assert!(error.contains("zwidth run s --shard 3/7"), "{error}");
+            assert!(error.contains(" run s --shard 3/7`"), "{error}");
         }
         for other in ["3-of-7", "8-of-7.json", "03-of-7.json", ".3-of-7.json.17.tmp", "a.json"] {
             assert!(read_as(&text("3/7", "s", PROGRAM), other).is_empty(), "{other}");

@@ -4,15 +4,19 @@
 use crate::manifest::folder;
 use crate::survey::{Offer, Share, Survey, content, survey};
 use crate::{Job, Results, Shard};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_store::{StoreError, hex_blake3};
+use std::sync::Arc;
+use zwidth_store::{Seen, StoreError, hex_blake3};
 
 /// What came of a merge.
 pub struct Merged<'r, 'j> {
     /// What there is now, what was refused, and why.
     pub survey: Survey<'r>,
-    /// The shards that were merged, each with how many jobs of it.
-    pub shards: Vec<(Shard, usize)>,
+    /// The shards that were merged.
+    pub shards: BTreeSet<Shard>,
+    /// How many jobs were merged.
+    pub jobs: usize,
     /// How many files were copied from other roots.
     pub copied: usize,
     /// What the shards were to make.
@@ -32,12 +36,13 @@ pub fn merge<'r, 'j>(
     jobs: &'j [Job],
     (own, others): (&'r Results<'r>, &'r [Results<'r>]),
     known: &[(PathBuf, String)],
+    seen: &Arc<Seen>,
 ) -> Result<Merged<'r, 'j>, StoreError> {
     let _held = own.hold_alone()?;
-    let mut survey = survey(jobs, (own, others), known)?;
+    let mut survey = survey(jobs, (own, others), known, seen)?;
     // Before files are copied that other jobs wait for.
     let shares = survey.shares(jobs, None);
-    let (mut shards, mut copied) = (Vec::new(), 0);
+    let (mut shards, mut jobs, mut copied) = (BTreeSet::new(), BTreeSet::new(), 0);
     for offer in &survey.accepted {
         if !offer.is_own {
             copied += copy(offer, own)?;
@@ -47,7 +52,8 @@ pub fn merge<'r, 'j>(
             .records
             .0
             .extend(records.0.iter().map(|(name, record)| (name.clone(), record.clone())));
-        shards.push((offer.manifest.shard, records.0.len()));
+        shards.insert(offer.manifest.shard);
+        jobs.extend(records.0.keys().cloned());
     }
     if !shards.is_empty() {
         survey.records.write(own)?;
@@ -57,7 +63,7 @@ pub fn merge<'r, 'j>(
         survey.remarks.extend(own.remove_made(&offer.path, &offer.blake3).err());
     }
     own.remove_empty(&folder(own.layout()));
-    Ok(Merged { survey, shards, copied, shares })
+    Ok(Merged { survey, shards, jobs: jobs.len(), copied, shares })
 }
 
 /// Copies the files of a shard; how many.
@@ -141,9 +147,9 @@ mod tests {
 
         fn merge(&self, others: &[Results]) -> (usize, Vec<String>) {
             let (jobs, own) = (self.jobs(), self.results());
-            let merged = merge(&jobs, (&own, others), &[]).unwrap();
+            let merged = merge(&jobs, (&own, others), &[], &Arc::default()).unwrap();
             let refused = merged.survey.refused.iter().map(ToString::to_string).collect();
-            (merged.shards.iter().map(|(_, jobs)| jobs).sum(), refused)
+            (merged.jobs, refused)
         }
 
         fn shards(&self) -> PathBuf {
@@ -191,6 +197,27 @@ mod tests {
         assert_eq!(world.run(None), ["after a", "after b", "after c", "all"]);
     }
 
+    /// Somebody took part back: the shard is refused, made again, and then nothing of it is left.
+    #[test]
+    fn what_a_shard_made_of_a_part_that_is_gone_goes_when_it_is_run_again() {
+        let world = World::new();
+        world.run(Some("1/1"));
+        let fewer: Vec<Job> = world.jobs().into_iter().filter(|job| job.name != "own a").collect();
+        let results = world.results();
+        let refused = merge(&fewer, (&results, &[]), &[], &Arc::default()).unwrap().survey.refused;
+        let why = refused[0].to_string();
+        assert!(why.contains("the study has no job \"own a\" now"), "{why}");
+        assert!(why.contains(&format!("--root {} run s", world.layout.root().display())), "{why}");
+        let shard = Options { shard: Some("1/1".parse().unwrap()), ..Options::default() };
+        run(&fewer, &results, &Options { dry_run: true, ..shard.clone() }, &|_| {}).unwrap();
+        assert!(world.layout.derived().join("a").exists());
+        run(&fewer, &results, &shard, &|_| {}).unwrap();
+        assert!(!world.layout.derived().join("a").exists());
+        assert!(world.layout.derived().join("b").exists());
+        let merged = merge(&fewer, (&results, &[]), &[], &Arc::default()).unwrap();
+        assert_eq!((merged.jobs, merged.survey.refused), (2, Vec::new()));
+    }
+
     #[test]
     fn a_shard_elsewhere_is_copied_and_one_that_made_something_else_of_the_same_is_refused() {
         let (world, other, liar) = (World::new(), World::new(), World::new());
@@ -221,9 +248,12 @@ mod tests {
         let manifest = world.shards().join("1-of-1.json");
         let text = fs::read(&manifest).unwrap();
         let (jobs, results) = (world.jobs(), world.results());
-        let running = results.hold_beside_others();
-        let error = merge(&jobs, (&results, &[]), &[]).err().unwrap();
-        assert!(error.to_string().contains("a run or a shard of the study goes on"), "{error}");
+        let running = results.hold_beside_shards().unwrap();
+        let error = merge(&jobs, (&results, &[]), &[], &Arc::default()).err().unwrap();
+        assert!(
+            error.to_string().contains("a run, a merge or a shard of the study goes on"),
+            "{error}"
+        );
         drop(running);
         assert_eq!(world.merge(&[]), (3, Vec::new()));
         // Cut off before the manifest went.
@@ -242,7 +272,7 @@ mod tests {
         }
         let (jobs, own) = (world.jobs(), world.results());
         let missing = |of| {
-            let found = survey(&jobs, (&own, &[]), &[]).unwrap();
+            let found = survey(&jobs, (&own, &[]), &[], &Arc::default()).unwrap();
             let shares = found.shares(&jobs, of).into_iter().filter(|s| !s.missing.is_empty());
             shares.map(|s| (s.shard, s.missing)).collect::<Vec<_>>()
         };

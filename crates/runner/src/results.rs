@@ -5,10 +5,11 @@
 //! whenever something is opened or removed, the disk: no folder on the way may be a link.
 
 use std::fs::{File, TryLockError};
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use zwidth_store::{
-    Entry, Files, Layout, MOST_BYTES, StoreError, hex_blake3, replace, replace_by, unfinished_below,
+    Entry, Files, Layout, MOST_BYTES, StoreError, files_below, hex_blake3, replace, replace_by,
+    unfinished_below,
 };
 
 /// `derived/<study>` and `reports/<study>`: nothing else in a run writes or removes there, and it
@@ -118,8 +119,20 @@ impl<'a> Results<'a> {
         most: u64,
     ) -> Result<Option<Result<Vec<u8>, StoreError>>, StoreError> {
         self.check(path)?;
-        let read = || self.files.read(path, most).map_err(|e| StoreError::io(path, "read", &e));
-        Ok(self.files.kind(path).map(|_| read()))
+        Ok(match self.files.read(path, most) {
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            read => Some(read.map_err(|e| StoreError::io(path, "read", &e))),
+        })
+    }
+
+    /// The tables among the study's results.
+    ///
+    /// # Errors
+    /// A folder that cannot be listed.
+    pub(crate) fn tables(&self) -> Result<Vec<PathBuf>, StoreError> {
+        let mut found = files_below(self.files, &self.layout.derived())?;
+        found.retain(|path| path.extension().is_some_and(|end| end == "parquet"));
+        Ok(found)
     }
 
     /// The names in a folder of the study's results; empty if there is no such folder.
@@ -128,11 +141,11 @@ impl<'a> Results<'a> {
     /// A link on the way to it; a folder that cannot be listed.
     pub(crate) fn list(&self, folder: &Path) -> Result<Vec<PathBuf>, StoreError> {
         self.check_way(folder)?;
-        if self.files.kind(folder).is_none() {
-            return Ok(Vec::new());
+        match self.files.list(folder) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
+            Err(error) => Err(StoreError::io(folder, "list", &error)),
+            Ok(found) => Ok(found.into_iter().map(|(path, _)| path).collect()),
         }
-        let found = self.files.list(folder).map_err(|e| StoreError::io(folder, "list", &e))?;
-        Ok(found.into_iter().map(|(path, _)| path).collect())
     }
 
     /// Removes a folder of the study's results if nothing lies in it.
@@ -143,42 +156,50 @@ impl<'a> Results<'a> {
         }
     }
 
-    /// Removes the half-written files of earlier runs that were cut short, unless another run of
-    /// the study is going on. Later runs do not remove anything until the returned value is
-    /// dropped. If this fails, only litter stays.
-    pub(crate) fn hold(&self) -> Option<File> {
-        let held = self.open_derived()?;
-        // Alone: what lies here unfinished is nobody's work.
-        if held.try_lock().is_ok() {
+    /// [`Self::hold_alone`], and removes the half-written files of earlier runs that were cut short:
+    /// what lies here unfinished is nobody's work. If that fails, only litter stays.
+    ///
+    /// # Errors
+    /// A run, a merge or a shard goes on.
+    pub(crate) fn hold(&self) -> Result<Option<File>, StoreError> {
+        let held = self.hold_alone()?;
+        if held.is_some() {
             self.sweep();
-            held.unlock().ok()?;
         }
-        // Nothing is written before this: a run that sweeps in between takes nothing from this one.
-        held.lock_shared().ok()?;
-        Some(held)
+        Ok(held)
     }
 
-    /// The same, without removing anything: on a disk that several machines share, not every lock
-    /// is known to all of them, and what lies here unfinished may be another's work.
-    pub(crate) fn hold_beside_others(&self) -> Option<File> {
-        let held = self.open_derived()?;
-        held.lock_shared().ok()?;
-        Some(held)
+    /// Keeps runs and merges away until what is returned is dropped, where the disk knows locks; other
+    /// shards may work beside. Nothing is removed: on a disk that several machines share, not every
+    /// lock is known to all of them, and what lies here unfinished may be another's work.
+    ///
+    /// # Errors
+    /// A run or a merge goes on.
+    pub(crate) fn hold_beside_shards(&self) -> Result<Option<File>, StoreError> {
+        self.held(File::try_lock_shared, "a run or a merge of the study goes on here")
     }
 
-    /// Keeps runs and shards away until what is returned is dropped, where the disk knows locks.
+    /// Keeps runs, merges and shards away until what is returned is dropped, where the disk knows
+    /// locks: each would write its own records over the other's.
     ///
     /// # Errors
     /// One of them goes on.
     pub(crate) fn hold_alone(&self) -> Result<Option<File>, StoreError> {
+        self.held(File::try_lock, "a run, a merge or a shard of the study goes on here")
+    }
+
+    fn held(
+        &self,
+        lock: fn(&File) -> Result<(), TryLockError>,
+        who: &str,
+    ) -> Result<Option<File>, StoreError> {
         let Some(held) = self.open_derived() else { return Ok(None) };
-        match held.try_lock() {
+        match lock(&held) {
             Ok(()) => Ok(Some(held)),
-            Err(TryLockError::WouldBlock) => Err(StoreError::new(
-                &self.layout.derived(),
-                "a run or a shard of the study goes on here",
-                "wait for its end, then try again",
-            )),
+            Err(TryLockError::WouldBlock) => {
+                let remedy = "wait for its end, then try again";
+                Err(StoreError::new(&self.layout.derived(), who, remedy))
+            }
             Err(TryLockError::Error(_)) => Ok(None),
         }
     }
@@ -381,13 +402,19 @@ mod tests {
         for path in kept.iter().chain([&litter]) {
             fs::write(path, "half").unwrap();
         }
-        let other = results.hold();
+        let run = results.hold().unwrap();
         assert!(!litter.exists() && kept.iter().all(|path| path.exists()));
         fs::write(&litter, "half").unwrap();
-        let held = results.hold();
-        assert!(litter.exists(), "it may be the other run's");
-        drop((other, held));
-        drop(results.hold());
+        for other in [results.hold(), results.hold_alone(), results.hold_beside_shards()] {
+            let error = other.unwrap_err();
+            assert!(error.what.starts_with("a run"), "{error}");
+        }
+        assert!(litter.exists(), "it may be the run's");
+        drop(run);
+        let shards = [(); 2].map(|()| results.hold_beside_shards().unwrap());
+        assert!(results.hold().is_err() && litter.exists(), "it may be a shard's");
+        drop(shards);
+        drop(results.hold().unwrap());
         assert!(!litter.exists());
     }
 }

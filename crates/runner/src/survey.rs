@@ -1,6 +1,6 @@
 //! What shards have made of a study, held against the study as it is.
 
-use crate::change::{Change, first_change};
+use crate::change::{Change, changes, first_change};
 use crate::hashes::{Hashes, show_path};
 use crate::manifest::{Found, Manifest, refusal};
 use crate::plan::{levels, with_needs};
@@ -9,7 +9,8 @@ use crate::shard::ready;
 use crate::{Job, Records, Results, Shard};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use zwidth_store::{MOST_BYTES, StoreError, hex_blake3};
+use std::sync::Arc;
+use zwidth_store::{MOST_BYTES, Seen, StoreError, hex_blake3};
 
 /// What there is of a study's parts.
 pub struct Survey<'r> {
@@ -78,7 +79,7 @@ impl Survey<'_> {
 }
 
 /// Looks at the manifests in the study's own results and in those of other roots. `known` are
-/// hashes of files that were read already.
+/// hashes of files that were read already, and `seen` what others were when they were last read.
 ///
 /// # Errors
 /// Records or manifests that cannot be looked for: a link on the way to them.
@@ -86,6 +87,7 @@ pub fn survey<'r>(
     jobs: &[Job],
     (own, others): (&'r Results<'r>, &'r [Results<'r>]),
     known: &[(PathBuf, String)],
+    seen: &Arc<Seen>,
 ) -> Result<Survey<'r>, StoreError> {
     let (records, remarks) = Records::read(own)?;
     let (mut offers, mut refused, mut counts) = (Vec::new(), Vec::new(), BTreeSet::new());
@@ -102,11 +104,11 @@ pub fn survey<'r>(
             }
         }
     }
-    let (up_to_date, there) = compare(jobs, own, &records, &mut offers, known);
-    let layout = own.layout();
+    let (up_to_date, there) =
+        compare(jobs, own, &records, &mut offers, &Hashes::seen(known, seen.clone()));
     refused.extend(offers.iter().filter_map(|offer| {
         let why = offer.refused.as_ref()?;
-        Some(refusal(layout, offer.manifest.shard, &offer.path, why))
+        Some(refusal(offer.results.layout(), offer.manifest.shard, &offer.path, why))
     }));
     offers.retain(|offer| offer.refused.is_none());
     Ok(Survey { records, accepted: offers, refused, remarks, counts, there, up_to_date })
@@ -128,16 +130,16 @@ fn compare(
     own: &Results,
     records: &Records,
     offers: &mut [Offer],
-    known: &[(PathBuf, String)],
+    hashes: &Hashes,
 ) -> (Vec<bool>, Vec<bool>) {
-    let (root, hashes) = (own.root(), Hashes::new(known));
+    let root = own.root();
     let mut is_own = vec![false; jobs.len()];
     let mut offered: Vec<Vec<usize>> = vec![Vec::new(); jobs.len()];
     // Those that others need first: what a shard made is what its next job read.
     let wanted = with_needs(jobs, |job| job.part.is_some());
     for i in levels(jobs).into_iter().flatten().filter(|i| wanted[*i]) {
         let job = &jobs[i];
-        let now = Record::now(job, root, &hashes);
+        let now = Record::now(job, root, hashes);
         let before = records.get(&job.name);
         is_own[i] = before.is_some_and(|before| {
             first_change(before, &now, || hashes.of(root, &job.outputs)).is_none()
@@ -172,7 +174,11 @@ fn why_not(
     other: Option<&Record>,
 ) -> Option<String> {
     // Its outputs are held against the files below.
-    if let Some(change) = first_change(record, now, || record.outputs.clone()) {
+    let all = changes(Some(record), now, &record.outputs);
+    let of_version = all.iter().find(|change| matches!(change, Change::Version { .. }));
+    // Where a recording changed, what is said of it in the parameters does too.
+    let of_input = || all.iter().find(|change| matches!(change, Change::Input(_)));
+    if let Some(change) = of_version.or_else(of_input).or(all.first()) {
         let how = match change {
             Change::Version { .. } => "by another version",
             Change::Parameters { .. } => "with other parameters",

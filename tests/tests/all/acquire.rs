@@ -465,10 +465,12 @@ fn a_simulated_study_is_the_same_bytes_on_one_thread_and_on_many_and_other_bytes
     assert_eq!(make("4", "2").1, one);
     assert_ne!(make("4", "3").1, one);
     let again = ["twin", "small", "--participants", "1", "--sessions", "1"];
-    zwidth(desk.root(), &again)
-        .exits(1)
-        .one_error()
-        .says(&["exists already", "choose another study"]);
+    zwidth(desk.root(), &again).exits(1).one_error().says(&[
+        "exists already",
+        "choose another study",
+        "remove all of",
+        "raw/small",
+    ]);
 }
 
 #[test]

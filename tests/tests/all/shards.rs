@@ -80,7 +80,7 @@ fn shared_out_merged_and_run_is_the_same_bytes_as_one_run() {
         let missing = zwidth(root.path(), &["shards", STUDY, "--missing"]).exits(0);
         assert_eq!(missing.out, "", "of {of}");
         let early = zwidth(root.path(), &["run", STUDY, "--dry-run", "--only", "average"]).exits(0);
-        early.says(&[&format!("manifests of {of} shards are not merged"), "zwidth merge"]);
+        early.says(&[&format!("{of} shard"), "not merged", "zwidth merge"]);
         let merged = zwidth(root.path(), &["merge", STUDY, "--json"]).exits(0).json();
         assert_eq!((&merged["copied"], &merged["jobs"]), (&0.into(), &13.into()), "{merged}");
         // What needs the plant, which all trials give, is not of the first round.
@@ -133,6 +133,22 @@ fn shards_made_in_folders_of_their_own_are_merged_from_there_and_stay_as_they_ar
     assert_eq!(elsewhere.iter().map(|f| listing(f.path())).collect::<Vec<_>>(), before);
     run_tables(root.path());
     compare_tables(root.path());
+}
+
+#[test]
+fn a_folder_that_is_named_twice_has_its_shards_once_and_one_without_manifests_is_refused() {
+    let (root, other) = (shipped::raw(), shipped::raw());
+    shard(root.path(), "1/1").exits(0);
+    shard(other.path(), "1/1").exits(0);
+    let (own, from) = (root.path().to_str().unwrap(), other.path().to_str().unwrap());
+    let twice = format!("{from}/.");
+    let merge = ["merge", STUDY, "--json", "--from", own, from, &twice];
+    let merged = zwidth(root.path(), &merge).exits(0).json();
+    assert_eq!((&merged["jobs"], &merged["merged"]), (&13.into(), &serde_json::json!(["1/1"])));
+    // Its manifests are gone: they were merged.
+    let third = shipped::raw();
+    let again = zwidth(third.path(), &["merge", STUDY, "--from", own]).exits(1).one_error();
+    again.says(&["there are no shards of thesis-twin in", "after a merge there", "--shard I/N"]);
 }
 
 #[test]
@@ -204,7 +220,9 @@ fn a_shard_from_other_inputs_or_parameters_is_refused_by_name() {
     let before = listing(ours.root());
     let merge = ["merge", "demo", "--from", from];
     let refused = zwidth(ours.root(), &merge).exits(1);
-    let words = ["shard 1/1 is refused", "from other inputs", "raw/demo/trials/", "1-of-1.json"];
+    let rerun = format!("zwidth --root {from} run demo --shard 1/1");
+    let words =
+        ["shard 1/1 is refused", "from other inputs", "raw/demo/trials/", "1-of-1.json", &rerun];
     let refused = refused.says(&words);
     assert_eq!(refused.err.matches("error: ").count(), 1, "{refused:#?}");
     let after = listing(ours.root());
@@ -248,7 +266,7 @@ fn a_shard_of_another_version_and_a_damaged_manifest_are_refused_and_the_others_
         let merged = zwidth(tried.path(), &["merge", STUDY]).exits(3);
         let errors: Vec<&str> = merged.err.lines().filter(|l| l.starts_with("error: ")).collect();
         let [error] = errors.as_slice() else { panic!("{merged:#?}") };
-        let run_again = "zwidth run thesis-twin --shard 1/2";
+        let run_again = " run thesis-twin --shard 1/2`";
         for word in ["shard 1/2 is refused", "1-of-2.json", words, run_again] {
             assert!(error.contains(word), "{word}: {error}");
         }

@@ -7,7 +7,7 @@ use crate::hashes::{Hashes, show_path};
 use crate::plan::needs;
 use crate::provenance::provenance;
 use crate::record::Record;
-use crate::{Job, Made, Making, Provenance, Records, Results};
+use crate::{Job, Made, Making, Provenance, Records, Results, strip_root};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
 use std::ffi::OsStr;
@@ -17,9 +17,11 @@ use std::time::{Duration, Instant};
 use zwidth_store::{Lately, StoreError, hex_blake3};
 
 mod options;
+mod unplanned;
 
 pub use options::{Options, wanted};
 use options::{keep_seen, records_before, save};
+use unplanned::{nobodys, outputs, remove_unplanned, unplanned};
 
 /// How a job ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -65,37 +67,39 @@ pub struct Done {
 /// records are written as work proceeds; `done` is called after each job, from any thread.
 ///
 /// # Errors
-/// An output or the records cannot be written; then no job is begun that was not ready before.
-/// Whatever else goes wrong in a job is in its [`Report`].
+/// Another run, a merge or a shard is at work in the folder. An output or the records cannot be
+/// written; then no job is begun that was not ready before. Whatever else goes wrong in a job is in
+/// its [`Report`].
 pub fn run(
     jobs: &[Job],
     results: &Results,
     options: &Options,
     done: &(dyn Fn(&Report) + Sync),
 ) -> Result<Done, StoreError> {
+    // Before records are read: who writes them meanwhile would have them overwritten.
+    let _held = match (options.dry_run, options.shard) {
+        (true, _) => None,
+        (false, Some(_)) => results.hold_beside_shards()?,
+        (false, None) => results.hold()?,
+    };
     let wanted = wanted(jobs, results, options)?;
     let (read, mut board) = rayon::join(
         || records_before(jobs, &wanted, results, options),
         || Board::new(jobs, &wanted),
     );
     let (before, mut remarks) = read?;
-    let _held = match (options.dry_run, options.shard) {
-        (true, _) => None,
-        (false, Some(_)) => results.hold_beside_others(),
-        (false, None) => results.hold(),
-    };
     board.records = before.clone();
     // Those that are not believed go from their file too.
     // A shard that has nothing to make says so, too.
     board.unsaved = !remarks.is_empty() || options.shard.is_some();
     let (hashes, board) = (Hashes::seen(&options.known, options.seen.clone()), Mutex::new(board));
-    let trials = Lately::default();
-    let run = Run { jobs, before, results, options, done, hashes, trials, board };
+    let (trials, planned) = (Lately::default(), outputs(jobs));
+    let run = Run { jobs, before, results, options, done, hashes, trials, planned, board };
     for begin in [Board::waiting_for_none, Board::in_a_circle] {
         let ready = begin(&mut run.board());
         rayon::scope(|scope| run.spawn(scope, ready));
     }
-    let (before, board) = (run.before, run.board);
+    let (before, planned, board) = (run.before, run.planned, run.board);
     let Board { mut records, mut unsaved, reports, stayed, disk, .. } =
         board.into_inner().unwrap_or_else(PoisonError::into_inner);
     if let Some(error) = disk {
@@ -107,12 +111,11 @@ pub fn run(
     remarks.extend(stayed);
     if options.only.is_none() && options.shard.is_none() && !options.dry_run {
         unsaved |= !unplanned(jobs, &mut records).is_empty();
-        let planned: HashSet<&PathBuf> =
-            jobs.par_iter().flat_map_iter(|job| &job.outputs).collect();
         // Of jobs that are gone all, of the others what they no longer make.
         let made: Vec<&Arc<Record>> = before.0.values().collect();
         let stayed = made.par_iter().map(|record| remove_unplanned(&planned, record, results));
         remarks.extend(stayed.collect::<Vec<_>>().into_iter().flatten());
+        remarks.extend(nobodys(&planned, results));
     }
     if unsaved && !options.dry_run {
         save(&records, results, options)?;
@@ -306,6 +309,8 @@ struct Run<'j> {
     done: &'j (dyn Fn(&Report) + Sync),
     hashes: Hashes,
     trials: Lately,
+    /// What all jobs of the plan make.
+    planned: HashSet<&'j PathBuf>,
     board: Mutex<Board<'j>>,
 }
 
@@ -357,6 +362,10 @@ impl<'j> Run<'j> {
         let job = &self.jobs[i];
         match (&report.verdict, record) {
             (JobEnd::Made(_) | JobEnd::UpToDate, Some(record)) => {
+                // Now: once its record is saved nobody knows that it made them.
+                if let Some(before) = self.before.get(&job.name).filter(|_| !self.options.dry_run) {
+                    board.stayed.extend(remove_unplanned(&self.planned, before, self.results));
+                }
                 board.records.0.insert(job.name.clone(), Arc::new(record));
                 board.unsaved = true;
             }
@@ -421,7 +430,10 @@ impl<'j> Run<'j> {
         let making = Making { from: &from, outputs: &job.outputs, root, trials: &self.trials };
         Ok(match make(job, &making, self.results)? {
             Err(error) => (without(JobEnd::Failed(error)), None),
-            Ok(made) => {
+            Ok(mut made) => {
+                for text in made.problems.iter_mut().chain(&mut made.care) {
+                    *text = strip_root(root, text);
+                }
                 for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
                     let hash = hex_blake3(bytes);
                     record.outputs.insert(show_path(root, path), hash.clone());
@@ -463,31 +475,6 @@ fn make(job: &Job, making: &Making, results: &Results) -> Result<Result<Made, St
         results.write(path, bytes)?;
     }
     Ok(Ok(made))
-}
-
-/// Takes the records of jobs that are no longer planned out of the others.
-fn unplanned(jobs: &[Job], records: &mut Records) -> Vec<Arc<Record>> {
-    let names: BTreeSet<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
-    let gone: Vec<String> =
-        records.0.keys().filter(|n| !names.contains(n.as_str())).cloned().collect();
-    gone.iter().filter_map(|name| records.0.remove(name)).collect()
-}
-
-/// Removes what a job made before and no planned job makes any more; what stayed nevertheless.
-fn remove_unplanned(
-    planned: &HashSet<&PathBuf>,
-    record: &Record,
-    results: &Results,
-) -> Vec<StoreError> {
-    let stayed = record.outputs.iter().filter_map(|(path, hash)| {
-        // Every record was held against this when it was read.
-        let path = Results::named(results.layout(), path).ok()?;
-        if planned.contains(&path) {
-            return None;
-        }
-        results.remove_made(&path, hash).err()
-    });
-    stayed.collect()
 }
 
 #[cfg(test)]

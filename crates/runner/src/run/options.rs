@@ -1,5 +1,6 @@
 //! How to run: which jobs, and where a run reads and writes down what was made from what.
 
+use super::unplanned::{outputs, remove_unplanned};
 use crate::hashes::Hashes;
 use crate::manifest::Manifest;
 use crate::plan::named;
@@ -49,6 +50,7 @@ pub fn wanted(jobs: &[Job], results: &Results, options: &Options) -> Result<Vec<
 
 /// The records that a run begins with, and what is wrong with them. A shard has what its own
 /// manifest says besides, and of all that the jobs it looks at: records of others may be outdated.
+/// What it made for jobs that are gone is removed here, because its next manifest does not name it.
 pub(super) fn records_before(
     jobs: &[Job],
     wanted: &[bool],
@@ -58,7 +60,15 @@ pub(super) fn records_before(
     let (mut records, mut remarks) = Records::read(results)?;
     let Some(shard) = options.shard else { return Ok((records, remarks)) };
     match Manifest::read(results, shard)?.map(|found| found.manifest) {
-        Some(Ok(manifest)) => records.0.extend(manifest.records.0),
+        Some(Ok(manifest)) => {
+            let (named, all) = (&records.0, outputs(jobs));
+            let planned: BTreeSet<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
+            let is_gone = |name: &str| !planned.contains(name) && !named.contains_key(name);
+            let gone = manifest.records.iter().filter(|(name, _)| is_gone(name));
+            let gone = gone.filter(|_| !options.dry_run);
+            remarks.extend(gone.flat_map(|(_, record)| remove_unplanned(&all, record, results)));
+            records.0.extend(manifest.records.0);
+        }
         Some(Err(error)) => {
             let remedy = "you need not do anything; it is written anew";
             remarks.push(StoreError::new(&error.path, error.what, remedy));

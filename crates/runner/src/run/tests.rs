@@ -369,6 +369,85 @@ fn an_output_that_a_job_no_longer_makes_goes() {
     assert!(there("modes"));
 }
 
+/// Else a run that is killed after it saved its records leaves it for good.
+#[test]
+fn what_a_job_no_longer_makes_goes_when_the_job_is_made_and_not_at_the_end_of_a_whole_run() {
+    let folder = folder();
+    let root = folder.path();
+    let job = |outputs: &[&str]| {
+        let outputs: Vec<PathBuf> = outputs.iter().map(|name| root.join(name)).collect();
+        let stage = Stage { name: "tally", version: 1 };
+        Job::new(stage, "tally", outputs.len(), (), outputs, |n, (), _| {
+            Ok(Made { outputs: vec![b"made".to_vec(); *n], ..Made::default() })
+        })
+    };
+    let mut all = jobs(root, 1);
+    all.push(job(&["likert", "blinding", "moved"]));
+    done(root, &all, &Options::default()).unwrap();
+    all.pop();
+    all.push(job(&["likert"]));
+    // What another job makes now is that one's.
+    let moved = vec![root.join("moved")];
+    all.push(Job::new(Stage { name: "other", version: 1 }, "moved", (), (), moved, |(), (), _| {
+        Ok(Made { outputs: vec![b"moved".to_vec()], ..Made::default() })
+    }));
+    let only = Options { only: Some("tally".to_owned()), ..Options::default() };
+    done(root, &all, &only).unwrap();
+    let there = ["likert", "blinding", "moved"].map(|name| root.join(name).exists());
+    assert_eq!(there, [true, false, true]);
+}
+
+#[test]
+fn a_table_of_ours_that_no_record_names_is_told_and_stays_and_others_are_not_looked_at() {
+    let folder = folder();
+    let root = folder.path();
+    let origin = format!("zwidth:metrics:1:{}", hex_blake3(b"x"));
+    fs::write(root.join("P03.parquet"), format!("PAR1 {origin} PAR1")).unwrap();
+    fs::write(root.join("own.parquet"), "somebody's").unwrap();
+    fs::write(root.join("notes.txt"), origin).unwrap();
+    let all = jobs(root, 1);
+    let told = |options: &Options| done(root, &all, options).unwrap().remarks;
+    let remarks = told(&Options::default());
+    assert_eq!(remarks.iter().map(|r| &r.path).collect::<Vec<_>>(), [&root.join("P03.parquet")]);
+    assert!(root.join("P03.parquet").exists());
+    assert!(told(&Options { only: Some("both".to_owned()), ..Options::default() }).is_empty());
+}
+
+/// What a run begins with must be what it writes over.
+#[test]
+fn two_runs_of_a_study_do_not_go_on_beside_each_other() {
+    let folder = folder();
+    let root = folder.path();
+    let layout = Layout::new(root.ancestors().nth(2).unwrap(), "s".parse().unwrap());
+    let results = Results::new(&layout, &RealFiles);
+    let [alone, shard] =
+        [None, Some("1/2".parse().unwrap())].map(|shard| Options { shard, ..Options::default() });
+    let refused = |options: &Options| done(root, &jobs(root, 1), options).unwrap_err().to_string();
+    let other = results.hold_alone().unwrap();
+    assert!(refused(&alone).contains("a run, a merge or a shard of the study goes on here"));
+    assert!(refused(&shard).contains("a run or a merge of the study goes on here"));
+    done(root, &jobs(root, 1), &Options { dry_run: true, ..Options::default() }).unwrap();
+    drop(other);
+    let other = results.hold_beside_shards().unwrap();
+    assert!(refused(&alone).contains("a run, a merge or a shard"));
+    done(root, &jobs(root, 1), &shard).unwrap();
+    drop(other);
+    assert_eq!(made(&go(root, 1, &alone)).len(), 3);
+}
+
+#[test]
+fn problems_are_told_without_the_folder_that_holds_the_data() {
+    let folder = folder();
+    let output = vec![folder.path().join("x")];
+    let job = Job::new(Stage { name: "x", version: 1 }, "x", (), (), output, |(), (), making| {
+        let problems = vec![format!("{}: damaged", making.root.join("raw/s/t.parquet").display())];
+        Ok(Made { outputs: vec![b"x".to_vec()], care: problems.clone(), problems })
+    });
+    let reports = reports(folder.path(), &[job], &Options::default()).unwrap();
+    assert_eq!(reports[0].problems, ["raw/s/t.parquet: damaged"]);
+    assert_eq!(reports[0].care, reports[0].problems);
+}
+
 #[test]
 fn of_jobs_that_read_much_one_runs_at_a_time_and_all_are_made() {
     use std::sync::atomic::{AtomicUsize, Ordering};

@@ -22,16 +22,20 @@ struct Outcome {
 pub(crate) fn merge(root: &Path, command: &Merge, screen: &Screen) -> anyhow::Result<Exit> {
     let sharded = Sharded::load(root, &command.study, &command.from)?;
     let (own, others) = sharded.results();
-    let merged = merge_shards(&sharded.jobs, (&own, &others), &sharded.known)?;
+    let merged = merge_shards(&sharded.jobs, (&own, &others), &sharded.known, &sharded.seen)?;
     let survey = &merged.survey;
     survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
     survey.refused.iter().for_each(|error| screen.error(&anyhow::anyhow!("{error}")));
     let missing: Vec<&Share> = merged.shares.iter().filter(|s| !s.missing.is_empty()).collect();
-    missing.iter().for_each(|share| screen.warn(line(share)));
+    sharded.left_out.iter().for_each(|finding| screen.warn(finding.to_string()));
+    // Without a manifest nobody knows how many shards there are.
+    if survey.count().is_some() {
+        missing.iter().for_each(|share| screen.warn(line(share)));
+    }
     let outcome = Outcome {
         study: command.study.to_string(),
-        merged: merged.shards.iter().map(|(shard, _)| shard.to_string()).collect(),
-        jobs: merged.shards.iter().map(|(_, jobs)| jobs).sum(),
+        merged: merged.shards.iter().map(ToString::to_string).collect(),
+        jobs: merged.jobs,
         copied: merged.copied,
         refused: survey.refused.iter().map(ToString::to_string).collect(),
         missing: missing.iter().map(|share| share.shard.to_string()).collect(),
@@ -42,7 +46,8 @@ pub(crate) fn merge(root: &Path, command: &Merge, screen: &Screen) -> anyhow::Re
         screen.result(text(&outcome));
     }
     let nothing = outcome.merged.is_empty() && !outcome.refused.is_empty();
-    let is_whole = outcome.refused.is_empty() && missing.is_empty() && survey.remarks.is_empty();
+    let has_findings = !survey.remarks.is_empty() || !sharded.left_out.is_empty();
+    let is_whole = outcome.refused.is_empty() && missing.is_empty() && !has_findings;
     Ok(match (nothing, is_whole) {
         (true, _) => Exit::Failed,
         (false, true) => Exit::Fine,
@@ -53,7 +58,8 @@ pub(crate) fn merge(root: &Path, command: &Merge, screen: &Screen) -> anyhow::Re
 fn text(outcome: &Outcome) -> String {
     let Outcome { study, merged, jobs, copied, refused, missing } = outcome;
     if merged.is_empty() {
-        return format!("{study}: no shard was merged");
+        let why = if refused.is_empty() { ": there is no manifest of one" } else { "" };
+        return format!("{study}: no shard was merged{why}");
     }
     let count = |n: usize, one: &str| format!("{n} {one}{}", if n == 1 { "" } else { "s" });
     let mut parts = vec![format!("{} merged", count(merged.len(), "shard")), count(*jobs, "job")];

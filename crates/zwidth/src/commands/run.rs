@@ -51,7 +51,7 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
     let nameless = nameless(root, &command.studies);
     nameless.iter().for_each(|finding| screen.warn(finding.to_string()));
     let mut exit = if nameless.is_empty() { Exit::Fine } else { Exit::Partly };
-    let mut outcomes = Vec::new();
+    let (mut outcomes, mut failed) = (Vec::new(), 0);
     let layouts = studies(root, command.studies.clone())?;
     let several = layouts.len() > 1;
     for layout in layouts {
@@ -70,7 +70,7 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
             }
             Err(error) if several => {
                 screen.error(&error);
-                exit = Exit::Partly;
+                failed += 1;
                 continue;
             }
             Err(error) => return Err(error),
@@ -83,7 +83,12 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
     if screen.json {
         screen.listing(&outcomes)?;
     }
-    Ok(exit)
+    Ok(match failed {
+        0 => exit,
+        // Of nothing it can be said that it is done.
+        _ if outcomes.is_empty() => Exit::Failed,
+        _ => Exit::Partly,
+    })
 }
 
 fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcome> {
@@ -140,9 +145,10 @@ fn tell_waiting(
     let waiting = if command.shard.is_some() { 0 } else { waiting(results)? };
     if waiting > 0 {
         let study = layout.study();
+        let shards =
+            if waiting == 1 { "1 shard is".to_owned() } else { format!("{waiting} shards are") };
         screen.warn(format!(
-            "{study}: manifests of {waiting} shards are not merged, and what they made is made again; \
-             `zwidth merge {study}` first"
+            "{study}: {shards} not merged, and made again is what was made there; `zwidth merge {study}` first"
         ));
     }
     Ok(())

@@ -1,18 +1,22 @@
 //! What the commands about shards share: the study's jobs, and the folders that shards lie in.
 
 use super::{hashes_read, join_findings, study};
-use anyhow::ensure;
+use anyhow::bail;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
-use zwidth_runner::{Job, Results, Share};
-use zwidth_store::{Layout, RealFiles, StudyData, findings};
+use zwidth_runner::{Job, Results, Share, waiting};
+use zwidth_store::{Layout, RealFiles, Seen, StoreError, StudyData, findings};
 use zwidth_study::StudyId;
 
 /// A study that was shared out.
 pub(super) struct Sharded {
     pub(super) jobs: Vec<Job>,
     pub(super) known: Vec<(PathBuf, String)>,
+    pub(super) seen: Arc<Seen>,
+    /// Recordings that are left out of it, and why.
+    pub(super) left_out: Vec<StoreError>,
     own: Layout,
     others: Vec<Layout>,
 }
@@ -21,21 +25,34 @@ impl Sharded {
     /// The study, and the data folders in which shards of it were made.
     pub(super) fn load(root: &Path, id: &StudyId, from: &[PathBuf]) -> anyhow::Result<Self> {
         let own = study(root, id.clone())?;
-        let others: Vec<Layout> =
-            from.iter().map(|folder| Layout::new(folder, id.clone())).collect();
-        for other in &others {
-            let derived = other.derived();
-            ensure!(
-                derived.is_dir(),
-                "there are no shards of {id} in {}: {} is missing; name data folders in which \
-                 `zwidth run {id} --shard I/N` was run",
-                other.root().display(),
-                derived.display()
-            );
+        let mut others: Vec<Layout> = Vec::new();
+        for folder in from {
+            let other = Layout::new(folder, id.clone());
+            let lacking = match waiting(&Results::new(&other, &Unsynced))? {
+                _ if !other.derived().is_dir() => Some(other.derived()),
+                0 => Some(other.derived().join("shards")),
+                _ => None,
+            };
+            if let Some(lacking) = lacking {
+                bail!(
+                    "there are no shards of {id} in {}: {} is missing or empty, as it is after a merge there; \
+                     name data folders in which `zwidth run {id} --shard I/N` was run",
+                    other.root().display(),
+                    lacking.display()
+                );
+            }
+            // A folder that is named twice, or is the study's own, has its shards once.
+            if !others.iter().chain([&own]).any(|known| is_same(known, &other)) {
+                others.push(other);
+            }
         }
-        let data = StudyData::load(&own).map_err(|findings| join_findings(&findings))?;
-        let jobs = plan::jobs(&data, &findings(&RealFiles, &data));
-        Ok(Self { jobs, known: hashes_read(&data), own, others })
+        let seen = Seen::of(&own);
+        let data =
+            StudyData::load_seen(&seen, &own).map_err(|findings| join_findings(&findings))?;
+        let found = findings(&RealFiles, &data);
+        let jobs = plan::jobs(&data, &found);
+        let left_out = found.left_out;
+        Ok(Self { left_out, jobs, known: hashes_read(&data), seen: Arc::new(seen), own, others })
     }
 
     /// The study's own results, and those in the other data folders.
@@ -43,6 +60,12 @@ impl Sharded {
         let results = |layout| Results::new(layout, &Unsynced);
         (results(&self.own), self.others.iter().map(results).collect())
     }
+}
+
+/// Whether the results of two layouts lie in one folder.
+fn is_same(a: &Layout, b: &Layout) -> bool {
+    let [a, b] = [a, b].map(|layout| layout.derived().canonicalize());
+    a.is_ok_and(|a| b.is_ok_and(|b| a == b))
 }
 
 /// Names of jobs that people are shown of a shard.

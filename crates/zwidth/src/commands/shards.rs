@@ -19,7 +19,7 @@ struct Entry<'a> {
 pub(crate) fn shards(root: &Path, command: &Shards, screen: &Screen) -> anyhow::Result<Exit> {
     let sharded = Sharded::load(root, &command.study, &command.from)?;
     let (own, others) = sharded.results();
-    let survey = survey(&sharded.jobs, (&own, &others), &sharded.known)?;
+    let survey = survey(&sharded.jobs, (&own, &others), &sharded.known, &sharded.seen)?;
     survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
     survey.refused.iter().for_each(|error| screen.error(&anyhow::anyhow!("{error}")));
     if command.of.or(survey.count()).is_none() {
@@ -36,7 +36,9 @@ pub(crate) fn shards(root: &Path, command: &Shards, screen: &Screen) -> anyhow::
     let missing: usize = shares.iter().map(|share| share.missing.len()).sum();
     let jobs: usize = shares.iter().map(|share| share.jobs).sum();
     screen.say(format!("{}: {} of {jobs} jobs are there", command.study, jobs - missing));
-    let is_whole = missing == 0 && survey.refused.is_empty() && survey.remarks.is_empty();
+    sharded.left_out.iter().for_each(|finding| screen.warn(finding.to_string()));
+    let has_findings = !survey.remarks.is_empty() || !sharded.left_out.is_empty();
+    let is_whole = missing == 0 && survey.refused.is_empty() && !has_findings;
     Ok(if is_whole { Exit::Fine } else { Exit::Partly })
 }
 

@@ -9,7 +9,7 @@ use crate::devices::{DeviceSpec, mixed, steps_alone, twin as device};
 use crate::exit::Exit;
 use crate::limits::MOST_SCALE;
 use crate::screen::Screen;
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, bail, ensure};
 use jiff::{SignedDuration, Timestamp};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -59,23 +59,22 @@ pub(crate) fn twin(root: &Path, command: &Twin, screen: &Screen) -> anyhow::Resu
     // Empty, unless a trial could not be made a file: `verify` tells of that.
     let _ = raw.remove_folder(&bench.layout.journals());
     bar.finish_and_clear();
-    swept?;
-    tell(command, &sessions, outcomes, screen)
+    let told = tell(command, &sessions, outcomes, screen);
+    told.and_then(|exit| swept.map(|()| exit)).with_context(|| {
+        format!(
+            "{} is not whole; remove {} before `zwidth twin` simulates it again",
+            command.study,
+            bench.layout.raw().display()
+        )
+    })
 }
 
 /// Writes `study.toml` where there is none.
 fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
     let path = layout.study_toml();
-    if path.exists() {
-        if command.scale > 1 {
-            bail!(
-                "--scale sets the repeats of a new study, and {} exists already; edit its repeats instead",
-                path.display()
-            );
-        }
+    if path.exists() && command.scale <= 1 {
         return Ok(());
     }
-    check_study_id(&RealFiles, layout)?;
     let repeats = 6_u32.checked_mul(command.scale).with_context(|| {
         format!("--scale {} is too large; the largest is {MOST_SCALE}", command.scale)
     })?;
@@ -84,6 +83,17 @@ fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
     if let Some(rate_hz) = command.rate {
         text = text.replace("\nrate_hz = 1000.0\n", &format!("\nrate_hz = {rate_hz:?}\n"));
     }
+    if path.exists() {
+        // One that says the same is of a simulation that was interrupted.
+        let there = std::fs::read(&path).with_context(|| path.display().to_string())?;
+        ensure!(
+            there == text.as_bytes(),
+            "--scale sets the repeats of a new study, and {} exists already; edit its repeats instead",
+            path.display()
+        );
+        return Ok(());
+    }
+    check_study_id(&RealFiles, layout)?;
     Ok(write_new(&Raw::new_study(&RealFiles, layout), &path, text.as_bytes())?)
 }
 
@@ -108,9 +118,10 @@ fn refuse_what_is_there(
     let sweeps = layout.sweeps();
     if let Some(path) = paths.find(|p| p.exists()).or_else(|| sweeps.exists().then_some(sweeps)) {
         bail!(
-            "{} exists already, and recorded data never changes; choose another study, or remove that folder if an interrupted \
-             `zwidth twin` left it behind",
-            path.display()
+            "{} exists already, and recorded data never changes; choose another study, or, if an interrupted `zwidth \
+             twin` left it behind, remove all of {}",
+            path.display(),
+            layout.raw().display()
         );
     }
     Ok(())

@@ -1,0 +1,56 @@
+//! What no planned job makes any more: of jobs that are gone, of jobs that make less, of runs that were
+//! cut short.
+
+use crate::provenance::origins;
+use crate::record::Record;
+use crate::{Job, Records, Results};
+use rayon::prelude::*;
+use std::collections::{BTreeSet, HashSet};
+use std::path::PathBuf;
+use std::sync::Arc;
+use zwidth_store::{MOST_BYTES, StoreError};
+
+/// Takes the records of jobs that are no longer planned out of the others.
+pub(super) fn unplanned(jobs: &[Job], records: &mut Records) -> Vec<Arc<Record>> {
+    let names: BTreeSet<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
+    let gone: Vec<String> =
+        records.0.keys().filter(|n| !names.contains(n.as_str())).cloned().collect();
+    gone.iter().filter_map(|name| records.0.remove(name)).collect()
+}
+
+/// What jobs make.
+pub(super) fn outputs(jobs: &[Job]) -> HashSet<&PathBuf> {
+    jobs.par_iter().flat_map_iter(|job| &job.outputs).collect()
+}
+
+/// Tables with an origin of ours that no planned job makes and no record names: of a run that was cut
+/// short before it saved its records. They are told and stay: nobody knows what they were.
+pub(super) fn nobodys(planned: &HashSet<&PathBuf>, results: &Results) -> Vec<StoreError> {
+    // A folder that cannot be listed is told where something is written to it.
+    let found = results.tables().unwrap_or_default();
+    let others: Vec<&PathBuf> = found.iter().filter(|path| !planned.contains(path)).collect();
+    let told = others.into_par_iter().filter_map(|path| {
+        let bytes = results.read(path, MOST_BYTES).ok()??.ok()?;
+        let what = "no job makes it any more, and no record says which one did";
+        let is_ours = !origins(&bytes).is_empty();
+        is_ours.then(|| StoreError::new(path, what, "an earlier run was cut short; remove it"))
+    });
+    told.collect()
+}
+
+/// Removes what a job made before and no planned job makes any more; what stayed nevertheless.
+pub(super) fn remove_unplanned(
+    planned: &HashSet<&PathBuf>,
+    record: &Record,
+    results: &Results,
+) -> Vec<StoreError> {
+    let stayed = record.outputs.iter().filter_map(|(path, hash)| {
+        // Every record was held against this when it was read.
+        let path = Results::named(results.layout(), path).ok()?;
+        if planned.contains(&path) {
+            return None;
+        }
+        results.remove_made(&path, hash).err()
+    });
+    stayed.collect()
+}
