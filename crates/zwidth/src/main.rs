@@ -31,7 +31,10 @@ fn main() -> ExitCode {
         Err(error) => return refused(&error),
     };
     let screen = screen::Screen::new(args.quiet, args.verbose, args.json);
-    let result = exit::guarded(|| run(args, &screen));
+    let result = exit::guarded(|| {
+        let exit = run(args, &screen)?;
+        screen.check().map(|()| exit)
+    });
     let exit = result.unwrap_or_else(|error| {
         screen.error(&error);
         Exit::Failed

@@ -3,7 +3,8 @@
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::io::{IsTerminal as _, Write as _};
+use std::io::{self, ErrorKind, IsTerminal as _, Write as _};
+use std::sync::{Mutex, PoisonError};
 use zwidth_study::{printable, printable_lines};
 
 /// Where words go: results to standard output, progress and errors to standard error.
@@ -12,13 +13,15 @@ pub(crate) struct Screen {
     pub(crate) verbose: bool,
     pub(crate) json: bool,
     bold: bool,
+    /// Why standard output could not be written.
+    unwritten: Mutex<Option<io::Error>>,
 }
 
 impl Screen {
     pub(crate) fn new(quiet: bool, verbose: bool, json: bool) -> Self {
         let colour = std::io::stderr().is_terminal()
             && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
-        Self { quiet, verbose, json, bold: colour }
+        Self { quiet, verbose, json, bold: colour, unwritten: Mutex::default() }
     }
 
     /// Letters in a line of standard output, where it is a terminal.
@@ -26,13 +29,33 @@ impl Screen {
         std::io::stdout().is_terminal().then(zwidth_acquire::terminal_width).flatten()
     }
 
-    /// A result, on standard output. A reader that went away (`| head`) is no error.
+    /// A result, on standard output.
     pub(crate) fn result(&self, text: impl AsRef<str>) {
-        let _ = writeln!(
-            std::io::stdout(),
-            "{}",
-            printable_lines(text.as_ref().trim_end_matches('\n'))
-        );
+        self.print(&printable_lines(text.as_ref().trim_end_matches('\n')));
+    }
+
+    /// Prints on standard output. A reader that went away (`| head`) is no error; any other is kept for
+    /// [`Self::check`].
+    fn print(&self, text: &str) {
+        let mut out = io::stdout().lock();
+        let Err(error) = writeln!(out, "{text}").and_then(|()| out.flush()) else { return };
+        if error.kind() != ErrorKind::BrokenPipe {
+            self.unwritten.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        }
+    }
+
+    /// Whether all results could be printed.
+    ///
+    /// # Errors
+    /// Standard output could not be written: a full disk.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        match self.unwritten.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            Some(error) => anyhow::bail!(
+                "what is printed could not be written: {error}; what came is cut off, and the command must be given \
+                 again"
+            ),
+            None => Ok(()),
+        }
     }
 
     /// A file's text, on standard output: as it is for a program that reads it, safe on a terminal.
@@ -40,7 +63,7 @@ impl Screen {
         if std::io::stdout().is_terminal() {
             return self.result(text);
         }
-        let _ = writeln!(std::io::stdout(), "{}", text.trim_end_matches('\n'));
+        self.print(text.trim_end_matches('\n'));
     }
 
     /// A listing for machines.

@@ -53,6 +53,42 @@ fn a_pipe_gets_plain_lines_one_a_stage_and_quiet_people_none() {
     assert_eq!((quiet.err.as_str(), quiet.out.lines().count()), ("", 2), "{quiet:#?}");
 }
 
+/// A part of them is done, and of none of them nothing.
+#[test]
+fn of_several_studies_that_all_fail_a_run_fails_and_where_one_goes_on_it_is_done_in_part() {
+    let study = Study::new("demo");
+    study.session("P01", &repeats("spring", "hybrid", 1..=3));
+    let bad = |name: &str| {
+        let folder = study.root().join("raw").join(name);
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("study.toml"), "no study").unwrap();
+    };
+    ["bad", "worse"].into_iter().for_each(bad);
+    zwidth(study.root(), &["run", "bad", "worse"]).exits(1).says(&["raw/bad", "raw/worse"]);
+    zwidth(study.root(), &["run", "--only", "metrics"]).exits(3).says(&["raw/bad", "raw/worse"]);
+    assert!(study.layout().derived().join("metrics.parquet").exists());
+}
+
+/// A full disk behind `>`: what a script reads would be cut off, and it would not know.
+#[test]
+#[cfg(target_os = "linux")]
+fn results_that_cannot_be_printed_are_an_error_and_a_reader_that_went_away_is_none() {
+    let study = Study::new("demo");
+    study.session("P01", &repeats("spring", "hybrid", 1..=3));
+    let printing = |out: std::process::Stdio| {
+        let mut command = Command::new(binary());
+        command.arg("--root").arg(study.root()).args(["--json", "list", "demo"]);
+        command.env_remove("ZWIDTH_ROOT").stdout(out);
+        ran(&command.output().unwrap())
+    };
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let full = printing(full.into()).exits(1).one_error();
+    full.says(&["what is printed could not be written", "No space left"]);
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    assert_eq!(printing(writer.into()).exits(0).err, "");
+}
+
 #[test]
 fn a_wrong_name_after_only_gets_the_names_near_it() {
     let root = shipped::folder();
