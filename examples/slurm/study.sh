@@ -9,15 +9,24 @@ task="$(dirname "$0")/shard.sbatch"
 # zwidth ends with 3 where something of the study was left out, or of a round is missing, and lists it.
 listed() { "$@" || [ $? = 3 ]; }
 
-# Submits these tasks and waits for their end; what failed shows in what is missing.
-submit() { sbatch --wait --array="$1" "$task" "$study" "$shards" || true; }
+# Submits these tasks and waits for their end; what failed shows in what is missing. What SLURM does not take at all
+# ends everything: else the run at the end would make the whole study on this machine.
+submit() {
+    job="$(sbatch --parsable --wait --array="$1" "$task" "$study" "$shards")" || true
+    [ -n "$job" ] || { echo "study.sh: sbatch took no job for the shards $1 of $study" >&2; exit 1; }
+}
 
-missing() { zwidth --quiet shards "$study" --missing --of "$shards" | cut -d/ -f1 | paste -sd, -; }
+missing() {
+    lines="$(listed zwidth --quiet shards "$study" --missing --of "$shards")"
+    printf '%s' "$lines" | cut -d/ -f1 | paste -sd, -
+}
 
 round() {
     submit "$1"
     left="$(missing)"
     [ -z "$left" ] || submit "$left"
+    left="$(missing)"
+    [ -z "$left" ] || echo "study.sh: still missing is something of the shards $left; it is made on this machine" >&2
     listed zwidth merge "$study"
 }
 
