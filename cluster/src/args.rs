@@ -94,7 +94,7 @@ pub(crate) struct Run {
     /// [default: the same folder as here]
     #[arg(long, value_name = "DIR|s3://BUCKET/PREFIX")]
     pub(crate) raw: Option<String>,
-    /// How long one part (all trials of a condition in a session) may take, with its waiting
+    /// How long one part may take, with its waiting and all attempts at it
     #[arg(long, value_name = "SECONDS", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(1..=604_800))]
     pub(crate) deadline: u64,
     /// How long the cluster may be without scheduler or executors

@@ -69,22 +69,27 @@ impl Engine {
     /// # Errors
     /// The engine failed, or there was no answer in time.
     pub(crate) async fn answer(&self, part: &str, task: &[u8]) -> anyhow::Result<Answered> {
+        let Ok(answer) = timeout(self.deadline, self.attempts(part, task)).await else {
+            bail!(
+                "{part}: the cluster at {} gave no answer within {} s; look into the executors' logs, or allow more \
+                 time with `zwidth-cluster run --deadline`",
+                self.at,
+                self.deadline.as_secs()
+            )
+        };
+        answer
+    }
+
+    async fn attempts(&self, part: &str, task: &[u8]) -> anyhow::Result<Answered> {
         let mut failures = Vec::new();
         for _ in 0..ATTEMPTS {
-            let answer = timeout(self.deadline, self.ask(task)).await;
-            match answer {
-                Ok(Ok(answer)) => return Ok(answer),
-                Ok(Err(error)) => {
+            match self.ask(task).await {
+                Ok(answer) => return Ok(answer),
+                Err(error) => {
                     // Without a scheduler every attempt fails, whatever the error says.
                     until_answered(&self.at).await;
                     failures.push(error);
                 }
-                Err(_) => bail!(
-                    "{part}: the cluster at {} gave no answer within {} s; look into the executors' logs, or allow \
-                     more time with --deadline",
-                    self.at,
-                    self.deadline.as_secs()
-                ),
             }
         }
         let last = failures.pop().unwrap_or_else(|| anyhow!("it was not tried"));

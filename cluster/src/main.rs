@@ -45,7 +45,12 @@ fn main() -> ExitCode {
     let serves = matches!(args.command, Command::Scheduler(_) | Command::Executor(_));
     log_engine(args.verbose, serves);
     let runtime = Builder::new_multi_thread().enable_all().thread_stack_size(STACK).build();
-    let done = runtime.map_err(Into::into).and_then(|runtime| obey(&args.command, &runtime, say));
+    let done = runtime.map_err(Into::into).and_then(|runtime| {
+        let done = obey(&args.command, &runtime, say);
+        // A disk that is silent is not waited for.
+        runtime.shutdown_background();
+        done
+    });
     match done {
         Ok(exit) => ExitCode::from(exit as u8),
         Err(error) => {

@@ -74,7 +74,10 @@ fn fetch(task: &Task, root: &Path, store_timeout: Duration) -> anyhow::Result<()
     };
     let paths = task.raw.iter().map(|file| file.path.as_str());
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(source.fetch(paths, root, check))
+    let fetched = runtime.block_on(source.fetch(paths, root, check));
+    // A disk that is silent is not waited for.
+    runtime.shutdown_background();
+    fetched
 }
 
 /// Writes the derived files that came with the task.

@@ -5,7 +5,7 @@ use crate::function::function;
 use crate::part::Means;
 use crate::say::Say;
 use crate::task::{FUNCTION, MOST_MESSAGE};
-use crate::watch::{Address, State, state};
+use crate::watch::{Address, State, host_of, state};
 use anyhow::{Context as _, anyhow};
 use ballista_core::config::TaskSchedulingPolicy;
 use ballista_core::registry::BallistaFunctionRegistry;
@@ -43,9 +43,9 @@ pub(crate) async fn scheduler(args: &Scheduler, say: Say) -> anyhow::Result<()> 
     let listener = TcpListener::bind(args.bind).await.with_context(failed)?;
     let address = listener.local_addr().with_context(failed)?;
     let config = SchedulerConfig {
-        bind_host: args.bind.ip().to_string(),
+        bind_host: host_of(args.bind.ip()),
         bind_port: address.port(),
-        external_host: args.host.clone().unwrap_or_else(|| args.bind.ip().to_string()),
+        external_host: args.host.clone().unwrap_or_else(|| host_of(args.bind.ip())),
         scheduling_policy: TaskSchedulingPolicy::PullStaged,
         grpc_server_max_decoding_message_size: MOST_MESSAGE,
         grpc_server_max_encoding_message_size: MOST_MESSAGE,
@@ -91,9 +91,9 @@ pub(crate) async fn executor(args: &Executor) -> anyhow::Result<()> {
     let ours = function(Some(means));
     functions.scalar_functions.insert(FUNCTION.to_owned(), Arc::new(ours));
     let config = ExecutorProcessConfig {
-        bind_host: args.bind.ip().to_string(),
+        bind_host: host_of(args.bind.ip()),
         port: args.bind.port(),
-        external_host: Some(args.host.clone().unwrap_or_else(|| args.bind.ip().to_string())),
+        external_host: Some(args.host.clone().unwrap_or_else(|| host_of(args.bind.ip()))),
         scheduler_host: args.scheduler.host.clone(),
         scheduler_port: args.scheduler.port,
         vcores: args.cores.get().into(),

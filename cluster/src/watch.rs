@@ -3,6 +3,7 @@
 
 use anyhow::{Context as _, anyhow};
 use std::fmt;
+use std::net::{IpAddr, Ipv6Addr};
 use std::str::FromStr;
 use std::time::Duration;
 use tokio::io::{AsyncBufReadExt as _, AsyncReadExt as _, AsyncWriteExt as _, BufReader};
@@ -21,8 +22,17 @@ const MOST_LINE: u64 = 1 << 10;
 /// Where a scheduler listens: `HOST:PORT`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Address {
+    /// A name, or an address as URLs have it: one of IPv6 in brackets.
     pub(crate) host: String,
     pub(crate) port: u16,
+}
+
+/// An address as URLs have it.
+pub(crate) fn host_of(ip: IpAddr) -> String {
+    match ip {
+        IpAddr::V4(ip) => ip.to_string(),
+        IpAddr::V6(ip) => format!("[{ip}]"),
+    }
 }
 
 impl FromStr for Address {
@@ -31,11 +41,20 @@ impl FromStr for Address {
     fn from_str(text: &str) -> Result<Self, String> {
         let found = text.rsplit_once(':').and_then(|(host, port)| Some((host, port.parse().ok()?)));
         match found {
-            Some((host, port)) if !host.is_empty() && port != 0 && !host.contains('/') => {
+            Some((host, port)) if is_host(host) && port != 0 => {
                 Ok(Self { host: host.to_owned(), port })
             }
             _ => Err("an address is a host and a port: node1:50050".to_owned()),
         }
+    }
+}
+
+/// Whether a text may be a host: an address of IPv6 is in brackets.
+fn is_host(text: &str) -> bool {
+    let of_ipv6 = text.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
+    match of_ipv6 {
+        Some(ip) => ip.parse::<Ipv6Addr>().is_ok(),
+        None => !text.is_empty() && !text.contains(['/', ':', '[', ']']),
     }
 }
 
@@ -85,7 +104,7 @@ pub(crate) async fn state(at: &Address) -> State {
 
 /// Asks the scheduler whether it is ready, that is, whether it has executors.
 async fn ready(at: &Address) -> anyhow::Result<bool> {
-    let mut stream = TcpStream::connect((at.host.as_str(), at.port)).await?;
+    let mut stream = TcpStream::connect(at.to_string()).await?;
     let request = format!("GET /readyz HTTP/1.1\r\nHost: {at}\r\nConnection: close\r\n\r\n");
     stream.write_all(request.as_bytes()).await?;
     // `HTTP/1.1 200 OK`: more is not needed, and whoever answers may keep the connection open.
@@ -149,7 +168,9 @@ mod tests {
         for good in ["node1:50050", "127.0.0.1:1", "[::1]:50050"] {
             assert_eq!(good.parse::<Address>().unwrap().to_string(), good);
         }
-        for bad in ["node1", ":50050", "node1:0", "node1:x", "df://node1:50050", ""] {
+        for bad in
+            ["node1", ":50050", "node1:0", "node1:x", "df://node1:50050", "", "::1:50050", "[x]:1"]
+        {
             assert!(bad.parse::<Address>().is_err(), "{bad:?}");
         }
     }
