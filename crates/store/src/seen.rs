@@ -3,7 +3,9 @@
 //!
 //! A file is taken for the same while its length, its two times and its place on the disk are. The
 //! time at which its state last changed (`ctime`) moves with every write and every renaming, and no
-//! program can set it back; so what this does not see is a disk that loses bytes by itself.
+//! program can set it back; so what this does not see is a disk that loses bytes by itself, and who
+//! writes through a memory map: then the time moves only when a page is first touched after it was
+//! last written back.
 //! [`verify`](crate::verify) reads everything, whatever is known. Where a system keeps no such time,
 //! nothing is known.
 
