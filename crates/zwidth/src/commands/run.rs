@@ -148,7 +148,7 @@ fn tell_waiting(
         let shards =
             if waiting == 1 { "1 shard is".to_owned() } else { format!("{waiting} shards are") };
         screen.warn(format!(
-            "{study}: {shards} not merged, and made again is what was made there; `zwidth merge {study}` first"
+            "{study}: {shards} not merged, and the results are made again; `zwidth merge {study}` first"
         ));
     }
     Ok(())
