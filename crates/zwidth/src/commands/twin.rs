@@ -62,7 +62,7 @@ pub(crate) fn twin(root: &Path, command: &Twin, screen: &Screen) -> anyhow::Resu
     let told = tell(command, &sessions, outcomes, screen);
     told.and_then(|exit| swept.map(|()| exit)).with_context(|| {
         format!(
-            "{} is not whole; remove {} before `zwidth twin` simulates it again",
+            "{} is not whole; if nothing but this simulation is in {}, remove all of it before `zwidth twin` makes it again",
             command.study,
             bench.layout.raw().display()
         )
@@ -119,7 +119,7 @@ fn refuse_what_is_there(
     if let Some(path) = paths.find(|p| p.exists()).or_else(|| sweeps.exists().then_some(sweeps)) {
         bail!(
             "{} exists already, and recorded data never changes; choose another study, or, if an interrupted `zwidth \
-             twin` left it behind, remove all of {}",
+             twin` left it behind, remove all of {} if nothing else was recorded there",
             path.display(),
             layout.raw().display()
         );
