@@ -23,9 +23,9 @@ pub(crate) fn write_tables(
     Ok(Made { outputs, problems, ..Made::default() })
 }
 
-/// Tables that stages made.
+/// Tables that stages made, read side by side.
 pub(crate) fn read_tables(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
-    files.iter().map(|file| Table::from_parquet(file)).collect()
+    files.par_iter().map(|file| Table::from_parquet(file)).collect()
 }
 
 /// Tables of one content that a thread keeps.
@@ -61,7 +61,7 @@ const JOINED_AT_ONCE: usize = 256;
 /// are left out.
 pub(crate) fn read_parts(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
     let part = |files: &[PathBuf]| Table::concat("part", "", read_tables(files)?);
-    let parts: Result<Vec<_>, TableError> = files.par_chunks(JOINED_AT_ONCE).map(part).collect();
+    let parts: Result<Vec<_>, TableError> = files.chunks(JOINED_AT_ONCE).map(part).collect();
     Ok(parts?.into_iter().flatten().collect())
 }
 

@@ -209,7 +209,9 @@ impl Job {
 
 /// Parameters as text: JSON, fields in the order of their declaration.
 fn canonical(parameters: &impl Serialize) -> Result<String, String> {
-    let text = serde_json::to_string(parameters).map_err(|e| e.to_string())?;
+    let mut text = serde_json::to_string(parameters).map_err(|e| e.to_string())?;
+    // It grew by doubling, and a large study keeps tens of thousands.
+    text.shrink_to_fit();
     Ok(match text.len() {
         length if length > MOST_PARAMETERS => {
             format!("\"{length} bytes, BLAKE3 {}\"", hex_blake3(text.as_bytes()))
