@@ -2,7 +2,7 @@
 
     python bench.py ZWIDTH EXAMPLES FOLDER [--participants 1000] [--rounds 3]
 
-EXAMPLES has the programs `decode` and `metrics`; FOLDER keeps the study between runs.
+EXAMPLES has the programs `decode`, `compacted` and `metrics`; FOLDER keeps the study between runs.
 """
 
 import argparse
@@ -90,6 +90,10 @@ def in_turns(study, examples, scratch, rounds):
     measured(decode, study.raw / "trials")
     for _ in range(rounds):
         runs.setdefault("decode", []).append(measured(decode, study.raw / "trials"))
+        copies = scratch / "copies"
+        runs.setdefault("copying", []).append(measured(examples / "compacted", study.raw / "trials", copies))
+        runs.setdefault("copies", []).append(measured(decode, copies))
+        shutil.rmtree(copies)
         runs.setdefault("alone", []).append(measured(examples / "metrics", study.root, STUDY))
         runs.setdefault("first", []).append(study.first())
         runs.setdefault("stage", []).append(study.stage())
@@ -112,6 +116,8 @@ def times(runs, ours, differences):
             cells("**zwidth, the stage `metrics`**", str(ours), stage, stage),
             cells("zwidth, its reader and metrics alone", str(ours), runs["alone"], stage),
             cells("zwidth, with the identification before it", str(ours), runs["first"], stage)]
+    rows += [cells("copies of the trials, a file for each participant", "–", runs["copying"], stage),
+             cells("decoding these copies alone", "–", runs["copies"], stage)]
     rows += [cells(name, str(len(differences[name])), runs[name], stage) for name in PEERS]
     ratios = ["wall / zwidth", "of processors / zwidth"]
     return table(["metrics", "columns", "wall, s", "of processors, s", "memory, MB", *ratios], rows)

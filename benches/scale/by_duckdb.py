@@ -11,21 +11,18 @@ import duckdb
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from study import BETTER, BRAKE_ON, FLAT, LEAST_SAMPLES, LEAST_SHARE, LEAST_SPAN, parameters, participants
+import study
+from study import parameters, participants
 
-RULES = {
-    "better": BETTER,
-    "brake_on": BRAKE_ON,
-    "flat": FLAT,
-    "least_samples": LEAST_SAMPLES,
-    "least_share": LEAST_SHARE,
-    "least_span": LEAST_SPAN,
-}
+RULES = ["BETTER", "BRAKE_ON", "FLAT", "LEAST_RAD", "LEAST_SAMPLES", "LEAST_SHARE", "LEAST_SPAN", "MOTOR_ON", "OUTSIDE"]
+RULES = {name.lower(): getattr(study, name) for name in [*RULES, "RETREAT", "SAME", "STEP_WINDOW"]}
 
 
 def literal(value):
+    if isinstance(value, list):
+        return ", ".join(f"'{word}'" for word in value)
     # With an exponent a number is a DOUBLE, without one an exact DECIMAL.
-    return f"{value!r}e0" if isinstance(value, float) else str(value)
+    return (repr(value) if "e" in repr(value) else f"{value!r}e0") if isinstance(value, float) else str(value)
 
 
 def main():

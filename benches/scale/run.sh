@@ -15,7 +15,7 @@ venv="${VENV:-$target/venv-scale}"
 participants=1000
 case "${1:-}" in [0-9]*) participants="$1"; shift ;; esac
 cargo build --release --quiet --locked --package zwidth
-cargo build --release --quiet --locked --package zwidth-benches --example decode --example metrics
+cargo build --release --quiet --locked --package zwidth-benches --example decode --example compacted --example metrics
 [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --requirement benches/scale/requirements.txt
 
