@@ -139,10 +139,10 @@ impl World<'_> {
             // Not lost for a run that went on here meanwhile.
             let kept = folder.keep();
             asked.as_ref().err().iter().for_each(|error| self.say.warn(format!("{error:#}")));
-            anyhow!(error).context(format!(
-                "what came back of {study} is kept: `zwidth merge {study} --from {}` merges it",
-                kept.display()
-            ))
+            let kept = kept.display().to_string();
+            let merges = self.data.layout.command(&["merge", study.as_str(), "--from", &kept]);
+            anyhow!(error)
+                .context(format!("what came back of {study} is kept: `{merges}` merges it"))
         })?;
         let survey = &merged.survey;
         survey.remarks.iter().for_each(|remark| self.say.warn(remark.to_string()));

@@ -2,11 +2,12 @@
 
 use crate::hosts::{Ran, Running, executor, executor_with, fetch, free_port, run, scheduler};
 use crate::stored::{URL, settings, silent_store, store, store_without};
-use crate::studies::{is_as_without_a_cluster, raw};
+use crate::studies::{is_as_without_a_cluster, merge_here, raw};
 use ballista_core::config::TaskSchedulingPolicy;
 use ballista_executor::executor_process::{ExecutorProcessConfig, start_executor_process};
 use log::{LevelFilter, Log, Metadata, Record};
-use std::fs;
+use std::fs::{self, File};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -79,6 +80,31 @@ fn when_the_scheduler_is_killed_in_the_middle_a_run_ends_and_says_so() {
     ran.ends(1, &["what came back of thesis-twin is merged", "no scheduler answers"]);
     // Nothing is wrong with the executors.
     ran.says_nothing_of("version");
+}
+
+#[test]
+fn what_comes_back_while_another_run_goes_on_in_the_folder_is_kept_and_the_command_merges_it() {
+    let (_scheduler, address) = scheduler();
+    let _executor = executor(&address, &[]);
+    let root = raw();
+    let derived = root.path().join("derived/thesis-twin");
+    fs::create_dir_all(&derived).unwrap();
+    // As a run does it.
+    let held = File::open(&derived).unwrap();
+    held.lock().unwrap();
+    let ran = run(root.path(), &address, &[]).end();
+    drop(held);
+    let merges = format!("`zwidth --root {} merge thesis-twin --from ", root.path().display());
+    ran.ends(1, &["what came back of thesis-twin is kept", "goes on here", &merges]);
+    assert_eq!(fs::read_dir(&derived).unwrap().count(), 0);
+    let kept = ran.err.split_once(&merges).unwrap().1.split_once('`').unwrap().0;
+    merge_here(root.path(), &[Path::new(kept)]);
+    fs::remove_dir_all(kept).unwrap();
+    // Of what came back nothing is made again.
+    let ran = run(root.path(), &address, &[]).end();
+    ran.ends(0, &[]);
+    ran.says_nothing_of("13 of 13 jobs came back");
+    is_as_without_a_cluster(root.path());
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn what_two_executors_make_is_what_shards_make_and_what_a_run_makes_bit_for_bit(
     let sharded = raw();
     for _ in 0..2 {
         Shard::all(3).for_each(|shard| _ = run_here(sharded.path(), None, Some(shard)));
-        merge_here(sharded.path());
+        merge_here(sharded.path(), &[]);
         run_here(sharded.path(), Some("identify"), None);
     }
     is_as_without_a_cluster(sharded.path());

@@ -65,13 +65,16 @@ pub(crate) fn run_here(root: &Path, only: Option<&str>, shard: Option<Shard>) ->
     done.reports.iter().filter(|report| is_made(&report.verdict)).count()
 }
 
-/// Merges the shards of a data folder.
-pub(crate) fn merge_here(root: &Path) {
+/// Merges the shards of a data folder, and those of other ones.
+pub(crate) fn merge_here(root: &Path, from: &[&Path]) {
     let layout = Layout::new(root, "thesis-twin".parse().unwrap());
     let data = StudyData::load(&layout).unwrap();
     let jobs = plan::jobs(&data, &findings(&RealFiles, &data));
+    let layouts: Vec<Layout> =
+        from.iter().map(|root| Layout::new(root, layout.study().clone())).collect();
+    let from: Vec<Results> = layouts.iter().map(|of| Results::new(of, &RealFiles)).collect();
     let own = Results::new(&layout, &RealFiles);
-    let merged = merge(&jobs, (&own, &[]), &[], &std::sync::Arc::default()).unwrap();
+    let merged = merge(&jobs, (&own, &from), &[], &std::sync::Arc::default()).unwrap();
     assert!(merged.survey.refused.is_empty());
 }
 

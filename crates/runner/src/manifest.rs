@@ -138,14 +138,8 @@ fn parsed(
 
 /// The error that refuses a shard, and says what to do about it.
 pub(crate) fn refusal(layout: &Layout, shard: Shard, path: &Path, why: &str) -> StoreError {
-    let root = match layout.root().as_os_str().is_empty() {
-        true => String::new(),
-        false => format!("--root {} ", layout.root().display()),
-    };
-    let remedy = format!(
-        "run it again (`zwidth {root}run {} --shard {shard}`), or remove this manifest",
-        layout.study()
-    );
+    let again = layout.command(&["run", layout.study().as_str(), "--shard", &shard.to_string()]);
+    let remedy = format!("run it again (`{again}`), or remove this manifest");
     StoreError::new(path, format!("shard {shard} is refused: {why}"), remedy)
 }
 

@@ -13,6 +13,7 @@ mod calibrated;
 pub mod claims;
 mod codec;
 mod columns;
+mod command;
 mod content;
 mod digest;
 mod encode;
@@ -73,6 +74,7 @@ pub use atomic::{
 };
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use columns::{Columns, Recorded, Values};
+pub use command::{option, shell_line};
 pub use content::Content;
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;

@@ -4,6 +4,7 @@
 use crate::args::Acquire;
 use crate::devices::DeviceSpec;
 use std::path::Path;
+use zwidth_store::{option, shell_line};
 
 /// The command. A blinded session needs no seed to go on, so its seed is not shown.
 pub(super) fn resume(root: &Path, command: &Acquire, blinded: bool) -> String {
@@ -36,25 +37,7 @@ pub(super) fn resume(root: &Path, command: &Acquire, blinded: bool) -> String {
     ];
     words.extend(switches.into_iter().filter(|(_, on)| *on).map(|(name, _)| name.to_owned()));
     words.extend(last.then(|| ["--".to_owned(), study.to_string()]).into_iter().flatten());
-    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
-}
-
-/// An option with its value; as one word where the value looks like an option itself.
-fn option(short: &str, long: &str, value: &str) -> Vec<String> {
-    if value.starts_with('-') {
-        vec![format!("{long}={value}")]
-    } else {
-        vec![short.to_owned(), value.to_owned()]
-    }
-}
-
-/// A word as a POSIX shell takes it for itself.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:,=@%+".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
+    shell_line(words)
 }
 
 #[cfg(test)]
