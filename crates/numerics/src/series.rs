@@ -125,6 +125,23 @@ pub fn loop_area(x: &[f64], y: &[f64]) -> Result<f64, NumericsError> {
     Ok(trapezoid(x, y)? + (x0 - xn) * (yn + y0) / 2.0)
 }
 
+/// Smallest and largest value, of every fourth on its own: they do not wait for each other. Infinite,
+/// the wrong way round, where there is none.
+pub fn ends(values: &[f64]) -> (f64, f64) {
+    let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+    let (whole, rest) = values.as_chunks::<4>();
+    let mut take = |lane: usize, v: f64| {
+        low[lane] = if v < low[lane] { v } else { low[lane] };
+        high[lane] = if v > high[lane] { v } else { high[lane] };
+    };
+    whole.iter().for_each(|four| (0..4).for_each(|lane| take(lane, four[lane])));
+    rest.iter().for_each(|v| take(0, *v));
+    (
+        low.into_iter().fold(f64::INFINITY, f64::min),
+        high.into_iter().fold(f64::NEG_INFINITY, f64::max),
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -81,11 +81,15 @@ pub fn spreads(layout: &Layout, metric: &str) -> [PathBuf; 2] {
 /// The metrics that are compared: those that trials of this study can have, the primary one first.
 /// Empty in a study with one mode.
 pub fn compared(data: &StudyData) -> Vec<String> {
-    let tried: BTreeSet<_> = data.counting().map(|trial| &trial.meta.mode).collect();
-    if tried.len() < 2 {
+    if !are_several(data.counting().map(|trial| &trial.meta.mode)) {
         return Vec::new();
     }
     wanted(&data.study).into_iter().filter(|metric| is_possible(data, metric)).collect()
+}
+
+/// Whether there are two that differ.
+fn are_several<T: PartialEq>(mut all: impl Iterator<Item = T>) -> bool {
+    all.next().is_some_and(|first| all.any(|other| other != first))
 }
 
 /// Whether some trial of the study can have a metric.
@@ -209,9 +213,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
 
 /// The answers compared, if there are some after several modes.
 pub fn answers(data: &StudyData) -> Option<PathBuf> {
-    let ratings = likert::ratings(data).into_iter();
-    let tried: BTreeSet<_> = ratings.map(|a| a.condition.mode).collect();
-    let several = tried.len() > 1;
+    let several = are_several(likert::ratings(data).map(|answer| &answer.condition.mode));
     likert::long(data).filter(|_| several).map(|_| answers_file(&data.layout))
 }
 

@@ -80,18 +80,18 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
         scenes::jobs,
     ];
     // Side by side: in a study of tens of thousands of trials that takes as long as all else.
-    let (of_data, (figures, page)) = rayon::join(
+    let (of_data, (figures, tables, page, summary)) = rayon::join(
         || of_data.into_par_iter().map(|jobs| jobs(data)).collect::<Vec<_>>(),
         || {
-            let figures = figures::made(data);
-            let page = page::jobs(data, found, &figures);
-            (figures, page)
+            let (figures, tables) = rayon::join(|| figures::made(data), || tables::jobs(data));
+            let page = || page::jobs(data, found, &figures);
+            let (page, summary) = rayon::join(page, || summary::job(data, found, &figures));
+            (figures, tables, page, summary)
         },
     );
     let mut jobs: Vec<Job> = of_data.into_iter().flatten().collect();
     jobs.extend(report::jobs(data, &figures));
-    jobs.extend(tables::jobs(data));
-    let summary = summary::job(data, found, &figures);
+    jobs.extend(tables);
     let captions = (!figures.is_empty()).then(|| captions::job(data, &figures));
     jobs.extend(figures.into_iter().map(|figure| figure.job));
     jobs.extend(captions);

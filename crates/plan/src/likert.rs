@@ -26,14 +26,14 @@ struct Asked {
 }
 
 /// The answers that rate what was felt.
-pub(crate) fn ratings(data: &StudyData) -> Vec<Answer> {
+pub(crate) fn ratings(data: &StudyData) -> impl Iterator<Item = &Answer> {
     let scheme = Scheme::of(&data.study);
-    data.answers.iter().filter(|answer| scheme.rates(answer)).cloned().collect()
+    data.answers.iter().filter(move |answer| scheme.rates(answer))
 }
 
 /// The tallies of the study, if there is such an answer.
 pub(crate) fn tally(data: &StudyData) -> Option<PathBuf> {
-    (!ratings(data).is_empty()).then(|| derived(&data.layout, "likert.parquet"))
+    ratings(data).next().map(|_| derived(&data.layout, "likert.parquet"))
 }
 
 /// The blinding index, if it was answered which mode it was.

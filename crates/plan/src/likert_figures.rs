@@ -90,9 +90,8 @@ fn make_ratings(rated: &Rated, files: &Vec<PathBuf>) -> Figured {
 
 /// The questions answered with a rating in each environment, in the study's order.
 pub(crate) fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)> {
-    let answers = ratings(data);
     let given: BTreeSet<_> =
-        answers.iter().map(|a| (&a.condition.environment, &a.question)).collect();
+        ratings(data).map(|a| (&a.condition.environment, &a.question)).collect();
     let mut asked = Vec::new();
     for environment in &data.study.environments {
         let mut questions: Vec<&Question> = data.study.questions.iter().collect();

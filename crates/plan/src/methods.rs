@@ -1,7 +1,7 @@
 //! What the methods in words speak of: what was recorded, and which stages a run has for it.
 
 use crate::{compare, identify, likert, replay};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use zwidth_report::Recorded;
 use zwidth_store::StudyData;
 
@@ -14,10 +14,14 @@ pub fn recorded(data: &StudyData) -> Recorded {
     let with_samples =
         data.counting().map(|t| (&t.meta.participant, &t.meta.session, t.meta.trial));
     let with_answers = answers.iter().map(|a| (&a.participant, &a.session, a.trial));
-    let trials: BTreeSet<_> = with_samples.chain(with_answers).collect();
-    let sessions: BTreeSet<_> = trials.iter().map(|(p, s, _)| (*p, *s)).collect();
-    let people: BTreeSet<_> =
-        sessions.iter().map(|(p, _)| *p).filter(|p| p.as_str() != NOBODY).collect();
+    let mut trials: Vec<_> = with_samples.chain(with_answers).collect();
+    trials.sort();
+    trials.dedup();
+    let mut sessions: Vec<_> = trials.iter().map(|(p, s, _)| (*p, *s)).collect();
+    sessions.dedup();
+    let mut people: Vec<_> = sessions.iter().map(|(p, _)| *p).collect();
+    people.dedup();
+    people.retain(|p| p.as_str() != NOBODY);
     let mut sources = BTreeMap::new();
     // By the footers, wherever there is one.
     for trial in &data.trials {

@@ -2,6 +2,7 @@
 
 use crate::Parameters;
 use crate::signals::Signals;
+use zwidth_numerics::series::ends;
 use zwidth_numerics::zigzag::zigzag;
 
 /// A movement is a way of more than this share of the angles travelled; less is a correction or a
@@ -65,22 +66,6 @@ fn ways(signals: &Signals) -> Option<Vec<bool>> {
 pub(crate) fn range(values: &[f64]) -> f64 {
     let (low, high) = ends(values);
     high - low
-}
-
-/// Smallest and largest value, of every fourth on its own: they do not wait for each other.
-pub(crate) fn ends(values: &[f64]) -> (f64, f64) {
-    let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
-    let (whole, rest) = values.as_chunks::<4>();
-    let mut take = |lane: usize, v: f64| {
-        low[lane] = if v < low[lane] { v } else { low[lane] };
-        high[lane] = if v > high[lane] { v } else { high[lane] };
-    };
-    whole.iter().for_each(|four| (0..4).for_each(|lane| take(lane, four[lane])));
-    rest.iter().for_each(|v| take(0, *v));
-    (
-        low.into_iter().fold(f64::INFINITY, f64::min),
-        high.into_iter().fold(f64::NEG_INFINITY, f64::max),
-    )
 }
 
 fn in_time(signals: &Signals, limit_s: f64) -> Option<bool> {

@@ -2,8 +2,9 @@
 
 use crate::MetricsError;
 use crate::Parameters;
-use crate::compliance::{MOVEMENT_SHARE, ends};
+use crate::compliance::MOVEMENT_SHARE;
 use crate::signals::Signals;
+use zwidth_numerics::series::ends;
 use zwidth_numerics::smoothness::Smoothness;
 
 /// A lever has left a stop when it is farther from it than this share of the angles travelled; less

@@ -1,6 +1,6 @@
 //! How fine the angles of a recording are.
 
-use crate::compliance::ends;
+use zwidth_numerics::series::ends;
 
 /// Smaller steps between angles are their arithmetic, not a sensor, rad.
 const LEAST_RAD: f64 = 1e-9;

@@ -1,11 +1,11 @@
 //! What happened at the wall.
 
 use crate::MetricsError;
-use crate::compliance::{ends, range};
+use crate::compliance::range;
 use crate::resolution::resolution_rad;
 use crate::signals::Signals;
 use zwidth_numerics::phases::first_passing;
-use zwidth_numerics::series::interpolate;
+use zwidth_numerics::series::{ends, interpolate};
 use zwidth_stats::interval::Estimate;
 use zwidth_stats::recording::recording_line;
 use zwidth_store::Values;

@@ -4,6 +4,7 @@ use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, first, range};
 use crate::columns::LONG;
 use crate::{Columns, Signal};
+use zwidth_numerics::series::ends;
 use zwidth_study::{Coordinate, Scene};
 
 /// Two turns: no lever goes farther, and 13° read as radians do.
@@ -253,7 +254,8 @@ fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal) -> Option<Doubt
 /// A signal that stands at its largest value: its sensor, or what read it, goes no farther.
 fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     let values = samples.column(signal)?;
-    let end = values.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
+    let (low, high) = ends(&values);
+    let end = *values.iter().find(|value| value.abs() >= low.abs().max(high.abs()))?;
     let is_there = |value: &f64| value.to_bits() == end.to_bits();
     let there = values.iter().filter(|value| is_there(value)).count();
     let (n, count) = (values.len() as f64, there as f64);

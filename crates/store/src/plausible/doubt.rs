@@ -3,6 +3,7 @@
 use crate::{Signal, StoreError};
 use std::ops::Range;
 use std::path::Path;
+use zwidth_numerics::series::ends;
 
 /// Fewest samples that show a habit.
 pub(super) const LEAST_SAMPLES: usize = 50;
@@ -31,8 +32,7 @@ impl Doubt {
 
 /// Largest less smallest value.
 pub(super) fn range(values: &[f64]) -> f64 {
-    let ends = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    let (low, high) = ends(values);
     (high - low).max(0.0)
 }
 

@@ -5,6 +5,7 @@ use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, range};
 use crate::{Columns, Signal};
 use core::f64::consts::TAU;
+use zwidth_numerics::series::ends;
 
 /// A trial is looked at in this many stretches, each long against noise and delay of a velocity.
 const STRETCHES: usize = 200;
@@ -27,10 +28,10 @@ const TURN: f64 = 0.05;
 const FAST_S: f64 = 0.1;
 
 pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
-    [velocity(samples), sign_of_force(asked, samples), size_of_force(asked, samples)]
-        .into_iter()
-        .flatten()
-        .collect()
+    let turn = asked.scene.spring().and_then(|_| way_out(&samples.column(Signal::Theta)?));
+    let sign = turn.and_then(|turn| sign_of_force(samples, turn));
+    let size = turn.and_then(|turn| size_of_force(asked, samples, turn));
+    [velocity(samples), sign, size].into_iter().flatten().collect()
 }
 
 /// Ratios of a velocity to the angle's derivative that a wrong unit makes.
@@ -58,12 +59,12 @@ fn velocity(samples: &dyn Columns) -> Option<Doubt> {
             return None;
         }
         let length = (t.len() / STRETCHES).max(LEAST_STRETCH);
-        let said =
-            ends(t.len(), length).map(|(from, to)| integral(&t[from..=to], &theta_dot[from..=to]));
+        let said = stretches(t.len(), length)
+            .map(|(from, to)| integral(&t[from..=to], &theta_dot[from..=to]));
         (length, said.collect())
     };
     let theta = samples.column(Signal::Theta)?;
-    let moved = ends(theta.len(), length).map(|(from, to)| theta[to] - theta[from]);
+    let moved = stretches(theta.len(), length).map(|(from, to)| theta[to] - theta[from]);
     let (ratio, correlation) = ratio(moved, said.into_iter())?;
     if correlation < ALIKE || (1.0 / NEAR..NEAR).contains(&ratio) {
         return None;
@@ -77,7 +78,7 @@ fn velocity(samples: &dyn Columns) -> Option<Doubt> {
 }
 
 /// First and last sample of each whole stretch of `length` samples.
-fn ends(samples: usize, length: usize) -> impl Iterator<Item = (usize, usize)> {
+fn stretches(samples: usize, length: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..samples.saturating_sub(1) / length).map(move |i| (i * length, (i + 1) * length))
 }
 
@@ -111,12 +112,9 @@ fn digits(ratio: f64) -> String {
 /// movement.
 fn way_out(theta: &[f64]) -> Option<usize> {
     let first = *theta.first()?;
-    let farther =
-        |best: usize, i: usize| match (theta[i] - first).abs() > (theta[best] - first).abs() {
-            true => i,
-            false => best,
-        };
-    let turn = (0..theta.len()).fold(0, farther);
+    let (low, high) = ends(theta);
+    let farthest = (high - first).max(first - low);
+    let turn = theta.iter().position(|theta| (theta - first).abs() >= farthest)?;
     let moved = range(&theta[..=turn]) > LEAST_MOVED_RAD && turn >= LEAST_STRETCH;
     (moved && theta.len() >= LEAST_SAMPLES).then_some(turn)
 }
@@ -151,18 +149,16 @@ fn swings_fast(samples: &dyn Columns, turn: usize) -> bool {
 
 /// A hand that moves a spring away from rest works on it: ∫ F dθ > 0 on the way out. Of a lever that
 /// swings by itself the device does the work.
-fn sign_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
-    asked.scene.spring()?;
+fn sign_of_force(samples: &dyn Columns, turn: usize) -> Option<Doubt> {
     let signal = recorded(samples)?;
-    let turn = way_out(&samples.column(Signal::Theta)?)?;
     if swings_fast(samples, turn) {
         return None;
     }
     let (theta, force) = (samples.column(Signal::Theta)?, samples.column(signal)?);
     let (theta, force) = (&theta[..=turn], &force[..=turn]);
     let steps =
-        || theta.windows(2).zip(force.windows(2)).map(|(x, f)| (x[1] - x[0]) * (f[0] + f[1]) / 2.0);
-    let (work, all) = (steps().sum::<f64>(), steps().map(f64::abs).sum::<f64>());
+        theta.windows(2).zip(force.windows(2)).map(|(x, f)| (x[1] - x[0]) * (f[0] + f[1]) / 2.0);
+    let (work, all) = steps.fold((0.0, 0.0), |(work, all), step| (work + step, all + step.abs()));
     let is_against = work < -AGAINST * all;
     if !is_against {
         return None;
@@ -182,11 +178,9 @@ fn recorded(samples: &dyn Columns) -> Option<Signal> {
 
 /// The stiffness that the way out shows, over the one asked for: a unit that is wrong is off by a
 /// known factor.
-fn size_of_force(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
+fn size_of_force(asked: &Asked, samples: &dyn Columns, turn: usize) -> Option<Doubt> {
     let spring = asked.scene.spring()?;
-    let theta = samples.column(Signal::Theta)?;
-    let turn = way_out(&theta)?;
-    let force = samples.column(Signal::ForceEx)?;
+    let (theta, force) = (samples.column(Signal::Theta)?, samples.column(Signal::ForceEx)?);
     // The slope alone: where the angle's 0 lies may be wrong too.
     let asked_for = from_mean(&theta[..=turn]).map(|x| x * spring.stiffness_n_per_rad);
     let (ratio, correlation) = ratio(asked_for, from_mean(&force[..=turn]))?;
