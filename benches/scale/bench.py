@@ -20,6 +20,8 @@ from measure import measured, median, output, table
 
 HERE = Path(__file__).parent
 STUDY = "big"
+# How often copies of a study are decoded beside it.
+COPIES = 3
 # Columns of ours that say which trial it is.
 IDENTITY = 7
 PEERS = {
@@ -101,18 +103,18 @@ def in_turns(study, examples, scratch, rounds):
     return runs, differences
 
 
-def compacted(study, examples, scratch, rounds):
+def compacted(study, examples, scratch):
     """Copies with a file for each participant, and decoding them beside the study's own in turns. Last of all: the
     disk is busy with what was written for a while."""
     decode, trials, copies = examples / "decode", study.raw / "trials", scratch / "copies"
     copying = [measured(examples / "compacted", trials, copies)]
     os.sync()
-    apart, together = zip(*((measured(decode, trials), measured(decode, copies)) for _ in range(rounds + 2)))
+    apart, together = zip(*((measured(decode, trials), measured(decode, copies)) for _ in range(COPIES)))
     row = lambda name, run: [name, *(f"{median(run, of):,.2f}" for of in (0, 1))]
     rows = [row("decoding the trials", apart), row("decoding the copies", together), row("making the copies", copying)]
     about = (
         "Would a study of small files be read faster in copies with one file for each participant? The columns' chunks\n"
-        f"copied as they are, and nothing checked; decoding alone, medians of {rounds + 2} in turns.\n\n"
+        f"copied as they are, and nothing checked; decoding alone, medians of {COPIES} in turns.\n\n"
     )
     return about + table(["what", "wall, s", "of processors, s"], rows)
 
@@ -211,7 +213,7 @@ def main():
         raw = sum(file.stat().st_size for file in (study.raw / "trials").glob("*/*/*.parquet"))
         parts = page(study, runs, differences, count_columns(study.derived / "metrics.parquet"), raw)
         parts.append(sizes(study, Path(scratch)))
-        parts.append(compacted(study, given.examples.resolve(), Path(scratch), given.rounds))
+        parts.append(compacted(study, given.examples.resolve(), Path(scratch)))
     print("\n".join(parts), end="")
 
 

@@ -14,15 +14,14 @@ import pyarrow.parquet as pq
 import study
 from study import parameters, participants
 
-RULES = ["BETTER", "BRAKE_ON", "FLAT", "LEAST_RAD", "LEAST_SAMPLES", "LEAST_SHARE", "LEAST_SPAN", "MOTOR_ON", "OUTSIDE"]
-RULES = {name.lower(): getattr(study, name) for name in [*RULES, "RETREAT", "SAME", "STEP_WINDOW"]}
+RULES = {name.lower(): rule for name, rule in vars(study).items() if name.isupper()}
 
 
 def literal(value):
     if isinstance(value, list):
         return ", ".join(f"'{word}'" for word in value)
-    # With an exponent a number is a DOUBLE, without one an exact DECIMAL.
-    return (repr(value) if "e" in repr(value) else f"{value!r}e0") if isinstance(value, float) else str(value)
+    # Written as it is, a number without an exponent would be an exact DECIMAL.
+    return f"'{value!r}'::DOUBLE" if isinstance(value, float) else str(value)
 
 
 def main():

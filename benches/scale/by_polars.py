@@ -21,8 +21,8 @@ from study import RETREAT, SAME, STEP_WINDOW, parameters, participants
 MOTION = ["t_s", "theta_rad", "theta_dot_rad_s"]
 SIGNALS = [*MOTION, "force_ex_n", "force_age_s", "force_cmd_n", "voltage_motor_v", "voltage_brake_v", "state_bits"]
 # Columns of a trial that others are made of.
-HELPERS = ["environment", "mode", "last_s", "theta_min_rad", "forward", "backward", "put_in", "taken_out", "chord"]
-HELPERS += ["goes_on", "commanded", "bound", "contacts"]
+HELPERS = ["environment", "mode", "last_s", "theta_min_rad", "forward", "backward"]
+HELPERS += ["put_in", "taken_out", "chord", "goes_on", "commanded", "bound", "contacts"]
 col = pl.col
 k, i, t, x, v, f = (col(name) for name in ("k", "i", "t", "x", "v", "f"))
 onset, reversal, end = col("onset"), col("reversal"), col("end")

@@ -126,7 +126,7 @@ pub fn loop_area(x: &[f64], y: &[f64]) -> Result<f64, NumericsError> {
 }
 
 /// Smallest and largest value, of every fourth on its own: they do not wait for each other. Infinite,
-/// the wrong way round, where there is none.
+/// the wrong way round, where there is none; what is not a number is passed by.
 pub fn ends(values: &[f64]) -> (f64, f64) {
     let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
     let (whole, rest) = values.as_chunks::<4>();
@@ -210,5 +210,21 @@ mod tests {
         assert!(
             (loop_area(&x, &y).unwrap() - f64::from(n) / 2.0 * libm::sin(angle(1))).abs() < 1e-12
         );
+    }
+
+    #[test]
+    fn the_ends_of_a_series_are_found_wherever_they_stand() {
+        for length in 1..=9 {
+            for (lowest, highest) in (0..length).flat_map(|a| (0..length).map(move |b| (a, b))) {
+                let mut values = vec![0.5; length];
+                values[highest] = 2.0;
+                values[lowest] = -3.0;
+                let high =
+                    if highest == lowest { if length == 1 { -3.0 } else { 0.5 } } else { 2.0 };
+                assert_eq!(ends(&values), (-3.0, high), "{values:?}");
+            }
+        }
+        assert_eq!(ends(&[]), (f64::INFINITY, f64::NEG_INFINITY));
+        assert_eq!(ends(&[f64::NAN, 1.0]), (1.0, 1.0));
     }
 }

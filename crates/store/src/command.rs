@@ -6,7 +6,7 @@ impl Layout {
     /// `zwidth` with these words, for the data here.
     pub fn command(&self, words: &[&str]) -> String {
         let root = self.root().to_string_lossy();
-        let root = (!root.is_empty()).then(|| option("--root", "--root", &root));
+        let root = (!root.is_empty()).then(|| shell_option("--root", "--root", &root));
         let words = words.iter().map(|word| (*word).to_owned());
         let all = ["zwidth".to_owned()].into_iter().chain(root.into_iter().flatten()).chain(words);
         shell_line(all)
@@ -14,7 +14,7 @@ impl Layout {
 }
 
 /// An option with its value; as one word where the value looks like an option itself.
-pub fn option(short: &str, long: &str, value: &str) -> Vec<String> {
+pub fn shell_option(short: &str, long: &str, value: &str) -> Vec<String> {
     if value.starts_with('-') {
         vec![format!("{long}={value}")]
     } else {

@@ -74,7 +74,7 @@ pub use atomic::{
 };
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use columns::{Columns, Recorded, Values};
-pub use command::{option, shell_line};
+pub use command::{shell_line, shell_option};
 pub use content::Content;
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;

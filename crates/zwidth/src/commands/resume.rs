@@ -4,7 +4,7 @@
 use crate::args::Acquire;
 use crate::devices::DeviceSpec;
 use std::path::Path;
-use zwidth_store::{option, shell_line};
+use zwidth_store::{shell_line, shell_option};
 
 /// The command. A blinded session needs no seed to go on, so its seed is not shown.
 pub(super) fn resume(root: &Path, command: &Acquire, blinded: bool) -> String {
@@ -15,10 +15,10 @@ pub(super) fn resume(root: &Path, command: &Acquire, blinded: bool) -> String {
     // What looks like an option comes last, where nothing is taken for one.
     let last = study.as_str().starts_with('-');
     words.extend((!last).then(|| study.to_string()));
-    words.extend(option("-p", "--participant", participant.as_str()));
-    words.extend(option("-s", "--session", session.as_str()));
+    words.extend(shell_option("-p", "--participant", participant.as_str()));
+    words.extend(shell_option("-s", "--session", session.as_str()));
     let mut with = |name: &str, value: Option<String>| {
-        words.extend(value.into_iter().flat_map(|value| option(name, name, &value)));
+        words.extend(value.into_iter().flat_map(|value| shell_option(name, name, &value)));
     };
     with("--device", (*device != DeviceSpec::Twin).then(|| device.to_string()));
     with("--rate", rate.map(|hz| hz.to_string()));
