@@ -22,8 +22,13 @@ pub fn newey_west(
     lags: usize,
 ) -> Result<Vec<Vec<f64>>, StatsError> {
     check_columns(columns, fit)?;
-    let score = |row: usize, column: usize| columns[column][row] * fit.residuals[row];
-    let meat = long_run_sum((fit.residuals.len(), columns.len()), score, lags);
+    // Two columns at a time.
+    let entry = |a: &[f64], b: &[f64]| {
+        let score = |row: usize| [a, b].map(|column| column[row] * fit.residuals[row]);
+        long_run_sum(fit.residuals.len(), score, lags)[0][1]
+    };
+    let meat: Vec<Vec<f64>> =
+        columns.iter().map(|a| columns.iter().map(|b| entry(a, b)).collect()).collect();
     Ok(product(&product(&fit.xtx_inverse, &meat), &fit.xtx_inverse))
 }
 
@@ -36,36 +41,35 @@ fn check_columns(columns: &[&[f64]], fit: &LinearFit) -> Result<(), NumericsErro
     columns.iter().try_for_each(|c| expect("a column", fit.residuals.len(), c.len()))
 }
 
-/// S of so many rows and columns of scores, as Σᵢ Wᵢ Wᵢᵀ / (L + 1), Wᵢ the sum of the scores from
-/// i − L to i, those before and after the recording being 0: a pair of scores l apart is in L + 1 − l
-/// of these windows, which is Bartlett's weight. As many sums as samples, whatever L; none of a
-/// variance that is below 0; and no memory but for the sums.
-pub(crate) fn long_run_sum(
-    (rows, columns): (usize, usize),
-    score: impl Fn(usize, usize) -> f64,
+/// S of the scores of so many rows, as Σᵢ Wᵢ Wᵢᵀ / (L + 1), Wᵢ the sum of the scores from i − L to i,
+/// those before and after the recording being 0: a pair of scores l apart is in L + 1 − l of these
+/// windows, which is Bartlett's weight. As many sums as samples, whatever L; none of a variance that is
+/// below 0; and no memory but for the sums.
+pub(crate) fn long_run_sum<const N: usize>(
+    rows: usize,
+    score: impl Fn(usize) -> [f64; N],
     lags: usize,
-) -> Vec<Vec<f64>> {
+) -> [[f64; N]; N] {
     // Σ of the scores up to the window's last sample, and up to the one before its first.
-    let (mut until, mut before) = (vec![0.0; columns], vec![0.0; columns]);
-    let mut sums = vec![vec![0.0; columns]; columns];
+    let (mut until, mut before) = ([0.0; N], [0.0; N]);
+    let mut sums = [[0.0; N]; N];
+    let add = |row: usize, sum: &mut [f64; N]| {
+        sum.iter_mut().zip(score(row)).for_each(|(sum, score)| *sum += score);
+    };
     for i in 0..rows + lags {
-        for column in 0..columns {
-            if i < rows {
-                until[column] += score(i, column);
-            }
-            if let Some(gone) = i.checked_sub(lags + 1) {
-                before[column] += score(gone, column);
-            }
+        if i < rows {
+            add(i, &mut until);
         }
+        if let Some(gone) = i.checked_sub(lags + 1) {
+            add(gone, &mut before);
+        }
+        let window: [f64; N] = std::array::from_fn(|a| until[a] - before[a]);
         for (a, row) in sums.iter_mut().enumerate() {
-            for (b, sum) in row.iter_mut().enumerate() {
-                *sum += (until[a] - before[a]) * (until[b] - before[b]);
-            }
+            row.iter_mut().zip(window).for_each(|(sum, other)| *sum += window[a] * other);
         }
     }
     let length = lags as f64 + 1.0;
-    sums.iter_mut().flatten().for_each(|sum| *sum /= length);
-    sums
+    sums.map(|row| row.map(|sum| sum / length))
 }
 
 fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
@@ -178,8 +182,8 @@ mod tests {
         let (columns, y) = design();
         let scores = [columns[1].clone(), columns[2].clone(), y];
         for lags in [0, 1, 5, 23, 24, 100] {
-            let score = |row: usize, column: usize| scores[column][row];
-            let (found, expect) = (long_run_sum((24, 3), score, lags), lag_by_lag(&scores, lags));
+            let score = |row: usize| [0, 1, 2].map(|column| scores[column][row]);
+            let (found, expect) = (long_run_sum(24, score, lags), lag_by_lag(&scores, lags));
             for (found, expect) in found.iter().flatten().zip(expect.iter().flatten()) {
                 assert!((found / expect - 1.0).abs() < 1e-12, "{lags} lags: {found} {expect}");
             }

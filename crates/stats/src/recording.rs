@@ -108,11 +108,11 @@ pub fn recording_line(
         (x - x_mean, (y - y_mean) - slope * (x - x_mean))
     };
     let rss: f64 = (0..n).map(|i| deviation(i).1).map(|e| e * e).sum();
-    let score = |i: usize, column: usize| {
+    let score = |i: usize| {
         let (dx, e) = deviation(i);
-        if column == 0 { e } else { dx * e }
+        [e, dx * e]
     };
-    let s = long_run_sum((n, 2), score, n / SHARE_OF_RECORDING);
+    let s = long_run_sum(n, score, n / SHARE_OF_RECORDING);
     let (of_mean, of_slope) = (1.0 / n as f64, (at - x_mean) / xx);
     let variance = of_mean * of_mean * s[0][0]
         + 2.0 * of_mean * of_slope * s[0][1]
@@ -142,7 +142,7 @@ pub fn recording_mean(
         return Ok(None);
     }
     let mean = (0..n).map(&value).sum::<f64>() / n as f64;
-    let s = long_run_sum((n, 1), |i, _| value(i) - mean, n / SHARE_OF_RECORDING);
+    let s = long_run_sum(n, |i| [value(i) - mean], n / SHARE_OF_RECORDING);
     Ok(Some(t_interval(mean, s[0][0].max(0.0).sqrt() / n as f64, DF, level)?))
 }
 

@@ -143,10 +143,15 @@ fn force_updates(columns: &dyn Columns) -> Option<(Arc<Vec<f64>>, Updates)> {
 /// An actuator is on where its flag is set or its commanded voltage is not 0.
 fn on(voltage: Option<&[f64]>, flags: Option<&[f64]>, bit: u16) -> Option<Vec<bool>> {
     // whole numbers of 16 bits: the store has checked
-    let flagged = |i: usize| flags.is_some_and(|flags| flags[i] as u16 & bit != 0);
-    let powered = |i: usize| voltage.is_some_and(|v| v[i].abs() > 0.0);
-    let samples = voltage.or(flags)?.len();
-    Some((0..samples).map(|i| flagged(i) || powered(i)).collect())
+    let flagged = |flags: &f64| *flags as i32 & i32::from(bit) != 0;
+    let powered = |volts: &f64| volts.abs() > 0.0;
+    Some(match (voltage, flags) {
+        (Some(volts), Some(flags)) => {
+            volts.iter().zip(flags).map(|(volts, flags)| powered(volts) | flagged(flags)).collect()
+        }
+        (Some(volts), None) => volts.iter().map(powered).collect(),
+        (None, flags) => flags?.iter().map(flagged).collect(),
+    })
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use crate::MetricsError;
 use crate::compliance::range;
 use crate::resolution::resolution_rad;
 use crate::signals::Signals;
+use std::ops::Range;
 use zwidth_numerics::phases::first_passing;
 use zwidth_numerics::series::{ends, interpolate};
 use zwidth_stats::interval::Estimate;
@@ -211,6 +212,8 @@ impl Piece {
 struct Past {
     /// Whether a sample is.
     samples: Vec<bool>,
+    /// The intervals from the first that is, in part, to the last.
+    intervals: Range<usize>,
     /// Where an interval with one sample past it and one not passes the wall, as a share of it: in
     /// order.
     crossings: Vec<f64>,
@@ -219,8 +222,12 @@ struct Past {
 impl Past {
     fn of(theta: &[f64], wall: f64) -> Self {
         let passes = theta.windows(2).filter(|w| (w[0] > wall) != (w[1] > wall));
+        let samples: Vec<bool> = theta.iter().map(|theta| *theta > wall).collect();
+        let first = samples.iter().position(|past| *past).unwrap_or(samples.len());
+        let last = samples.iter().rposition(|past| *past).unwrap_or(0);
         Self {
-            samples: theta.iter().map(|theta| *theta > wall).collect(),
+            intervals: first.saturating_sub(1)..(last + 1).min(samples.len().saturating_sub(1)),
+            samples,
             crossings: passes.map(|w| (wall - w[0]) / (w[1] - w[0])).collect(),
         }
     }
@@ -229,12 +236,13 @@ impl Past {
     fn over_pieces(&self, of: impl Fn(&Piece) -> f64) -> f64 {
         let mut crossings = self.crossings.iter();
         let mut crossing = || crossings.next().copied().unwrap_or_default();
-        let pieces = self.samples.windows(2).enumerate().filter_map(|(i, w)| match (w[0], w[1]) {
+        let piece = |i: usize| match (self.samples[i], self.samples[i + 1]) {
             (true, true) => Some(Piece { i, from: 0.0, to: 1.0 }),
             (false, true) => Some(Piece { i, from: crossing(), to: 1.0 }),
             (true, false) => Some(Piece { i, from: 0.0, to: crossing() }),
             (false, false) => None,
-        });
+        };
+        let pieces = self.intervals.clone().filter_map(piece);
         pieces.fold(0.0, |sum, piece| sum + of(&piece))
     }
 
