@@ -12,8 +12,8 @@ use std::path::Path;
 /// The first column that is not, with what it is compressed with and what to do.
 pub fn check_codecs(path: &Path, metadata: &ParquetMetaData) -> Result<(), StoreError> {
     let mut columns = metadata.row_groups().iter().flat_map(|group| group.columns());
-    let unread =
-        columns.find_map(|c| Some((c.column_path().string(), unread(c.compression_codec())?)));
+    let unread = columns
+        .find_map(|c| unread(c.compression_codec()).map(|of| (c.column_path().string(), of)));
     unread.map_or(Ok(()), |(column, name)| {
         let what = format!("compressed with {name}, which this program does not read");
         Err(StoreError::new(path, what, "write it anew with zstd, snappy or none").column(column))

@@ -4,6 +4,7 @@
 use crate::{Samples, Signal, StoreError, Trial};
 use std::ops::Deref;
 use std::sync::Arc;
+use zwidth_numerics::series::ends;
 use zwidth_study::TrialMeta;
 
 /// Samples from which on a trial is checked column by column, so that no more than two are in
@@ -43,6 +44,13 @@ pub trait Columns {
 
     /// The values of a channel of the study's own, where the recording has it.
     fn channel(&self, name: &str) -> Option<Values<'_>>;
+
+    /// How far apart the smallest and the largest value of `signal` lie, where the recording has it. A
+    /// file may say it, and then its values are not read for it.
+    fn reach(&self, signal: Signal) -> Option<f64> {
+        let (low, high) = ends(&self.column(signal)?);
+        Some(high - low)
+    }
 
     /// Gives back the memory of what was looked at and nobody holds any more.
     fn forget(&self) {}

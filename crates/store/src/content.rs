@@ -10,8 +10,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Files of up to so many bytes are read whole (16 MiB): most trials are far smaller.
 pub(crate) const WHOLE: u64 = 1 << 24;
-/// Bytes at the end of a file that are read at once (32 KiB): the footer of most trials.
-const END: u64 = 1 << 15;
+/// Bytes at the end of a file that are read at once (16 KiB): the footer of most trials.
+const END: u64 = 1 << 14;
 /// Bytes that are read at a time to hash a file.
 const HASHED_AT_ONCE: usize = 1 << 20;
 

@@ -1,10 +1,10 @@
 //! Trials that were read last, for whoever looks at the same ones next: several jobs of a run look at
 //! the trials of a session one after the other.
 
-use crate::columns::{Columns, Values};
 use crate::open::OpenTrial;
 use crate::read::with_time;
 use crate::seen::Stamp;
+use crate::shown::Shown;
 use crate::{Samples, Signal, StoreError, Trial};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -25,6 +25,8 @@ struct Read {
     stamp: Stamp,
     meta: TrialMeta,
     samples: Arc<Samples>,
+    /// How long the device's clock ran, s.
+    device_s: Option<f64>,
     /// What was asked for, which its file may lack.
     signals: Vec<Signal>,
     channels: Vec<ChannelId>,
@@ -54,12 +56,14 @@ impl Lately {
         let signals = &*with_time(signals.iter().copied());
         let stamp = stamp_of(path);
         if let Some(read) = stamp.and_then(|stamp| self.kept(path, stamp, (signals, channels))) {
-            return Ok(OpenTrial::of(read.meta, Shown::new(read.samples, signals, channels)));
+            let samples = (read.samples, read.device_s);
+            return Ok(OpenTrial::of(read.meta, Shown::new(samples, signals, channels)));
         }
-        let Trial { meta, samples, .. } = match OpenTrial::read(path, signals, channels)? {
-            Ok(trial) => trial,
+        let (trial, device_s) = match OpenTrial::read(path, signals, channels)? {
+            Ok(short) => short,
             Err(long) => return Ok(long),
         };
+        let Trial { meta, samples, .. } = trial;
         let samples = Arc::new(samples);
         if let Some(stamp) = stamp.filter(|stamp| stamp_of(path) == Some(*stamp)) {
             self.keep(Read {
@@ -67,11 +71,12 @@ impl Lately {
                 stamp,
                 meta: meta.clone(),
                 samples: samples.clone(),
+                device_s,
                 signals: signals.to_vec(),
                 channels: channels.to_vec(),
             });
         }
-        Ok(OpenTrial::of(meta, Shown::new(samples, signals, channels)))
+        Ok(OpenTrial::of(meta, Shown::new((samples, device_s), signals, channels)))
     }
 
     fn kept(
@@ -106,38 +111,6 @@ impl Lately {
 fn size(samples: &Samples) -> usize {
     let signals = Signal::all().filter(|signal| samples.get(*signal).is_some()).count();
     samples.len() * (signals + samples.channels().count()) * size_of::<f64>()
-}
-
-/// Of the samples of a trial what was asked for.
-struct Shown {
-    samples: Arc<Samples>,
-    signals: Vec<Signal>,
-    channels: Vec<ChannelId>,
-}
-
-impl Shown {
-    fn new(samples: Arc<Samples>, signals: &[Signal], channels: &[ChannelId]) -> Self {
-        Self { samples, signals: signals.to_vec(), channels: channels.to_vec() }
-    }
-}
-
-impl Columns for Shown {
-    fn rows(&self) -> usize {
-        self.samples.rows()
-    }
-
-    fn column(&self, signal: Signal) -> Option<Values<'_>> {
-        self.samples.column(signal).filter(|_| self.has(signal))
-    }
-
-    fn has(&self, signal: Signal) -> bool {
-        self.signals.contains(&signal) && self.samples.has(signal)
-    }
-
-    fn channel(&self, name: &str) -> Option<Values<'_>> {
-        let is_shown = self.channels.iter().any(|channel| channel.as_str() == name);
-        Columns::channel(&*self.samples, name).filter(|_| is_shown)
-    }
 }
 
 #[cfg(test)]
@@ -192,7 +165,8 @@ mod tests {
         for i in 0..5 {
             let path = PathBuf::from(i.to_string());
             let (signals, channels, meta) = (Vec::new(), Vec::new(), trial.meta.clone());
-            lately.keep(Read { path, stamp, meta, samples: samples.clone(), signals, channels });
+            let (samples, device_s) = (samples.clone(), None);
+            lately.keep(Read { path, stamp, meta, samples, device_s, signals, channels });
         }
         let kept = lately.0.into_inner().unwrap();
         assert_eq!(

@@ -48,6 +48,7 @@ mod regular;
 mod sealed;
 mod seen;
 mod sessions;
+mod shown;
 mod signal;
 mod sources;
 pub mod started;

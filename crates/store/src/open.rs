@@ -2,8 +2,10 @@
 
 use crate::columns::{Columns, LONG, Recorded};
 use crate::read::{OpenColumns, with_time};
+use crate::shown::Shown;
 use crate::{RealFiles, Signal, StoreError, Trial};
 use std::path::Path;
+use std::sync::Arc;
 use zwidth_study::{ChannelId, TrialMeta};
 
 /// A trial of a file: in memory, or if it is long with columns that are read when they are looked
@@ -34,16 +36,21 @@ impl OpenTrial {
         wanted: (&[Signal], &[ChannelId]),
         long: usize,
     ) -> Result<Self, StoreError> {
-        let read = Self::read_from(path, wanted, long)?;
-        Ok(read.map_or_else(|long| long, |trial| Self::of(trial.meta, trial.samples)))
+        let (signals, channels) = (with_time(wanted.0.iter().copied()), wanted.1);
+        Ok(match Self::read_from(path, wanted, long)? {
+            Ok((Trial { meta, samples, .. }, device_s)) => {
+                Self::of(meta, Shown::new((Arc::new(samples), device_s), &signals, channels))
+            }
+            Err(long) => long,
+        })
     }
 
-    /// A short trial, read; or a long one, opened.
+    /// A short trial, read, and how long the device's clock ran (s); or a long one, opened.
     pub(crate) fn read(
         path: &Path,
         signals: &[Signal],
         channels: &[ChannelId],
-    ) -> Result<Result<Trial, Self>, StoreError> {
+    ) -> Result<Result<(Trial, Option<f64>), Self>, StoreError> {
         Self::read_from(path, (signals, channels), LONG)
     }
 
@@ -51,13 +58,14 @@ impl OpenTrial {
         path: &Path,
         (signals, channels): (&[Signal], &[ChannelId]),
         long: usize,
-    ) -> Result<Result<Trial, Self>, StoreError> {
+    ) -> Result<Result<(Trial, Option<f64>), Self>, StoreError> {
         let open = OpenColumns::open(&RealFiles, path)?;
         if open.rows() > long {
             return Ok(Err(Self::of(open.said()?.0, open)));
         }
         let wanted = with_time(signals.iter().copied());
-        open.read(&wanted, &|channel| channels.contains(&channel.id)).map(Ok)
+        let trial = open.read(&wanted, &|channel| channels.contains(&channel.id))?;
+        Ok(Ok((trial, open.reach_of(Signal::DeviceTime)?)))
     }
 
     pub(crate) fn of(meta: TrialMeta, columns: impl Columns + Send + 'static) -> Self {
@@ -80,7 +88,7 @@ impl<'a> From<&'a OpenTrial> for Recorded<'a> {
 mod tests {
     use super::*;
     use crate::columns::Values;
-    use crate::read::tests::written;
+    use crate::read::tests::{form, written};
 
     #[test]
     fn a_long_trial_has_the_columns_of_a_short_one_and_keeps_none_that_nobody_holds() {
@@ -104,6 +112,26 @@ mod tests {
         let place = |values: &Option<Values>| values.as_ref().unwrap().as_ptr();
         assert_eq!(place(&held), place(&again), "what somebody holds is not read twice");
         assert_eq!(long.columns().failure(), None);
+    }
+
+    #[test]
+    fn how_far_a_signal_reaches_is_known_without_its_column() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut trial, _) = written(folder.path());
+        let device = trial.samples.get(Signal::Time).unwrap().iter().map(|t| 70.0 + 1.01 * t);
+        trial.samples.set(Signal::DeviceTime, device.collect());
+        let path = folder.path().join("participant=P01/session=S01/trial-018.parquet");
+        std::fs::write(&path, crate::trial_bytes(&trial, &form(), &path).unwrap()).unwrap();
+        let reach = trial.samples.reach(Signal::DeviceTime).unwrap();
+        assert!(reach > 0.0);
+        for long in [1000, 10] {
+            let open = OpenTrial::open_from(&path, (&[Signal::Theta], &[]), long).unwrap();
+            let columns = open.columns();
+            assert_eq!(columns.reach(Signal::DeviceTime), Some(reach));
+            assert_eq!(columns.reach(Signal::Theta), trial.samples.reach(Signal::Theta));
+            assert_eq!(columns.reach(Signal::TorqueEx), None, "not recorded");
+            assert_eq!(columns.column(Signal::DeviceTime).is_some(), long == 10);
+        }
     }
 
     #[test]

@@ -17,7 +17,9 @@ use parquet::arrow::{ARROW_SCHEMA_META_KEY, ProjectionMask, parquet_to_arrow_sch
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{
     KeyValue, ParquetMetaData, ParquetMetaDataOptions, ParquetMetaDataReader,
+    ParquetStatisticsPolicy,
 };
+use parquet::file::statistics::Statistics;
 use parquet::schema::types::SchemaDescPtr;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -145,10 +147,28 @@ impl ParquetFile {
         self.metadata.row_groups().iter().all(|group| nulls(group) == Some(true))
     }
 
+    /// The ends of a column of doubles, where its statistics say them.
+    pub(crate) fn said_ends(&self, name: &str) -> Option<(f64, f64)> {
+        let of_group = |group: &parquet::file::metadata::RowGroupMetaData| {
+            let mut columns = group.columns().iter();
+            let column = columns.find(|c| *c.column_path().parts() == [name])?;
+            match column.statistics()? {
+                Statistics::Double(of) => Some((*of.min_opt()?, *of.max_opt()?)),
+                _ => None,
+            }
+        };
+        let groups = self.metadata.row_groups().iter().map(of_group).collect::<Option<Vec<_>>>()?;
+        groups.into_iter().reduce(|(low, high), next| (low.min(next.0), high.max(next.1)))
+    }
+
     /// Checks that none of the columns of these names unpacks to more than `most` bytes.
     pub(crate) fn check_pages(&self, names: &[&str], most: u64) -> Result<(), StoreError> {
-        let mask = self.columns_of(names);
-        check_pages_in(&self.content, &self.metadata, most, |place| mask.leaf_included(place))
+        let schema = self.metadata.file_metadata().schema_descr();
+        let is_one = |place: usize| {
+            let root = schema.columns()[place].path().parts().first();
+            root.is_some_and(|root| names.contains(&root.as_str()))
+        };
+        check_pages_in(&self.content, &self.metadata, most, is_one)
             .map(drop)
             .map_err(|why| unreadable(&self.path, DAMAGED, &why))
     }
@@ -192,8 +212,14 @@ fn parsed(content: &Content, schema: &Bytes) -> Result<ParquetMetaData, ParquetE
     }
     let known = KNOWN.with_borrow(|known| known.known(|bytes| bytes == schema));
     let is_known = known.is_some();
-    let options = known.map(|schema| ParquetMetaDataOptions::new().with_schema(schema));
-    let reader = ParquetMetaDataReader::new().with_metadata_options(options);
+    // What the pages of a column take and how they are encoded, the pages say themselves.
+    let mut options = ParquetMetaDataOptions::new()
+        .with_encoding_stats_policy(ParquetStatisticsPolicy::SkipAll)
+        .with_size_stats_policy(ParquetStatisticsPolicy::SkipAll);
+    if let Some(schema) = known {
+        options.set_schema(schema);
+    }
+    let reader = ParquetMetaDataReader::new().with_metadata_options(Some(options));
     let metadata = reader.parse_and_finish(content)?;
     if !is_known && schema.len() <= MOST_KNOWN {
         let of = metadata.file_metadata().schema_descr_ptr();

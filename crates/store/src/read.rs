@@ -19,6 +19,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 use std::sync::Arc;
+use zwidth_numerics::series::ends;
 use zwidth_study::{
     AnswerScale, Channel, ChannelId, Kind, MOST_CHANNELS, ParticipantId, Schema, SessionId, Source,
     Status, TrialForm, TrialMeta,
@@ -280,11 +281,25 @@ impl OpenColumns {
     }
 
     /// What was read, unless it failed.
-    fn kept(&self, read: Result<Option<Vec<f64>>, StoreError>) -> Option<Vec<f64>> {
+    fn kept<T>(&self, read: Result<Option<T>, StoreError>) -> Option<T> {
         read.unwrap_or_else(|error| {
             self.failed.borrow_mut().get_or_insert(error);
             None
         })
+    }
+
+    /// How far apart the ends of a signal lie, by what the file says of it; else by its values.
+    ///
+    /// # Errors
+    /// Those of [`OpenColumns::signal`], where they are read.
+    pub(crate) fn reach_of(&self, signal: Signal) -> Result<Option<f64>, StoreError> {
+        let name = signal.column().name_in(self.form.schema);
+        let said = self.file.said_ends(name).filter(|_| self.has(signal));
+        let found = match said {
+            Some(ends) => Some(ends),
+            None => self.signal(signal)?.map(|values| ends(&values)),
+        };
+        Ok(found.map(|(low, high)| high - low))
     }
 
     /// The values of a channel of the study's own.
@@ -329,6 +344,10 @@ impl Columns for OpenColumns {
     fn channel(&self, name: &str) -> Option<Values<'_>> {
         let channel = self.form.channels.iter().find(|channel| channel.id.as_str() == name)?;
         Some(Values::Read(Arc::new(self.kept(OpenColumns::channel(self, channel))?)))
+    }
+
+    fn reach(&self, signal: Signal) -> Option<f64> {
+        self.kept(self.reach_of(signal))
     }
 
     fn forget(&self) {
@@ -502,7 +521,7 @@ pub(crate) mod tests {
     use std::path::PathBuf;
 
     /// That of a study with one question.
-    fn form() -> TrialForm {
+    pub(crate) fn form() -> TrialForm {
         TrialForm { likert: true, ..TrialForm::default() }
     }
 

@@ -252,10 +252,10 @@ impl StudyData {
             (&log.record.participant, &log.record.session) == (participant, session)
         };
         // They come in the order of their files' names, unless somebody put them otherwise.
-        let name = |p: &ParticipantId, s: &SessionId| format!("{p}_{s}");
-        let wanted = name(participant, session);
-        let order =
-            |log: &SessionLog| name(&log.record.participant, &log.record.session).cmp(&wanted);
+        let order = |log: &SessionLog| {
+            let SessionRecord { participant: p, session: s, .. } = &log.record;
+            name(p.as_str(), s.as_str()).cmp(name(participant.as_str(), session.as_str()))
+        };
         let found = self.sessions.binary_search_by(order).ok().map(|at| &self.sessions[at]);
         found.filter(|log| is(log)).or_else(|| self.sessions.iter().find(|log| is(log)))
     }
@@ -325,6 +325,11 @@ impl StudyData {
         conditions.extend(counting.map(|trial| (trial.meta.trial, trial.meta.condition())));
         conditions
     }
+}
+
+/// The name of a session's file, byte by byte.
+fn name<'a>(participant: &'a str, session: &'a str) -> impl Iterator<Item = u8> + 'a {
+    participant.bytes().chain(*b"_").chain(session.bytes())
 }
 
 fn new_answer(

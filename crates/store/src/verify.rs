@@ -113,15 +113,10 @@ fn off_scale(study: &Study, entry: &TrialEntry) -> Option<StoreError> {
     Some(StoreError::new(&entry.path, what, remedy).column("likert"))
 }
 
-/// The signals that [`check_samples`] looks at.
-pub const CHECKED: [Signal; 6] = [
-    Signal::Time,
-    Signal::DeviceTime,
-    Signal::Theta,
-    Signal::ThetaDot,
-    Signal::ForceEx,
-    Signal::TorqueEx,
-];
+/// The signals that [`check_samples`] looks at. Of the device's clock it asks [`Columns::reach`] alone,
+/// which a trial's file says without it.
+pub const CHECKED: [Signal; 5] =
+    [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx];
 
 /// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
 /// care.

@@ -41,9 +41,10 @@ const AT_THE_END: f64 = 0.05;
 const LONGER: f64 = 5.0;
 
 pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
+    let least = samples.column(Signal::Time).map_or(0, |t| least_held(&t));
     let stopped = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx]
         .into_iter()
-        .filter_map(|signal| stopped(asked, samples, signal));
+        .filter_map(|signal| stopped(asked, samples, signal, least));
     let at_the_end = [Signal::ForceEx, Signal::TorqueEx]
         .into_iter()
         .filter_map(|signal| at_the_end(samples, signal));
@@ -66,6 +67,14 @@ pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
 fn has_doubtful_interval(t: &[f64]) -> bool {
     let usual = SHORTEST_INTERVAL_S..=LEAST_JUMP_S;
     first(1..t.len(), |i| !usual.contains(&(t[i] - t[i - 1]))).is_some()
+}
+
+/// So many samples has a value that is held for longer than [`HELD_S`], at least.
+fn least_held(t: &[f64]) -> usize {
+    let [first_s, .., last_s] = *t else { return 0 };
+    let most_s = 2.0 * (last_s - first_s) / (t.len() - 1) as f64;
+    let is_even = first(1..t.len(), |i| t[i] - t[i - 1] > most_s).is_none();
+    if is_even { (HELD_S / most_s) as usize } else { 0 }
 }
 
 /// The usual interval of the clock, s: the middle one.
@@ -112,11 +121,13 @@ fn jump(samples: &dyn Columns, usual_s: Option<f64>) -> Option<Doubt> {
 }
 
 fn clocks(samples: &dyn Columns) -> Option<Doubt> {
-    let length = |t: &[f64]| Some(t.last()? - t.first()?);
-    let t = samples.column(Signal::Time)?;
-    let (host_s, device_s) = (length(&t)?, length(&samples.column(Signal::DeviceTime)?)?);
+    let device_s = samples.reach(Signal::DeviceTime)?;
+    let host_s = {
+        let t = samples.column(Signal::Time)?;
+        t.last()? - t.first()?
+    };
     let differ = (device_s / host_s - 1.0).abs() > CLOCKS_DIFFER;
-    if t.len() < LEAST_SAMPLES || !differ {
+    if samples.rows() < LEAST_SAMPLES || !differ {
         return None;
     }
     let what = format!(
@@ -176,7 +187,9 @@ fn noisy_onset(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let side =
         |value: &f64| i8::from(*value > asked.onset_rad_s) - i8::from(-*value > asked.onset_rad_s);
     let (mut from, mut first, mut spikes) = (0, None, [0, 0]);
-    for run in velocity.chunk_by(|a, b| side(a) == side(b)) {
+    // A run that begins while it rests ends before that, or is longer than a spike.
+    let rest = &velocity[..velocity.len().min(leaves + SPIKE + 1)];
+    for run in rest.chunk_by(|a, b| side(a) == side(b)) {
         if from >= leaves {
             break;
         }
@@ -209,15 +222,17 @@ fn too_strong(samples: &dyn Columns) -> Option<Doubt> {
     Some(Doubt { row: Some(row), ..Doubt::new(Signal::ForceEx, what, remedy) })
 }
 
-/// A signal that holds one value: throughout, or for a second in which the lever moves on. No more
-/// than one column is there at a time.
-fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
+/// A signal that holds one value: throughout, or for a second in which the lever moves on, which takes
+/// `least` samples. No more than one column is there at a time.
+fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal, least: usize) -> Option<Doubt> {
     let values = samples.column(signal)?;
     if values.len() < LEAST_SAMPLES {
         return None;
     }
     let remedy = "look at the sensor and its cable, and at `from` in the mapping; exclude the trial if the signal was lost";
-    let (from, to) = longest_hold(&values);
+    // An angle may well be held for long: the lever rests.
+    let least = if signal == Signal::Theta { values.len() } else { least.min(values.len()) };
+    let (from, to) = longest_hold(&values, least)?;
     let (held, is_whole) = (values[from], to - from == values.len());
     drop(values);
     if is_whole {
@@ -259,11 +274,12 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     let is_there = |value: &f64| value.to_bits() == end.to_bits();
     let there = values.iter().filter(|value| is_there(value)).count();
     let (n, count) = (values.len() as f64, there as f64);
+    if there < LEAST_SAMPLES || count < AT_THE_END * n {
+        return None;
+    }
     let changes = values.windows(2).filter(|w| w[0].to_bits() != w[1].to_bits()).count();
     let usual = n / (changes + 1) as f64;
-    let stands =
-        there >= LEAST_SAMPLES && count >= AT_THE_END * n && count >= LONGER * usual && changes > 0;
-    if !stands {
+    if count < LONGER * usual || changes == 0 {
         return None;
     }
     let what = format!(
@@ -308,8 +324,14 @@ fn is_constant(values: &[f64]) -> bool {
     values.windows(2).all(|w| w[0].to_bits() == w[1].to_bits())
 }
 
-/// From where to where (exclusive) the longest stretch of one value goes.
-fn longest_hold(values: &[f64]) -> (usize, usize) {
+/// From where to where (exclusive) the longest stretch of one value goes; none if it is soon told that
+/// no stretch has `least` samples.
+fn longest_hold(values: &[f64], least: usize) -> Option<(usize, usize)> {
+    // A stretch of so many has two that are half as far apart.
+    let some = || values.iter().step_by((least / 2).max(1));
+    if !some().zip(some().skip(1)).any(|(a, b)| a.to_bits() == b.to_bits()) && least > 1 {
+        return None;
+    }
     let (mut longest, mut from) = ((0, 0), 0);
     for i in 1..=values.len() {
         if i == values.len() || values[i].to_bits() != values[from].to_bits() {
@@ -319,7 +341,7 @@ fn longest_hold(values: &[f64]) -> (usize, usize) {
             from = i;
         }
     }
-    longest
+    Some(longest)
 }
 
 #[cfg(test)]

@@ -191,6 +191,23 @@ fn a_signal_that_stops_is_found_and_no_force_in_free_motion_is_none() {
     assert!(implausible(&free, Path::new("a"), &samples).is_empty());
 }
 
+/// Samples of 2 ms: few of them are looked at before all are.
+#[test]
+fn a_force_that_holds_for_little_more_than_a_second_is_found_wherever_it_does() {
+    let is_found = |held: std::ops::Range<usize>| {
+        let mut samples = recording();
+        let mut force = samples.get(Signal::ForceEx).unwrap().to_vec();
+        force[held].fill(3.25);
+        samples.set(Signal::ForceEx, force);
+        let found = implausible(&asked(), Path::new("a"), &samples);
+        found.iter().any(|f| f.what.starts_with("it holds 3.25 for 1.01 s"))
+    };
+    for from in (150..350).step_by(13) {
+        assert!(is_found(from..from + 506), "{from}");
+        assert!(!is_found(from..from + 500), "{from}");
+    }
+}
+
 #[test]
 fn a_force_at_the_end_of_its_sensors_range_is_found() {
     check(
