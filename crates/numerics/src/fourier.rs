@@ -7,8 +7,10 @@
 //! itself to about 1e-14 of ∫ |y| dt. Plain loops and `libm`, so that it is the same bits on every
 //! processor.
 
+use crate::wide::widest;
 use core::f64::consts::{PI, TAU};
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Cells to either side of a sample that its Gaussian reaches: e^(−π · 14 · 3/4) = 5e-15 is left
@@ -18,9 +20,7 @@ const REACH: usize = 14;
 const LANES: usize = 4;
 /// Cells that a sample adds to.
 const CELLS: usize = 2 * REACH;
-/// Steps of a cell at which exponentials are tabled.
-const STEPS: usize = 16;
-/// Samples whose exponentials are taken one after the other.
+/// Samples whose exponentials are worked out side by side.
 const AT_ONCE: usize = 256;
 /// Cells a period of the highest frequency, at least: half of that is by how much finer the grid is
 /// than it must be.
@@ -43,10 +43,15 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// `t` in s, increasing; `y` gives as many values as `t` has.
-    pub(crate) fn of(t: &[f64], y: impl Iterator<Item = f64>, step_hz: f64, count: usize) -> Self {
+    /// `t` in s, increasing; `of` makes y of `values`, of which there are as many.
+    pub(crate) fn of(
+        t: &[f64],
+        (values, of): (&[f64], impl Fn(f64) -> f64),
+        step_hz: f64,
+        count: usize,
+    ) -> Self {
         let gaussian = Gaussian::new(count);
-        let grid = gaussian.spread(t, y, step_hz);
+        let grid = gaussian.spread(t, values, of, step_hz);
         Self { gaussian, grid }
     }
 
@@ -80,7 +85,7 @@ pub(crate) fn summed_squares<'a>(
 ) -> Vec<f64> {
     let gaussian = Gaussian::new(count);
     let (length, turns) = (gaussian.length, turns(gaussian.length));
-    let mut grids = signals.map(|(t, y)| gaussian.spread(t, y.into_iter(), step_hz));
+    let mut grids = signals.map(|(t, y)| gaussian.spread(t, &y, |y| y, step_hz));
     let mut power = vec![0.0; count];
     while let Some(one) = grids.next() {
         // Two real signals as the two parts of one that is complex: what they have in common in its |Z(f)|²
@@ -106,14 +111,22 @@ struct Gaussian {
     /// a = π (R − ½) / (R · reach), R the grid's fineness over what it must be: what is cut off and
     /// what other frequencies leak are then equally small.
     a: f64,
-    /// Its values at whole cells, from −(reach − 1) to reach.
+    /// Its values in the middles between whole cells, from −(reach − ½) to reach − ½.
     at_cells: [[f64; LANES]; CELLS / LANES],
-    /// e^(−a d²) and e^(−2ad) at the steps of a cell.
-    at_steps: [[f64; 2]; STEPS + 1],
     /// Cells of the whole grid.
     length: usize,
     /// How many frequencies are asked for.
     count: usize,
+}
+
+/// Some samples on the grid, one after the other.
+struct Placed {
+    /// The cell that a sample lies behind, by less than one.
+    cells: [u32; AT_ONCE],
+    /// What it adds to the first cell that it reaches, less that cell's share of the Gaussian.
+    first: [f64; AT_ONCE],
+    /// How many times as much it adds to each next one.
+    ratio: [f64; AT_ONCE],
 }
 
 impl Gaussian {
@@ -121,42 +134,45 @@ impl Gaussian {
         let length = (FINENESS * count).max(PARTS * 2).next_power_of_two();
         let finer = length as f64 / (2 * count) as f64;
         let a = PI * (finer - 0.5) / (finer * REACH as f64);
-        let at = |i: usize| libm::exp(-a * square_of(i as f64 - (REACH - 1) as f64));
+        // The same to either side.
+        let side: [f64; REACH] = std::array::from_fn(|i| libm::exp(-a * square_of(i as f64 + 0.5)));
+        let at = |i: usize| side[if i < REACH { REACH - 1 - i } else { i - REACH }];
         let at_cells = std::array::from_fn(|i| std::array::from_fn(|lane| at(LANES * i + lane)));
-        let off = |step: usize| step as f64 / STEPS as f64;
-        let at_steps = std::array::from_fn(|i| {
-            [libm::exp(-a * square_of(off(i))), libm::exp(-2.0 * a * off(i))]
-        });
-        Self { a, at_cells, at_steps, length, count }
+        Self { a, at_cells, length, count }
     }
 
     /// Σ yⱼ wⱼ e^(−a (l − uⱼ)²) at each cell l, from as far before the first sample as it reaches
-    /// to as far after the last; uⱼ the sample's time in cells and wⱼ its trapezoidal weight.
-    fn spread(&self, t: &[f64], y: impl Iterator<Item = f64>, step_hz: f64) -> Vec<f64> {
+    /// to as far after the last; uⱼ the sample's time in cells and wⱼ its trapezoidal weight; `of`
+    /// makes yⱼ of the values given.
+    fn spread(&self, t: &[f64], y: &[f64], of: impl Fn(f64) -> f64, step_hz: f64) -> Vec<f64> {
+        widest(
+            #[inline(always)]
+            || self.spread_by(t, y, of, step_hz),
+        )
+    }
+
+    #[inline(always)]
+    fn spread_by(&self, t: &[f64], y: &[f64], of: impl Fn(f64) -> f64, step_hz: f64) -> Vec<f64> {
         let cells_a_s = step_hz * self.length as f64;
         let start = t.first().copied().unwrap_or(0.0);
         let last = t.last().map_or(0.0, |last| (last - start) * cells_a_s);
         let mut grid = vec![0.0; last as usize + CELLS];
-        let mut samples = t.iter().zip(y).zip(trapezoidal_weights(t));
-        let mut some = Vec::with_capacity(AT_ONCE.min(t.len()));
-        loop {
-            some.clear();
-            some.extend(samples.by_ref().take(AT_ONCE).map(|((t, y), weight)| {
-                let at = (t - start) * cells_a_s;
-                let cell = at as usize;
-                (cell, at - cell as f64, y * weight)
-            }));
-            if some.is_empty() {
-                return grid;
-            }
-            // e^(−a (l − d)²) = e^(−a d²) (e^(2ad))^l e^(−a l²): two exponentials a sample, of many of them
-            // one after the other, and then products alone.
-            let exps: Vec<[f64; 2]> = some.iter().map(|(_, off, _)| self.exps(*off)).collect();
-            for ((cell, _, value), [first, ratio]) in some.iter().zip(exps) {
+        let (cells, first, ratio) = ([0; AT_ONCE], [0.0; AT_ONCE], [0.0; AT_ONCE]);
+        let mut placed = Placed { cells, first, ratio };
+        for from in (0..t.len()).step_by(AT_ONCE) {
+            let samples = from..t.len().min(from + AT_ONCE);
+            let some = samples.len();
+            trapezoidal_weights(t, samples.clone(), &mut placed.first);
+            let weighted = placed.first.iter_mut().zip(&y[samples.clone()]);
+            weighted.for_each(|(first, y)| *first *= of(*y));
+            self.place(t[samples].iter().map(|t| (t - start) * cells_a_s), &mut placed);
+            let samples = placed.cells.iter().zip(&placed.first).zip(&placed.ratio);
+            for ((cell, first), ratio) in samples.take(some) {
                 let two = ratio * ratio;
-                let (mut values, next) = ([1.0, ratio, two, two * ratio], two * two);
-                values.iter_mut().for_each(|v| *v *= value * first);
-                let cells = grid.get_mut(*cell..).and_then(|cells| cells.first_chunk_mut());
+                let (mut values, next) = ([1.0, *ratio, two, two * ratio], two * two);
+                values.iter_mut().for_each(|v| *v *= first);
+                let cells = grid.get_mut(*cell as usize..);
+                let cells = cells.and_then(|cells| cells.first_chunk_mut());
                 let Some(cells): Option<&mut [f64; CELLS]> = cells else { continue };
                 let cells = cells.as_chunks_mut::<LANES>().0;
                 for (cells, fixed) in cells.iter_mut().zip(&self.at_cells) {
@@ -167,26 +183,50 @@ impl Gaussian {
                 }
             }
         }
+        grid
     }
 
-    /// e^(−a d²) (e^(−2ad))^(reach − 1), what the first cell's is, and e^(2ad), by which the next one's is
-    /// larger; d from 0 to 1.
-    fn exps(&self, off: f64) -> [f64; 2] {
-        let step = ((off * STEPS as f64 + 0.5) as usize).min(STEPS);
-        let ([square, turn], rest) = (self.at_steps[step], off - step as f64 / STEPS as f64);
-        let [more, less] = small_exps([-self.a * rest * (2.0 * off - rest), -2.0 * self.a * rest]);
-        let (square, turn) = (square * more, turn * less);
-        let four = square_of(square_of(turn));
-        // REACH − 1 is 8 + 4 + 1.
-        [square * turn * four * square_of(four), turn.recip()]
+    /// Where samples lie, `at` each in cells, and what they are to begin with: e^(−a (l − u)²) = e^(−a
+    /// (l − ½)²) e^(−a δ²) (e^(2aδ))^(l − ½), with δ from −½ to ½ where the sample lies behind the middle
+    /// between two cells. The first factor is the cell's own, the others two series a sample and then
+    /// products alone, which a processor works out for several samples at once.
+    #[inline(always)]
+    fn place(&self, at: impl Iterator<Item = f64>, placed: &mut Placed) {
+        /// Added to a number it leaves no room for a fraction: it is rounded.
+        const ROUNDS: f64 = 1.5 * (1_u64 << 52) as f64;
+        let samples = placed.cells.iter_mut().zip(&mut placed.first).zip(&mut placed.ratio);
+        for (((cell, first), ratio), at) in samples.zip(at) {
+            let rounded = at - 0.5 + ROUNDS;
+            *cell = rounded.to_bits() as u32;
+            let off = at - 0.5 - (rounded - ROUNDS);
+            let [less, more] = small_exps(self.a * off);
+            let [square, _] = small_exps(self.a * off * off);
+            // e^(−aδ) so many times as twice REACH − ½ is: 16 + 8 + 2 + 1.
+            const { assert!(2 * REACH - 1 == 27) };
+            let two = less * less;
+            let eight = square_of(square_of(two));
+            *first *= square * (less * two * (eight * square_of(eight)));
+            *ratio = more * more;
+        }
     }
 
     /// Undoes what the Gaussian did to the square of each frequency, by (a/π) e^(ω²/2a), ω = 2πk /
-    /// length.
+    /// length. Of every few frequencies the exponentials are those of the first, and products.
     fn undo(&self, power: &mut [f64]) {
-        for (k, power) in power.iter_mut().enumerate() {
-            let omega = TAU * k as f64 / self.length as f64;
-            *power *= self.a / PI * libm::exp(omega * omega / (2.0 * self.a));
+        /// Frequencies whose exponentials are products.
+        const TOGETHER: usize = 16;
+        let step = TAU / self.length as f64;
+        let exponent = step * step / (2.0 * self.a);
+        let within: [f64; TOGETHER] =
+            std::array::from_fn(|j| libm::exp(exponent * square_of(j as f64)));
+        // (k + j)² = k² + 2 k j + j².
+        for (k, power) in (0..).step_by(TOGETHER).zip(power.chunks_mut(TOGETHER)) {
+            let mut factor = self.a / PI * libm::exp(exponent * square_of(k as f64));
+            let next = libm::exp(2.0 * exponent * k as f64);
+            for (power, within) in power.iter_mut().zip(within) {
+                *power *= factor * within;
+                factor *= next;
+            }
         }
     }
 }
@@ -239,11 +279,18 @@ fn turn(j: usize, n: usize) -> [f64; 2] {
 pub(crate) fn transform(mut z: Vec<[f64; 2]>, turns: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let n = z.len();
     reverse_bits(&mut z);
-    // The first round turns nothing.
-    for [a, b] in z.as_chunks_mut::<2>().0 {
-        (*a, *b) = ([a[0] + b[0], a[1] + b[1]], [a[0] - b[0], a[1] - b[1]]);
+    // The first two rounds turn by nothing or by a quarter.
+    let (fours, rest) = z.as_chunks_mut::<4>();
+    for [a, b, c, d] in fours {
+        let [low, high] = [[*a, *b], [*c, *d]].map(sum_and_difference);
+        let quarter = [high[1][1], -high[1][0]];
+        [*a, *c] = sum_and_difference([low[0], high[0]]);
+        [*b, *d] = sum_and_difference([low[1], quarter]);
     }
-    let mut half = 2;
+    if let [a, b] = rest {
+        [*a, *b] = sum_and_difference([*a, *b]);
+    }
+    let mut half = 4;
     while half < n {
         for block in z.chunks_mut(2 * half) {
             let (low, high) = block.split_at_mut(half);
@@ -259,6 +306,10 @@ pub(crate) fn transform(mut z: Vec<[f64; 2]>, turns: &[[f64; 2]]) -> Vec<[f64; 2
     z
 }
 
+fn sum_and_difference([a, b]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    [[a[0] + b[0], a[1] + b[1]], [a[0] - b[0], a[1] - b[1]]]
+}
+
 /// Each number to the place whose index has its own's bits the other way round.
 fn reverse_bits(z: &mut [[f64; 2]]) {
     let bits = z.len().trailing_zeros();
@@ -270,20 +321,36 @@ fn reverse_bits(z: &mut [[f64; 2]]) {
     }
 }
 
+#[inline(always)]
 fn square_of(x: f64) -> f64 {
     x * x
 }
 
-/// What each sample counts in ∫ y dt: half of the interval to either side.
-fn trapezoidal_weights(t: &[f64]) -> impl Iterator<Item = f64> {
+/// What each of some samples counts in ∫ y dt: half of the interval to either side.
+#[inline(always)]
+fn trapezoidal_weights(t: &[f64], samples: Range<usize>, weights: &mut [f64]) {
     let last = t.len().saturating_sub(1);
-    (0..t.len()).map(move |i| (t[(i + 1).min(last)] - t[i.saturating_sub(1)]) / 2.0)
+    // Those that have a neighbour on either side, and then the ends.
+    let inner = samples.start.max(1)..samples.end.min(last);
+    if let Some(before) = t.get(inner.start - 1..) {
+        let weights = weights.iter_mut().skip(inner.start - samples.start).take(inner.len());
+        let (before, after) = (before.iter(), t.iter().skip(inner.start + 1));
+        weights
+            .zip(before.zip(after))
+            .for_each(|(weight, (before, after))| *weight = (after - before) / 2.0);
+    }
+    for end in [0, last].into_iter().filter(|end| samples.contains(end)) {
+        let (before, after) = (t[end.saturating_sub(1)], t[(end + 1).min(last)]);
+        weights[end - samples.start] = (after - before) / 2.0;
+    }
 }
 
 /// [`Spread::squared`] by the sum itself, frequency by frequency.
 #[cfg(test)]
 pub(crate) fn squared_fourier(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
-    let weighted: Vec<f64> = trapezoidal_weights(t).zip(y).map(|(weight, y)| weight * y).collect();
+    let mut weighted = vec![0.0; t.len()];
+    trapezoidal_weights(t, 0..t.len(), &mut weighted);
+    weighted.iter_mut().zip(y).for_each(|(weight, y)| *weight *= y);
     // |Y|² does not depend on where time begins, and small angles keep their digits.
     let start = t.first().copied().unwrap_or(0.0);
     let at = |k: usize| {
@@ -297,14 +364,18 @@ pub(crate) fn squared_fourier(t: &[f64], y: &[f64], step_hz: f64, count: usize) 
     (0..count).map(at).collect()
 }
 
-/// e^x of two numbers within a sixtieth of 0, side by side: its series up to the term that is below
-/// 1e-16.
-fn small_exps(x: [f64; 2]) -> [f64; 2] {
-    const TERMS: i32 = 6;
-    (1..=TERMS).rev().fold([1.0; 2], |sum, n| {
-        let share = f64::from(n).recip();
-        [1.0 + x[0] * share * sum[0], 1.0 + x[1] * share * sum[1]]
-    })
+/// e^(−x) and e^x for x within a ninth of 0: their series up to the terms that are below 1e-16, the
+/// even ones and the odd ones apart.
+#[inline(always)]
+fn small_exps(x: f64) -> [f64; 2] {
+    let xx = x * x;
+    let even =
+        1.0 + xx * (1.0 / 2.0 + xx * (1.0 / 24.0 + xx * (1.0 / 720.0 + xx * (1.0 / 40_320.0))));
+    let odd = x
+        * (1.0
+            + xx * (1.0 / 6.0
+                + xx * (1.0 / 120.0 + xx * (1.0 / 5_040.0 + xx * (1.0 / 362_880.0)))));
+    [even - odd, even + odd]
 }
 
 #[cfg(test)]
@@ -312,7 +383,7 @@ mod tests {
     use super::*;
 
     fn squared_fourier_from_zero(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
-        Spread::of(t, y.iter().copied(), step_hz, count).squared()
+        Spread::of(t, (y, |y| y), step_hz, count).squared()
     }
 
     /// Uneven times about 1/200 s apart, and a signal with slow, fast and random parts.

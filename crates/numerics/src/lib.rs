@@ -2,7 +2,8 @@
 //! functions on slices.
 //!
 //! Nothing here reads a file, knows a unit or draws a random number. Sums run in the order of the
-//! input, in plain loops, so that a result has the same bits on every machine.
+//! input, in plain loops, so that a result has the same bits on every machine, however many numbers
+//! its processor takes at a time ([`wide`]).
 
 pub mod activity;
 pub mod branch;
@@ -23,6 +24,7 @@ pub mod spectrum;
 pub mod tableau;
 pub mod updates;
 pub mod welch;
+pub mod wide;
 pub mod zigzag;
 
 pub use error::NumericsError;

@@ -1,7 +1,6 @@
 //! First and second derivative of a sampled signal, by parabolas through its neighbourhoods.
 
 use crate::error::{NumericsError, same_length};
-use std::ops::Range;
 
 /// Fewest samples to either side of a neighbourhood's middle, where the signal has them.
 const LEAST_BESIDE: usize = 2;
@@ -52,70 +51,79 @@ pub struct Derivator<'a> {
     t: &'a [f64],
     y: &'a [f64],
     half: f64,
-    stretch: Option<Stretch>,
+    /// Of times: 1 / half.
+    scale: f64,
+    stretch: Stretch,
+    /// How many samples of the last neighbourhood came before its middle, and how many not: those of
+    /// the next are about as many.
+    reach: (usize, usize),
+    /// What was found last, and of which sample.
+    found: [(usize, (f64, f64)); KEPT],
 }
 
 /// Samples whose neighbourhoods share their sums: about as long as one of these of 1 kHz.
 const STRETCH: usize = 48;
 
+/// Samples whose derivatives are kept: who asks for some often asks for a neighbour's next.
+const KEPT: usize = 4;
+
+/// No sample.
+const NONE: usize = usize::MAX;
+
 /// Sums about one origin over the neighbourhoods of a stretch of samples.
 struct Stretch {
     number: usize,
     origin: (f64, f64),
-    /// Σ 1, x, x², x³, x⁴, y, x y, x² y of the samples before each, from the first neighbourhood on.
+    /// The first sample of the first neighbourhood.
+    first: usize,
+    /// Σ 1, x, x², x³, x⁴, y, x y, x² y of the samples before each, from that one on; none where the
+    /// samples are not so dense that the sums keep their digits about another origin.
     sums: Vec<[f64; 8]>,
-    /// From which sample to which (exclusive) each one's neighbourhood goes; none where the samples are
-    /// not so dense that the sums keep their digits about another origin.
-    windows: Vec<(usize, usize)>,
-    /// What was found at each already.
-    found: [Option<(f64, f64)>; STRETCH],
 }
 
 impl<'a> Derivator<'a> {
     /// Of `y` at the times `t`, of one length.
     pub fn new(t: &'a [f64], y: &'a [f64], half: f64) -> Self {
-        Self { t, y, half, stretch: None }
+        let stretch = Stretch { number: NONE, origin: (0.0, 0.0), first: 0, sums: Vec::new() };
+        let found = [(NONE, (0.0, 0.0)); KEPT];
+        Self { t, y, half, scale: half.recip(), stretch, reach: (0, 0), found }
     }
 
     /// dy/dt and d²y/dt² at sample `i`, one of those that are there.
     pub fn at(&mut self, i: usize) -> (f64, f64) {
-        let number = i / STRETCH;
-        if self.stretch.as_ref().is_none_or(|stretch| stretch.number != number) {
-            let room = self.stretch.take().map(|stretch| (stretch.windows, stretch.sums));
-            let (windows, sums) = room.unwrap_or_default();
-            self.stretch = Some(self.begun(number, windows, sums));
+        let (sample, found) = self.found[i % KEPT];
+        if sample == i {
+            return found;
         }
-        let found = self.stretch.as_ref().and_then(|stretch| {
-            let window = stretch.windows.get(i % STRETCH);
-            stretch.found[i % STRETCH].or_else(|| Some(self.by_sums(stretch, i, *window?)))
-        });
-        let found = found.unwrap_or_else(|| derivatives_at(self.t, self.y, self.half, i));
-        if let Some(stretch) = &mut self.stretch {
-            stretch.found[i % STRETCH] = Some(found);
+        if self.stretch.number != i / STRETCH {
+            self.begin(i / STRETCH);
         }
+        let found = match self.stretch.sums.is_empty() {
+            true => derivatives_at(self.t, self.y, self.half, i),
+            false => self.by_sums(i),
+        };
+        self.found[i % KEPT] = (i, found);
         found
     }
 
-    fn begun(
-        &self,
-        number: usize,
-        mut windows: Vec<(usize, usize)>,
-        mut sums: Vec<[f64; 8]>,
-    ) -> Stretch {
+    fn begin(&mut self, number: usize) {
         let from = number * STRETCH;
         let to = (from + STRETCH).min(self.t.len());
-        let is_dense = self.t[to - 1] - self.t[from] <= 2.0 * self.half && to - from > 1;
         let middle = from + (to - from) / 2;
         let origin = (self.t[middle], self.y[middle]);
-        windows.clear();
-        sums.clear();
+        self.stretch.number = number;
+        self.stretch.origin = origin;
+        self.stretch.sums.clear();
+        let is_dense = self.t[to - 1] - self.t[from] <= 2.0 * self.half && to - from > 1;
         if is_dense {
-            self.windows(from..to, &mut windows);
-            let scale = self.half.recip();
+            // Each neighbourhood's ends lie at or after those of the one before.
+            let (first, last) = (self.window(from).0, self.window(to - 1).1);
+            let scale = self.scale;
             let mut sum = [0.0; 8];
-            sums.push(sum);
-            let all = windows[0].0..windows[windows.len() - 1].1;
-            sums.extend(self.t[all.clone()].iter().zip(&self.y[all]).map(|(t, y)| {
+            self.stretch.first = first;
+            self.stretch.sums.push(sum);
+            let samples = self.t[first..last].iter().zip(&self.y[first..last]);
+            self.stretch.sums.extend(samples.map(|(t, y)| {
                 let (x, y) = ((t - origin.0) * scale, y - origin.1);
                 let (xx, xy) = (x * x, x * y);
                 let terms = [1.0, x, xx, x * xx, xx * xx, y, xy, x * xy];
@@ -123,33 +131,39 @@ impl<'a> Derivator<'a> {
                 sum
             }));
         }
-        Stretch { number, windows, origin, sums, found: [None; STRETCH] }
     }
 
-    /// The neighbourhoods of some samples: each one's ends lie at or after those of the one before.
-    fn windows(&self, samples: Range<usize>, windows: &mut Vec<(usize, usize)>) {
-        let (t, half) = (self.t, self.half);
-        let mut low = t[..samples.start].partition_point(|at| *at < t[samples.start] - half);
-        let mut high = samples.start;
-        for i in samples {
-            let (from, to) = (t[i] - half, t[i] + half);
-            low += t[low..i].iter().take_while(|at| **at < from).count();
-            high = high.max(i);
-            high += t[high..].iter().take_while(|at| **at <= to).count();
-            windows.push(neighbourhood(i, (low, high), t.len()));
-        }
+    /// From which sample to which (exclusive) the neighbourhood of one goes.
+    fn window(&mut self, i: usize) -> (usize, usize) {
+        let (t, (before, after)) = (self.t, self.reach);
+        let (from, to) = (t[i] - self.half, t[i] + self.half);
+        let low = end_of(t, |at| at < from, i.saturating_sub(before));
+        let high = end_of(t, |at| at <= to, i + after);
+        self.reach = (i - low, high - i);
+        neighbourhood(i, (low, high), t.len())
     }
 
-    fn by_sums(&self, stretch: &Stretch, i: usize, (low, high): (usize, usize)) -> (f64, f64) {
-        let first = stretch.windows[0].0;
-        let (before, until) = (stretch.sums[low - first], stretch.sums[high - first]);
+    fn by_sums(&mut self, i: usize) -> (f64, f64) {
+        let (low, high) = self.window(i);
+        let Stretch { origin, first, sums, .. } = &self.stretch;
+        let (before, until) = (sums[low - first], sums[high - first]);
         let [n, s1, s2, s3, s4, m0, m1, m2] = std::array::from_fn(|k| until[k] - before[k]);
-        let scale = self.half.recip();
+        let scale = self.scale;
         // The parabola about the origin, and its derivatives where the sample lies.
         let [slope, bend] = solved([n, s1, s2, s3, s4], [m0, m1, m2]);
-        let at = (self.t[i] - stretch.origin.0) * scale;
+        let at = (self.t[i] - origin.0) * scale;
         ((slope + 2.0 * bend * at) * scale, 2.0 * bend * scale * scale)
     }
+}
+
+/// How many times come before an end of them all: near a guess, or by halving.
+fn end_of(t: &[f64], is_before: impl Fn(f64) -> bool, guess: usize) -> usize {
+    let is_end = |end: &usize| {
+        let last = end.checked_sub(1).map(|last| t.get(last).is_some_and(|at| is_before(*at)));
+        last.unwrap_or(true) && t.get(*end).is_none_or(|at| !is_before(*at))
+    };
+    let near = [guess, guess + 1, guess.saturating_sub(1)].into_iter().find(is_end);
+    near.unwrap_or_else(|| t.partition_point(|at| is_before(*at)))
 }
 
 /// Samples that are added up side by side, so that a compiler can keep them in one register.

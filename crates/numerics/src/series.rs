@@ -4,6 +4,7 @@
 //! caller's.
 
 use crate::error::{NumericsError, same_length};
+use crate::wide::widest;
 
 /// Value of the polyline through (tᵢ, yᵢ) at `at`; `None` outside [t₀, tₙ₋₁] or for an empty series
 /// (there is no extrapolation). At a sample it is that sample, exactly.
@@ -128,6 +129,14 @@ pub fn loop_area(x: &[f64], y: &[f64]) -> Result<f64, NumericsError> {
 /// Smallest and largest value, of every fourth on its own: they do not wait for each other. Infinite,
 /// the wrong way round, where there is none; what is not a number is passed by.
 pub fn ends(values: &[f64]) -> (f64, f64) {
+    widest(
+        #[inline(always)]
+        || ends_by(values),
+    )
+}
+
+#[inline(always)]
+fn ends_by(values: &[f64]) -> (f64, f64) {
     let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
     let (whole, rest) = values.as_chunks::<4>();
     let mut take = |lane: usize, v: f64| {

@@ -1,7 +1,5 @@
 //! A slow sensor's values at the times at which they were new.
 
-use crate::series::interpolate_all;
-
 /// New values of a sensor.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Updates {
@@ -37,12 +35,28 @@ fn is_new(t: &[f64], age: &[f64], i: usize) -> bool {
 }
 
 impl Updates {
-    /// The signal at times `t`: straight lines between updates, the last value after the last of
-    /// them. A held value lags behind by half of the sensor's interval on average, and so turns
-    /// an elastic spring into one that gives more than it gets.
+    /// The signal at times `t`, rising as the updates do: straight lines between updates, the last
+    /// value before the first and after the last of them. A held value lags behind by half of the
+    /// sensor's interval on average, and so turns an elastic spring into one that gives more than it
+    /// gets.
     pub fn at(&self, t: &[f64]) -> Vec<f64> {
         let last = self.values.last().copied().unwrap_or(0.0);
-        interpolate_all(&self.t, &self.values, t).into_iter().map(|v| v.unwrap_or(last)).collect()
+        let mut found = Vec::with_capacity(t.len());
+        let mut before: Option<(f64, f64)> = None;
+        for (taken, value) in self.t.iter().copied().zip(self.values.iter().copied()) {
+            // The times on the line that ends here.
+            let here = t[found.len()..].iter().take_while(|at| **at < taken);
+            let slope = before.map(|(t0, y0)| (value - y0) / (taken - t0));
+            found.extend(here.map(|at| match before.zip(slope) {
+                Some(((t0, y0), slope)) => y0 + (at - t0) * slope,
+                None => last,
+            }));
+            // An update's own time: arithmetic would blur its value.
+            found.extend(t.get(found.len()).filter(|at| **at <= taken).map(|_| value));
+            before = Some((taken, value));
+        }
+        found.resize(t.len(), last);
+        found
     }
 }
 
@@ -64,6 +78,15 @@ mod tests {
             assert!((value - 3.0 * t).abs() < 1e-6, "{value} at {t} s");
         }
         assert_eq!(found.at(&[2.0]), [values[999]]);
+    }
+
+    #[test]
+    fn between_updates_there_are_straight_lines_and_beyond_them_the_last_value() {
+        let found = Updates { t: vec![1.0, 2.0, 2.5, 4.0], values: vec![3.0, 5.0, 4.0, 7.0] };
+        let t = [0.0, 0.5, 1.0, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 4.5];
+        assert_eq!(found.at(&t), [7.0, 7.0, 3.0, 4.0, 4.5, 5.0, 4.0, 5.0, 7.0, 7.0]);
+        assert_eq!(found.at(&[]), []);
+        assert_eq!(Updates::default().at(&[1.0, 2.0]), [0.0; 2]);
     }
 
     #[test]

@@ -18,33 +18,32 @@ pub struct Leg {
 /// With `least` above the noise, turns of noise are none; every leg but the first is longer than
 /// `least`. This is the hysteresis filter of rainflow counting (ASTM E1049).
 pub fn zigzag(y: &[f64], least: f64) -> Vec<Leg> {
+    let Some(mut now) = first_leg(y, least) else { return Vec::new() };
     let mut legs = Vec::new();
-    let (mut lowest, mut highest) = (0, 0);
-    let mut leg: Option<Leg> = None;
-    for i in 0..y.len() {
-        if y[i] < y[lowest] {
-            lowest = i;
-        }
-        if y[i] > y[highest] {
-            highest = i;
-        }
-        match &mut leg {
-            None if y[i] - y[lowest] > least => leg = Some(Leg { from: 0, to: i, up: true }),
-            None if y[highest] - y[i] > least => leg = Some(Leg { from: 0, to: i, up: false }),
-            None => {}
-            Some(now) => {
-                let beyond = if now.up { y[i] - y[now.to] } else { y[now.to] - y[i] };
-                if beyond > 0.0 {
-                    now.to = i;
-                } else if -beyond > least {
-                    legs.push(*now);
-                    *now = Leg { from: now.to, to: i, up: !now.up };
-                }
-            }
+    let (mut sign, mut extreme) = (if now.up { 1.0 } else { -1.0 }, y[now.to]);
+    for (i, &y) in y.iter().enumerate().skip(now.to + 1) {
+        let beyond = sign * (y - extreme);
+        if beyond > 0.0 {
+            (now.to, extreme) = (i, y);
+        } else if -beyond > least {
+            legs.push(now);
+            now = Leg { from: now.to, to: i, up: !now.up };
+            (sign, extreme) = (-sign, y);
         }
     }
-    legs.extend(leg);
+    legs.push(now);
     legs
+}
+
+/// The first leg, as far as the sample that tells its direction.
+fn first_leg(y: &[f64], least: f64) -> Option<Leg> {
+    let (mut lowest, mut highest) = (*y.first()?, *y.first()?);
+    y.iter().enumerate().find_map(|(to, &y)| {
+        (lowest, highest) =
+            (if y < lowest { y } else { lowest }, if y > highest { y } else { highest });
+        let (up, down) = (y - lowest > least, highest - y > least);
+        (up || down).then_some(Leg { from: 0, to, up })
+    })
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use zwidth_store::{Layout, StudyData};
 use zwidth_tables::{Format, Table, TableError, Wording};
 
 /// Its version is raised when a table would be written differently from the same data.
-const STAGE: Stage = Stage { name: "tables", version: 13 };
+const STAGE: Stage = Stage { name: "tables", version: 14 };
 
 /// The derived tables that are printed, each with whether simulated data go into it. The trade runs
 /// models, and what modes and device are is written in study.toml.

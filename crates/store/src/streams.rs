@@ -3,6 +3,7 @@
 //! whole streams a compiler turns into vector instructions.
 
 use std::ops::Range;
+use zwidth_numerics::wide::widest;
 
 /// Numbers that are put together at a time.
 const AT_ONCE: usize = 64;
@@ -19,15 +20,10 @@ impl Joined for f64 {
         if high.len() != low.len() {
             return None;
         }
-        for from in (0..numbers).step_by(AT_ONCE) {
-            let some = AT_ONCE.min(numbers - from);
-            let (low, high) =
-                (words(low, numbers, from..from + some), words(high, numbers, from..from + some));
-            let both = low.iter().zip(&high).take(some);
-            into.extend(
-                both.map(|(low, high)| f64::from_bits(u64::from(*high) << 32 | u64::from(*low))),
-            );
-        }
+        widest(
+            #[inline(always)]
+            || doubles(low, high, numbers, into),
+        );
         Some(())
     }
 }
@@ -37,24 +33,49 @@ impl Joined for f32 {
         if streams.len() != numbers.checked_mul(4)? {
             return None;
         }
-        for from in (0..numbers).step_by(AT_ONCE) {
-            let some = AT_ONCE.min(numbers - from);
-            let words = words(streams, numbers, from..from + some);
-            into.extend(words.iter().take(some).map(|word| f64::from(f32::from_bits(*word))));
-        }
+        widest(
+            #[inline(always)]
+            || singles(streams, numbers, into),
+        );
         Some(())
     }
 }
 
+/// Numbers of 64 bits from the streams of their lower and of their upper halves.
+#[inline(always)]
+fn doubles(low: &[u8], high: &[u8], numbers: usize, into: &mut Vec<f64>) {
+    let [mut lows, mut highs] = [[0; AT_ONCE]; 2];
+    for from in (0..numbers).step_by(AT_ONCE) {
+        let some = from..numbers.min(from + AT_ONCE);
+        words(low, numbers, some.clone(), &mut lows);
+        words(high, numbers, some.clone(), &mut highs);
+        let both = lows.iter().zip(&highs).take(some.len());
+        into.extend(
+            both.map(|(low, high)| f64::from_bits(u64::from(*high) << 32 | u64::from(*low))),
+        );
+    }
+}
+
+/// Numbers of 32 bits.
+#[inline(always)]
+fn singles(streams: &[u8], numbers: usize, into: &mut Vec<f64>) {
+    let mut room = [0; AT_ONCE];
+    for from in (0..numbers).step_by(AT_ONCE) {
+        let some = from..numbers.min(from + AT_ONCE);
+        words(streams, numbers, some.clone(), &mut room);
+        let words = room.iter().take(some.len());
+        into.extend(words.map(|word| f64::from(f32::from_bits(*word))));
+    }
+}
+
 /// Some of the words whose four bytes lie in four streams of this length, the lowest first.
-fn words(streams: &[u8], length: usize, some: Range<usize>) -> [u32; AT_ONCE] {
+#[inline(always)]
+fn words(streams: &[u8], length: usize, some: Range<usize>, words: &mut [u32; AT_ONCE]) {
     let stream = |k: usize| &streams[k * length..(k + 1) * length][some.clone()];
-    let mut words = [0; AT_ONCE];
     let bytes = stream(0).iter().zip(stream(1)).zip(stream(2)).zip(stream(3));
     for (word, (((a, b), c), d)) in words.iter_mut().zip(bytes) {
         *word = u32::from_le_bytes([*a, *b, *c, *d]);
     }
-    words
 }
 
 #[cfg(test)]

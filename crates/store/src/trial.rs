@@ -3,6 +3,7 @@
 use crate::{COLUMNS, Signal, Storage, StoreError};
 use std::collections::BTreeMap;
 use std::path::Path;
+use zwidth_numerics::wide::widest;
 use zwidth_study::{Channel, ChannelId, Sample, TrialForm, TrialMeta};
 
 /// The samples of a trial: a column a signal, all of one length; absent where not recorded.
@@ -119,7 +120,10 @@ pub(crate) fn check_column(
     }
     // Without a way out of the loop a processor looks at several values at once.
     let all = match storage {
-        Storage::F64 => values.iter().fold(true, |all, v| all & v.is_finite()),
+        Storage::F64 => widest(
+            #[inline(always)]
+            || values.iter().fold(true, |all, v| all & v.is_finite()),
+        ),
         _ => values.iter().fold(true, |all, v| all & fits(*v, storage)),
     };
     if let Some(row) = values.iter().position(|v| !all && !fits(*v, storage)) {

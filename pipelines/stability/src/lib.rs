@@ -33,4 +33,4 @@ pub use scene::of_scene;
 pub use table::{cells_table, curves_table, extents_table, limits_table};
 
 /// Version of the algorithms and of the tables' form.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
