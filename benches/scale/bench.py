@@ -182,7 +182,7 @@ def page(study, runs, differences, ours, raw):
         times(runs, ours, differences),
         f"`-v` says that the jobs of zwidth's stage took {stage:.1f} s together, in which time that one spends on\n"
         "another's work counts twice. The stage looks at each file for its footer and then reads it,\n"
-        "checks all of its columns, and writes tables with records of what they were made from. Its reader\n"
+        "checks the columns that it reads, and writes tables with records of what they were made from. Its reader\n"
         "and metrics alone read each file once, do not ask whether clock and angle are plausible, and write\n"
         "nothing; they make the metrics of practice trials too. The stage's\n"
         f"{ours} columns have intervals and energies among them. The peers make {least} of them, with FINUFFT\n"
