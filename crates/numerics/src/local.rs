@@ -137,8 +137,9 @@ impl<'a> Derivator<'a> {
     fn window(&mut self, i: usize) -> (usize, usize) {
         let (t, (before, after)) = (self.t, self.reach);
         let (from, to) = (t[i] - self.half, t[i] + self.half);
-        let low = end_of(t, |at| at < from, i.saturating_sub(before));
-        let high = end_of(t, |at| at <= to, i + after);
+        // A sample is in its own, even where times do not rise.
+        let low = end_of(t, |at| at < from, i.saturating_sub(before)).min(i);
+        let high = end_of(t, |at| at <= to, i + after).max(i);
         self.reach = (i - low, high - i);
         neighbourhood(i, (low, high), t.len())
     }
@@ -146,7 +147,8 @@ impl<'a> Derivator<'a> {
     fn by_sums(&mut self, i: usize) -> (f64, f64) {
         let (low, high) = self.window(i);
         let Stretch { origin, first, sums, .. } = &self.stretch;
-        let (before, until) = (sums[low - first], sums[high - first]);
+        let at = |sample: usize| sums[sample.saturating_sub(*first).min(sums.len() - 1)];
+        let (before, until) = (at(low), at(high));
         let [n, s1, s2, s3, s4, m0, m1, m2] = std::array::from_fn(|k| until[k] - before[k]);
         let scale = self.scale;
         // The parabola about the origin, and its derivatives where the sample lies.
@@ -257,6 +259,15 @@ mod tests {
                 assert!((found.0 - expect.0).abs() < 1e-10, "{step_s}, {i}: {found:?}, {expect:?}");
                 assert!((found.1 - expect.1).abs() < 1e-8, "{step_s}, {i}: {found:?}, {expect:?}");
             }
+        }
+    }
+
+    #[test]
+    fn times_that_do_not_rise_end_in_numbers_not_in_a_panic() {
+        let falling: Vec<f64> = (0..200).map(|i| -f64::from(i) * 1e-3).collect();
+        let wild: Vec<f64> = (0..200).map(|i| f64::from(i * 7919 % 200) * 1e-3).collect();
+        for t in [falling, wild, vec![f64::NAN; 200]] {
+            assert_eq!(derivatives(&t, &[1.0; 200], 0.025).unwrap().first.len(), 200);
         }
     }
 
