@@ -3,7 +3,7 @@
 
 use crate::open::OpenTrial;
 use crate::read::with_time;
-use crate::seen::Stamp;
+use crate::seen::{Seen, Signals, Stamp};
 use crate::shown::Shown;
 use crate::{Samples, Signal, StoreError, Trial};
 use std::collections::VecDeque;
@@ -16,7 +16,10 @@ const MOST: usize = 1 << 25;
 
 /// Trials that were read last. A file that changed since is read again.
 #[derive(Debug, Default)]
-pub struct Lately(Mutex<VecDeque<Read>>);
+pub struct Lately {
+    read: Mutex<VecDeque<Read>>,
+    seen: Arc<Seen>,
+}
 
 /// A trial as it was read.
 #[derive(Debug, Clone)]
@@ -33,6 +36,11 @@ struct Read {
 }
 
 impl Lately {
+    /// None yet. What `seen` knows need not be held against digests again, and it learns what was.
+    pub fn seeing(seen: Arc<Seen>) -> Self {
+        Self { read: Mutex::default(), seen }
+    }
+
     /// [`OpenTrial::open`], from memory where a short one was read lately with all that is asked for.
     ///
     /// # Errors
@@ -59,13 +67,14 @@ impl Lately {
             let samples = (read.samples, read.device_s);
             return Ok(OpenTrial::of(read.meta, Shown::new(samples, signals, channels)));
         }
-        let (trial, device_s) = match OpenTrial::read(path, signals, channels)? {
+        let (trial, device_s) = match OpenTrial::read(&self.seen, path, (signals, channels))? {
             Ok(short) => short,
             Err(long) => return Ok(long),
         };
         let Trial { meta, samples, .. } = trial;
         let samples = Arc::new(samples);
         if let Some(stamp) = stamp.filter(|stamp| stamp_of(path) == Some(*stamp)) {
+            self.seen.match_now(path, stamp, Signals::of(signals));
             self.keep(Read {
                 path: path.to_owned(),
                 stamp,
@@ -85,7 +94,7 @@ impl Lately {
         stamp: Stamp,
         (signals, channels): (&[Signal], &[ChannelId]),
     ) -> Option<Read> {
-        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         let serves = |read: &&Read| {
             (read.stamp, read.path.as_path()) == (stamp, path)
                 && signals.iter().all(|signal| read.signals.contains(signal))
@@ -95,7 +104,7 @@ impl Lately {
     }
 
     fn keep(&self, read: Read) {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         kept.push_front(read);
         let mut bytes = 0;
         let fits = kept.iter().take_while(|read| {
@@ -116,7 +125,8 @@ fn size(samples: &Samples) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::tests::written;
+    use crate::hex_blake3;
+    use crate::read::tests::{with_other_entries, written};
     use std::fs::File;
     use std::time::SystemTime;
 
@@ -148,7 +158,77 @@ mod tests {
         assert_ne!(places(&open(&[Signal::VoltageMotor]))[2], places(&more)[2]);
         let doubtful = Lately::default();
         doubtful.open_if(|_| None, &path, (&[], &[])).unwrap();
-        assert!(doubtful.0.lock().unwrap().is_empty());
+        assert!(doubtful.read.lock().unwrap().is_empty());
+    }
+
+    /// A recording that says that its angles have the digest of others, and one that knows what it
+    /// was.
+    #[cfg(unix)]
+    fn with_a_wrong_digest(path: &Path) -> Arc<Seen> {
+        let bytes = with_other_entries(&std::fs::read(path).unwrap(), |entries| {
+            let voltage = entries["blake3:voltage_motor_v"].clone();
+            entries.insert("blake3:theta_rad".to_owned(), voltage);
+        });
+        std::fs::write(path, &bytes).unwrap();
+        let seen = Seen::default();
+        seen.written(path, &hex_blake3(&bytes));
+        Arc::new(seen)
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn signals_that_matched_are_not_digested_again_until_their_bytes_are_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let (trial, path) = written(folder.path());
+        let seen = with_a_wrong_digest(&path);
+        // As if nothing was read lately.
+        let open = |signals: &[Signal]| {
+            Lately::seeing(seen.clone()).open_if(Stamp::at, &path, (signals, &[]))
+        };
+        let refused = |signals: &[Signal]| {
+            let error = open(signals).err().unwrap();
+            assert_eq!(error.column.as_deref(), Some("theta_rad"), "{error}");
+        };
+        open(&[Signal::VoltageMotor]).unwrap();
+        refused(&[Signal::Theta]);
+        seen.match_now(&path, Stamp::at(&path).unwrap(), Signals::of(&[Signal::Theta]));
+        let found = open(&[Signal::VoltageMotor, Signal::Theta]).unwrap();
+        let theta = found.columns().column(Signal::Theta).unwrap();
+        assert_eq!(Some(&*theta), trial.samples.get(Signal::Theta));
+        refused(&[Signal::Theta, Signal::StateBits]);
+        // The same values in other bytes, which are as long as before.
+        let bytes = with_other_entries(&std::fs::read(&path).unwrap(), |entries| {
+            entries.insert("seed".to_owned(), "2".to_owned());
+        });
+        std::fs::write(&path, bytes).unwrap();
+        refused(&[Signal::VoltageMotor, Signal::Theta]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn what_was_read_whole_is_known_to_match_and_what_was_refused_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let hash = hex_blake3(&std::fs::read(&path).unwrap());
+        let seen = Arc::new(Seen::default());
+        let lately = Lately::seeing(seen.clone());
+        let open = |signals: &[Signal]| lately.open_if(Stamp::at, &path, (signals, &[]));
+        let knows = |signals: &[Signal], hash: &str| {
+            seen.matched(&path, Signals::of(signals), || Ok(hash.to_owned())).unwrap()
+        };
+        open(&[Signal::Theta]).unwrap();
+        assert!(!knows(&[Signal::Theta], &hash), "of a file that was never hashed");
+        seen.written(&path, &hash);
+        open(&[Signal::VoltageMotor]).unwrap();
+        assert!(knows(&[Signal::Time, Signal::VoltageMotor], &hash));
+        assert!(!knows(&[Signal::VoltageMotor], "another"), "of other content");
+        assert!(!knows(&[Signal::Theta], &hash), "it was read before that");
+        let seen = with_a_wrong_digest(&path);
+        let lately = Lately::seeing(seen.clone());
+        lately.open_if(Stamp::at, &path, (&[Signal::Theta], &[])).err().unwrap();
+        let hash = hex_blake3(&std::fs::read(&path).unwrap());
+        let wanted = Signals::of(&[Signal::Time, Signal::Theta]);
+        assert!(!seen.matched(&path, wanted, || Ok(hash)).unwrap());
     }
 
     #[test]
@@ -168,7 +248,7 @@ mod tests {
             let (samples, device_s) = (samples.clone(), None);
             lately.keep(Read { path, stamp, meta, samples, device_s, signals, channels });
         }
-        let kept = lately.0.into_inner().unwrap();
+        let kept = lately.read.into_inner().unwrap();
         assert_eq!(
             kept.iter().map(|read| read.path.to_str().unwrap()).collect::<Vec<_>>(),
             ["4", "3", "2"]

@@ -2,6 +2,7 @@
 
 use crate::columns::{Columns, LONG, Recorded};
 use crate::read::{OpenColumns, with_time};
+use crate::seen::{Seen, Signals};
 use crate::shown::Shown;
 use crate::{RealFiles, Signal, StoreError, Trial};
 use std::path::Path;
@@ -37,7 +38,7 @@ impl OpenTrial {
         long: usize,
     ) -> Result<Self, StoreError> {
         let (signals, channels) = (with_time(wanted.0.iter().copied()), wanted.1);
-        Ok(match Self::read_from(path, wanted, long)? {
+        Ok(match Self::read_from(&Seen::default(), path, wanted, long)? {
             Ok((Trial { meta, samples, .. }, device_s)) => {
                 Self::of(meta, Shown::new((Arc::new(samples), device_s), &signals, channels))
             }
@@ -45,25 +46,31 @@ impl OpenTrial {
         })
     }
 
-    /// A short trial, read, and how long the device's clock ran (s); or a long one, opened.
+    /// A short trial, read, and how long the device's clock ran (s); or a long one, opened. Signals
+    /// that matched their digests once are not held against them again.
     pub(crate) fn read(
+        seen: &Seen,
         path: &Path,
-        signals: &[Signal],
-        channels: &[ChannelId],
+        wanted: (&[Signal], &[ChannelId]),
     ) -> Result<Result<(Trial, Option<f64>), Self>, StoreError> {
-        Self::read_from(path, (signals, channels), LONG)
+        Self::read_from(seen, path, wanted, LONG)
     }
 
     fn read_from(
+        seen: &Seen,
         path: &Path,
         (signals, channels): (&[Signal], &[ChannelId]),
         long: usize,
     ) -> Result<Result<(Trial, Option<f64>), Self>, StoreError> {
-        let open = OpenColumns::open(&RealFiles, path)?;
+        let mut open = OpenColumns::open(&RealFiles, path)?;
         if open.rows() > long {
             return Ok(Err(Self::of(open.said()?.0, open)));
         }
         let wanted = with_time(signals.iter().copied());
+        let signals = Signals::of(&wanted);
+        if seen.matched(path, signals, || open.blake3())? {
+            open.matched = signals;
+        }
         let trial = open.read(&wanted, &|channel| channels.contains(&channel.id))?;
         Ok(Ok((trial, open.reach_of(Signal::DeviceTime)?)))
     }

@@ -1,6 +1,6 @@
 //! A Parquet file of ours, opened strictly: its footer checked, its columns not read yet.
 
-use crate::bounds::{MOST_COLUMN_BYTES, check_footer_in, check_pages_in, check_size};
+use crate::bounds::{MOST_COLUMN_BYTES, Said, check_footer_in, check_pages_in, check_size};
 use crate::codec::check_codecs;
 use crate::content::Content;
 use crate::memo::Memo;
@@ -46,46 +46,22 @@ impl ParquetFile {
     /// Opens `path`, checks what it claims, its version and its footer's digest.
     pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
         let content = files.open(path, MOST_RECORDING);
-        Self::of(path, content.map_err(|e| StoreError::io(path, "read", &e))?)
-    }
-
-    /// The same of what was opened.
-    pub(crate) fn of(path: &Path, content: Content) -> Result<Self, StoreError> {
-        if content.length() == 0 {
-            return Err(StoreError::new(path, "the file is empty", DAMAGED));
-        }
-        let schema = check_footer_in(&content).map_err(|why| unreadable(path, DAMAGED, &why))?;
+        let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
+        let (footer, _, schema) = said(path, &content)?;
         let metadata = guarded(path, DAMAGED, || parsed(&content, &schema))?;
-        let file_metadata = metadata.file_metadata();
-        let footer: BTreeMap<String, String> = file_metadata
-            .key_value_metadata()
-            .into_iter()
-            .flatten()
-            .map(|kv| (kv.key.clone(), kv.value.clone().unwrap_or_default()))
-            // The writer of Arrow adds it by itself; our digest is without it.
-            .filter(|(key, _)| key != ARROW_SCHEMA_META_KEY)
-            .collect();
         check_size(path, &metadata, DAMAGED)?;
-        let rows = usize::try_from(file_metadata.num_rows()).unwrap_or(0);
+        let rows = usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(0);
         version(path, &footer)?;
         check_codecs(path, &metadata)?;
-        if footer.get(FOOTER_DIGEST) != Some(&footer_digest(&footer)) {
-            let what = "the file is damaged: its footer does not match its digest";
-            return Err(StoreError::new(path, what, DAMAGED));
-        }
+        check_digest(path, &footer)?;
         Ok(Self { path: path.to_owned(), content, metadata: Arc::new(metadata), footer, rows })
     }
 
     /// Opens a recording: a file without rows is not one.
     pub(crate) fn open_recording(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
-        Self::open(files, path)?.recording()
-    }
-
-    pub(crate) fn recording(self) -> Result<Self, StoreError> {
-        if self.rows == 0 {
-            return Err(StoreError::new(&self.path, "the file has 0 rows", DAMAGED));
-        }
-        Ok(self)
+        let opened = Self::open(files, path)?;
+        check_rows(path, opened.rows)?;
+        Ok(opened)
     }
 
     /// Its columns as Arrow has them, with their types and units.
@@ -202,6 +178,49 @@ impl ParquetFile {
     pub(crate) fn groups(&self) -> Range<usize> {
         0..self.metadata.num_row_groups()
     }
+}
+
+/// The footer and the number of rows of a recording that was opened before, when its content was the
+/// same: where its columns lie is not looked at again.
+///
+/// # Errors
+/// Those of [`ParquetFile::open_recording`], of what is looked at.
+pub(crate) fn opened_before(
+    path: &Path,
+    content: &Content,
+) -> Result<(BTreeMap<String, String>, usize), StoreError> {
+    let (footer, rows, _) = said(path, content)?;
+    version(path, &footer)?;
+    check_digest(path, &footer)?;
+    check_rows(path, rows)?;
+    Ok((footer, rows))
+}
+
+fn check_rows(path: &Path, rows: usize) -> Result<(), StoreError> {
+    if rows > 0 { Ok(()) } else { Err(StoreError::new(path, "the file has 0 rows", DAMAGED)) }
+}
+
+/// What a file says of itself: its footer, how many rows it has, and the bytes that are its schema.
+fn said(
+    path: &Path,
+    content: &Content,
+) -> Result<(BTreeMap<String, String>, usize, Bytes), StoreError> {
+    if content.length() == 0 {
+        return Err(StoreError::new(path, "the file is empty", DAMAGED));
+    }
+    let said = check_footer_in(content).map_err(|why| unreadable(path, DAMAGED, &why))?;
+    let Said { schema, rows, entries: mut footer } = said;
+    // The writer of Arrow adds it by itself; our digest is without it.
+    footer.remove(ARROW_SCHEMA_META_KEY);
+    Ok((footer, usize::try_from(rows).unwrap_or(0), schema))
+}
+
+fn check_digest(path: &Path, footer: &BTreeMap<String, String>) -> Result<(), StoreError> {
+    if footer.get(FOOTER_DIGEST) == Some(&footer_digest(footer)) {
+        return Ok(());
+    }
+    let what = "the file is damaged: its footer does not match its digest";
+    Err(StoreError::new(path, what, DAMAGED))
 }
 
 /// What a footer says. The files of a study have one of a few schemas: that of the same bytes is not

@@ -3,9 +3,9 @@
 use crate::bounds::MOST_VALUES;
 use crate::columns::{Columns, Values};
 use crate::json::from_json;
-use crate::opened::{DAMAGED, ParquetFile, version};
+use crate::opened::{DAMAGED, ParquetFile, opened_before, version};
 use crate::regular::open_end;
-use crate::seen::{Begun, Seen};
+use crate::seen::{Begun, Seen, Signals};
 use crate::trial::{check_column, check_time};
 use crate::values::column_values;
 use crate::write::{CHANNELS, DIGEST, FOOTER_DIGEST, VERSION};
@@ -51,7 +51,7 @@ pub fn read_footer(path: &Path) -> Result<TrialFooter, StoreError> {
 pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFooter, StoreError> {
     let opened = ParquetFile::open_recording(files, path)?;
     let blake3 = opened.blake3()?;
-    footer_of(path, opened, blake3)
+    footer_of(path, &opened.footer, opened.rows, blake3)
 }
 
 /// The same of the real disk, where the hash of a file that was seen before is known: of that the
@@ -60,7 +60,8 @@ pub(crate) fn read_footer_seen(seen: &Seen, path: &Path) -> Result<TrialFooter, 
     if let Some(blake3) = seen.known(path) {
         let content = open_end(path, MOST_RECORDING);
         let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
-        return footer_of(path, ParquetFile::of(path, content)?.recording()?, blake3);
+        let (footer, rows) = opened_before(path, &content)?;
+        return footer_of(path, &footer, rows, blake3);
     }
     let begun = Begun::now(path);
     let footer = read_footer(path)?;
@@ -68,15 +69,25 @@ pub(crate) fn read_footer_seen(seen: &Seen, path: &Path) -> Result<TrialFooter, 
     Ok(footer)
 }
 
-fn footer_of(path: &Path, opened: ParquetFile, blake3: String) -> Result<TrialFooter, StoreError> {
-    let form = form_of(path, &opened.footer)?;
-    let (meta, file) = meta_from(path, opened.footer.clone(), &form)?;
-    // A column that is null throughout has no digest.
-    let signals = Signal::all().filter(|signal| {
-        opened.footer.contains_key(&format!("{DIGEST}{}", signal.column().name_in(form.schema)))
-    });
-    let signals = signals.collect();
-    Ok(TrialFooter { meta, file, form, signals, rows: opened.rows, blake3 })
+fn footer_of(
+    path: &Path,
+    footer: &BTreeMap<String, String>,
+    rows: usize,
+    blake3: String,
+) -> Result<TrialFooter, StoreError> {
+    let form = form_of(path, footer)?;
+    let recorded = recorded(footer, form.schema);
+    let signals = Signal::all().filter(|signal| recorded.has(Signals::of(&[*signal]))).collect();
+    let (meta, file) = (meta_from(path, footer, &form)?, rest_of(footer));
+    Ok(TrialFooter { meta, file, form, signals, rows, blake3 })
+}
+
+/// The signals that a file has: a column that is null throughout has no digest.
+fn recorded(footer: &BTreeMap<String, String>, schema: Schema) -> Signals {
+    let from = footer.range(DIGEST.to_owned()..);
+    let names = from.map_while(|(key, _)| key.strip_prefix(DIGEST));
+    let signal = |name: &str| Signal::all().find(|of| of.column().name_in(schema) == name);
+    Signals::of(&names.filter_map(signal).collect::<Vec<_>>())
 }
 
 /// Reads a trial, with only the `signals` asked for (all: `Signal::all()`). Time is always read.
@@ -149,6 +160,10 @@ pub(crate) struct OpenColumns {
     form: TrialForm,
     file: ParquetFile,
     schema: SchemaRef,
+    /// The signals that the file has.
+    recorded: Signals,
+    /// Those that are known to match their digests.
+    pub(crate) matched: Signals,
     /// The columns that were looked at last.
     last: RefCell<VecDeque<(Signal, Arc<Vec<f64>>)>>,
     /// Which were looked at, and so read and checked.
@@ -164,13 +179,20 @@ impl OpenColumns {
         let file = ParquetFile::open_recording(files, path)?;
         let form = form_of(path, &file.footer)?;
         let schema = file.schema()?;
-        let (last, seen, failed) = Default::default();
-        Ok(Self { form, file, schema, last, seen, failed })
+        let recorded = recorded(&file.footer, form.schema);
+        let (matched, last, seen, failed) = Default::default();
+        Ok(Self { form, file, schema, recorded, matched, last, seen, failed })
+    }
+
+    /// BLAKE3 of the whole file, hexadecimal.
+    pub(crate) fn blake3(&self) -> Result<String, StoreError> {
+        self.file.blake3()
     }
 
     /// What is known of the trial, and what the file says of itself besides.
     pub(crate) fn said(&self) -> Result<(TrialMeta, TrialFile), StoreError> {
-        meta_from(&self.file.path, self.file.footer.clone(), &self.form)
+        let meta = meta_from(&self.file.path, &self.file.footer, &self.form)?;
+        Ok((meta, rest_of(&self.file.footer)))
     }
 
     /// A trial in memory with these signals, and the channels that are wanted.
@@ -256,7 +278,8 @@ impl OpenColumns {
         if !self.has(signal) && self.file.is_said_to_be_null(name) {
             return Ok(None);
         }
-        column_values(&self.file, (name, column.storage), room)
+        let is_known = self.matched.has(Signals::of(&[signal]));
+        column_values(&self.file, (name, column.storage), room, is_known)
     }
 
     /// [`OpenColumns::signal_in`], decoded whatever the statistics say.
@@ -264,7 +287,7 @@ impl OpenColumns {
         let column = signal.column();
         check_field(&self.file.path, &self.schema, column, self.form.schema)?;
         let of = (column.name_in(self.form.schema), column.storage);
-        column_values(&self.file, of, room)
+        column_values(&self.file, of, room, false)
     }
 
     /// [`OpenColumns::signal_in`], and whether it is what a trial's file promises.
@@ -307,7 +330,7 @@ impl OpenColumns {
         let of = (channel.id.as_str(), Storage::F64);
         let described = (of.0, &DataType::Float64, channel.unit.as_str());
         check_described(&self.file.path, &self.schema, described)?;
-        column_values(&self.file, of, Vec::new())
+        column_values(&self.file, of, Vec::new(), false)
     }
 }
 
@@ -337,8 +360,7 @@ impl Columns for OpenColumns {
     }
 
     fn has(&self, signal: Signal) -> bool {
-        let name = signal.column().name_in(self.form.schema);
-        self.file.footer.contains_key(&format!("{DIGEST}{name}"))
+        self.recorded.has(Signals::of(&[signal]))
     }
 
     fn channel(&self, name: &str) -> Option<Values<'_>> {
@@ -445,28 +467,28 @@ pub(crate) fn check_described(
     Ok(())
 }
 
-/// Takes the trial's own keys out of the footer; the rest is what the file says of itself besides.
+/// What a footer says of the trial.
 fn meta_from(
     path: &Path,
-    mut footer: BTreeMap<String, String>,
+    footer: &BTreeMap<String, String>,
     form: &TrialForm,
-) -> Result<(TrialMeta, TrialFile), StoreError> {
+) -> Result<TrialMeta, StoreError> {
     let bad = |key: &str, value: &str| {
         StoreError::new(path, format!("its metadata '{key}' have the value '{value}'"), DAMAGED)
     };
-    let mut take = |key: &str| {
-        footer.remove(key).ok_or_else(|| {
+    let said = |key: &str| {
+        footer.get(key).map(String::as_str).ok_or_else(|| {
             StoreError::new(path, format!("its metadata '{key}' are missing"), DAMAGED)
         })
     };
-    let number = |key: &str, text: String| text.parse::<u32>().map_err(|_| bad(key, &text));
-    let kind = take("kind")?;
-    let status = take("status")?;
-    let source = take("source")?;
-    let likert =
-        if form.likert || form.schema == Schema::One { take("likert")? } else { String::new() };
-    let (environment, mode) = (take("environment")?, take("mode")?);
-    let meta = TrialMeta {
+    let number = |key: &str| {
+        let text = said(key)?;
+        text.parse::<u32>().map_err(|_| bad(key, text))
+    };
+    let (kind, status, source) = (said("kind")?, said("status")?, said("source")?);
+    let likert = if form.likert || form.schema == Schema::One { said("likert")? } else { "" };
+    let (environment, mode) = (said("environment")?, said("mode")?);
+    Ok(TrialMeta {
         participant: from_path(path, "participant").and_then(|t| {
             ParticipantId::new(t)
                 .map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
@@ -474,16 +496,13 @@ fn meta_from(
         session: from_path(path, "session").and_then(|t| {
             SessionId::new(t).map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
         })?,
-        trial: number("trial", take("trial")?)?,
-        repeat: number("repeat", take("repeat")?)?,
-        kind: Kind::from_word(&kind).ok_or_else(|| bad("kind", &kind))?,
-        status: Status::from_word(&status).ok_or_else(|| bad("status", &status))?,
-        environment: environment
-            .clone()
-            .try_into()
-            .map_err(|_| bad("environment", &environment))?,
-        mode: mode.clone().try_into().map_err(|_| bad("mode", &mode))?,
-        likert: match likert.as_str() {
+        trial: number("trial")?,
+        repeat: number("repeat")?,
+        kind: Kind::from_word(kind).ok_or_else(|| bad("kind", kind))?,
+        status: Status::from_word(status).ok_or_else(|| bad("status", status))?,
+        environment: environment.parse().map_err(|_| bad("environment", environment))?,
+        mode: mode.parse().map_err(|_| bad("mode", mode))?,
+        likert: match likert {
             "" => None,
             text => Some(
                 text.parse()
@@ -492,13 +511,23 @@ fn meta_from(
                     .ok_or_else(|| bad("likert", text))?,
             ),
         },
-        source: Source::from_word(&source).ok_or_else(|| bad("source", &source))?,
-    };
-    footer.retain(|key, _| {
+        source: Source::from_word(source).ok_or_else(|| bad("source", source))?,
+    })
+}
+
+/// The keys of a footer that say what is known of the trial.
+const OF_TRIAL: [&str; 8] =
+    ["trial", "repeat", "kind", "status", "environment", "mode", "likert", "source"];
+
+/// What a file says of itself besides.
+fn rest_of(footer: &BTreeMap<String, String>) -> TrialFile {
+    let is_rest = |key: &str| {
         !key.starts_with(DIGEST)
-            && ![VERSION, FOOTER_DIGEST, CHANNELS, "units"].contains(&key.as_str())
-    });
-    Ok((meta, footer))
+            && ![VERSION, FOOTER_DIGEST, CHANNELS, "units"].contains(&key)
+            && !OF_TRIAL.contains(&key)
+    };
+    let rest = footer.iter().filter(|(key, _)| is_rest(key));
+    rest.map(|(key, value)| (key.clone(), value.clone())).collect()
 }
 
 /// The value of a Hive partition folder (`key=value`) in a path.
@@ -517,7 +546,12 @@ pub(crate) fn from_path(path: &Path, key: &str) -> Result<String, StoreError> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::codec::tests::said_to_be;
     use crate::{RealFiles, trial_bytes, write_new};
+    use parquet::basic::CompressionCodec;
+    use parquet::file::metadata::{
+        FileMetaData, KeyValue, ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter,
+    };
     use std::path::PathBuf;
 
     /// That of a study with one question.
@@ -555,6 +589,36 @@ pub(crate) mod tests {
         (trial, path)
     }
 
+    /// A file's bytes with other entries in its footer, which match their own digest.
+    pub(crate) fn with_other_entries(
+        bytes: &[u8],
+        change: impl FnOnce(&mut BTreeMap<String, String>),
+    ) -> Vec<u8> {
+        let file = bytes::Bytes::copy_from_slice(bytes);
+        let metadata = ParquetMetaDataReader::new().parse_and_finish(&file).unwrap();
+        let of = metadata.file_metadata();
+        let entries = of.key_value_metadata().unwrap().iter();
+        let mut entries =
+            entries.map(|entry| (entry.key.clone(), entry.value.clone().unwrap())).collect();
+        change(&mut entries);
+        entries.insert(FOOTER_DIGEST.to_owned(), crate::write::footer_digest(&entries));
+        let entries = entries.into_iter().map(|(key, value)| KeyValue::new(key, value));
+        let said = FileMetaData::new(
+            of.version(),
+            of.num_rows(),
+            of.created_by().map(str::to_owned),
+            Some(entries.collect()),
+            of.schema_descr_ptr(),
+            of.column_orders().cloned(),
+        );
+        let metadata = ParquetMetaData::new(said, metadata.row_groups().to_vec());
+        let end = bytes.len() - 8;
+        let length = u32::from_le_bytes(bytes[end..end + 4].try_into().unwrap()) as usize;
+        let mut changed = bytes[..end - length].to_vec();
+        ParquetMetaDataWriter::new(&mut changed, &metadata).finish().unwrap();
+        changed
+    }
+
     #[test]
     fn a_trial_comes_back_as_it_was_written() {
         let folder = tempfile::tempdir().unwrap();
@@ -571,6 +635,48 @@ pub(crate) mod tests {
         let path = Path::new("x");
         let bytes = || trial_bytes(&sample_trial(), &form(), path);
         assert_eq!(bytes(), bytes());
+    }
+
+    #[test]
+    fn a_footer_says_what_the_parquet_crate_finds_in_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let file = bytes::Bytes::from(std::fs::read(&path).unwrap());
+        let metadata = ParquetMetaDataReader::new().parse_and_finish(&file).unwrap();
+        let entries = metadata.file_metadata().key_value_metadata().unwrap().iter();
+        let mut entries: BTreeMap<String, String> =
+            entries.map(|entry| (entry.key.clone(), entry.value.clone().unwrap())).collect();
+        assert!(entries.remove("ARROW:schema").is_some() && entries.len() > 10);
+        let opened = ParquetFile::open(&RealFiles, &path).unwrap();
+        assert_eq!((&opened.footer, opened.rows), (&entries, 200));
+    }
+
+    /// Nothing of a file that was hashed before is read but its end.
+    #[test]
+    #[cfg(unix)]
+    fn a_footer_that_was_read_before_says_the_same_without_the_columns_being_looked_at() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let footer = read_footer(&path).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let changed = said_to_be(&bytes, CompressionCodec::BROTLI);
+        for (bytes, seen_before) in [(&bytes, true), (&changed, true), (&changed, false)] {
+            std::fs::write(&path, bytes).unwrap();
+            let seen = Seen::default();
+            if seen_before {
+                seen.written(&path, &footer.blake3);
+                assert_eq!(read_footer_seen(&seen, &path).unwrap(), footer);
+            } else {
+                assert!(read_footer_seen(&seen, &path).unwrap_err().what.contains("Brotli"));
+            }
+        }
+        let other = with_other_entries(&bytes, |entries| {
+            entries.insert("kind".to_owned(), "no kind".to_owned());
+        });
+        std::fs::write(&path, other).unwrap();
+        let seen = Seen::default();
+        seen.written(&path, &footer.blake3);
+        assert!(read_footer_seen(&seen, &path).unwrap_err().what.contains("'kind'"));
     }
 
     #[test]

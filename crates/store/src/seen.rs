@@ -8,9 +8,13 @@
 //! last written back.
 //! [`verify`](crate::verify) reads everything, whatever is known. Where a system keeps no such time,
 //! nothing is known.
+//!
+//! A recording's signals are held against their digests when they are first read. After that its
+//! bytes as they are read then are held against their hash: they say the same in less time, because
+//! they are packed.
 
 use crate::regular::read_regular;
-use crate::{Layout, StoreError, file_blake3};
+use crate::{Layout, Signal, StoreError, file_blake3};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::Metadata;
@@ -91,8 +95,39 @@ impl Begun {
     }
 }
 
-/// A file as it was, and the hash of its content then.
-type Known = (Stamp, String);
+/// A file as it was, the hash of its content then, and of a recording the signals of that content
+/// that matched their digests.
+type Known = (Stamp, String, Signals);
+
+/// Signals of a recording, a bit for each.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Signals(u16);
+
+const _: () = assert!(Signal::COUNT <= u16::BITS as usize);
+
+impl Signals {
+    pub(crate) fn of(signals: &[Signal]) -> Self {
+        Self(signals.iter().fold(0, |bits, signal| bits | 1 << *signal as usize))
+    }
+
+    pub(crate) fn has(self, others: Self) -> bool {
+        self.0 & others.0 == others.0
+    }
+}
+
+/// What [`Seen::file`] holds.
+#[derive(Serialize, Deserialize)]
+struct Written<N, F> {
+    /// The signal that each bit stands for, from the lowest on.
+    signals: Vec<N>,
+    files: F,
+}
+
+/// The names of all signals, in the order of their bits.
+fn names() -> Vec<&'static str> {
+    Signal::all().map(Signal::name).collect()
+}
 
 /// The hashes of a study's files, recordings and results, by what these files were.
 #[derive(Debug, Default)]
@@ -114,7 +149,9 @@ impl Seen {
     /// understood.
     pub fn of(layout: &Layout) -> Self {
         let text = read_regular(&Self::file(layout), MOST_SEEN).unwrap_or_default();
-        let before = serde_json::from_slice(&text).unwrap_or_default();
+        let written = serde_json::from_slice(&text).ok();
+        let written = written.filter(|found: &Written<String, _>| found.signals == names());
+        let before = written.map(|found| found.files).unwrap_or_default();
         Self { before, ..Self::nothing(layout) }
     }
 
@@ -140,14 +177,47 @@ impl Seen {
     /// Remembers what was read of a file since `begun`, unless it changed meanwhile.
     pub(crate) fn read(&self, path: &Path, begun: Begun, blake3: &str) {
         if let Some(stamp) = begun.0.filter(|stamp| Stamp::at(path) == Some(*stamp)) {
-            self.note(path, (stamp, blake3.to_owned()));
+            self.note(path, (stamp, blake3.to_owned(), Signals::default()));
         }
     }
 
     /// Remembers what was just written to a file.
     pub fn written(&self, path: &Path, blake3: &str) {
         if let Some(stamp) = Stamp::at(path) {
-            self.note(path, (stamp, blake3.to_owned()));
+            self.note(path, (stamp, blake3.to_owned(), Signals::default()));
+        }
+    }
+
+    /// How many bytes a file had when it was last hashed.
+    pub fn length(&self, path: &Path) -> Option<u64> {
+        self.noted(path, |(stamp, ..)| stamp.length)
+    }
+
+    /// Whether these signals of a recording matched their digests when its content was the same:
+    /// `blake3` of it now is asked for only where they did at all.
+    pub(crate) fn matched(
+        &self,
+        path: &Path,
+        signals: Signals,
+        blake3: impl FnOnce() -> Result<String, StoreError>,
+    ) -> Result<bool, StoreError> {
+        let found =
+            self.noted(path, |(_, hash, matched)| matched.has(signals).then(|| hash.clone()));
+        Ok(match found.flatten() {
+            Some(hash) => hash == blake3()?,
+            None => false,
+        })
+    }
+
+    /// Remembers that these signals matched their digests, of a recording that is what it was when
+    /// it was hashed.
+    pub(crate) fn match_now(&self, path: &Path, stamp: Stamp, signals: Signals) {
+        let more = self.noted(path, |(before, hash, matched)| {
+            let is_more = *before == stamp && !matched.has(signals);
+            is_more.then(|| (stamp, hash.clone(), Signals(matched.0 | signals.0)))
+        });
+        if let Some(more) = more.flatten() {
+            self.note(path, more);
         }
     }
 
@@ -156,20 +226,26 @@ impl Seen {
     pub fn text(&self) -> Option<Vec<u8>> {
         let (since, now) = (self.since(), SystemTime::now());
         // What was written a moment ago is hashed once more by the next run.
-        let settled = since.iter().filter(|(_, (stamp, _))| stamp.is_settled(now));
+        let settled = since.iter().filter(|(_, (stamp, ..))| stamp.is_settled(now));
         let mut settled = settled.map(|(path, known)| (path.as_str(), known)).peekable();
         settled.peek()?;
         let before = self.before.iter().map(|(path, known)| (path.as_str(), known));
-        let all: BTreeMap<_, _> = before.chain(settled).collect();
-        if all.len() < WORTH_WRITING { None } else { serde_json::to_vec(&all).ok() }
+        let files: BTreeMap<_, _> = before.chain(settled).collect();
+        let is_worth_it = files.len() >= WORTH_WRITING;
+        is_worth_it.then(|| serde_json::to_vec(&Written { signals: names(), files }).ok()).flatten()
     }
 
     /// The hash of a file that has not changed.
     pub(crate) fn known(&self, path: &Path) -> Option<String> {
+        let (stamp, hash) = self.noted(path, |(stamp, hash, _)| (*stamp, hash.clone()))?;
+        (Stamp::at(path)? == stamp).then_some(hash)
+    }
+
+    /// What `part` takes of what is known of a file.
+    fn noted<T>(&self, path: &Path, part: impl FnOnce(&Known) -> T) -> Option<T> {
         let named = self.named(path)?;
         let (before, since) = (self.before.get(named), self.since());
-        let (stamp, hash) = since.get(named).or(before)?;
-        (Stamp::at(path)? == *stamp).then(|| hash.clone())
+        since.get(named).or(before).map(part)
     }
 
     fn note(&self, path: &Path, known: Known) {
@@ -217,6 +293,7 @@ mod tests {
         let (_folder, layout, path) = known("text");
         let seen = knowing(&layout, &path, "told");
         assert_eq!(seen.blake3(&path).unwrap(), "told", "nothing was read");
+        assert_eq!([&path, &layout.raw()].map(|path| seen.length(path)), [Some(4), None]);
         assert_eq!(Seen::nothing(&layout).blake3(&path).unwrap(), hex_blake3(b"text"));
         // As long as before, and with the time of its last write set back.
         let modified = fs::metadata(&path).unwrap().modified().unwrap();
@@ -264,15 +341,17 @@ mod tests {
         let seen = knowing(&layout, &path, "told");
         assert_eq!(seen.text(), None);
         let long_ago = Stamp { changed: (1, 0), ..Stamp::at(&path).unwrap() };
-        let note =
-            |i: usize| seen.note(&layout.derived().join(i.to_string()), (long_ago, i.to_string()));
+        let note = |i: usize| {
+            seen.note(&layout.derived().join(i.to_string()), (long_ago, i.to_string(), Signals(5)))
+        };
         (0..WORTH_WRITING).for_each(note);
         fs::write(Seen::file(&layout), seen.text().unwrap()).unwrap();
         let back = Seen::of(&layout);
         assert_eq!(back.before.len(), WORTH_WRITING, "what was just written is left out");
-        assert_eq!(back.before["derived/s/7"], (long_ago, "7".to_owned()));
+        assert_eq!(back.before["derived/s/7"], (long_ago, "7".to_owned(), Signals(5)));
         assert_eq!(back.text(), None, "nothing is new");
-        for damaged in ["", "[]", "{\"derived/s/7\": 1}", "\u{0}"] {
+        let other = String::from_utf8(seen.text().unwrap()).unwrap().replace("t_s", "t_min");
+        for damaged in ["", "[]", "{\"derived/s/7\": 1}", "\u{0}", &other] {
             fs::write(Seen::file(&layout), damaged).unwrap();
             assert!(Seen::of(&layout).before.is_empty());
         }

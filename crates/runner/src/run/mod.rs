@@ -93,7 +93,7 @@ pub fn run(
     // A shard that has nothing to make says so, too.
     board.unsaved = !remarks.is_empty() || options.shard.is_some();
     let (hashes, board) = (Hashes::seen(&options.known, options.seen.clone()), Mutex::new(board));
-    let (trials, planned) = (Lately::default(), outputs(jobs));
+    let (trials, planned) = (Lately::seeing(options.seen.clone()), outputs(jobs));
     let run = Run { jobs, before, results, options, done, hashes, trials, planned, board };
     for begin in [Board::waiting_for_none, Board::in_a_circle] {
         let ready = begin(&mut run.board());

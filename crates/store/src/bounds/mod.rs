@@ -10,8 +10,10 @@ use crate::StoreError;
 use crate::content::Content;
 use bytes::Bytes;
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
+use std::string::FromUtf8Error;
 
 /// Rows of one file: nine hours at 1 kHz; a column in memory takes 256 MiB.
 pub const MOST_ROWS: usize = 1 << 25;
@@ -44,11 +46,21 @@ pub fn check_footer(bytes: &[u8]) -> Result<(), String> {
     claims_of(footer_of(bytes).ok_or(NO_FOOTER)?).map(drop)
 }
 
-/// [`check_footer`] of a file of which no more is read than that; the bytes that are its schema.
+/// What the footer of a file says, but for where its columns lie.
+pub(crate) struct Said {
+    /// The bytes that are its schema.
+    pub(crate) schema: Bytes,
+    /// How many rows it claims.
+    pub(crate) rows: i64,
+    /// Its keys and their values.
+    pub(crate) entries: BTreeMap<String, String>,
+}
+
+/// [`check_footer`] of a file of which no more is read than that; what it says.
 ///
 /// # Errors
 /// Those of [`check_footer`]; the disk's.
-pub(crate) fn check_footer_in(content: &Content) -> Result<Bytes, String> {
+pub(crate) fn check_footer_in(content: &Content) -> Result<Said, String> {
     let read = |from: u64, length: usize| content.range(from, length).map_err(|e| e.to_string());
     let end = content.length().checked_sub(TAIL as u64).ok_or(NO_FOOTER)?;
     let tail = read(end, TAIL)?;
@@ -61,7 +73,12 @@ pub(crate) fn check_footer_in(content: &Content) -> Result<Bytes, String> {
     // Before it is read.
     check_length(length)?;
     let footer = read(from, length)?;
-    Ok(footer.slice(claims_of(&footer)?))
+    let Claims { schema, rows, entries, .. } = claims_of(&footer)?;
+    let text = |bytes: Range<usize>| String::from_utf8(footer[bytes].to_vec());
+    let entries = entries.into_iter().map(|(key, value)| Ok((text(key)?, text(value)?)));
+    let entries: Result<_, FromUtf8Error> = entries.collect();
+    let entries = entries.map_err(|_| "its footer is no text".to_owned())?;
+    Ok(Said { schema: footer.slice(schema), rows, entries })
 }
 
 const NO_FOOTER: &str = "its end is missing: it was cut short, or is not a Parquet file";
@@ -73,22 +90,27 @@ fn check_length(bytes: usize) -> Result<(), String> {
     }
 }
 
-/// Where the schema lies in a footer whose claims can be believed.
-fn claims_of(footer: &[u8]) -> Result<Range<usize>, String> {
+/// The claims of a footer, if they can be believed.
+fn claims_of(footer: &[u8]) -> Result<Claims, String> {
     check_length(footer.len())?;
-    let (mut claims, mut schema) = (Claims::default(), 0..0);
-    // In `FileMetaData` field 2 is the schema, and 4 the row groups.
+    let mut claims = Claims::default();
+    // In `FileMetaData` field 2 is the schema, 3 the number of rows, 4 the row groups, and 5 the entries.
     Walk { bytes: footer, at: 0 }
         .fields(0, &mut |walk, field, kind| match (field, kind) {
             (2, LIST) => {
                 let from = walk.at;
                 walk.list(&mut |walk, _| walk.schema_element(&mut claims.children))?;
-                schema = from..walk.at;
+                claims.schema = from..walk.at;
                 Some(())
             }
+            (3, I64) => walk.zigzag().map(|rows| claims.rows = rows),
             (4, LIST) => walk.list(&mut |walk, kind| {
                 claims.groups += 1;
                 walk.skip(kind, 1)
+            }),
+            (5, LIST) => walk.list(&mut |walk, kind| match kind {
+                STRUCT => walk.entry().map(|entry| claims.entries.push(entry)),
+                _ => walk.skip(kind, 1),
             }),
             _ => walk.skip(kind, 0),
         })
@@ -99,7 +121,7 @@ fn claims_of(footer: &[u8]) -> Result<Range<usize>, String> {
     if depth(&claims.children).is_none_or(|depth| depth > MOST_DEPTH) {
         return Err(format!("its columns are nested more than {MOST_DEPTH} deep"));
     }
-    Ok(schema)
+    Ok(claims)
 }
 
 /// Checks the number of rows and columns, and that the row groups have as many, by the footer's
@@ -276,6 +298,11 @@ fn footer_of(bytes: &[u8]) -> Option<&[u8]> {
 
 #[derive(Default)]
 struct Claims {
+    /// Where the schema lies.
+    schema: Range<usize>,
+    rows: i64,
+    /// Where keys and their values lie.
+    entries: Vec<(Range<usize>, Range<usize>)>,
     groups: usize,
     /// The number of children of each schema element, in the order in which a tree is walked.
     children: Vec<usize>,
@@ -400,10 +427,7 @@ impl Walk<'_> {
             BYTE => self.pass(1),
             I16 | I32 | I64 => self.varint().map(drop),
             DOUBLE => self.pass(DOUBLE_BYTES),
-            BINARY => {
-                let length = usize::try_from(self.varint()?).ok()?;
-                self.pass(length)
-            }
+            BINARY => self.binary().map(drop),
             LIST | SET => self.list(&mut |walk, kind| match kind {
                 TRUE | FALSE => walk.pass(1), // in a list a truth value has a byte of its own
                 _ => walk.skip(kind, depth + 1),
@@ -411,6 +435,26 @@ impl Walk<'_> {
             STRUCT => self.fields(depth + 1, &mut |walk, _, kind| walk.skip(kind, depth + 1)),
             _ => None,
         }
+    }
+
+    /// Walks bytes that follow their length: where they lie.
+    fn binary(&mut self) -> Option<Range<usize>> {
+        let length = usize::try_from(self.varint()?).ok()?;
+        let from = self.at;
+        self.pass(length)?;
+        Some(from..self.at)
+    }
+
+    /// Walks a key with its value, which is empty where there is none.
+    fn entry(&mut self) -> Option<(Range<usize>, Range<usize>)> {
+        let (mut key, mut value) = (0..0, 0..0);
+        // In `KeyValue` 1 is the key, and 2 the value.
+        self.fields(1, &mut |walk, field, kind| match (field, kind) {
+            (1, BINARY) => walk.binary().map(|found| key = found),
+            (2, BINARY) => walk.binary().map(|found| value = found),
+            _ => walk.skip(kind, 2),
+        })?;
+        Some((key, value))
     }
 
     /// Walks an element of the schema and notes its number of children.
