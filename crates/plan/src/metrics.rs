@@ -213,9 +213,16 @@ fn make_study(
         let joined = zwidth_metrics::join_sessions(read_parts(tables)?)?;
         Ok(joined.ok_or("there is no trial")?)
     };
-    let all = zwidth_metrics::join_plant(&join(plain)?, &join(plant)?)?;
-    let conditions = zwidth_metrics::by_condition(&all, conditions)?;
-    write_tables(&[all, conditions], making, Vec::new())
+    let (plain, plant) = rayon::join(|| join(plain), || join(plant));
+    let all = zwidth_metrics::join_plant(&plain?, &plant?)?;
+    // The last job of many: nothing else is left to be done beside it.
+    let written =
+        |table: &Table, output: usize| table.to_parquet(making.from, &making.outputs[output]);
+    let (all, conditions) = rayon::join(
+        || written(&all, 0),
+        || Ok::<_, JobError>(written(&zwidth_metrics::by_condition(&all, conditions)?, 1)?),
+    );
+    Ok(Made { outputs: vec![all?, conditions?], ..Made::default() })
 }
 
 /// What `verify` finds in a trial's samples, which count all the same.

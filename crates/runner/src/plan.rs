@@ -1,6 +1,7 @@
 //! Order: which jobs can run now, and which jobs others need.
 
 use crate::Job;
+use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ffi::OsStr;
 
@@ -39,13 +40,14 @@ pub(crate) fn levels(jobs: &[Job]) -> Vec<Vec<usize>> {
 }
 
 /// The chosen jobs and every job whose outputs they need, however far back, in the order given.
-pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool) -> Vec<bool> {
-    let mut keep: Vec<bool> = jobs.iter().map(chosen).collect();
+pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool + Sync) -> Vec<bool> {
+    let mut keep: Vec<bool> = jobs.par_iter().map(&chosen).collect();
     loop {
         let kept = jobs.iter().zip(&keep).filter(|(_, keep)| **keep);
         let needed: HashSet<&OsStr> =
             kept.flat_map(|(job, _)| job.inputs.iter().map(|input| input.as_os_str())).collect();
         let more: Vec<usize> = (0..jobs.len())
+            .into_par_iter()
             .filter(|i| {
                 !keep[*i] && jobs[*i].outputs.iter().any(|o| needed.contains(o.as_os_str()))
             })

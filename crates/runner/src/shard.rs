@@ -135,7 +135,7 @@ pub(crate) fn share(
 /// outputs they need.
 pub(crate) fn up_to_date(
     jobs: &[Job],
-    chosen: impl Fn(&Job) -> bool,
+    chosen: impl Fn(&Job) -> bool + Sync,
     root: &Path,
     records: &Records,
     hashes: &Hashes,

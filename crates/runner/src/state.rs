@@ -51,7 +51,7 @@ pub fn states<'j>(
     jobs: &'j [Job],
     root: &Path,
     records: &Records,
-    chosen: impl Fn(&Job) -> bool,
+    chosen: impl Fn(&Job) -> bool + Sync,
 ) -> Vec<State<'j>> {
     states_by(&Hashes::default(), jobs, root, records, chosen)
 }
@@ -62,7 +62,7 @@ pub(crate) fn states_by<'j>(
     jobs: &'j [Job],
     root: &Path,
     records: &Records,
-    chosen: impl Fn(&Job) -> bool,
+    chosen: impl Fn(&Job) -> bool + Sync,
 ) -> Vec<State<'j>> {
     let wanted = with_needs(jobs, chosen);
     let mut states = Vec::new();

@@ -12,7 +12,8 @@ use crate::walk::files_below;
 use crate::{Entry, Files, Layout, SessionLog, Signal, StoreError, TrialEntry};
 use rayon::prelude::*;
 use serde::Deserialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use zwidth_study::{Event, RECORD_VERSION, SessionRecord};
 
@@ -277,10 +278,16 @@ pub(crate) fn lost(
     let imported = record.source.is_imported();
     let planned = record.trials.iter().filter(|t| imported && t.samples).map(|t| t.trial);
     let trials: BTreeSet<u32> = recorded.chain(planned).collect();
+    let path = |trial: &u32| layout.trial(&record.participant, &record.session, *trial);
+    let folder = trials.first().map(path);
+    let entries = folder.and_then(|path| files.list(path.parent()?).ok()).unwrap_or_default();
+    let there = entries.iter().filter(|(_, kind)| *kind == Entry::File);
+    let there: HashSet<&OsStr> = there.filter_map(|(path, _)| path.file_name()).collect();
     let mut lost = Vec::new();
     for trial in trials {
-        let path = layout.trial(&record.participant, &record.session, trial);
-        if files.kind(&path) != Some(Entry::File) && !left_out(events, trial) {
+        let path = path(&trial);
+        let is_there = path.file_name().is_some_and(|name| there.contains(name));
+        if !is_there && !left_out(events, trial) {
             let what = "the trial belongs to the session, but its file is missing";
             let remedy = "restore the file from a copy, or exclude the trial";
             lost.push(StoreError::new(&path, what, remedy));

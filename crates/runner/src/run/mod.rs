@@ -11,10 +11,10 @@ use crate::{Job, Made, Making, Provenance, Records, Results, strip_root};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-use zwidth_store::{Lately, StoreError, hex_blake3};
+use zwidth_store::{Lately, Seen, StoreError, hex_blake3};
 
 mod options;
 mod unplanned;
@@ -85,7 +85,7 @@ pub fn run(
     let wanted = wanted(jobs, results, options)?;
     let (read, mut board) = rayon::join(
         || records_before(jobs, &wanted, results, options),
-        || Board::new(jobs, &wanted),
+        || Board::new(jobs, &wanted, &options.seen),
     );
     let (before, mut remarks) = read?;
     board.records = before.clone();
@@ -94,7 +94,8 @@ pub fn run(
     board.unsaved = !remarks.is_empty() || options.shard.is_some();
     let (hashes, board) = (Hashes::seen(&options.known, options.seen.clone()), Mutex::new(board));
     let (trials, planned) = (Lately::seeing(options.seen.clone()), outputs(jobs));
-    let run = Run { jobs, before, results, options, done, hashes, trials, planned, board };
+    let saved = Mutex::new((Instant::now(), Duration::ZERO));
+    let run = Run { jobs, before, results, options, done, hashes, trials, planned, board, saved };
     for begin in [Board::waiting_for_none, Board::in_a_circle] {
         let ready = begin(&mut run.board());
         rayon::scope(|scope| run.spawn(scope, ready));
@@ -117,10 +118,10 @@ pub fn run(
         remarks.extend(stayed.collect::<Vec<_>>().into_iter().flatten());
         remarks.extend(nobodys(&planned, results));
     }
-    if unsaved && !options.dry_run {
-        save(&records, results, options)?;
-    }
-    keep_seen(results, options);
+    let is_unsaved = unsaved && !options.dry_run;
+    let save = || if is_unsaved { save(&records, results, options) } else { Ok(()) };
+    let (saved, ()) = rayon::join(save, || keep_seen(results, options));
+    saved?;
     // Of a large study that takes long, and nobody needs it to be over.
     rayon::spawn(move || drop((records, before)));
     Ok(Done { reports: reports.into_iter().flatten().collect(), remarks })
@@ -130,8 +131,8 @@ pub fn run(
 /// after.
 const SAVED_EVERY: Duration = Duration::from_secs(1);
 
-/// To save those of a large study takes long, and jobs that end wait meanwhile: no more than one
-/// part in so many of the time goes into it.
+/// To save those of a large study takes long: no more than one part in so many of the time of a core
+/// goes into it.
 const PARTS_OF_SAVING: u32 = 30;
 
 /// Whether records are saved again, so long after they were last, which took so long.
@@ -144,9 +145,10 @@ fn is_save_due(since: Duration, took: Duration) -> bool {
 const MUCH: u64 = 1 << 24;
 
 /// Which jobs read much, as far as their inputs are there.
-fn read_much(jobs: &[Job]) -> Vec<bool> {
+fn read_much(jobs: &[Job], seen: &Seen) -> Vec<bool> {
     let inputs: HashSet<&OsStr> = jobs.iter().flat_map(|job| names(&job.inputs)).collect();
-    let bytes = |path: &OsStr| std::fs::metadata(path).map_or(0, |found| found.len());
+    let found = |path: &OsStr| std::fs::metadata(path).map_or(0, |found| found.len());
+    let bytes = |path: &OsStr| seen.length(Path::new(path)).unwrap_or_else(|| found(path));
     let inputs: HashMap<&OsStr, u64> =
         inputs.into_par_iter().map(|path| (path, bytes(path))).collect();
     jobs.iter()
@@ -164,8 +166,6 @@ struct Board<'j> {
     records: Records,
     /// Whether these differ from those in their file.
     unsaved: bool,
-    /// When records were last saved, and how long it took.
-    saved: (Instant, Duration),
     /// Outputs that could not be made.
     failed: BTreeSet<&'j PathBuf>,
     reports: Vec<Option<Report>>,
@@ -191,7 +191,7 @@ struct Board<'j> {
 }
 
 impl Board<'_> {
-    fn new(jobs: &[Job], wanted: &[bool]) -> Self {
+    fn new(jobs: &[Job], wanted: &[bool], seen: &Seen) -> Self {
         let needs = needs(jobs);
         // What nobody asked for is not waited for: it lies there.
         let waits_for = |i: usize| needs[i].iter().filter(|maker| wanted[**maker]).count();
@@ -202,14 +202,13 @@ impl Board<'_> {
         Board {
             records: Records::default(),
             unsaved: false,
-            saved: (Instant::now(), Duration::ZERO),
             failed: BTreeSet::new(),
             reports: jobs.iter().map(|_| None).collect(),
             readers,
             waits: (0..jobs.len()).map(|i| wanted[i].then(|| waits_for(i))).collect(),
             ready: BTreeSet::new(),
             at_work: BTreeSet::new(),
-            large: read_much(jobs),
+            large: read_much(jobs, seen),
             large_runs: false,
             held: VecDeque::new(),
             stayed: Vec::new(),
@@ -312,6 +311,8 @@ struct Run<'j> {
     /// What all jobs of the plan make.
     planned: HashSet<&'j PathBuf>,
     board: Mutex<Board<'j>>,
+    /// When records were last saved, and how long it took; locked while they are.
+    saved: Mutex<(Instant, Duration)>,
 }
 
 impl<'j> Run<'j> {
@@ -343,22 +344,21 @@ impl<'j> Run<'j> {
                 (self.done)(report);
             }
             let mut board = self.board();
-            if let Err(error) = result.and_then(|result| self.note(&mut board, i, result)) {
-                board.disk.get_or_insert(error);
+            match result {
+                Ok(result) => self.note(&mut board, i, result),
+                Err(error) => _ = board.disk.get_or_insert(error),
             }
             let next = board.after(i);
             drop(board);
             self.spawn(scope, next);
+            if let Err(error) = self.save_when_due() {
+                self.board().disk.get_or_insert(error);
+            }
         });
     }
 
     /// Remembers how a job ended.
-    fn note(
-        &self,
-        board: &mut Board<'j>,
-        i: usize,
-        (report, record): (Report, Option<Record>),
-    ) -> Result<(), StoreError> {
+    fn note(&self, board: &mut Board<'j>, i: usize, (report, record): (Report, Option<Record>)) {
         let job = &self.jobs[i];
         match (&report.verdict, record) {
             (JobEnd::Made(_) | JobEnd::UpToDate, Some(record)) => {
@@ -378,12 +378,25 @@ impl<'j> Run<'j> {
             _ => {}
         }
         board.reports[i] = Some(report);
-        let (saved, took) = board.saved;
-        if board.unsaved && !self.options.dry_run && is_save_due(saved.elapsed(), took) {
-            let begun = Instant::now();
-            save(&board.records, self.results, self.options)?;
-            (board.unsaved, board.saved) = (false, (Instant::now(), begun.elapsed()));
+    }
+
+    /// Saves the records of the jobs that have ended, unless they were a moment ago or are being saved.
+    /// Other jobs go on meanwhile.
+    fn save_when_due(&self) -> Result<(), StoreError> {
+        let Ok(mut saved) = self.saved.try_lock() else { return Ok(()) };
+        if self.options.dry_run || !is_save_due(saved.0.elapsed(), saved.1) {
+            return Ok(());
         }
+        let records = {
+            let mut board = self.board();
+            if !std::mem::take(&mut board.unsaved) {
+                return Ok(());
+            }
+            board.records.clone()
+        };
+        let begun = Instant::now();
+        save(&records, self.results, self.options)?;
+        *saved = (Instant::now(), begun.elapsed());
         Ok(())
     }
 

@@ -502,7 +502,7 @@ fn of_a_part_one_job_after_the_other_is_made_while_there_are_others() {
     };
     let (a, b) = (Some("P01.S01"), Some("P02.S01"));
     let jobs = [("a1", a), ("a2", a), ("b1", b), ("b2", b), ("c1", None), ("c2", None)].map(of);
-    let mut board = Board::new(&jobs, &[true; 6]);
+    let mut board = Board::new(&jobs, &[true; 6], &zwidth_store::Seen::default());
     let ready = board.waiting_for_none();
     board.ready.extend(ready.into_iter().map(|i| (true, i)));
     let mut next = |ended: &[usize]| {
