@@ -35,8 +35,8 @@ PEERS = {
 class Study:
     """A simulated study below a folder of its own, and zwidth at work on it."""
 
-    def __init__(self, zwidth, folder, participants):
-        self.zwidth, self.root = zwidth, folder / str(participants)
+    def __init__(self, zwidth, folder, participants, aside):
+        self.zwidth, self.root, self.aside = zwidth, folder / str(participants), aside
         self.raw, self.derived = (self.root / place / STUDY for place in ("raw", "derived"))
         if not self.raw.exists():
             self.make(folder / f"{participants}.unfinished", participants)
@@ -52,25 +52,27 @@ class Study:
     def run(self, *words):
         return measured(self.zwidth, "--root", self.root, *words)
 
-    def forget(self):
-        for place in ("derived", "reports"):
-            shutil.rmtree(self.root / place / STUDY, ignore_errors=True)
+    def lay_aside(self, *made):
+        """What is to be made anew, for as long as the bench runs: some file systems make files slowly for seconds
+        after they removed thousands."""
+        aside = Path(tempfile.mkdtemp(dir=self.aside))
+        for path in (self.derived / name for name in made):
+            if path.exists():
+                path.rename(aside / path.name)
 
     def first(self):
         """The metrics as somebody gets them who asks for them first: with the plant that some rest on."""
-        self.forget()
+        self.lay_aside("")
         return self.run("-v", "run", STUDY, "--only", "metrics")
 
-    def stage(self):
-        """The metrics anew, where the plant is known. Those before are laid aside: some file systems make files
-        slowly for seconds after they removed thousands."""
-        aside = Path(tempfile.mkdtemp(dir=self.root))
-        for made in ("metrics", "metrics.parquet", "conditions.parquet"):
-            (self.derived / made).rename(aside / made)
-        try:
-            return self.run("-v", "run", STUDY, "--only", "metrics")
-        finally:
-            shutil.rmtree(aside)
+    def stage(self, *forgotten):
+        """The metrics anew, where the plant is known."""
+        self.lay_aside("metrics", "metrics.parquet", "conditions.parquet", *forgotten)
+        return self.run("-v", "run", STUDY, "--only", "metrics")
+
+    def unseen(self):
+        """The same, where no run has written down what the files were."""
+        return self.stage(".hashes.json")
 
 
 def stage_seconds(said):
@@ -95,6 +97,7 @@ def in_turns(study, examples, scratch, rounds):
         runs.setdefault("decode", []).append(measured(decode, study.raw / "trials"))
         runs.setdefault("alone", []).append(measured(examples / "metrics", study.root, STUDY))
         runs.setdefault("first", []).append(study.first())
+        runs.setdefault("unseen", []).append(study.unseen())
         runs.setdefault("stage", []).append(study.stage())
         for name, (script, *words) in PEERS.items():
             table = scratch / "metrics.parquet"
@@ -129,6 +132,7 @@ def times(runs, ours, differences):
     stage = runs["stage"]
     rows = [cells("decoding alone, parquet in Rust", "–", runs["decode"], stage),
             cells("**zwidth, the stage `metrics`**", str(ours), stage, stage),
+            cells("zwidth, the stage, its files never seen", str(ours), runs["unseen"], stage),
             cells("zwidth, its reader and metrics alone", str(ours), runs["alone"], stage),
             cells("zwidth, with the identification before it", str(ours), runs["first"], stage)]
     rows += [cells(name, str(len(differences[name])), runs[name], stage) for name in PEERS]
@@ -182,9 +186,10 @@ def page(study, runs, differences, ours, raw):
         times(runs, ours, differences),
         f"`-v` says that the jobs of zwidth's stage took {stage:.1f} s together, in which time that one spends on\n"
         "another's work counts twice. The stage looks at each file for its footer and then reads it,\n"
-        "checks the columns that it reads, and writes tables with records of what they were made from. Its reader\n"
-        "and metrics alone read each file once, do not ask whether clock and angle are plausible, and write\n"
-        "nothing; they make the metrics of practice trials too. The stage's\n"
+        "compares its bytes with their hash, and writes tables with records of what they were made from. Where no run\n"
+        "has seen the files before, it hashes each and holds the columns that it reads against their digests; so\n"
+        "do its reader and metrics alone, which read each file once, do not ask whether clock and angle are\n"
+        "plausible, and write nothing; they make the metrics of practice trials too. The stage's\n"
         f"{ours} columns have intervals and energies among them. The peers make {least} of them, with FINUFFT\n"
         f"{most}, and check, hash and record nothing.\n",
         beside(runs),
@@ -207,8 +212,8 @@ def main():
     arguments.add_argument("--participants", type=int, default=1000)
     arguments.add_argument("--rounds", type=int, default=3)
     given = arguments.parse_args()
-    study = Study(given.zwidth.resolve(), given.folder.resolve(), given.participants)
     with tempfile.TemporaryDirectory(dir=given.folder) as scratch:
+        study = Study(given.zwidth.resolve(), given.folder.resolve(), given.participants, Path(scratch).resolve())
         runs, differences = in_turns(study, given.examples.resolve(), Path(scratch), given.rounds)
         raw = sum(file.stat().st_size for file in (study.raw / "trials").glob("*/*/*.parquet"))
         parts = page(study, runs, differences, count_columns(study.derived / "metrics.parquet"), raw)
