@@ -1,6 +1,6 @@
 //! The trials of a study, or of one session, by their footers.
 
-use crate::read::{TrialFooter, read_footer_from, read_footer_seen};
+use crate::footer::{TrialFooter, read_footer_from, read_footer_seen};
 use crate::study::parquet_below;
 use crate::{Files, Layout, Seen, StoreError, TrialEntry};
 use rayon::prelude::*;

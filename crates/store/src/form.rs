@@ -1,7 +1,7 @@
 //! Whether a study's trial files are all of one form. Those of two do not open as one data set in
 //! other tools, so a study keeps the form it began with.
 
-use crate::read::read_footer_from;
+use crate::footer::read_footer_from;
 use crate::study::parquet_below;
 use crate::{Files, Layout, StoreError, TrialEntry};
 use zwidth_study::{Study, TrialForm};

@@ -5,8 +5,9 @@
 //! without end.
 
 use crate::events::read_events_from;
+use crate::footer::read_footer_from;
 use crate::journal::read_journal;
-use crate::read::{read_footer_from, read_trial_from};
+use crate::read::read_trial_from;
 use crate::sessions::record_from;
 use crate::sweep::read_sweep_from;
 use crate::{Files, Signal, StoreError};

@@ -21,6 +21,7 @@ mod entries;
 mod error;
 mod events;
 mod fit;
+mod footer;
 mod form;
 mod frame;
 mod hash;
@@ -80,6 +81,7 @@ pub use content::Content;
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
 pub use events::{Entered, append_events, new_log, read_events};
+pub use footer::{TrialFooter, read_footer};
 pub use form::check_form;
 pub use frame::Protocol;
 pub use hash::{file_blake3, hex_blake3};
@@ -96,8 +98,8 @@ pub use plausible::Asked;
 pub use port::{PortFile, read_port};
 pub use raw::Raw;
 pub use read::{
-    TrialFooter, read_channels, read_entries, read_footer, read_parquet, read_parquet_columns,
-    read_trial, read_trial_and_channels, read_trial_from,
+    read_channels, read_entries, read_parquet, read_parquet_columns, read_trial,
+    read_trial_and_channels, read_trial_from,
 };
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover, unfinished_below};

@@ -1,8 +1,8 @@
 //! Which recordings of others a study's files were imported from, so that each counts once. What
 //! cannot be read is a finding of `verify`, and no error here.
 
+use crate::footer::read_footer_from;
 use crate::opened::ParquetFile;
-use crate::read::read_footer_from;
 use crate::regular::text;
 use crate::sessions::{MOST_RECORD, record_from};
 use crate::walk::files_below;

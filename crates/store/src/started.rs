@@ -7,10 +7,10 @@
 
 use crate::atomic::folder_of;
 use crate::events::{mend_log, take_back_events};
+use crate::footer::read_footer_from;
 use crate::hash::blake3_of;
 use crate::json::from_json;
 use crate::opened::ParquetFile;
-use crate::read::read_footer_from;
 use crate::recover::{Done, Recovered, sweep_unfinished};
 use crate::regular::text;
 use crate::sessions::{MOST_RECORD, record_from};

@@ -413,7 +413,7 @@ fn list_sweeps(files: &dyn Files, layout: &Layout) -> Vec<Result<SweepEntry, Sto
     found
         .into_par_iter()
         .map(|path| {
-            let actuator = crate::read::from_path(&path, "actuator")?;
+            let actuator = crate::footer::from_path(&path, "actuator")?;
             let actuator = ActuatorId::new(actuator)
                 .map_err(|e| StoreError::new(&path, e.to_string(), "rename the folder"))?;
             entry(files, layout, path, actuator)

@@ -1,8 +1,9 @@
 //! Sweeps: what an actuator or sensor did while its command was varied.
 
 use crate::digest::column_digest;
+use crate::footer::from_path;
 use crate::opened::ParquetFile;
-use crate::read::{check_described, from_path};
+use crate::read::check_described;
 use crate::values::floats;
 use crate::write::{DIGEST, described};
 use crate::{Files, Layout, RealFiles, Storage, StoreError, SweepEntry, write_parquet};
