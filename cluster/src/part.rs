@@ -111,8 +111,7 @@ fn asked(jobs: Vec<Job>, task: &Task) -> anyhow::Result<Vec<Job>> {
 }
 
 fn packed(task: &Task, records: Records, root: &Path) -> anyhow::Result<Vec<u8>> {
-    let outputs = records.iter().flat_map(|(_, record)| record.outputs.keys().cloned());
-    let files: Vec<String> = outputs.collect();
+    let files: Vec<String> = records.outputs().map(|(path, _)| path).collect();
     let read = |path: &String| {
         std::fs::read(root.join(path)).with_context(|| format!("{path} cannot be read"))
     };

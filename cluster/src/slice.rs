@@ -68,10 +68,10 @@ impl<'d> Slices<'d> {
             Ok(RawFile { path: shown(&path), blake3 })
         });
         let made: HashSet<&PathBuf> = due.iter().flat_map(|job| &job.outputs).collect();
-        let inputs: BTreeSet<&PathBuf> = due.iter().flat_map(|job| &job.inputs).collect();
+        let inputs: BTreeSet<PathBuf> = due.iter().flat_map(|job| job.inputs()).collect();
         let given: Vec<&PathBuf> = inputs
-            .into_iter()
-            .filter(|path| !path.starts_with(self.data.layout.raw()) && !made.contains(path))
+            .iter()
+            .filter(|path| !path.starts_with(self.data.layout.raw()) && !made.contains(*path))
             .collect();
         let task = Task {
             zwidth: PROGRAM.to_owned(),
@@ -95,9 +95,8 @@ impl<'d> Slices<'d> {
     /// The raw files of the smallest slice by which these jobs come out as they are.
     fn raw_files(&self, due: &[&Job]) -> BTreeSet<PathBuf> {
         let raw = self.data.layout.raw();
-        let needed = due.iter().flat_map(|job| job.inputs.iter().chain(&job.origins));
-        let needed: BTreeSet<PathBuf> =
-            needed.filter(|path| path.starts_with(&raw)).cloned().collect();
+        let needed = due.iter().flat_map(|job| [job.inputs(), job.origins.clone()].concat());
+        let needed: BTreeSet<PathBuf> = needed.filter(|path| path.starts_with(&raw)).collect();
         let own: Vec<&TrialEntry> =
             needed.iter().filter_map(|path| self.trials.get(path.as_path()).copied()).collect();
         let sessions: BTreeSet<String> =
@@ -161,8 +160,8 @@ fn comes_out_alike(slice: &StudyData, due: &[&Job]) -> bool {
     let key = |job: &Job| {
         (
             job.stage,
-            job.parameters.clone(),
-            job.inputs.clone(),
+            job.parameters(),
+            job.inputs(),
             job.origins.clone(),
             job.outputs.clone(),
         )

@@ -3,7 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::Path;
-use zwidth_store::{Append, Files, RealFiles, append_to};
+use zwidth_store::{Append, Content, Files, RealFiles, append_to};
 
 /// The real disk without syncs. A kill costs no more than on [`RealFiles`]; a power cut may cost
 /// everything.
@@ -20,6 +20,10 @@ impl Append for Open {
 }
 
 impl Files for Unsynced {
+    fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
+        RealFiles.open(path, most)
+    }
+
     fn create_folder(&self, path: &Path) -> io::Result<()> {
         RealFiles.create_folder(path)
     }

@@ -123,8 +123,7 @@ mod tests {
             let results = Results::new(&away, &RealFiles);
             run(&work, &results, &Options::default(), &|_| {}).unwrap();
             let records = Records::read(&results).unwrap().0;
-            let paths: Vec<String> =
-                records.iter().flat_map(|(_, record)| record.outputs.keys().cloned()).collect();
+            let paths: Vec<String> = records.outputs().map(|(path, _)| path).collect();
             let read = |path: String| (path.clone(), fs::read(away.root().join(path)).unwrap());
             lay_down(
                 Sent { records, files: paths.into_iter().map(read).collect() },

@@ -107,8 +107,33 @@ pub fn strip_root(root: &Path, text: &str) -> String {
     if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }
 }
 
-/// The function that makes a job's outputs.
-type Make = Box<dyn Fn(&Making) -> Result<Made, JobError> + Send + Sync>;
+/// What a job is made from, and the function that does it. A plan has tens of thousands of jobs, so
+/// the text of its parameters and the list of its inputs are there when they are asked for.
+trait Work: Send + Sync {
+    fn parameters(&self) -> Result<String, String>;
+    fn files(&self) -> Vec<PathBuf>;
+    fn make(&self, making: &Making) -> Result<Made, JobError>;
+}
+
+struct Of<P, I> {
+    parameters: P,
+    inputs: I,
+    make: fn(&P, &I, &Making) -> Result<Made, JobError>,
+}
+
+impl<P: Serialize + Send + Sync, I: Inputs> Work for Of<P, I> {
+    fn parameters(&self) -> Result<String, String> {
+        canonical(&self.parameters)
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.inputs.files()
+    }
+
+    fn make(&self, making: &Making) -> Result<Made, JobError> {
+        (self.make)(&self.parameters, &self.inputs, making)
+    }
+}
 
 /// One unit of work.
 pub struct Job {
@@ -119,11 +144,6 @@ pub struct Job {
     /// The part of the study whose trials it takes, `P01.S01.spring.hybrid`: all jobs of a part are
     /// one shard's ([`crate::Shard`]). `None` for a job of the whole study.
     pub part: Option<String>,
-    /// Everything but files that the outputs depend on, as canonical text: JSON in the order of
-    /// the declaration, or its hash where that is long.
-    pub parameters: String,
-    /// Files it reads, each once.
-    pub inputs: Vec<PathBuf>,
     /// Files from which its parameters come. The record names them; a change of one of them is not
     /// a reason to make the job again.
     pub origins: Vec<PathBuf>,
@@ -131,7 +151,7 @@ pub struct Job {
     pub outputs: Vec<PathBuf>,
     /// Whether it is made even when some of its inputs could not be: they are then missing files.
     pub tolerant: bool,
-    pub(crate) make: Make,
+    work: Box<dyn Work>,
 }
 
 /// Longest text of parameters that is kept as it is, bytes.
@@ -152,28 +172,39 @@ impl Job {
         P: Serialize + Send + Sync + 'static,
         I: Inputs,
     {
-        let mut files = inputs.files();
-        // By their bytes: that is quicker than name by name, and any order will do.
-        files.sort_unstable_by(|a, b| a.as_os_str().cmp(b.as_os_str()));
-        files.dedup_by(|a, b| a.as_os_str() == b.as_os_str());
-        let written = canonical(&parameters);
-        // Told when the job is made: it fails alone, and the others are planned and run.
-        let failed = written.as_ref().err().cloned();
-        let make = move |making: &Making| match &failed {
-            Some(why) => Err(format!("its parameters cannot be written: {why}").into()),
-            None => make(&parameters, &inputs, making),
-        };
         Self {
             stage,
             name: name.into(),
             part: None,
-            parameters: written.unwrap_or_default(),
-            inputs: files,
             origins: Vec::new(),
             outputs,
             tolerant: false,
-            make: Box::new(make),
+            work: Box::new(Of { parameters, inputs, make }),
         }
+    }
+
+    /// Everything but files that the outputs depend on, as canonical text: JSON in the order of
+    /// the declaration, or its hash where that is long. Nothing where they cannot be written: then
+    /// the job fails when it is made.
+    pub fn parameters(&self) -> String {
+        self.work.parameters().unwrap_or_default()
+    }
+
+    /// Files it reads, each once.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let mut files = self.work.files();
+        // By their bytes: that is quicker than name by name, and any order will do.
+        files.sort_unstable_by(|a, b| a.as_os_str().cmp(b.as_os_str()));
+        files.dedup_by(|a, b| a.as_os_str() == b.as_os_str());
+        files
+    }
+
+    /// Makes its outputs.
+    pub(crate) fn make(&self, making: &Making) -> Result<Made, JobError> {
+        if let Err(why) = self.work.parameters() {
+            return Err(format!("its parameters cannot be written: {why}").into());
+        }
+        self.work.make(making)
     }
 
     /// The same, made even when some of its inputs could not be.
@@ -207,11 +238,36 @@ impl Job {
     }
 }
 
+#[cfg(test)]
+impl Job {
+    /// The same, made by a function that holds what a test looks at.
+    pub(crate) fn made_by(
+        self,
+        make: impl Fn(&Making) -> Result<Made, JobError> + Send + Sync + 'static,
+    ) -> Self {
+        struct Other<F>(Box<dyn Work>, F);
+
+        impl<F: Fn(&Making) -> Result<Made, JobError> + Send + Sync> Work for Other<F> {
+            fn parameters(&self) -> Result<String, String> {
+                self.0.parameters()
+            }
+
+            fn files(&self) -> Vec<PathBuf> {
+                self.0.files()
+            }
+
+            fn make(&self, making: &Making) -> Result<Made, JobError> {
+                (self.1)(making)
+            }
+        }
+
+        Self { work: Box::new(Other(self.work, make)), ..self }
+    }
+}
+
 /// Parameters as text: JSON, fields in the order of their declaration.
 fn canonical(parameters: &impl Serialize) -> Result<String, String> {
-    let mut text = serde_json::to_string(parameters).map_err(|e| e.to_string())?;
-    // It grew by doubling, and a large study keeps tens of thousands.
-    text.shrink_to_fit();
+    let text = serde_json::to_string(parameters).map_err(|e| e.to_string())?;
     Ok(match text.len() {
         length if length > MOST_PARAMETERS => {
             format!("\"{length} bytes, BLAKE3 {}\"", hex_blake3(text.as_bytes()))
@@ -237,9 +293,9 @@ mod tests {
             who: &'static str,
         }
         let short = job(Parameters { level: 0.95, who: "P01" });
-        assert_eq!(short.parameters, r#"{"level":0.95,"who":"P01"}"#);
-        let (a, b) = (job("a".repeat(MOST_PARAMETERS)), job("b".repeat(MOST_PARAMETERS)));
-        assert!(a.parameters.len() < 100 && a.parameters != b.parameters, "{}", a.parameters);
+        assert_eq!(short.parameters(), r#"{"level":0.95,"who":"P01"}"#);
+        let [a, b] = ["a", "b"].map(|text| job(text.repeat(MOST_PARAMETERS)).parameters());
+        assert!(a.len() < 100 && a != b, "{a}");
     }
 
     #[test]
@@ -248,7 +304,7 @@ mod tests {
         let job = job(map);
         let (from, root) = (Provenance::new(), Path::new(""));
         let making = Making { from: &from, outputs: &[], root, trials: &Lately::default() };
-        let error = (job.make)(&making).unwrap_err();
+        let error = job.make(&making).unwrap_err();
         assert!(error.to_string().contains("its parameters cannot be written"), "{error}");
     }
 
@@ -258,6 +314,6 @@ mod tests {
         let inputs = (vec![path("b"), path("a")], Some(path("a")), [path("c")]);
         let stage = Stage { name: "s", version: 1 };
         let job = Job::new(stage, "j", (), inputs, Vec::new(), |(), _, _| Ok(Made::default()));
-        assert_eq!(job.inputs, [path("a"), path("b"), path("c")]);
+        assert_eq!(job.inputs(), [path("a"), path("b"), path("c")]);
     }
 }

@@ -3,11 +3,11 @@
 //! A shard writes its own outputs and its own manifest, and nothing else: shards that run at the
 //! same time never write the same file. Each write is of a whole file, or does not happen.
 
-use crate::record::{MOST_RECORDS, Records};
-use crate::{Results, Shard};
+use crate::{Record, Records, Results, Shard};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use zwidth_store::{Layout, StoreError, hex_blake3};
+use std::sync::Arc;
+use zwidth_store::{Layout, MOST_BYTES, StoreError, hex_blake3};
 
 /// The version of the program: results of another version are not merged.
 pub const PROGRAM: &str = env!("CARGO_PKG_VERSION");
@@ -57,7 +57,7 @@ impl Manifest {
     /// A link on the way to it.
     pub(crate) fn read(results: &Results, shard: Shard) -> Result<Option<Found>, StoreError> {
         let path = file(results.layout(), shard);
-        let Some(read) = results.read(&path, MOST_RECORDS)? else { return Ok(None) };
+        let Some(read) = results.read(&path, MOST_BYTES)? else { return Ok(None) };
         let blake3 = read.as_ref().map_or_else(|_| String::new(), |bytes| hex_blake3(bytes));
         let manifest = match read {
             Ok(bytes) => parsed(results.layout(), shard, &path, &bytes),
@@ -129,7 +129,7 @@ fn parsed(
         let made = &manifest.zwidth;
         return Err(refused(format!("zwidth {made:?} made it, and this is zwidth {PROGRAM}")));
     }
-    let elsewhere = |(job, record): (&str, &crate::Record)| {
+    let elsewhere = |(job, record): (&str, Arc<Record>)| {
         record.names_elsewhere(layout).map(|why| format!("the job {job:?}: {why}"))
     };
     let wrong = manifest.records.iter().find_map(elsewhere);

@@ -68,14 +68,12 @@ pub fn merge<'r, 'j>(
 
 /// Copies the files of a shard; how many.
 fn copy(offer: &Offer, own: &Results) -> Result<usize, StoreError> {
-    let records = offer.manifest.records.iter();
-    let outputs: Vec<(&String, &String)> =
-        records.flat_map(|(_, record)| &record.outputs).collect();
+    let outputs: Vec<(String, String)> = offer.manifest.records.outputs().collect();
     for (path, hash) in &outputs {
         let failed =
             |what: String| StoreError::new(&offer.results.root().join(path), what, "merge again");
         let bytes = content(offer.results, path).map_err(failed)?;
-        if hex_blake3(&bytes) != **hash {
+        if hex_blake3(&bytes) != *hash {
             return Err(failed("it has changed since the merge began".to_owned()));
         }
         own.write(&own.root().join(path), &bytes)?;

@@ -3,7 +3,8 @@
 use crate::Job;
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap, HashSet};
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
+use std::path::PathBuf;
 
 /// For each job, the jobs whose outputs it reads.
 pub(crate) fn needs(jobs: &[Job]) -> Vec<BTreeSet<usize>> {
@@ -13,10 +14,11 @@ pub(crate) fn needs(jobs: &[Job]) -> Vec<BTreeSet<usize>> {
         .enumerate()
         .flat_map(|(i, job)| job.outputs.iter().map(move |output| (output.as_os_str(), i)))
         .collect();
-    let numbered = jobs.iter().enumerate();
+    let numbered = jobs.par_iter().enumerate();
     numbered
         .map(|(i, job)| {
-            let makers = job.inputs.iter().filter_map(|file| maker.get(file.as_os_str()).copied());
+            let inputs = job.inputs();
+            let makers = inputs.iter().filter_map(|file| maker.get(file.as_os_str()).copied());
             // A job that reads its own output would wait for itself for ever.
             makers.filter(|maker| *maker != i).collect()
         })
@@ -44,8 +46,8 @@ pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool + Sync) -> 
     let mut keep: Vec<bool> = jobs.par_iter().map(&chosen).collect();
     loop {
         let kept = jobs.iter().zip(&keep).filter(|(_, keep)| **keep);
-        let needed: HashSet<&OsStr> =
-            kept.flat_map(|(job, _)| job.inputs.iter().map(|input| input.as_os_str())).collect();
+        let needed: HashSet<OsString> =
+            kept.flat_map(|(job, _)| job.inputs()).map(PathBuf::into_os_string).collect();
         let more: Vec<usize> = (0..jobs.len())
             .into_par_iter()
             .filter(|i| {

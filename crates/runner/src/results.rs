@@ -8,8 +8,8 @@ use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use zwidth_store::{
-    Entry, Files, Layout, MOST_BYTES, StoreError, files_below, hex_blake3, replace, replace_by,
-    unfinished_below,
+    Content, Entry, Files, Layout, MOST_BYTES, StoreError, files_below, hex_blake3, replace,
+    replace_by, unfinished_below,
 };
 
 /// `derived/<study>` and `reports/<study>`: nothing else in a run writes or removes there, and it
@@ -122,6 +122,23 @@ impl<'a> Results<'a> {
         Ok(match self.files.read(path, most) {
             Err(error) if error.kind() == ErrorKind::NotFound => None,
             read => Some(read.map_err(|e| StoreError::io(path, "read", &e))),
+        })
+    }
+
+    /// What a file of the study's results holds, as [`Results::read`] reads it, to be read part by
+    /// part.
+    ///
+    /// # Errors
+    /// A link on the way to it.
+    pub(crate) fn open(
+        &self,
+        path: &Path,
+        most: u64,
+    ) -> Result<Option<Result<Content, StoreError>>, StoreError> {
+        self.check(path)?;
+        Ok(match self.files.open(path, most) {
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            opened => Some(opened.map_err(|e| StoreError::io(path, "read", &e))),
         })
     }
 

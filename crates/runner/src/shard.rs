@@ -164,7 +164,7 @@ mod tests {
                 vec![output],
                 |(), _, _| Ok(Made::default()),
             );
-        Job { part: part.map(str::to_owned), ..job }
+        part.into_iter().fold(job, Job::of_part)
     }
 
     #[test]

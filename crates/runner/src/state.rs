@@ -70,10 +70,8 @@ pub(crate) fn states_by<'j>(
         let work: Vec<&Job> = level.into_iter().filter(|i| wanted[*i]).map(|i| &jobs[i]).collect();
         let state = |job: &&'j Job| {
             let now = Record::now(job, root, hashes);
-            State {
-                job,
-                changes: changes(records.get(&job.name), &now, &hashes.of(root, &job.outputs)),
-            }
+            let before = records.get(&job.name);
+            State { job, changes: changes(before.as_deref(), &now, &hashes.of(root, &job.outputs)) }
         };
         let found: Vec<State> = work.par_iter().map(state).collect();
         for state in found.iter().filter(|s| !s.changes.is_empty()) {

@@ -142,15 +142,15 @@ fn compare(
         let now = Record::now(job, root, hashes);
         let before = records.get(&job.name);
         is_own[i] = before.is_some_and(|before| {
-            first_change(before, &now, || hashes.of(root, &job.outputs)).is_none()
+            first_change(&before, &now, || hashes.of(root, &job.outputs)).is_none()
         });
-        let mut first: Option<Record> = None;
+        let mut first: Option<Arc<Record>> = None;
         for (k, offer) in offers.iter_mut().enumerate().filter(|(_, o)| o.refused.is_none()) {
             let Some(record) = offer.manifest.records.get(&job.name) else { continue };
-            match why_not(job, &now, record, (own, offer.results), first.as_ref()) {
+            match why_not(job, &now, &record, (own, offer.results), first.as_deref()) {
                 Some(why) => offer.refused = Some(format!("{}: {why}", job.name)),
                 None => {
-                    first.get_or_insert_with(|| record.clone());
+                    first.get_or_insert(record);
                     offered[i].push(k);
                 }
             }

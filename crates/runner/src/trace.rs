@@ -4,7 +4,8 @@
 use crate::Records;
 use crate::record::Record;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::sync::Arc;
 
 /// A file as a job read it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -16,12 +17,12 @@ pub struct Source {
 }
 
 /// A job behind a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Step<'r> {
     /// The job's name.
     pub job: &'r str,
     /// The record of its last success.
-    pub record: &'r Record,
+    pub record: Arc<Record>,
 }
 
 /// Everything behind a job's outputs.
@@ -38,25 +39,27 @@ pub struct Trace<'r> {
 
 /// Everything behind the outputs of the job of that name; `None` if there is no record of it.
 pub fn trace<'r>(records: &'r Records, job: &str) -> Option<Trace<'r>> {
-    let all = records.iter().map(|(job, record)| Step { job, record });
-    let makers: BTreeMap<&String, Step> =
-        all.flat_map(|step| step.record.outputs.keys().map(move |path| (path, step))).collect();
-    let (first, record) = records.iter().find(|(name, _)| *name == job)?;
-    let mut waiting = VecDeque::from([Step { job: first, record }]);
-    let mut seen = BTreeSet::from([first]);
+    // The job that made each file, and with which content.
+    let mut makers: HashMap<String, (&str, String)> = HashMap::new();
+    for (job, record) in records.iter() {
+        let outputs = Arc::unwrap_or_clone(record).outputs.into_iter();
+        makers.extend(outputs.map(|(path, hash)| (path, (job, hash))));
+    }
+    let (first, _) = records.0.get_key_value(job)?;
+    let mut waiting = VecDeque::from([first.as_str()]);
+    let mut seen = BTreeSet::from([first.as_str()]);
     let mut steps = Vec::new();
     let (mut sources, mut lost) = (BTreeSet::new(), BTreeSet::new());
-    while let Some(step) = waiting.pop_front() {
+    while let Some(job) = waiting.pop_front() {
+        let step = Step { job, record: records.get(job)? };
         // What was missing when the job was made did not enter it.
         let read = step.record.inputs.iter().chain(&step.record.origins);
         for (path, blake3) in read.filter(|(_, hash)| !hash.is_empty()) {
             let source = || Source { path: path.clone(), blake3: blake3.clone() };
             match makers.get(path) {
                 None => _ = sources.insert(source()),
-                Some(maker) if maker.record.outputs.get(path) != Some(blake3) => {
-                    _ = lost.insert(source())
-                }
-                Some(maker) if seen.insert(maker.job) => waiting.push_back(*maker),
+                Some((_, made)) if made != blake3 => _ = lost.insert(source()),
+                Some((maker, _)) if seen.insert(*maker) => waiting.push_back(*maker),
                 Some(_) => {}
             }
         }
@@ -68,6 +71,7 @@ pub fn trace<'r>(records: &'r Records, job: &str) -> Option<Trace<'r>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::records::Kept;
 
     fn record(inputs: &[(&str, &str)], output: (&str, &str)) -> Record {
         let map = |files: &[(&str, &str)]| {
@@ -83,7 +87,9 @@ mod tests {
             ("figure", record(&[("raw/a", "1"), ("mean", "3")], ("figure", "4"))),
             ("page", record(&[("figure", "4"), ("gone", "")], ("page", "5"))),
         ];
-        Records(jobs.into_iter().map(|(name, record)| (name.to_owned(), record.into())).collect())
+        Records(
+            jobs.into_iter().map(|(name, record)| (name.to_owned(), Kept::here(record))).collect(),
+        )
     }
 
     fn paths(sources: &[Source]) -> Vec<&str> {
@@ -103,7 +109,8 @@ mod tests {
     #[test]
     fn a_content_that_was_replaced_since_is_told_and_not_guessed() {
         let mut records = records();
-        records.0.insert("mean".to_owned(), record(&[("raw/c", "7")], ("mean", "8")).into());
+        let other = record(&[("raw/c", "7")], ("mean", "8"));
+        records.0.insert("mean".to_owned(), Kept::here(other));
         let trace = trace(&records, "figure").unwrap();
         assert_eq!(trace.lost, [Source { path: "mean".to_owned(), blake3: "3".to_owned() }]);
         assert_eq!(paths(&trace.sources), ["raw/a"], "not raw/c: the figure did not see it");

@@ -57,7 +57,7 @@ impl Content {
     }
 
     /// How many bytes.
-    pub(crate) fn length(&self) -> u64 {
+    pub fn length(&self) -> u64 {
         match &self.0 {
             Kept::Memory(bytes) => bytes.len() as u64,
             Kept::Disk { length, .. } | Kept::End { length, .. } => *length,
@@ -68,7 +68,7 @@ impl Content {
     ///
     /// # Errors
     /// There are fewer, or they cannot be read.
-    pub(crate) fn range(&self, from: u64, length: usize) -> io::Result<Bytes> {
+    pub fn range(&self, from: u64, length: usize) -> io::Result<Bytes> {
         let within = from.checked_add(length as u64).is_some_and(|to| to <= self.length());
         if !within {
             return Err(io::ErrorKind::UnexpectedEof.into());

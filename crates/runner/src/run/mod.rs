@@ -7,10 +7,10 @@ use crate::hashes::{Hashes, show_path};
 use crate::plan::needs;
 use crate::provenance::provenance;
 use crate::record::Record;
+use crate::records::Kept;
 use crate::{Job, Made, Making, Provenance, Records, Results, strip_root};
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashMap, HashSet, VecDeque};
-use std::ffi::OsStr;
+use std::collections::{BTreeSet, HashSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ mod unplanned;
 
 pub use options::{Options, wanted};
 use options::{keep_seen, records_before, save};
-use unplanned::{nobodys, outputs, remove_unplanned, unplanned};
+use unplanned::{nobodys, outputs, remove_unplanned, take_unplanned};
 
 /// How a job ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -111,15 +111,15 @@ pub fn run(
     }
     remarks.extend(stayed);
     if options.only.is_none() && options.shard.is_none() && !options.dry_run {
-        unsaved |= !unplanned(jobs, &mut records).is_empty();
-        // Of jobs that are gone all, of the others what they no longer make.
-        let made: Vec<&Arc<Record>> = before.0.values().collect();
-        let stayed = made.par_iter().map(|record| remove_unplanned(&planned, record, results));
-        remarks.extend(stayed.collect::<Vec<_>>().into_iter().flatten());
+        unsaved |= take_unplanned(jobs, &mut records);
+        // Of jobs that are gone all, of those that failed what they no longer make.
+        let others = before.0.keys().filter(|name| !records.0.contains_key(*name));
+        let others = others.filter_map(|name| before.get(name));
+        remarks.extend(others.flat_map(|record| remove_unplanned(&planned, &record, results)));
         remarks.extend(nobodys(&planned, results));
     }
     let is_unsaved = unsaved && !options.dry_run;
-    let save = || if is_unsaved { save(&records, results, options) } else { Ok(()) };
+    let save = || if is_unsaved { save(&records, results, options).map(drop) } else { Ok(()) };
     let (saved, ()) = rayon::join(save, || keep_seen(results, options));
     saved?;
     // Of a large study that takes long, and nobody needs it to be over.
@@ -146,19 +146,10 @@ const MUCH: u64 = 1 << 24;
 
 /// Which jobs read much, as far as their inputs are there.
 fn read_much(jobs: &[Job], seen: &Seen) -> Vec<bool> {
-    let inputs: HashSet<&OsStr> = jobs.iter().flat_map(|job| names(&job.inputs)).collect();
-    let found = |path: &OsStr| std::fs::metadata(path).map_or(0, |found| found.len());
-    let bytes = |path: &OsStr| seen.length(Path::new(path)).unwrap_or_else(|| found(path));
-    let inputs: HashMap<&OsStr, u64> =
-        inputs.into_par_iter().map(|path| (path, bytes(path))).collect();
-    jobs.iter()
-        .map(|job| names(&job.inputs).filter_map(|path| inputs.get(path)).sum::<u64>() > MUCH)
-        .collect()
-}
-
-/// Paths as they are written: those of one plan are written alike.
-fn names(paths: &[PathBuf]) -> impl Iterator<Item = &OsStr> {
-    paths.iter().map(|path| path.as_os_str())
+    let found = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
+    let bytes = |path: &Path| seen.length(path).unwrap_or_else(|| found(path));
+    let of = |job: &Job| job.inputs().iter().map(|path| bytes(path)).sum::<u64>();
+    jobs.par_iter().map(|job| of(job) > MUCH).collect()
 }
 
 /// How a run stands.
@@ -275,8 +266,11 @@ impl Board<'_> {
     }
 
     /// The first of a job's inputs that could not be made.
-    fn first_failed(&self, inputs: &[PathBuf]) -> Option<PathBuf> {
-        inputs.iter().find(|input| self.failed.contains(input)).cloned()
+    fn first_failed(&self, job: &Job) -> Option<PathBuf> {
+        if self.failed.is_empty() {
+            return None;
+        }
+        job.inputs().into_iter().find(|input| self.failed.contains(input))
     }
 
     /// Jobs that waited for this one alone, from now on begun.
@@ -295,6 +289,21 @@ impl Board<'_> {
             };
         }
         freed
+    }
+}
+
+/// What came of a job.
+struct Ended {
+    report: Report,
+    /// Its record, if that is another than before.
+    record: Option<Record>,
+    /// What it made before, makes no more, and could not be removed.
+    stayed: Vec<StoreError>,
+}
+
+impl Ended {
+    fn of(report: Report) -> Self {
+        Self { report, record: None, stayed: Vec::new() }
     }
 }
 
@@ -338,14 +347,14 @@ impl<'j> Run<'j> {
             let Some(i) = self.board().next(self.jobs) else { return };
             let begun = Instant::now();
             let mut result = self.one(&self.jobs[i]);
-            result.iter_mut().for_each(|(report, _)| report.took = begun.elapsed());
+            result.iter_mut().for_each(|ended| ended.report.took = begun.elapsed());
             // Before the board is locked: whoever listens may take long.
-            if let Ok((report, _)) = &result {
-                (self.done)(report);
+            if let Ok(ended) = &result {
+                (self.done)(&ended.report);
             }
             let mut board = self.board();
             match result {
-                Ok(result) => self.note(&mut board, i, result),
+                Ok(ended) => self.note(&mut board, i, ended),
                 Err(error) => _ = board.disk.get_or_insert(error),
             }
             let next = board.after(i);
@@ -358,15 +367,12 @@ impl<'j> Run<'j> {
     }
 
     /// Remembers how a job ended.
-    fn note(&self, board: &mut Board<'j>, i: usize, (report, record): (Report, Option<Record>)) {
+    fn note(&self, board: &mut Board<'j>, i: usize, Ended { report, record, stayed }: Ended) {
         let job = &self.jobs[i];
+        board.stayed.extend(stayed);
         match (&report.verdict, record) {
             (JobEnd::Made(_) | JobEnd::UpToDate, Some(record)) => {
-                // Now: once its record is saved nobody knows that it made them.
-                if let Some(before) = self.before.get(&job.name).filter(|_| !self.options.dry_run) {
-                    board.stayed.extend(remove_unplanned(&self.planned, before, self.results));
-                }
-                board.records.0.insert(job.name.clone(), Arc::new(record));
+                board.records.0.insert(job.name.clone(), Kept::here(record));
                 board.unsaved = true;
             }
             (JobEnd::Failed(_) | JobEnd::Blocked(_), _) => {
@@ -395,13 +401,14 @@ impl<'j> Run<'j> {
             board.records.clone()
         };
         let begun = Instant::now();
-        save(&records, self.results, self.options)?;
+        let written = save(&records, self.results, self.options)?;
+        self.board().records.settle(&records, written);
         *saved = (Instant::now(), begun.elapsed());
         Ok(())
     }
 
     /// Makes a job if it needs it.
-    fn one(&self, job: &Job) -> Result<(Report, Option<Record>), StoreError> {
+    fn one(&self, job: &Job) -> Result<Ended, StoreError> {
         let report = |verdict, problems, care| Report {
             stage: job.stage.name,
             name: job.name.clone(),
@@ -410,30 +417,31 @@ impl<'j> Run<'j> {
             care,
             took: Duration::ZERO,
         };
-        let without = |verdict| report(verdict, Vec::new(), Vec::new());
+        let without = |verdict| Ended::of(report(verdict, Vec::new(), Vec::new()));
         let root = self.results.root();
         let before = self.before.get(&job.name);
-        let failed = self.board().first_failed(&job.inputs);
+        let failed = self.board().first_failed(job);
         if let Some(input) = failed.filter(|_| !job.tolerant) {
             let why = format!("it needs {}, which could not be made", show_path(root, &input));
-            return Ok((without(JobEnd::Blocked(why)), None));
+            return Ok(without(JobEnd::Blocked(why)));
         }
         let now = Record::now(job, root, &self.hashes);
-        let reason = match before {
+        let reason = match &before {
             _ if self.options.fresh => Some(Change::Asked),
             None => Some(Change::NeverMade),
             Some(before) => first_change(before, &now, || self.hashes.of(root, &job.outputs)),
         };
         let Some(why) = reason.map(|change| change.to_string()) else {
-            let before = before.cloned().unwrap_or_default();
+            let before = before.map(Arc::unwrap_or_clone).unwrap_or_default();
             let report = report(JobEnd::UpToDate, before.problems.clone(), before.care.clone());
             // No reason to make it again, but who asks later is told of the files of this run.
             let moved = before.origins != now.origins;
-            return Ok((report, moved.then_some(Record { origins: now.origins, ..before })));
+            let record = moved.then_some(Record { origins: now.origins, ..before });
+            return Ok(Ended { record, ..Ended::of(report) });
         };
         if self.options.dry_run {
             self.hashes.forget(&job.outputs);
-            return Ok((without(JobEnd::Made(why)), None));
+            return Ok(without(JobEnd::Made(why)));
         }
         let mut record = now.with_origin(&job.name);
         let from = match self.options.without_origin {
@@ -442,7 +450,7 @@ impl<'j> Run<'j> {
         };
         let making = Making { from: &from, outputs: &job.outputs, root, trials: &self.trials };
         Ok(match make(job, &making, self.results)? {
-            Err(error) => (without(JobEnd::Failed(error)), None),
+            Err(error) => without(JobEnd::Failed(error)),
             Ok(mut made) => {
                 for text in made.problems.iter_mut().chain(&mut made.care) {
                     *text = strip_root(root, text);
@@ -454,7 +462,14 @@ impl<'j> Run<'j> {
                 }
                 record.problems.clone_from(&made.problems);
                 record.care.clone_from(&made.care);
-                (report(JobEnd::Made(why), made.problems, made.care), Some(record))
+                // Now: once its record is saved nobody knows that it made them.
+                let gone =
+                    |before: Arc<Record>| remove_unplanned(&self.planned, &before, self.results);
+                Ended {
+                    report: report(JobEnd::Made(why), made.problems, made.care),
+                    record: Some(record),
+                    stayed: before.map(gone).unwrap_or_default(),
+                }
             }
         })
     }
@@ -476,7 +491,7 @@ impl<'j> Run<'j> {
 /// on. An output that cannot be written is the outer one: the disk is full or read-only, for the
 /// others too.
 fn make(job: &Job, making: &Making, results: &Results) -> Result<Result<Made, String>, StoreError> {
-    let made = match (job.make)(making) {
+    let made = match job.make(making) {
         Ok(made) => made,
         Err(error) => return Ok(Err(error.to_string())),
     };

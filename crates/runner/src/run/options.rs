@@ -66,7 +66,7 @@ pub(super) fn records_before(
             let is_gone = |name: &str| !planned.contains(name) && !named.contains_key(name);
             let gone = manifest.records.iter().filter(|(name, _)| is_gone(name));
             let gone = gone.filter(|_| !options.dry_run);
-            remarks.extend(gone.flat_map(|(_, record)| remove_unplanned(&all, record, results)));
+            remarks.extend(gone.flat_map(|(_, record)| remove_unplanned(&all, &record, results)));
             records.0.extend(manifest.records.0);
         }
         Some(Err(error)) => {
@@ -81,16 +81,16 @@ pub(super) fn records_before(
     Ok((records, remarks))
 }
 
-/// Saves the records of a run: the study's, or the manifest of its shard.
+/// Saves the records of a run: the study's, or the manifest of its shard. They are the same then, but
+/// those that are in the study's own file need no memory.
 pub(super) fn save(
     records: &Records,
     results: &Results,
     options: &Options,
-) -> Result<(), StoreError> {
-    match options.shard {
-        Some(shard) => Manifest::new(results.layout(), shard, records.clone()).write(results),
-        None => records.write(results),
-    }
+) -> Result<Records, StoreError> {
+    let Some(shard) = options.shard else { return records.write(results) };
+    Manifest::new(results.layout(), shard, records.clone()).write(results)?;
+    Ok(records.clone())
 }
 
 /// Writes down what files were.

@@ -106,13 +106,12 @@ fn noted(
     let inputs: Vec<PathBuf> = inputs.iter().map(|i| root.join(i)).collect();
     let (stage, outputs) = (Stage { name, version: 1 }, vec![root.join(output)]);
     let (read, made) = (inputs.clone(), made.clone());
-    let make = Box::new(move |_: &Making| {
+    let make = move |_: &Making| {
         made.lock().unwrap().push(name);
         let texts: Result<Vec<String>, _> = read.iter().map(fs::read_to_string).collect();
         Ok(Made { outputs: vec![texts?.concat().into_bytes()], ..Made::default() })
-    });
-    let job = Job::new(stage, name, (), inputs, outputs, |(), _, _| Ok(Made::default()));
-    Job { make, ..job }
+    };
+    Job::new(stage, name, (), inputs, outputs, |(), _, _| Ok(Made::default())).made_by(make)
 }
 
 fn verdicts(root: &Path, jobs: &[Job], options: &Options) -> Vec<JobEnd> {
@@ -177,8 +176,11 @@ fn the_hash_of_a_file_that_was_read_already_counts() {
 fn jobs_that_need_each_other_fail_and_the_others_go_on() {
     let folder = folder();
     let mut jobs = jobs(folder.path(), 1);
-    jobs[1].inputs.push(folder.path().join("AB.txt"));
-    jobs[1].make = Box::new(|_| Err("AB.txt is missing".into()));
+    let inputs = [jobs[1].inputs(), vec![folder.path().join("AB.txt")]].concat();
+    let (stage, outputs) = (jobs[1].stage, jobs[1].outputs.clone());
+    jobs[1] = Job::new(stage, jobs[1].name.clone(), (), inputs, outputs, |(), _, _| {
+        Err("AB.txt is missing".into())
+    });
     let reports = reports(folder.path(), &jobs, &Options::default()).unwrap();
     for report in &reports[..2] {
         // whichever fails first blocks the other
@@ -230,8 +232,9 @@ fn a_tolerant_job_is_made_without_the_inputs_that_could_not_be() {
     let root = folder.path();
     fs::write(root.join("a.txt"), "bad").unwrap();
     let mut jobs = jobs(root, 1);
-    jobs[0].tolerant = true;
-    jobs[0].make = Box::new(|_| Ok(Made { outputs: vec![b"without".to_vec()], ..Made::default() }));
+    let job = jobs.remove(0).tolerant();
+    let made = |_: &Making| Ok(Made { outputs: vec![b"without".to_vec()], ..Made::default() });
+    jobs.insert(0, job.made_by(made));
     let reports = reports(root, &jobs, &Options::default()).unwrap();
     assert!(matches!(reports[0].verdict, JobEnd::Made(_)));
 }
@@ -286,10 +289,11 @@ fn what_is_to_be_read_with_care_is_remembered_and_told_at_every_run() {
     let folder = folder();
     let root = folder.path();
     let mut jobs = jobs(root, 1);
-    jobs[2].make = Box::new(|_| {
+    let job = jobs.remove(2).made_by(|_| {
         let care = vec!["b is strange".to_owned()];
         Ok(Made { outputs: vec![b"B".to_vec()], care, ..Made::default() })
     });
+    jobs.push(job);
     for _ in 0..2 {
         assert_eq!(reports(root, &jobs, &Options::default()).unwrap()[2].care, ["b is strange"]);
     }
@@ -498,7 +502,7 @@ fn of_a_part_one_job_after_the_other_is_made_while_there_are_others() {
     let made = Arc::default();
     let of = |(name, part): (&'static str, Option<&str>)| {
         let job = noted(folder.path(), (name, &["a.txt"], name), &made);
-        Job { part: part.map(str::to_owned), ..job }
+        part.into_iter().fold(job, Job::of_part)
     };
     let (a, b) = (Some("P01.S01"), Some("P02.S01"));
     let jobs = [("a1", a), ("a2", a), ("b1", b), ("b2", b), ("c1", None), ("c2", None)].map(of);

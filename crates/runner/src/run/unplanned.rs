@@ -5,17 +5,16 @@ use crate::provenance::origins;
 use crate::record::Record;
 use crate::{Job, Records, Results};
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 use std::path::PathBuf;
-use std::sync::Arc;
 use zwidth_store::{MOST_BYTES, StoreError};
 
-/// Takes the records of jobs that are no longer planned out of the others.
-pub(super) fn unplanned(jobs: &[Job], records: &mut Records) -> Vec<Arc<Record>> {
-    let names: BTreeSet<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
-    let gone: Vec<String> =
-        records.0.keys().filter(|n| !names.contains(n.as_str())).cloned().collect();
-    gone.iter().filter_map(|name| records.0.remove(name)).collect()
+/// Takes the records of jobs that are no longer planned out of the others; whether there were any.
+pub(super) fn take_unplanned(jobs: &[Job], records: &mut Records) -> bool {
+    let names: HashSet<&str> = jobs.iter().map(|j| j.name.as_str()).collect();
+    let before = records.0.len();
+    records.0.retain(|name, _| names.contains(name.as_str()));
+    records.0.len() < before
 }
 
 /// What jobs make.

@@ -11,6 +11,7 @@ use anyhow::{anyhow, bail};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::Arc;
 use zwidth_plan as plan;
 use zwidth_runner::{Record, Source, Step, Trace, trace as follow};
 use zwidth_store::file_blake3;
@@ -84,7 +85,7 @@ fn find_made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<M
     }
     let layout = study(root, id)?;
     let records = records(&layout, screen)?;
-    if let Some((job, _)) = records.maker(&path) {
+    if let Some(job) = records.maker(&path) {
         let job = job.to_owned();
         return Ok(vec![Made { layout, records, job, by: FoundBy::Path, path }]);
     }
@@ -92,8 +93,8 @@ fn find_made(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<M
         return copies(root, &root.join(&path), screen);
     }
     let id = layout.study();
-    let outputs: Vec<&str> =
-        records.iter().flat_map(|(_, r)| r.outputs.keys().map(String::as_str)).collect();
+    let outputs: Vec<String> = records.outputs().map(|(path, _)| path).collect();
+    let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
     if outputs.is_empty() {
         bail!("{id} has no record of anything made; make it with `zwidth run {id}`");
     }
@@ -107,8 +108,9 @@ fn trace_behind(root: &Path, made: &Made) -> anyhow::Result<Behind> {
     let (raw, gone): (Vec<_>, Vec<_>) =
         found.sources.into_iter().partition(|s| s.path.starts_with("raw/"));
     let now = |path: &str| file_blake3(&root.join(path)).ok();
-    let own = found.steps[0].record;
-    let job = |step: Step| Job { job: step.job.to_owned(), record: step.record.clone() };
+    let own = found.steps[0].record.clone();
+    let job =
+        |step: Step| Job { job: step.job.to_owned(), record: Arc::unwrap_or_clone(step.record) };
     Ok(Behind {
         path: made.path.clone(),
         found_by: made.by,

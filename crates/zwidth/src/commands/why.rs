@@ -8,6 +8,7 @@ use crate::screen::Screen;
 use anyhow::{anyhow, bail};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use zwidth_plan as plan;
 use zwidth_runner::{Again, Change, FileChange, Record, State, states};
 use zwidth_store::{Layout, RealFiles, StudyData, findings};
@@ -118,7 +119,7 @@ fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {
         .position(|s| s.job.name == job.name)
         .ok_or_else(|| anyhow!("{}: {DEFECT}", asked.path))?;
     let own = found.remove(at);
-    let record = records.get(&job.name).cloned();
+    let record = records.get(&job.name).map(Arc::unwrap_or_clone);
     Ok(Why {
         path: asked.path.clone(),
         found_by: asked.by,

@@ -1,0 +1,352 @@
+//! The records of a study. Those of a thousand participants are a hundred megabytes of text, so they
+//! stay in their file. In memory is where each of them stands there, and those that have come since
+//! the file was written.
+
+use crate::Results;
+use crate::members::{Member, members};
+use crate::record::{Record, each_once, in_words};
+use rayon::prelude::*;
+use serde::ser::{Error as _, SerializeMap};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::io::{self, Write};
+use std::sync::Arc;
+use zwidth_store::{Content, Layout, StoreError};
+
+/// Largest file of records that is read, bytes (16 GiB): of some five million trials.
+const MOST_RECORDS: u64 = 1 << 34;
+
+/// The records of a study's jobs, by job name. A copy shares them.
+#[derive(Debug, Clone, Default)]
+pub struct Records(pub(crate) BTreeMap<String, Kept>);
+
+/// Where a record is.
+#[derive(Debug, Clone)]
+pub(crate) enum Kept {
+    Here(Arc<Record>),
+    /// In so many bytes of a file from a place on, as it would be written again.
+    There(Arc<Content>, u64, usize),
+}
+
+impl Kept {
+    pub(crate) fn here(record: Record) -> Self {
+        Self::Here(Arc::new(record))
+    }
+
+    /// None if the file was changed under us: then its job is made again.
+    fn read(&self) -> Option<Arc<Record>> {
+        match self {
+            Self::Here(record) => Some(record.clone()),
+            Self::There(file, from, length) => {
+                serde_json::from_slice(&file.range(*from, *length).ok()?).ok()
+            }
+        }
+    }
+
+    /// Writes it; how many bytes.
+    fn write(&self, out: &mut dyn Write) -> io::Result<usize> {
+        match self {
+            Self::Here(record) => {
+                let text = serde_json::to_vec(record)?;
+                out.write_all(&text)?;
+                Ok(text.len())
+            }
+            Self::There(file, from, length) => {
+                out.write_all(&file.range(*from, *length)?)?;
+                Ok(*length)
+            }
+        }
+    }
+
+    fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Here(a), Self::Here(b)) => Arc::ptr_eq(a, b),
+            (Self::There(a, from, _), Self::There(b, at, _)) => Arc::ptr_eq(a, b) && from == at,
+            _ => false,
+        }
+    }
+}
+
+impl Records {
+    /// Reads the records of a study, and says which of them are not believed. A missing file gives
+    /// no records, and so does one that cannot be understood: then everything is made again, which
+    /// is always right. A record is ignored if it names an output that is not a result of the
+    /// study, or an input outside of the data folder.
+    ///
+    /// # Errors
+    /// A link on the way to the file.
+    pub fn read(results: &Results) -> Result<(Self, Vec<StoreError>), StoreError> {
+        let path = Results::records_file(results.layout());
+        let Some(file) = results.open(&path, MOST_RECORDS)? else { return Ok(Default::default()) };
+        let read = file
+            .map_err(|error| error.what)
+            .and_then(|file| believed(&Arc::new(file), results.layout()));
+        Ok(match read {
+            Ok((records, ignored)) => {
+                let remedy =
+                    "nothing is lost: its results are made again; find out what wrote the record";
+                let remark = |what: String| StoreError::new(&path, what, remedy);
+                (records, ignored.into_iter().map(remark).collect())
+            }
+            Err(what) => {
+                let what = format!(
+                    "the records of earlier runs cannot be read, so everything is made again: {what}"
+                );
+                let remedy = "you need not do anything; the file is written anew";
+                (Self::default(), vec![StoreError::new(&path, what, remedy)])
+            }
+        })
+    }
+
+    /// Writes the records, as a whole, and gives them as they are in their new file. Their text is
+    /// never in memory whole.
+    pub(crate) fn write(&self, results: &Results) -> Result<Self, StoreError> {
+        let path = Results::records_file(results.layout());
+        let places = RefCell::new(Vec::new());
+        results.write_by(&path, |out| {
+            let mut places = places.borrow_mut();
+            places.clear();
+            let mut at = 0;
+            for (name, kept) in &self.0 {
+                let before = if at == 0 { b"{" } else { b"," };
+                let name = serde_json::to_vec(name)?;
+                [&before[..], &name, b":"].iter().try_for_each(|part| out.write_all(part))?;
+                let from = at + (before.len() + name.len() + 1) as u64;
+                let length = kept.write(out)?;
+                places.push((from, length));
+                at = from + length as u64;
+            }
+            out.write_all(if at == 0 { b"{}" } else { b"}" })
+        })?;
+        // Whoever has removed it meanwhile has it written again from what is known here.
+        let Some(Ok(file)) = results.open(&path, MOST_RECORDS)? else { return Ok(self.clone()) };
+        let file = Arc::new(file);
+        let there = |(from, length)| Kept::There(file.clone(), from, length);
+        let names = self.0.keys().cloned();
+        Ok(Self(names.zip(places.into_inner().into_iter().map(there)).collect()))
+    }
+
+    /// Of these records those that are the same as in `before`, from now on as they are in `written`.
+    pub(crate) fn settle(&mut self, before: &Self, written: Self) {
+        for (name, there) in written.0 {
+            if let Some(kept) = self.0.get_mut(&name)
+                && before.0.get(&name).is_some_and(|before| kept.is(before))
+            {
+                *kept = there;
+            }
+        }
+    }
+
+    /// The record of the job of that name.
+    pub fn get(&self, name: &str) -> Option<Arc<Record>> {
+        self.0.get(name)?.read()
+    }
+
+    /// Every job's name and record, by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, Arc<Record>)> {
+        self.0.iter().filter_map(|(name, kept)| Some((name.as_str(), kept.read()?)))
+    }
+
+    /// Every file that a job made, relative to the root, and BLAKE3 of what it made.
+    pub fn outputs(&self) -> impl Iterator<Item = (String, String)> {
+        self.iter().flat_map(|(_, record)| Arc::unwrap_or_clone(record).outputs)
+    }
+
+    /// The job that made the file at `path`, relative to the root.
+    pub fn maker(&self, path: &str) -> Option<&str> {
+        self.iter().find(|(_, record)| record.outputs.contains_key(path)).map(|(name, _)| name)
+    }
+}
+
+/// What is believed of a file of records, and in words what is not.
+fn believed(file: &Arc<Content>, layout: &Layout) -> Result<(Records, Vec<String>), String> {
+    let (mut all, mut ignored) = (BTreeMap::new(), Vec::new());
+    members(file, |found| {
+        let read: Vec<_> = found.par_iter().map(|found| kept(found, file, layout)).collect();
+        for (Member { name, .. }, read) in found.into_iter().zip(read) {
+            match (all.entry(name), read?) {
+                (Entry::Occupied(twice), _) => {
+                    return Err(format!("{:?} stands twice", twice.key()));
+                }
+                (Entry::Vacant(place), kept) => _ = place.insert(kept),
+            }
+        }
+        Ok(())
+    })?;
+    let mut records = BTreeMap::new();
+    for (name, kept) in all {
+        match kept {
+            Ok(kept) => _ = records.insert(name, kept),
+            Err(why) => ignored.push(format!("the record of {name:?} is ignored: {why}")),
+        }
+    }
+    Ok((Records(records), ignored))
+}
+
+/// A record as it is kept, or why it is ignored.
+fn kept(
+    Member { name, value, from }: &Member,
+    file: &Arc<Content>,
+    layout: &Layout,
+) -> Result<Result<Kept, String>, String> {
+    let record: Record = serde_json::from_str(value)
+        .map_err(|error| format!("the record of {name:?}: {}", in_words(&error)))?;
+    if let Some(why) = record.names_elsewhere(layout) {
+        return Ok(Err(why));
+    }
+    let is_as_written = serde_json::to_string(&record).is_ok_and(|text| text == *value);
+    Ok(Ok(match is_as_written {
+        true => Kept::There(file.clone(), *from, value.len()),
+        false => Kept::here(record),
+    }))
+}
+
+impl PartialEq for Records {
+    fn eq(&self, other: &Self) -> bool {
+        self.iter().eq(other.iter())
+    }
+}
+
+impl Eq for Records {}
+
+impl Serialize for Records {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut object = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, kept) in &self.0 {
+            let gone = || S::Error::custom("the file of records was changed by another program");
+            object.serialize_entry(name, &kept.read().ok_or_else(gone)?)?;
+        }
+        object.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Records {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let all: BTreeMap<String, Record> = each_once(deserializer)?;
+        Ok(Self(all.into_iter().map(|(name, record)| (name, Kept::here(record))).collect()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use zwidth_store::{Files as _, RealFiles};
+
+    /// What is read of records with this text, and what is said of them.
+    fn read(text: &str) -> (Records, Vec<String>) {
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(folder.path(), "s".parse().unwrap());
+        fs::create_dir_all(layout.derived()).unwrap();
+        fs::write(Results::records_file(&layout), text).unwrap();
+        let (records, remarks) = Records::read(&Results::new(&layout, &RealFiles)).unwrap();
+        (records, remarks.into_iter().map(|remark| remark.what).collect())
+    }
+
+    fn record(input: &str, output: &str) -> String {
+        format!(
+            r#"{{"stage":"a","version":1,"parameters":"","inputs":{{{input:?}:""}},"outputs":{{{output:?}:"00"}},
+               "problems":[],"origin":""}}"#
+        )
+    }
+
+    #[test]
+    fn records_stay_in_the_file_in_which_they_are_written_and_are_written_again_as_they_stand_there()
+     {
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(folder.path(), "s".parse().unwrap());
+        let results = Results::new(&layout, &RealFiles);
+        let record = |version| Record { version, ..Record::default() };
+        let names = ["b", "a\"}", "θ"];
+        let mut records = Records::default();
+        for (version, name) in (1..).zip(names) {
+            records.0.insert(name.to_owned(), Kept::here(record(version)));
+        }
+        let written = records.write(&results).unwrap();
+        let text = fs::read_to_string(Results::records_file(&layout)).unwrap();
+        assert_eq!(text, serde_json::to_string(&records).unwrap());
+        let (read, remarks) = Records::read(&results).unwrap();
+        assert!(remarks.is_empty());
+        for there in [&written, &read] {
+            assert!(there.0.values().all(|kept| matches!(kept, Kept::There(..))));
+            assert_eq!(there, &records);
+        }
+        // What has come since the file was begun stays as it is, and so does what has changed since.
+        let mut since = records.clone();
+        since.0.insert("b".to_owned(), Kept::here(record(7)));
+        since.0.insert("new".to_owned(), Kept::here(record(8)));
+        since.0.remove("θ");
+        since.settle(&records, written);
+        let here = since.0.iter().filter(|(_, kept)| matches!(kept, Kept::Here(_)));
+        assert_eq!(here.map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["b", "new"]);
+        let again = since.write(&results).unwrap();
+        assert_eq!(again, since);
+        let versions = again.iter().map(|(_, record)| record.version).collect::<Vec<_>>();
+        assert_eq!(versions, [2, 7, 8]);
+        assert_eq!(read, records, "of a file that another has replaced they are what they were");
+    }
+
+    #[test]
+    fn records_that_are_not_as_they_would_be_written_are_written_so() {
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(folder.path(), "s".parse().unwrap());
+        let results = Results::new(&layout, &RealFiles);
+        fs::create_dir_all(layout.derived()).unwrap();
+        let text = format!("{{\n \"a\": {}}}", record("raw/s/a", "derived/s/a"));
+        fs::write(Results::records_file(&layout), &text).unwrap();
+        let (records, _) = Records::read(&results).unwrap();
+        records.write(&results).unwrap();
+        let written = fs::read_to_string(Results::records_file(&layout)).unwrap();
+        assert_eq!(written, serde_json::to_string(&records).unwrap());
+        assert!(written.len() < text.len() && !written.contains('\n'));
+    }
+
+    #[test]
+    fn a_record_that_is_cut_off_under_us_is_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("records.json");
+        fs::write(&path, "x".repeat(1 << 24) + &record("raw/s/a", "derived/s/a")).unwrap();
+        let file = Arc::new(RealFiles.open(&path, MOST_RECORDS).unwrap());
+        let length = usize::try_from(file.length()).unwrap() - (1 << 24);
+        let kept = Kept::There(file, 1 << 24, length);
+        fs::File::options().write(true).open(&path).unwrap().set_len(1 << 24).unwrap();
+        assert_eq!(kept.read(), None);
+        assert!(kept.write(&mut Vec::new()).is_err());
+    }
+
+    #[test]
+    fn a_record_that_names_a_file_elsewhere_is_passed_by_and_the_others_are_not() {
+        let good = record("raw/s/a", "derived/s/a");
+        for (bad, path) in [
+            (record("raw/s/a", "/etc/passwd"), "/etc/passwd"),
+            (record("raw/s/a", "derived/t/a"), "derived/t/a"),
+            (record("../../a", "derived/s/a"), "../../a"),
+        ] {
+            let (records, remarks) = read(&format!(r#"{{"bad\u001b[2J": {bad}, "good": {good}}}"#));
+            assert_eq!(records.iter().map(|(job, _)| job).collect::<Vec<_>>(), ["good"]);
+            assert!(
+                matches!(remarks.as_slice(), [one] if one.contains(path) && !one.contains('\u{1b}')),
+                "{remarks:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn records_in_which_a_key_stands_twice_or_that_are_no_records_are_not_believed() {
+        let good = record("raw/s/a", "derived/s/a");
+        let (records, remarks) = read(&format!(r#"{{"good": {good}, "good": {good}}}"#));
+        assert_eq!(records, Records::default());
+        assert!(remarks[0].contains("\"good\" stands twice"), "{remarks:?}");
+        let twice = good.replace(r#"{"raw/s/a":"""#, r#"{"raw/s/a":"","raw/s/a":"""#);
+        let (records, remarks) = read(&format!(r#"{{"good": {twice}}}"#));
+        assert_eq!(records, Records::default());
+        assert!(remarks[0].contains("\"raw/s/a\" stands twice"), "{remarks:?}");
+        for text in ["", "[]", "{\"a\": 1}", "\u{0}"] {
+            let (records, remarks) = read(text);
+            assert_eq!((records, remarks.len()), (Records::default(), 1), "{text:?}");
+        }
+        assert_eq!(read("{}"), (Records::default(), Vec::new()));
+    }
+}
