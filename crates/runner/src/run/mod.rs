@@ -140,9 +140,9 @@ fn is_save_due(since: Duration, took: Duration) -> bool {
     since >= SAVED_EVERY.max(took * PARTS_OF_SAVING)
 }
 
-/// Bytes of input files from which on a job reads much (16 MiB): as numbers in memory some five to
-/// ten times as many.
-const MUCH: u64 = 1 << 24;
+/// Bytes of input files from which on a job reads much (8 MiB): as numbers in memory, or as text, some
+/// five to ten times as many.
+const MUCH: u64 = 1 << 23;
 
 /// Which jobs read much, as far as their inputs are there.
 fn read_much(jobs: &[Job], seen: &Seen) -> Vec<bool> {
