@@ -144,16 +144,17 @@ fn is_save_due(since: Duration, took: Duration) -> bool {
 /// five to ten times as many.
 const MUCH: u64 = 1 << 23;
 
-/// Which jobs read much, as far as their inputs are there.
-fn read_much(jobs: &[Job], seen: &Seen) -> Vec<bool> {
+/// Whether a job reads much, as far as its inputs are there.
+fn reads_much(job: &Job, seen: &Seen) -> bool {
     let found = |path: &Path| std::fs::metadata(path).map_or(0, |found| found.len());
     let bytes = |path: &Path| seen.length(path).unwrap_or_else(|| found(path));
-    let of = |job: &Job| job.inputs().iter().map(|path| bytes(path)).sum::<u64>();
-    jobs.par_iter().map(|job| of(job) > MUCH).collect()
+    job.inputs().iter().map(|path| bytes(path)).sum::<u64>() > MUCH
 }
 
 /// How a run stands.
 struct Board<'j> {
+    jobs: &'j [Job],
+    seen: &'j Seen,
     records: Records,
     /// Whether these differ from those in their file.
     unsaved: bool,
@@ -169,7 +170,7 @@ struct Board<'j> {
     ready: BTreeSet<(bool, usize)>,
     /// Those that are being made.
     at_work: BTreeSet<usize>,
-    /// Which jobs read much.
+    /// Which jobs read much: of those that wait for others it is known when these have ended.
     large: Vec<bool>,
     /// Whether one of these runs.
     large_runs: bool,
@@ -181,8 +182,8 @@ struct Board<'j> {
     disk: Option<StoreError>,
 }
 
-impl Board<'_> {
-    fn new(jobs: &[Job], wanted: &[bool], seen: &Seen) -> Self {
+impl<'j> Board<'j> {
+    fn new(jobs: &'j [Job], wanted: &[bool], seen: &'j Seen) -> Self {
         let needs = needs(jobs);
         // What nobody asked for is not waited for: it lies there.
         let waits_for = |i: usize| needs[i].iter().filter(|maker| wanted[**maker]).count();
@@ -191,6 +192,8 @@ impl Board<'_> {
             needs[i].iter().for_each(|maker| readers[*maker].push(i));
         }
         Board {
+            jobs,
+            seen,
             records: Records::default(),
             unsaved: false,
             failed: BTreeSet::new(),
@@ -199,7 +202,7 @@ impl Board<'_> {
             waits: (0..jobs.len()).map(|i| wanted[i].then(|| waits_for(i))).collect(),
             ready: BTreeSet::new(),
             at_work: BTreeSet::new(),
-            large: read_much(jobs, seen),
+            large: jobs.par_iter().map(|job| reads_much(job, seen)).collect(),
             large_runs: false,
             held: VecDeque::new(),
             stayed: Vec::new(),
@@ -209,7 +212,8 @@ impl Board<'_> {
 
     /// The job to begin next, of those that are ready the first of whose part no other is at work: who
     /// comes after that one finds its trials read, and who runs beside it reads them once more.
-    fn next(&mut self, jobs: &[Job]) -> Option<usize> {
+    fn next(&mut self) -> Option<usize> {
+        let jobs = self.jobs;
         let is_apart = |i: usize| {
             let is_other = |at_work: &usize| jobs[*at_work].part != jobs[i].part;
             jobs[i].part.is_none() || self.at_work.iter().all(is_other)
@@ -278,7 +282,7 @@ impl Board<'_> {
         if self.disk.is_some() {
             return Vec::new();
         }
-        let mut freed = Vec::new();
+        let mut freed: Vec<usize> = Vec::new();
         for reader in self.readers[i].clone() {
             self.waits[reader] = match self.waits[reader] {
                 Some(1) => {
@@ -288,6 +292,7 @@ impl Board<'_> {
                 waits => waits.map(|n| n - 1),
             };
         }
+        freed.iter().for_each(|i| self.large[*i] = reads_much(&self.jobs[*i], self.seen));
         freed
     }
 }
@@ -344,7 +349,7 @@ impl<'j> Run<'j> {
 
     fn spawn_one<'s>(&'s self, scope: &rayon::Scope<'s>) {
         scope.spawn(move |scope| {
-            let Some(i) = self.board().next(self.jobs) else { return };
+            let Some(i) = self.board().next() else { return };
             let begun = Instant::now();
             let mut result = self.one(&self.jobs[i]);
             result.iter_mut().for_each(|ended| ended.report.took = begun.elapsed());

@@ -458,15 +458,26 @@ fn of_jobs_that_read_much_one_runs_at_a_time_and_all_are_made() {
     static RUNNING: AtomicUsize = AtomicUsize::new(0);
     static MOST: AtomicUsize = AtomicUsize::new(0);
     let folder = folder();
-    let large = folder.path().join("large.txt");
+    let [large, made] = ["large.txt", "made.large.txt"].map(|name| folder.path().join(name));
     // Of its bytes none is on the disk.
     fs::File::create(&large).unwrap().set_len(MUCH + 1).unwrap();
+    let makes = Job::new(
+        Stage { name: "large", version: 1 },
+        "makes",
+        (),
+        (),
+        vec![made.clone()],
+        |(), (), _| {
+            let bytes = vec![b'x'; usize::try_from(MUCH)? + 1];
+            Ok(Made { outputs: vec![bytes], ..Made::default() })
+        },
+    );
     let job = |i: usize, input: &Path| {
         let stage = Stage { name: "large", version: 1 };
         let output = folder.path().join(format!("L{i}.txt"));
         let inputs = vec![input.to_owned()];
         Job::new(stage, format!("large {i}"), i, inputs, vec![output], |i, inputs, _| {
-            let much = inputs[0].ends_with("large.txt");
+            let much = inputs[0].to_string_lossy().ends_with("large.txt");
             let running = if much { RUNNING.fetch_add(1, Ordering::SeqCst) + 1 } else { 0 };
             MOST.fetch_max(running, Ordering::SeqCst);
             for _ in 0..1000 {
@@ -479,11 +490,11 @@ fn of_jobs_that_read_much_one_runs_at_a_time_and_all_are_made() {
         })
     };
     let small = folder.path().join("a.txt");
-    let jobs: Vec<Job> =
-        (0..12).map(|i| job(i, if i % 3 == 0 { &small } else { &large })).collect();
+    let read = [&small, &large, &made];
+    let jobs: Vec<Job> = (0..12).map(|i| job(i, read[i % 3])).chain([makes]).collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
     let made = pool.install(|| verdicts(folder.path(), &jobs, &Options::default()));
-    assert!(made.iter().all(|verdict| matches!(verdict, JobEnd::Made(_))) && made.len() == 12);
+    assert!(made.iter().all(|verdict| matches!(verdict, JobEnd::Made(_))) && made.len() == 13);
     assert_eq!(MOST.load(Ordering::SeqCst), 1);
 }
 
@@ -506,12 +517,13 @@ fn of_a_part_one_job_after_the_other_is_made_while_there_are_others() {
     };
     let (a, b) = (Some("P01.S01"), Some("P02.S01"));
     let jobs = [("a1", a), ("a2", a), ("b1", b), ("b2", b), ("c1", None), ("c2", None)].map(of);
-    let mut board = Board::new(&jobs, &[true; 6], &zwidth_store::Seen::default());
+    let seen = Seen::default();
+    let mut board = Board::new(&jobs, &[true; 6], &seen);
     let ready = board.waiting_for_none();
     board.ready.extend(ready.into_iter().map(|i| (true, i)));
     let mut next = |ended: &[usize]| {
         ended.iter().for_each(|i| assert!(board.after(*i).is_empty()));
-        board.next(&jobs)
+        board.next()
     };
     assert_eq!([next(&[]), next(&[])], [Some(0), Some(2)]);
     assert_eq!(next(&[2]), Some(3), "before another one of the part of the first");
