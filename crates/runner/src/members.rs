@@ -8,8 +8,8 @@ use zwidth_store::Content;
 /// Bytes that are read at a time (4 MiB).
 const BLOCK: usize = 1 << 22;
 
-/// Most bytes of one member (1 GiB).
-const MOST_MEMBER: usize = 1 << 30;
+/// Most bytes of one member (256 MiB).
+const MOST_MEMBER: usize = 1 << 28;
 
 /// A member of the object.
 #[derive(Debug)]
@@ -39,9 +39,13 @@ fn members_by(
 ) -> Result<(), String> {
     let (mut bytes, mut from, mut before) = (Vec::new(), 0, Before::Object);
     loop {
+        if bytes.len() > MOST_MEMBER {
+            return Err(format!("a record has more than {MOST_MEMBER} bytes"));
+        }
         let end = from + bytes.len() as u64;
-        // What a member longer than a block has is read twice as fast each time.
+        // Of a member longer than a block twice as much each time.
         let more = (file.length() - end).min(block.max(bytes.len()) as u64) as usize;
+        bytes.reserve_exact(more);
         bytes.extend_from_slice(&file.range(end, more).map_err(|e| e.to_string())?);
         let mut at = At { bytes: &bytes, next: 0 };
         let found = std::iter::from_fn(|| at.member(&mut before, from).transpose());
@@ -54,9 +58,6 @@ fn members_by(
                 Before::Nothing => Err("something stands behind the last record".to_owned()),
                 _ => Err("it ends in the middle".to_owned()),
             };
-        }
-        if bytes.len() - read > MOST_MEMBER {
-            return Err(format!("a record has more than {MOST_MEMBER} bytes"));
         }
         bytes.drain(..read);
         from += read as u64;
@@ -158,10 +159,25 @@ impl<'b> At<'b> {
                 self.next = self.bytes.len() - rest.len() + values.byte_offset();
                 Ok(Some(value))
             }
-            Some(Err(error)) if !error.is_eof() => Err(in_words(&error)),
+            Some(Err(error)) if !is_at_end(rest, &error) => {
+                // Its line and column would be those of the block.
+                let what = in_words(&error);
+                Err(what
+                    .rsplit_once(" at line ")
+                    .map_or(what.as_str(), |(what, _)| what)
+                    .to_owned())
+            }
             _ => Ok(None),
         }
     }
+}
+
+/// Whether all that is wrong with a text may be that it ends. Of a number that is cut behind its sign
+/// serde does not say so.
+fn is_at_end(text: &[u8], error: &serde_json::Error) -> bool {
+    let last = text.rsplit(|byte| *byte == b'\n').next().unwrap_or(text);
+    let lines = 1 + text.iter().filter(|byte| **byte == b'\n').count();
+    error.is_eof() || (error.line() == lines && error.column() >= last.len())
 }
 
 #[cfg(test)]
@@ -183,8 +199,7 @@ mod tests {
 
     #[test]
     fn members_are_the_same_whichever_blocks_the_file_is_read_in() {
-        let text =
-            " {\"a\\\"}{\":{\"x\": [1, \"},\\\\\"]} , \"θ\" : {} ,\n\"\":{\"y\":{\"z\":null}}}\n ";
+        let text = " {\"a\\\"}{\":{\"x\": [-1.5e-7, \"},\\\\\"]} , \"θ\" : {} ,\n\"\":{\"y\":{\"z\":null}}}\n ";
         let whole: BTreeMap<String, serde_json::Value> = serde_json::from_str(text).unwrap();
         for block in 1..=text.len() {
             let found = read(block, text).unwrap();

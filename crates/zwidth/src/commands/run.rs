@@ -109,6 +109,9 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
         seen: Arc::new(seen),
         without_origin: command.without_origin,
     };
+    let left_out: Vec<String> = words(&found.left_out).chain(plan::chosen_in_vain(&data)).collect();
+    // The jobs have what they need of it.
+    drop(data);
     // Not waited for: what a power cut spoils no longer has the hash in its record, and is made
     // again.
     let results = Results::new(layout, &Unsynced);
@@ -118,20 +121,20 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let done = run_jobs(&jobs, &results, &options, &done);
     bars.clear();
     let Done { reports, remarks } = done?;
-    let left_out = words(&found.left_out).chain(plan::chosen_in_vain(&data));
     let with_care = words(&found.with_care).chain(words(&remarks));
+    let problems = reports.iter().flat_map(|r| r.problems.iter().cloned());
     let outcome = Outcome {
-        left_out: sorted(left_out.chain(reports.iter().flat_map(|r| r.problems.iter().cloned()))),
+        left_out: sorted(left_out.into_iter().chain(problems)),
         read_with_care: sorted(
             with_care.chain(reports.iter().flat_map(|r| r.care.iter().cloned())),
         ),
-        ..outcome(&data, &reports, start.elapsed().as_secs_f64())
+        ..outcome(layout, &reports, start.elapsed().as_secs_f64())
     };
     if !screen.json {
-        tell(&data, &reports, &outcome, command, screen);
+        tell(layout, &reports, &outcome, command, screen);
     }
     // Of a large study that takes long, and the command need not wait for it.
-    rayon::spawn(move || drop((jobs, data)));
+    rayon::spawn(move || drop(jobs));
     Ok(outcome)
 }
 
@@ -205,7 +208,7 @@ fn sorted(lines: impl Iterator<Item = String>) -> Vec<String> {
 }
 
 /// What the jobs made and failed to make; the rest is empty.
-fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
+fn outcome(layout: &Layout, reports: &[Report], seconds: f64) -> Outcome {
     let entry = |r: &Report, why: &str| Entry {
         stage: r.stage,
         name: r.name.clone(),
@@ -221,7 +224,7 @@ fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
         _ => None,
     });
     Outcome {
-        study: data.layout.study().to_string(),
+        study: layout.study().to_string(),
         made: made.collect(),
         failed: failed.collect(),
         up_to_date: reports.iter().filter(|r| r.verdict == JobEnd::UpToDate).count(),
@@ -231,7 +234,7 @@ fn outcome(data: &StudyData, reports: &[Report], seconds: f64) -> Outcome {
     }
 }
 
-fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, screen: &Screen) {
+fn tell(layout: &Layout, reports: &[Report], outcome: &Outcome, command: &Run, screen: &Screen) {
     let verb = if command.dry_run { "to make" } else { "made" };
     for stage in plan::STAGES {
         let of_stage: Vec<_> = reports.iter().filter(|r| r.stage == stage).collect();
@@ -253,7 +256,6 @@ fn tell(data: &StudyData, reports: &[Report], outcome: &Outcome, command: &Run, 
         .failed
         .iter()
         .for_each(|e| screen.warn(format!("{} could not be made: {}", e.name, e.why)));
-    let layout = &data.layout;
     let of = command.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
     screen.result(format!(
         "{}{of}: {} {verb}, {} up to date, in {:.2} s",
