@@ -158,13 +158,7 @@ fn comes_out_alike(slice: &StudyData, due: &[&Job]) -> bool {
     let jobs = plan::jobs(slice, &Findings::default());
     let by_name: HashMap<&str, &Job> = jobs.iter().map(|job| (job.name.as_str(), job)).collect();
     let key = |job: &Job| {
-        (
-            job.stage,
-            job.parameters(),
-            job.inputs(),
-            job.origins.clone(),
-            job.outputs.clone(),
-        )
+        (job.stage, job.parameters(), job.inputs(), job.origins.clone(), job.outputs.clone())
     };
     due.iter().all(|job| by_name.get(job.name.as_str()).is_some_and(|other| key(other) == key(job)))
 }
