@@ -6,7 +6,9 @@ FOLDER is where the study is made; one that is there is made again.
 """
 
 import argparse
+import re
 import shutil
+import sys
 from pathlib import Path
 
 from measure import measured, median, output, table
@@ -22,6 +24,13 @@ def row(what, runs):
 def size(folder):
     files = [file.stat().st_size for file in folder.rglob("*") if file.is_file()]
     return len(files), sum(files)
+
+
+def dead_links(reports):
+    """Links of the page and the summary to files that are not there."""
+    page, summary = ((reports / name).read_text() for name in ("index.html", "summary.md"))
+    links = re.findall(r'(?:href|src)="([^"#:]+)', page) + re.findall(r"\]\(([^)#:]+)\)", summary)
+    return sorted({link for link in links if not (reports / link).exists()})
 
 
 def main():
@@ -41,6 +50,9 @@ def main():
     rows.append(row(f"`zwidth run {STUDY}`, everything", [zwidth("run", STUDY)]))
     for name, what in [("run", ", nothing to do"), ("list", ""), ("verify", "")]:
         rows.append(row(f"`zwidth {name} {STUDY}`{what}", [zwidth(name, STUDY) for _ in range(given.rounds)]))
+
+    if dead := dead_links(given.folder / "reports" / STUDY):
+        sys.exit(f"links to what is not there: {', '.join(dead)}")
 
     print(f"{output(program, '--version').strip()}. `twin` and the first `run` once, the others {given.rounds} times: medians.")
     print("Processors: user and system time together; memory: the largest resident set.\n")

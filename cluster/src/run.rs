@@ -12,14 +12,15 @@ use crate::{Exit, joined};
 use anyhow::{Context as _, anyhow, bail, ensure};
 use futures::StreamExt as _;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::runtime::Runtime;
 use tokio::signal::ctrl_c;
 use tokio::sync::Notify;
 use zwidth_plan as plan;
-use zwidth_runner::{Job, Options, Results, Sent, Shard, due, lay_down, merge, run as run_jobs};
+use zwidth_runner::{
+    HashesRead, Job, Options, Results, Sent, Shard, due, lay_down, merge, run as run_jobs,
+};
 use zwidth_store::{Layout, RealFiles, StudyData, findings};
 
 /// Shards in which what came back is merged: a part that must be refused takes some others with it,
@@ -47,7 +48,7 @@ struct World<'w> {
     data: &'w StudyData,
     jobs: &'w [Job],
     /// Hashes of raw files.
-    known: Vec<(PathBuf, String)>,
+    known: HashesRead,
     results: Results<'w>,
 }
 

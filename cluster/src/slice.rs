@@ -47,7 +47,7 @@ impl<'d> Slices<'d> {
                 }
             }
         }
-        let trials = data.trials.iter().map(|trial| (trial.path.as_path(), trial)).collect();
+        let trials = data.trials.iter().map(|trial| (&*trial.path, trial)).collect();
         Ok(Self { data, source, trials, by_session, session_files })
     }
 
@@ -95,7 +95,9 @@ impl<'d> Slices<'d> {
     /// The raw files of the smallest slice by which these jobs come out as they are.
     fn raw_files(&self, due: &[&Job]) -> BTreeSet<PathBuf> {
         let raw = self.data.layout.raw();
-        let needed = due.iter().flat_map(|job| [job.inputs(), job.origins.clone()].concat());
+        let needed = due.iter().flat_map(|job| {
+            [job.inputs(), job.origins.iter().map(|path| path.to_path_buf()).collect()].concat()
+        });
         let needed: BTreeSet<PathBuf> = needed.filter(|path| path.starts_with(&raw)).collect();
         let own: Vec<&TrialEntry> =
             needed.iter().filter_map(|path| self.trials.get(path.as_path()).copied()).collect();
@@ -131,7 +133,7 @@ impl<'d> Slices<'d> {
             ),
             None => (self.data.trials.iter().collect(), self.session_files.values().collect()),
         };
-        let trials = trials.into_iter().map(|trial| trial.path.clone());
+        let trials = trials.into_iter().map(|trial| trial.path.to_path_buf());
         let files = trials.chain(sessions.into_iter().flatten().cloned());
         files.chain([self.data.layout.study_toml()]).chain(needed).collect()
     }

@@ -168,7 +168,7 @@ fn a_part_whose_recordings_do_not_come_is_named_and_the_others_are_made() {
     let layout = Layout::new(root.path(), "thesis-twin".parse().unwrap());
     let data = StudyData::load(&layout).unwrap();
     let missing = data.counting().last().unwrap();
-    let endpoint = store_without(root.path(), Some(missing.path.clone()));
+    let endpoint = store_without(root.path(), Some(missing.path.to_path_buf()));
     let _executor = executor_with(&address, &settings(&endpoint), &["--store-timeout", "1"]);
     let ran = run(root.path(), &address, &["--raw", URL]).end();
     let file = missing.path.file_name().unwrap().to_str().unwrap();

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use tempfile::TempDir;
 use zwidth_plan as plan;
-use zwidth_runner::{Options, Results, Shard, merge, run};
+use zwidth_runner::{HashesRead, Options, Results, Shard, merge, run};
 use zwidth_store::{Layout, RealFiles, StudyData, findings};
 
 /// Contents of files, by their paths.
@@ -74,7 +74,8 @@ pub(crate) fn merge_here(root: &Path, from: &[&Path]) {
         from.iter().map(|root| Layout::new(root, layout.study().clone())).collect();
     let from: Vec<Results> = layouts.iter().map(|of| Results::new(of, &RealFiles)).collect();
     let own = Results::new(&layout, &RealFiles);
-    let merged = merge(&jobs, (&own, &from), &[], &std::sync::Arc::default()).unwrap();
+    let merged =
+        merge(&jobs, (&own, &from), &HashesRead::default(), &std::sync::Arc::default()).unwrap();
     assert!(merged.survey.refused.is_empty());
 }
 

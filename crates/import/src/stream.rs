@@ -509,7 +509,7 @@ mod tests {
     use super::super::world::{ONE, World, trials_map};
     use super::super::{FileReport, Report};
     use std::fmt::Write as _;
-    use std::path::PathBuf;
+    use std::path::Path;
     use zwidth_store::{StoreError, StudyData, Trial, read_channels};
 
     const MOVED: &str = "
@@ -578,7 +578,7 @@ derive = \"integral of theta_dot_rad_s\"
         // `verify` has something to say of such a recording, of both ways the same.
         let data = StudyData::load(&world.layout).unwrap();
         let channels: Vec<_> = data.study.channels.iter().map(|c| c.id.clone()).collect();
-        let read = |path: &PathBuf| {
+        let read = |path: &Path| {
             let mut trial = zwidth_store::read_trial(path, zwidth_store::Signal::all()).unwrap();
             for (id, values) in read_channels(path, &channels).unwrap().samples.channels() {
                 trial.samples.set_channel(id.clone(), values.to_vec());

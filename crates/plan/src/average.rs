@@ -4,7 +4,7 @@
 use crate::conditions::{Repeats, repeats, sessions};
 use crate::drawing::{Drawing, Figured};
 use crate::making::{derived, write_tables};
-use crate::trials::{OfTrials, files, open_all};
+use crate::trials::{OfTrials, Recordings, files, open_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -181,11 +181,7 @@ fn job(data: &StudyData, repeats: &Repeats) -> Job {
     .of_part(&repeats.key)
 }
 
-fn make(
-    of: &OfTrials<Parameters>,
-    files: &Vec<PathBuf>,
-    making: &Making,
-) -> Result<Made, JobError> {
+fn make(of: &OfTrials<Parameters>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
     let (trials, problems) = open_all(files, &of.trials)?;
     let table = |alignment| -> Result<Table, JobError> {
         match zwidth_average::average(&trials, &of.stage, alignment) {

@@ -32,5 +32,5 @@ fn make(names: &Vec<String>, files: &Vec<PathBuf>, making: &Making) -> Result<Ma
         let comment = origin.and_then(|origin| format.comment(origin)).unwrap_or_default();
         (captions_text(*format, &captions) + &comment).into_bytes()
     };
-    Ok(Made { outputs: CAPTION_FORMATS.iter().map(text).collect(), ..Made::default() })
+    Ok(Made::of(CAPTION_FORMATS.iter().map(text).collect()))
 }

@@ -123,7 +123,7 @@ fn calibrate(
     let (motor, brake) = (characteristic("motor", motor)?, characteristic("brake", brake)?);
     let text = Calibration { motor, brake }.to_toml()?;
     Calibration::from_toml(&text)?;
-    Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
+    Ok(Made::of(vec![text.into_bytes()]))
 }
 
 /// The characteristic by knots, from an actuator's tables.

@@ -101,7 +101,7 @@ fn is_possible(data: &StudyData, metric: &str) -> bool {
         let environment = data.study.environment(&trial.meta.environment);
         let channels = &data.study.channels;
         environment.is_some_and(|e| {
-            zwidth_metrics::is_possible(metric, &e.scene, &trial.signals, channels)
+            zwidth_metrics::is_possible(metric, &e.scene, &trial.said.signals, channels)
         })
     })
 }

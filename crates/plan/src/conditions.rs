@@ -23,6 +23,13 @@ pub(crate) struct Repeats<'a> {
     pub(crate) trials: Vec<&'a TrialEntry>,
 }
 
+impl Repeats<'_> {
+    /// Whether other repeats are of the same session.
+    pub(crate) fn is_of_session_of(&self, other: &Self) -> bool {
+        self.trials[0].meta.is_of_session_of(&other.trials[0].meta)
+    }
+}
+
 impl<'a> Session<'a> {
     /// `P01 S01`, for people.
     pub(crate) fn who(&self) -> String {

@@ -5,7 +5,7 @@ use crate::conditions::{Repeats, Session, sessions};
 use crate::making::{derived, read_parts, read_shared, write_tables};
 use crate::replay::STAGE;
 use crate::replayable::{is_replayable, rendering};
-use crate::trials::{OfTrials, files, read_all};
+use crate::trials::{OfTrials, Recordings, files, read_all};
 use crate::{identify, replay};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ pub(crate) struct Typical {
 }
 
 /// The trials of an environment, their conditions' tables of replays, and the identified plant.
-pub(crate) type Files = (Vec<PathBuf>, Vec<PathBuf>, PathBuf);
+pub(crate) type Files = (Recordings, Vec<PathBuf>, PathBuf);
 
 /// What is asked of typical trials of an environment, and the files that it takes.
 pub(crate) fn asked(
@@ -74,7 +74,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 /// The typical trial of each mode that has one, and how it was rendered.
 pub(crate) fn typical_trials<'a>(
     of: &'a OfTrials<Typical>,
-    files: &[PathBuf],
+    files: &Recordings,
     replays: &[PathBuf],
 ) -> Result<Vec<(Trial, &'a Rendering)>, JobError> {
     let replays =

@@ -120,9 +120,5 @@ fn make<P, I>(
     };
     let (image, others) = rayon::join(|| drawing.png(DEFAULT_DPI), others);
     let (svg, pdf, table) = others?;
-    Ok(Made {
-        outputs: vec![svg, pdf, image?, table, caption.into_bytes()],
-        problems,
-        ..Made::default()
-    })
+    Ok(Made { problems, ..Made::of(vec![svg, pdf, image?, table, caption.into_bytes()]) })
 }

@@ -2,7 +2,7 @@
 
 use crate::conditions::{Repeats, Session, sessions};
 use crate::drawing::{Drawing, Figured};
-use crate::trials::{Known, MOST_DRAWN, describe_trials, files, read_drawn};
+use crate::trials::{Known, MOST_DRAWN, Recordings, describe_trials, files, read_drawn};
 use crate::{
     average, characterise, compare, design, freemotion, ladder, likert_figures, replay_figures,
     scenes, schematics, trade,
@@ -145,7 +145,7 @@ struct Recorded {
 /// The files of one environment of one session.
 #[derive(Clone)]
 struct Files {
-    trials: Vec<PathBuf>,
+    trials: Recordings,
     /// Against time.
     averages: Vec<PathBuf>,
     /// Against position; empty where they are the same.
@@ -154,7 +154,7 @@ struct Files {
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        [self.trials.as_slice(), &self.averages, &self.loops].concat()
+        [self.trials.files(), self.averages.clone(), self.loops.clone()].concat()
     }
 }
 

@@ -2,7 +2,7 @@
 //! acceleration, the plant of every other that has an angle.
 
 use crate::making::{derived, split, write_tables};
-use crate::trials::{Found, OfTrials, files, name, read_all};
+use crate::trials::{Found, OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_freemotion::{FreeMotionError, Parameters};
@@ -25,7 +25,8 @@ pub(crate) fn plants(data: &StudyData) -> Option<PathBuf> {
 /// Trials of free motion that count: those for a plant, and those for a plane fit.
 fn trials(data: &StudyData) -> (Vec<&TrialEntry>, Vec<&TrialEntry>) {
     data.counting().filter(|trial| is_free(data, trial)).partition(|trial| {
-        trial.signals.contains(&Signal::Theta) && !trial.signals.contains(&Signal::ThetaDdot)
+        trial.said.signals.contains(&Signal::Theta)
+            && !trial.said.signals.contains(&Signal::ThetaDdot)
     })
 }
 
@@ -51,7 +52,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 fn make_planes(
     of: &OfTrials<Parameters>,
-    files: &Vec<PathBuf>,
+    files: &Recordings,
     making: &Making,
 ) -> Result<Made, JobError> {
     let (fits, problems) = fit_all(of, files, zwidth_freemotion::plane_fit)?;
@@ -60,7 +61,7 @@ fn make_planes(
 
 fn make_plants(
     of: &OfTrials<Parameters>,
-    files: &Vec<PathBuf>,
+    files: &Recordings,
     making: &Making,
 ) -> Result<Made, JobError> {
     let (fits, problems) = fit_all(of, files, zwidth_freemotion::plant_fit)?;
@@ -70,7 +71,7 @@ fn make_plants(
 /// The fits of the trials that can be read and fitted, and what is wrong with the others.
 fn fit_all<F: Send>(
     of: &OfTrials<Parameters>,
-    files: &[PathBuf],
+    files: &Recordings,
     fit: fn(&Trial, &Parameters) -> Result<F, FreeMotionError>,
 ) -> Result<Found<F>, StoreError> {
     let (trials, mut problems) = read_all(files, &of.trials, Signal::all())?;

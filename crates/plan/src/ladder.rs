@@ -8,7 +8,7 @@ use crate::drawing::{Drawing, Figured};
 use crate::making::{derived, read_tables, write_tables};
 use crate::measured::model_trial;
 use crate::replayable::{is_replayable, rendering};
-use crate::trials::{OfTrials, files, name, read_all};
+use crate::trials::{OfTrials, Recordings, files, name, read_all};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_device::{TwinParameters, Velocity};
@@ -229,7 +229,7 @@ fn measured(
     crate::measured::measured(&model_trial(samples, trial), &parameters)
 }
 
-fn make(of: &OfTrials<Laddered>, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+fn make(of: &OfTrials<Laddered>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
     let (trials, problems) = read_all(files, &of.trials, Signal::all())?;
     let trial = trials.first().ok_or_else(|| problems.join("; "))?;
     let ladder = ladder_of(&of.stage, trial)?;
@@ -243,7 +243,7 @@ fn make(of: &OfTrials<Laddered>, files: &Vec<PathBuf>, making: &Making) -> Resul
 
 fn make_held_out(
     of: &OfTrials<Laddered>,
-    (files, tables): &(Vec<PathBuf>, Vec<PathBuf>),
+    (files, tables): &(Recordings, Vec<PathBuf>),
     making: &Making,
 ) -> Result<Made, JobError> {
     let models = Table::from_parquet(tables.first().ok_or("there is no ladder")?)?;

@@ -39,6 +39,8 @@ mod scenes;
 mod schematics;
 mod summary;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod trade;
 mod trials;
 

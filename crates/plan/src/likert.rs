@@ -2,6 +2,7 @@
 //! blinding index where it was asked which mode it was.
 
 use crate::making::{derived, write_tables};
+use crate::trials::Recordings;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -52,9 +53,10 @@ pub(crate) fn long(data: &StudyData) -> Option<PathBuf> {
 }
 
 /// Files an answer can stand in: trials that count, session records, event logs.
-fn origins(data: &StudyData) -> Vec<PathBuf> {
+fn origins(data: &StudyData) -> Recordings {
     let trials = data.counting().map(|t| t.path.clone());
-    let logs = data.sessions.iter().flat_map(|s| [s.path.clone(), s.events_path.clone()]);
+    let logs =
+        data.sessions.iter().flat_map(|s| [&s.path, &s.events_path]).map(|p| p.as_path().into());
     trials.chain(logs).collect()
 }
 

@@ -6,9 +6,9 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use zwidth_runner::{JobError, Made, Making};
+use zwidth_runner::{JobError, Made, Making, Output};
 use zwidth_store::Layout;
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::{Table, TableError, TableFile};
 
 /// A job's result: tables as Parquet files, in the order of its outputs.
 pub(crate) fn write_tables(
@@ -19,8 +19,8 @@ pub(crate) fn write_tables(
     let files = tables.iter().zip(making.outputs);
     let outputs = files
         .map(|(table, path)| table.to_parquet(making.from, path))
-        .collect::<Result<_, TableError>>()?;
-    Ok(Made { outputs, problems, ..Made::default() })
+        .collect::<Result<Vec<_>, TableError>>()?;
+    Ok(Made { problems, ..Made::of(outputs) })
 }
 
 /// Tables that stages made, read side by side.
@@ -63,6 +63,35 @@ pub(crate) fn read_parts(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
     let part = |files: &[PathBuf]| Table::concat("part", "", read_tables(files)?);
     let parts: Result<Vec<_>, TableError> = files.chunks(JOINED_AT_ONCE).map(part).collect();
     Ok(parts?.into_iter().flatten().collect())
+}
+
+/// Sessions whose tables are read at a time to be joined.
+const SESSIONS_AT_ONCE: usize = 64;
+
+/// A long table of the study: what `join` makes of the tables of each session (nothing where it has
+/// none), one after the other. A note of one is a note of the whole.
+pub(crate) fn join_sessions(
+    sessions: &[Vec<PathBuf>],
+    join: impl Fn(&[PathBuf]) -> Result<Option<Table>, JobError> + Send + Sync + 'static,
+    making: &Making,
+) -> Output {
+    let (sessions, from) = (sessions.to_vec(), making.from.clone());
+    let path = making.outputs.first().cloned().unwrap_or_default();
+    Output::Long(Box::new(move |out| {
+        let mut tables = sessions.chunks(SESSIONS_AT_ONCE).flat_map(|some| {
+            let read: Vec<_> = some.par_iter().map(|files| join(files)).collect();
+            read.into_iter().filter_map(Result::transpose)
+        });
+        let first = tables.next().ok_or("there is no trial")??;
+        let mut about = first.rows(&[]);
+        let mut file = TableFile::begin(out, &about, &path)?;
+        for table in std::iter::once(Ok(first)).chain(tables) {
+            let table = table?;
+            about = about.with_notes_of(&table);
+            file.add(table)?;
+        }
+        Ok(file.end(&about, &from)?)
+    }))
 }
 
 /// The good results, and the bad ones in words.

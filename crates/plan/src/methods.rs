@@ -34,7 +34,7 @@ pub fn recorded(data: &StudyData) -> Recorded {
     for sweep in &data.sweeps {
         *sources.entry(sweep.source).or_default() += 1;
     }
-    let imported = data.trials.iter().filter_map(|trial| trial.file.get("made_by_import"));
+    let imported = data.trials.iter().filter_map(|trial| trial.said.file.get("made_by_import"));
     let made_by_import = imported.flat_map(|made| made.split("; ")).map(str::to_owned).collect();
     let named = data.study.compare.bounds.keys().map(ToString::to_string);
     let named =
@@ -55,7 +55,7 @@ pub fn recorded(data: &StudyData) -> Recorded {
         answers: likert::tally(data).is_some(),
         guesses: likert::blinding(data).is_some(),
         // Without the lever's length the table of replays says of each trial that it could not be.
-        replayed: !replay::of_study(data).is_empty() && data.study.device.lever_m.is_some(),
+        replayed: replay::of_study(data).is_some() && data.study.device.lever_m.is_some(),
         identified: identify::known_plant(data).is_some(),
     }
 }

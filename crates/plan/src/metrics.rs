@@ -4,8 +4,8 @@
 
 use crate::conditions::{Repeats, is_any, repeats};
 use crate::identify::{known_plant, plant_with_spread};
-use crate::making::{derived, read_parts, read_shared, split, write_tables};
-use crate::trials::{OfTrials, files, name, of_each};
+use crate::making::{derived, join_sessions, read_shared, read_tables, split, write_tables};
+use crate::trials::{OfTrials, Recordings, files, name, of_each};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -64,16 +64,15 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     // The two of a session follow each other: they look at the same trials.
     let of_one = |session| [session_job(data, session), plant_job(data, session, plant.clone())];
     let mut jobs: Vec<Job> = by_session(&repeats).flat_map(of_one).collect();
-    let keys = || by_session(&repeats).map(|session| key(meta(session)));
-    let plain = keys().map(|key| of_session(&data.layout, &key)).collect();
-    let plant = keys().map(|key| with_plant(&data.layout, &key)).collect();
-    jobs.push(study_job(data, plain, plant));
+    let keys = by_session(&repeats).map(|session| key(meta(session)));
+    let files = |key: String| [of_session, with_plant].map(|of| of(&data.layout, &key)).to_vec();
+    jobs.extend(study_jobs(data, keys.map(files).collect()));
     jobs
 }
 
 /// The conditions of each session.
 fn by_session<'r, 'a>(repeats: &'r [Repeats<'a>]) -> impl Iterator<Item = &'r [Repeats<'a>]> {
-    repeats.chunk_by(|a, b| a.trials[0].meta.is_of_session_of(&b.trials[0].meta))
+    repeats.chunk_by(Repeats::is_of_session_of)
 }
 
 /// A trial of a session: which session it is.
@@ -87,7 +86,7 @@ fn key(of: &TrialMeta) -> String {
 }
 
 /// The trials of each condition of a session.
-fn trials_of(session: &[Repeats]) -> Vec<Vec<PathBuf>> {
+fn trials_of(session: &[Repeats]) -> Vec<Recordings> {
     session.iter().map(|repeats| files(&repeats.trials)).collect()
 }
 
@@ -120,15 +119,20 @@ fn plant_job(data: &StudyData, session: &[Repeats], plant: Option<[PathBuf; 2]>)
 }
 
 /// The metrics of all sessions in one table, and by condition.
-fn study_job(data: &StudyData, plain: Vec<PathBuf>, plant: Vec<PathBuf>) -> Job {
-    let (tables, outputs) = ((plain, plant), study_files(&data.layout).to_vec());
-    Job::new(STAGE, "metrics of the study", data.study.conditions(), tables, outputs, make_study)
+fn study_jobs(data: &StudyData, sessions: Vec<Vec<PathBuf>>) -> [Job; 2] {
+    let [metrics, by_condition] = study_files(&data.layout);
+    let (whole, conditions) = ("metrics of the study", "metrics by condition");
+    let asked = data.study.conditions();
+    [
+        Job::new(STAGE, whole, (), sessions, vec![metrics.clone()], make_study),
+        Job::new(STAGE, conditions, asked, metrics, vec![by_condition], make_by_condition),
+    ]
 }
 
 /// Which trials are damaged, or have samples that make no metrics, the job without the plant tells.
 fn make_with_plant(
     conditions: &Vec<OfTrials<Parameters>>,
-    (trials, plant): &(Vec<Vec<PathBuf>>, Option<[PathBuf; 2]>),
+    (trials, plant): &(Vec<Recordings>, Option<[PathBuf; 2]>),
     making: &Making,
 ) -> Result<Made, JobError> {
     let plant = match plant {
@@ -139,7 +143,7 @@ fn make_with_plant(
         }
         None => None,
     };
-    let of_condition = |(of, trials): (&OfTrials<Parameters>, &Vec<PathBuf>)| {
+    let of_condition = |(of, trials): (&OfTrials<Parameters>, &Recordings)| {
         let signals = &zwidth_metrics::PLANT_SIGNALS;
         let found = of_each(making.trials, (trials, &of.trials), signals, |trial| {
             let row = zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref());
@@ -163,7 +167,7 @@ struct OfOne {
 
 fn make_session(
     conditions: &Vec<OfTrials<OfCondition>>,
-    trials: &Vec<Vec<PathBuf>>,
+    trials: &Vec<Recordings>,
     making: &Making,
 ) -> Result<Made, JobError> {
     let made: Result<Vec<OfOne>, StoreError> = conditions
@@ -188,7 +192,7 @@ fn make_session(
 
 fn make_condition(
     of: &OfTrials<OfCondition>,
-    files: &[PathBuf],
+    files: &Recordings,
     making: &Making,
 ) -> Result<OfOne, StoreError> {
     let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
@@ -204,25 +208,29 @@ fn make_condition(
     Ok(OfOne { rows, problems: [problems, more].concat(), care: care.concat() })
 }
 
-fn make_study(
+fn make_study(_: &(), sessions: &Vec<Vec<PathBuf>>, making: &Making) -> Result<Made, JobError> {
+    Ok(Made { outputs: vec![join_sessions(sessions, join_tables, making)], ..Made::default() })
+}
+
+/// The two tables of a session as one.
+fn join_tables(tables: &[PathBuf]) -> Result<Option<Table>, JobError> {
+    let mut tables = read_tables(tables)?.into_iter();
+    let mut next =
+        || Ok::<_, JobError>(zwidth_metrics::join_sessions(tables.next().into_iter().collect())?);
+    match (next()?, next()?) {
+        (Some(plain), Some(plant)) => Ok(Some(zwidth_metrics::join_plant(&plain, &plant)?)),
+        _ => Ok(None),
+    }
+}
+
+fn make_by_condition(
     conditions: &Vec<Condition>,
-    (plain, plant): &(Vec<PathBuf>, Vec<PathBuf>),
+    metrics: &PathBuf,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let join = |tables: &[PathBuf]| -> Result<Table, JobError> {
-        let joined = zwidth_metrics::join_sessions(read_parts(tables)?)?;
-        Ok(joined.ok_or("there is no trial")?)
-    };
-    let (plain, plant) = rayon::join(|| join(plain), || join(plant));
-    let all = zwidth_metrics::join_plant(&plain?, &plant?)?;
-    // The last job of many: nothing else is left to be done beside it.
-    let written =
-        |table: &Table, output: usize| table.to_parquet(making.from, &making.outputs[output]);
-    let (all, conditions) = rayon::join(
-        || written(&all, 0),
-        || Ok::<_, JobError>(written(&zwidth_metrics::by_condition(&all, conditions)?, 1)?),
-    );
-    Ok(Made { outputs: vec![all?, conditions?], ..Made::default() })
+    let columns = zwidth_metrics::condition_columns();
+    let metrics = Table::columns_from_parquet(metrics, &columns)?;
+    write_tables(&[zwidth_metrics::by_condition(&metrics, conditions)?], making, Vec::new())
 }
 
 /// What `verify` finds in a trial's samples, which count all the same.

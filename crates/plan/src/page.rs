@@ -4,7 +4,7 @@
 use crate::conditions::{Repeats, sessions};
 use crate::drawing::Drawing;
 use crate::making::read_shared;
-use crate::trials::{OfTrials, files as trial_files, read_drawn};
+use crate::trials::{OfTrials, Recordings, files as trial_files, read_drawn};
 use crate::{average, courses, identify, likert, metrics, runs, summary};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -86,7 +86,7 @@ fn make_turned(
         .map(|(environment, file)| Ok((environment.as_str(), Table::from_parquet(file)?)))
         .collect::<Result<_, TableError>>()?;
     let script = turned_script(&tables, turn(&of.by_eye), fitted.as_ref().map(turn))?;
-    Ok(Made { outputs: vec![with_origin(script, making).into_bytes()], ..Made::default() })
+    Ok(Made::of(vec![with_origin(script, making).into_bytes()]))
 }
 
 /// A script with where it comes from.
@@ -104,7 +104,7 @@ struct Condition {
 
 /// The files of one condition.
 struct Files {
-    trials: Vec<PathBuf>,
+    trials: Recordings,
     /// What happened in them and the other trials of their session, and when.
     events: PathBuf,
     averages: Vec<PathBuf>,
@@ -115,7 +115,7 @@ struct Files {
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
         let one = [self.events.clone()].into_iter().chain(self.courses.clone());
-        self.trials.iter().chain(&self.averages).cloned().chain(one).collect()
+        self.trials.files().into_iter().chain(self.averages.iter().cloned()).chain(one).collect()
     }
 }
 
@@ -152,7 +152,7 @@ fn make_condition(
     replays.iter_mut().for_each(|(_, number, columns)| in_time_of(&trials, *number, columns));
     let script = condition_script(&of.stage.key, &courses, &means, &replays)?;
     let text = with_origin(script, making);
-    Ok(Made { outputs: vec![text.into_bytes()], problems, ..Made::default() })
+    Ok(Made { problems, ..Made::of(vec![text.into_bytes()]) })
 }
 
 /// What is shown of a trial's samples, and what happened in it.
@@ -309,7 +309,7 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
         origin: making.from.get(ORIGIN).map(String::as_str),
         version: of.version,
     })?;
-    Ok(Made { outputs: vec![html.into_bytes()], ..Made::default() })
+    Ok(Made::of(vec![html.into_bytes()]))
 }
 
 #[cfg(test)]

@@ -144,7 +144,7 @@ fn trial(
     let samples: Samples =
         rehearse(twin.clone(), setup, own, what, calibration).map_err(|e| e.to_string())?;
     let meta = TrialMeta { source: Source::Twin, ..entry.meta.clone() };
-    let trial = Trial { meta, file: entry.file.clone(), samples };
+    let trial = Trial { meta, file: entry.said.file.clone(), samples };
     let parameters = Parameters::of(with_setup, environment, mode);
     zwidth_metrics::trial_metrics(&trial, &parameters).map_err(|e| e.to_string())
 }
@@ -152,37 +152,8 @@ fn trial(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::{Path, PathBuf};
+    use crate::tests::data;
     use zwidth_device::{Person, TwinParameters};
-    use zwidth_store::{Layout, Signal, TrialFile};
-
-    /// Two trials of the template's spring in its hybrid mode, of which no sample is needed.
-    fn data() -> StudyData {
-        let mut study = zwidth_testing::study();
-        study.control.rate_hz = 120.0;
-        let entry = |trial: u32| TrialEntry {
-            path: PathBuf::new(),
-            meta: zwidth_testing::meta(trial, "hybrid"),
-            file: TrialFile::new(),
-            form: study.trial_form(),
-            signals: vec![Signal::Time, Signal::Theta, Signal::ForceEx],
-            rows: 0,
-            blake3: String::new(),
-            superseded_by: None,
-            excluded: None,
-            sealed: None,
-        };
-        StudyData {
-            layout: Layout::new(Path::new("."), "demo".parse().unwrap()),
-            trials: vec![entry(1), entry(2)],
-            study,
-            sweeps: Vec::new(),
-            sessions: Vec::new(),
-            problems: Vec::new(),
-            warnings: Vec::new(),
-            answers: Vec::new(),
-        }
-    }
 
     fn made() -> [Table; 2] {
         let of = |_: &ParticipantId, _: &SessionId| -> Result<Twin, JobError> {

@@ -6,9 +6,9 @@
 use crate::conditions::{Repeats, repeats};
 use crate::identify;
 use crate::ladder::{self, Auto};
-use crate::making::{derived, read_parts, read_shared, split, write_tables};
+use crate::making::{derived, join_sessions, read_shared, read_tables, split, write_tables};
 use crate::replayable::{rendering, replayable};
-use crate::trials::{Known, OfTrials, files, name, read_all};
+use crate::trials::{Known, OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -36,10 +36,10 @@ fn auto_of_condition(layout: &Layout, repeats: &Repeats) -> PathBuf {
 }
 
 /// The replays, and their agreement, if anything was rendered.
-pub(crate) fn of_study(data: &StudyData) -> Vec<PathBuf> {
-    let names = ["replay.parquet", "replay.agreement.parquet"].into_iter();
+pub(crate) fn of_study(data: &StudyData) -> Option<[PathBuf; 2]> {
+    let names = ["replay.parquet", "replay.agreement.parquet"];
     let is_any = replayable(data).next().is_some();
-    names.filter(|_| is_any).map(|name| derived(&data.layout, name)).collect()
+    is_any.then(|| names.map(|name| derived(&data.layout, name)))
 }
 
 /// Conditions whose environment is more than a questionnaire.
@@ -109,18 +109,25 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
             .chain(auto)
             .collect::<Vec<_>>()
     };
-    let tables: Vec<PathBuf> = conditions.iter().flat_map(all).collect();
-    let outputs = of_study(data);
+    let sessions: Vec<Vec<PathBuf>> = conditions
+        .chunk_by(Repeats::is_of_session_of)
+        .map(|of| of.iter().flat_map(all).collect())
+        .collect();
     let level = analysis.confidence;
-    let whole = || Job::new(STAGE, "replay of the study", level, tables, outputs, make_study);
-    let whole = (!conditions.is_empty()).then(whole);
+    let of_study = of_study(data).map(|[replays, agreement]| {
+        let (whole, agree) = ("replay of the study", "agreement of model and recordings");
+        [
+            Job::new(STAGE, whole, (), sessions, vec![replays.clone()], make_study),
+            Job::new(STAGE, agree, level, replays, vec![agreement], make_agreement),
+        ]
+    });
     let each = conditions.iter().map(by_eye).chain(conditions.iter().filter_map(fitted));
-    each.chain(conditions.iter().filter_map(auto)).chain(whole).collect()
+    each.chain(conditions.iter().filter_map(auto)).chain(of_study.into_iter().flatten()).collect()
 }
 
 fn make_by_eye(
     of: &OfTrials<Modelled>,
-    files: &Vec<PathBuf>,
+    files: &Recordings,
     making: &Making,
 ) -> Result<Made, JobError> {
     let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
@@ -133,7 +140,7 @@ fn make_by_eye(
 /// Without rows if nothing was fitted. The job by eye reports trials that cannot be replayed.
 fn make_fitted(
     of: &OfTrials<Modelled>,
-    (files, plant): &(Vec<PathBuf>, PathBuf),
+    (files, plant): &(Recordings, PathBuf),
     making: &Making,
 ) -> Result<Made, JobError> {
     let plant = identify::fitted(&*read_shared(plant, making)?)?;
@@ -152,7 +159,7 @@ fn make_fitted(
 /// By the model that the ladder chose. The job by eye reports trials that cannot be replayed.
 fn make_auto(
     of: &OfTrials<Chosen>,
-    (files, chosen): &(Vec<PathBuf>, PathBuf),
+    (files, chosen): &(Recordings, PathBuf),
     making: &Making,
 ) -> Result<Made, JobError> {
     let chosen = Table::from_parquet(chosen)?;
@@ -170,7 +177,7 @@ type Model<'a> =
 /// The trials of a condition through a model, and what is wrong with those that are left out.
 fn replays(
     (modelled, known): (&Modelled, &[Known]),
-    files: &[PathBuf],
+    files: &Recordings,
     model: Model,
 ) -> Result<(Vec<TrialReplay>, Vec<String>), JobError> {
     let (trials, mut problems) = read_all(files, known, Signal::all())?;
@@ -184,9 +191,14 @@ fn replays(
     Ok((rows.concat(), problems))
 }
 
-fn make_study(level: &f64, tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    let replays =
-        zwidth_replay::join_conditions(read_parts(tables)?)?.ok_or("there is no trial")?;
-    let agreement = zwidth_replay::agreement(&replays, *level)?;
-    write_tables(&[replays, agreement], making, Vec::new())
+/// The replays of all sessions in one table.
+fn make_study(_: &(), sessions: &Vec<Vec<PathBuf>>, making: &Making) -> Result<Made, JobError> {
+    let join = |tables: &[PathBuf]| Ok(zwidth_replay::join_conditions(read_tables(tables)?)?);
+    Ok(Made { outputs: vec![join_sessions(sessions, join, making)], ..Made::default() })
+}
+
+fn make_agreement(level: &f64, replays: &PathBuf, making: &Making) -> Result<Made, JobError> {
+    let columns = zwidth_replay::agreement_columns();
+    let replays = Table::columns_from_parquet(replays, &columns)?;
+    write_tables(&[zwidth_replay::agreement(&replays, *level)?], making, Vec::new())
 }

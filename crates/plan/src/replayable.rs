@@ -27,7 +27,7 @@ pub(crate) fn replayable(data: &StudyData) -> impl Iterator<Item = &TrialEntry> 
 fn is_recorded(data: &StudyData, trial: &TrialEntry) -> bool {
     let environment = data.study.environment(&trial.meta.environment);
     let spring = environment.is_some_and(|e| e.scene.spring().is_some());
-    let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.signals.contains(s));
+    let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.said.signals.contains(s));
     data.study.device.lever_m.is_some() && spring && recorded
 }
 

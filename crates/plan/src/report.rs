@@ -124,7 +124,7 @@ fn job_of_statements(data: &StudyData, figures: &[Drawing], output: PathBuf) -> 
     let files = Files {
         calibration,
         metrics: metrics::of_study(data),
-        replays: replay::of_study(data).into_iter().next(),
+        replays: replay::of_study(data).map(|[replays, _]| replays),
         answers: likert::long(data),
         tally: likert::tally(data),
     };
@@ -136,7 +136,9 @@ fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made
         file.as_deref().map(Table::from_parquet).transpose()
     };
     let calibration = &Forces::read(files.calibration.as_deref())?;
-    let (metrics, replays) = (read(&files.metrics)?, read(&files.replays)?);
+    let columns = zwidth_report::replayed_columns();
+    let replays = files.replays.as_deref().map(|file| Table::columns_from_parquet(file, &columns));
+    let (metrics, replays) = (read(&files.metrics)?, replays.transpose()?);
     let (answers, tally) = (read(&files.answers)?, read(&files.tally)?);
     let Forced { planned, basis } = &asked.forced;
     let derived = Derived {

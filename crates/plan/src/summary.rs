@@ -16,7 +16,7 @@ use zwidth_report::{
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene, Setup};
-use zwidth_tables::{Format, NoteKind, Table, TableError};
+use zwidth_tables::{About, Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
 const STAGE: Stage = Stage { name: "summary", version: 15 };
@@ -42,6 +42,8 @@ pub(crate) struct Page {
     /// The trials whose clock, angle or velocity is to be read with care.
     doubted: TrialNames,
     gallery: Gallery,
+    /// Tables of which there is no form for people.
+    for_programs: BTreeSet<String>,
 }
 
 impl Page {
@@ -66,6 +68,17 @@ impl Page {
         let of_session = matches!(shown, Shown::Modes(_)) && self.gallery.only_session.is_none();
         let file = self.gallery.file(shown);
         if is_made(made, &file) && !of_session { file } else { CONDITIONS.to_owned() }
+    }
+}
+
+impl Page {
+    /// Puts the form for programs in the place of a table's form for people that is not made.
+    fn put(&self, path: &mut String) {
+        let is_of = |stem: &str| self.for_programs.contains(stem);
+        let table = path.strip_prefix("tables/").and_then(|name| name.strip_suffix(".md"));
+        if let Some(stem) = table.filter(|stem| is_of(stem)) {
+            *path = format!("tables/{stem}.csv");
+        }
     }
 }
 
@@ -133,6 +146,7 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
         primary_by_default: !data.study.compare.is_primary_named,
         doubted: doubted(data, found),
         gallery: report::gallery(data, figures),
+        for_programs: tables::for_programs(data),
     };
     (page, files)
 }
@@ -141,7 +155,7 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
     let (summary, _) = gather(page, files, making)?;
     let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
     let text = summary_markdown(&summary) + &origin.unwrap_or_default();
-    Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
+    Ok(Made::of(vec![text.into_bytes()]))
 }
 
 /// The summary, and the tables of the metrics that are compared in it.
@@ -180,6 +194,12 @@ pub(crate) fn gather(
     summary.runs = list_runs(page, files, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
+    // What is not there in a form for people is told in the one there is.
+    let listed = [&mut summary.shown, &mut summary.runs, &mut summary.tables].into_iter().flatten();
+    let paths = listed.map(|made| &mut made.path);
+    paths
+        .chain(summary.judged.iter_mut().map(|told| &mut told.path))
+        .for_each(|path| page.put(path));
     Ok((summary, compared))
 }
 
@@ -311,7 +331,7 @@ fn doubted(data: &StudyData, found: &Findings) -> TrialNames {
     let is_of = |column: &String| told_from.contains(&column.as_str());
     let doubts = found.with_care.iter().filter(|doubt| doubt.column.as_ref().is_some_and(is_of));
     let files: BTreeSet<&Path> = doubts.map(|doubt| doubt.path.as_path()).collect();
-    let trials = data.counting().filter(|trial| files.contains(trial.path.as_path()));
+    let trials = data.counting().filter(|trial| files.contains(&*trial.path));
     let name = |trial: &TrialEntry| {
         let meta = &trial.meta;
         (meta.participant.to_string(), meta.session.to_string(), i64::from(meta.trial))
@@ -321,7 +341,7 @@ fn doubted(data: &StudyData, found: &Findings) -> TrialNames {
 
 /// Whether trials recorded the user's torque, and none a force.
 pub(crate) fn has_torque_alone(data: &StudyData) -> bool {
-    let any = |signal| data.counting().any(|trial| trial.signals.contains(&signal));
+    let any = |signal| data.counting().any(|trial| trial.said.signals.contains(&signal));
     any(Signal::TorqueEx) && !any(Signal::ForceEx)
 }
 
@@ -335,7 +355,7 @@ fn left_out(data: &StudyData, found: &Findings) -> Vec<Remark> {
     let mut all = Vec::new();
     for trial in data.trials.iter().filter(|t| t.meta.kind == Kind::Trial) {
         let Some(why) = trial.why_not() else { continue };
-        let found = found_of.remove(trial.path.as_path()).unwrap_or_default();
+        let found = found_of.remove(&*trial.path).unwrap_or_default();
         let found: Vec<String> = found.into_iter().map(|remark| remark.why).collect();
         let why = if found.is_empty() { why } else { found.join("; ") };
         all.push(Remark { what: name(&trial.meta), why });
@@ -378,7 +398,8 @@ fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
     ];
     let mut sentences = Vec::new();
     for (what, signals, so) in needed {
-        let without = counting.iter().filter(|t| !signals.iter().any(|s| t.signals.contains(s)));
+        let without =
+            counting.iter().filter(|t| !signals.iter().any(|s| t.said.signals.contains(s)));
         let (n, all) = (without.count(), counting.len());
         if n > 0 {
             sentences
@@ -392,7 +413,7 @@ fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
 fn notes(tables: &[PathBuf], of: fn(NoteKind) -> bool) -> Result<BTreeSet<String>, TableError> {
     let mut notes = BTreeSet::new();
     for path in tables.iter().filter(|p| p.exists()) {
-        let (_, found) = Table::title_and_notes(path)?;
+        let found = Table::about(path)?.notes;
         notes.extend(found.into_iter().filter(|(kind, _)| of(*kind)).map(|(_, note)| note));
     }
     Ok(notes)
@@ -406,9 +427,9 @@ fn to_remark(note: &str) -> Remark {
 
 /// A table, and how many rows it has.
 fn table(file: &Path, folder: &Path) -> Result<(Listed, usize), TableError> {
-    let table = Table::from_parquet(file)?;
+    let About { title, rows, .. } = Table::about(file)?;
     let path = relative(&file.with_extension("md"), folder);
-    Ok((Listed { path, caption: table.title().to_owned() }, table.height()))
+    Ok((Listed { path, caption: title }, rows))
 }
 
 fn could_not_be_made(file: &Path) -> Remark {

@@ -1,13 +1,14 @@
 //! Stage `tables`: every derived table that people read, in every format.
 
+use crate::conditions::repeats;
 use crate::{
     characterise, compare, freemotion, identify, ladder, likert, metrics, replay, report, trade,
 };
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_metrics::by_mode;
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_runner::{Job, JobError, Made, Making, Output, Stage};
 use zwidth_store::{Layout, StudyData};
 use zwidth_tables::{Format, Table, TableError, Wording};
 
@@ -45,7 +46,7 @@ fn of_trials(data: &StudyData) -> Vec<PathBuf> {
     tables.extend(freemotion::planes(data));
     tables.extend(freemotion::plants(data));
     tables.extend(ladder::of_study(data));
-    tables.extend(replay::of_study(data));
+    tables.extend(replay::of_study(data).into_iter().flatten());
     tables.extend(identify::tables(data));
     tables
 }
@@ -75,8 +76,37 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+/// Rows from which on a table with one for each trial, or each condition of each participant, is
+/// written for programs alone: printed, these would be a hundred pages.
+const MOST_READ: usize = 5000;
+
+/// The tables with so many rows that they are written for programs alone.
+pub(crate) fn for_programs(data: &StudyData) -> BTreeSet<String> {
+    longer_than(MOST_READ, data)
+}
+
+fn longer_than(most: usize, data: &StudyData) -> BTreeSet<String> {
+    let trials = data.counting().count();
+    // There are never more of the others.
+    if trials <= most {
+        return BTreeSet::new();
+    }
+    let (conditions, identified) = (repeats(data).len(), identify::taken(data).0.len());
+    let rows = |stem: &str| match stem {
+        "metrics" | "replay" => trials,
+        "identify.trials" => identified,
+        "conditions" => conditions,
+        // A row for each contrast of conditions.
+        _ if stem.starts_with("participants_") => conditions,
+        _ => 0,
+    };
+    let stems = printed(data).into_iter().map(|(path, _)| stem(&path));
+    stems.filter(|stem| rows(stem) > most).collect()
+}
+
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    printed(data).into_iter().map(|(path, mark)| job(data, path, mark)).collect()
+    let for_programs = for_programs(data);
+    printed(data).into_iter().map(|(path, mark)| job(data, path, mark, &for_programs)).collect()
 }
 
 /// How a table is printed.
@@ -87,32 +117,36 @@ struct Printed {
     simulated: bool,
 }
 
-/// Trials from which on a table with a row for each is written for programs alone: printed, these
-/// would be a hundred pages.
-const MOST_READ: usize = 5000;
-
-/// The formats of a table: all, but of one that nobody could read those for programs.
-fn formats(data: &StudyData, stem: &str) -> impl Iterator<Item = Format> {
-    let of_each_trial = ["metrics", "replay"].contains(&stem);
-    let is_read = !of_each_trial || data.counting().nth(MOST_READ).is_none();
-    Format::ALL.into_iter().filter(move |f| is_read || matches!(f, Format::Csv | Format::Parquet))
-}
-
-fn job(data: &StudyData, input: PathBuf, simulated: bool) -> Job {
+fn job(data: &StudyData, input: PathBuf, simulated: bool, for_programs: &BTreeSet<String>) -> Job {
     let stem = stem(&input);
-    let outputs = formats(data, &stem).map(|f| printed_as(&data.layout, &stem, f)).collect();
+    let is_written = |f: &Format| f.is_for_programs() || !for_programs.contains(&stem);
+    let formats = Format::ALL.into_iter().filter(is_written);
+    let outputs = formats.map(|f| printed_as(&data.layout, &stem, f)).collect();
     let how = Printed { wording: Wording::of(&data.study), simulated };
     Job::new(STAGE, format!("table {stem}"), how, input, outputs, make)
 }
 
 fn make(how: &Printed, input: &PathBuf, making: &Making) -> Result<Made, JobError> {
-    let table = Table::from_parquet(input)?.with_mark(how.simulated);
     let format = |path: &Path| {
         Format::ALL.into_iter().find(|f| path.extension().is_some_and(|e| e == f.extension()))
     };
     let files = making.outputs.iter().filter_map(|path| Some((format(path)?, path.as_path())));
     let files: Vec<_> = files.collect();
-    Ok(Made { outputs: write(&table, &files, &how.wording, making.from)?, ..Made::default() })
+    if files.iter().all(|(format, _)| format.is_for_programs()) {
+        let outputs = files.into_iter().map(|file| long(file, how.simulated, input, making));
+        return Ok(Made { outputs: outputs.collect(), ..Made::default() });
+    }
+    let table = Table::from_parquet(input)?.with_mark(how.simulated);
+    Ok(Made::of(write(&table, &files, &how.wording, making.from)?))
+}
+
+/// A file of a table that may be of any length.
+fn long((format, path): (Format, &Path), simulated: bool, input: &Path, making: &Making) -> Output {
+    let (path, input, from) = (path.to_owned(), input.to_owned(), making.from.clone());
+    Output::Long(Box::new(move |out| {
+        let parts = Table::parts(&input)?.map(|part| Ok(part?.with_mark(simulated)));
+        Ok(format.write_parts(parts, (&from, &path), out)?)
+    }))
 }
 
 /// The bytes of a printed table's files. For people the table of conditions has the modes beside
@@ -130,4 +164,30 @@ pub fn write(
     // Where two labels are alike it stays wide.
     let narrow = narrow.and_then(Result::ok);
     table.to_bytes(narrow.as_ref().unwrap_or(table), files, wording, from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::data;
+
+    #[test]
+    fn a_table_with_more_rows_than_anybody_reads_is_for_programs_alone() {
+        let study = data();
+        assert_eq!(study.counting().count(), 2);
+        assert_eq!(longer_than(2, &study), BTreeSet::new());
+        let long = longer_than(1, &study);
+        // Two trials, of one condition.
+        let of_trials = ["metrics", "replay", "identify.trials"].map(str::to_owned).into();
+        assert!(long.contains("metrics") && long.is_subset(&of_trials), "{long:?}");
+        assert!(longer_than(0, &study).contains("conditions"));
+        let is_metrics = |path: &PathBuf| stem(path) == "metrics";
+        let metrics = printed(&study).into_iter().map(|(path, _)| path).find(is_metrics).unwrap();
+        let files = |long: &BTreeSet<String>| -> Vec<PathBuf> {
+            let files = job(&study, metrics.clone(), true, long).outputs;
+            files.iter().map(|f| f.extension().unwrap().into()).collect()
+        };
+        assert_eq!(files(&long), ["csv", "parquet"].map(PathBuf::from));
+        assert_eq!(files(&BTreeSet::new()).len(), Format::ALL.len());
+    }
 }

@@ -3,10 +3,10 @@
 
 use crate::conditions::{Repeats, spread};
 use crate::drawing::{Drawing, Figured};
-use crate::making::{derived, read_parts, split, write_tables};
+use crate::making::{derived, join_sessions, read_tables, split, write_tables};
 use crate::measured::measured;
 use crate::replay::rendered;
-use crate::trials::{OfTrials, files as trial_files, name, read_all};
+use crate::trials::{OfTrials, Recordings, files as trial_files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -120,7 +120,7 @@ pub(crate) fn recommended(data: &StudyData) -> Option<PathBuf> {
 /// which anything is known to be felt.
 pub(crate) fn measured_conditions(data: &StudyData) -> impl Iterator<Item = Repeats<'_>> {
     let has = |t: &TrialEntry| {
-        [Signal::Theta, Signal::ForceEx].iter().all(|signal| t.signals.contains(signal))
+        [Signal::Theta, Signal::ForceEx].iter().all(|signal| t.said.signals.contains(signal))
     };
     rendered(data).filter(move |repeats| repeats.trials.iter().any(|t| has(t)))
 }
@@ -187,7 +187,10 @@ fn data_jobs(data: &StudyData) -> Vec<Job> {
     };
     let mut jobs: Vec<Job> = conditions.iter().map(one).collect();
     if !conditions.is_empty() {
-        let tables: Vec<PathBuf> = conditions.iter().map(table).collect();
+        let tables: Vec<Vec<PathBuf>> = conditions
+            .chunk_by(Repeats::is_of_session_of)
+            .map(|session| session.iter().map(table).collect())
+            .collect();
         let output = vec![derived(&data.layout, "trade_data.parquet")];
         jobs.push(Job::new(
             STAGE,
@@ -209,11 +212,7 @@ struct OfData {
     perception: Perception,
 }
 
-fn make_data(
-    of: &OfTrials<OfData>,
-    files: &Vec<PathBuf>,
-    making: &Making,
-) -> Result<Made, JobError> {
+fn make_data(of: &OfTrials<OfData>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
     let (trials, mut problems) = read_all(files, &of.trials, Signal::all())?;
     let OfData { condition, metrics, perception } = &of.stage;
     let rows = |trial: &Trial| {
@@ -236,17 +235,17 @@ fn make_data(
 
 fn join_data(
     share: &Option<Share>,
-    tables: &Vec<PathBuf>,
+    sessions: &Vec<Vec<PathBuf>>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let joined = zwidth_trade::join_conditions(read_parts(tables)?)?.ok_or("there is no trial")?;
-    let joined = match share {
-        Some(Share { taken, of }) => joined.with_note(format!(
-            "Of {of} trials, those of participants evenly spread over the list were taken: {taken} trials."
-        )),
-        None => joined,
+    let note = share.as_ref().map(|Share { taken, of }| {
+        format!("Of {of} trials, those of participants evenly spread over the list were taken: {taken} trials.")
+    });
+    let join = move |tables: &[PathBuf]| {
+        let joined = zwidth_trade::join_conditions(read_tables(tables)?)?;
+        Ok(joined.map(|table| note.iter().fold(table, Table::with_note)))
     };
-    write_tables(&[joined], making, Vec::new())
+    Ok(Made { outputs: vec![join_sessions(sessions, join, making)], ..Made::default() })
 }
 
 fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
@@ -281,7 +280,7 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
 }
 
 fn draw_less(sources: &Vec<Source>, table: &PathBuf) -> Figured {
-    Ok((zwidth_figures::less(&Table::from_parquet(table)?, sources)?, Vec::new()))
+    Ok((zwidth_figures::less(Table::parts(table)?, sources)?, Vec::new()))
 }
 
 fn draw(scene: &String, files: &Vec<PathBuf>) -> Figured {

@@ -3,7 +3,8 @@
 use crate::making::split;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 use zwidth_store::{
     Lately, OpenTrial, Signal, StoreError, Trial, TrialEntry, read_thinned, read_trial,
 };
@@ -57,8 +58,11 @@ impl Known {
     }
 }
 
+/// Recordings that a job reads. All jobs share a trial's path.
+pub(crate) type Recordings = Vec<Arc<Path>>;
+
 /// The files of trials.
-pub(crate) fn files(trials: &[&TrialEntry]) -> Vec<PathBuf> {
+pub(crate) fn files(trials: &[&TrialEntry]) -> Recordings {
     trials.iter().map(|t| t.path.clone()).collect()
 }
 
@@ -83,7 +87,7 @@ fn readable<T>(read: Vec<Result<T, StoreError>>) -> Result<Found<T>, StoreError>
 /// # Errors
 /// A file that the system does not give.
 pub(crate) fn read_all(
-    files: &[PathBuf],
+    files: &[Arc<Path>],
     known: &[Known],
     signals: impl Iterator<Item = Signal> + Clone + Sync,
 ) -> Result<Found<Trial>, StoreError> {
@@ -100,7 +104,7 @@ pub(crate) const MOST_DRAWN: usize = 1 << 18;
 /// # Errors
 /// A file that the system does not give.
 pub(crate) fn read_drawn(
-    files: &[PathBuf],
+    files: &[Arc<Path>],
     known: &[Known],
     signals: impl Iterator<Item = Signal> + Clone + Sync,
 ) -> Result<Found<(Trial, usize)>, StoreError> {
@@ -119,7 +123,7 @@ pub(crate) fn read_drawn(
 /// A file that the system does not give.
 pub(crate) fn of_each<T: Send>(
     lately: &Lately,
-    (files, known): (&[PathBuf], &[Known]),
+    (files, known): (&[Arc<Path>], &[Known]),
     signals: &[Signal],
     make: impl Fn(&OpenTrial) -> Result<T, String> + Sync,
 ) -> Result<Found<T>, StoreError> {
@@ -141,10 +145,13 @@ pub(crate) fn of_each<T: Send>(
 ///
 /// # Errors
 /// A file that the system does not give.
-pub(crate) fn open_all(files: &[PathBuf], known: &[Known]) -> Result<Found<OpenTrial>, StoreError> {
+pub(crate) fn open_all(
+    files: &[Arc<Path>],
+    known: &[Known],
+) -> Result<Found<OpenTrial>, StoreError> {
     let all: Vec<Signal> = Signal::all().collect();
     let open =
-        |(file, known): (&PathBuf, &Known)| Ok(known.of_open(OpenTrial::open(file, &all, &[])?));
+        |(file, known): (&Arc<Path>, &Known)| Ok(known.of_open(OpenTrial::open(file, &all, &[])?));
     readable(files.par_iter().zip(known).map(open).collect())
 }
 
@@ -172,8 +179,8 @@ mod tests {
     fn a_damaged_file_is_told_and_one_that_the_system_does_not_give_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let known = [Known { trial: 1, mode: "hybrid".parse().unwrap(), repeat: 1 }];
-        let read = |file: PathBuf| {
-            let files = [file];
+        let read = |file: std::path::PathBuf| {
+            let files = [Arc::from(file)];
             let counts = |found: Result<usize, StoreError>| found.map_err(|error| error.by_system);
             let lately = Lately::default();
             let of = of_each(&lately, (&files, &known), &[], |_| Ok(()));

@@ -4,9 +4,8 @@
 use crate::hashes::Hashes;
 use crate::manifest::Manifest;
 use crate::shard::{ready, up_to_date};
-use crate::{Job, Records, Results, Shard};
+use crate::{HashesRead, Job, Records, Results, Shard};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use zwidth_store::StoreError;
 
 /// What was made of a part elsewhere.
@@ -27,7 +26,7 @@ pub struct Sent {
 pub fn due<'j>(
     jobs: &'j [Job],
     results: &Results,
-    known: &[(PathBuf, String)],
+    known: &HashesRead,
 ) -> Result<BTreeMap<&'j str, Vec<&'j Job>>, StoreError> {
     let (records, _) = Records::read(results)?;
     let (root, hashes) = (results.root(), Hashes::new(known));
@@ -69,6 +68,7 @@ mod tests {
     use std::collections::BTreeSet;
     use std::fs;
     use std::path::Path;
+    use std::path::PathBuf;
     use std::sync::Arc;
     use zwidth_store::{Layout, RealFiles};
 
@@ -87,7 +87,7 @@ mod tests {
             let (stage, outputs) = (Stage { name: "s", version: 1 }, vec![derived.join(output)]);
             let job = Job::new(stage, name, (), inputs, outputs, |(), inputs, _| {
                 let texts: Result<Vec<_>, _> = inputs.iter().map(fs::read).collect();
-                Ok(Made { outputs: vec![texts?.concat()], ..Made::default() })
+                Ok(Made::of(vec![texts?.concat()]))
             });
             job.of_part(part)
         };
@@ -110,7 +110,7 @@ mod tests {
         let [home, away, between] = [&home, &away, &between].map(|folder| layout(folder.path()));
         let planned = jobs(&home);
         let own = Results::new(&home, &RealFiles);
-        let first = due(&planned, &own, &[]).unwrap();
+        let first = due(&planned, &own, &HashesRead::default()).unwrap();
         assert_eq!(names(&first), [("a", vec!["own a", "copy a"]), ("b", vec!["own b", "copy b"])]);
         // Both parts are one shard's, and are sent one by one.
         let shard = Shard::new(1, 1).unwrap();
@@ -132,9 +132,13 @@ mod tests {
             )
             .unwrap();
         }
-        let merged = merge(&planned, (&own, &laid), &[], &Arc::default()).unwrap();
+        let merged =
+            merge(&planned, (&own, &laid), &HashesRead::default(), &Arc::default()).unwrap();
         assert_eq!((merged.shards, merged.jobs), (BTreeSet::from([shard]), 4));
-        assert_eq!(names(&due(&planned, &own, &[]).unwrap()), [("a", vec!["both"])]);
+        assert_eq!(
+            names(&due(&planned, &own, &HashesRead::default()).unwrap()),
+            [("a", vec!["both"])]
+        );
     }
 
     #[test]

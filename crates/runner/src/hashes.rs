@@ -1,7 +1,9 @@
 //! Hashes of files, each computed once a run.
 
+use std::borrow::Borrow;
 use std::collections::{BTreeMap, HashMap};
-use std::ffi::OsString;
+use std::ffi::OsStr;
+use std::hash::{Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use zwidth_store::Seen;
@@ -9,47 +11,116 @@ use zwidth_store::Seen;
 /// In place of the hash of an output that would be made again: nobody knows its content yet.
 pub(crate) const TO_BE_MADE: &str = "to be made";
 
+/// A path that is looked up by its bytes: paths of one plan are written alike, and bytes are compared
+/// sooner than names.
+#[derive(Debug)]
+struct Written(Arc<Path>);
+
+impl Borrow<OsStr> for Written {
+    fn borrow(&self) -> &OsStr {
+        self.0.as_os_str()
+    }
+}
+
+impl Hash for Written {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.as_os_str().hash(state);
+    }
+}
+
+impl PartialEq for Written {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.as_os_str() == other.0.as_os_str()
+    }
+}
+
+impl Eq for Written {}
+
+/// BLAKE3 of files that were read already. A copy shares it.
+#[derive(Debug, Clone, Default)]
+pub struct HashesRead(Arc<HashMap<Written, blake3::Hash>>);
+
+/// Of each file its path and its hash, hexadecimal.
+impl<P: Into<Arc<Path>>, H: AsRef<str>> FromIterator<(P, H)> for HashesRead {
+    fn from_iter<I: IntoIterator<Item = (P, H)>>(files: I) -> Self {
+        let hash = |(path, hash): (P, H)| {
+            Some((Written(path.into()), blake3::Hash::from_hex(hash.as_ref()).ok()?))
+        };
+        let mut known: HashMap<_, _> = files.into_iter().filter_map(hash).collect();
+        known.shrink_to_fit();
+        Self(Arc::new(known))
+    }
+}
+
+/// What is known of a file's content: a third of the memory of a hash as text.
+#[derive(Clone, Copy)]
+enum Content {
+    Hash(blake3::Hash),
+    Missing,
+    ToBeMade,
+}
+
+impl Content {
+    fn of(text: &str) -> Self {
+        match blake3::Hash::from_hex(text) {
+            Ok(hash) => Self::Hash(hash),
+            Err(_) if text == TO_BE_MADE => Self::ToBeMade,
+            Err(_) => Self::Missing,
+        }
+    }
+
+    fn text(self) -> String {
+        match self {
+            Self::Hash(hash) => hash.to_hex().to_string(),
+            Self::Missing => String::new(),
+            Self::ToBeMade => TO_BE_MADE.to_owned(),
+        }
+    }
+}
+
 /// Hashes of files, each computed once a run; a missing file's is empty.
 #[derive(Default)]
 pub(crate) struct Hashes {
-    /// By their paths as they are written.
-    all: Mutex<HashMap<OsString, String>>,
+    known: HashesRead,
+    /// Those that came since, by the files' paths as they are written.
+    since: Mutex<HashMap<Box<OsStr>, Content>>,
     seen: Arc<Seen>,
 }
 
 impl Hashes {
     /// Begins with the hashes of files that were read already.
-    pub(crate) fn new(known: &[(PathBuf, String)]) -> Self {
+    pub(crate) fn new(known: &HashesRead) -> Self {
         Self::seen(known, Arc::default())
     }
 
     /// The same, where it is known what other files were when they were last read.
-    pub(crate) fn seen(known: &[(PathBuf, String)], seen: Arc<Seen>) -> Self {
-        let known = known.iter().map(|(path, hash)| (path.clone().into(), hash.clone()));
-        Self { all: Mutex::new(known.collect()), seen }
+    pub(crate) fn seen(known: &HashesRead, seen: Arc<Seen>) -> Self {
+        Self { known: known.clone(), since: Mutex::default(), seen }
     }
 
-    pub(crate) fn of(&self, root: &Path, paths: &[PathBuf]) -> BTreeMap<String, String> {
-        paths.iter().map(|p| (show_path(root, p), self.one(p))).collect()
+    pub(crate) fn of(&self, root: &Path, paths: &[impl AsRef<Path>]) -> BTreeMap<String, String> {
+        paths.iter().map(AsRef::as_ref).map(|p| (show_path(root, p), self.one(p))).collect()
     }
 
     fn one(&self, path: &Path) -> String {
-        if let Some(hash) = self.lock().get(path.as_os_str()) {
-            return hash.clone();
+        let since = self.lock().get(path.as_os_str()).copied();
+        let known = || self.known.0.get(path.as_os_str()).copied().map(Content::Hash);
+        if let Some(content) = since.or_else(known) {
+            return content.text();
         }
         // Not locked meanwhile: others go on, and at worst two threads find the same hash.
         let hash = self.seen.blake3(path).unwrap_or_default();
-        self.lock().insert(path.into(), hash.clone());
+        self.set(path, &hash);
         hash
     }
 
-    pub(crate) fn set(&self, path: &Path, hash: String) {
-        self.lock().insert(path.into(), hash);
+    pub(crate) fn set(&self, path: &Path, hash: &str) {
+        self.lock().insert(path.as_os_str().into(), Content::of(hash));
     }
 
     /// The hash of what was just written.
-    pub(crate) fn written(&self, path: &Path, hash: String) {
-        self.seen.written(path, &hash);
+    pub(crate) fn written(&self, path: &Path, hash: &str) {
+        self.seen.written(path, hash);
         self.set(path, hash);
     }
 
@@ -57,12 +128,12 @@ impl Hashes {
     /// it are listed too.
     pub(crate) fn forget(&self, paths: &[PathBuf]) {
         for path in paths {
-            self.set(path, TO_BE_MADE.to_owned());
+            self.set(path, TO_BE_MADE);
         }
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<OsString, String>> {
-        self.all.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Box<OsStr>, Content>> {
+        self.since.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }
 

@@ -5,22 +5,43 @@ use crate::hashes::show_path;
 use crate::provenance::input_key;
 use serde::Serialize;
 use std::error::Error;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use zwidth_store::{Lately, hex_blake3};
 
 /// What a job's function can fail with.
 pub type JobError = Box<dyn Error + Send + Sync>;
 
+/// The content of a file that a job made.
+pub enum Output {
+    /// These bytes.
+    Whole(Vec<u8>),
+    /// What this writes, part by part: more than should be in memory.
+    Long(WriteLong),
+}
+
+/// Writes the content of a long file.
+pub type WriteLong = Box<dyn FnOnce(&mut (dyn Write + Send)) -> Result<(), JobError> + Send>;
+
 /// What a job made.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Made {
     /// The content of each output, in the order of [`Job::outputs`].
-    pub outputs: Vec<Vec<u8>>,
+    pub outputs: Vec<Output>,
     /// What had to be left out, and why: remembered, and reported at every run.
     pub problems: Vec<String>,
     /// What in the outputs is to be read with care, and why: also remembered and reported at every
     /// run.
     pub care: Vec<String>,
+}
+
+impl Made {
+    /// Whole files, and nothing else to be said of them.
+    pub fn of(outputs: Vec<Vec<u8>>) -> Self {
+        let outputs = outputs.into_iter().map(Output::Whole).collect();
+        Self { outputs, ..Self::default() }
+    }
 }
 
 /// A stage: its name, and the version of its algorithm, which is raised whenever the stage makes
@@ -48,6 +69,12 @@ impl Inputs for () {
 impl Inputs for PathBuf {
     fn files(&self) -> Vec<PathBuf> {
         vec![self.clone()]
+    }
+}
+
+impl Inputs for Arc<Path> {
+    fn files(&self) -> Vec<PathBuf> {
+        vec![self.to_path_buf()]
     }
 }
 
@@ -146,7 +173,7 @@ pub struct Job {
     pub part: Option<String>,
     /// Files from which its parameters come. The record names them; a change of one of them is not
     /// a reason to make the job again.
-    pub origins: Vec<PathBuf>,
+    pub origins: Vec<Arc<Path>>,
     /// Files it makes.
     pub outputs: Vec<PathBuf>,
     /// Whether it is made even when some of its inputs could not be: they are then missing files.
@@ -221,7 +248,7 @@ impl Job {
 
     /// The same, with the files from which its parameters come.
     #[must_use]
-    pub fn told_by(self, origins: Vec<PathBuf>) -> Self {
+    pub fn told_by(self, origins: Vec<Arc<Path>>) -> Self {
         Self { origins, ..self }
     }
 
@@ -304,7 +331,7 @@ mod tests {
         let job = job(map);
         let (from, root) = (Provenance::new(), Path::new(""));
         let making = Making { from: &from, outputs: &[], root, trials: &Lately::default() };
-        let error = job.make(&making).unwrap_err();
+        let error = job.make(&making).err().unwrap();
         assert!(error.to_string().contains("its parameters cannot be written"), "{error}");
     }
 

@@ -49,7 +49,8 @@ mod trace;
 
 pub use change::{Change, Field, FileChange, How};
 pub use elsewhere::{Sent, due, lay_down};
-pub use job::{Inputs, Job, JobError, Made, Making, Stage, strip_root};
+pub use hashes::HashesRead;
+pub use job::{Inputs, Job, JobError, Made, Making, Output, Stage, WriteLong, strip_root};
 pub use manifest::{PROGRAM, waiting};
 pub use merge::{Merged, merge};
 pub use provenance::{ORIGIN, Provenance, origins};

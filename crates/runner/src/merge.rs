@@ -3,9 +3,8 @@
 
 use crate::manifest::folder;
 use crate::survey::{Offer, Share, Survey, content, survey};
-use crate::{Job, Results, Shard};
+use crate::{HashesRead, Job, Results, Shard};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 use std::sync::Arc;
 use zwidth_store::{Seen, StoreError, hex_blake3};
 
@@ -35,7 +34,7 @@ pub struct Merged<'r, 'j> {
 pub fn merge<'r, 'j>(
     jobs: &'j [Job],
     (own, others): (&'r Results<'r>, &'r [Results<'r>]),
-    known: &[(PathBuf, String)],
+    known: &HashesRead,
     seen: &Arc<Seen>,
 ) -> Result<Merged<'r, 'j>, StoreError> {
     let _held = own.hold_alone()?;
@@ -86,6 +85,11 @@ mod tests {
     use super::*;
     use crate::{JobEnd, Made, Options, Records, Stage, run};
     use std::fs;
+    use std::path::PathBuf;
+
+    fn none() -> HashesRead {
+        HashesRead::default()
+    }
     use tempfile::TempDir;
     use zwidth_store::{Layout, RealFiles};
 
@@ -112,7 +116,7 @@ mod tests {
                 let stage = Stage { name: "s", version: 1 };
                 Job::new(stage, name, (), inputs, vec![derived.join(output)], |(), inputs, _| {
                     let texts: Result<Vec<_>, _> = inputs.iter().map(fs::read).collect();
-                    Ok(Made { outputs: vec![texts?.concat()], ..Made::default() })
+                    Ok(Made::of(vec![texts?.concat()]))
                 })
             };
             let parts = ["a", "b", "c"];
@@ -145,7 +149,7 @@ mod tests {
 
         fn merge(&self, others: &[Results]) -> (usize, Vec<String>) {
             let (jobs, own) = (self.jobs(), self.results());
-            let merged = merge(&jobs, (&own, others), &[], &Arc::default()).unwrap();
+            let merged = merge(&jobs, (&own, others), &none(), &Arc::default()).unwrap();
             let refused = merged.survey.refused.iter().map(ToString::to_string).collect();
             (merged.jobs, refused)
         }
@@ -202,7 +206,8 @@ mod tests {
         world.run(Some("1/1"));
         let fewer: Vec<Job> = world.jobs().into_iter().filter(|job| job.name != "own a").collect();
         let results = world.results();
-        let refused = merge(&fewer, (&results, &[]), &[], &Arc::default()).unwrap().survey.refused;
+        let refused =
+            merge(&fewer, (&results, &[]), &none(), &Arc::default()).unwrap().survey.refused;
         let why = refused[0].to_string();
         assert!(why.contains("the study has no job \"own a\" now"), "{why}");
         assert!(why.contains(&format!("--root {} run s", world.layout.root().display())), "{why}");
@@ -212,7 +217,7 @@ mod tests {
         run(&fewer, &results, &shard, &|_| {}).unwrap();
         assert!(!world.layout.derived().join("a").exists());
         assert!(world.layout.derived().join("b").exists());
-        let merged = merge(&fewer, (&results, &[]), &[], &Arc::default()).unwrap();
+        let merged = merge(&fewer, (&results, &[]), &none(), &Arc::default()).unwrap();
         assert_eq!((merged.jobs, merged.survey.refused), (2, Vec::new()));
     }
 
@@ -247,7 +252,7 @@ mod tests {
         let text = fs::read(&manifest).unwrap();
         let (jobs, results) = (world.jobs(), world.results());
         let running = results.hold_beside_shards().unwrap();
-        let error = merge(&jobs, (&results, &[]), &[], &Arc::default()).err().unwrap();
+        let error = merge(&jobs, (&results, &[]), &none(), &Arc::default()).err().unwrap();
         assert!(
             error.to_string().contains("a run, a merge or a shard of the study goes on"),
             "{error}"
@@ -270,7 +275,7 @@ mod tests {
         }
         let (jobs, own) = (world.jobs(), world.results());
         let missing = |of| {
-            let found = survey(&jobs, (&own, &[]), &[], &Arc::default()).unwrap();
+            let found = survey(&jobs, (&own, &[]), &none(), &Arc::default()).unwrap();
             let shares = found.shares(&jobs, of).into_iter().filter(|s| !s.missing.is_empty());
             shares.map(|s| (s.shard, s.missing)).collect::<Vec<_>>()
         };

@@ -8,9 +8,10 @@ use crate::record::{Record, each_once, in_words};
 use rayon::prelude::*;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::cell::RefCell;
+
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::io;
 use std::sync::Arc;
 use zwidth_store::{Content, Layout, StoreError};
 
@@ -106,10 +107,8 @@ impl Records {
     /// never in memory whole.
     pub(crate) fn write(&self, results: &Results) -> Result<Self, StoreError> {
         let path = Results::records_file(results.layout());
-        let places = RefCell::new(Vec::new());
-        results.write_by(&path, |out| {
-            let mut places = places.borrow_mut();
-            places.clear();
+        let mut places = Vec::new();
+        let written = results.write_by(&path, |out| -> io::Result<()> {
             let mut at = 0;
             for (name, kept) in &self.0 {
                 let Some(text) = kept.text() else { continue };
@@ -123,11 +122,12 @@ impl Records {
             }
             out.write_all(if at == 0 { b"{}" } else { b"}" })
         })?;
+        written.map_err(|e| StoreError::io(&path, "write", &e))?;
         // Whoever has removed it meanwhile has it written again from what is known here.
         let Some(Ok(file)) = results.open(&path, MOST_RECORDS)? else { return Ok(self.clone()) };
         let file = Arc::new(file);
         let there = |(name, from, length)| (name, Kept::There(file.clone(), from, length));
-        Ok(Self(places.into_inner().into_iter().map(there).collect()))
+        Ok(Self(places.into_iter().map(there).collect()))
     }
 
     /// Of these records those that are the same as in `before`, from now on as they are in `written`.

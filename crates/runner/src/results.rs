@@ -63,15 +63,15 @@ impl<'a> Results<'a> {
         replace(self.files, path, bytes)
     }
 
-    /// Writes an output, whole, a part at a time.
+    /// Writes an output, whole, a part at a time, and gives its BLAKE3; or the error of `write`.
     ///
     /// # Errors
-    /// Those of [`Results::write`], and of what writes it.
-    pub(crate) fn write_by(
+    /// Those of [`Results::write`].
+    pub(crate) fn write_by<E>(
         &self,
         path: &Path,
-        write: impl Fn(&mut dyn io::Write) -> io::Result<()>,
-    ) -> Result<(), StoreError> {
+        write: impl FnOnce(&mut (dyn io::Write + Send)) -> Result<(), E>,
+    ) -> Result<Result<String, E>, StoreError> {
         self.check(path)?;
         replace_by(self.files, path, write)
     }

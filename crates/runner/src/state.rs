@@ -95,7 +95,7 @@ mod tests {
             let (stage, outputs) = (Stage { name, version: 1 }, vec![root.join(output)]);
             Job::new(stage, name, (), root.join(input), outputs, |(), input, _| {
                 let text = fs::read_to_string(input)?.to_uppercase();
-                Ok(Made { outputs: vec![text.into_bytes()], ..Made::default() })
+                Ok(Made::of(vec![text.into_bytes()]))
             })
         };
         vec![job("second", "A", "AA"), job("first", "a", "A")]

@@ -6,7 +6,7 @@ use crate::manifest::{Found, Manifest, refusal};
 use crate::plan::{levels, with_needs};
 use crate::record::Record;
 use crate::shard::ready;
-use crate::{Job, Records, Results, Shard};
+use crate::{HashesRead, Job, Records, Results, Shard};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -86,7 +86,7 @@ impl Survey<'_> {
 pub fn survey<'r>(
     jobs: &[Job],
     (own, others): (&'r Results<'r>, &'r [Results<'r>]),
-    known: &[(PathBuf, String)],
+    known: &HashesRead,
     seen: &Arc<Seen>,
 ) -> Result<Survey<'r>, StoreError> {
     let (records, remarks) = Records::read(own)?;
@@ -156,7 +156,7 @@ fn compare(
             }
         }
         for (path, hash) in first.iter().flat_map(|record| &record.outputs) {
-            hashes.set(&root.join(path), hash.clone());
+            hashes.set(&root.join(path), hash);
         }
     }
     // One that was refused for a later job offers nothing.

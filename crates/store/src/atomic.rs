@@ -284,7 +284,7 @@ pub fn keep_private(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
 pub(crate) fn place(
     files: &dyn Files,
     path: &Path,
-    write: impl Fn(&Path) -> io::Result<()>,
+    write: impl FnOnce(&Path) -> io::Result<()>,
 ) -> Result<(), StoreError> {
     let beside = temporary(path);
     let placed = write(&beside)

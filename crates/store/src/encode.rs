@@ -105,12 +105,14 @@ fn encoding(field: &Field) -> Encoding {
 }
 
 /// Writer settings of a derived table: what can be made again is made quickly.
-pub(crate) fn derived(schema: &Schema, footer: Vec<KeyValue>) -> WriterProperties {
+pub(crate) fn derived(schema: &Schema) -> WriterProperties {
     let columns = schema.fields().iter().map(|field| match field.data_type() {
         DataType::Float64 => (field.name().as_str(), Encoding::ByteStreamSplit),
         _ => (field.name().as_str(), Encoding::Dictionary),
     });
-    properties(columns, footer, Compression::SNAPPY).build()
+    properties(columns, Vec::new(), Compression::SNAPPY)
+        .set_max_row_group_row_count(Some(GROUP_ROWS))
+        .build()
 }
 
 /// Rows of a row group: a reader takes no more than a group at a time, and most trials are one.

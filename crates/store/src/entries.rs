@@ -1,10 +1,17 @@
 //! The trials of a study, or of one session, by their footers.
 
 use crate::footer::{TrialFooter, read_footer_from, read_footer_seen};
+use crate::memo::Memo;
 use crate::study::parquet_below;
-use crate::{Files, Layout, Seen, StoreError, TrialEntry};
+use crate::{Files, Layout, Said, Seen, StoreError, TrialEntry};
 use rayon::prelude::*;
+use std::cell::RefCell;
 use std::path::Path;
+use std::sync::Arc;
+use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId, TrialMeta};
+
+/// What a file says of when its trial began.
+const START: &str = "start_utc";
 
 /// The trials below a folder of the tree: `files` lists them, and reads those that were not `seen`
 /// before.
@@ -25,6 +32,7 @@ pub(crate) fn read_trials(
                 None => read_footer_from(files, &path),
             };
             let TrialFooter { meta, file, form, signals, rows, blake3 } = footer?;
+            let (meta, said) = shared(meta, Said { file, form, signals });
             let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
             if expected != path {
                 let what =
@@ -34,11 +42,9 @@ pub(crate) fn read_trials(
                 return Err(StoreError::new(&path, what, remedy));
             }
             Ok(TrialEntry {
-                path,
+                path: path.into(),
                 meta,
-                file,
-                form,
-                signals,
+                said,
                 rows,
                 blake3,
                 superseded_by: None,
@@ -47,4 +53,77 @@ pub(crate) fn read_trials(
             })
         })
         .collect()
+}
+
+/// Texts that trials share, each kept once by a thread for those that it reads one after the other.
+struct Shared {
+    said: Memo<Arc<Said>, Arc<Said>>,
+    participant: Memo<ParticipantId, ParticipantId>,
+    session: Memo<SessionId, SessionId>,
+    environment: Memo<EnvironmentId, EnvironmentId>,
+    mode: Memo<ModeId, ModeId>,
+}
+
+/// What is known of a trial, and what its file says besides, without when it began: the rest is the
+/// same in all trials of a session, and a study may have a million.
+fn shared(meta: TrialMeta, mut said: Said) -> (TrialMeta, Arc<Said>) {
+    fn known<T: Clone + PartialEq>(memo: &mut Memo<T, T>, value: T) -> T {
+        memo.known(|known| *known == value).unwrap_or_else(|| {
+            memo.keep(value.clone(), value.clone());
+            value
+        })
+    }
+    thread_local! {
+        static SHARED: RefCell<Shared> = const {
+            RefCell::new(Shared {
+                said: Memo::new(),
+                participant: Memo::new(),
+                session: Memo::new(),
+                environment: Memo::new(),
+                mode: Memo::new(),
+            })
+        };
+    }
+    said.file.remove(START);
+    SHARED.with_borrow_mut(|shared| {
+        let meta = TrialMeta {
+            participant: known(&mut shared.participant, meta.participant),
+            session: known(&mut shared.session, meta.session),
+            environment: known(&mut shared.environment, meta.environment),
+            mode: known(&mut shared.mode, meta.mode),
+            ..meta
+        };
+        (meta, known(&mut shared.said, Arc::new(said)))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::RealFiles;
+    use crate::read::tests::{form, sample_trial};
+
+    #[test]
+    fn trials_of_a_session_share_what_is_the_same_in_all_of_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(folder.path(), "demo".parse().unwrap());
+        for number in 1..=3 {
+            let mut trial = sample_trial();
+            trial.meta.trial = number;
+            trial.file.insert(START.to_owned(), format!("2026-01-01T00:00:0{number}Z"));
+            trial.file.insert("device".to_owned(), if number < 3 { "a" } else { "b" }.to_owned());
+            let path = layout.trial(&trial.meta.participant, &trial.meta.session, number);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(&path, crate::trial_bytes(&trial, &form(), &path).unwrap()).unwrap();
+        }
+        // One after the other, as one thread of many would.
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let read = || read_trials((&RealFiles, None), &layout, &layout.trials());
+        let trials: Vec<TrialEntry> = one.install(read).into_iter().map(Result::unwrap).collect();
+        let [first, second, third] = &trials[..] else { panic!("{trials:?}") };
+        assert!(Arc::ptr_eq(&first.said, &second.said) && !Arc::ptr_eq(&first.said, &third.said));
+        assert_eq!((&*first.said.file["device"], &*third.said.file["device"]), ("a", "b"));
+        assert_eq!(first.meta.mode.as_str().as_ptr(), second.meta.mode.as_str().as_ptr());
+        assert_eq!((first.meta.trial, third.meta.trial), (1, 3));
+    }
 }

@@ -14,7 +14,7 @@ pub(crate) fn unfit(study: &Study, trial: &mut TrialEntry) -> Option<StoreError>
         unknown("environment", meta.environment.as_str())
     } else if study.mode(&meta.mode).is_none() && !is_told(trial) {
         unknown("mode", meta.mode.as_str())
-    } else if let Some(lever) = trial.file.get("lever_m").filter(|l| !is_lever(study, l)) {
+    } else if let Some(lever) = trial.said.file.get("lever_m").filter(|l| !is_lever(study, l)) {
         let now = study.device.lever_m.map_or_else(|| "none".to_owned(), |l| format!("{l} m"));
         let what =
             format!("it was converted with a lever of {lever} m, and device.lever_m is {now}");

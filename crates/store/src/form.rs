@@ -39,7 +39,7 @@ pub(crate) fn other_forms(
     trials: &[TrialEntry],
 ) -> Option<StoreError> {
     let form = study.trial_form();
-    let mut other = trials.iter().filter(|trial| trial.form != form);
+    let mut other = trials.iter().filter(|trial| trial.said.form != form);
     let first = other.next()?;
     let n = 1 + other.count();
     let what = format!(
@@ -47,7 +47,7 @@ pub(crate) fn other_forms(
         words(&form),
         trials.len(),
         layout.shown(&first.path).display(),
-        words(&first.form)
+        words(&first.said.form)
     );
     Some(StoreError::new(&layout.study_toml(), what, REMEDY))
 }

@@ -11,7 +11,8 @@ use arrow::compute::concat_batches;
 use arrow::datatypes::SchemaRef;
 use bytes::Bytes;
 use parquet::arrow::arrow_reader::{
-    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
+    ParquetRecordBatchReaderBuilder,
 };
 use parquet::arrow::{ARROW_SCHEMA_META_KEY, ProjectionMask, parquet_to_arrow_schema};
 use parquet::errors::ParquetError;
@@ -161,17 +162,30 @@ impl ParquetFile {
         (names, groups): (&[&str], Range<usize>),
         mut take: impl FnMut(RecordBatch),
     ) -> Result<SchemaRef, StoreError> {
+        let reader = self.reader(columns, (names, groups), BATCH_ROWS)?;
+        let schema = arrow::array::RecordBatchReader::schema(&reader);
         guarded(&self.path, DAMAGED, || {
-            let builder =
-                ParquetRecordBatchReaderBuilder::new_with_metadata(self.content.clone(), columns);
-            let rows = self.rows.clamp(1, BATCH_ROWS);
-            let builder = builder.with_projection(self.columns_of(names)).with_batch_size(rows);
-            let reader = builder.with_row_groups(groups.collect()).build()?;
-            let schema = arrow::array::RecordBatchReader::schema(&reader);
             for batch in reader {
                 take(batch?);
             }
             Ok(schema)
+        })
+    }
+
+    /// A reader of the columns of these names in some row groups, which decodes so many rows at a
+    /// time.
+    pub(crate) fn reader(
+        &self,
+        columns: ArrowReaderMetadata,
+        (names, groups): (&[&str], Range<usize>),
+        rows: usize,
+    ) -> Result<ParquetRecordBatchReader, StoreError> {
+        guarded(&self.path, DAMAGED, || {
+            let builder =
+                ParquetRecordBatchReaderBuilder::new_with_metadata(self.content.clone(), columns);
+            let rows = self.rows.clamp(1, rows);
+            let builder = builder.with_projection(self.columns_of(names)).with_batch_size(rows);
+            builder.with_row_groups(groups.collect()).build()
         })
     }
 

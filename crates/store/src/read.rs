@@ -334,9 +334,10 @@ pub fn read_parquet_columns(
     Ok((batch, file.footer))
 }
 
-/// The footer of such a file, without its rows.
-pub fn read_entries(path: &Path) -> Result<BTreeMap<String, String>, StoreError> {
-    Ok(ParquetFile::open(&RealFiles, path)?.footer)
+/// The footer of such a file, and how many rows it has.
+pub fn read_entries(path: &Path) -> Result<(BTreeMap<String, String>, usize), StoreError> {
+    let file = ParquetFile::open(&RealFiles, path)?;
+    Ok((file.footer, file.rows))
 }
 
 /// Checks a column's presence, type and unit.

@@ -18,6 +18,7 @@ use crate::{Layout, Signal, StoreError, file_blake3};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::Metadata;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
@@ -95,9 +96,28 @@ impl Begun {
     }
 }
 
+/// BLAKE3 of a file's content: in a file hexadecimal, in memory not half of that.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "&str", into = "String")]
+struct Content(blake3::Hash);
+
+impl TryFrom<&str> for Content {
+    type Error = blake3::HexError;
+
+    fn try_from(text: &str) -> Result<Self, Self::Error> {
+        blake3::Hash::from_hex(text).map(Self)
+    }
+}
+
+impl From<Content> for String {
+    fn from(content: Content) -> Self {
+        content.0.to_hex().to_string()
+    }
+}
+
 /// A file as it was, the hash of its content then, and of a recording the signals of that content
 /// that matched their digests.
-type Known = (Stamp, String, Signals);
+type Known = (Stamp, Content, Signals);
 
 /// Signals of a recording, a bit for each.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -134,9 +154,9 @@ fn names() -> Vec<&'static str> {
 pub struct Seen {
     root: PathBuf,
     /// What was known before, by the path relative to the root.
-    before: HashMap<String, Known>,
+    before: HashMap<Box<str>, Known>,
     /// What was hashed since, or written with a hash that is known.
-    since: Mutex<BTreeMap<String, Known>>,
+    since: Mutex<BTreeMap<Box<str>, Known>>,
 }
 
 impl Seen {
@@ -151,7 +171,8 @@ impl Seen {
         let text = read_regular(&Self::file(layout), MOST_SEEN).unwrap_or_default();
         let written = serde_json::from_slice(&text).ok();
         let written = written.filter(|found: &Written<String, _>| found.signals == names());
-        let before = written.map(|found| found.files).unwrap_or_default();
+        let mut before: HashMap<_, _> = written.map(|found| found.files).unwrap_or_default();
+        before.shrink_to_fit();
         Self { before, ..Self::nothing(layout) }
     }
 
@@ -176,15 +197,16 @@ impl Seen {
 
     /// Remembers what was read of a file since `begun`, unless it changed meanwhile.
     pub(crate) fn read(&self, path: &Path, begun: Begun, blake3: &str) {
+        let Ok(blake3) = blake3.try_into() else { return };
         if let Some(stamp) = begun.0.filter(|stamp| Stamp::at(path) == Some(*stamp)) {
-            self.note(path, (stamp, blake3.to_owned(), Signals::default()));
+            self.note(path, (stamp, blake3, Signals::default()));
         }
     }
 
     /// Remembers what was just written to a file.
     pub fn written(&self, path: &Path, blake3: &str) {
-        if let Some(stamp) = Stamp::at(path) {
-            self.note(path, (stamp, blake3.to_owned(), Signals::default()));
+        if let (Some(stamp), Ok(blake3)) = (Stamp::at(path), blake3.try_into()) {
+            self.note(path, (stamp, blake3, Signals::default()));
         }
     }
 
@@ -201,10 +223,9 @@ impl Seen {
         signals: Signals,
         blake3: impl FnOnce() -> Result<String, StoreError>,
     ) -> Result<bool, StoreError> {
-        let found =
-            self.noted(path, |(_, hash, matched)| matched.has(signals).then(|| hash.clone()));
+        let found = self.noted(path, |(_, hash, matched)| matched.has(signals).then_some(*hash));
         Ok(match found.flatten() {
-            Some(hash) => hash == blake3()?,
+            Some(hash) => String::from(hash) == blake3()?,
             None => false,
         })
     }
@@ -214,31 +235,38 @@ impl Seen {
     pub(crate) fn match_now(&self, path: &Path, stamp: Stamp, signals: Signals) {
         let more = self.noted(path, |(before, hash, matched)| {
             let is_more = *before == stamp && !matched.has(signals);
-            is_more.then(|| (stamp, hash.clone(), Signals(matched.0 | signals.0)))
+            is_more.then_some((stamp, *hash, Signals(matched.0 | signals.0)))
         });
         if let Some(more) = more.flatten() {
             self.note(path, more);
         }
     }
 
-    /// Its text, to be written to [`Seen::file`]: nothing if nothing was hashed since, or if there
-    /// are so few files that they are as soon read.
-    pub fn text(&self) -> Option<Vec<u8>> {
+    /// Whether to write it to [`Seen::file`]: not if nothing was hashed since, or if there are so few
+    /// files that they are as soon read.
+    pub fn is_worth_writing(&self) -> bool {
+        let (since, now) = (self.since(), SystemTime::now());
+        let is_news = since.values().any(|(stamp, ..)| stamp.is_settled(now));
+        let new = since.keys().filter(|path| !self.before.contains_key(*path)).count();
+        is_news && self.before.len() + new >= WORTH_WRITING
+    }
+
+    /// Writes what is known.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, out: impl io::Write) -> io::Result<()> {
         let (since, now) = (self.since(), SystemTime::now());
         // What was written a moment ago is hashed once more by the next run.
         let settled = since.iter().filter(|(_, (stamp, ..))| stamp.is_settled(now));
-        let mut settled = settled.map(|(path, known)| (path.as_str(), known)).peekable();
-        settled.peek()?;
-        let before = self.before.iter().map(|(path, known)| (path.as_str(), known));
-        let files: BTreeMap<_, _> = before.chain(settled).collect();
-        let is_worth_it = files.len() >= WORTH_WRITING;
-        is_worth_it.then(|| serde_json::to_vec(&Written { signals: names(), files }).ok()).flatten()
+        let files: BTreeMap<_, _> = self.before.iter().chain(settled).collect();
+        Ok(serde_json::to_writer(out, &Written { signals: names(), files })?)
     }
 
     /// The hash of a file that has not changed.
     pub(crate) fn known(&self, path: &Path) -> Option<String> {
-        let (stamp, hash) = self.noted(path, |(stamp, hash, _)| (*stamp, hash.clone()))?;
-        (Stamp::at(path)? == stamp).then_some(hash)
+        let (stamp, hash) = self.noted(path, |(stamp, hash, _)| (*stamp, *hash))?;
+        (Stamp::at(path)? == stamp).then(|| hash.into())
     }
 
     /// What `part` takes of what is known of a file.
@@ -250,7 +278,7 @@ impl Seen {
 
     fn note(&self, path: &Path, known: Known) {
         if let Some(named) = self.named(path) {
-            self.since().insert(named.to_owned(), known);
+            self.since().insert(named.into(), known);
         }
     }
 
@@ -259,7 +287,7 @@ impl Seen {
         path.strip_prefix(&self.root).ok()?.to_str()
     }
 
-    fn since(&self) -> MutexGuard<'_, BTreeMap<String, Known>> {
+    fn since(&self) -> MutexGuard<'_, BTreeMap<Box<str>, Known>> {
         self.since.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -291,8 +319,9 @@ mod tests {
     #[test]
     fn what_has_not_changed_is_not_read_and_what_has_is() {
         let (_folder, layout, path) = known("text");
-        let seen = knowing(&layout, &path, "told");
-        assert_eq!(seen.blake3(&path).unwrap(), "told", "nothing was read");
+        let told = hex_blake3(b"told");
+        let seen = knowing(&layout, &path, &told);
+        assert_eq!(seen.blake3(&path).unwrap(), told, "nothing was read");
         assert_eq!([&path, &layout.raw()].map(|path| seen.length(path)), [Some(4), None]);
         assert_eq!(Seen::nothing(&layout).blake3(&path).unwrap(), hex_blake3(b"text"));
         // As long as before, and with the time of its last write set back.
@@ -312,12 +341,12 @@ mod tests {
     #[test]
     fn another_file_with_the_same_name_and_a_link_are_not_the_one_that_was_seen() {
         let (_folder, layout, path) = known("text");
-        let seen = knowing(&layout, &path, "told");
+        let seen = knowing(&layout, &path, &hex_blake3(b"told"));
         let other = layout.derived().join("b");
         fs::write(&other, "text").unwrap();
         fs::rename(&other, &path).unwrap();
         assert_eq!(seen.blake3(&path).unwrap(), hex_blake3(b"text"));
-        let seen = knowing(&layout, &path, "told");
+        let seen = knowing(&layout, &path, &hex_blake3(b"told"));
         fs::rename(&path, &other).unwrap();
         std::os::unix::fs::symlink(&other, &path).unwrap();
         assert_eq!(seen.known(&path), None);
@@ -338,19 +367,23 @@ mod tests {
     #[test]
     fn many_files_are_written_down_and_read_back_and_few_are_not() {
         let (_folder, layout, path) = known("text");
-        let seen = knowing(&layout, &path, "told");
-        assert_eq!(seen.text(), None);
+        let seen = knowing(&layout, &path, &hex_blake3(b"told"));
+        assert!(!seen.is_worth_writing());
         let long_ago = Stamp { changed: (1, 0), ..Stamp::at(&path).unwrap() };
+        let hash = |i: usize| Content(blake3::hash(&i.to_le_bytes()));
         let note = |i: usize| {
-            seen.note(&layout.derived().join(i.to_string()), (long_ago, i.to_string(), Signals(5)))
+            seen.note(&layout.derived().join(i.to_string()), (long_ago, hash(i), Signals(5)))
         };
         (0..WORTH_WRITING).for_each(note);
-        fs::write(Seen::file(&layout), seen.text().unwrap()).unwrap();
+        assert!(seen.is_worth_writing());
+        let mut text = Vec::new();
+        seen.write(&mut text).unwrap();
+        fs::write(Seen::file(&layout), &text).unwrap();
         let back = Seen::of(&layout);
         assert_eq!(back.before.len(), WORTH_WRITING, "what was just written is left out");
-        assert_eq!(back.before["derived/s/7"], (long_ago, "7".to_owned(), Signals(5)));
-        assert_eq!(back.text(), None, "nothing is new");
-        let other = String::from_utf8(seen.text().unwrap()).unwrap().replace("t_s", "t_min");
+        assert_eq!(back.before["derived/s/7"], (long_ago, hash(7), Signals(5)));
+        assert!(!back.is_worth_writing(), "nothing is new");
+        let other = String::from_utf8(text).unwrap().replace("t_s", "t_min");
         for damaged in ["", "[]", "{\"derived/s/7\": 1}", "\u{0}", &other] {
             fs::write(Seen::file(&layout), damaged).unwrap();
             assert!(Seen::of(&layout).before.is_empty());

@@ -174,22 +174,36 @@ impl Staged {
 }
 
 /// Writes a file as a whole, as [`crate::replace`] does, but a part at a time: what `write` puts
-/// into it is never in memory whole.
+/// into it is never in memory whole. Gives its BLAKE3, hexadecimal; or the error of `write`, after
+/// which what stood there before still does.
 ///
 /// # Errors
-/// Those of [`crate::replace`]; those of `write`.
-pub fn replace_by(
+/// Those of [`crate::replace`].
+pub fn replace_by<E>(
     files: &dyn Files,
     path: &Path,
-    write: impl Fn(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), StoreError> {
+    write: impl FnOnce(&mut (dyn Write + Send)) -> Result<(), E>,
+) -> Result<Result<String, E>, StoreError> {
     let folder = folder_of(path);
     create_folders(files, folder).map_err(|e| StoreError::io(folder, "create the folder", &e))?;
-    place(files, path, |beside| {
+    let (mut blake3, mut own) = (String::new(), None);
+    let placed = place(files, path, |beside| {
         let mut out = Out::begin(files, beside)?;
-        write(&mut out)?;
-        out.sync()
-    })
+        if let Err(error) = write(&mut out) {
+            // What the disk refused is not what `write` makes of it.
+            return Err(out.failed.take().unwrap_or_else(|| {
+                own = Some(error);
+                io::ErrorKind::Other.into()
+            }));
+        }
+        out.sync()?;
+        blake3 = out.hasher.finalize().to_hex().to_string();
+        Ok(())
+    });
+    match (placed, own) {
+        (Err(_), Some(error)) => Ok(Err(error)),
+        (placed, _) => placed.map(|()| Ok(blake3)),
+    }
 }
 
 /// An error whose row is counted from the trial's beginning.
@@ -266,6 +280,7 @@ impl Write for Out {
 mod tests {
     use super::*;
     use crate::read::tests::{sample_trial, written};
+    use crate::tests::faulty::Faulty;
     use crate::{Layout, RealFiles, Trial, read_footer, read_trial};
 
     fn part(trial: &Trial, rows: std::ops::Range<usize>) -> Samples {
@@ -314,13 +329,20 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("new").join("records");
         let part = vec![b'x'; SYNCED_AT_ONCE / 2 + 1];
-        replace_by(&RealFiles, &path, |out| (0..5).try_for_each(|_| out.write_all(&part))).unwrap();
+        let five = |out: &mut (dyn Write + Send)| (0..5).try_for_each(|_| out.write_all(&part));
+        let blake3 = replace_by(&RealFiles, &path, five).unwrap().unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), part.repeat(5));
+        assert_eq!(blake3, crate::file_blake3(&path).unwrap());
         let cut = replace_by(&RealFiles, &path, |out| {
-            out.write_all(&part.repeat(3))?;
-            Err(io::Error::other("no more"))
+            out.write_all(&part.repeat(3)).map_err(|e| e.to_string())?;
+            Err("no more".to_owned())
         });
-        assert!(cut.unwrap_err().what.contains("no more"));
+        assert_eq!(cut.unwrap(), Err("no more".to_owned()));
+        // A disk that is full is that, whatever is said of it.
+        let full = replace_by(&Faulty::at(1), &path, |out| {
+            out.write_all(&part.repeat(3)).map_err(|_| "something else")
+        });
+        assert!(full.unwrap_err().remedy.contains("free some space"));
         assert_eq!(std::fs::read(&path).unwrap().len(), part.len() * 5);
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
     }

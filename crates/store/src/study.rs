@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use zwidth_study::{
     ActuatorId, Condition, Event, Given, Kind, ParticipantId, PlannedTrial, QuestionId, Seal,
     SessionId, SessionRecord, Source, Status, Study, TrialForm, TrialMeta,
@@ -26,19 +27,26 @@ use zwidth_study::{
 /// Largest `study.toml` that is read, bytes: a hundred times a long one.
 pub const MOST_STUDY: u64 = 1 << 20;
 
-/// One trial file, and what the events say of it.
+/// What a trial's file says besides who, when and which.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TrialEntry {
-    /// Its file.
-    pub path: PathBuf,
-    /// What is known of it.
-    pub meta: TrialMeta,
-    /// What the file says of itself.
+pub struct Said {
+    /// What the file says of itself, without when the trial began.
     pub file: TrialFile,
     /// Which columns the file has.
     pub form: TrialForm,
     /// The signals that were recorded, in file order.
     pub signals: Vec<Signal>,
+}
+
+/// One trial file, and what the events say of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialEntry {
+    /// Its file.
+    pub path: Arc<Path>,
+    /// What is known of it.
+    pub meta: TrialMeta,
+    /// What the file says besides.
+    pub said: Arc<Said>,
     /// Number of samples.
     pub rows: usize,
     /// BLAKE3 of the file, hexadecimal.
@@ -84,7 +92,7 @@ impl TrialEntry {
     /// # Errors
     /// Those of [`read_trial`].
     pub fn read(&self, signals: impl IntoIterator<Item = Signal>) -> Result<Trial, StoreError> {
-        let recorded = signals.into_iter().filter(|signal| self.signals.contains(signal));
+        let recorded = signals.into_iter().filter(|signal| self.said.signals.contains(signal));
         let trial = read_trial(&self.path, recorded)?;
         Ok(Trial { meta: self.meta.clone(), ..trial })
     }

@@ -1,7 +1,7 @@
 //! From a trial (or any record batch) to the bytes of a Parquet file.
 
 use crate::digest::column_digest;
-use crate::encode::{GROUP_ROWS, derived, recorded};
+use crate::encode::{GROUP_ROWS, recorded};
 use crate::hash::hex_blake3;
 use crate::memo::Memo;
 use crate::{COLUMNS, Column, Samples, Storage, StoreError, Trial, TrialFile};
@@ -98,18 +98,6 @@ pub fn write_parquet(
     write(batch, properties, path)
 }
 
-/// The bytes of a derived table's Parquet file, as [`write_parquet`] but for the encodings: the
-/// table can be made again and is read again at once, so that it is written quickly rather than
-/// small.
-pub fn write_table(
-    batch: &RecordBatch,
-    footer: BTreeMap<String, String>,
-    path: &Path,
-) -> Result<Vec<u8>, StoreError> {
-    let properties = derived(&batch.schema(), all_entries(&batch.schema(), footer));
-    write(batch, properties, path)
-}
-
 /// What a file says in its footer, with the units, and the digest of it all.
 pub(crate) fn entries(schema: &ArrowSchema, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
     footer.entry(VERSION.to_owned()).or_insert_with(|| TABLE_VERSION.to_string());
@@ -120,7 +108,7 @@ pub(crate) fn entries(schema: &ArrowSchema, mut footer: BTreeMap<String, String>
 }
 
 /// [`entries`], and what readers of Arrow are told, which the writer of Arrow would add by itself.
-fn all_entries(schema: &ArrowSchema, footer: BTreeMap<String, String>) -> Vec<KeyValue> {
+pub(crate) fn all_entries(schema: &ArrowSchema, footer: BTreeMap<String, String>) -> Vec<KeyValue> {
     let mut entries = entries(schema, footer);
     entries.push(KeyValue::new(ARROW_SCHEMA_META_KEY.to_owned(), encoded(schema)));
     entries

@@ -3,6 +3,7 @@
 use crate::printable;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::sync::Arc;
 
 /// Longest id allowed, in characters.
 const MAX_LENGTH: usize = 32;
@@ -86,14 +87,14 @@ macro_rules! ids {
         $(#[$doc])*
         #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
         #[serde(try_from = "String", into = "String")]
-        pub struct $name(String);
+        pub struct $name(Arc<str>);
 
         impl $name {
             /// Checks `text`; the error shows the text and what is allowed.
             pub fn new(text: impl Into<String>) -> Result<Self, IdError> {
                 let value = text.into();
                 match $refused(&value) {
-                    None => Ok(Self(value)),
+                    None => Ok(Self(value.into())),
                     Some(why) => Err(IdError { what: $what, value, why }),
                 }
             }
@@ -127,7 +128,7 @@ macro_rules! ids {
 
         impl From<$name> for String {
             fn from(id: $name) -> String {
-                id.0
+                id.as_str().to_owned()
             }
         }
     )*};
@@ -162,7 +163,7 @@ impl MetricId {
     /// The metric that is primary if a study does not name one: the mean of the user's force
     /// discrepancy.
     pub fn primary() -> Self {
-        Self("discrepancy_user_mean_n".to_owned())
+        Self("discrepancy_user_mean_n".into())
     }
 }
 
@@ -174,7 +175,7 @@ impl ModeId {
     /// digits.
     pub(crate) fn code(digest: &blake3::Hash) -> Self {
         const DIGITS: usize = 16;
-        Self(format!("{CODE}{}", &digest.to_hex()[..DIGITS]))
+        Self(format!("{CODE}{}", &digest.to_hex()[..DIGITS]).into())
     }
 
     /// Whether it is such a code. No mode of a study may have a name like that.

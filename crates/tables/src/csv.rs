@@ -14,13 +14,27 @@ use std::borrow::Cow;
 /// wide forms, after spaces or not) gets an apostrophe in front, by which spreadsheets know text;
 /// numbers are never touched.
 pub fn csv(table: &Table) -> String {
-    let columns = table.columns();
-    let marked = table.notes().iter().any(|note| note == SYNTHETIC);
-    let mark = |text: &'static str| marked.then_some(Cow::Borrowed(text));
+    names(table) + &rows(table)
+}
+
+fn mark(table: &Table, text: &'static str) -> Option<Cow<'static, str>> {
+    table.notes().iter().any(|note| note == SYNTHETIC).then_some(Cow::Borrowed(text))
+}
+
+/// The line of names.
+pub(crate) fn names(table: &Table) -> String {
     let mut text = String::new();
-    line(&mut text, columns.iter().map(|c| quoted(&c.field.name)).chain(mark("synthetic")));
+    let names = table.fields().map(|field| quoted(&field.name));
+    line(&mut text, names.chain(mark(table, "synthetic")));
+    text
+}
+
+/// The lines of the rows.
+pub(crate) fn rows(table: &Table) -> String {
+    let (columns, mark) = (table.columns(), || mark(table, "true"));
+    let mut text = String::new();
     for row in 0..table.height() {
-        line(&mut text, columns.iter().map(|c| field(c, row)).chain(mark("true")));
+        line(&mut text, columns.iter().map(|c| field(c, row)).chain(mark()));
     }
     text
 }

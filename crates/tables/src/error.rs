@@ -74,4 +74,7 @@ pub enum TableError {
     /// The file could not be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// What takes a file's text part by part did not.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
 }

@@ -59,6 +59,7 @@ pub use heading::heading;
 pub use identity::{identity, of_trials};
 pub use latex_escape::escape as escape_latex;
 pub use markdown::escape as escape_markdown;
+pub use parquet::{About, TableFile};
 pub use quantity::{given, quantity, with_unit};
 pub use rounding::number;
 pub use table::{Column, Field, NoteKind, SYNTHETIC, Table, Type, Values};

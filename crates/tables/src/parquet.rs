@@ -4,12 +4,14 @@ use crate::{Column, Field, NoteKind, Table, TableError, Type, Values};
 use arrow::array::{
     Array, ArrayRef, AsArray, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray,
 };
-use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema};
+use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema, SchemaRef};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_store::{
-    StoreError, described, read_entries, read_parquet, read_parquet_columns, write_table,
+    PART_ROWS, StoreError, TableParts, TableWriter, described, read_entries, read_parquet,
+    read_parquet_columns, write_table,
 };
 
 const NAME: &str = "table_name";
@@ -26,11 +28,21 @@ impl Table {
         provenance: &BTreeMap<String, String>,
         path: &Path,
     ) -> Result<Vec<u8>, TableError> {
-        let columns = self.columns();
-        let fields: Vec<_> = columns.iter().map(|c| arrow_field(&c.field)).collect();
-        let arrays = columns.iter().map(|c| array(&c.values)).collect();
-        let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
-            .map_err(|e| defect(path, &e))?;
+        Ok(write_table(&self.batch(path)?, self.footer(provenance), path)?)
+    }
+
+    /// The rows.
+    fn batch(&self, path: &Path) -> Result<RecordBatch, TableError> {
+        let arrays = self.columns().iter().map(|c| array(&c.values)).collect();
+        Ok(RecordBatch::try_new(self.schema(), arrays).map_err(|e| defect(path, &e))?)
+    }
+
+    fn schema(&self) -> SchemaRef {
+        Arc::new(Schema::new(self.fields().map(arrow_field).collect::<Vec<_>>()))
+    }
+
+    /// What the file's footer says.
+    fn footer(&self, provenance: &BTreeMap<String, String>) -> BTreeMap<String, String> {
         let mut footer = provenance.clone();
         footer.insert(NAME.to_owned(), self.name().to_owned());
         footer.insert(TITLE.to_owned(), self.title().to_owned());
@@ -39,17 +51,30 @@ impl Table {
             let kinds: Vec<_> = self.notes_by_kind().map(|(kind, _)| kind.word()).collect();
             footer.insert(KINDS.to_owned(), kinds.join("\n"));
         }
-        Ok(write_table(&batch, footer, path)?)
+        footer
     }
 
     /// What a Parquet file says of its table, without its rows.
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub fn title_and_notes(path: &Path) -> Result<(String, Vec<(NoteKind, String)>), TableError> {
-        let footer = read_entries(path)?;
+    pub fn about(path: &Path) -> Result<About, TableError> {
+        let (footer, rows) = read_entries(path)?;
         let title = footer.get(TITLE).cloned().unwrap_or_default();
-        Ok((title, notes(&footer).collect()))
+        Ok(About { title, notes: notes(&footer).collect(), rows })
+    }
+
+    /// Reads a table from its Parquet file some rows at a time: each part has these, and name, title
+    /// and notes. There is at least one.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn parts(
+        path: &Path,
+    ) -> Result<impl Iterator<Item = Result<Self, TableError>> + use<>, TableError> {
+        let (parts, path) = (TableParts::open(path)?, path.to_owned());
+        let footer = parts.footer().clone();
+        Ok(parts.map(move |batch| Self::back(&path, (batch?, footer.clone()))))
     }
 
     /// Reads a table back from its Parquet file.
@@ -89,6 +114,72 @@ impl Table {
             .collect::<Result<Vec<_>, StoreError>>()?;
         let table = Self::new(&text(NAME), &text(TITLE), columns)?;
         Ok(notes(&footer).fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
+    }
+}
+
+/// What a file says of its table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct About {
+    /// Title, a phrase.
+    pub title: String,
+    /// Notes, each with its kind.
+    pub notes: Vec<(NoteKind, String)>,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+/// The Parquet file of a table that is too long to be in memory whole, written part by part.
+pub struct TableFile<W: Write + Send> {
+    path: PathBuf,
+    file: TableWriter<W>,
+    /// The columns, without a row.
+    form: Table,
+    /// Rows that are not written yet: parts may be short.
+    pending: Vec<Table>,
+}
+
+impl<W: Write + Send> TableFile<W> {
+    /// Begins the file of a table with the columns of `form`; `path` is where it will lie, for errors.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn begin(out: W, form: &Table, path: &Path) -> Result<Self, TableError> {
+        let form = form.rows(&[]);
+        let file = TableWriter::begin(out, form.schema(), path)?;
+        Ok(Self { path: path.to_owned(), file, form, pending: Vec::new() })
+    }
+
+    /// Adds rows.
+    ///
+    /// # Errors
+    /// Other columns; those of `out`.
+    pub fn add(&mut self, part: Table) -> Result<(), TableError> {
+        self.form.check_like(&part)?;
+        self.pending.push(part);
+        match self.pending.iter().map(Table::height).sum::<usize>() >= PART_ROWS {
+            true => self.write(),
+            false => Ok(()),
+        }
+    }
+
+    fn write(&mut self) -> Result<(), TableError> {
+        match Table::concat("", "", std::mem::take(&mut self.pending))? {
+            Some(rows) => Ok(self.file.add(&rows.batch(&self.path)?)?),
+            None => Ok(()),
+        }
+    }
+
+    /// Ends the file, with name, title and notes of `about`.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn end(
+        mut self,
+        about: &Table,
+        provenance: &BTreeMap<String, String>,
+    ) -> Result<(), TableError> {
+        self.write()?;
+        Ok(self.file.end(about.footer(provenance))?)
     }
 }
 
@@ -181,8 +272,44 @@ mod tests {
         assert_eq!(again.notes_by_kind().collect::<Vec<_>>(), kinds);
         let some = Table::columns_from_parquet(&path, &["trial", "mode"]).unwrap();
         assert_eq!(some.columns(), [table.columns()[0].clone(), table.columns()[2].clone()]);
-        let about = Table::title_and_notes(&path).unwrap();
+        let about = Table::about(&path).unwrap();
         let kinds = kinds.map(|(kind, note)| (kind, note.to_owned())).to_vec();
-        assert_eq!(about, ("Title".to_owned(), kinds));
+        assert_eq!(about, About { title: "Title".to_owned(), notes: kinds, rows: 2 });
+    }
+
+    #[test]
+    fn a_table_of_any_length_is_written_and_read_back_in_parts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.parquet");
+        let long = PART_ROWS + PART_ROWS / 2;
+        for rows in [0, 1, PART_ROWS, long] {
+            let table = |rows: std::ops::Range<usize>| {
+                let text = rows.clone().map(|row| Some(format!("{}", row % 7)));
+                let number = rows.map(|row| Some(row as f64));
+                let columns =
+                    vec![Column::text("mode", "", text), Column::float("force_n", "N", "", number)];
+                Table::new("t", "Title", columns).unwrap().with_note("a note")
+            };
+            let mut bytes = Vec::new();
+            let mut file = TableFile::begin(&mut bytes, &table(0..0), &path).unwrap();
+            for from in (0..rows).step_by(PART_ROWS / 4) {
+                file.add(table(from..rows.min(from + PART_ROWS / 4))).unwrap();
+            }
+            file.end(&table(0..0), &BTreeMap::new()).unwrap();
+            let all = table(0..rows);
+            assert!(bytes == all.to_parquet(&BTreeMap::new(), &path).unwrap(), "{rows} rows");
+            std::fs::write(&path, bytes).unwrap();
+            let parts: Vec<Table> = Table::parts(&path).unwrap().map(Result::unwrap).collect();
+            assert_eq!(parts.len(), rows.div_ceil(PART_ROWS).max(1));
+            assert!(
+                parts.iter().all(|part| part.height() <= PART_ROWS && part.notes() == ["a note"])
+            );
+            let back = Table::concat("t", "Title", parts).unwrap().unwrap();
+            assert_eq!(back.columns(), all.columns());
+        }
+        let other = Table::new("u", "", vec![Column::flag("no", "", [None])]).unwrap();
+        let mut file = TableFile::begin(Vec::new(), &other, &path).unwrap();
+        let first = Table::parts(&path).unwrap().next().unwrap().unwrap();
+        assert!(matches!(file.add(first), Err(TableError::Unlike { .. })));
     }
 }

@@ -276,6 +276,18 @@ impl Table {
         }
     }
 
+    /// The same table with the notes of another, those that it has not.
+    #[must_use]
+    pub fn with_notes_of(self, other: &Self) -> Self {
+        let notes = other.notes_by_kind();
+        notes.fold(self, |table, (kind, note)| {
+            match table.notes.iter().any(|known| known == note) {
+                true => table,
+                false => table.with_note_of(kind, note),
+            }
+        })
+    }
+
     /// Short name: a file's stem.
     pub fn name(&self) -> &str {
         &self.name
@@ -360,6 +372,17 @@ impl Table {
         }
     }
 
+    /// The same, looked at and not copied.
+    pub fn words(
+        &self,
+        column: &str,
+    ) -> Result<impl ExactSizeIterator<Item = Option<&str>>, TableError> {
+        match self.values(column)? {
+            Values::Text(values) => Ok(values.iter().map(Option::as_deref)),
+            _ => Err(self.wrong_type(column, Type::Text)),
+        }
+    }
+
     /// The yes and no of a column.
     pub fn flags(&self, column: &str) -> Result<Vec<Option<bool>>, TableError> {
         match self.values(column)? {
@@ -377,13 +400,7 @@ impl Table {
         let Some(first) = tables.first() else {
             return Ok(None);
         };
-        let form =
-            |table: &Self| table.fields().map(|f| (f.name.clone(), f.kind)).collect::<Vec<_>>();
-        if let Some(table) = tables.iter().find(|table| form(table) != form(first)) {
-            let (table_name, columns, expected) =
-                (table.name.clone(), table.names(), first.names());
-            return Err(TableError::Unlike { table: table_name, columns, expected });
-        }
+        tables.iter().try_for_each(|table| first.check_like(table))?;
         let fields: Vec<Field> = first.fields().cloned().collect();
         let mut parts: Vec<_> = tables.into_iter().map(|table| table.columns.into_iter()).collect();
         let column = |field| {
@@ -392,6 +409,17 @@ impl Table {
         };
         let columns = fields.into_iter().filter_map(column).collect();
         Self::new(name, title, columns).map(Some)
+    }
+
+    /// Whether another table's rows can be put to this one's.
+    pub(crate) fn check_like(&self, other: &Self) -> Result<(), TableError> {
+        let form =
+            |table: &Self| table.fields().map(|f| (f.name.clone(), f.kind)).collect::<Vec<_>>();
+        if form(self) == form(other) {
+            return Ok(());
+        }
+        let (table, columns, expected) = (other.name.clone(), other.names(), self.names());
+        Err(TableError::Unlike { table, columns, expected })
     }
 
     /// The rows in the order of a key; rows of one key stay as they are.

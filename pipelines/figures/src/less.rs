@@ -53,33 +53,41 @@ fn row_words(metric: &str) -> String {
 }
 
 /// One panel per kind of less, a row a metric whose unit has a change that is just felt, a marker a
-/// degree of it. `changes` is a table of the stage `trade`: of recordings, or of the simulated
-/// device.
+/// degree of it. `changes` is a table of the stage `trade`, in parts: of recordings, or of the
+/// simulated device.
 ///
 /// # Errors
-/// A table that lacks a column.
-pub fn less(changes: &Table, sources: &[Source]) -> Result<Figure, TableError> {
-    let (kinds, words, metrics) =
-        (changes.texts("kind")?, changes.texts("less")?, changes.texts("metric")?);
-    let (median, p90) = (changes.floats("median_share")?, changes.floats("p90_share")?);
+/// Those of the parts; a table that lacks a column.
+pub fn less(
+    changes: impl Iterator<Item = Result<Table, TableError>>,
+    sources: &[Source],
+) -> Result<Figure, TableError> {
     let mut rows = Rows::default();
     let mut panels: Vec<(String, Vec<String>)> = Vec::new();
-    for i in 0..changes.height() {
-        let (Some(kind), Some(less), Some(metric), Some(median), Some(p90)) =
-            (&kinds[i], &words[i], &metrics[i], median[i], p90[i])
-        else {
-            continue;
-        };
-        if metric.contains(INTERVAL) {
-            continue; // the ends of an interval change with its metric
+    let mut about = None;
+    for part in changes {
+        let part = part?;
+        let words = part.words("kind")?.zip(part.words("less")?).zip(part.words("metric")?);
+        let shares = part.floats("median_share")?.into_iter().zip(part.floats("p90_share")?);
+        for (words, shares) in words.zip(shares) {
+            let (((Some(kind), Some(less)), Some(metric)), (Some(median), Some(p90))) =
+                (words, shares)
+            else {
+                continue;
+            };
+            if metric.contains(INTERVAL) {
+                continue; // the ends of an interval change with its metric
+            }
+            match panels.iter_mut().find(|panel| panel.0 == kind) {
+                Some(panel) if panel.1.iter().any(|known| known == less) => {}
+                Some(panel) => panel.1.push(less.to_owned()),
+                None => panels.push((kind.to_owned(), vec![less.to_owned()])),
+            }
+            rows.add(less, metric, [median, p90]);
         }
-        match panels.iter_mut().find(|panel| panel.0 == *kind) {
-            Some(panel) if panel.1.contains(less) => {}
-            Some(panel) => panel.1.push(less.clone()),
-            None => panels.push((kind.clone(), vec![less.clone()])),
-        }
-        rows.add(less, metric, [median, p90]);
+        about.get_or_insert_with(|| (part.title().to_owned(), part.notes().to_vec()));
     }
+    let (title, notes) = about.unwrap_or_default();
     let mut before = 0;
     let panels = panels.iter().enumerate().map(|(column, (kind, less))| {
         let panel = rows.panel(column, before, kind, less);
@@ -87,16 +95,16 @@ pub fn less(changes: &Table, sources: &[Source]) -> Result<Figure, TableError> {
         panel
     });
     Ok(Figure {
-        title: Some(plain(changes.title())),
+        title: Some(plain(&title)),
         description: format!(
             "{}: for each kind a panel, for each metric a row: its change over what is just felt, in the median trial \
              and up to the 90th percentile of the trials.",
-            changes.title()
+            title
         ),
         width_mm: TWO_COLUMNS_MM,
         panels: panels.collect(),
         footnotes: std::iter::once(LEGEND.to_owned())
-            .chain(changes.notes().iter().map(|note| plain(note)))
+            .chain(notes.iter().map(|note| plain(note)))
             .collect(),
         mark: crate::mark(sources.iter().copied()),
         ..Figure::default()
@@ -201,7 +209,7 @@ mod tests {
 
     #[test]
     fn a_panel_a_kind_a_row_a_metric_and_the_condition_that_changes_most() {
-        let figure = less(&table(), &[Source::Twin]).unwrap();
+        let figure = less([table()].map(Ok).into_iter(), &[Source::Twin]).unwrap();
         assert_eq!(figure.panels.len(), 2);
         assert!(figure.mark.is_some() && zwidth_draw::draw(&figure).is_ok());
         let first = intervals(&figure)[0];
@@ -213,7 +221,7 @@ mod tests {
 
     #[test]
     fn no_two_degrees_of_a_figure_look_alike() {
-        let figure = less(&table(), &[]).unwrap();
+        let figure = less([table()].map(Ok).into_iter(), &[]).unwrap();
         let mut colours: Vec<Colour> = intervals(&figure).iter().map(|i| i.colour).collect();
         colours.dedup();
         assert_eq!(colours.len(), 3);

@@ -10,6 +10,11 @@ use zwidth_tables::{Field, Table, TableError, Type, of_trials, split_unit};
 /// What the repeats of a condition share: the unit of analysis is one participant in one session.
 const GROUP: [&str; 4] = ["participant", "session", "environment", "mode"];
 
+/// The columns that [`by_condition`] looks at.
+pub fn condition_columns() -> Vec<&'static str> {
+    GROUP.into_iter().chain(summarised()).collect()
+}
+
 /// The metrics that are summarised.
 fn summarised() -> impl Iterator<Item = &'static str> {
     numbers().filter(|(_, summarised)| *summarised).map(|(name, _)| name)
@@ -37,22 +42,16 @@ pub fn by_condition(metrics: &Table, conditions: &[Condition]) -> Result<Table, 
 
 /// The rows of each session in the order of `conditions`; those of others after them.
 fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableError> {
-    let texts = |name: &str| metrics.texts(name);
-    let people = [texts("participant")?, texts("session")?];
-    let condition = [texts("environment")?, texts("mode")?];
-    let of = |columns: &[Vec<Option<String>>; 2], row: usize| {
-        [columns[0][row].clone(), columns[1][row].clone()]
-    };
+    let [people, sessions, environments, modes] = GROUP.map(|name| metrics.words(name));
+    let rows = people?.zip(sessions?).zip(environments?.zip(modes?));
     // In the order of their first rows.
     let mut sessions = BTreeMap::new();
     let mut keys = Vec::new();
-    for row in 0..metrics.height() {
-        let (session, condition) = (of(&people, row), of(&condition, row));
+    for (session, (environment, mode)) in rows {
         let number = sessions.len();
         let number = *sessions.entry(session).or_insert(number);
         let is = |c: &Condition| {
-            [Some(c.environment.as_str()), Some(c.mode.as_str())]
-                == condition.each_ref().map(Option::as_deref)
+            (Some(c.environment.as_str()), Some(c.mode.as_str())) == (environment, mode)
         };
         keys.push((number, conditions.iter().position(is).unwrap_or(conditions.len())));
     }

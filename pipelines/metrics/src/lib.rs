@@ -58,7 +58,7 @@ pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
 pub use columns::{commanded, in_words, is_number, is_possible, needs_lever, renamed};
 pub use compliance::Compliance;
-pub use conditions::{by_condition, join_sessions};
+pub use conditions::{by_condition, condition_columns, join_sessions};
 pub use discrepancy::Discrepancy;
 pub use electricity::ElectricalEnergy;
 pub use energy::EnergyObserver;

@@ -103,9 +103,14 @@ struct Agreement {
 /// A table that lacks a column, a level outside (0, 1).
 pub fn agreement(replays: &Table, level: f64) -> Result<Table, ReplayError> {
     let mut found = Vec::new();
-    for of in groups(replays)? {
+    let (groups, of_rows) = groups(replays)?;
+    for (place, of) in groups.into_iter().enumerate() {
+        let values = |column: &str| -> Result<Vec<f64>, ReplayError> {
+            let rows = replays.floats(column)?.into_iter().zip(&of_rows);
+            Ok(rows.filter_map(|(value, of)| value.filter(|_| *of == Some(place))).collect())
+        };
         for (column, quantity, unit, bound) in QUANTITIES {
-            let differences = values(replays, column, &of)?;
+            let differences = values(column)?;
             if differences.is_empty() {
                 continue;
             }
@@ -113,8 +118,7 @@ pub fn agreement(replays: &Table, level: f64) -> Result<Table, ReplayError> {
             let bound = match bound {
                 Bound::Given(bound) => Some(bound),
                 Bound::ShareOf(column, share) => {
-                    let values = values(replays, column, &of)?;
-                    mean(&values, level)?.estimate.map(|mean| share * mean.abs())
+                    mean(&values(column)?, level)?.estimate.map(|mean| share * mean.abs())
                 }
             };
             let ([bias, low, high], n, of) = (all, differences.len(), of.clone());
@@ -140,31 +144,48 @@ fn limits(differences: &[f64], level: f64) -> Result<[Option<Estimate>; 3], Repl
 /// What tells rows of the table apart.
 const GROUP: [&str; 3] = ["causality", "mode", "model"];
 
-/// Causality, mode and model of the rows, each once, in the order of the rows, by causality.
-fn groups(replays: &Table) -> Result<Vec<[String; 3]>, ReplayError> {
-    let [causalities, modes, models] = GROUP.map(|name| replays.texts(name));
-    let rows = causalities?.into_iter().zip(modes?).zip(models?);
+/// The columns that [`agreement`] looks at.
+pub fn agreement_columns() -> Vec<&'static str> {
+    let compared = QUANTITIES.iter().flat_map(|(column, _, _, bound)| match bound {
+        Bound::Given(_) => vec![*column],
+        Bound::ShareOf(of, _) => vec![*column, *of],
+    });
+    GROUP.into_iter().chain(compared).chain(["source"]).collect()
+}
+
+/// A place among the groups, for each row.
+type Places = Vec<Option<usize>>;
+
+/// Causality, mode and model of the rows, each once, in the order of the rows, by causality; and
+/// which of them each row is of.
+fn groups(replays: &Table) -> Result<(Vec<[String; 3]>, Places), ReplayError> {
+    let [causalities, modes, models] = GROUP.map(|name| replays.words(name));
+    let rows = causalities?.zip(modes?).zip(models?);
     let mut groups: Vec<[String; 3]> = Vec::new();
-    for group in rows.filter_map(|((a, b), c)| Some([a?, b?, c?])) {
-        if !groups.contains(&group) {
-            groups.push(group);
+    let mut numbers = Vec::new();
+    for row in rows {
+        let ((Some(causality), Some(mode)), Some(model)) = row else {
+            numbers.push(None);
+            continue;
+        };
+        let group = [causality, mode, model];
+        let known = groups.iter().position(|known| *known == group);
+        numbers.push(Some(known.unwrap_or(groups.len())));
+        if known.is_none() {
+            groups.push(group.map(str::to_owned));
         }
     }
     let place = |of: &[String; 3]| {
         let modes = groups.iter().position(|group| group[1] == of[1]);
         (crate::Causality::ALL.iter().position(|c| c.as_str() == of[0]), modes, of[2].clone())
     };
-    let mut sorted = groups.clone();
-    sorted.sort_by_key(place);
-    Ok(sorted)
-}
-
-/// A column's values in the rows of a group.
-fn values(table: &Table, column: &str, of: &[String; 3]) -> Result<Vec<f64>, ReplayError> {
-    let keys = [table.texts(GROUP[0])?, table.texts(GROUP[1])?, table.texts(GROUP[2])?];
-    let mine = |i: &usize| keys.iter().zip(of).all(|(key, of)| key[*i].as_ref() == Some(of));
-    let values = table.floats(column)?;
-    Ok((0..values.len()).filter(mine).filter_map(|i| values[i]).collect())
+    let mut order: Vec<usize> = (0..groups.len()).collect();
+    order.sort_by_key(|number| place(&groups[*number]));
+    let mut places = vec![0; groups.len()];
+    order.iter().enumerate().for_each(|(place, number)| places[*number] = place);
+    let of_rows = numbers.into_iter().map(|number| number.map(|number| places[number]));
+    let sorted = order.iter().map(|number| groups[*number].clone()).collect();
+    Ok((sorted, of_rows.collect()))
 }
 
 fn table(rows: &[Agreement]) -> Result<Table, ReplayError> {

@@ -42,7 +42,7 @@ mod testing;
 mod updates;
 mod which;
 
-pub use agreement::agreement;
+pub use agreement::{agreement, agreement_columns};
 pub use balance::Balance;
 pub use causality::Causality;
 pub use compare::{Comparison, VelocityError};

@@ -47,7 +47,7 @@ pub use ranges::uneven_ranges;
 pub use runs::{laddered, traded};
 pub use sessions::changes;
 pub use survey::survey;
-pub use thesis::{Derived, Told, thesis_table, told};
+pub use thesis::{Derived, Told, replayed_columns, thesis_table, told};
 pub use weight::{is_weighed, weight_table};
 
 use people::{count, participants, sources};

@@ -59,17 +59,22 @@ impl<'a> Trials<'a> {
         environment: Option<&EnvironmentId>,
         mode: &ModeId,
     ) -> Result<Self, TableError> {
-        let (environments, modes) = (metrics.texts("environment")?, metrics.texts("mode")?);
-        let is = |value: &Option<String>, id: &str| value.as_deref() == Some(id);
-        let wanted = |row: &usize| {
-            environment.is_none_or(|e| is(&environments[*row], e.as_str()))
-                && is(&modes[*row], mode.as_str())
-        };
-        Ok(Self { metrics, rows: (0..metrics.height()).filter(wanted).collect() })
+        let rows = metrics.words("environment")?.zip(metrics.words("mode")?).enumerate();
+        let wanted = rows.filter(|(_, (in_environment, in_mode))| {
+            environment.is_none_or(|e| *in_environment == Some(e.as_str()))
+                && *in_mode == Some(mode.as_str())
+        });
+        Ok(Self { metrics, rows: wanted.map(|(row, _)| row).collect() })
     }
 
     pub(crate) fn len(&self) -> usize {
         self.rows.len()
+    }
+
+    /// The words of those trials.
+    fn words(&self, column: &str) -> Result<Vec<Option<&'a str>>, TableError> {
+        let all: Vec<_> = self.metrics.words(column)?.collect();
+        Ok(self.rows.iter().map(|row| all[*row]).collect())
     }
 
     /// The values of those trials that have one.
@@ -86,9 +91,9 @@ impl<'a> Trials<'a> {
 
     /// The same trials, of them those with this word.
     pub(crate) fn with(self, column: &str, word: &str) -> Result<Self, TableError> {
-        let values = self.metrics.texts(column)?;
-        let rows = self.rows.into_iter().filter(|row| values[*row].as_deref() == Some(word));
-        Ok(Self { metrics: self.metrics, rows: rows.collect() })
+        let values = self.words(column)?;
+        let rows = self.rows.iter().copied().zip(values).filter(|(_, value)| *value == Some(word));
+        Ok(Self { metrics: self.metrics, rows: rows.map(|(row, _)| row).collect() })
     }
 
     /// The values by participant and session of those trials that have one; of two columns their
@@ -96,13 +101,12 @@ impl<'a> Trials<'a> {
     pub(crate) fn people(&self, column: &str, less: Option<&str>) -> Result<People, TableError> {
         let values = numbers(self.metrics, column)?;
         let less = less.map(|column| numbers(self.metrics, column)).transpose()?;
-        let [who, session] = ["participant", "session"].map(|name| self.metrics.texts(name));
-        let (who, session) = (who?, session?);
+        let whose = self.words("participant")?.into_iter().zip(self.words("session")?);
         let mut people = People::new();
-        for row in &self.rows {
+        for (row, (who, session)) in self.rows.iter().zip(whose) {
             let taken = less.as_ref().map_or(Some(0.0), |less| less[*row]);
             let (Some(value), Some(taken)) = (values[*row], taken) else { continue };
-            let [who, session] = [&who, &session].map(|of| of[*row].clone().unwrap_or_default());
+            let [who, session] = [who, session].map(|of| of.unwrap_or_default().to_owned());
             people.entry(who).or_default().entry(session).or_default().push(value - taken);
         }
         Ok(people)
@@ -122,14 +126,12 @@ impl<'a> Trials<'a> {
 
     /// Whose trials they are.
     pub(crate) fn participants(&self) -> Result<BTreeSet<String>, TableError> {
-        let who = self.metrics.texts("participant")?;
-        Ok(self.rows.iter().filter_map(|row| who[*row].clone()).collect())
+        Ok(self.words("participant")?.into_iter().flatten().map(str::to_owned).collect())
     }
 
     /// Number of trials with this word, and of trials with any.
     pub(crate) fn count(&self, column: &str, word: &str) -> Result<(usize, usize), TableError> {
-        let values = self.metrics.texts(column)?;
-        let of: Vec<&str> = self.rows.iter().filter_map(|row| values[*row].as_deref()).collect();
+        let of: Vec<&str> = self.words(column)?.into_iter().flatten().collect();
         Ok((of.iter().filter(|w| **w == word).count(), of.len()))
     }
 }

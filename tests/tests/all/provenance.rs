@@ -354,7 +354,7 @@ fn a_trace_says_what_was_replaced_since_instead_of_guessing() {
         append_events(&RealFiles, &study.events("P01"), "2026-01-02T00:00:00Z", &[event]).unwrap()
     };
     append(Event::Excluded { trial: 2, reason: "slipped".into() });
-    zwidth(root, &["run", "--only", "metrics of the study"]).exits(0);
+    zwidth(root, &["run", "--only", "metrics by condition"]).exits(0);
     let traced = only(root, &["trace", "reports/demo/tables/conditions.csv"]);
     assert_eq!(traced["lost"][0]["path"], "derived/demo/conditions.parquet");
     assert_eq!(

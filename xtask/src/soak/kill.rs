@@ -237,9 +237,9 @@ fn lost(data: &StudyData, number: u32, killed: Timestamp) -> anyhow::Result<Opti
     if trial.meta.status == Status::Complete {
         return Ok(None);
     }
-    let began: Timestamp =
-        trial.file.get("start_utc").context("the trial does not tell its start")?.parse()?;
     let read = zwidth_store::read_trial(&trial.path, [Signal::Time])?;
+    let began: Timestamp =
+        read.file.get("start_utc").context("the trial does not tell its start")?.parse()?;
     let recovered_s =
         read.samples.get(Signal::Time).and_then(<[f64]>::last).copied().unwrap_or(0.0);
     let lost_s = killed.duration_since(began).as_secs_f64() - recovered_s;

@@ -5,7 +5,7 @@
 use crate::conditions::spread;
 use crate::making::{derived, split, write_tables};
 use crate::replayable::{rendering, replayable};
-use crate::trials::{OfTrials, files, name, read_all};
+use crate::trials::{OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -133,16 +133,21 @@ struct Fit {
     replay_version: u32,
 }
 
-pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+/// The trials that the plant is fitted to, of all that it could be; and how many these are.
+pub(crate) fn taken(data: &StudyData) -> (Vec<&TrialEntry>, usize) {
     let all: Vec<_> = replayable(data).collect();
-    if all.is_empty() {
-        return Vec::new();
-    }
     let there = all.len();
     let rows: Vec<_> = all.iter().map(|trial| (&trial.meta.participant, trial.rows)).collect();
     let people = spread(&rows);
-    let trials: Vec<&TrialEntry> =
-        all.into_iter().filter(|trial| people.contains(&trial.meta.participant)).collect();
+    let taken = all.into_iter().filter(|trial| people.contains(&trial.meta.participant));
+    (taken.collect(), there)
+}
+
+pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
+    let (trials, there) = taken(data);
+    if trials.is_empty() {
+        return Vec::new();
+    }
     let study = &data.study;
     let rendered = |trial: &&TrialEntry| {
         let meta = &trial.meta;
@@ -162,7 +167,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     vec![Job::new(STAGE, "identify", of, files(&trials), tables(data), make)]
 }
 
-fn make(of: &OfTrials<Fit>, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+fn make(of: &OfTrials<Fit>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
     let fit = &of.stage;
     // One by one: what the fit needs of a trial is a third of its samples.
     let one = |i: usize| {

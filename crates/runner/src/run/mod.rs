@@ -8,7 +8,7 @@ use crate::plan::needs;
 use crate::provenance::provenance;
 use crate::record::Record;
 use crate::records::Kept;
-use crate::{Job, Made, Making, Provenance, Records, Results, strip_root};
+use crate::{Job, Made, Making, Output, Provenance, Records, Results, strip_root};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashSet, VecDeque};
 use std::path::{Path, PathBuf};
@@ -456,14 +456,13 @@ impl<'j> Run<'j> {
         let making = Making { from: &from, outputs: &job.outputs, root, trials: &self.trials };
         Ok(match make(job, &making, self.results)? {
             Err(error) => without(JobEnd::Failed(error)),
-            Ok(mut made) => {
+            Ok((mut made, hashes)) => {
                 for text in made.problems.iter_mut().chain(&mut made.care) {
                     *text = strip_root(root, text);
                 }
-                for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
-                    let hash = hex_blake3(bytes);
-                    record.outputs.insert(show_path(root, path), hash.clone());
-                    self.hashes.written(path, hash);
+                for (path, hash) in job.outputs.iter().zip(hashes) {
+                    self.hashes.written(path, &hash);
+                    record.outputs.insert(show_path(root, path), hash);
                 }
                 record.problems.clone_from(&made.problems);
                 record.care.clone_from(&made.care);
@@ -485,18 +484,22 @@ impl<'j> Run<'j> {
             return Vec::new();
         }
         let removed = job.outputs.iter().map(|path| {
-            self.hashes.set(path, String::new());
+            self.hashes.set(path, "");
             self.results.remove(path)
         });
         removed.filter_map(Result::err).collect()
     }
 }
 
-/// Makes a job's outputs and writes them. The job's own failure is the inner error: the others go
-/// on. An output that cannot be written is the outer one: the disk is full or read-only, for the
-/// others too.
-fn make(job: &Job, making: &Making, results: &Results) -> Result<Result<Made, String>, StoreError> {
-    let made = match job.make(making) {
+/// Makes a job's outputs and writes them: what else it made, and the hash of each. The job's own
+/// failure is the inner error: the others go on. An output that cannot be written is the outer one:
+/// the disk is full or read-only, for the others too.
+fn make(
+    job: &Job,
+    making: &Making,
+    results: &Results,
+) -> Result<Result<(Made, Vec<String>), String>, StoreError> {
+    let mut made = match job.make(making) {
         Ok(made) => made,
         Err(error) => return Ok(Err(error.to_string())),
     };
@@ -504,10 +507,20 @@ fn make(job: &Job, making: &Making, results: &Results) -> Result<Result<Made, St
     if n != declared {
         return Ok(Err(format!("it made {n} outputs and declares {declared}")));
     }
-    for (path, bytes) in job.outputs.iter().zip(&made.outputs) {
-        results.write(path, bytes)?;
+    let mut hashes = Vec::new();
+    for (path, output) in job.outputs.iter().zip(std::mem::take(&mut made.outputs)) {
+        hashes.push(match output {
+            Output::Whole(bytes) => {
+                results.write(path, &bytes)?;
+                hex_blake3(&bytes)
+            }
+            Output::Long(write) => match results.write_by(path, write)? {
+                Ok(hash) => hash,
+                Err(error) => return Ok(Err(error.to_string())),
+            },
+        });
     }
-    Ok(Ok(made))
+    Ok(Ok((made, hashes)))
 }
 
 #[cfg(test)]

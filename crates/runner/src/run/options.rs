@@ -1,13 +1,12 @@
 //! How to run: which jobs, and where a run reads and writes down what was made from what.
 
 use super::unplanned::{outputs, remove_unplanned};
-use crate::hashes::Hashes;
+use crate::hashes::{Hashes, HashesRead};
 use crate::manifest::Manifest;
 use crate::plan::named;
 use crate::shard::share;
 use crate::{Job, Records, Results, Shard};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 use std::sync::Arc;
 use zwidth_store::{Seen, StoreError};
 
@@ -23,8 +22,8 @@ pub struct Options {
     /// Only the jobs of this shard that can be made now. What they make is told by the shard's
     /// manifest; the records of the study stay as they are until it is merged.
     pub shard: Option<Shard>,
-    /// BLAKE3 of files that were read already, hexadecimal.
-    pub known: Vec<(PathBuf, String)>,
+    /// Hashes of files that were read already.
+    pub known: HashesRead,
     /// What files were when they were last read: those that are the same are not read again. A run
     /// that is no shard's writes down what it has seen.
     pub seen: Arc<Seen>,
@@ -95,9 +94,8 @@ pub(super) fn save(
 
 /// Writes down what files were.
 pub(super) fn keep_seen(results: &Results, options: &Options) {
-    let text = if options.dry_run || options.shard.is_some() { None } else { options.seen.text() };
-    if let Some(text) = text {
+    if !options.dry_run && options.shard.is_none() && options.seen.is_worth_writing() {
         // Without it the next run reads more, and is as right.
-        let _ = results.write(&Seen::file(results.layout()), &text);
+        let _ = results.write_by(&Seen::file(results.layout()), |out| options.seen.write(out));
     }
 }

@@ -17,7 +17,7 @@ fn jobs(root: &Path, version: u32) -> Vec<Job> {
             if text.contains("bad") {
                 return Err("a bad input".into());
             }
-            Ok(Made { outputs: vec![text.to_uppercase().into_bytes()], ..Made::default() })
+            Ok(Made::of(vec![text.to_uppercase().into_bytes()]))
         })
     };
     vec![
@@ -109,7 +109,7 @@ fn noted(
     let make = move |_: &Making| {
         made.lock().unwrap().push(name);
         let texts: Result<Vec<String>, _> = read.iter().map(fs::read_to_string).collect();
-        Ok(Made { outputs: vec![texts?.concat().into_bytes()], ..Made::default() })
+        Ok(Made::of(vec![texts?.concat().into_bytes()]))
     };
     Job::new(stage, name, (), inputs, outputs, |(), _, _| Ok(Made::default())).made_by(make)
 }
@@ -164,7 +164,7 @@ fn the_hash_of_a_file_that_was_read_already_counts() {
     let root = folder.path();
     let hash = |text: &str| hex_blake3(text.as_bytes());
     let knowing = |text: &str| Options {
-        known: vec![(root.join("a.txt"), hash(text))],
+        known: [(root.join("a.txt"), hash(text))].into_iter().collect(),
         ..Options::default()
     };
     go(root, 1, &Options::default());
@@ -233,7 +233,7 @@ fn a_tolerant_job_is_made_without_the_inputs_that_could_not_be() {
     fs::write(root.join("a.txt"), "bad").unwrap();
     let mut jobs = jobs(root, 1);
     let job = jobs.remove(0).tolerant();
-    let made = |_: &Making| Ok(Made { outputs: vec![b"without".to_vec()], ..Made::default() });
+    let made = |_: &Making| Ok(Made::of(vec![b"without".to_vec()]));
     jobs.insert(0, job.made_by(made));
     let reports = reports(root, &jobs, &Options::default()).unwrap();
     assert!(matches!(reports[0].verdict, JobEnd::Made(_)));
@@ -291,7 +291,7 @@ fn what_is_to_be_read_with_care_is_remembered_and_told_at_every_run() {
     let mut jobs = jobs(root, 1);
     let job = jobs.remove(2).made_by(|_| {
         let care = vec!["b is strange".to_owned()];
-        Ok(Made { outputs: vec![b"B".to_vec()], care, ..Made::default() })
+        Ok(Made { care, ..Made::of(vec![b"B".to_vec()]) })
     });
     jobs.push(job);
     for _ in 0..2 {
@@ -318,9 +318,9 @@ fn a_file_that_only_parameters_come_from_is_traced_and_remakes_nothing() {
     let job = |answer: u8| {
         let job =
             Job::new(stage, "tally", answer, (), vec![root.join("tally")], |answer, (), _| {
-                Ok(Made { outputs: vec![answer.to_string().into_bytes()], ..Made::default() })
+                Ok(Made::of(vec![answer.to_string().into_bytes()]))
             });
-        [job.told_by(vec![root.join("a.txt")])]
+        [job.told_by(vec![root.join("a.txt").into()])]
     };
     let origin = || {
         let layout = Layout::new(root.ancestors().nth(2).unwrap(), "s".parse().unwrap());
@@ -345,12 +345,49 @@ fn without_origin_outputs_are_told_nothing_of_their_making() {
     let output = folder.path().join("said");
     let jobs = [Job::new(stage, "said", (), (), vec![output.clone()], |(), (), making| {
         let said = serde_json::to_vec(making.from)?;
-        Ok(Made { outputs: vec![said], ..Made::default() })
+        Ok(Made::of(vec![said]))
     })];
     verdicts(folder.path(), &jobs, &Options { without_origin: true, ..Options::default() });
     assert_eq!(fs::read_to_string(&output).unwrap(), "{}");
     verdicts(folder.path(), &jobs, &Options { fresh: true, ..Options::default() });
     assert!(fs::read_to_string(&output).unwrap().contains("\"origin\":\"zwidth:said:1:"));
+}
+
+/// Makes a file of so many lines part by part, and fails where it is asked for none.
+fn long(lines: &usize, output: PathBuf) -> Job {
+    let stage = Stage { name: "long", version: 1 };
+    Job::new(stage, "long", *lines, (), vec![output], |lines, (), _| {
+        let lines = *lines;
+        let write: crate::WriteLong = Box::new(move |out| {
+            (0..lines).try_for_each(|line| writeln!(out, "{line}"))?;
+            if lines == 0 { Err("there is no line".into()) } else { Ok(()) }
+        });
+        Ok(Made { outputs: vec![Output::Long(write)], ..Made::default() })
+    })
+}
+
+#[test]
+fn a_file_written_in_parts_is_one_like_any_other() {
+    let folder = folder();
+    let (root, output) = (folder.path(), folder.path().join("long"));
+    let plain = Options::default();
+    let made = |lines| verdicts(root, &[long(&lines, output.clone())], &plain)[0].clone();
+    assert_eq!(made(3), JobEnd::Made("never made".to_owned()));
+    assert_eq!(fs::read_to_string(&output).unwrap(), "0\n1\n2\n");
+    assert_eq!(made(3), JobEnd::UpToDate);
+    fs::write(&output, "0\n").unwrap();
+    assert_eq!(made(3), JobEnd::Made("output derived/s/long changed".to_owned()));
+    // What was made before must not pass for current.
+    assert_eq!(made(0), JobEnd::Failed("there is no line".to_owned()));
+    assert!(fs::read_dir(root).unwrap().all(|f| !f.unwrap().path().ends_with("long")));
+}
+
+#[test]
+fn a_long_file_that_cannot_be_written_ends_the_run() {
+    let folder = folder();
+    let job = long(&3, folder.path().join("a.txt/long"));
+    let error = done(folder.path(), &[job], &Options::default()).unwrap_err();
+    assert!(error.path.ends_with("a.txt"), "{error}");
 }
 
 #[test]
@@ -360,7 +397,7 @@ fn an_output_that_a_job_no_longer_makes_goes() {
     let job = |names: &[&str]| {
         let outputs = names.iter().map(|name| folder.path().join(name)).collect();
         [Job::new(stage, "report", names.len(), (), outputs, |n, (), _| {
-            Ok(Made { outputs: vec![b"made".to_vec(); *n], ..Made::default() })
+            Ok(Made::of(vec![b"made".to_vec(); *n]))
         })]
     };
     let there = |name: &str| folder.path().join(name).exists();
@@ -382,7 +419,7 @@ fn what_a_job_no_longer_makes_goes_when_the_job_is_made_and_not_at_the_end_of_a_
         let outputs: Vec<PathBuf> = outputs.iter().map(|name| root.join(name)).collect();
         let stage = Stage { name: "tally", version: 1 };
         Job::new(stage, "tally", outputs.len(), (), outputs, |n, (), _| {
-            Ok(Made { outputs: vec![b"made".to_vec(); *n], ..Made::default() })
+            Ok(Made::of(vec![b"made".to_vec(); *n]))
         })
     };
     let mut all = jobs(root, 1);
@@ -393,7 +430,7 @@ fn what_a_job_no_longer_makes_goes_when_the_job_is_made_and_not_at_the_end_of_a_
     // What another job makes now is that one's.
     let moved = vec![root.join("moved")];
     all.push(Job::new(Stage { name: "other", version: 1 }, "moved", (), (), moved, |(), (), _| {
-        Ok(Made { outputs: vec![b"moved".to_vec()], ..Made::default() })
+        Ok(Made::of(vec![b"moved".to_vec()]))
     }));
     let only = Options { only: Some("tally".to_owned()), ..Options::default() };
     done(root, &all, &only).unwrap();
@@ -445,7 +482,7 @@ fn problems_are_told_without_the_folder_that_holds_the_data() {
     let output = vec![folder.path().join("x")];
     let job = Job::new(Stage { name: "x", version: 1 }, "x", (), (), output, |(), (), making| {
         let problems = vec![format!("{}: damaged", making.root.join("raw/s/t.parquet").display())];
-        Ok(Made { outputs: vec![b"x".to_vec()], care: problems.clone(), problems })
+        Ok(Made { care: problems.clone(), problems, ..Made::of(vec![b"x".to_vec()]) })
     });
     let reports = reports(folder.path(), &[job], &Options::default()).unwrap();
     assert_eq!(reports[0].problems, ["raw/s/t.parquet: damaged"]);
@@ -469,7 +506,7 @@ fn of_jobs_that_read_much_one_runs_at_a_time_and_all_are_made() {
         vec![made.clone()],
         |(), (), _| {
             let bytes = vec![b'x'; usize::try_from(MUCH)? + 1];
-            Ok(Made { outputs: vec![bytes], ..Made::default() })
+            Ok(Made::of(vec![bytes]))
         },
     );
     let job = |i: usize, input: &Path| {
@@ -486,7 +523,7 @@ fn of_jobs_that_read_much_one_runs_at_a_time_and_all_are_made() {
             if much {
                 RUNNING.fetch_sub(1, Ordering::SeqCst);
             }
-            Ok(Made { outputs: vec![i.to_string().into_bytes()], ..Made::default() })
+            Ok(Made::of(vec![i.to_string().into_bytes()]))
         })
     };
     let small = folder.path().join("a.txt");

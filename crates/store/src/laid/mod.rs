@@ -149,7 +149,7 @@ pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<Stri
         (footer != record)
             .then(|| format!("its {what} is '{footer}' and '{record}' in its session's record"))
     };
-    let footer = |key: &str| trial.file.get(key).map(String::as_str);
+    let footer = |key: &str| trial.said.file.get(key).map(String::as_str);
     // What one of the two does not say contradicts nothing.
     let both =
         |what: &str, key: &str, of_record: Option<&str>| differs(what, footer(key)?, of_record?);

@@ -1,6 +1,7 @@
 //! `zwidth compare`: modes, participants, sessions or repeats of a study compared. What is missing
 //! of the stage `compare` is made first.
 
+use super::hashes_read;
 use super::near::did_you_mean;
 use crate::args::{By, Compare};
 use crate::exit::Exit;
@@ -131,9 +132,8 @@ fn metric(data: &StudyData, asked: &Compare) -> anyhow::Result<String> {
 /// Makes what is missing of the stage.
 pub(super) fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
     let jobs = plan::jobs(data, &findings(&RealFiles, data));
-    let trials = data.trials.iter().map(|t| (t.path.clone(), t.blake3.clone()));
-    let options =
-        Options { only: Some("compare".to_owned()), known: trials.collect(), ..Options::default() };
+    let (only, known) = (Some("compare".to_owned()), hashes_read(data));
+    let options = Options { only, known, ..Options::default() };
     let done = run_jobs(&jobs, &Results::new(&data.layout, &Unsynced), &options, &|_| ())?;
     let mut exit = Exit::Fine;
     for report in done.reports {

@@ -43,6 +43,7 @@ use anyhow::{Context as _, bail};
 use near::did_you_mean;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use zwidth_runner::HashesRead;
 use zwidth_store::{Layout, SessionLog, StoreError, StudyData};
 use zwidth_study::{ParticipantId, SessionId, StudyId};
 
@@ -158,9 +159,9 @@ fn session<'a>(
 }
 
 /// The hashes of the raw files that reading a study has read.
-fn hashes_read(data: &StudyData) -> Vec<(PathBuf, String)> {
-    let trials = data.trials.iter().map(|t| (t.path.clone(), t.blake3.clone()));
-    let sweeps = data.sweeps.iter().map(|s| (s.path.clone(), s.blake3.clone()));
+fn hashes_read(data: &StudyData) -> HashesRead {
+    let trials = data.trials.iter().map(|t| (t.path.clone(), &t.blake3));
+    let sweeps = data.sweeps.iter().map(|s| (s.path.as_path().into(), &s.blake3));
     trials.chain(sweeps).collect()
 }
 

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
-use zwidth_runner::{Job, Results, Share, waiting};
+use zwidth_runner::{HashesRead, Job, Results, Share, waiting};
 use zwidth_store::{Layout, RealFiles, Seen, StoreError, StudyData, findings};
 use zwidth_study::StudyId;
 
 /// A study that was shared out.
 pub(super) struct Sharded {
     pub(super) jobs: Vec<Job>,
-    pub(super) known: Vec<(PathBuf, String)>,
+    pub(super) known: HashesRead,
     pub(super) seen: Arc<Seen>,
     /// Recordings that are left out of it, and why.
     pub(super) left_out: Vec<StoreError>,

@@ -115,7 +115,7 @@ fn matrix(page: &Page) -> Markup {
 fn sentence(text: &str, path: &str) -> Markup {
     let (words, target) = match path.starts_with("figures/") {
         true => ("figure", format!("#{}", anchor(path))),
-        false => ("table", with_extension(path, "html")),
+        false => ("table", table_file(path)),
     };
     html! { (text) " (" a href=(target) { (words) } ")" }
 }
@@ -222,9 +222,9 @@ fn tables(page: &Page) -> Markup {
         ul.tables {
             @for made in &page.summary.tables {
                 li {
-                    a href=(with_extension(&made.path, "html")) { (made.caption) } " "
+                    a href=(table_file(&made.path)) { (made.caption) } " "
                     span.forms {
-                        @for kind in ["csv", "tex", "typ", "md", "parquet"] {
+                        @for kind in forms(&made.path) {
                             a href=(with_extension(&made.path, kind)) aria-label={ (made.caption) " as " (kind) } { (kind) } " "
                         }
                     }
@@ -253,6 +253,21 @@ fn provenance(page: &Page) -> Markup {
         }
         button.copy type="button" data-copy="cite" { "Copy" }
     }
+}
+
+/// Whether a table is there for programs alone: of a large study, one with a row for each trial.
+fn is_for_programs(table: &str) -> bool {
+    table.ends_with(".csv")
+}
+
+/// The file of a table that a browser shows best.
+fn table_file(table: &str) -> String {
+    if is_for_programs(table) { table.to_owned() } else { with_extension(table, "html") }
+}
+
+/// The other forms of a table.
+fn forms(table: &str) -> &'static [&'static str] {
+    if is_for_programs(table) { &["parquet"] } else { &["csv", "tex", "typ", "md", "parquet"] }
 }
 
 /// The same file in another form.

@@ -126,6 +126,24 @@ fn data_of(html: &str) -> serde_json::Value {
 }
 
 #[test]
+fn a_table_that_is_there_for_programs_alone_is_linked_as_that() {
+    let links = |summary: &Summary| -> Vec<String> {
+        let text = page(summary);
+        let links = text.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next());
+        links.filter(|link| link.starts_with("tables/metrics")).map(str::to_owned).collect()
+    };
+    let mut long = summary();
+    assert_eq!(links(&long).len(), 7, "a sentence, and six forms");
+    for made in long.shown.iter_mut().chain(&mut long.tables) {
+        made.path = made.path.replace(".md", ".csv");
+    }
+    assert_eq!(
+        links(&long),
+        ["tables/metrics.csv", "tables/metrics.csv", "tables/metrics.parquet"]
+    );
+}
+
+#[test]
 fn the_parts_stand_in_their_order_and_the_simulated_are_marked() {
     let html = page(&summary());
     let ids = [

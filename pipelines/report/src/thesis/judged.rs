@@ -5,6 +5,7 @@ use crate::evidence::{Evidence, Known, Verdict};
 use crate::gallery::{Gallery, Shown};
 use crate::thesis::estimate::{Estimated, Spread, trials_of};
 use crate::thesis::rule::{Case, From, Place, Quantity, Range};
+use crate::thesis::statements::REPLAYED;
 use crate::trials::{People, Trials};
 use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
 use zwidth_tables::{Table, TableError, number, shown_unit, with_unit};
@@ -102,6 +103,12 @@ pub(crate) fn trials<'a>(
         From::Replays => trials.with("causality", "force_driven")?.with("model", "by_eye")?,
     };
     if trials.len() == 0 { Err(none()) } else { Ok(trials) }
+}
+
+/// The columns of the table of replays that are looked at.
+pub fn replayed_columns() -> Vec<&'static str> {
+    let told_apart = ["participant", "session", "environment", "mode", "causality", "model"];
+    told_apart.into_iter().chain(REPLAYED.map(|quantity| quantity.column)).collect()
 }
 
 /// The values of a case.

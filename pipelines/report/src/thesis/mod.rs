@@ -15,7 +15,7 @@ mod statements;
 mod tests;
 mod told;
 
-pub use judged::Derived;
+pub use judged::{Derived, replayed_columns};
 pub use told::{Told, told};
 
 use crate::evidence::{Verdict, notes};

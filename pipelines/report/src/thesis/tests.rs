@@ -1,6 +1,6 @@
 //! The statements judged by hand-made studies.
 
-use super::{Derived, thesis_table, told};
+use super::{Derived, replayed_columns, thesis_table, told};
 use crate::evidence::Known;
 use crate::gallery::Gallery;
 use std::collections::BTreeSet;
@@ -73,10 +73,16 @@ fn judged(study: &Setup, metrics: Option<&Table>, answers: Option<&Table>) -> Ta
     };
     let calibration = Calibration::thesis();
     let known = Known { study, calibration: &calibration, metrics };
+    // Of replays no other columns are read from their file.
+    let read = replayed_columns();
+    let replays = metrics.map(|all| {
+        let columns = all.columns().iter().filter(|c| read.contains(&c.field.name.as_ref()));
+        Table::new("replay", "", columns.cloned().collect()).unwrap()
+    });
     let derived = Derived {
         known,
         basis: Basis::Swept,
-        replays: metrics,
+        replays: replays.as_ref(),
         answers,
         tally: None,
         gallery: &gallery,

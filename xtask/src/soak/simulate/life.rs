@@ -200,7 +200,7 @@ impl Desk {
                 return Err(format!("trial {} is another than was drawn", trial.meta.trial));
             }
             if trial.meta.status == Status::Complete {
-                self.finished.insert(trial.path.clone(), trial.blake3.clone());
+                self.finished.insert(trial.path.to_path_buf(), trial.blake3.clone());
             }
         }
         let holds =

@@ -79,7 +79,7 @@ pub(super) fn setups(
     let mut output = Output::new(&study.folder, made_from);
     output.table(STEM, &all)?;
     output.table(&format!("{STEM}.summary"), &short)?;
-    output.figure(STEM, zwidth_figures::less(&all, &[Source::Twin])?)?;
+    output.figure(STEM, zwidth_figures::less(std::iter::once(Ok(all)), &[Source::Twin])?)?;
     output.text(STEM, "json", &key)?;
     Ok(Some(Made { files: output.files, lines: words(&short)? }))
 }
