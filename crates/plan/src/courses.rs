@@ -2,7 +2,7 @@
 //! table of the stage `replay`, which the figure draws.
 
 use crate::conditions::{Repeats, Session, sessions};
-use crate::making::{derived, read_parts, read_shared, write_tables};
+use crate::making::{derived, read_shared, write_tables};
 use crate::replay::STAGE;
 use crate::replayable::{is_replayable, rendering};
 use crate::trials::{OfTrials, Recordings, files, read_all};
@@ -77,8 +77,7 @@ pub(crate) fn typical_trials<'a>(
     files: &Recordings,
     replays: &[PathBuf],
 ) -> Result<Vec<(Trial, &'a Rendering)>, JobError> {
-    let replays =
-        zwidth_replay::join_conditions(read_parts(replays)?)?.ok_or("there is no trial")?;
+    let replays = replay::join_tables(replays)?;
     let mut trials = Vec::new();
     for (mode, rendering) in &of.stage.modes {
         let Some(number) = zwidth_replay::typical(&replays, mode.as_str())? else { continue };

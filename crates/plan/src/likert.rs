@@ -2,10 +2,10 @@
 //! blinding index where it was asked which mode it was.
 
 use crate::making::{derived, write_tables};
-use crate::trials::Recordings;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use zwidth_likert::{Blinding, Guess, Scheme};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, StudyData, TrialEntry};
@@ -53,7 +53,7 @@ pub(crate) fn long(data: &StudyData) -> Option<PathBuf> {
 }
 
 /// Files an answer can stand in: trials that count, session records, event logs.
-fn origins(data: &StudyData) -> Recordings {
+fn origins(data: &StudyData) -> Vec<Arc<Path>> {
     let trials = data.counting().map(|t| t.path.clone());
     let logs =
         data.sessions.iter().flat_map(|s| [&s.path, &s.events_path]).map(|p| p.as_path().into());

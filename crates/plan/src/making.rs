@@ -6,9 +6,9 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use zwidth_runner::{JobError, Made, Making, Output};
+use zwidth_runner::{JobError, Made, Making, Output, WriteLong};
 use zwidth_store::Layout;
-use zwidth_tables::{Table, TableError, TableFile};
+use zwidth_tables::{Table, TableError};
 
 /// A job's result: tables as Parquet files, in the order of its outputs.
 pub(crate) fn write_tables(
@@ -54,44 +54,25 @@ pub(crate) fn read_shared(file: &Path, making: &Making) -> Result<Rc<Table>, Tab
     Ok(table)
 }
 
-/// Tables of one form that are read at a time to be joined.
-const JOINED_AT_ONCE: usize = 256;
-
-/// The same as fewer tables, to be joined: a large study has thousands of one form. Titles and notes
-/// are left out.
-pub(crate) fn read_parts(files: &[PathBuf]) -> Result<Vec<Table>, TableError> {
-    let part = |files: &[PathBuf]| Table::concat("part", "", read_tables(files)?);
-    let parts: Result<Vec<_>, TableError> = files.chunks(JOINED_AT_ONCE).map(part).collect();
-    Ok(parts?.into_iter().flatten().collect())
-}
-
 /// Sessions whose tables are read at a time to be joined.
 const SESSIONS_AT_ONCE: usize = 64;
 
-/// A long table of the study: what `join` makes of the tables of each session (nothing where it has
-/// none), one after the other. A note of one is a note of the whole.
+/// A long table of the study, the job's only output: what `join` makes of the tables of each session,
+/// one after the other. A note of one is a note of the whole.
 pub(crate) fn join_sessions(
     sessions: &[Vec<PathBuf>],
-    join: impl Fn(&[PathBuf]) -> Result<Option<Table>, JobError> + Send + Sync + 'static,
+    join: impl Fn(&[PathBuf]) -> Result<Table, JobError> + Send + Sync + 'static,
     making: &Making,
-) -> Output {
+) -> Made {
     let (sessions, from) = (sessions.to_vec(), making.from.clone());
     let path = making.outputs.first().cloned().unwrap_or_default();
-    Output::Long(Box::new(move |out| {
-        let mut tables = sessions.chunks(SESSIONS_AT_ONCE).flat_map(|some| {
-            let read: Vec<_> = some.par_iter().map(|files| join(files)).collect();
-            read.into_iter().filter_map(Result::transpose)
-        });
-        let first = tables.next().ok_or("there is no trial")??;
-        let mut about = first.rows(&[]);
-        let mut file = TableFile::begin(out, &about, &path)?;
-        for table in std::iter::once(Ok(first)).chain(tables) {
-            let table = table?;
-            about = about.with_notes_of(&table);
-            file.add(table)?;
-        }
-        Ok(file.end(&about, &from)?)
-    }))
+    let write: WriteLong = Box::new(move |out| {
+        let tables = sessions
+            .chunks(SESSIONS_AT_ONCE)
+            .flat_map(|some| some.par_iter().map(|tables| join(tables)).collect::<Vec<_>>());
+        Table::write_parts(tables, (&from, &path), out)
+    });
+    Made { outputs: vec![Output::Long(write)], ..Made::default() }
 }
 
 /// The good results, and the bad ones in words.
@@ -116,6 +97,40 @@ mod tests {
     use zwidth_runner::Provenance;
     use zwidth_store::Lately;
     use zwidth_tables::Column;
+
+    #[test]
+    fn sessions_are_joined_in_their_order_with_each_note_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let trials = Lately::default();
+        let session = |number: usize| {
+            let file = folder.path().join(number.to_string());
+            let column = Column::integer("trial", "1", "", [Some(number as i64)]);
+            let table = Table::new("s", "Sessions", vec![column]).unwrap().with_note("of all");
+            let table = if number == 70 { table.with_note("of one") } else { table };
+            fs::write(&file, table.to_parquet(&Provenance::new(), &file).unwrap()).unwrap();
+            vec![file]
+        };
+        let sessions: Vec<_> = (0..3 * SESSIONS_AT_ONCE).map(session).collect();
+        let (from, outputs) = (Provenance::new(), [folder.path().join("all")]);
+        let making =
+            Making { from: &from, outputs: &outputs, root: folder.path(), trials: &trials };
+        let written = |sessions: &[Vec<PathBuf>]| {
+            let made =
+                join_sessions(sessions, |tables| Ok(Table::from_parquet(&tables[0])?), &making);
+            let Some(Output::Long(write)) = made.outputs.into_iter().next() else {
+                panic!("it is long")
+            };
+            let mut bytes = Vec::new();
+            write(&mut bytes).map(|()| bytes)
+        };
+        fs::write(&outputs[0], written(&sessions).unwrap()).unwrap();
+        let all = Table::from_parquet(&outputs[0]).unwrap();
+        let expect: Vec<_> = (0..sessions.len() as i64).map(Some).collect();
+        assert_eq!((all.integers("trial").unwrap(), all.title()), (expect, "Sessions"));
+        assert_eq!(all.notes(), ["of all", "of one"]);
+        fs::remove_file(&sessions[100][0]).unwrap();
+        assert!(written(&sessions).is_err());
+    }
 
     #[test]
     fn a_shared_table_is_read_once_for_each_of_its_contents() {

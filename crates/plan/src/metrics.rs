@@ -209,18 +209,15 @@ fn make_condition(
 }
 
 fn make_study(_: &(), sessions: &Vec<Vec<PathBuf>>, making: &Making) -> Result<Made, JobError> {
-    Ok(Made { outputs: vec![join_sessions(sessions, join_tables, making)], ..Made::default() })
+    Ok(join_sessions(sessions, join_tables, making))
 }
 
 /// The two tables of a session as one.
-fn join_tables(tables: &[PathBuf]) -> Result<Option<Table>, JobError> {
-    let mut tables = read_tables(tables)?.into_iter();
-    let mut next =
-        || Ok::<_, JobError>(zwidth_metrics::join_sessions(tables.next().into_iter().collect())?);
-    match (next()?, next()?) {
-        (Some(plain), Some(plant)) => Ok(Some(zwidth_metrics::join_plant(&plain, &plant)?)),
-        _ => Ok(None),
-    }
+fn join_tables(tables: &[PathBuf]) -> Result<Table, JobError> {
+    let [plain, plant]: [Table; 2] =
+        read_tables(tables)?.try_into().map_err(|_| "a session has two tables")?;
+    let plain = zwidth_metrics::join_sessions(vec![plain])?.ok_or("there is no trial")?;
+    Ok(zwidth_metrics::join_plant(&plain, &plant)?)
 }
 
 fn make_by_condition(

@@ -12,7 +12,7 @@ use crate::trials::{Known, OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
-use zwidth_replay::{Parameters, Rendering, TrialReplay, Which};
+use zwidth_replay::{Causality, Parameters, Rendering, TrialReplay, Which};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{Analysis, Scene};
@@ -40,6 +40,21 @@ pub(crate) fn of_study(data: &StudyData) -> Option<[PathBuf; 2]> {
     let names = ["replay.parquet", "replay.agreement.parquet"];
     let is_any = replayable(data).next().is_some();
     is_any.then(|| names.map(|name| derived(&data.layout, name)))
+}
+
+/// The replays of a condition by each model.
+fn files_of(data: &StudyData, repeats: &Repeats) -> Vec<PathBuf> {
+    let fitted = || fitted_of_condition(&data.layout, repeats);
+    let fitted = identify::known_plant(data).is_some().then(fitted);
+    let auto = ladder::of_replay(data, repeats).map(|_| auto_of_condition(&data.layout, repeats));
+    [of_condition(&data.layout, repeats)].into_iter().chain(fitted).chain(auto).collect()
+}
+
+/// Rows that the table of replays has of a trial, at most: the model by eye and the fitted one three
+/// ways each, and so the one that a ladder chose.
+pub(crate) fn rows_of_a_trial(data: &StudyData) -> usize {
+    let models = 2 + usize::from(ladder::of_study(data).is_some());
+    models * Causality::ALL.len()
 }
 
 /// Conditions whose environment is more than a questionnaire.
@@ -99,16 +114,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         Some(Job::new(STAGE, name, of, inputs, vec![output], make_auto).of_part(&repeats.key))
     };
     let conditions: Vec<Repeats> = replayed(data).collect();
-    let all = |repeats: &Repeats| {
-        let fitted = plant.as_ref().map(|_| fitted_of_condition(&data.layout, repeats));
-        let auto =
-            ladder::of_replay(data, repeats).map(|_| auto_of_condition(&data.layout, repeats));
-        [of_condition(&data.layout, repeats)]
-            .into_iter()
-            .chain(fitted)
-            .chain(auto)
-            .collect::<Vec<_>>()
-    };
+    let all = |repeats: &Repeats| files_of(data, repeats);
     let sessions: Vec<Vec<PathBuf>> = conditions
         .chunk_by(Repeats::is_of_session_of)
         .map(|of| of.iter().flat_map(all).collect())
@@ -193,8 +199,12 @@ fn replays(
 
 /// The replays of all sessions in one table.
 fn make_study(_: &(), sessions: &Vec<Vec<PathBuf>>, making: &Making) -> Result<Made, JobError> {
-    let join = |tables: &[PathBuf]| Ok(zwidth_replay::join_conditions(read_tables(tables)?)?);
-    Ok(Made { outputs: vec![join_sessions(sessions, join, making)], ..Made::default() })
+    Ok(join_sessions(sessions, join_tables, making))
+}
+
+/// The replays of a session in one table.
+pub(crate) fn join_tables(tables: &[PathBuf]) -> Result<Table, JobError> {
+    Ok(zwidth_replay::join_conditions(read_tables(tables)?)?.ok_or("there is no trial")?)
 }
 
 fn make_agreement(level: &f64, replays: &PathBuf, making: &Making) -> Result<Made, JobError> {

@@ -4,7 +4,7 @@ use crate::conditions::sessions;
 use crate::design::{Forces, forces, has_actuators};
 use crate::drawing::Drawing;
 use crate::making::{derived, write_tables};
-use crate::{likert, metrics, replay};
+use crate::{likert, metrics, replay, tables};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_report::{
@@ -78,7 +78,8 @@ pub(crate) fn gallery(data: &StudyData, figures: &[Drawing]) -> Gallery {
         [one] => Some(one.ids()),
         _ => None,
     };
-    Gallery { figures: figures.iter().map(|f| f.caption.stem()).collect(), only_session }
+    let figures = figures.iter().map(|f| f.caption.stem()).collect();
+    Gallery { figures, for_programs: tables::for_programs(data), only_session }
 }
 
 pub(crate) fn jobs(data: &StudyData, figures: &[Drawing]) -> Vec<Job> {

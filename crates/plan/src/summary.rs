@@ -42,8 +42,6 @@ pub(crate) struct Page {
     /// The trials whose clock, angle or velocity is to be read with care.
     doubted: TrialNames,
     gallery: Gallery,
-    /// Tables of which there is no form for people.
-    for_programs: BTreeSet<String>,
 }
 
 impl Page {
@@ -67,17 +65,10 @@ impl Page {
     fn shown_by(&self, shown: &Shown, made: &Summary) -> String {
         let of_session = matches!(shown, Shown::Modes(_)) && self.gallery.only_session.is_none();
         let file = self.gallery.file(shown);
-        if is_made(made, &file) && !of_session { file } else { CONDITIONS.to_owned() }
-    }
-}
-
-impl Page {
-    /// Puts the form for programs in the place of a table's form for people that is not made.
-    fn put(&self, path: &mut String) {
-        let is_of = |stem: &str| self.for_programs.contains(stem);
-        let table = path.strip_prefix("tables/").and_then(|name| name.strip_suffix(".md"));
-        if let Some(stem) = table.filter(|stem| is_of(stem)) {
-            *path = format!("tables/{stem}.csv");
+        if is_made(made, &file) && !of_session {
+            file
+        } else {
+            self.gallery.table(&Shown::Conditions)
         }
     }
 }
@@ -146,7 +137,6 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
         primary_by_default: !data.study.compare.is_primary_named,
         doubted: doubted(data, found),
         gallery: report::gallery(data, figures),
-        for_programs: tables::for_programs(data),
     };
     (page, files)
 }
@@ -179,7 +169,8 @@ pub(crate) fn gather(
     let missing: Vec<Remark> = figures.iter().filter_map(|f| f.as_ref().err().cloned()).collect();
     summary.figures = figures.into_iter().filter_map(Result::ok).collect();
     let (there, no_tables): (Vec<_>, Vec<_>) = files.tables.iter().partition(|f| f.exists());
-    let tables = there.par_iter().map(|f| table(f, folder)).collect::<Result<Vec<_>, _>>()?;
+    let listed = |file: &&PathBuf| table(file, &page.gallery);
+    let tables = there.par_iter().map(listed).collect::<Result<Vec<_>, _>>()?;
     summary.left_out.extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
     summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
     let compared = read_compared(files)?;
@@ -190,16 +181,10 @@ pub(crate) fn gather(
         summary.limits.extend(uneven_ranges(&page.planned, &metrics)?);
     }
     summary.shown = list_findings(page, files, &metrics, &summary)?;
-    (summary.statements, summary.judged) = list_statements(files, &summary)?;
+    (summary.statements, summary.judged) = list_statements(page, files, &summary)?;
     summary.runs = list_runs(page, files, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
-    // What is not there in a form for people is told in the one there is.
-    let listed = [&mut summary.shown, &mut summary.runs, &mut summary.tables].into_iter().flatten();
-    let paths = listed.map(|made| &mut made.path);
-    paths
-        .chain(summary.judged.iter_mut().map(|told| &mut told.path))
-        .for_each(|path| page.put(path));
     Ok((summary, compared))
 }
 
@@ -237,14 +222,18 @@ fn list_runs(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, 
     }
     let listed = |finding: zwidth_report::Finding| {
         let file = page.gallery.file(&finding.shown);
-        let path = if is_made(made, &file) { file } else { finding.shown.table().to_owned() };
+        let path = if is_made(made, &file) { file } else { page.gallery.table(&finding.shown) };
         Listed { path, caption: finding.text }
     };
     Ok(found.into_iter().map(listed).collect())
 }
 
 /// How the thesis' statements stand, and the judged ones with what shows them.
-fn list_statements(files: &Files, made: &Summary) -> Result<(String, Vec<Told>), TableError> {
+fn list_statements(
+    page: &Page,
+    files: &Files,
+    made: &Summary,
+) -> Result<(String, Vec<Told>), TableError> {
     let Some(table) = read(&files.statements)? else { return Ok(Default::default()) };
     let (counts, told) = zwidth_report::told(&table)?;
     // A study that measured nothing of the thesis is of another kind.
@@ -253,7 +242,8 @@ fn list_statements(files: &Files, made: &Summary) -> Result<(String, Vec<Told>),
     }
     let listed = told.into_iter().map(|told| {
         let is_there = is_made(made, &told.path);
-        Told { path: if is_there { told.path } else { STATEMENTS.to_owned() }, ..told }
+        let all = || page.gallery.table(&Shown::Statements);
+        Told { path: if is_there { told.path } else { all() }, ..told }
     });
     Ok((counts, listed.collect()))
 }
@@ -282,11 +272,6 @@ fn read_compared(files: &Files) -> Result<Vec<[Table; 2]>, TableError> {
 fn contrasts_of(files: &Files) -> Vec<PathBuf> {
     files.compared.iter().map(|[_, contrasts]| contrasts.clone()).collect()
 }
-
-/// The table of the metrics by condition, from the summary's folder on.
-const CONDITIONS: &str = "tables/conditions.md";
-/// The table of the thesis' statements.
-const STATEMENTS: &str = "tables/thesis.md";
 
 fn facts(data: &StudyData, found: &Findings) -> Summary {
     let counting: Vec<_> = data.counting().collect();
@@ -426,10 +411,9 @@ fn to_remark(note: &str) -> Remark {
 }
 
 /// A table, and how many rows it has.
-fn table(file: &Path, folder: &Path) -> Result<(Listed, usize), TableError> {
+fn table(file: &Path, gallery: &Gallery) -> Result<(Listed, usize), TableError> {
     let About { title, rows, .. } = Table::about(file)?;
-    let path = relative(&file.with_extension("md"), folder);
-    Ok((Listed { path, caption: title }, rows))
+    Ok((Listed { path: gallery.table_file(&stem(file)), caption: title }, rows))
 }
 
 fn could_not_be_made(file: &Path) -> Remark {

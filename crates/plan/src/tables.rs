@@ -1,6 +1,6 @@
-//! Stage `tables`: every derived table that people read, in every format.
+//! Stage `tables`: every derived table that people read, in every format; one that is too long to be
+//! read, for programs alone.
 
-use crate::conditions::repeats;
 use crate::{
     characterise, compare, freemotion, identify, ladder, likert, metrics, replay, report, trade,
 };
@@ -9,8 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_metrics::by_mode;
 use zwidth_runner::{Job, JobError, Made, Making, Output, Stage};
-use zwidth_store::{Layout, StudyData};
-use zwidth_tables::{Format, Table, TableError, Wording};
+use zwidth_store::{Layout, StudyData, TrialEntry};
+use zwidth_tables::{Format, Table, TableError, Wording, write_csv};
 
 /// Its version is raised when a table would be written differently from the same data.
 const STAGE: Stage = Stage { name: "tables", version: 14 };
@@ -76,8 +76,8 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Rows from which on a table with one for each trial, or each condition of each participant, is
-/// written for programs alone: printed, these would be a hundred pages.
+/// Rows from which on a table that has more the more trials or participants there are is written for
+/// programs alone: printed, these would be a hundred pages.
 const MOST_READ: usize = 5000;
 
 /// The tables with so many rows that they are written for programs alone.
@@ -86,18 +86,21 @@ pub(crate) fn for_programs(data: &StudyData) -> BTreeSet<String> {
 }
 
 fn longer_than(most: usize, data: &StudyData) -> BTreeSet<String> {
-    let trials = data.counting().count();
-    // There are never more of the others.
-    if trials <= most {
-        return BTreeSet::new();
-    }
-    let (conditions, identified) = (repeats(data).len(), identify::taken(data).0.len());
+    let (study, trials) = (&data.study, data.counting().count());
+    let of = |part: fn(&TrialEntry) -> [&str; 4]| -> usize {
+        data.counting().map(part).collect::<BTreeSet<_>>().len()
+    };
+    let people = of(|t| [t.meta.participant.as_str(), "", "", ""]);
+    let conditions = of(|TrialEntry { meta: m, .. }| {
+        [m.participant.as_str(), m.session.as_str(), m.environment.as_str(), m.mode.as_str()]
+    });
+    let contrasts = people * study.environments.len() * study.compare.contrasts.len();
     let rows = |stem: &str| match stem {
-        "metrics" | "replay" => trials,
-        "identify.trials" => identified,
+        "metrics" => trials,
+        "replay" => trials * replay::rows_of_a_trial(data),
+        "identify.trials" => identify::taken(data).0.len(),
         "conditions" => conditions,
-        // A row for each contrast of conditions.
-        _ if stem.starts_with("participants_") => conditions,
+        _ if stem.starts_with("participants_") => contrasts,
         _ => 0,
     };
     let stems = printed(data).into_iter().map(|(path, _)| stem(&path));
@@ -145,7 +148,11 @@ fn long((format, path): (Format, &Path), simulated: bool, input: &Path, making: 
     let (path, input, from) = (path.to_owned(), input.to_owned(), making.from.clone());
     Output::Long(Box::new(move |out| {
         let parts = Table::parts(&input)?.map(|part| Ok(part?.with_mark(simulated)));
-        Ok(format.write_parts(parts, (&from, &path), out)?)
+        match format {
+            Format::Parquet => Table::write_parts::<TableError>(parts, (&from, &path), out)?,
+            _ => write_csv(parts, out)?,
+        }
+        Ok(())
     }))
 }
 
@@ -176,10 +183,9 @@ mod tests {
         let study = data();
         assert_eq!(study.counting().count(), 2);
         assert_eq!(longer_than(2, &study), BTreeSet::new());
+        // Two trials, of one condition. None can be replayed: there is no calibration.
         let long = longer_than(1, &study);
-        // Two trials, of one condition.
-        let of_trials = ["metrics", "replay", "identify.trials"].map(str::to_owned).into();
-        assert!(long.contains("metrics") && long.is_subset(&of_trials), "{long:?}");
+        assert!(long.contains("metrics") && !long.contains("conditions"), "{long:?}");
         assert!(longer_than(0, &study).contains("conditions"));
         let is_metrics = |path: &PathBuf| stem(path) == "metrics";
         let metrics = printed(&study).into_iter().map(|(path, _)| path).find(is_metrics).unwrap();

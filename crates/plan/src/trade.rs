@@ -243,9 +243,9 @@ fn join_data(
     });
     let join = move |tables: &[PathBuf]| {
         let joined = zwidth_trade::join_conditions(read_tables(tables)?)?;
-        Ok(joined.map(|table| note.iter().fold(table, Table::with_note)))
+        Ok(note.iter().fold(joined.ok_or("there is no trial")?, Table::with_note))
     };
-    Ok(Made { outputs: vec![join_sessions(sessions, join, making)], ..Made::default() })
+    Ok(join_sessions(sessions, join, making))
 }
 
 fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {

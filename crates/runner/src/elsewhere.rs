@@ -67,8 +67,7 @@ mod tests {
     use crate::{Made, Options, Stage, merge, run};
     use std::collections::BTreeSet;
     use std::fs;
-    use std::path::Path;
-    use std::path::PathBuf;
+    use std::path::{Path, PathBuf};
     use std::sync::Arc;
     use zwidth_store::{Layout, RealFiles};
 

@@ -54,13 +54,13 @@ impl<P: Into<Arc<Path>>, H: AsRef<str>> FromIterator<(P, H)> for HashesRead {
 
 /// What is known of a file's content: a third of the memory of a hash as text.
 #[derive(Clone, Copy)]
-enum Content {
+enum Known {
     Hash(blake3::Hash),
     Missing,
     ToBeMade,
 }
 
-impl Content {
+impl Known {
     fn of(text: &str) -> Self {
         match blake3::Hash::from_hex(text) {
             Ok(hash) => Self::Hash(hash),
@@ -83,7 +83,7 @@ impl Content {
 pub(crate) struct Hashes {
     known: HashesRead,
     /// Those that came since, by the files' paths as they are written.
-    since: Mutex<HashMap<Box<OsStr>, Content>>,
+    since: Mutex<HashMap<Box<OsStr>, Known>>,
     seen: Arc<Seen>,
 }
 
@@ -104,7 +104,7 @@ impl Hashes {
 
     fn one(&self, path: &Path) -> String {
         let since = self.lock().get(path.as_os_str()).copied();
-        let known = || self.known.0.get(path.as_os_str()).copied().map(Content::Hash);
+        let known = || self.known.0.get(path.as_os_str()).copied().map(Known::Hash);
         if let Some(content) = since.or_else(known) {
             return content.text();
         }
@@ -115,7 +115,7 @@ impl Hashes {
     }
 
     pub(crate) fn set(&self, path: &Path, hash: &str) {
-        self.lock().insert(path.as_os_str().into(), Content::of(hash));
+        self.lock().insert(path.as_os_str().into(), Known::of(hash));
     }
 
     /// The hash of what was just written.
@@ -132,7 +132,7 @@ impl Hashes {
         }
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Box<OsStr>, Content>> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Box<OsStr>, Known>> {
         self.since.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }

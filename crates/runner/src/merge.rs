@@ -86,12 +86,12 @@ mod tests {
     use crate::{JobEnd, Made, Options, Records, Stage, run};
     use std::fs;
     use std::path::PathBuf;
+    use tempfile::TempDir;
+    use zwidth_store::{Layout, RealFiles};
 
     fn none() -> HashesRead {
         HashesRead::default()
     }
-    use tempfile::TempDir;
-    use zwidth_store::{Layout, RealFiles};
 
     /// A study of three parts: each has a job of its own, and one that reads besides what all give.
     struct World {

@@ -8,7 +8,6 @@ use crate::record::{Record, each_once, in_words};
 use rayon::prelude::*;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::io;

@@ -111,14 +111,17 @@ pub(crate) fn derived(schema: &Schema) -> WriterProperties {
         _ => (field.name().as_str(), Encoding::Dictionary),
     });
     properties(columns, Vec::new(), Compression::SNAPPY)
-        .set_max_row_group_row_count(Some(GROUP_ROWS))
+        .set_max_row_group_row_count(Some(TABLE_ROWS))
         .build()
 }
 
 /// Rows of a row group: a reader takes no more than a group at a time, and most trials are one.
 pub(crate) const GROUP_ROWS: usize = 1 << 20;
 
-/// One row group, page statistics off (files are small).
+/// Rows of a row group of a derived table: who writes one in parts holds no more than a group, encoded.
+const TABLE_ROWS: usize = 1 << 16;
+
+/// One row group unless told otherwise, page statistics off (files are small).
 fn properties<'a>(
     columns: impl Iterator<Item = (&'a str, Encoding)>,
     footer: Vec<KeyValue>,

@@ -3,7 +3,7 @@
 use crate::footer::{TrialFooter, read_footer_from, read_footer_seen};
 use crate::memo::Memo;
 use crate::study::parquet_below;
-use crate::{Files, Layout, Said, Seen, StoreError, TrialEntry};
+use crate::{Files, Layout, SOURCE, Said, Seen, StoreError, TrialEntry};
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::path::Path;
@@ -64,8 +64,8 @@ struct Shared {
     mode: Memo<ModeId, ModeId>,
 }
 
-/// What is known of a trial, and what its file says besides, without when it began: the rest is the
-/// same in all trials of a session, and a study may have a million.
+/// What is known of a trial, and what its file says besides, without when it began and which file it
+/// was imported from: the rest is the same in all trials of a session, and a study may have a million.
 fn shared(meta: TrialMeta, mut said: Said) -> (TrialMeta, Arc<Said>) {
     fn known<T: Clone + PartialEq>(memo: &mut Memo<T, T>, value: T) -> T {
         memo.known(|known| *known == value).unwrap_or_else(|| {
@@ -84,7 +84,7 @@ fn shared(meta: TrialMeta, mut said: Said) -> (TrialMeta, Arc<Said>) {
             })
         };
     }
-    said.file.remove(START);
+    said.file.retain(|key, _| key != START && key != SOURCE);
     SHARED.with_borrow_mut(|shared| {
         let meta = TrialMeta {
             participant: known(&mut shared.participant, meta.participant),
@@ -111,6 +111,7 @@ mod tests {
             let mut trial = sample_trial();
             trial.meta.trial = number;
             trial.file.insert(START.to_owned(), format!("2026-01-01T00:00:0{number}Z"));
+            trial.file.insert(SOURCE.to_owned(), crate::hex_blake3(&[number as u8]));
             trial.file.insert("device".to_owned(), if number < 3 { "a" } else { "b" }.to_owned());
             let path = layout.trial(&trial.meta.participant, &trial.meta.session, number);
             std::fs::create_dir_all(path.parent().unwrap()).unwrap();

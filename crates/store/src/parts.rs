@@ -1,10 +1,11 @@
-//! A derived table, read and written some rows at a time: however long it is, no more of it is in
-//! memory than that.
+//! A derived table, read some rows at a time, and written so: however long it is, no more of it is in
+//! memory than these, and of what is written a row group, encoded.
 
+use crate::bounds::MOST_RECORDED_BYTES;
 use crate::encode::derived;
 use crate::opened::{DAMAGED, ParquetFile, guarded};
 use crate::write::{all_entries, cannot_encode};
-use crate::{MOST_COLUMN_BYTES, RealFiles, StoreError};
+use crate::{RealFiles, StoreError};
 use arrow::array::{RecordBatch, RecordBatchReader as _};
 use arrow::datatypes::SchemaRef;
 use parquet::arrow::ArrowWriter;
@@ -35,7 +36,7 @@ impl TableParts {
         let columns = file.columns()?;
         let names: Vec<&str> =
             columns.schema().fields().iter().map(|f| f.name().as_str()).collect();
-        file.check_pages(&names, MOST_COLUMN_BYTES)?;
+        file.check_pages(&names, MOST_RECORDED_BYTES)?;
         let reader = file.reader(columns.clone(), (&names, file.groups()), PART_ROWS)?;
         Ok(Self { path: path.to_owned(), footer: file.footer, reader, is_begun: false })
     }

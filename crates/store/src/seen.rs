@@ -99,9 +99,9 @@ impl Begun {
 /// BLAKE3 of a file's content: in a file hexadecimal, in memory not half of that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "&str", into = "String")]
-struct Content(blake3::Hash);
+struct Blake3(blake3::Hash);
 
-impl TryFrom<&str> for Content {
+impl TryFrom<&str> for Blake3 {
     type Error = blake3::HexError;
 
     fn try_from(text: &str) -> Result<Self, Self::Error> {
@@ -109,15 +109,15 @@ impl TryFrom<&str> for Content {
     }
 }
 
-impl From<Content> for String {
-    fn from(content: Content) -> Self {
-        content.0.to_hex().to_string()
+impl From<Blake3> for String {
+    fn from(hash: Blake3) -> Self {
+        hash.0.to_hex().to_string()
     }
 }
 
 /// A file as it was, the hash of its content then, and of a recording the signals of that content
 /// that matched their digests.
-type Known = (Stamp, Content, Signals);
+type Known = (Stamp, Blake3, Signals);
 
 /// Signals of a recording, a bit for each.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -370,7 +370,7 @@ mod tests {
         let seen = knowing(&layout, &path, &hex_blake3(b"told"));
         assert!(!seen.is_worth_writing());
         let long_ago = Stamp { changed: (1, 0), ..Stamp::at(&path).unwrap() };
-        let hash = |i: usize| Content(blake3::hash(&i.to_le_bytes()));
+        let hash = |i: usize| Blake3(blake3::hash(&i.to_le_bytes()));
         let note = |i: usize| {
             seen.note(&layout.derived().join(i.to_string()), (long_ago, hash(i), Signals(5)))
         };

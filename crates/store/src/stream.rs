@@ -189,12 +189,14 @@ pub fn replace_by<E>(
     let (mut blake3, mut own) = (String::new(), None);
     let placed = place(files, path, |beside| {
         let mut out = Out::begin(files, beside)?;
-        if let Err(error) = write(&mut out) {
-            // What the disk refused is not what `write` makes of it.
-            return Err(out.failed.take().unwrap_or_else(|| {
-                own = Some(error);
-                io::ErrorKind::Other.into()
-            }));
+        own = write(&mut out).err();
+        // What the disk refused is that, whatever `write` makes of it.
+        if let Some(disk) = out.failed.take() {
+            own = None;
+            return Err(disk);
+        }
+        if own.is_some() {
+            return Err(io::ErrorKind::Other.into());
         }
         out.sync()?;
         blake3 = out.hasher.finalize().to_hex().to_string();

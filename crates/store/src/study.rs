@@ -30,7 +30,7 @@ pub const MOST_STUDY: u64 = 1 << 20;
 /// What a trial's file says besides who, when and which.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Said {
-    /// What the file says of itself, without when the trial began.
+    /// What the file says of itself, without when the trial began and which file it was imported from.
     pub file: TrialFile,
     /// Which columns the file has.
     pub form: TrialForm,

@@ -1,7 +1,8 @@
 //! CSV, for programs: RFC 4180, every digit, the table's own units.
 
-use crate::{Column, SYNTHETIC, Table, Values};
+use crate::{Column, SYNTHETIC, Table, TableError, Values};
 use std::borrow::Cow;
+use std::io::Write;
 
 /// The table as CSV (RFC 4180): a line of names, then the rows; commas, CRLF, UTF-8.
 ///
@@ -21,8 +22,24 @@ fn mark(table: &Table, text: &'static str) -> Option<Cow<'static, str>> {
     table.notes().iter().any(|note| note == SYNTHETIC).then_some(Cow::Borrowed(text))
 }
 
+/// Writes a table that is given in parts, each with the notes of the whole, as [`csv`].
+///
+/// # Errors
+/// Those of the parts, and of `out`.
+pub fn write_csv(
+    parts: impl Iterator<Item = Result<Table, TableError>>,
+    out: &mut dyn Write,
+) -> Result<(), TableError> {
+    for (number, part) in parts.enumerate() {
+        let part = part?;
+        let text = if number == 0 { csv(&part) } else { rows(&part) };
+        out.write_all(text.as_bytes())?;
+    }
+    Ok(())
+}
+
 /// The line of names.
-pub(crate) fn names(table: &Table) -> String {
+fn names(table: &Table) -> String {
     let mut text = String::new();
     let names = table.fields().map(|field| quoted(&field.name));
     line(&mut text, names.chain(mark(table, "synthetic")));
@@ -30,7 +47,7 @@ pub(crate) fn names(table: &Table) -> String {
 }
 
 /// The lines of the rows.
-pub(crate) fn rows(table: &Table) -> String {
+fn rows(table: &Table) -> String {
     let (columns, mark) = (table.columns(), || mark(table, "true"));
     let mut text = String::new();
     for row in 0..table.height() {

@@ -74,6 +74,9 @@ pub enum TableError {
     /// The file could not be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// A table in parts that has none.
+    #[error("a table has no part")]
+    NoPart,
     /// What takes a file's text part by part did not.
     #[error(transparent)]
     Io(#[from] std::io::Error),

@@ -1,15 +1,13 @@
 //! The formats there are, by name.
 
-use crate::csv::{names, rows};
 use crate::html::html;
 use crate::latex::latex;
 use crate::markdown::markdown;
 use crate::shown::Seen;
 use crate::terminal::terminal;
 use crate::typst::typst;
-use crate::{Table, TableError, TableFile, Wording, csv};
+use crate::{Table, TableError, Wording, csv};
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 /// A format a table can be written in.
@@ -77,31 +75,6 @@ impl Format {
     /// Whether its files are for programs: SI, every digit, nothing laid out.
     pub fn is_for_programs(self) -> bool {
         matches!(self, Self::Csv | Self::Parquet)
-    }
-
-    /// Writes the file of a table for programs that is given in parts, each with name, title and notes
-    /// of the whole. No more than a part is in memory.
-    ///
-    /// # Errors
-    /// Those of the parts, and of `out`; parts whose columns differ.
-    pub fn write_parts(
-        self,
-        parts: impl Iterator<Item = Result<Table, TableError>>,
-        (provenance, path): (&BTreeMap<String, String>, &Path),
-        out: &mut (dyn Write + Send),
-    ) -> Result<(), TableError> {
-        let mut parts = parts.peekable();
-        let Some(Ok(first)) = parts.peek() else {
-            return parts.next().map_or(Ok(()), |first| first.map(drop));
-        };
-        let about = first.rows(&[]);
-        if self == Self::Parquet {
-            let mut file = TableFile::begin(out, &about, path)?;
-            parts.try_for_each(|part| file.add(part?))?;
-            return file.end(&about, provenance);
-        }
-        out.write_all(names(&about).as_bytes())?;
-        parts.try_for_each(|part| Ok(out.write_all(rows(&part?).as_bytes())?))
     }
 
     /// The lines that, at the end of a file, hold its `origin` and are not shown; `None` where the

@@ -51,7 +51,7 @@ mod unit;
 mod width;
 mod wording;
 
-pub use csv::csv;
+pub use csv::{csv, write_csv};
 pub use display::{UNIT_OF_ROW, for_people, in_coordinate};
 pub use error::TableError;
 pub use format::Format;
@@ -59,7 +59,7 @@ pub use heading::heading;
 pub use identity::{identity, of_trials};
 pub use latex_escape::escape as escape_latex;
 pub use markdown::escape as escape_markdown;
-pub use parquet::{About, TableFile};
+pub use parquet::About;
 pub use quantity::{given, quantity, with_unit};
 pub use rounding::number;
 pub use table::{Column, Field, NoteKind, SYNTHETIC, Table, Type, Values};

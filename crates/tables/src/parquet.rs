@@ -7,7 +7,7 @@ use arrow::array::{
 use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema, SchemaRef};
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use zwidth_store::{
     PART_ROWS, StoreError, TableParts, TableWriter, described, read_entries, read_parquet,
@@ -60,8 +60,8 @@ impl Table {
     /// A file that cannot be read.
     pub fn about(path: &Path) -> Result<About, TableError> {
         let (footer, rows) = read_entries(path)?;
-        let title = footer.get(TITLE).cloned().unwrap_or_default();
-        Ok(About { title, notes: notes(&footer).collect(), rows })
+        let text = |key: &str| footer.get(key).cloned().unwrap_or_default();
+        Ok(About { name: text(NAME), title: text(TITLE), notes: notes(&footer).collect(), rows })
     }
 
     /// Reads a table from its Parquet file some rows at a time: each part has these, and name, title
@@ -75,6 +75,39 @@ impl Table {
         let (parts, path) = (TableParts::open(path)?, path.to_owned());
         let footer = parts.footer().clone();
         Ok(parts.map(move |batch| Self::back(&path, (batch?, footer.clone()))))
+    }
+
+    /// Writes the parts of a table, at least one, as one Parquet file: its name and title are the
+    /// first's, its notes those of all, each once. In memory are some thousand rows, and a row group
+    /// of the file.
+    ///
+    /// # Errors
+    /// Those of the parts; parts whose columns differ; those of `out`.
+    pub fn write_parts<E: From<TableError>>(
+        mut parts: impl Iterator<Item = Result<Self, E>>,
+        (provenance, path): (&BTreeMap<String, String>, &Path),
+        out: &mut (dyn Write + Send),
+    ) -> Result<(), E> {
+        let first = parts.next().ok_or(TableError::NoPart)??;
+        let mut about = first.rows(&[]);
+        let begun = TableWriter::begin(out, about.schema(), path);
+        let mut file = begun.map_err(TableError::from)?;
+        let mut write = |parts: Vec<Self>| match Self::concat("", "", parts)? {
+            Some(rows) => Ok(file.add(&rows.batch(path)?)?),
+            None => Ok::<_, TableError>(()),
+        };
+        let mut pending: Vec<Self> = Vec::new();
+        for part in std::iter::once(Ok(first)).chain(parts) {
+            let part = part?;
+            about.check_like(&part)?;
+            about = about.with_notes_of(&part);
+            pending.push(part);
+            if pending.iter().map(Self::height).sum::<usize>() >= PART_ROWS {
+                write(std::mem::take(&mut pending))?;
+            }
+        }
+        write(pending)?;
+        Ok(file.end(about.footer(provenance)).map_err(TableError::from)?)
     }
 
     /// Reads a table back from its Parquet file.
@@ -120,67 +153,14 @@ impl Table {
 /// What a file says of its table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct About {
+    /// Short name: a file's stem.
+    pub name: String,
     /// Title, a phrase.
     pub title: String,
     /// Notes, each with its kind.
     pub notes: Vec<(NoteKind, String)>,
     /// Number of rows.
     pub rows: usize,
-}
-
-/// The Parquet file of a table that is too long to be in memory whole, written part by part.
-pub struct TableFile<W: Write + Send> {
-    path: PathBuf,
-    file: TableWriter<W>,
-    /// The columns, without a row.
-    form: Table,
-    /// Rows that are not written yet: parts may be short.
-    pending: Vec<Table>,
-}
-
-impl<W: Write + Send> TableFile<W> {
-    /// Begins the file of a table with the columns of `form`; `path` is where it will lie, for errors.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn begin(out: W, form: &Table, path: &Path) -> Result<Self, TableError> {
-        let form = form.rows(&[]);
-        let file = TableWriter::begin(out, form.schema(), path)?;
-        Ok(Self { path: path.to_owned(), file, form, pending: Vec::new() })
-    }
-
-    /// Adds rows.
-    ///
-    /// # Errors
-    /// Other columns; those of `out`.
-    pub fn add(&mut self, part: Table) -> Result<(), TableError> {
-        self.form.check_like(&part)?;
-        self.pending.push(part);
-        match self.pending.iter().map(Table::height).sum::<usize>() >= PART_ROWS {
-            true => self.write(),
-            false => Ok(()),
-        }
-    }
-
-    fn write(&mut self) -> Result<(), TableError> {
-        match Table::concat("", "", std::mem::take(&mut self.pending))? {
-            Some(rows) => Ok(self.file.add(&rows.batch(&self.path)?)?),
-            None => Ok(()),
-        }
-    }
-
-    /// Ends the file, with name, title and notes of `about`.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn end(
-        mut self,
-        about: &Table,
-        provenance: &BTreeMap<String, String>,
-    ) -> Result<(), TableError> {
-        self.write()?;
-        Ok(self.file.end(about.footer(provenance))?)
-    }
 }
 
 /// The notes that a footer holds.
@@ -250,6 +230,7 @@ fn values(a: &ArrayRef) -> Option<Values> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::write_csv;
 
     #[test]
     fn a_table_survives_parquet_with_units_titles_and_nulls() {
@@ -274,7 +255,10 @@ mod tests {
         assert_eq!(some.columns(), [table.columns()[0].clone(), table.columns()[2].clone()]);
         let about = Table::about(&path).unwrap();
         let kinds = kinds.map(|(kind, note)| (kind, note.to_owned())).to_vec();
-        assert_eq!(about, About { title: "Title".to_owned(), notes: kinds, rows: 2 });
+        assert_eq!(
+            about,
+            About { name: "t".to_owned(), title: "Title".to_owned(), notes: kinds, rows: 2 }
+        );
     }
 
     #[test]
@@ -291,11 +275,10 @@ mod tests {
                 Table::new("t", "Title", columns).unwrap().with_note("a note")
             };
             let mut bytes = Vec::new();
-            let mut file = TableFile::begin(&mut bytes, &table(0..0), &path).unwrap();
-            for from in (0..rows).step_by(PART_ROWS / 4) {
-                file.add(table(from..rows.min(from + PART_ROWS / 4))).unwrap();
-            }
-            file.end(&table(0..0), &BTreeMap::new()).unwrap();
+            let starts = (0..rows.max(1)).step_by(PART_ROWS / 4);
+            let parts = starts.map(|from| Ok(table(from..rows.min(from + PART_ROWS / 4))));
+            let to = (&BTreeMap::new(), path.as_path());
+            Table::write_parts::<TableError>(parts, to, &mut bytes).unwrap();
             let all = table(0..rows);
             assert!(bytes == all.to_parquet(&BTreeMap::new(), &path).unwrap(), "{rows} rows");
             std::fs::write(&path, bytes).unwrap();
@@ -307,9 +290,17 @@ mod tests {
             let back = Table::concat("t", "Title", parts).unwrap().unwrap();
             assert_eq!(back.columns(), all.columns());
         }
+        let parts = || Table::parts(&path).unwrap();
+        let mut text = Vec::new();
+        write_csv(parts(), &mut text).unwrap();
+        let all = Table::from_parquet(&path).unwrap();
+        assert!(text == crate::csv(&all).into_bytes());
         let other = Table::new("u", "", vec![Column::flag("no", "", [None])]).unwrap();
-        let mut file = TableFile::begin(Vec::new(), &other, &path).unwrap();
-        let first = Table::parts(&path).unwrap().next().unwrap().unwrap();
-        assert!(matches!(file.add(first), Err(TableError::Unlike { .. })));
+        let unlike = parts().chain([Ok(other)]);
+        let written = |parts: &mut dyn Iterator<Item = Result<Table, TableError>>| {
+            Table::write_parts(parts, (&BTreeMap::new(), &path), &mut Vec::new())
+        };
+        assert!(matches!(written(&mut unlike.into_iter()), Err(TableError::Unlike { .. })));
+        assert!(matches!(written(&mut std::iter::empty()), Err(TableError::NoPart)));
     }
 }

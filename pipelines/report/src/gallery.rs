@@ -34,28 +34,31 @@ pub enum Shown {
 }
 
 impl Shown {
-    /// The table that holds the same numbers, from the summary's folder on.
-    pub fn table(&self) -> &'static str {
+    /// The name of the table that holds the same numbers.
+    fn table(&self) -> &'static str {
         match self {
-            Self::Modes(_) | Self::Metrics => "tables/metrics.md",
-            Self::Conditions => "tables/conditions.md",
-            Self::Compared(_) | Self::Sessions(_) => "tables/comparison.md",
-            Self::Answers => "tables/likert.md",
-            Self::Forces => "tables/modes.md",
-            Self::Replays(_) => "tables/replay.md",
-            Self::Weight => "tables/weight.md",
-            Self::Statements => "tables/thesis.md",
-            Self::Trade(_) => "tables/trade_summary.md",
-            Self::Ladder => "tables/ladder.md",
+            Self::Modes(_) | Self::Metrics => "metrics",
+            Self::Conditions => "conditions",
+            Self::Compared(_) | Self::Sessions(_) => "comparison",
+            Self::Answers => "likert",
+            Self::Forces => "modes",
+            Self::Replays(_) => "replay",
+            Self::Weight => "weight",
+            Self::Statements => "thesis",
+            Self::Trade(_) => "trade_summary",
+            Self::Ladder => "ladder",
         }
     }
 }
 
-/// The figures of a study.
+/// What there is to look at in a study.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Gallery {
-    /// Their names.
+    /// The names of its figures.
     pub figures: BTreeSet<String>,
+    /// The names of its tables that are there for programs alone, because nobody would read so long a
+    /// one.
+    pub for_programs: BTreeSet<String>,
     /// Participant and session, where there is only one.
     pub only_session: Option<[String; 2]>,
 }
@@ -65,7 +68,18 @@ impl Gallery {
     /// no such figure.
     pub fn file(&self, shown: &Shown) -> String {
         let figure = self.figure(shown).filter(|figure| self.figures.contains(figure));
-        figure.map_or_else(|| shown.table().to_owned(), |figure| format!("figures/{figure}.png"))
+        figure.map_or_else(|| self.table(shown), |figure| format!("figures/{figure}.png"))
+    }
+
+    /// The table that holds the same numbers, from the summary's folder on.
+    pub fn table(&self, shown: &Shown) -> String {
+        self.table_file(shown.table())
+    }
+
+    /// The file of a table, from the summary's folder on: Markdown, or where that is not made CSV.
+    pub fn table_file(&self, name: &str) -> String {
+        let extension = if self.for_programs.contains(name) { "csv" } else { "md" };
+        format!("tables/{name}.{extension}")
     }
 
     fn figure(&self, shown: &Shown) -> Option<String> {
@@ -101,7 +115,7 @@ mod tests {
     fn a_figure_of_one_session_stands_for_a_study_of_one_session_alone() {
         let figures = ["likert", "modes.P01.S01.spring"].map(str::to_owned).into();
         let only_session = Some(["P01", "S01"].map(str::to_owned));
-        let one = Gallery { figures, only_session };
+        let one = Gallery { figures, only_session, ..Gallery::default() };
         let spring = Shown::Modes("spring".parse().unwrap());
         let file = "figures/modes.P01.S01.spring.png";
         assert_eq!(one.file(&spring), file);
@@ -109,5 +123,8 @@ mod tests {
         assert_eq!(one.file(&Shown::Answers), "figures/likert.png");
         let several = Gallery { only_session: None, ..one };
         assert_eq!(several.file(&spring), "tables/metrics.md");
+        let long = Gallery { for_programs: ["metrics".to_owned()].into(), ..several };
+        assert_eq!(long.file(&spring), "tables/metrics.csv");
+        assert_eq!(long.table(&Shown::Conditions), "tables/conditions.md");
     }
 }

@@ -10,13 +10,19 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_store::StudyData;
-use zwidth_tables::{Table, Wording};
+use zwidth_tables::{About, Table, Wording};
 
 #[derive(Serialize)]
 struct Entry {
     name: String,
     title: String,
     rows: usize,
+}
+
+impl Entry {
+    fn of(About { name, title, rows, .. }: About) -> Self {
+        Self { name, title, rows }
+    }
 }
 
 pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
@@ -29,19 +35,19 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
     }
     let (mut tables, mut unread) = (Vec::new(), Vec::new());
     for (file, simulated) in &files {
-        match Table::from_parquet(file) {
-            Ok(table) => tables.push((file, table.with_mark(*simulated))),
+        match Table::about(file) {
+            Ok(about) => tables.push((about, file, *simulated)),
             Err(error) => unread.push(error),
         }
     }
     let Some(name) = &asked.name else {
-        list(&tables.into_iter().map(|(_, table)| table).collect::<Vec<_>>(), screen)?;
+        list(tables.into_iter().map(|(about, ..)| Entry::of(about)).collect(), screen)?;
         unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
         return Ok(if unread.is_empty() { Exit::Fine } else { Exit::Partly });
     };
-    let Some((file, table)) = tables.iter().find(|(_, table)| table.name() == name) else {
+    let Some((_, file, simulated)) = tables.iter().find(|(about, ..)| about.name == *name) else {
         unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
-        let names = || tables.iter().map(|(_, table)| table.name());
+        let names = || tables.iter().map(|(about, ..)| about.name.as_str());
         // `contrasts` for contrasts_stiffness_n_per_rad, and others of its kind.
         let begun = names().find(|table| table.starts_with(name.as_str()));
         let begun = begun.map(|table| format!("; there is {table}"));
@@ -53,27 +59,22 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
             asked.study
         );
     };
+    let table = Table::from_parquet(file)?.with_mark(*simulated);
     let wanted = [(asked.format, file.as_path())];
-    for bytes in plan::write_table(table, &wanted, &Wording::of(&data.study), &BTreeMap::new())? {
+    for bytes in plan::write_table(&table, &wanted, &Wording::of(&data.study), &BTreeMap::new())? {
         screen.file(&String::from_utf8(bytes)?);
     }
     Ok(Exit::Fine)
 }
 
-fn list(tables: &[Table], screen: &Screen) -> anyhow::Result<()> {
-    let entry = |t: &Table| Entry {
-        name: t.name().to_owned(),
-        title: t.title().to_owned(),
-        rows: t.height(),
-    };
+fn list(tables: Vec<Entry>, screen: &Screen) -> anyhow::Result<()> {
     if screen.json {
-        screen.listing(&tables.iter().map(entry).collect::<Vec<_>>())?;
-    } else {
-        let width = tables.iter().map(|t| t.name().chars().count()).max().unwrap_or_default();
-        tables.iter().for_each(|t| {
-            let rows = if t.height() == 1 { "row" } else { "rows" };
-            screen.result(format!("{:<width$}  {} ({} {rows})", t.name(), t.title(), t.height()));
-        });
+        return screen.listing(&tables);
+    }
+    let width = tables.iter().map(|t| t.name.chars().count()).max().unwrap_or_default();
+    for Entry { name, title, rows } in tables {
+        let unit = if rows == 1 { "row" } else { "rows" };
+        screen.result(format!("{name:<width$}  {title} ({rows} {unit})"));
     }
     Ok(())
 }

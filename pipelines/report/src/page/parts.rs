@@ -255,7 +255,7 @@ fn provenance(page: &Page) -> Markup {
     }
 }
 
-/// Whether a table is there for programs alone: of a large study, one with a row for each trial.
+/// Whether a table is there for programs alone: of a large study, one that nobody would read.
 fn is_for_programs(table: &str) -> bool {
     table.ends_with(".csv")
 }

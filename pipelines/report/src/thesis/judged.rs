@@ -5,7 +5,7 @@ use crate::evidence::{Evidence, Known, Verdict};
 use crate::gallery::{Gallery, Shown};
 use crate::thesis::estimate::{Estimated, Spread, trials_of};
 use crate::thesis::rule::{Case, From, Place, Quantity, Range};
-use crate::thesis::statements::REPLAYED;
+use crate::thesis::statements::ALL;
 use crate::trials::{People, Trials};
 use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
 use zwidth_tables::{Table, TableError, number, shown_unit, with_unit};
@@ -108,7 +108,9 @@ pub(crate) fn trials<'a>(
 /// The columns of the table of replays that are looked at.
 pub fn replayed_columns() -> Vec<&'static str> {
     let told_apart = ["participant", "session", "environment", "mode", "causality", "model"];
-    told_apart.into_iter().chain(REPLAYED.map(|quantity| quantity.column)).collect()
+    let asked = ALL.iter().filter_map(|statement| statement.rule.quantity());
+    let asked = asked.filter(|quantity| quantity.from == From::Replays);
+    told_apart.into_iter().chain(asked.flat_map(|q| [q.column].into_iter().chain(q.less))).collect()
 }
 
 /// The values of a case.

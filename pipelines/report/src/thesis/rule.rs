@@ -80,6 +80,19 @@ pub(crate) enum Rule {
     Untold(&'static str),
 }
 
+impl Rule {
+    /// What it asks of trials, if that is a number.
+    pub(crate) fn quantity(&self) -> Option<Quantity> {
+        match self {
+            Self::Mean(quantity, _)
+            | Self::Difference(quantity, ..)
+            | Self::Never(quantity)
+            | Self::Some(quantity, _) => Some(*quantity),
+            _ => None,
+        }
+    }
+}
+
 /// What the calibration or the masses tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Force {

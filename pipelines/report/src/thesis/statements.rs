@@ -71,10 +71,6 @@ const VELOCITY_SD: Quantity =
 const VELOCITY_ERROR: Quantity =
     replayed("error of the model's velocity over its range", "velocity_nrmse", "1");
 
-/// What is asked of replays.
-pub(crate) const REPLAYED: [Quantity; 4] =
-    [PEAK_ERROR, PEAK_TIME_ERROR, VELOCITY_SD, VELOCITY_ERROR];
-
 const WITHIN_JND: Bound = Bound::Given(-ANGLE_JND_RAD, ANGLE_JND_RAD, JND);
 const UNFELT: Bound = Bound::Given(
     -FORCE_JND * LEAST_FORCE_N,

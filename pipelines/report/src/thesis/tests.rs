@@ -70,6 +70,7 @@ fn judged(study: &Setup, metrics: Option<&Table>, answers: Option<&Table>) -> Ta
     let gallery = Gallery {
         figures: BTreeSet::from(["modes.P01.S01.spring".to_owned()]),
         only_session: Some(["P01", "S01"].map(str::to_owned)),
+        ..Gallery::default()
     };
     let calibration = Calibration::thesis();
     let known = Known { study, calibration: &calibration, metrics };
