@@ -21,6 +21,7 @@ mod identify;
 mod ladder;
 mod likert;
 mod likert_figures;
+mod long;
 mod making;
 mod measured;
 mod methods;

@@ -4,7 +4,7 @@ use crate::conditions::sessions;
 use crate::design::{Forces, forces, has_actuators};
 use crate::drawing::Drawing;
 use crate::making::{derived, write_tables};
-use crate::{likert, metrics, replay, tables};
+use crate::{likert, long, metrics, replay};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_report::{
@@ -79,7 +79,7 @@ pub(crate) fn gallery(data: &StudyData, figures: &[Drawing]) -> Gallery {
         _ => None,
     };
     let figures = figures.iter().map(|f| f.caption.stem()).collect();
-    Gallery { figures, for_programs: tables::for_programs(data), only_session }
+    Gallery { figures, for_programs: long::for_programs(data), only_session }
 }
 
 pub(crate) fn jobs(data: &StudyData, figures: &[Drawing]) -> Vec<Job> {

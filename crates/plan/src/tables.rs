@@ -1,6 +1,7 @@
 //! Stage `tables`: every derived table that people read, in every format; one that is too long to be
 //! read, for programs alone.
 
+use crate::long::for_programs;
 use crate::{
     characterise, compare, freemotion, identify, ladder, likert, metrics, replay, report, trade,
 };
@@ -9,11 +10,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_metrics::by_mode;
 use zwidth_runner::{Job, JobError, Made, Making, Output, Stage};
-use zwidth_store::{Layout, StudyData, TrialEntry};
+use zwidth_store::{Layout, StudyData};
 use zwidth_tables::{Format, Table, TableError, Wording, write_csv};
 
 /// Its version is raised when a table would be written differently from the same data.
-const STAGE: Stage = Stage { name: "tables", version: 14 };
+const STAGE: Stage = Stage { name: "tables", version: 15 };
 
 /// The derived tables that are printed, each with whether simulated data go into it. The trade runs
 /// models, and what modes and device are is written in study.toml.
@@ -74,37 +75,6 @@ pub(crate) fn files(data: &StudyData) -> Vec<PathBuf> {
 
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// Rows from which on a table that has more the more trials or participants there are is written for
-/// programs alone: printed, these would be a hundred pages.
-const MOST_READ: usize = 5000;
-
-/// The tables with so many rows that they are written for programs alone.
-pub(crate) fn for_programs(data: &StudyData) -> BTreeSet<String> {
-    longer_than(MOST_READ, data)
-}
-
-fn longer_than(most: usize, data: &StudyData) -> BTreeSet<String> {
-    let (study, trials) = (&data.study, data.counting().count());
-    let of = |part: fn(&TrialEntry) -> [&str; 4]| -> usize {
-        data.counting().map(part).collect::<BTreeSet<_>>().len()
-    };
-    let people = of(|t| [t.meta.participant.as_str(), "", "", ""]);
-    let conditions = of(|TrialEntry { meta: m, .. }| {
-        [m.participant.as_str(), m.session.as_str(), m.environment.as_str(), m.mode.as_str()]
-    });
-    let contrasts = people * study.environments.len() * study.compare.contrasts.len();
-    let rows = |stem: &str| match stem {
-        "metrics" => trials,
-        "replay" => trials * replay::rows_of_a_trial(data),
-        "identify.trials" => identify::taken(data).0.len(),
-        "conditions" => conditions,
-        _ if stem.starts_with("participants_") => contrasts,
-        _ => 0,
-    };
-    let stems = printed(data).into_iter().map(|(path, _)| stem(&path));
-    stems.filter(|stem| rows(stem) > most).collect()
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
@@ -171,29 +141,4 @@ pub fn write(
     // Where two labels are alike it stays wide.
     let narrow = narrow.and_then(Result::ok);
     table.to_bytes(narrow.as_ref().unwrap_or(table), files, wording, from)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::tests::data;
-
-    #[test]
-    fn a_table_with_more_rows_than_anybody_reads_is_for_programs_alone() {
-        let study = data();
-        assert_eq!(study.counting().count(), 2);
-        assert_eq!(longer_than(2, &study), BTreeSet::new());
-        // Two trials, of one condition. None can be replayed: there is no calibration.
-        let long = longer_than(1, &study);
-        assert!(long.contains("metrics") && !long.contains("conditions"), "{long:?}");
-        assert!(longer_than(0, &study).contains("conditions"));
-        let is_metrics = |path: &PathBuf| stem(path) == "metrics";
-        let metrics = printed(&study).into_iter().map(|(path, _)| path).find(is_metrics).unwrap();
-        let files = |long: &BTreeSet<String>| -> Vec<PathBuf> {
-            let files = job(&study, metrics.clone(), true, long).outputs;
-            files.iter().map(|f| f.extension().unwrap().into()).collect()
-        };
-        assert_eq!(files(&long), ["csv", "parquet"].map(PathBuf::from));
-        assert_eq!(files(&BTreeSet::new()).len(), Format::ALL.len());
-    }
 }

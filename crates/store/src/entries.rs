@@ -3,15 +3,13 @@
 use crate::footer::{TrialFooter, read_footer_from, read_footer_seen};
 use crate::memo::Memo;
 use crate::study::parquet_below;
+use crate::trial::START;
 use crate::{Files, Layout, SOURCE, Said, Seen, StoreError, TrialEntry};
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId, TrialMeta};
-
-/// What a file says of when its trial began.
-const START: &str = "start_utc";
 
 /// The trials below a folder of the tree: `files` lists them, and reads those that were not `seen`
 /// before.

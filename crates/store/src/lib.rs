@@ -109,7 +109,7 @@ pub use regular::{MOST_BYTES, MOST_RECORDING, open_named, open_regular, read_nam
 pub use seen::Seen;
 pub use sessions::read_records;
 pub use signal::{COLUMNS, Column, Signal, Storage};
-pub use sources::{SOURCE, Sources, readable_records, sweep_sources, trial_sources};
+pub use sources::{Sources, readable_records, sweep_sources, trial_sources};
 pub use stream::{Staged, TrialWriter, replace_by};
 pub use study::{
     Answer, MOST_STUDY, Said, SessionLog, StudyData, SweepEntry, TrialEntry, read_study,
@@ -117,7 +117,7 @@ pub use study::{
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::log_sweeps;
 pub use thin::{check_trial, read_thinned};
-pub use trial::{Samples, Trial, TrialFile};
+pub use trial::{SOURCE, Samples, Trial, TrialFile};
 pub use verify::{CHECKED, Findings, check_samples, findings, verify, verify_from, verify_kept};
 pub use walk::files_below;
 pub use whole::{WholeSession, check_session, read_session, session_study};

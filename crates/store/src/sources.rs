@@ -6,14 +6,11 @@ use crate::opened::ParquetFile;
 use crate::regular::text;
 use crate::sessions::{MOST_RECORD, record_from};
 use crate::walk::files_below;
-use crate::{Files, Layout, StoreError};
+use crate::{Files, Layout, SOURCE, StoreError};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_study::SessionRecord;
-
-/// Footer key of the hash of the recording that a file was made from.
-pub const SOURCE: &str = "source_blake3";
 
 /// By the hash of a recording: what was made of it, in words.
 pub type Sources = BTreeMap<String, String>;

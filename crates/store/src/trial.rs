@@ -186,6 +186,12 @@ fn fits(value: f64, storage: Storage) -> bool {
 /// `mapping_blake3` (the imported file and the mapping it came through).
 pub type TrialFile = BTreeMap<String, String>;
 
+/// Footer key of the hash of the recording that a file was made from.
+pub const SOURCE: &str = "source_blake3";
+
+/// Footer key of when a trial began.
+pub(crate) const START: &str = "start_utc";
+
 /// A trial: what is known of it, what its file says of itself, and its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {

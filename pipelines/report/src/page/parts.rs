@@ -265,9 +265,13 @@ fn table_file(table: &str) -> String {
     if is_for_programs(table) { table.to_owned() } else { with_extension(table, "html") }
 }
 
-/// The other forms of a table.
+/// The forms of a table to be taken along.
 fn forms(table: &str) -> &'static [&'static str] {
-    if is_for_programs(table) { &["parquet"] } else { &["csv", "tex", "typ", "md", "parquet"] }
+    if is_for_programs(table) {
+        &["csv", "parquet"]
+    } else {
+        &["csv", "tex", "typ", "md", "parquet"]
+    }
 }
 
 /// The same file in another form.
