@@ -73,7 +73,9 @@ impl Table {
         path: &Path,
     ) -> Result<impl Iterator<Item = Result<Self, TableError>> + use<>, TableError> {
         let (parts, path) = (TableParts::open(path)?, path.to_owned());
-        let footer = parts.footer().clone();
+        // Where a table of all trials comes from is megabytes, which no part needs.
+        let mut footer = parts.footer().clone();
+        footer.retain(|key, _| [NAME, TITLE, NOTES, KINDS].contains(&key.as_str()));
         Ok(parts.map(move |batch| Self::back(&path, (batch?, footer.clone()))))
     }
 
