@@ -33,7 +33,7 @@ pub fn own_study(
 /// knows what changed.
 pub(crate) fn opening(plan: &Plan, log: &SessionLog) -> Result<Vec<Event>, AcquireError> {
     let hash = hex_blake3(&plan.study_toml);
-    let Some(own) = &log.study else {
+    let Some(own) = log.study.as_deref() else {
         return if hash == log.record.study_blake3 {
             Ok(Vec::new())
         } else {

@@ -259,7 +259,7 @@ fn parameters(data: &StudyData, metric: &str) -> Parameters {
 
 /// How the order of a session came about. It was drawn for the study as it was then.
 fn order(log: &SessionLog, study: &Study) -> SessionOrder {
-    let study = log.study.as_ref().unwrap_or(study);
+    let study = log.study.as_deref().unwrap_or(study);
     let drawn = log.record.order.map(|order| DrawnOrder {
         rules: Rules {
             scheme: order.scheme,

@@ -108,7 +108,7 @@ type Studies<'d> = BTreeMap<(&'d ParticipantId, &'d SessionId), &'d Study>;
 /// The copies of the study that sessions have.
 fn studies(data: &StudyData) -> Studies<'_> {
     let own = data.sessions.iter().filter_map(|log| {
-        Some(((&log.record.participant, &log.record.session), log.study.as_ref()?))
+        Some(((&log.record.participant, &log.record.session), log.study.as_deref()?))
     });
     own.collect()
 }

@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId, TrialMeta};
 
 /// The trials below a folder of the tree: `files` lists them, and reads those that were not `seen`
 /// before.
@@ -30,7 +29,7 @@ pub(crate) fn read_trials(
                 None => read_footer_from(files, &path),
             };
             let TrialFooter { meta, file, form, signals, rows, blake3 } = footer?;
-            let (meta, said) = shared(meta, Said { file, form, signals });
+            let said = shared(Said { file, form, signals });
             let expected = layout.trial(&meta.participant, &meta.session, meta.trial);
             if expected != path {
                 let what =
@@ -53,45 +52,20 @@ pub(crate) fn read_trials(
         .collect()
 }
 
-/// Texts that trials share, each kept once by a thread for those that it reads one after the other.
-struct Shared {
-    said: Memo<Arc<Said>, Arc<Said>>,
-    participant: Memo<ParticipantId, ParticipantId>,
-    session: Memo<SessionId, SessionId>,
-    environment: Memo<EnvironmentId, EnvironmentId>,
-    mode: Memo<ModeId, ModeId>,
-}
-
-/// What is known of a trial, and what its file says besides, without when it began and which file it
-/// was imported from: the rest is the same in all trials of a session, and a study may have a million.
-fn shared(meta: TrialMeta, mut said: Said) -> (TrialMeta, Arc<Said>) {
-    fn known<T: Clone + PartialEq>(memo: &mut Memo<T, T>, value: T) -> T {
-        memo.known(|known| *known == value).unwrap_or_else(|| {
-            memo.keep(value.clone(), value.clone());
-            value
-        })
-    }
+/// What a file says, without when its trial began and which file it was imported from: the rest is the
+/// same in all trials of a session, and each thread keeps it once for those that it reads one after the
+/// other.
+fn shared(mut said: Said) -> Arc<Said> {
     thread_local! {
-        static SHARED: RefCell<Shared> = const {
-            RefCell::new(Shared {
-                said: Memo::new(),
-                participant: Memo::new(),
-                session: Memo::new(),
-                environment: Memo::new(),
-                mode: Memo::new(),
-            })
-        };
+        static LAST: RefCell<Memo<Arc<Said>, Arc<Said>>> = const { RefCell::new(Memo::new()) };
     }
     said.file.retain(|key, _| key != START && key != SOURCE);
-    SHARED.with_borrow_mut(|shared| {
-        let meta = TrialMeta {
-            participant: known(&mut shared.participant, meta.participant),
-            session: known(&mut shared.session, meta.session),
-            environment: known(&mut shared.environment, meta.environment),
-            mode: known(&mut shared.mode, meta.mode),
-            ..meta
-        };
-        (meta, known(&mut shared.said, Arc::new(said)))
+    LAST.with_borrow_mut(|last| {
+        last.known(|known| **known == said).unwrap_or_else(|| {
+            let said = Arc::new(said);
+            last.keep(said.clone(), said.clone());
+            said
+        })
     })
 }
 

@@ -129,7 +129,7 @@ pub struct SessionLog {
     pub seal: Option<Seal>,
     /// The study as it was when the session was laid down; nothing for a session without a copy of
     /// it.
-    pub study: Option<Study>,
+    pub study: Option<Arc<Study>>,
 }
 
 impl SessionLog {
@@ -358,14 +358,9 @@ fn new_answer(
 }
 
 fn keep<T>(problems: &mut Vec<StoreError>, results: Vec<Result<T, StoreError>>) -> Vec<T> {
-    let mut good = Vec::new();
-    for result in results {
-        match result {
-            Ok(value) => good.push(value),
-            Err(problem) => problems.push(problem),
-        }
-    }
-    good
+    // The list of a large study is long: it stays in its place.
+    let good = |result: Result<T, StoreError>| result.map_err(|found| problems.push(found)).ok();
+    results.into_iter().filter_map(good).collect()
 }
 
 /// Reads a study's `study.toml`.

@@ -14,6 +14,7 @@ use crate::walk::files_below;
 use crate::{Files, Layout, SessionLog, StoreError, TrialEntry};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use zwidth_study::{Event, ParticipantId, SessionId, SessionRecord, Study};
 
 /// A session of which every part is there and fits the others.
@@ -114,7 +115,8 @@ pub fn session_study(
     if files.kind(&layout.session(participant, session)).is_none() {
         return left_behind(files, layout, participant, session).map_or(Ok(None), Err);
     }
-    Ok(log_of(files, layout, participant, session, &mut Vec::new())?.study)
+    let log = log_of(files, layout, participant, session, &mut Vec::new())?;
+    Ok(log.study.map(Arc::unwrap_or_clone))
 }
 
 /// The record and the log of a session that must be there.

@@ -2,6 +2,8 @@
 
 use crate::printable;
 use serde::{Deserialize, Serialize};
+use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::fmt;
 use std::sync::Arc;
 
@@ -82,6 +84,26 @@ fn refused_as_column(text: &str) -> Option<&'static str> {
         .or_else(|| COLUMNS.contains(&text).then_some("it is a column of every trial file"))
 }
 
+/// Texts that a thread remembers: more than one session's ids have.
+const REMEMBERED: usize = 16;
+
+/// The text as ids hold it. What is read one after the other has the same few ids again and again, and a
+/// study has them a million times: those that a thread met last share their text.
+fn shared(text: &str) -> Arc<str> {
+    thread_local! {
+        static LAST: RefCell<VecDeque<Arc<str>>> = const { RefCell::new(VecDeque::new()) };
+    }
+    LAST.with_borrow_mut(|last| {
+        let known = last.iter().find(|known| ***known == *text).cloned();
+        known.unwrap_or_else(|| {
+            let new: Arc<str> = text.into();
+            last.truncate(REMEMBERED - 1);
+            last.push_front(new.clone());
+            new
+        })
+    })
+}
+
 macro_rules! ids {
     ($($(#[$doc:meta])* $name:ident = $what:literal, unless $refused:ident;)*) => {$(
         $(#[$doc])*
@@ -94,7 +116,7 @@ macro_rules! ids {
             pub fn new(text: impl Into<String>) -> Result<Self, IdError> {
                 let value = text.into();
                 match $refused(&value) {
-                    None => Ok(Self(value.into())),
+                    None => Ok(Self(shared(&value))),
                     Some(why) => Err(IdError { what: $what, value, why }),
                 }
             }
@@ -220,6 +242,18 @@ mod tests {
         }
         for name in ["CONE", "COM", "COM0", "COM10", "P_CON", "LPT"] {
             assert!(StudyId::new(name).is_ok(), "{name}");
+        }
+    }
+
+    #[test]
+    fn ids_that_are_read_one_after_the_other_share_their_text() {
+        let read = || serde_json::from_str::<Vec<ModeId>>(r#"["active", "hybrid"]"#).unwrap();
+        let place = |id: &ModeId| id.as_str().as_ptr();
+        let [first, second] = [read(), read()];
+        assert!(first.iter().map(place).eq(second.iter().map(place)));
+        assert_ne!(place(&first[0]), place(&first[1]));
+        for i in 0..100 {
+            assert_eq!(ModeId::new(format!("m{i}")).unwrap().as_str(), format!("m{i}"));
         }
     }
 

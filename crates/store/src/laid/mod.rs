@@ -4,6 +4,7 @@
 
 use crate::alike::check_session_ids;
 use crate::head::head_of;
+use crate::memo::Memo;
 use crate::regular::text;
 use crate::study::MOST_STUDY;
 use crate::whole::has_samples;
@@ -11,7 +12,9 @@ use crate::{
     Files, Layout, SessionLog, StoreError, TrialEntry, append_events, hex_blake3, replace,
     write_new,
 };
+use std::cell::RefCell;
 use std::path::Path;
+use std::sync::Arc;
 use zwidth_study::{Affects, Event, SessionRecord, Study, study_changes};
 
 /// Lays a session down. `study_toml` is the text of the `study.toml` in force. What an earlier
@@ -114,20 +117,27 @@ pub(crate) fn read_copy(
     files: &dyn Files,
     layout: &Layout,
     record: &SessionRecord,
-) -> Result<Option<Study>, StoreError> {
+) -> Result<Option<Arc<Study>>, StoreError> {
+    thread_local! {
+        // Most sessions of a study have the same.
+        static LAST: RefCell<Memo<String, Arc<Study>>> = const { RefCell::new(Memo::new()) };
+    }
     let path = layout.study_copy(&record.participant, &record.session);
     if files.kind(&path).is_none() {
         return Ok(None);
     }
     let text = text(files, &path, MOST_STUDY)?;
     is_copy(&path, text.as_bytes(), record)?;
-    match Study::from_toml(&text) {
-        Ok(study) => Ok(Some(study)),
-        Err(errors) => {
-            let what = errors.first().map_or_else(String::new, ToString::to_string);
-            Err(StoreError::new(&path, what, RESTORE))
-        }
+    let hash = &record.study_blake3;
+    if let Some(study) = LAST.with_borrow(|last| last.known(|known| known == hash)) {
+        return Ok(Some(study));
     }
+    let study = Arc::new(Study::from_toml(&text).map_err(|errors| {
+        let what = errors.first().map_or_else(String::new, ToString::to_string);
+        StoreError::new(&path, what, RESTORE)
+    })?);
+    LAST.with_borrow_mut(|last| last.keep(hash.clone(), study.clone()));
+    Ok(Some(study))
 }
 
 /// Whether these bytes are the `study.toml` of a record.
