@@ -37,7 +37,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::read::tests::written;
     use crate::write::write_parquet;
-    use crate::{Signal, read_footer, read_parquet, read_parquet_columns, read_trial};
+    use crate::{Signal, TableParts, read_footer, read_parquet, read_trial};
     use arrow::array::{ArrayRef, Float64Array, RecordBatch};
     use bytes::Bytes;
     use parquet::file::metadata::{ParquetMetaDataReader, ParquetMetaDataWriter, RowGroupMetaData};
@@ -110,7 +110,7 @@ pub(crate) mod tests {
                 read_trial(&path, Signal::all()).unwrap_err(),
                 read_footer(&path).unwrap_err(),
                 read_parquet(&path).unwrap_err(),
-                read_parquet_columns(&path, &["t_s"]).unwrap_err(),
+                TableParts::open(&path, Some(&["t_s"])).map(drop).unwrap_err(),
             ] {
                 assert_eq!(
                     (error.what.as_str(), error.column.as_deref()),

@@ -100,8 +100,7 @@ pub use plausible::Asked;
 pub use port::{PortFile, read_port};
 pub use raw::Raw;
 pub use read::{
-    read_channels, read_entries, read_parquet, read_parquet_columns, read_trial,
-    read_trial_and_channels, read_trial_from,
+    read_channels, read_entries, read_parquet, read_trial, read_trial_and_channels, read_trial_from,
 };
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover, unfinished_below};

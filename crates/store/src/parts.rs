@@ -22,28 +22,38 @@ pub const PART_ROWS: usize = 1 << 13;
 pub struct TableParts {
     path: PathBuf,
     footer: BTreeMap<String, String>,
+    rows: usize,
     reader: ParquetRecordBatchReader,
     is_begun: bool,
 }
 
 impl TableParts {
-    /// Opens a file that [`write_table`] or [`TableWriter`] wrote.
+    /// Opens a file that [`write_table`] or [`TableWriter`] wrote, for all its columns or for those of
+    /// these names, in its order; a name that the file lacks is passed by.
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub fn open(path: &Path) -> Result<Self, StoreError> {
+    pub fn open(path: &Path, names: Option<&[&str]>) -> Result<Self, StoreError> {
         let file = ParquetFile::open(&RealFiles, path)?;
         let columns = file.columns()?;
-        let names: Vec<&str> =
-            columns.schema().fields().iter().map(|f| f.name().as_str()).collect();
+        let all = || columns.schema().fields().iter().map(|f| f.name().as_str()).collect();
+        let names: Vec<&str> = names.map_or_else(all, <[&str]>::to_vec);
         file.check_pages(&names, MOST_RECORDED_BYTES)?;
-        let reader = file.reader(columns.clone(), (&names, file.groups()), PART_ROWS)?;
-        Ok(Self { path: path.to_owned(), footer: file.footer, reader, is_begun: false })
+        // A reader makes room for a whole part: most tables are shorter.
+        let part = PART_ROWS.min(file.rows.max(1));
+        let reader = file.reader(columns.clone(), (&names, file.groups()), part)?;
+        let (path, rows) = (path.to_owned(), file.rows);
+        Ok(Self { path, footer: file.footer, rows, reader, is_begun: false })
     }
 
     /// What its footer says.
     pub fn footer(&self) -> &BTreeMap<String, String> {
         &self.footer
+    }
+
+    /// How many rows it has.
+    pub fn rows(&self) -> usize {
+        self.rows
     }
 }
 

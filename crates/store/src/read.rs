@@ -323,17 +323,6 @@ pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String
     Ok((batch, file.footer))
 }
 
-/// The columns of these names of such a file, in its order, and its footer; a name that the file
-/// lacks is passed by.
-pub fn read_parquet_columns(
-    path: &Path,
-    names: &[&str],
-) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
-    let file = ParquetFile::open(&RealFiles, path)?;
-    let batch = file.read(file.columns()?, names)?;
-    Ok((batch, file.footer))
-}
-
 /// The footer of such a file, and how many rows it has.
 pub fn read_entries(path: &Path) -> Result<(BTreeMap<String, String>, usize), StoreError> {
     let file = ParquetFile::open(&RealFiles, path)?;

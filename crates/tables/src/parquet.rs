@@ -5,13 +5,13 @@ use arrow::array::{
     Array, ArrayRef, AsArray, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray,
 };
 use arrow::datatypes::{DataType, Float64Type, Int64Type, Schema, SchemaRef};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_store::{
     PART_ROWS, StoreError, TableParts, TableWriter, described, read_entries, read_parquet,
-    read_parquet_columns, write_table,
+    write_table,
 };
 
 const NAME: &str = "table_name";
@@ -72,11 +72,18 @@ impl Table {
     pub fn parts(
         path: &Path,
     ) -> Result<impl Iterator<Item = Result<Self, TableError>> + use<>, TableError> {
-        let (parts, path) = (TableParts::open(path)?, path.to_owned());
+        Ok(Self::parts_of(path, TableParts::open(path, None)?))
+    }
+
+    fn parts_of(
+        path: &Path,
+        parts: TableParts,
+    ) -> impl Iterator<Item = Result<Self, TableError>> + use<> {
         // Where a table of all trials comes from is megabytes, which no part needs.
         let mut footer = parts.footer().clone();
         footer.retain(|key, _| [NAME, TITLE, NOTES, KINDS].contains(&key.as_str()));
-        Ok(parts.map(move |batch| Self::back(&path, (batch?, footer.clone()))))
+        let path = path.to_owned();
+        parts.map(move |batch| Self::back(&path, (batch?, footer.clone())))
     }
 
     /// Writes the parts of a table, at least one, as one Parquet file: its name and title are the
@@ -119,7 +126,30 @@ impl Table {
 
     /// Reads these columns alone, in the order of the file; a name that the file lacks is ignored.
     pub fn columns_from_parquet(path: &Path, names: &[&str]) -> Result<Self, TableError> {
-        Self::back(path, read_parquet_columns(path, names)?)
+        Self::gathered(path, names, Ok)
+    }
+
+    /// The same, and of the rows of each part what `of` leaves: in memory is no more than that, and a
+    /// part.
+    ///
+    /// # Errors
+    /// A file that cannot be read; those of `of`.
+    pub fn gathered(
+        path: &Path,
+        names: &[&str],
+        of: impl Fn(Self) -> Result<Self, TableError>,
+    ) -> Result<Self, TableError> {
+        let parts = TableParts::open(path, Some(names))?;
+        let rows = parts.rows();
+        let mut parts = Self::parts_of(path, parts);
+        let first = parts.next().ok_or(TableError::NoPart)??;
+        let read = first.height();
+        let mut all = of(first)?;
+        if all.height() == read {
+            all.reserve(rows - read);
+        }
+        parts.try_for_each(|part| all.append(of(part?)?))?;
+        Ok(all)
     }
 
     fn back(
@@ -206,15 +236,21 @@ fn kind_of(values: &Values) -> Type {
     }
 }
 
-/// Texts, of which those that are the same one after the other are kept once.
+/// Texts that are known while others are read: of a few that come in turns each is kept once.
+const KNOWN_TEXTS: usize = 8;
+
+/// Texts, of which those that came a short while ago are kept once.
 fn texts<'a>(values: impl Iterator<Item = Option<&'a str>>) -> Vec<Option<Arc<str>>> {
-    let mut last: Arc<str> = Arc::from("");
+    let mut known: VecDeque<Arc<str>> = VecDeque::new();
     let kept = values.map(|value| {
         let value = value?;
-        if *last != *value {
-            last = Arc::from(value);
-        }
-        Some(last.clone())
+        let found = known.iter().find(|known| ***known == *value).cloned();
+        Some(found.unwrap_or_else(|| {
+            let new: Arc<str> = value.into();
+            known.truncate(KNOWN_TEXTS - 1);
+            known.push_front(new.clone());
+            new
+        }))
     });
     kept.collect()
 }
@@ -291,6 +327,16 @@ mod tests {
             );
             let back = Table::concat("t", "Title", parts).unwrap().unwrap();
             assert_eq!(back.columns(), all.columns());
+            let force = Table::columns_from_parquet(&path, &["force_n", "no such"]).unwrap();
+            assert_eq!((force.columns(), force.notes()), (&all.columns()[1..], all.notes()));
+            let threes = |table: &Table| {
+                let is_three =
+                    |(row, mode): (usize, Option<&str>)| (mode == Some("3")).then_some(row);
+                table.words("mode").unwrap().enumerate().filter_map(is_three).collect::<Vec<_>>()
+            };
+            let some = |part: Table| Ok(part.rows(&threes(&part)));
+            let some = Table::gathered(&path, &["mode", "force_n"], some).unwrap();
+            assert_eq!(some.columns(), all.rows(&threes(&all)).columns());
         }
         let parts = || Table::parts(&path).unwrap();
         let mut text = Vec::new();

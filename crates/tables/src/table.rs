@@ -372,6 +372,14 @@ impl Table {
         }
     }
 
+    /// The same, as the table shares them.
+    pub fn shared_texts(&self, column: &str) -> Result<&[Option<Arc<str>>], TableError> {
+        match self.values(column)? {
+            Values::Text(values) => Ok(values),
+            _ => Err(self.wrong_type(column, Type::Text)),
+        }
+    }
+
     /// The same, looked at and not copied.
     pub fn words(
         &self,
@@ -409,6 +417,22 @@ impl Table {
         };
         let columns = fields.into_iter().filter_map(column).collect();
         Self::new(name, title, columns).map(Some)
+    }
+
+    /// Makes room for so many rows more.
+    pub(crate) fn reserve(&mut self, more: usize) {
+        self.columns.iter_mut().for_each(|column| column.values.reserve(more));
+    }
+
+    /// Puts another table's rows behind these.
+    ///
+    /// # Errors
+    /// Other columns.
+    pub(crate) fn append(&mut self, more: Self) -> Result<(), TableError> {
+        self.check_like(&more)?;
+        let columns = self.columns.iter_mut().zip(more.columns);
+        columns.for_each(|(column, more)| column.values.append(more.values));
+        Ok(())
     }
 
     /// Whether another table's rows can be put to this one's.
