@@ -13,7 +13,7 @@ use zwidth_metrics::{Parameters, TrialMetrics};
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
 use zwidth_store::{Asked, Layout, OpenTrial, StoreError, StudyData, check_samples};
 use zwidth_study::{Condition, TrialMeta};
-use zwidth_tables::{NoteKind, Table};
+use zwidth_tables::{NoteKind, Table, TableError};
 
 const STAGE: Stage = Stage { name: "metrics", version: zwidth_metrics::VERSION };
 
@@ -40,6 +40,13 @@ pub(crate) fn of_sessions(data: &StudyData) -> Vec<PathBuf> {
 /// The metrics of the study, where it has trials.
 pub(crate) fn of_study(data: &StudyData) -> Option<PathBuf> {
     is_any(data).then(|| study_files(&data.layout)[0].clone())
+}
+
+/// Of the metrics of the study what a report looks at, and these.
+pub(crate) fn looked_at(file: &Path, compared: &[String]) -> Result<Table, TableError> {
+    let mut columns = zwidth_report::metric_columns();
+    columns.extend(compared.iter().map(String::as_str));
+    Table::columns_from_parquet(file, &columns)
 }
 
 /// The metrics of the study trial by trial, and by condition.

@@ -13,7 +13,7 @@ use zwidth_replay::Parameters;
 use zwidth_report::{
     Columns, Contents, Course, Event, Page, TURNED, condition_script, page_html, turned_script,
 };
-use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
 use zwidth_study::{EnvironmentId, ModeId};
 use zwidth_tables::{Table, TableError};
@@ -289,9 +289,9 @@ impl Inputs for IndexFiles {
 }
 
 fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, JobError> {
-    let (summary, compared) = summary::gather(&of.summary, &files.summary, making)?;
-    let (metrics, answers) =
-        (summary::read(&files.summary.metrics)?, summary::read(&files.answers)?);
+    let summary::Gathered { summary, compared, metrics } =
+        summary::gather(&of.summary, &files.summary, making)?;
+    let answers = summary::read(&files.answers)?;
     let planned = &of.summary.planned;
     let contents = metrics.map(|metrics| {
         let (study, compared) =
@@ -308,8 +308,9 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
         contents: contents.as_ref(),
         origin: making.from.get(ORIGIN).map(String::as_str),
         version: of.version,
-    })?;
-    Ok(Made::of(vec![html.into_bytes()]))
+    });
+    let write: WriteLong = Box::new(move |out| Ok(html.write(contents.as_ref(), out)?));
+    Ok(Made { outputs: vec![Output::Long(write)], ..Made::default() })
 }
 
 #[cfg(test)]

@@ -138,8 +138,10 @@ fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made
     };
     let calibration = &Forces::read(files.calibration.as_deref())?;
     let columns = zwidth_report::replayed_columns();
-    let replays = files.replays.as_deref().map(|file| Table::columns_from_parquet(file, &columns));
-    let (metrics, replays) = (read(&files.metrics)?, replays.transpose()?);
+    let asked_of = |part: Table| zwidth_report::replayed(&part);
+    let replays = files.replays.as_deref().map(|file| Table::gathered(file, &columns, asked_of));
+    let metrics = files.metrics.as_deref().map(|file| metrics::looked_at(file, &[]));
+    let (metrics, replays) = (metrics.transpose()?, replays.transpose()?);
     let (answers, tally) = (read(&files.answers)?, read(&files.tally)?);
     let Forced { planned, basis } = &asked.forced;
     let derived = Derived {
@@ -190,7 +192,7 @@ fn make_pros_cons(
     making: &Making,
 ) -> Result<Made, JobError> {
     let calibration = &Forces::read(calibration.as_deref())?;
-    let metrics = metrics.as_deref().map(Table::from_parquet).transpose()?;
+    let metrics = metrics.as_deref().map(|file| metrics::looked_at(file, &[])).transpose()?;
     let known = Known { study: planned, calibration, metrics: metrics.as_ref() };
     write_tables(&[pros_cons_table(known)?.with_note(basis.footnote())], making, Vec::new())
 }

@@ -142,18 +142,22 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
 }
 
 fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
-    let (summary, _) = gather(page, files, making)?;
+    let Gathered { summary, .. } = gather(page, files, making)?;
     let origin = making.from.get(ORIGIN).and_then(|origin| Format::Markdown.comment(origin));
     let text = summary_markdown(&summary) + &origin.unwrap_or_default();
     Ok(Made::of(vec![text.into_bytes()]))
 }
 
-/// The summary, and the tables of the metrics that are compared in it.
-pub(crate) fn gather(
-    page: &Page,
-    files: &Files,
-    making: &Making,
-) -> Result<(Summary, Vec<[Table; 2]>), JobError> {
+/// The summary, and what is in it and on the page.
+pub(crate) struct Gathered {
+    pub(crate) summary: Summary,
+    /// The tables of the metrics that are compared.
+    pub(crate) compared: Vec<[Table; 2]>,
+    /// Metrics of the trials, as far as they are looked at.
+    pub(crate) metrics: Option<Table>,
+}
+
+pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gathered, JobError> {
     let folder = making.outputs.first().and_then(|page| page.parent()).unwrap_or(making.root);
     let mut summary = page.facts.clone();
     summary.limits.extend(notes(&files.noted, |kind| kind != NoteKind::Extent)?);
@@ -174,18 +178,20 @@ pub(crate) fn gather(
     summary.left_out.extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
     summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
     let compared = read_compared(files)?;
-    let metrics = page.compared(&compared);
-    summary.matrix = zwidth_report::matrix(&page.planned, &metrics)?;
+    let of_compared = page.compared(&compared);
+    summary.matrix = zwidth_report::matrix(&page.planned, &of_compared)?;
     summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);
-    if let Some(metrics) = read(&files.metrics)? {
-        summary.limits.extend(uneven_ranges(&page.planned, &metrics)?);
+    let there = files.metrics.as_deref().filter(|file| file.exists());
+    let metrics = there.map(|file| metrics::looked_at(file, &page.compared)).transpose()?;
+    if let Some(metrics) = &metrics {
+        summary.limits.extend(uneven_ranges(&page.planned, metrics)?);
     }
-    summary.shown = list_findings(page, files, &metrics, &summary)?;
+    summary.shown = list_findings(page, files, metrics.as_ref(), &of_compared, &summary)?;
     (summary.statements, summary.judged) = list_statements(page, files, &summary)?;
     summary.runs = list_runs(page, files, &summary)?;
     summary.left_out.extend(missing);
     summary.left_out.extend(no_tables.into_iter().map(|f| could_not_be_made(f)));
-    Ok((summary, compared))
+    Ok(Gathered { summary, compared, metrics })
 }
 
 /// What the trials show, each sentence with the figure or table that holds its numbers: metrics of
@@ -193,15 +199,16 @@ pub(crate) fn gather(
 fn list_findings(
     page: &Page,
     files: &Files,
+    metrics: Option<&Table>,
     compared: &[ComparedMetric],
     made: &Summary,
 ) -> Result<Vec<Listed>, TableError> {
-    let (metrics, tally) = (read(&files.metrics)?, read(&files.tally)?);
+    let tally = read(&files.tally)?;
     let mut sentences = zwidth_report::contrasts(&page.planned, compared)?;
     if let Some(sessions) = read(&files.sessions)? {
         sentences.extend(changes(&page.planned, compared, &sessions)?);
     }
-    let found = match (&metrics, &tally) {
+    let found = match (metrics, &tally) {
         (Some(metrics), tally) => findings(&page.planned, metrics, tally.as_ref(), &page.doubted)?,
         (None, Some(tally)) => survey(&page.planned, tally)?,
         (None, None) => Vec::new(),

@@ -10,6 +10,7 @@
 
 mod actuation;
 mod answers;
+mod columns;
 mod compared;
 mod components;
 mod design;
@@ -30,6 +31,7 @@ mod thesis;
 mod trials;
 mod weight;
 
+pub use columns::metric_columns;
 pub use compared::{ComparedMetric, Matrix, MatrixRow, Role, contrasts, matrix};
 pub use components::components_table;
 pub use design::{device_table, modes_table};
@@ -39,15 +41,15 @@ pub use gallery::{Gallery, Shown};
 pub use methods::{MethodsForm, MethodsPart, Recorded, methods};
 pub use model::model_table;
 pub use page::{
-    Columns, Contents, Course, Event, Page, TURNED, Turn, TurnedError, condition_script, page_html,
-    single_file, turned_script,
+    Columns, Contents, Course, Event, Page, PageHtml, TURNED, Turn, TurnedError, condition_script,
+    page_html, single_file, turned_script,
 };
 pub use pros_cons::pros_cons_table;
 pub use ranges::uneven_ranges;
 pub use runs::{laddered, traded};
 pub use sessions::changes;
 pub use survey::survey;
-pub use thesis::{Derived, Told, replayed_columns, thesis_table, told};
+pub use thesis::{Derived, Told, replayed, replayed_columns, thesis_table, told};
 pub use weight::{is_weighed, weight_table};
 
 use people::{count, participants, sources};

@@ -89,13 +89,6 @@ impl<'a> Trials<'a> {
         Ok(self.rows.iter().any(|row| values[*row] == Some(true)))
     }
 
-    /// The same trials, of them those with this word.
-    pub(crate) fn with(self, column: &str, word: &str) -> Result<Self, TableError> {
-        let values = self.words(column)?;
-        let rows = self.rows.iter().copied().zip(values).filter(|(_, value)| *value == Some(word));
-        Ok(Self { metrics: self.metrics, rows: rows.map(|(row, _)| row).collect() })
-    }
-
     /// The values by participant and session of those trials that have one; of two columns their
     /// difference. Counts are numbers too.
     pub(crate) fn people(&self, column: &str, less: Option<&str>) -> Result<People, TableError> {
@@ -139,6 +132,7 @@ impl<'a> Trials<'a> {
 #[cfg(test)]
 pub(crate) mod testing {
     use super::*;
+    use crate::columns::metric_columns;
     use zwidth_tables::Column;
 
     /// One trial of made-up metrics: environment, mode, and the values that the report reads.
@@ -177,7 +171,7 @@ pub(crate) mod testing {
             Column::float(name, "1", "", rows.iter().map(get))
         };
         let count = |name, n| Column::integer(name, "1", "", rows.iter().map(move |_| Some(n)));
-        let columns = vec![
+        let mut columns = vec![
             text("participant", |r| r.participant),
             text("session", |_| "S01"),
             Column::integer("trial", "1", "", (1..).zip(rows).map(|(trial, _)| Some(trial))),
@@ -202,6 +196,8 @@ pub(crate) mod testing {
             count("closed_loops", 0),
             count("closed_loops_active", 0),
         ];
+        // As it is read: what is looked at and not listed is not there.
+        columns.retain(|column| metric_columns().contains(&&*column.field.name));
         Table::new("metrics", "", columns).unwrap()
     }
 }

@@ -6,6 +6,7 @@ use super::estimates::{Estimate, differences, means};
 use crate::compared::{ComparedMetric, words};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use zwidth_study::{Coordinate, Question, Setup};
 use zwidth_tables::{Column, Table, TableError, Values, shown_unit};
 
@@ -81,10 +82,10 @@ struct QuestionOf {
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct TrialOf {
-    pub(super) participant: String,
-    pub(super) session: String,
-    pub(super) environment: String,
-    pub(super) mode: String,
+    pub(super) participant: Arc<str>,
+    pub(super) session: Arc<str>,
+    pub(super) environment: Arc<str>,
+    pub(super) mode: Arc<str>,
     pub(super) repeat: i64,
     pub(super) trial: i64,
     /// The script that holds its samples.
@@ -210,7 +211,7 @@ fn ratings(planned: &Setup) -> impl Iterator<Item = &Question> {
 }
 
 /// Participant, session, trial.
-type Key = (String, String, i64);
+type Key = (Arc<str>, Arc<str>, i64);
 
 /// Each trial's answers, in the order of the questions.
 fn answered(
@@ -219,10 +220,11 @@ fn answered(
 ) -> Result<BTreeMap<Key, Vec<Option<i64>>>, TableError> {
     let mut found: BTreeMap<Key, Vec<Option<i64>>> = BTreeMap::new();
     let Some(table) = answers else { return Ok(found) };
-    let (asked, given) = (table.texts("question")?, table.integers("answer")?);
+    let asked: Vec<_> = table.words("question")?.collect();
+    let given = table.integers("answer")?;
     for (row, key) in keys(table)?.into_iter().enumerate() {
         let Some(key) = key else { continue };
-        let place = ratings(planned).position(|q| asked[row].as_deref() == Some(q.id.as_str()));
+        let place = ratings(planned).position(|q| asked[row] == Some(q.id.as_str()));
         let answers = found.entry(key).or_insert_with(|| vec![None; ratings(planned).count()]);
         if let Some(place) = place {
             answers[place] = given[row];
@@ -233,9 +235,9 @@ fn answered(
 
 /// Whose trial each row is.
 fn keys(table: &Table) -> Result<Vec<Option<Key>>, TableError> {
-    let (participants, sessions) = (table.texts("participant")?, table.texts("session")?);
-    let rows = participants.into_iter().zip(sessions).zip(table.integers("trial")?);
-    Ok(rows.map(|((participant, session), trial)| Some((participant?, session?, trial?))).collect())
+    let (who, when) = (table.shared_texts("participant")?, table.shared_texts("session")?);
+    let rows = who.iter().cloned().zip(when.iter().cloned()).zip(table.integers("trial")?);
+    Ok(rows.map(|((who, when), trial)| Some((who?, when?, trial?))).collect())
 }
 
 fn trials(
@@ -243,7 +245,8 @@ fn trials(
     columns: &[(&ComparedMetric, &Column)],
     answers: &BTreeMap<Key, Vec<Option<i64>>>,
 ) -> Result<Vec<TrialOf>, TableError> {
-    let (environments, modes) = (metrics.texts("environment")?, metrics.texts("mode")?);
+    let (environments, modes) =
+        (metrics.shared_texts("environment")?, metrics.shared_texts("mode")?);
     let repeats = metrics.integers("repeat")?;
     let mut trials = Vec::new();
     for (row, key) in keys(metrics)?.into_iter().enumerate() {
@@ -255,7 +258,7 @@ fn trials(
         let answers = answers.get(&key).cloned().unwrap_or_default();
         let (participant, session, trial) = key;
         trials.push(TrialOf {
-            data: [participant.as_str(), &session, &environment, &mode].join("."),
+            data: [&*participant, &*session, &*environment, &*mode].join("."),
             repeat: repeats[row].unwrap_or_default(),
             metrics: columns.iter().map(|(_, column)| number(column, row)).collect(),
             participant,

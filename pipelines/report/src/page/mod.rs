@@ -20,8 +20,9 @@ pub use given::Page;
 pub use single::single_file;
 pub use turned::{TURNED, Turn, TurnedError, turned_script};
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, PreEscaped, html};
 use parts::Part;
+use std::io::{self, BufWriter, Write};
 
 const STYLE: &str = include_str!("page.css");
 /// One classic script, because a page opened from disk may load neither modules nor anything by
@@ -47,13 +48,20 @@ const SCRIPT: &str = concat!(
     "})();\n",
 );
 
+/// The page in HTML, before and behind what its script knows of the study: of a large one that is far
+/// more than all else.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PageHtml {
+    before: String,
+    after: String,
+}
+
+/// What stands before that.
+const DATA: &str = "<script id=\"study-data\" type=\"application/json\">";
+
 /// The page in HTML. Texts are shown as they stand, whatever is in them.
-///
-/// # Errors
-/// None that the memory does not make.
-pub fn page_html(page: &Page) -> Result<String, serde_json::Error> {
+pub fn page_html(page: &Page) -> PageHtml {
     let parts: Vec<Part> = parts::all(page);
-    let contents = page.contents.map(serde_json::to_string).transpose()?;
     let markup = html! {
         (DOCTYPE)
         html lang="en" {
@@ -78,7 +86,7 @@ pub fn page_html(page: &Page) -> Result<String, serde_json::Error> {
                         }
                     }
                 }
-                @if let Some(contents) = contents { (data_block(&contents)) }
+                @if page.contents.is_some() { (PreEscaped(DATA)) (PreEscaped("</script>")) }
                 script { (PreEscaped(SCRIPT)) }
             }
         }
@@ -86,13 +94,45 @@ pub fn page_html(page: &Page) -> Result<String, serde_json::Error> {
     let origin = page
         .origin
         .map(|o| format!("<!-- {o} (`zwidth trace FILE` tells what it was made from) -->\n"));
-    Ok(markup.into_string() + "\n" + &origin.unwrap_or_default())
+    let html = markup.into_string() + "\n" + &origin.unwrap_or_default();
+    // No text of a study can begin a tag.
+    let place = html.find(DATA).map_or(html.len(), |begin| begin + DATA.len());
+    PageHtml { before: html[..place].to_owned(), after: html[place..].to_owned() }
 }
 
-/// JSON that no text in it can end: `<` as an escape.
-fn data_block(json: &str) -> Markup {
-    let json = json.replace('<', "\\u003c");
-    html! { script #study-data type="application/json" { (PreEscaped(json)) } }
+impl PageHtml {
+    /// Writes the page, in it the contents that it was made for.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, contents: Option<&Contents>, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(self.before.as_bytes())?;
+        if let Some(contents) = contents {
+            let mut json = BufWriter::new(NoTag(out));
+            serde_json::to_writer(&mut json, contents)?;
+            json.flush()?;
+        }
+        out.write_all(self.after.as_bytes())
+    }
+}
+
+/// Writes JSON that no text in it can end: `<` as an escape.
+struct NoTag<'w>(&'w mut dyn Write);
+
+impl Write for NoTag<'_> {
+    fn write(&mut self, json: &[u8]) -> io::Result<usize> {
+        for (i, part) in json.split(|byte| *byte == b'<').enumerate() {
+            if i > 0 {
+                self.0.write_all(b"\\u003c")?;
+            }
+            self.0.write_all(part)?;
+        }
+        Ok(json.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 #[cfg(test)]

@@ -72,10 +72,10 @@ fn order(page: &Page) -> Markup {
 
 fn session(page: &Page, who: &str, trials: &[&TrialOf]) -> Markup {
     let environment = |trial: &TrialOf| {
-        page.planned.environments.iter().position(|e| e.id.as_str() == trial.environment)
+        page.planned.environments.iter().position(|e| *e.id.as_str() == *trial.environment)
     };
     let mode =
-        |trial: &TrialOf| page.planned.modes.iter().position(|m| m.id.as_str() == trial.mode);
+        |trial: &TrialOf| page.planned.modes.iter().position(|m| *m.id.as_str() == *trial.mode);
     html! {
         tr {
             th scope="row" { (who) }

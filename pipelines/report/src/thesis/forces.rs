@@ -11,7 +11,7 @@ use zwidth_study::{Basis, ModeLaw};
 /// Voltage of the thesis' motor alone, V, and its force there, N (§4.2, §5.3.2.1).
 const MOTOR: (f64, f64) = (16.0, 4.16);
 
-const WALL_FORCE: Quantity = Quantity {
+pub(crate) const WALL_FORCE: Quantity = Quantity {
     words: "largest force past the wall",
     from: From::Metrics,
     column: "wall_force_max_n",

@@ -5,7 +5,6 @@ use crate::evidence::{Evidence, Known, Verdict};
 use crate::gallery::{Gallery, Shown};
 use crate::thesis::estimate::{Estimated, Spread, trials_of};
 use crate::thesis::rule::{Case, From, Place, Quantity, Range};
-use crate::thesis::statements::ALL;
 use crate::trials::{People, Trials};
 use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
 use zwidth_tables::{Table, TableError, number, shown_unit, with_unit};
@@ -17,7 +16,7 @@ pub struct Derived<'a> {
     pub known: Known<'a>,
     /// Where the calibration comes from.
     pub basis: Basis,
-    /// The replays, one row per trial and causality.
+    /// The replays that are asked ([`crate::replayed`]), one row per trial.
     pub replays: Option<&'a Table>,
     /// The answers as given, one row each.
     pub answers: Option<&'a Table>,
@@ -98,19 +97,7 @@ pub(crate) fn trials<'a>(
         Stop::NotMeasured(format!("there is no trial of {of}"))
     };
     let trials = Trials::of(table.ok_or_else(none)?, Some(&environment.id), &mode.id)?;
-    let trials = match from {
-        From::Metrics => trials,
-        From::Replays => trials.with("causality", "force_driven")?.with("model", "by_eye")?,
-    };
     if trials.len() == 0 { Err(none()) } else { Ok(trials) }
-}
-
-/// The columns of the table of replays that are looked at.
-pub fn replayed_columns() -> Vec<&'static str> {
-    let told_apart = ["participant", "session", "environment", "mode", "causality", "model"];
-    let asked = ALL.iter().filter_map(|statement| statement.rule.quantity());
-    let asked = asked.filter(|quantity| quantity.from == From::Replays);
-    told_apart.into_iter().chain(asked.flat_map(|q| [q.column].into_iter().chain(q.less))).collect()
 }
 
 /// The values of a case.

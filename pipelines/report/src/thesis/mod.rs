@@ -5,6 +5,7 @@
 //! can be asked; what it does not hold is "not measured". Where several people took part they are
 //! the units, else the trials of the one are, and the row says so.
 
+mod asked;
 mod estimate;
 mod forces;
 mod judge;
@@ -15,7 +16,9 @@ mod statements;
 mod tests;
 mod told;
 
-pub use judged::{Derived, replayed_columns};
+pub(crate) use asked::asked_metrics;
+pub use asked::{replayed, replayed_columns};
+pub use judged::Derived;
 pub use told::{Told, told};
 
 use crate::evidence::{Verdict, notes};

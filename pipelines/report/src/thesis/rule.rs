@@ -37,6 +37,12 @@ pub(crate) struct Quantity {
     pub(crate) unit: &'static str,
 }
 
+impl Quantity {
+    pub(crate) fn columns(&self) -> impl Iterator<Item = &'static str> + use<> {
+        [self.column].into_iter().chain(self.less)
+    }
+}
+
 /// A range of values between two ends, in SI, and why it is that.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Range {

@@ -1,6 +1,7 @@
 //! The statements judged by hand-made studies.
 
 use super::{Derived, replayed_columns, thesis_table, told};
+use crate::columns::metric_columns;
 use crate::evidence::Known;
 use crate::gallery::Gallery;
 use std::collections::BTreeSet;
@@ -59,6 +60,9 @@ fn trials(of: &[Trial], source: &str) -> Table {
     columns.extend(
         COLUMNS.map(|name| Column::float(name, "1", "", of.iter().map(|t| value(t, name)))),
     );
+    // As they are read: what is looked at and not listed is not there.
+    let listed = [metric_columns(), replayed_columns()].concat();
+    columns.retain(|column| listed.contains(&&*column.field.name));
     Table::new("metrics", "", columns).unwrap()
 }
 
