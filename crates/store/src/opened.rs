@@ -4,6 +4,7 @@ use crate::bounds::{MOST_COLUMN_BYTES, Said, check_footer_in, check_pages_in, ch
 use crate::codec::check_codecs;
 use crate::content::Content;
 use crate::memo::Memo;
+use crate::regular::open_end;
 use crate::write::{FOOTER_DIGEST, VERSION, footer_digest};
 use crate::{Files, MOST_RECORDING, StoreError};
 use arrow::array::RecordBatch;
@@ -24,6 +25,7 @@ use parquet::file::statistics::Statistics;
 use parquet::schema::types::SchemaDescPtr;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::io;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -46,7 +48,15 @@ pub(crate) struct ParquetFile {
 impl ParquetFile {
     /// Opens `path`, checks what it claims, its version and its footer's digest.
     pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
-        let content = files.open(path, MOST_RECORDING);
+        Self::of(path, files.open(path, MOST_RECORDING))
+    }
+
+    /// The same, of which little more than the columns that are looked at is read, however small it is.
+    pub(crate) fn open_columns(path: &Path) -> Result<Self, StoreError> {
+        Self::of(path, open_end(path, MOST_RECORDING))
+    }
+
+    fn of(path: &Path, content: io::Result<Content>) -> Result<Self, StoreError> {
         let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
         let (footer, _, schema) = said(path, &content)?;
         let metadata = guarded(path, DAMAGED, || parsed(&content, &schema))?;

@@ -1,11 +1,11 @@
 //! A derived table, read some rows at a time, and written so: however long it is, no more of it is in
 //! memory than these, and of what is written a row group, encoded.
 
+use crate::StoreError;
 use crate::bounds::MOST_RECORDED_BYTES;
 use crate::encode::derived;
 use crate::opened::{DAMAGED, ParquetFile, guarded};
 use crate::write::{all_entries, cannot_encode};
-use crate::{RealFiles, StoreError};
 use arrow::array::{RecordBatch, RecordBatchReader as _};
 use arrow::datatypes::SchemaRef;
 use parquet::arrow::ArrowWriter;
@@ -34,7 +34,7 @@ impl TableParts {
     /// # Errors
     /// A file that cannot be read.
     pub fn open(path: &Path, names: Option<&[&str]>) -> Result<Self, StoreError> {
-        let file = ParquetFile::open(&RealFiles, path)?;
+        let file = ParquetFile::open_columns(path)?;
         let columns = file.columns()?;
         let all = || columns.schema().fields().iter().map(|f| f.name().as_str()).collect();
         let names: Vec<&str> = names.map_or_else(all, <[&str]>::to_vec);

@@ -262,6 +262,8 @@ impl Out {
 
 impl Write for Out {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // A record of a large study has megabytes: no more than there is room for.
+        let bytes = &bytes[..bytes.len().min(SYNCED_AT_ONCE - self.pending.len())];
         self.pending.extend_from_slice(bytes);
         if self.pending.len() >= SYNCED_AT_ONCE
             && let Err(error) = self.sync()
