@@ -220,3 +220,24 @@ fn make_planned(
     let tables = [model, device_table(planned)?, components_table(planned)?];
     write_tables(&tables, making, Vec::new())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_columns_that_reports_look_at_are_those_of_the_stages_that_make_them() {
+        let metrics = zwidth_metrics::table(&[]).unwrap();
+        let plant = zwidth_metrics::plant_table(&[]).unwrap();
+        let replays = zwidth_replay::table(&[]).unwrap();
+        let made = |tables: &[&Table]| -> Vec<String> {
+            tables.iter().flat_map(|of| of.fields()).map(|field| field.name.to_string()).collect()
+        };
+        let lacking = |looked_at: Vec<&'static str>, made: Vec<String>| {
+            looked_at.into_iter().filter(|name| !made.iter().any(|m| m == name)).collect::<Vec<_>>()
+        };
+        let none: [&str; 0] = [];
+        assert_eq!(lacking(zwidth_report::metric_columns(), made(&[&metrics, &plant])), none);
+        assert_eq!(lacking(zwidth_report::replayed_columns(), made(&[&replays])), none);
+    }
+}

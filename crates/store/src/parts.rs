@@ -1,11 +1,11 @@
 //! A derived table, read some rows at a time, and written so: however long it is, no more of it is in
 //! memory than these, and of what is written a row group, encoded.
 
-use crate::StoreError;
 use crate::bounds::MOST_RECORDED_BYTES;
 use crate::encode::derived;
 use crate::opened::{DAMAGED, ParquetFile, guarded};
 use crate::write::{all_entries, cannot_encode};
+use crate::{RealFiles, StoreError};
 use arrow::array::{RecordBatch, RecordBatchReader as _};
 use arrow::datatypes::SchemaRef;
 use parquet::arrow::ArrowWriter;
@@ -34,21 +34,22 @@ impl TableParts {
     /// # Errors
     /// A file that cannot be read.
     pub fn open(path: &Path, names: Option<&[&str]>) -> Result<Self, StoreError> {
-        let file = ParquetFile::open_columns(path)?;
+        let file = match names {
+            Some(_) => ParquetFile::open_columns(path)?,
+            None => ParquetFile::open(&RealFiles, path)?,
+        };
         let columns = file.columns()?;
         let all = || columns.schema().fields().iter().map(|f| f.name().as_str()).collect();
         let names: Vec<&str> = names.map_or_else(all, <[&str]>::to_vec);
         file.check_pages(&names, MOST_RECORDED_BYTES)?;
-        // A reader makes room for a whole part: most tables are shorter.
-        let part = PART_ROWS.min(file.rows.max(1));
-        let reader = file.reader(columns.clone(), (&names, file.groups()), part)?;
+        let reader = file.reader(columns.clone(), (&names, file.groups()), PART_ROWS)?;
         let (path, rows) = (path.to_owned(), file.rows);
         Ok(Self { path, footer: file.footer, rows, reader, is_begun: false })
     }
 
-    /// What its footer says.
-    pub fn footer(&self) -> &BTreeMap<String, String> {
-        &self.footer
+    /// What its footer says, which goes with this: where a table of all trials comes from is megabytes.
+    pub fn take_footer(&mut self) -> BTreeMap<String, String> {
+        std::mem::take(&mut self.footer)
     }
 
     /// How many rows it has.

@@ -84,8 +84,8 @@ fn refused_as_column(text: &str) -> Option<&'static str> {
         .or_else(|| COLUMNS.contains(&text).then_some("it is a column of every trial file"))
 }
 
-/// Texts that a thread remembers: more than one session's ids have.
-const REMEMBERED: usize = 16;
+/// Texts that a thread remembers: more than the ids of one session have.
+const REMEMBERED: usize = 64;
 
 /// The text as ids hold it. What is read one after the other has the same few ids again and again, and a
 /// study has them a million times: those that a thread met last share their text.
@@ -94,13 +94,11 @@ fn shared(text: &str) -> Arc<str> {
         static LAST: RefCell<VecDeque<Arc<str>>> = const { RefCell::new(VecDeque::new()) };
     }
     LAST.with_borrow_mut(|last| {
-        let known = last.iter().find(|known| ***known == *text).cloned();
-        known.unwrap_or_else(|| {
-            let new: Arc<str> = text.into();
-            last.truncate(REMEMBERED - 1);
-            last.push_front(new.clone());
-            new
-        })
+        let known = last.iter().position(|known| **known == *text);
+        let id = known.and_then(|at| last.remove(at)).unwrap_or_else(|| text.into());
+        last.truncate(REMEMBERED - 1);
+        last.push_front(id.clone());
+        id
     })
 }
 
@@ -252,8 +250,10 @@ mod tests {
         let [first, second] = [read(), read()];
         assert!(first.iter().map(place).eq(second.iter().map(place)));
         assert_ne!(place(&first[0]), place(&first[1]));
-        for i in 0..100 {
-            assert_eq!(ModeId::new(format!("m{i}")).unwrap().as_str(), format!("m{i}"));
+        for i in 0..10 * REMEMBERED {
+            let id = ModeId::new(format!("m{i}")).unwrap();
+            assert_eq!(id.as_str(), format!("m{i}"));
+            assert_eq!(place(&ModeId::new("active").unwrap()), place(&first[0]));
         }
     }
 

@@ -72,18 +72,9 @@ impl Table {
     pub fn parts(
         path: &Path,
     ) -> Result<impl Iterator<Item = Result<Self, TableError>> + use<>, TableError> {
-        Ok(Self::parts_of(path, TableParts::open(path, None)?))
-    }
-
-    fn parts_of(
-        path: &Path,
-        parts: TableParts,
-    ) -> impl Iterator<Item = Result<Self, TableError>> + use<> {
-        // Where a table of all trials comes from is megabytes, which no part needs.
-        let mut footer = parts.footer().clone();
-        footer.retain(|key, _| [NAME, TITLE, NOTES, KINDS].contains(&key.as_str()));
-        let path = path.to_owned();
-        parts.map(move |batch| Self::back(&path, (batch?, footer.clone())))
+        let (mut parts, path) = (TableParts::open(path, None)?, path.to_owned());
+        let footer = of_table(parts.take_footer(), &[NAME, TITLE, NOTES, KINDS]);
+        Ok(parts.map(move |batch| Self::back(&path, batch?, &footer)))
     }
 
     /// Writes the parts of a table, at least one, as one Parquet file: its name and title are the
@@ -121,12 +112,13 @@ impl Table {
 
     /// Reads a table back from its Parquet file.
     pub fn from_parquet(path: &Path) -> Result<Self, TableError> {
-        Self::back(path, read_parquet(path)?)
+        let (batch, footer) = read_parquet(path)?;
+        Self::back(path, batch, &footer)
     }
 
     /// Reads these columns alone, in the order of the file; a name that the file lacks is ignored.
     pub fn columns_from_parquet(path: &Path, names: &[&str]) -> Result<Self, TableError> {
-        Self::gathered(path, names, Ok)
+        Self::joined(path, (names, MOST_RESERVED), Ok)
     }
 
     /// The same, and of the rows of each part what `of` leaves: in memory is no more than that, and a
@@ -139,22 +131,33 @@ impl Table {
         names: &[&str],
         of: impl Fn(Self) -> Result<Self, TableError>,
     ) -> Result<Self, TableError> {
-        let parts = TableParts::open(path, Some(names))?;
-        let rows = parts.rows();
-        let mut parts = Self::parts_of(path, parts);
+        Self::joined(path, (names, 0), of)
+    }
+
+    /// The same, with room for all rows of the file, up to so many.
+    fn joined(
+        path: &Path,
+        (names, most): (&[&str], usize),
+        of: impl Fn(Self) -> Result<Self, TableError>,
+    ) -> Result<Self, TableError> {
+        let mut parts = TableParts::open(path, Some(names))?;
+        // The notes of a long table are long, too: the first part has them.
+        let footer = of_table(parts.take_footer(), &[NAME, TITLE, NOTES, KINDS]);
+        let room = parts.rows().min(most);
         let first = parts.next().ok_or(TableError::NoPart)??;
-        let read = first.height();
-        let mut all = of(first)?;
-        if all.height() == read {
-            all.reserve(rows - read);
+        let mut all = of(Self::back(path, first, &footer)?)?;
+        all.reserve(room.saturating_sub(all.height()));
+        let footer = of_table(footer, &[NAME, TITLE]);
+        for part in parts {
+            all.append(of(Self::back(path, part?, &footer)?)?)?;
         }
-        parts.try_for_each(|part| all.append(of(part?)?))?;
         Ok(all)
     }
 
     fn back(
         path: &Path,
-        (batch, footer): (RecordBatch, BTreeMap<String, String>),
+        batch: RecordBatch,
+        footer: &BTreeMap<String, String>,
     ) -> Result<Self, TableError> {
         let text = |key: &str| footer.get(key).cloned().unwrap_or_default();
         // Each array is gone before the next column is made: a long table is not held twice.
@@ -178,8 +181,16 @@ impl Table {
             })
             .collect::<Result<Vec<_>, StoreError>>()?;
         let table = Self::new(&text(NAME), &text(TITLE), columns)?;
-        Ok(notes(&footer).fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
+        Ok(notes(footer).fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
     }
+}
+
+/// Rows that there is room for at most before they are read: what a file claims is no reason for more.
+const MOST_RESERVED: usize = 1 << 20;
+
+/// Of what a footer says the entries of these names.
+fn of_table(footer: BTreeMap<String, String>, names: &[&str]) -> BTreeMap<String, String> {
+    footer.into_iter().filter(|(name, _)| names.contains(&name.as_str())).collect()
 }
 
 /// What a file says of its table.

@@ -53,7 +53,8 @@ const SCRIPT: &str = concat!(
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageHtml {
     before: String,
-    after: String,
+    /// None where it has no script that knows anything.
+    after: Option<String>,
 }
 
 /// What stands before that.
@@ -94,10 +95,11 @@ pub fn page_html(page: &Page) -> PageHtml {
     let origin = page
         .origin
         .map(|o| format!("<!-- {o} (`zwidth trace FILE` tells what it was made from) -->\n"));
-    let html = markup.into_string() + "\n" + &origin.unwrap_or_default();
+    let mut before = markup.into_string() + "\n" + &origin.unwrap_or_default();
     // No text of a study can begin a tag.
-    let place = html.find(DATA).map_or(html.len(), |begin| begin + DATA.len());
-    PageHtml { before: html[..place].to_owned(), after: html[place..].to_owned() }
+    let place = before.find(DATA).filter(|_| page.contents.is_some());
+    let after = place.map(|begin| before.split_off(begin + DATA.len()));
+    PageHtml { before, after }
 }
 
 impl PageHtml {
@@ -107,12 +109,12 @@ impl PageHtml {
     /// Those of `out`.
     pub fn write(&self, contents: Option<&Contents>, out: &mut dyn Write) -> io::Result<()> {
         out.write_all(self.before.as_bytes())?;
-        if let Some(contents) = contents {
-            let mut json = BufWriter::new(NoTag(out));
-            serde_json::to_writer(&mut json, contents)?;
-            json.flush()?;
-        }
-        out.write_all(self.after.as_bytes())
+        let Some(after) = &self.after else { return Ok(()) };
+        let mut json = BufWriter::new(NoTag(out));
+        serde_json::to_writer(&mut json, &contents)?;
+        json.flush()?;
+        drop(json);
+        out.write_all(after.as_bytes())
     }
 }
 

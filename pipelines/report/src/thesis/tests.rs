@@ -60,9 +60,6 @@ fn trials(of: &[Trial], source: &str) -> Table {
     columns.extend(
         COLUMNS.map(|name| Column::float(name, "1", "", of.iter().map(|t| value(t, name)))),
     );
-    // As they are read: what is looked at and not listed is not there.
-    let listed = [metric_columns(), replayed_columns()].concat();
-    columns.retain(|column| listed.contains(&&*column.field.name));
     Table::new("metrics", "", columns).unwrap()
 }
 
@@ -77,13 +74,14 @@ fn judged(study: &Setup, metrics: Option<&Table>, answers: Option<&Table>) -> Ta
         ..Gallery::default()
     };
     let calibration = Calibration::thesis();
-    let known = Known { study, calibration: &calibration, metrics };
-    // Of replays no other columns are read from their file.
-    let read = replayed_columns();
-    let replays = metrics.map(|all| {
-        let columns = all.columns().iter().filter(|c| read.contains(&c.field.name.as_ref()));
-        Table::new("replay", "", columns.cloned().collect()).unwrap()
-    });
+    // As they are read from their files: what is looked at and not listed is not there.
+    let read = |all: &Table, listed: Vec<&str>| {
+        let columns = all.columns().iter().filter(|c| listed.contains(&c.field.name.as_ref()));
+        Table::new(all.name(), "", columns.cloned().collect()).unwrap()
+    };
+    let replays = metrics.map(|all| read(all, replayed_columns()));
+    let metrics = metrics.map(|all| read(all, metric_columns()));
+    let known = Known { study, calibration: &calibration, metrics: metrics.as_ref() };
     let derived = Derived {
         known,
         basis: Basis::Swept,
