@@ -1,6 +1,6 @@
 //! A Parquet file of ours, opened strictly: its footer checked, its columns not read yet.
 
-use crate::bounds::{MOST_COLUMN_BYTES, Said, check_footer_in, check_pages_in, check_size};
+use crate::bounds::{MOST_COLUMN_BYTES, Said, Why, check_footer_in, check_pages_in, check_size};
 use crate::codec::check_codecs;
 use crate::content::Content;
 use crate::memo::Memo;
@@ -157,7 +157,7 @@ impl ParquetFile {
         };
         check_pages_in(&self.content, &self.metadata, most, is_one)
             .map(drop)
-            .map_err(|why| unreadable(&self.path, DAMAGED, &why))
+            .map_err(|why| told(&self.path, why))
     }
 
     fn columns_of(&self, names: &[&str]) -> ProjectionMask {
@@ -232,7 +232,7 @@ fn said(
     if content.length() == 0 {
         return Err(StoreError::new(path, "the file is empty", DAMAGED));
     }
-    let said = check_footer_in(content).map_err(|why| unreadable(path, DAMAGED, &why))?;
+    let said = check_footer_in(content).map_err(|why| told(path, why))?;
     let Said { schema, rows, entries: mut footer } = said;
     // The writer of Arrow adds it by itself; our digest is without it.
     footer.remove(ARROW_SCHEMA_META_KEY);
@@ -295,6 +295,13 @@ pub fn guarded<T>(
 fn refused(error: &ParquetError) -> Option<&std::io::Error> {
     let ParquetError::External(error) = error else { return None };
     error.downcast_ref().filter(|error: &&std::io::Error| error.raw_os_error().is_some())
+}
+
+fn told(path: &Path, why: Why) -> StoreError {
+    match why {
+        Why::Claim(words) => unreadable(path, DAMAGED, &words),
+        Why::System(error) => StoreError::io(path, "read", &error),
+    }
 }
 
 fn unreadable(path: &Path, remedy: &str, why: &str) -> StoreError {

@@ -38,7 +38,7 @@ pub enum Values {
     Float(Vec<Option<f64>>),
     /// Whole numbers.
     Integer(Vec<Option<i64>>),
-    /// Texts; one that comes back row after row is kept once.
+    /// Texts; one that comes back a few rows later is kept once.
     Text(Vec<Option<Arc<str>>>),
     /// Yes or no.
     Flag(Vec<Option<bool>>),

@@ -11,6 +11,7 @@ use crate::content::Content;
 use bytes::Bytes;
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 use std::collections::BTreeMap;
+use std::io;
 use std::ops::Range;
 use std::path::Path;
 use std::string::FromUtf8Error;
@@ -38,6 +39,36 @@ const MAGIC: &[u8; 4] = b"PAR1";
 /// Bytes behind the footer: its length and [`MAGIC`].
 const TAIL: usize = 8;
 
+/// Why a file cannot be read.
+#[derive(Debug)]
+pub(crate) enum Why {
+    /// What is wrong with it, in words.
+    Claim(String),
+    /// The operating system does not give it: that says nothing of the file.
+    System(io::Error),
+}
+
+impl From<String> for Why {
+    fn from(words: String) -> Self {
+        Self::Claim(words)
+    }
+}
+
+impl From<&str> for Why {
+    fn from(words: &str) -> Self {
+        Self::Claim(words.to_owned())
+    }
+}
+
+impl From<io::Error> for Why {
+    fn from(error: io::Error) -> Self {
+        match error.raw_os_error() {
+            Some(_) => Self::System(error),
+            None => Self::Claim(error.to_string()),
+        }
+    }
+}
+
 /// Checks what the footer of a Parquet file claims, as far as the decoder would believe it.
 ///
 /// # Errors
@@ -60,14 +91,14 @@ pub(crate) struct Said {
 ///
 /// # Errors
 /// Those of [`check_footer`]; the disk's.
-pub(crate) fn check_footer_in(content: &Content) -> Result<Said, String> {
-    let read = |from: u64, length: usize| content.range(from, length).map_err(|e| e.to_string());
+pub(crate) fn check_footer_in(content: &Content) -> Result<Said, Why> {
+    let read = |from: u64, length: usize| content.range(from, length);
     let end = content.length().checked_sub(TAIL as u64).ok_or(NO_FOOTER)?;
     let tail = read(end, TAIL)?;
     let (length, magic) = tail.split_first_chunk::<4>().ok_or(NO_FOOTER)?;
     let length = u32::from_le_bytes(*length) as usize;
     if magic != MAGIC || read(0, MAGIC.len())?.as_ref() != MAGIC {
-        return Err(NO_FOOTER.to_owned());
+        return Err(NO_FOOTER.into());
     }
     let from = end.checked_sub(length as u64).ok_or(NO_FOOTER)?;
     // Before it is read.
@@ -77,7 +108,7 @@ pub(crate) fn check_footer_in(content: &Content) -> Result<Said, String> {
     let text = |bytes: Range<usize>| String::from_utf8(footer[bytes].to_vec());
     let entries = entries.into_iter().map(|(key, value)| Ok((text(key)?, text(value)?)));
     let entries: Result<_, FromUtf8Error> = entries.collect();
-    let entries = entries.map_err(|_| "its footer is no text".to_owned())?;
+    let entries = entries.map_err(|_| "its footer is no text")?;
     Ok(Said { schema: footer.slice(schema), rows, entries })
 }
 
@@ -171,31 +202,38 @@ pub fn check_pages(
         let from = usize::try_from(from).ok()?;
         bytes.get(from..from.checked_add(length)?)
     };
-    check_each_chunk(pages, metadata, MOST_COLUMN_BYTES, wanted)
+    let pages = |from: u64, length: usize| Ok(pages(from, length));
+    check_each_chunk(pages, metadata, MOST_COLUMN_BYTES, wanted).map_err(|why| match why {
+        Why::Claim(words) => words,
+        Why::System(error) => error.to_string(),
+    })
 }
 
 /// [`check_pages`] of a file of which one column chunk is read at a time; a column may unpack to
 /// `most` bytes.
 ///
 /// # Errors
-/// Those of [`check_pages`].
+/// Those of [`check_pages`]; the disk's.
 pub(crate) fn check_pages_in(
     content: &Content,
     metadata: &ParquetMetaData,
     most: u64,
     wanted: impl Fn(usize) -> bool,
-) -> Result<u64, String> {
-    let pages = |from: u64, length: usize| content.range(from, length).ok();
+) -> Result<u64, Why> {
+    let pages = |from: u64, length: usize| match content.range(from, length) {
+        Err(error) if error.raw_os_error().is_some() => Err(Why::System(error)),
+        read => Ok(read.ok()),
+    };
     check_each_chunk(pages, metadata, most, wanted)
 }
 
 /// `pages_at` gives the bytes of a file from a place on, so many of them, if it has them.
 fn check_each_chunk<B: AsRef<[u8]>>(
-    pages_at: impl Fn(u64, usize) -> Option<B>,
+    pages_at: impl Fn(u64, usize) -> Result<Option<B>, Why>,
     metadata: &ParquetMetaData,
     most: u64,
     wanted: impl Fn(usize) -> bool,
-) -> Result<u64, String> {
+) -> Result<u64, Why> {
     let mut unpacked = vec![0_u64; metadata.file_metadata().schema_descr().num_columns()];
     for group in metadata.row_groups() {
         for (place, column) in
@@ -204,11 +242,12 @@ fn check_each_chunk<B: AsRef<[u8]>>(
             let name = || column.column_path().string();
             let damaged = || format!("the pages of column {} are damaged", name());
             let (from, length) = place_of(column).ok_or_else(damaged)?;
-            let pages = pages_at(from, length).ok_or_else(damaged)?;
+            let pages = pages_at(from, length)?.ok_or_else(damaged)?;
             let length = unpacked_length(pages.as_ref()).ok_or_else(damaged)?;
             unpacked[place] = unpacked[place].saturating_add(length);
             if unpacked[place] > most {
-                return Err(format!("column {} unpacks to more than {most} bytes", name()));
+                let most = format!("column {} unpacks to more than {most} bytes", name());
+                return Err(most.into());
             }
         }
     }

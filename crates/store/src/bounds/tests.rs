@@ -219,3 +219,25 @@ fn a_file_of_ours_with_any_byte_of_its_tail_changed_is_an_error_or_the_same_and_
         }
     }
 }
+
+/// A file that is open for writing alone gives what a disk does that fails in the middle.
+#[test]
+fn a_file_that_the_system_does_not_give_is_not_called_damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.parquet");
+    let column = Arc::new(Float64Array::from(vec![1.0; 100])) as ArrayRef;
+    let batch = RecordBatch::try_from_iter([("a", column)]).unwrap();
+    let bytes = write_table(&batch, BTreeMap::new(), &path).unwrap();
+    std::fs::write(&path, &bytes).unwrap();
+    let metadata =
+        ParquetMetaDataReader::new().parse_and_finish(&bytes::Bytes::from(bytes)).unwrap();
+    let content = |file| Content::on_disk(file, std::fs::metadata(&path).unwrap().len());
+    let pages = |content: &Content| check_pages_in(content, &metadata, MOST_COLUMN_BYTES, |_| true);
+    let read = content(std::fs::File::open(&path).unwrap());
+    assert!(check_footer_in(&read).is_ok() && pages(&read).is_ok());
+    let refused = content(std::fs::File::options().append(true).open(&path).unwrap());
+    assert!(matches!(check_footer_in(&refused), Err(Why::System(_))));
+    assert!(matches!(pages(&refused), Err(Why::System(_))));
+    let cut = Content::on_disk(std::fs::File::open(&path).unwrap(), 4);
+    assert!(matches!(pages(&cut), Err(Why::Claim(what)) if what.contains("damaged")));
+}

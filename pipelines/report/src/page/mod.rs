@@ -22,6 +22,7 @@ pub use turned::{TURNED, Turn, TurnedError, turned_script};
 
 use maud::{DOCTYPE, PreEscaped, html};
 use parts::Part;
+use single::DATA;
 use std::io::{self, BufWriter, Write};
 
 const STYLE: &str = include_str!("page.css");
@@ -56,9 +57,6 @@ pub struct PageHtml {
     /// None where it has no script that knows anything.
     after: Option<String>,
 }
-
-/// What stands before that.
-const DATA: &str = "<script id=\"study-data\" type=\"application/json\">";
 
 /// The page in HTML. Texts are shown as they stand, whatever is in them.
 pub fn page_html(page: &Page) -> PageHtml {

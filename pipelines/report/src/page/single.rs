@@ -9,8 +9,8 @@ use std::io;
 const BESIDE: [&str; 2] = ["\"single_file\":false", "\"single_file\":true"];
 /// How the page names a picture.
 const PICTURE: &str = "src=\"figures/";
-/// What samples are brought in before.
-const DATA: &str = "<script id=\"study-data\"";
+/// What stands before what the page's script knows of the study: samples are brought in before it, too.
+pub(super) const DATA: &str = "<script id=\"study-data\" type=\"application/json\">";
 /// How a trial names the script that holds its samples.
 const KEY: &str = "\"data\":\"";
 
