@@ -64,27 +64,54 @@ use rayon::prelude::*;
 use zwidth_runner::Job;
 use zwidth_store::{Findings, StudyData};
 
+/// A stage, and jobs of it that the data alone give.
+type OfData = (&'static str, fn(&StudyData) -> Vec<Job>);
+
+/// Each after those whose results it reads.
+const OF_DATA: [OfData; 13] = [
+    ("characterise", characterise::jobs),
+    ("identify", identify::jobs),
+    // Some of them rest on the identified plant.
+    ("metrics", metrics::jobs),
+    ("average", average::jobs),
+    ("freemotion", freemotion::jobs),
+    ("ladder", ladder::jobs),
+    ("replay", replay::jobs),
+    ("replay", courses::jobs),
+    ("replay", runs::jobs),
+    ("likert", likert::jobs),
+    ("compare", compare::jobs),
+    ("trade", trade::jobs),
+    ("simulate", scenes::jobs),
+];
+
+/// Stages of whose name there is a figure too, or a file of the page.
+const NAMESAKES: [&str; 2] = ["likert", "replay"];
+
+/// What a run looks at who asks for what is called as a stage is: its jobs, among those of the stages
+/// before it, on which it may rest, and the tables. Of a large study they are planned in a fraction
+/// of the time of all. None where the stage has no jobs, or needs more.
+pub fn jobs_of_stage(data: &StudyData, stage: &str) -> Option<Vec<Job>> {
+    let last = OF_DATA.iter().rposition(|(name, _)| *name == stage)?;
+    if NAMESAKES.contains(&stage) {
+        return None;
+    }
+    let mut jobs = of_data(data, &OF_DATA[..=last]);
+    let is_any = jobs.iter().any(|job| job.stage.name == stage);
+    jobs.extend(tables::jobs(data));
+    is_any.then_some(jobs)
+}
+
+fn of_data(data: &StudyData, stages: &[OfData]) -> Vec<Job> {
+    let jobs: Vec<_> = stages.par_iter().map(|(_, jobs)| jobs(data)).collect();
+    jobs.into_iter().flatten().collect()
+}
+
 /// Every job of a study, of which this was found.
 pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
-    let of_data: [fn(&StudyData) -> Vec<Job>; 13] = [
-        characterise::jobs,
-        // Before the metrics, of which some rest on it.
-        identify::jobs,
-        metrics::jobs,
-        average::jobs,
-        freemotion::jobs,
-        ladder::jobs,
-        replay::jobs,
-        courses::jobs,
-        runs::jobs,
-        likert::jobs,
-        compare::jobs,
-        trade::jobs,
-        scenes::jobs,
-    ];
     // Side by side: in a study of tens of thousands of trials that takes as long as all else.
-    let (of_data, (figures, tables, page, summary)) = rayon::join(
-        || of_data.into_par_iter().map(|jobs| jobs(data)).collect::<Vec<_>>(),
+    let (mut jobs, (figures, tables, page, summary)) = rayon::join(
+        || of_data(data, &OF_DATA),
         || {
             let (figures, tables) = rayon::join(|| figures::made(data), || tables::jobs(data));
             let page = || page::jobs(data, found, &figures);
@@ -92,7 +119,6 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
             (figures, tables, page, summary)
         },
     );
-    let mut jobs: Vec<Job> = of_data.into_iter().flatten().collect();
     jobs.extend(report::jobs(data, &figures));
     jobs.extend(tables);
     let captions = (!figures.is_empty()).then(|| captions::job(data, &figures));

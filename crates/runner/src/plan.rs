@@ -2,34 +2,43 @@
 
 use crate::Job;
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashMap, HashSet};
-use std::ffi::{OsStr, OsString};
-use std::path::PathBuf;
+use std::collections::{BTreeSet, HashMap};
+use std::ffi::OsStr;
 
-/// For each job, the jobs whose outputs it reads.
-pub(crate) fn needs(jobs: &[Job]) -> Vec<BTreeSet<usize>> {
-    // Paths of one plan are written alike, and their bytes are compared sooner than their names.
-    let maker: HashMap<&OsStr, usize> = jobs
-        .iter()
-        .enumerate()
-        .flat_map(|(i, job)| job.outputs.iter().map(move |output| (output.as_os_str(), i)))
-        .collect();
-    let numbered = jobs.par_iter().enumerate();
-    numbered
-        .map(|(i, job)| {
-            let inputs = job.inputs();
-            let makers = inputs.iter().filter_map(|file| maker.get(file.as_os_str()).copied());
-            // A job that reads its own output would wait for itself for ever.
-            makers.filter(|maker| *maker != i).collect()
-        })
-        .collect()
+/// Which job makes a file.
+struct Makers<'j>(HashMap<&'j OsStr, usize>);
+
+impl<'j> Makers<'j> {
+    fn of(jobs: &'j [Job]) -> Self {
+        // Paths of one plan are written alike, and their bytes are compared sooner than their names.
+        let made = |(i, job): (usize, &'j Job)| {
+            job.outputs.iter().map(move |output| (output.as_os_str(), i))
+        };
+        Self(jobs.iter().enumerate().flat_map(made).collect())
+    }
+
+    /// The jobs whose outputs this one reads.
+    fn needed_by(&self, jobs: &[Job], i: usize) -> BTreeSet<usize> {
+        let inputs = jobs[i].inputs();
+        let makers = inputs.iter().filter_map(|file| self.0.get(file.as_os_str()).copied());
+        // A job that reads its own output would wait for itself for ever.
+        makers.filter(|maker| *maker != i).collect()
+    }
 }
 
-/// Groups of job indices: a group needs only outputs of earlier groups. Jobs that need each other
-/// in a circle come last, together (they fail when they find an input missing).
-pub(crate) fn levels(jobs: &[Job]) -> Vec<Vec<usize>> {
-    let needs = needs(jobs);
-    let mut waiting: BTreeSet<usize> = (0..jobs.len()).collect();
+/// For each job that is wanted, the jobs whose outputs it reads; for the others none.
+pub(crate) fn needs(jobs: &[Job], wanted: &[bool]) -> Vec<BTreeSet<usize>> {
+    let makers = Makers::of(jobs);
+    let of = |(i, wanted): (usize, &bool)| wanted.then(|| makers.needed_by(jobs, i));
+    wanted.par_iter().enumerate().map(|job| of(job).unwrap_or_default()).collect()
+}
+
+/// Groups of indices of jobs that are wanted: a group needs only outputs of earlier groups, and of
+/// jobs that are not. Jobs that need each other in a circle come last, together (they fail when they
+/// find an input missing).
+pub(crate) fn levels(jobs: &[Job], wanted: &[bool]) -> Vec<Vec<usize>> {
+    let needs = needs(jobs, wanted);
+    let mut waiting: BTreeSet<usize> = (0..jobs.len()).filter(|i| wanted[*i]).collect();
     let mut levels = Vec::new();
     while !waiting.is_empty() {
         let ready: Vec<usize> =
@@ -41,24 +50,17 @@ pub(crate) fn levels(jobs: &[Job]) -> Vec<Vec<usize>> {
     levels
 }
 
-/// The chosen jobs and every job whose outputs they need, however far back, in the order given.
+/// The chosen jobs and every job whose outputs they need, however far back.
 pub(crate) fn with_needs(jobs: &[Job], chosen: impl Fn(&Job) -> bool + Sync) -> Vec<bool> {
     let mut keep: Vec<bool> = jobs.par_iter().map(&chosen).collect();
-    loop {
-        let kept = jobs.iter().zip(&keep).filter(|(_, keep)| **keep);
-        let needed: HashSet<OsString> =
-            kept.flat_map(|(job, _)| job.inputs()).map(PathBuf::into_os_string).collect();
-        let more: Vec<usize> = (0..jobs.len())
-            .into_par_iter()
-            .filter(|i| {
-                !keep[*i] && jobs[*i].outputs.iter().any(|o| needed.contains(o.as_os_str()))
-            })
-            .collect();
-        if more.is_empty() {
-            return keep;
-        }
-        more.into_iter().for_each(|i| keep[i] = true);
+    let makers = Makers::of(jobs);
+    let mut added: Vec<usize> = (0..jobs.len()).filter(|i| keep[*i]).collect();
+    while !added.is_empty() {
+        let needed: Vec<_> = added.into_par_iter().map(|i| makers.needed_by(jobs, i)).collect();
+        let is_new = |i: &usize| !std::mem::replace(&mut keep[*i], true);
+        added = needed.into_iter().flatten().filter(is_new).collect();
     }
+    keep
 }
 
 /// All jobs, or those that are called so ([`Job::is_called`]) and those whose

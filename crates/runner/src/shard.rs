@@ -106,13 +106,14 @@ pub(crate) fn ready<S: Clone + PartialEq>(
     share_of: impl Fn(&Job) -> Option<S>,
     up_to_date: &[bool],
 ) -> Vec<Option<S>> {
-    let needs = needs(jobs);
+    let shares: Vec<Option<S>> = jobs.iter().map(share_of).collect();
+    let is_shared: Vec<bool> = shares.iter().map(Option::is_some).collect();
+    let needs = needs(jobs, &is_shared);
     let mut ready = vec![None; jobs.len()];
-    for i in levels(jobs).into_iter().flatten() {
-        let share = share_of(&jobs[i]);
-        let is_there = |maker: &usize| up_to_date[*maker] || ready[*maker] == share;
-        if share.is_some() && needs[i].iter().all(is_there) {
-            ready[i] = share;
+    for i in levels(jobs, &is_shared).into_iter().flatten() {
+        let is_there = |maker: &usize| up_to_date[*maker] || ready[*maker] == shares[i];
+        if needs[i].iter().all(is_there) {
+            ready[i].clone_from(&shares[i]);
         }
     }
     ready

@@ -66,8 +66,8 @@ pub(crate) fn states_by<'j>(
 ) -> Vec<State<'j>> {
     let wanted = with_needs(jobs, chosen);
     let mut states = Vec::new();
-    for level in levels(jobs) {
-        let work: Vec<&Job> = level.into_iter().filter(|i| wanted[*i]).map(|i| &jobs[i]).collect();
+    for level in levels(jobs, &wanted) {
+        let work: Vec<&Job> = level.into_iter().map(|i| &jobs[i]).collect();
         let state = |job: &&'j Job| {
             let now = Record::now(job, root, hashes);
             let before = records.get(&job.name);

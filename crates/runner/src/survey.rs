@@ -137,7 +137,7 @@ fn compare(
     let mut offered: Vec<Vec<usize>> = vec![Vec::new(); jobs.len()];
     // Those that others need first: what a shard made is what its next job read.
     let wanted = with_needs(jobs, |job| job.part.is_some());
-    for i in levels(jobs).into_iter().flatten().filter(|i| wanted[*i]) {
+    for i in levels(jobs, &wanted).into_iter().flatten() {
         let job = &jobs[i];
         let now = Record::now(job, root, hashes);
         let before = records.get(&job.name);

@@ -327,6 +327,61 @@ fn only_makes_a_stage_a_figure_or_a_table_and_what_it_needs() {
     ]);
 }
 
+/// A job by the records of a run: its stage, what it read and what it made.
+struct Recorded {
+    name: String,
+    stage: String,
+    inputs: BTreeSet<String>,
+    outputs: BTreeSet<String>,
+}
+
+fn recorded(root: &Path) -> Vec<Recorded> {
+    let text = fs::read_to_string(root.join("derived/thesis-twin/records.json")).unwrap();
+    let records: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let paths = |of: &serde_json::Value| of.as_object().unwrap().keys().cloned().collect();
+    let job = |(name, record): (&String, &serde_json::Value)| Recorded {
+        name: name.clone(),
+        stage: record["stage"].as_str().unwrap().to_owned(),
+        inputs: paths(&record["inputs"]),
+        outputs: paths(&record["outputs"]),
+    };
+    records.as_object().unwrap().iter().map(job).collect()
+}
+
+/// The jobs that are called so, by stage, name or the stem of an output, and those whose outputs they
+/// read.
+fn called(jobs: &[Recorded], name: &str) -> BTreeSet<String> {
+    let is_stem = |path: &String| Path::new(path).file_stem().unwrap() == name;
+    let is_called =
+        |job: &&Recorded| job.stage == name || job.name == name || job.outputs.iter().any(is_stem);
+    let mut found: Vec<&Recorded> = jobs.iter().filter(is_called).collect();
+    let mut names = BTreeSet::new();
+    while let Some(job) = found.pop() {
+        if names.insert(job.name.clone()) {
+            found.extend(jobs.iter().filter(|maker| !maker.outputs.is_disjoint(&job.inputs)));
+        }
+    }
+    names
+}
+
+/// A run that is asked for a stage does not plan all others.
+#[test]
+fn only_a_stage_makes_what_a_whole_run_makes_of_it_and_for_it() {
+    let root = shipped::finished();
+    let jobs = recorded(root.path());
+    let stages: BTreeSet<&str> = jobs.iter().map(|job| job.stage.as_str()).collect();
+    assert!(stages.len() > 12, "{stages:?}");
+    for stage in stages {
+        let words = ["run", "--fresh", "--dry-run", "--json", "--only", stage];
+        let found = zwidth(root.path(), &words).exits(0).made();
+        assert_eq!(BTreeSet::from_iter(found), called(&jobs, stage), "{stage}");
+    }
+    let before = listing(root.path());
+    let made = zwidth(root.path(), &["run", "--fresh", "--json", "--only", "metrics"]).exits(0);
+    assert!(made.made().contains(&"table metrics".to_owned()));
+    assert_eq!(listing(root.path()), before, "and the records of all others are kept");
+}
+
 #[test]
 fn a_dry_run_says_what_would_be_made_and_makes_nothing() {
     let root = shipped::raw();

@@ -83,6 +83,7 @@ pub fn run(
         (false, None) => results.hold()?,
     };
     let wanted = wanted(jobs, results, options)?;
+    let begun = Instant::now();
     let (read, mut board) = rayon::join(
         || records_before(jobs, &wanted, results, options),
         || Board::new(jobs, &wanted, &options.seen),
@@ -94,7 +95,8 @@ pub fn run(
     board.unsaved = !remarks.is_empty() || options.shard.is_some();
     let (hashes, board) = (Hashes::seen(&options.known, options.seen.clone()), Mutex::new(board));
     let (trials, planned) = (Lately::seeing(options.seen.clone()), outputs(jobs));
-    let saved = Mutex::new((Instant::now(), Duration::ZERO));
+    // Until they are saved once: to save them takes about as long as it took to read them.
+    let saved = Mutex::new((Instant::now(), begun.elapsed()));
     let run = Run { jobs, before, results, options, done, hashes, trials, planned, board, saved };
     for begin in [Board::waiting_for_none, Board::in_a_circle] {
         let ready = begin(&mut run.board());
@@ -184,12 +186,12 @@ struct Board<'j> {
 
 impl<'j> Board<'j> {
     fn new(jobs: &'j [Job], wanted: &[bool], seen: &'j Seen) -> Self {
-        let needs = needs(jobs);
+        let needs = needs(jobs, wanted);
         // What nobody asked for is not waited for: it lies there.
         let waits_for = |i: usize| needs[i].iter().filter(|maker| wanted[**maker]).count();
         let mut readers = vec![Vec::new(); jobs.len()];
-        for i in (0..jobs.len()).filter(|i| wanted[*i]) {
-            needs[i].iter().for_each(|maker| readers[*maker].push(i));
+        for (i, makers) in needs.iter().enumerate() {
+            makers.iter().for_each(|maker| readers[*maker].push(i));
         }
         Board {
             jobs,
@@ -202,7 +204,11 @@ impl<'j> Board<'j> {
             waits: (0..jobs.len()).map(|i| wanted[i].then(|| waits_for(i))).collect(),
             ready: BTreeSet::new(),
             at_work: BTreeSet::new(),
-            large: jobs.par_iter().map(|job| reads_much(job, seen)).collect(),
+            large: jobs
+                .par_iter()
+                .zip(wanted)
+                .map(|(job, wanted)| *wanted && reads_much(job, seen))
+                .collect(),
             large_runs: false,
             held: VecDeque::new(),
             stayed: Vec::new(),

@@ -17,7 +17,7 @@ use zwidth_plan as plan;
 use zwidth_runner::{
     Done, Job, JobEnd, Options, Report, Results, run as run_jobs, waiting, wanted,
 };
-use zwidth_store::{Layout, RealFiles, Seen, StoreError, StudyData, findings};
+use zwidth_store::{Findings, Layout, RealFiles, Seen, StoreError, StudyData, findings};
 use zwidth_study::StudyId;
 
 /// What `--json` prints of a study.
@@ -97,8 +97,7 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let seen = if command.fresh { Seen::nothing(layout) } else { Seen::of(layout) };
     let data = StudyData::load_seen(&seen, layout).map_err(|findings| join_findings(&findings))?;
     let found = findings(&RealFiles, &data);
-    let mut jobs = plan::jobs(&data, &found);
-    jobs.extend(on_demand(&data, &jobs, command));
+    let jobs = planned(&data, &found, command);
     check_only(&jobs, layout.study(), command)?;
     let options = Options {
         fresh: command.fresh,
@@ -163,6 +162,16 @@ fn lengths(jobs: &[Job], wanted: &[bool]) -> Vec<(&'static str, usize)> {
         jobs.iter().zip(wanted).filter(|(job, wanted)| **wanted && job.stage.name == stage).count()
     };
     plan::STAGES.into_iter().map(|stage| (stage, of(stage))).filter(|(_, n)| *n > 0).collect()
+}
+
+/// The jobs among which are all that a run looks at.
+fn planned(data: &StudyData, found: &Findings, command: &Run) -> Vec<Job> {
+    let stage = command.only.as_deref().filter(|_| command.shard.is_none());
+    stage.and_then(|stage| plan::jobs_of_stage(data, stage)).unwrap_or_else(|| {
+        let mut jobs = plan::jobs(data, found);
+        jobs.extend(on_demand(data, &jobs, command));
+        jobs
+    })
 }
 
 /// The figure that `--only` asks for, where a run makes it on demand alone.
