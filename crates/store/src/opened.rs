@@ -33,6 +33,16 @@ use std::sync::Arc;
 use zwidth_study::Schema;
 
 pub(crate) const DAMAGED: &str = "restore the file from a copy, or exclude the trial";
+
+/// What to do with a table that is damaged: unlike a recording it can be made again.
+const MADE_AGAIN: &str = "remove the file, and `zwidth run` makes it again";
+
+/// An error of a table's file.
+pub(crate) fn table_error(error: StoreError) -> StoreError {
+    let is_damaged = error.remedy == DAMAGED;
+    StoreError { remedy: if is_damaged { MADE_AGAIN.to_owned() } else { error.remedy }, ..error }
+}
+
 /// Rows that are decoded at a time: what a file claims decides no allocation.
 pub(crate) const BATCH_ROWS: usize = 1 << 16;
 

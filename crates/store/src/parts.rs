@@ -3,7 +3,7 @@
 
 use crate::bounds::MOST_RECORDED_BYTES;
 use crate::encode::derived;
-use crate::opened::{DAMAGED, ParquetFile, guarded};
+use crate::opened::{DAMAGED, ParquetFile, guarded, table_error};
 use crate::write::{all_entries, cannot_encode};
 use crate::{RealFiles, StoreError};
 use arrow::array::{RecordBatch, RecordBatchReader as _};
@@ -34,6 +34,10 @@ impl TableParts {
     /// # Errors
     /// A file that cannot be read.
     pub fn open(path: &Path, names: Option<&[&str]>) -> Result<Self, StoreError> {
+        Self::opened(path, names).map_err(table_error)
+    }
+
+    fn opened(path: &Path, names: Option<&[&str]>) -> Result<Self, StoreError> {
         let file = match names {
             Some(_) => ParquetFile::open_columns(path)?,
             None => ParquetFile::open(&RealFiles, path)?,
@@ -62,7 +66,8 @@ impl Iterator for TableParts {
     type Item = Result<RecordBatch, StoreError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let next = guarded(&self.path, DAMAGED, || Ok(self.reader.next().transpose()?)).transpose();
+        let next = guarded(&self.path, DAMAGED, || Ok(self.reader.next().transpose()?));
+        let next = next.map_err(table_error).transpose();
         let is_first = !std::mem::replace(&mut self.is_begun, true);
         let empty = || Ok(RecordBatch::new_empty(self.reader.schema()));
         next.or_else(|| is_first.then(empty))

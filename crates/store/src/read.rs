@@ -3,7 +3,7 @@
 use crate::bounds::MOST_VALUES;
 use crate::columns::{Columns, Values};
 use crate::footer::{form_of, meta_from, recorded, rest_of};
-use crate::opened::ParquetFile;
+use crate::opened::{ParquetFile, table_error};
 use crate::seen::Signals;
 use crate::trial::{check_column, check_time};
 use crate::values::column_values;
@@ -315,17 +315,20 @@ impl Columns for OpenColumns {
 /// Reads any Parquet file that [`crate::write_parquet`] or [`crate::write_table`] wrote, whole: its
 /// rows and its footer.
 pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
-    let file = ParquetFile::open(&RealFiles, path)?;
-    let columns = file.columns()?;
-    let schema = columns.schema().clone();
-    let names: Vec<&str> = schema.fields().iter().map(|f| f.name().as_str()).collect();
-    let batch = file.read(columns, &names)?;
-    Ok((batch, file.footer))
+    let read = || {
+        let file = ParquetFile::open(&RealFiles, path)?;
+        let columns = file.columns()?;
+        let schema = columns.schema().clone();
+        let names: Vec<&str> = schema.fields().iter().map(|f| f.name().as_str()).collect();
+        let batch = file.read(columns, &names)?;
+        Ok((batch, file.footer))
+    };
+    read().map_err(table_error)
 }
 
 /// The footer of such a file, and how many rows it has.
 pub fn read_entries(path: &Path) -> Result<(BTreeMap<String, String>, usize), StoreError> {
-    let file = ParquetFile::open(&RealFiles, path)?;
+    let file = ParquetFile::open(&RealFiles, path).map_err(table_error)?;
     Ok((file.footer, file.rows))
 }
 

@@ -111,6 +111,23 @@ fn a_damaged_sweep_is_found_and_told_while_the_trials_are_analysed() {
 }
 
 #[test]
+fn a_damaged_table_is_told_with_what_makes_it_again() {
+    let study = study();
+    let run = || drop(zwidth(study.root(), &["run", "--only", "metrics"]).exits(0));
+    run();
+    let path = study.layout().derived().join("metrics.parquet");
+    let whole = fs::read(&path).unwrap();
+    let words = ["metrics.parquet", "remove the file, and `zwidth run` makes it again"];
+    for bytes in [0, whole.len() / 2, whole.len() - 1] {
+        truncate(&path, bytes);
+        zwidth(study.root(), &["table", "files", "metrics"]).exits(1).says(&words);
+        fs::remove_file(&path).unwrap();
+        run();
+        assert_eq!(fs::read(&path).unwrap(), whole);
+    }
+}
+
+#[test]
 fn a_sweep_of_which_the_schema_alone_is_damaged_is_left_out_and_its_actuator_has_no_sweep() {
     let study = study();
     let path = study.root().join("raw/files/sweeps/actuator=motor/sweep-01.parquet");
