@@ -166,7 +166,7 @@ fn lengths(jobs: &[Job], wanted: &[bool]) -> Vec<(&'static str, usize)> {
 
 /// The jobs among which are all that a run looks at.
 fn planned(data: &StudyData, found: &Findings, command: &Run) -> Vec<Job> {
-    let stage = command.only.as_deref().filter(|_| command.shard.is_none());
+    let stage = command.only.as_deref();
     stage.and_then(|stage| plan::jobs_of_stage(data, stage)).unwrap_or_else(|| {
         let mut jobs = plan::jobs(data, found);
         jobs.extend(on_demand(data, &jobs, command));
