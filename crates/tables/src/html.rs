@@ -26,10 +26,10 @@ fn heading(column: &Shown) -> String {
     )
 }
 
-/// A cell. Digits need no escape in HTML.
+/// A cell. Digits alone need no escape in HTML.
 fn content(cell: &Cell) -> String {
     match cell {
-        Cell::Number(number) if number.exponent.is_none() => number.typeset(),
+        Cell::Number(number) if number.exponent.is_none() && !number.below => number.typeset(),
         _ => escape(&cell.typeset()),
     }
 }
@@ -63,6 +63,7 @@ fn escape(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::shown::tests::sample;
+    use crate::{Column, Table};
 
     #[test]
     fn the_sample_is_a_table_with_caption_units_and_footer() {
@@ -81,6 +82,13 @@ mod tests {
 </table>
 "#;
         assert_eq!(Seen::of(&sample(), html), expect);
+    }
+
+    #[test]
+    fn the_sign_of_a_small_p_value_opens_no_tag() {
+        let p = Column::float("p_value", "1", "", [Some(0.0)]);
+        let text = Seen::of(&Table::new("t", "", vec![p]).unwrap(), html);
+        assert!(text.contains(r#"<td class="number">&lt; 0.001</td>"#), "{text}");
     }
 
     #[test]

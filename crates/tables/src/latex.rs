@@ -154,7 +154,7 @@ fn set(placed: &Placed, cell: &Cell) -> String {
     }
 }
 
-/// `l`, a paragraph, or siunitx' `S` with room for the longest of sign, whole part, decimals and
+/// `l`, a paragraph, or siunitx' `S` with room for the longest of `<`, sign, whole part, decimals and
 /// power.
 fn column_type(placed: &Placed) -> String {
     if let Some(share) = placed.share {
@@ -171,7 +171,7 @@ fn column_type(placed: &Placed) -> String {
         return "r".to_owned();
     }
     let room = placed.column.room;
-    let sign = if room.sign { "-" } else { "" };
+    let sign = if room.below { "<" } else { "" }.to_owned() + if room.sign { "-" } else { "" };
     let decimals = if room.decimals > 0 { format!(".{}", room.decimals) } else { String::new() };
     let power_sign = if room.power_sign { "-" } else { "" };
     let power = if room.power > 0 { format!("e{power_sign}{}", room.power) } else { String::new() };
@@ -214,6 +214,15 @@ mod tests {
         let table = Table::new("t", "", vec![column]).unwrap();
         assert!(Seen::of(&table, latex).contains("{@{}S[table-format=-2.3e-2]@{}}"));
     }
+
+    #[test]
+    fn a_small_p_value_is_a_number_with_room_for_its_sign() {
+        let column = Column::float("p_value", "1", "", [Some(0.0), Some(0.0942)]);
+        let text = Seen::of(&Table::new("t", "", vec![column]).unwrap(), latex);
+        assert!(text.contains("{@{}S[table-format=<1.4]@{}}"), "{text}");
+        assert!(text.contains("    <0.001 \\\\\n    0.0942 \\\\\n"), "{text}");
+    }
+
     #[test]
     fn a_table_of_several_pages_repeats_its_headings_and_keeps_its_number() {
         let numbers = |i: i32| (0..60).map(move |row| Some(f64::from(row + i) * 1000.5));

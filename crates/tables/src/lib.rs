@@ -25,7 +25,8 @@
 //! latter), and so are the ends of an interval (`[3.9, 4.2]`). Without
 //! either, a number has four significant digits (never fewer than its whole part, below a million;
 //! an exact `0.5` stays `0.5`). From 10⁶ on, and where more than seven decimals would be needed,
-//! powers of ten are used. There is no `-0`; null is `–`. CSV keeps every digit: the shortest text
+//! powers of ten are used. A p value (a pure number whose stem begins with `p_`) below 0.001 is
+//! `< 0.001`, never `0`. There is no `-0`; null is `–`. CSV keeps every digit: the shortest text
 //! that reads back as the same number, null is empty.
 
 mod csv;
@@ -61,7 +62,7 @@ pub use latex_escape::escape as escape_latex;
 pub use markdown::escape as escape_markdown;
 pub use parquet::About;
 pub use quantity::{given, quantity, with_unit};
-pub use rounding::number;
+pub use rounding::{number, p_value};
 pub use table::{Column, Field, NoteKind, SYNTHETIC, Table, Type, Values};
 pub use typst::expression as typst_expression;
 pub use unit::{shown_unit, split_unit};

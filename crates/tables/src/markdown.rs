@@ -17,10 +17,10 @@ pub(crate) fn markdown(&Seen { table, columns, .. }: &Seen) -> String {
     parts.join("\n\n") + "\n"
 }
 
-/// A cell. Digits need no escape in Markdown.
+/// A cell. Digits alone need no escape in Markdown.
 fn content(cell: &Cell) -> String {
     match cell {
-        Cell::Number(number) if number.exponent.is_none() => number.typeset(),
+        Cell::Number(number) if number.exponent.is_none() && !number.below => number.typeset(),
         _ => escape(&cell.typeset()),
     }
 }

@@ -11,10 +11,15 @@ const RESIDUE: f64 = 1e-9;
 const LARGE: i32 = 6;
 /// A number whose last digit stands below 10 to this power is shown with a power of ten.
 const SMALL: i32 = -7;
+/// Of a p value below this, only that is said (American Psychological Association, Numbers and
+/// Statistics Guide, 7th edition).
+const SMALLEST_P: f64 = 0.001;
 
 /// A rounded number: `mantissa × 10^exponent`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Decimal {
+    /// Whether what is shown lies below it: `< 0.001`.
+    pub(crate) below: bool,
     /// Digits with a point and an ASCII sign: `-12.30`.
     pub(crate) mantissa: String,
     /// The power of ten, where one is used.
@@ -26,24 +31,31 @@ impl Decimal {
         // What is rounded to nothing has no sign any more.
         let zero = !mantissa.contains(|c| matches!(c, '1'..='9'));
         let mantissa = if zero { mantissa.trim_start_matches('-').to_owned() } else { mantissa };
-        Self { mantissa, exponent }
+        Self { below: false, mantissa, exponent }
     }
 
     /// A whole number, all its digits.
     pub(crate) fn integer(value: i64) -> Self {
-        Self { mantissa: value.to_string(), exponent: None }
+        Self::new(value.to_string(), None)
     }
 
-    /// For programs: `-1.23e-7`.
+    /// A p value: `0.0123`, or `< 0.001`. None is 0, though a double may hold no smaller one.
+    pub(crate) fn p_value(value: f64) -> Self {
+        let below = value < SMALLEST_P;
+        Self { below, ..rounded(if below { SMALLEST_P } else { value }, None) }
+    }
+
+    /// For programs: `-1.23e-7`, `<0.001`.
     pub(crate) fn ascii(&self) -> String {
-        self.exponent.map_or_else(|| self.mantissa.clone(), |e| format!("{}e{e}", self.mantissa))
+        let power = self.exponent.map(|e| format!("e{e}")).unwrap_or_default();
+        format!("{}{}{power}", if self.below { "<" } else { "" }, self.mantissa)
     }
 
-    /// For people: `−1.23 × 10⁻⁷`, with spaces that do not break.
+    /// For people: `−1.23 × 10⁻⁷`, `< 0.001`, with spaces that do not break.
     pub(crate) fn typeset(&self) -> String {
-        let mantissa = self.mantissa.replace('-', "−");
-        self.exponent
-            .map_or_else(|| mantissa.clone(), |e| format!("{mantissa}\u{a0}×\u{a0}10{}", raised(e)))
+        let below = if self.below { "<\u{a0}" } else { "" };
+        let power = self.exponent.map(|e| format!("\u{a0}×\u{a0}10{}", raised(e)));
+        format!("{below}{}{}", self.mantissa.replace('-', "−"), power.unwrap_or_default())
     }
 }
 
@@ -51,6 +63,12 @@ impl Decimal {
 /// that is not known.
 pub fn number(value: f64, uncertainty: Option<f64>) -> String {
     rounded(value, uncertainty).typeset()
+}
+
+/// What follows `p` in a sentence: `= 0.0123`, or `< 0.001`.
+pub fn p_value(value: f64) -> String {
+    let p = Decimal::p_value(value);
+    format!("{} {}", if p.below { "<" } else { "=" }, p.mantissa)
 }
 
 fn raised(exponent: i32) -> String {
@@ -191,6 +209,11 @@ mod tests {
 
     #[test]
     fn people_read_a_real_minus_and_a_raised_power() {
+        assert_eq!(Decimal::p_value(1e-9).ascii(), "<0.001");
+        assert_eq!(
+            [1e-9, 0.001, 0.012_345, 1.0].map(p_value),
+            ["< 0.001", "= 0.001", "= 0.01235", "= 1"]
+        );
         assert_eq!(rounded(-1.234_56e-10, None).typeset(), "−1.235\u{a0}×\u{a0}10⁻¹⁰");
         assert_eq!(Decimal::integer(-3).typeset(), "−3");
     }

@@ -14,6 +14,8 @@ pub(crate) const MISSING: &str = "–";
 pub(crate) const WITH_SD: &str = " ± SD";
 /// How names of ratios begin.
 const RATIO: &str = "odds_ratio";
+/// How names of p values begin.
+const P_VALUE: &str = "p_";
 /// A space at which no line breaks.
 const NO_BREAK: char = '\u{a0}';
 
@@ -151,8 +153,16 @@ fn show(column: &Column, all: &[Column]) -> Option<Shown> {
             let common = words.trim_end_matches("low").trim_end().to_owned();
             Some(of_cells(column, common, intervals(values, highs, &uncertainties(field, all))))
         }
+        (Part::Estimate, None) if is_p_value(field) => {
+            let p_values = cells(values, |p| Cell::Number(Decimal::p_value(*p)));
+            Some(of_cells(column, words, p_values))
+        }
         _ => Some(of_cells(column, words, numbers(values, &uncertainties(field, all)))),
     }
+}
+
+fn is_p_value(field: &Field) -> bool {
+    field.unit == "1" && field.name.starts_with(P_VALUE)
 }
 
 fn of_cells(column: &Column, words: String, cells: Vec<Cell>) -> Shown {
@@ -288,6 +298,21 @@ pub(crate) mod tests {
         let table = Table::new("answers", "", columns).unwrap();
         assert_eq!(texts(&table, 0), ["27.87"]);
         assert_eq!(texts(&table, 1), ["[0.2721,\u{a0}9.083\u{a0}×\u{a0}10⁶]"]);
+    }
+
+    #[test]
+    fn a_small_p_value_is_below_a_thousandth_and_never_nothing() {
+        let p = [Some(0.0), Some(3e-165), Some(0.000_999_99), Some(0.001), Some(0.0942), None];
+        let columns = vec![
+            Column::float("p_adjusted", "1", "", p),
+            Column::float("pressure_pa", "Pa", "", p),
+            Column::float("p_std_error", "1", "", p),
+        ];
+        let table = Table::new("t", "", columns).unwrap();
+        let below = "<\u{a0}0.001";
+        assert_eq!(texts(&table, 0), [below, below, below, "0.001", "0.0942", "–"]);
+        assert_eq!(texts(&table, 1)[0], "0");
+        assert_eq!(texts(&table, 2)[0], "0", "the error of something that is called p");
     }
 
     #[test]

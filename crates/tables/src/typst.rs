@@ -119,7 +119,7 @@ fn set(placed: &Placed, hidden: &[String], cell: &Cell) -> String {
         Cell::Number(number) => {
             let decimals =
                 number.mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-            let seen = Decimal { mantissa: grouped(&number.mantissa), exponent: number.exponent };
+            let seen = Decimal { mantissa: grouped(&number.mantissa), ..*number };
             literal(&seen.typeset()) + hidden.get(decimals).map_or("", String::as_str)
         }
         Cell::Missing if placed.column.numeric => {

@@ -71,6 +71,8 @@ fn letter(letter: char) -> f64 {
 /// Room that the numbers of a column need when their points stand below each other.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Room {
+    /// Whether one of them is only known to lie below what is shown.
+    pub(crate) below: bool,
     /// Whether one of them is negative.
     pub(crate) sign: bool,
     /// Digits before the point.
@@ -98,6 +100,7 @@ impl Room {
         let (whole, decimals) = digits.split_once('.').unwrap_or((digits, ""));
         let power = number.exponent.map(|e| e.unsigned_abs().to_string().len());
         Self {
+            below: number.below,
             sign: number.mantissa.starts_with('-'),
             whole: whole.len(),
             decimals: decimals.len(),
@@ -108,6 +111,7 @@ impl Room {
 
     fn both(self, other: Self) -> Self {
         Self {
+            below: self.below || other.below,
             sign: self.sign || other.sign,
             whole: self.whole.max(other.whole),
             decimals: self.decimals.max(other.decimals),
@@ -119,10 +123,15 @@ impl Room {
     /// Its width.
     pub(crate) fn width(self) -> f64 {
         let digits = |n: usize| n as f64 + GROUP_GAP_DIGITS * (n.saturating_sub(1) / 3) as f64;
-        let sign = if self.sign { BROAD_DIGITS } else { 0.0 };
+        let before = |there| if there { BROAD_DIGITS } else { 0.0 };
         let point = if self.decimals > 0 { THIN_DIGITS } else { 0.0 };
         let power = if self.power > 0 { POWER_DIGITS + self.power as f64 } else { 0.0 };
-        sign + digits(self.whole) + point + digits(self.decimals) + power
+        before(self.below)
+            + before(self.sign)
+            + digits(self.whole)
+            + point
+            + digits(self.decimals)
+            + power
     }
 }
 
@@ -135,6 +144,7 @@ pub(crate) fn widest_cell(cells: &[Cell], room: Room) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rounding::rounded;
     use crate::shown::{shown, tests::sample};
 
     #[test]
@@ -147,10 +157,12 @@ mod tests {
     #[test]
     fn the_room_of_a_column_is_that_of_all_its_numbers_together() {
         let columns = shown(&sample());
-        let expect = Room { sign: true, whole: 1, decimals: 3, power: 0, power_sign: false };
+        let expect = Room { sign: true, whole: 1, decimals: 3, ..Room::default() };
         assert_eq!(Room::of(&columns[2].cells), expect);
-        let small = Room::number(&Decimal { mantissa: "1.25".to_owned(), exponent: Some(-12) });
-        assert_eq!(small, Room { sign: false, whole: 1, decimals: 2, power: 2, power_sign: true });
+        let small = Room::number(&rounded(1.251_6e-12, Some(1e-13)));
+        let expect_small =
+            Room { whole: 1, decimals: 2, power: 2, power_sign: true, ..Room::default() };
+        assert_eq!(small, expect_small);
         assert!(small.both(expect).width() > expect.width());
     }
 }

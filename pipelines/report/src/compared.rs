@@ -4,7 +4,7 @@ use crate::findings::Finding;
 use crate::gallery::Shown;
 use serde::Serialize;
 use zwidth_study::{EnvironmentId, ModeId, Setup, contrast_label};
-use zwidth_tables::{Table, TableError, Values, for_people, number, with_unit};
+use zwidth_tables::{Table, TableError, Values, for_people, number, p_value, with_unit};
 
 /// What a study says of a metric that it compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -226,6 +226,7 @@ struct Told {
     n: String,
     /// `t(5) = −3.21`, between participants.
     test: Option<String>,
+    /// `= 0.0123` or `< 0.001`, adjusted.
     p: Option<String>,
     /// `d_av = −1.4`, likewise.
     effect: Option<String>,
@@ -236,7 +237,7 @@ impl Told {
     fn told(&self, metric: &str) -> String {
         let Self { place, amount, n, verdict, .. } = self;
         let interval = self.interval.as_ref().map(|ends| format!("interval {ends}, "));
-        let p = self.p.as_ref().map(|p| format!("adjusted p = {p}"));
+        let p = self.p.as_ref().map(|p| format!("adjusted p {p}"));
         let more: String = [self.test.clone(), p, self.effect.clone()]
             .into_iter()
             .flatten()
@@ -293,7 +294,7 @@ fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
             test: t[row]
                 .zip(df[row])
                 .map(|(t, df)| format!("t({}) = {}", number(df, None), number(t, None))),
-            p: p[row].map(|p| number(p, None)),
+            p: p[row].map(p_value),
             effect: d_av[row].map(|d| format!("d_av = {}", number(d, None))),
             verdict: verdicts[row].clone().unwrap_or_else(|| "no test".to_owned()),
         });
@@ -397,6 +398,12 @@ mod tests {
             "Spring, Hybrid − Active: the difference in angle past the wall is −5.7° (interval −8.6 to −2.9, \
              n = 6 participants, t(5) = −5, adjusted p = 0.0123, d_av = −1.25): different."
         );
+    }
+
+    #[test]
+    fn no_p_is_told_to_be_nothing() {
+        let found = texts_of(Role::Primary, &differences("participants", "different", Some(0.0)));
+        assert!(found[1].contains(", adjusted p < 0.001, "), "{}", found[1]);
     }
 
     #[test]
