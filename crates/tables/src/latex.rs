@@ -154,8 +154,8 @@ fn set(placed: &Placed, cell: &Cell) -> String {
     }
 }
 
-/// `l`, a paragraph, or siunitx' `S` with room for the longest of `<`, sign, whole part, decimals and
-/// power.
+/// `l`, a paragraph, or siunitx' `S` with room for the longest of `<`, sign, whole part, decimals
+/// and power.
 fn column_type(placed: &Placed) -> String {
     if let Some(share) = placed.share {
         // Rounded down, so that the shares do not come to more than the line.
