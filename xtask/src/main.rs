@@ -30,6 +30,7 @@ cargo xtask firmware-sessions N COMMAND… two whole sessions of N × 3 trials a
 cargo xtask firmware COMMAND…          our host at our firmware, which COMMAND runs in an emulator: readings, voltages, noise, the watchdog
 cargo xtask hx711 COMMAND…             our reader at the load cell's sketch, which COMMAND runs in an emulator with an HX711 at its pins
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
+cargo xtask soak faults [EVERY [NAME…]] each call of every command to the file system (or one in EVERY, or of the commands named) fails: full disk, errors, kill [1]
 cargo xtask soak live [MINUTES [LINK]] record at 1 kHz in real time, from the simulated device or from a board with it over a link, and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
 cargo xtask soak wire [EVERY]          a session over each link with one message gone wrong, for every (or every so-manieth) message and trouble [1]
@@ -72,6 +73,11 @@ fn main() -> anyhow::Result<()> {
         ["soak", "kill", rest @ ..] => {
             let kills = number(rest.first(), 1000)?;
             soak::kill::kill(&soak::program()?, &scratch("kill"), kills, number(rest.get(1), 1)?)
+        }
+        ["soak", "faults", rest @ ..] => {
+            let every = number(rest.first(), 1)?;
+            let named = rest.get(1..).unwrap_or_default();
+            soak::faults::faults(&soak::program()?, &scratch("faults"), every, named)
         }
         ["soak", "live", rest @ ..] => {
             let (minutes, link) = (number(rest.first(), 10.0)?, rest.get(1).copied());

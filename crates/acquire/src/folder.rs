@@ -134,6 +134,10 @@ impl Append for WithinFile {
         self.file.append_synced(bytes)?;
         still_there(&self.folder)
     }
+
+    fn take_back(&mut self) -> io::Result<()> {
+        self.file.take_back()
+    }
 }
 
 #[cfg(test)]

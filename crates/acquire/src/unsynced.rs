@@ -10,12 +10,19 @@ use zwidth_store::{Append, Content, Files, RealFiles, append_to};
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unsynced;
 
-/// A file at its end.
-struct Open(File);
+/// A file at its end, and how long it was when it was opened.
+struct Open {
+    file: File,
+    length: u64,
+}
 
 impl Append for Open {
     fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.0.write_all(bytes)
+        self.file.write_all(bytes)
+    }
+
+    fn take_back(&mut self) -> io::Result<()> {
+        self.file.set_len(self.length)
     }
 }
 
@@ -46,7 +53,9 @@ impl Files for Unsynced {
     }
 
     fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-        Ok(Box::new(Open(append_to(path)?)))
+        let file = append_to(path)?;
+        let length = file.metadata()?.len();
+        Ok(Box::new(Open { file, length }))
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {

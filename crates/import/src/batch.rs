@@ -5,10 +5,9 @@ use super::report::{FileReport, Report};
 use super::{Context, Errors};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_store::started::{Started, TakenBack, end};
+use zwidth_store::commit::Change;
 use zwidth_store::{
-    Files, Layout, Staged, StoreError, hex_blake3, laid_down, log_sweeps, new_log, record_bytes,
-    write_new,
+    Files, Layout, Staged, StoreError, hex_blake3, laid_down, new_log, record_bytes, write_new,
 };
 use zwidth_study::{ActuatorId, Event, PlannedTrial, SessionRecord};
 
@@ -135,7 +134,7 @@ impl Batch {
 
     /// Writes everything, or nothing: when a write fails, what was written before is removed again;
     /// when the process is killed, the next import or `recover` does that
-    /// ([`zwidth_store::started`]).
+    /// ([`zwidth_store::commit`]).
     ///
     /// # Errors
     /// The write that failed, saying what was removed, and any file that could not be removed.
@@ -154,53 +153,23 @@ impl Batch {
         }
         let hashes: Vec<(&Path, String)> =
             files.iter().map(|(path, output)| (*path, output.blake3())).collect();
-        let started = Started::of(disk, layout, &hashes);
-        let written = self.write_files(disk, layout, utc, &started, &files);
-        written.map_err(|error| {
+        let sweeps = self.sweeps.iter().cloned();
+        let sweeps: Vec<Event> = sweeps
+            .map(|(actuator, sweep, blake3)| Event::SweepRecorded { actuator, sweep, blake3 })
+            .collect();
+        let log = layout.sweep_events();
+        let written = Change::of(disk, layout, utc.into(), &hashes, &[(&log, &sweeps)])
+            .map_err(|error| vec![error])
+            .and_then(|change| {
+                change.make("imported", || {
+                    files.iter().try_for_each(|(path, output)| output.write(disk, path))
+                })
+            });
+        written.map_err(|errors| {
             self.discard(disk);
-            undone(&started, disk, layout, error)
+            Errors(errors)
         })
     }
-
-    /// Writes the list, each file, and what the log of the sweeps is to say; then the list goes.
-    fn write_files(
-        &self,
-        disk: &dyn Files,
-        layout: &Layout,
-        utc: &str,
-        started: &Started,
-        files: &[(&Path, &Output)],
-    ) -> Result<(), StoreError> {
-        started.begin(disk, layout)?;
-        files.iter().try_for_each(|(path, output)| output.write(disk, path))?;
-        // Last, because it is the one file of theirs that others have lines in.
-        log_sweeps(disk, layout, utc, &self.sweeps)?;
-        end(disk, layout)
-    }
-}
-
-/// Takes back what was written before a write failed; the error with what came of it.
-fn undone(started: &Started, disk: &dyn Files, layout: &Layout, mut error: StoreError) -> Errors {
-    let TakenBack { removed, left, .. } = started.take_back(disk, layout);
-    if left.is_empty() && disk.kind(&layout.import_list()).is_some() {
-        // A list that stays is of files that are gone: the next import removes it.
-        let _ = disk.remove(&layout.import_list());
-    }
-    error.what += &match (removed, left.len()) {
-        (0, 0) => "; nothing was imported".to_owned(),
-        (1, 0) => {
-            "; nothing was imported, and the file written before was removed again".to_owned()
-        }
-        (n, 0) => {
-            format!("; nothing was imported, and the {n} files written before were removed again")
-        }
-        (_, n) => {
-            format!(
-                "; {n} files written before could not be removed again, which the next import will try"
-            )
-        }
-    };
-    Errors(std::iter::once(error).chain(left).collect())
 }
 
 #[cfg(test)]

@@ -75,7 +75,7 @@ use rayon::prelude::*;
 use recording::{Recording, Rows};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use zwidth_store::started::settle;
+use zwidth_store::commit::settle;
 use zwidth_store::{Files, Layout, MOST_STUDY, SOURCE, StoreError, hex_blake3};
 use zwidth_study::{Study, printable};
 

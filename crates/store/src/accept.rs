@@ -4,7 +4,8 @@
 use crate::laid::{matters, study_warning};
 use crate::sessions::read_sessions;
 use crate::study::read_study_from;
-use crate::{Files, Layout, StoreError, append_events};
+use crate::{Files, Layout, StoreError, commit_events};
+use std::path::Path;
 use zwidth_study::{Event, ParticipantId, SessionId};
 
 /// Accepts the present `study.toml` for every session to which a change of it matters, or for
@@ -34,17 +35,22 @@ pub fn accept_study(
             })]);
         }
     }
-    let mut accepted = Vec::new();
-    for log in sessions.iter().filter(|log| study_warning(layout, log, &study, &hash).is_some()) {
-        let event = Event::StudyAccepted { study_blake3: hash.clone() };
-        append_events(files, &log.events_path, utc, &[event]).map_err(|error| vec![error])?;
+    // A session that the disk did not give may need it too. What is damaged, `verify` tells.
+    problems.retain(|problem| problem.by_system);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    sessions.retain(|log| study_warning(layout, log, &study, &hash).is_some());
+    let event = [Event::StudyAccepted { study_blake3: hash.clone() }];
+    let logs: Vec<(&Path, &[Event])> =
+        sessions.iter().map(|log| (log.events_path.as_path(), event.as_slice())).collect();
+    commit_events(files, layout, utc, &logs).map_err(|error| vec![error])?;
+    let accepted = sessions.iter().map(|log| {
         let (participant, session) = (&log.record.participant, &log.record.session);
         let changes = matters(log, &study, &hash).unwrap_or_default();
-        accepted.push(format!(
-            "{participant} {session}: the changed study.toml is accepted: {changes}"
-        ));
-    }
-    Ok(accepted)
+        format!("{participant} {session}: the changed study.toml is accepted: {changes}")
+    });
+    Ok(accepted.collect())
 }
 
 /// What a reader of a study should know although it is not a finding: changes of `study.toml` that

@@ -72,6 +72,9 @@ pub trait Files: Sync {
 pub trait Append: Send {
     /// Appends `bytes`, and syncs them and the file's length to the disk.
     fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()>;
+    /// Takes back what was appended since the file was opened: it has the length that it had then,
+    /// also on the disk.
+    fn take_back(&mut self) -> io::Result<()>;
 }
 
 /// The real disk.
@@ -111,7 +114,9 @@ impl Files for RealFiles {
     }
 
     fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
-        Ok(Box::new(append_to(path)?))
+        let file = append_to(path)?;
+        let length = file.metadata()?.len();
+        Ok(Box::new(Opened { file, length }))
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
@@ -123,10 +128,21 @@ impl Files for RealFiles {
     }
 }
 
-impl Append for File {
+/// A file of the real disk at its end, and how long it was when it was opened.
+struct Opened {
+    file: File,
+    length: u64,
+}
+
+impl Append for Opened {
     fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.write_all(bytes)?;
-        self.sync_data()
+        self.file.write_all(bytes)?;
+        self.file.sync_data()
+    }
+
+    fn take_back(&mut self) -> io::Result<()> {
+        self.file.set_len(self.length)?;
+        self.file.sync_all()
     }
 }
 
@@ -240,7 +256,16 @@ pub fn write_new(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), Sto
         let exists = io::Error::from(io::ErrorKind::AlreadyExists);
         return Err(StoreError::io(path, "write", &exists));
     }
-    replace(files, path, bytes)
+    replace(files, path, bytes).inspect_err(|_| take_away(files, path))
+}
+
+/// Removes a new file again, of which something could not be written: who was told of an error finds
+/// nothing there.
+pub(crate) fn take_away(files: &dyn Files, path: &Path) {
+    if files.kind(path).is_some() {
+        // The first error is the one to report.
+        let _ = files.remove(path).and_then(|()| files.sync_folder(folder_of(path)));
+    }
 }
 
 /// Writes a file as a whole; whatever stood at `path` stays until the new one is safe on the disk.
@@ -270,6 +295,7 @@ pub fn write_private(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(),
         files.write_synced(beside, bytes)?;
         files.make_private(beside)
     })
+    .inspect_err(|_| take_away(files, path))
 }
 
 /// Keeps a file or a folder that is there for this user alone.

@@ -4,14 +4,14 @@ use crate::atomic::{create_folders, folder_of, sync_file};
 use crate::head::{Standing, head_bytes, head_of, standing, write_head};
 use crate::json::from_json;
 use crate::recover::Done;
-use crate::regular::text;
-use crate::{Files, RealFiles, StoreError, hex_blake3, replace};
+use crate::regular::{as_text, text};
+use crate::{Append, Files, RealFiles, StoreError, hex_blake3, replace};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use zwidth_study::{Event, ExperimenterId};
 
 /// Largest log that is read, bytes: a hundred thousand events and more.
-const MOST_LOG: u64 = 1 << 26;
+pub(crate) const MOST_LOG: u64 = 1 << 26;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -64,27 +64,82 @@ fn digest(
 /// Appends events in one synced write.
 ///
 /// Killed meanwhile, each line is there whole or can be seen to be unfinished; [`crate::recover`]
-/// mends the log then.
+/// mends the log then. Lines of which all or none must stay are [`crate::commit_events`]'s.
 ///
 /// # Errors
 /// A log that cannot be read to its end, because nothing may follow a line that is in doubt; the
-/// write that failed.
+/// write that failed. Then no line was added.
 pub fn append_events<'a>(
     files: &dyn Files,
     path: &Path,
     entered: impl Into<Entered<'a>>,
     events: &[Event],
 ) -> Result<(), StoreError> {
-    let mut digests = digests_of(files, path)?;
-    standing(files, path, &digests)?;
-    let text = chained(path, &mut digests, entered.into(), events)?;
-    let folder = folder_of(path);
-    create_folders(files, folder)
-        .and_then(|()| files.open_append(path)?.append_synced(text.as_bytes()))
-        .and_then(|()| files.sync_folder(folder))
-        .map_err(|e| StoreError::io(path, "append to", &e))?;
-    // Last: it must never count a line that is not on the disk.
-    write_head(files, path, &digests)
+    let lines = NewLines::of(files, path, entered.into(), events)?;
+    lines.append(files)?;
+    lines.count(files);
+    Ok(())
+}
+
+/// Lines that are to be added to a log, and how the log was before.
+pub(crate) struct NewLines<'a> {
+    /// The log.
+    pub(crate) path: &'a Path,
+    /// The new lines.
+    pub(crate) text: String,
+    /// Bytes of the log before.
+    pub(crate) bytes_before: u64,
+    /// Lines of the log before.
+    pub(crate) lines_before: usize,
+    /// The digests of all lines, the new ones included.
+    digests: Vec<String>,
+}
+
+impl<'a> NewLines<'a> {
+    /// # Errors
+    /// A log that cannot be read to its end; an event that JSON cannot hold.
+    pub(crate) fn of(
+        files: &dyn Files,
+        path: &'a Path,
+        entered: Entered<'_>,
+        events: &[Event],
+    ) -> Result<Self, StoreError> {
+        let before = finished_text(files, path)?;
+        let mut digests = digests_of(path, &before)?;
+        standing(files, path, &digests)?;
+        let lines_before = digests.len();
+        let text = chained(path, &mut digests, entered, events)?;
+        Ok(Self { path, text, bytes_before: before.len() as u64, lines_before, digests })
+    }
+
+    /// Adds the lines; the log is given open, so that they can be taken back.
+    ///
+    /// # Errors
+    /// The write that failed, after which no line was added.
+    pub(crate) fn append(&self, files: &dyn Files) -> Result<Box<dyn Append>, StoreError> {
+        let folder = folder_of(self.path);
+        let open = || {
+            create_folders(files, folder)?;
+            files.open_append(self.path)
+        };
+        let mut log = open().map_err(|e| StoreError::io(self.path, "append to", &e))?;
+        let written =
+            log.append_synced(self.text.as_bytes()).and_then(|()| files.sync_folder(folder));
+        match written {
+            Ok(()) => Ok(log),
+            Err(e) => {
+                // What cannot be taken back either is an unfinished line, which `recover` cuts off.
+                let _ = log.take_back();
+                Err(StoreError::io(self.path, "append to", &e))
+            }
+        }
+    }
+
+    /// Writes the head anew, last: it must never count a line that is not on the disk. One that
+    /// cannot be written stays behind the log, as after a kill, and the next line counts for both.
+    pub(crate) fn count(&self, files: &dyn Files) {
+        let _ = write_head(files, self.path, &self.digests);
+    }
 }
 
 /// The lines of events that follow the lines with these digests, to which theirs are added.
@@ -128,45 +183,10 @@ pub fn new_log(
     Ok(std::iter::once((path.to_owned(), text.into_bytes())).chain(head).collect())
 }
 
-/// Takes the last lines of a log back as far as `undone` says so, and the log itself where no other
-/// line stays: what an import wrote that was cut short. The head goes first, because it must never
-/// be ahead of the log.
-///
-/// # Errors
-/// A log that cannot be read, or lost lines; a write that failed.
-pub(crate) fn take_back_events(
-    files: &dyn Files,
-    path: &Path,
-    undone: &dyn Fn(&Event) -> bool,
-) -> Result<(), StoreError> {
-    let text = text_of(files, path)?;
-    let lines = lines_of(path, &text)?;
-    let digests: Vec<String> = lines.iter().map(|line| line.blake3.clone()).collect();
-    standing(files, path, &digests)?;
-    let stay = lines.len() - lines.iter().rev().take_while(|line| undone(&line.event)).count();
-    if stay == lines.len() && stay > 0 {
-        return Ok(());
-    }
-    if stay > 0 {
-        write_head(files, path, &digests[..stay])?;
-        let kept: String = text.split_inclusive('\n').take(stay).collect();
-        return replace(files, path, kept.as_bytes());
-    }
-    for file in [head_of(path), path.to_owned()] {
-        if files.kind(&file).is_some() {
-            files
-                .remove(&file)
-                .and_then(|()| files.sync_folder(folder_of(&file)))
-                .map_err(|e| StoreError::io(path, "take lines back from", &e))?;
-        }
-    }
-    Ok(())
-}
-
-/// The digests of a log's lines. A missing log has no lines.
-fn digests_of(files: &dyn Files, path: &Path) -> Result<Vec<String>, StoreError> {
+/// The text of a log that ends with a whole line. A missing log has none.
+fn finished_text(files: &dyn Files, path: &Path) -> Result<String, StoreError> {
     if files.kind(path).is_none() {
-        return Ok(Vec::new());
+        return Ok(String::new());
     }
     let text = text_of(files, path)?;
     if !text.is_empty() && !text.ends_with('\n') {
@@ -177,7 +197,12 @@ fn digests_of(files: &dyn Files, path: &Path) -> Result<Vec<String>, StoreError>
             remedy,
         ));
     }
-    Ok(lines_of(path, &text)?.into_iter().map(|line| line.blake3).collect())
+    Ok(text)
+}
+
+/// The digests of a log's lines.
+fn digests_of(path: &Path, text: &str) -> Result<Vec<String>, StoreError> {
+    Ok(lines_of(path, text)?.into_iter().map(|line| line.blake3).collect())
 }
 
 /// The events of a log, in order. A missing log has no lines.
@@ -190,7 +215,21 @@ pub fn read_events(path: &Path) -> Result<Vec<Event>, StoreError> {
 }
 
 pub(crate) fn read_events_from(files: &dyn Files, path: &Path) -> Result<Vec<Event>, StoreError> {
-    let text = if files.kind(path).is_some() { text_of(files, path)? } else { String::new() };
+    read_events_to(files, path, None)
+}
+
+/// The events of a log up to so many bytes: those after them belong to a change that was not made.
+pub(crate) fn read_events_to(
+    files: &dyn Files,
+    path: &Path,
+    most: Option<usize>,
+) -> Result<Vec<Event>, StoreError> {
+    let mut bytes = match files.kind(path) {
+        Some(_) => files.read(path, MOST_LOG).map_err(|e| StoreError::io(path, "read", &e))?,
+        None => Vec::new(),
+    };
+    bytes.truncate(most.unwrap_or(bytes.len()));
+    let text = as_text(path, bytes)?;
     let lines = lines_of(path, &text)?;
     let (digests, events): (Vec<_>, Vec<_>) =
         lines.into_iter().map(|l| (l.blake3, l.event)).unzip();
@@ -204,7 +243,8 @@ pub(crate) fn read_events_from(files: &dyn Files, path: &Path) -> Result<Vec<Eve
 /// A log that lost lines by its head, or is another.
 pub(crate) fn mend_head(files: &dyn Files, path: &Path) -> Result<bool, StoreError> {
     // A line in doubt is an error of whoever reads the log.
-    let Ok(digests) = digests_of(files, path) else { return Ok(false) };
+    let read = finished_text(files, path).and_then(|text| digests_of(path, &text));
+    let Ok(digests) = read else { return Ok(false) };
     let behind = standing(files, path, &digests)? == Standing::Behind && !digests.is_empty();
     if behind {
         // The head must not outlive the lines that it counts.

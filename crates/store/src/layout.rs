@@ -86,7 +86,7 @@ impl Layout {
     }
 
     /// The log of the study's sweeps.
-    pub(crate) fn sweep_events(&self) -> PathBuf {
+    pub fn sweep_events(&self) -> PathBuf {
         self.raw().join("sweeps.events.jsonl")
     }
 
@@ -105,10 +105,10 @@ impl Layout {
         self.journals().join(format!("{participant}_{session}.trial-{trial:03}.journal"))
     }
 
-    /// The list of what an import is about to write; it is there while one runs, and after one that
-    /// was cut short.
-    pub fn import_list(&self) -> PathBuf {
-        self.raw().join("import-unfinished.json")
+    /// The list of what a change of several files is about to write; it is there while one is made,
+    /// and after one that was cut short.
+    pub fn unfinished(&self) -> PathBuf {
+        self.raw().join("unfinished.json")
     }
 
     /// The lock that only one writer of the study can hold.

@@ -14,6 +14,7 @@ pub mod claims;
 mod codec;
 mod columns;
 mod command;
+pub mod commit;
 mod content;
 mod digest;
 mod encode;
@@ -53,7 +54,6 @@ mod sessions;
 mod shown;
 mod signal;
 mod sources;
-pub mod started;
 mod stream;
 mod streams;
 mod study;
@@ -78,6 +78,7 @@ pub use atomic::{
 pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
 pub use columns::{Columns, Recorded, Values};
 pub use command::{shell_line, shell_option};
+pub use commit::commit_events;
 pub use content::Content;
 pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
 pub use error::StoreError;
@@ -114,7 +115,7 @@ pub use study::{
     Answer, MOST_STUDY, Said, SessionLog, StudyData, SweepEntry, TrialEntry, read_study,
 };
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
-pub use sweep_log::log_sweeps;
+pub use sweep_log::{log_sweeps, record_sweep};
 pub use thin::{check_trial, read_thinned};
 pub use trial::{SOURCE, Samples, Trial, TrialFile};
 pub use verify::{CHECKED, Findings, check_samples, findings, verify, verify_from, verify_kept};

@@ -6,6 +6,7 @@
 //! kill or a power cut.
 
 use crate::{Append, Entry, Files, Held};
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -48,6 +49,8 @@ struct State {
     steps: u64,
     /// The step at which something fails, and how.
     fault: Option<(u64, Fault)>,
+    /// Whether that step was tried, or anything after it.
+    has_failed: Cell<bool>,
     live: BTreeMap<PathBuf, Node>,
     durable: BTreeMap<PathBuf, Node>,
     contents: Vec<Content>,
@@ -105,6 +108,12 @@ impl Memory {
     pub fn fail_in(&self, steps: u64, fault: Fault) {
         let mut state = self.state();
         state.fault = Some((state.steps.saturating_add(steps), fault));
+        state.has_failed.set(false);
+    }
+
+    /// Whether a step at which something was to fail was tried.
+    pub fn has_failed(&self) -> bool {
+        self.state().has_failed.get()
     }
 
     /// A new process finds what survives, on a disk that works and has room.
@@ -125,6 +134,7 @@ impl State {
     /// Whether a step may be taken; it counts.
     fn step(&mut self, removes: bool) -> io::Result<()> {
         let failed = self.fault.filter(|(at, _)| self.steps >= *at).map(|(_, fault)| fault);
+        self.has_failed.set(self.has_failed.get() || failed.is_some());
         match failed {
             Some(Fault::End) => Err(ended()),
             Some(Fault::Full) if !removes => Err(io::Error::from(ErrorKind::StorageFull)),
@@ -139,7 +149,10 @@ impl State {
     /// Whether anything can be looked at: not by a process that has ended.
     fn look(&self) -> io::Result<()> {
         match self.fault {
-            Some((at, Fault::End)) if self.steps >= at => Err(ended()),
+            Some((at, Fault::End)) if self.steps >= at => {
+                self.has_failed.set(true);
+                Err(ended())
+            }
             _ => Ok(()),
         }
     }
@@ -307,7 +320,8 @@ impl Files for Memory {
         let mut state = self.state();
         state.step(false)?;
         let number = state.create(path)?;
-        Ok(Box::new(Handle { disk: self.clone(), number }))
+        let length = state.contents[number].live.len();
+        Ok(Box::new(Handle { disk: self.clone(), number, length }))
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
@@ -352,10 +366,21 @@ impl Held for HeldFolder {
 struct Handle {
     disk: Memory,
     number: usize,
+    /// How long the file was when it was opened.
+    length: usize,
 }
 
 impl Append for Handle {
     fn append_synced(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.disk.state().append(self.number, bytes)
+    }
+
+    fn take_back(&mut self) -> io::Result<()> {
+        let mut state = self.disk.state();
+        state.step(true)?;
+        let content = &mut state.contents[self.number];
+        content.live.truncate(self.length);
+        content.durable = content.live.clone();
+        Ok(())
     }
 }

@@ -10,6 +10,7 @@ use crate::content::Content;
 use crate::{Append, Entry, Files, Held, Layout, StudyLock};
 use std::io;
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What a handle may do besides adding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,14 +25,20 @@ pub struct Raw<'a> {
     root: PathBuf,
     raw: PathBuf,
     journals: PathBuf,
+    /// The list of a change of several files, which goes when that is made.
+    list: PathBuf,
     vault: Option<PathBuf>,
     may: May,
+    /// The file that was given its name last: it is taken away again where its name cannot be
+    /// synced.
+    newest: Mutex<Option<PathBuf>>,
 }
 
 impl<'a> Raw<'a> {
     fn of(files: &'a dyn Files, layout: &Layout, may: May) -> Self {
         let root = layout.root().to_owned();
-        Self { files, root, raw: layout.raw(), journals: layout.journals(), vault: None, may }
+        let (raw, journals, list) = (layout.raw(), layout.journals(), layout.unfinished());
+        Self { files, root, raw, journals, list, vault: None, may, newest: Mutex::new(None) }
     }
 
     /// For a study that is made: nobody can hold its lock yet.
@@ -86,6 +93,11 @@ impl<'a> Raw<'a> {
         let record = session.map(|session| path.with_file_name(format!("{session}.json")));
         let in_sessions = path.parent() == Some(self.raw.join("sessions").as_path());
         in_sessions && record.is_some_and(|record| self.files.kind(&record).is_none())
+    }
+
+    /// A panic elsewhere leaves a path or none.
+    fn newest(&self) -> MutexGuard<'_, Option<PathBuf>> {
+        self.newest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The same for something that goes.
@@ -145,8 +157,11 @@ impl Files for Raw<'_> {
         // The head of a log counts its lines, and is written anew with each.
         let is_head = to.extension().is_some_and(|e| e == "head");
         let free = self.files.kind(to).is_none() || is_head || self.is_left_by_a_kill(to);
+        let is_new = self.files.kind(to).is_none();
         self.here(from)?;
-        self.gone(to, free && is_unfinished(from))?.rename(from, to)
+        self.gone(to, free && is_unfinished(from))?.rename(from, to)?;
+        *self.newest() = is_new.then(|| to.to_owned());
+        Ok(())
     }
 
     fn sync_folder(&self, path: &Path) -> io::Result<()> {
@@ -158,7 +173,11 @@ impl Files for Raw<'_> {
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
-        self.gone(path, is_unfinished(path) || path.starts_with(&self.journals))?.remove(path)
+        let own = is_unfinished(path)
+            || path.starts_with(&self.journals)
+            || path == self.list
+            || self.newest().as_deref() == Some(path);
+        self.gone(path, own)?.remove(path)
     }
 
     fn remove_folder(&self, path: &Path) -> io::Result<()> {

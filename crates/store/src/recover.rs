@@ -4,12 +4,12 @@
 //! the study's lock.
 
 use crate::atomic::{folder_of, is_unfinished, sync_file};
+use crate::commit::take_back_listed;
 use crate::events::{mend_head, mend_log};
 use crate::journal::{Journaled, clear, read_journal};
 use crate::laid::mend_laid_down;
 use crate::regular::text;
 use crate::sessions::{MOST_RECORD, record_from};
-use crate::started::take_back_listed;
 use crate::sweep_log::take_in;
 use crate::walk::{below, files_below};
 use crate::{Entry, Files, Layout, StoreError, record_trial};
@@ -50,10 +50,12 @@ pub enum Done {
     Swept,
     /// A whole file that no log spoke of was taken into the log.
     Logged,
-    /// What an import had written when it was cut short was removed again.
+    /// What a change of several files had written when it was cut short was taken back.
     TakenBack {
-        /// How many files.
+        /// How many files were removed.
         files: usize,
+        /// Of how many logs lines were cut off.
+        logs: usize,
     },
 }
 
@@ -80,13 +82,17 @@ impl fmt::Display for Recovered {
             }
             Done::Swept => write!(f, "a half-written file was removed"),
             Done::Logged => write!(f, "no log spoke of it; it is now in the log"),
-            Done::TakenBack { files: 0 } => {
-                write!(f, "an import was cut short before it wrote any file")
+            Done::TakenBack { files: 0, logs: 0 } => {
+                write!(f, "a change was cut short before it wrote any file")
             }
-            Done::TakenBack { files: 1 } => {
+            Done::TakenBack { files: 0, .. } => {
+                write!(f, "a change was cut short, and the lines it had written were taken back")
+            }
+            // Only an import writes new files.
+            Done::TakenBack { files: 1, .. } => {
                 write!(f, "an import was cut short, and the file it had written was removed again")
             }
-            Done::TakenBack { files } => {
+            Done::TakenBack { files, .. } => {
                 write!(
                     f,
                     "an import was cut short, and the {files} files it had written were removed again"
@@ -97,7 +103,7 @@ impl fmt::Display for Recovered {
 }
 
 /// Brings a study in order after a kill or a power cut, and says what was done: half-written files
-/// and what an import had written when it was cut short are removed, unfinished lines of event logs
+/// and what a change of several files had written when it was cut short are removed, unfinished lines of event logs
 /// are cut off, and each journal becomes a trial, `complete` if its end is in the journal and
 /// `incomplete` otherwise. An error each for what could not be brought in order; the rest is.
 ///

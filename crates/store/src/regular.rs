@@ -76,7 +76,11 @@ fn too_large(length: u64, most: u64) -> io::Error {
 
 /// A regular file's text.
 pub(crate) fn text(files: &dyn Files, path: &Path, most: u64) -> Result<String, StoreError> {
-    let bytes = files.read(path, most).map_err(|e| StoreError::io(path, "read", &e))?;
+    as_text(path, files.read(path, most).map_err(|e| StoreError::io(path, "read", &e))?)
+}
+
+/// The bytes of a file as text.
+pub(crate) fn as_text(path: &Path, bytes: Vec<u8>) -> Result<String, StoreError> {
     String::from_utf8(bytes).map_err(|e| {
         let what = format!("byte {} is not UTF-8", e.utf8_error().valid_up_to());
         StoreError::new(path, what, "restore the file from a copy, or save it as UTF-8")

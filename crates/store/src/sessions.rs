@@ -2,7 +2,8 @@
 
 use crate::alike::apart;
 use crate::calibrated::check_calibration;
-use crate::events::read_events_from;
+use crate::commit::pending;
+use crate::events::read_events_to;
 use crate::json::from_json;
 use crate::laid::{check_record, contradiction, read_copy};
 use crate::read::read_trial_from;
@@ -34,13 +35,14 @@ pub(crate) fn read_sessions(
         problems.push(error);
         Vec::new()
     });
+    let pending = pending(files, layout);
     // By logs too: one whose record is gone is a finding.
     let names: BTreeSet<String> = found.iter().filter_map(|path| name_in(path)).collect();
     let read: Vec<_> = names
         .into_par_iter()
         .map(|name| {
             let mut problems = Vec::new();
-            (read_session(files, layout, &name, &mut problems), problems, name)
+            (read_session(files, layout, &name, &pending, &mut problems), problems, name)
         })
         .collect();
     for (session, found, name) in read {
@@ -67,11 +69,13 @@ fn name_in(path: &Path) -> Option<String> {
     name.strip_suffix(".events.jsonl").or(name.strip_suffix(".json")).map(str::to_owned)
 }
 
-/// One session by the name of its files, `<participant>_<session>`.
+/// One session by the name of its files, `<participant>_<session>`. Lines of a change that was not
+/// made are passed over: `pending` has how many bytes of a log are of before.
 pub(crate) fn read_session(
     files: &dyn Files,
     layout: &Layout,
     name: &str,
+    pending: &BTreeMap<PathBuf, usize>,
     problems: &mut Vec<StoreError>,
 ) -> Result<SessionLog, StoreError> {
     let path = layout.sessions().join(format!("{name}.json"));
@@ -83,7 +87,7 @@ pub(crate) fn read_session(
         return Err(StoreError::new(&path, what, RESTORE));
     }
     let events_path = layout.events(&record.participant, &record.session);
-    let events = read_events_from(files, &events_path)?;
+    let events = read_events_to(files, &events_path, pending.get(&events_path).copied())?;
     check_record(&path, text.as_bytes(), &events)?;
     check_calibration(&path, &text)?;
     let study = read_copy(files, layout, &record)?;

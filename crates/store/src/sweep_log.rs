@@ -1,9 +1,14 @@
 //! The log of the sweeps: the hash of each, as a session's log has those of its trials.
 
-use crate::events::read_events_from;
+use crate::atomic::take_away;
+use crate::commit::pending;
+use crate::events::read_events_to;
 use crate::sweep::{entry, read_sweep_from};
 use crate::walk::files_below;
-use crate::{Entry, Files, Layout, StoreError, SweepEntry, append_events};
+use crate::{
+    Entry, Files, Layout, StoreError, Sweep, SweepEntry, append_events, hex_blake3, sweep_bytes,
+    write_new,
+};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_study::{ActuatorId, Event};
@@ -29,10 +34,30 @@ pub fn log_sweeps(
     }
 }
 
+/// Writes a sweep's file, and says in the log that it was recorded; gives the file's path.
+///
+/// # Errors
+/// A sweep of that number that is there already; a log that cannot be read to its end; the write
+/// that failed. Then the sweep is not there.
+pub fn record_sweep(
+    files: &dyn Files,
+    layout: &Layout,
+    utc: &str,
+    sweep: &Sweep,
+) -> Result<PathBuf, StoreError> {
+    let path = layout.sweep(&sweep.actuator, sweep.sweep);
+    let bytes = sweep_bytes(sweep, &path)?;
+    write_new(files, &path, &bytes)?;
+    let logged = (sweep.actuator.clone(), sweep.sweep, hex_blake3(&bytes));
+    log_sweeps(files, layout, utc, &[logged]).inspect_err(|_| take_away(files, &path))?;
+    Ok(path)
+}
+
 /// The hash of each sweep that the log calls recorded, by its file.
 fn logged(files: &dyn Files, layout: &Layout) -> Result<BTreeMap<PathBuf, String>, StoreError> {
     let mut logged = BTreeMap::new();
-    for event in read_events_from(files, &layout.sweep_events())? {
+    let log = layout.sweep_events();
+    for event in read_events_to(files, &log, pending(files, layout).get(&log).copied())? {
         if let Event::SweepRecorded { actuator, sweep, blake3 } = event {
             logged.insert(layout.sweep(&actuator, sweep), blake3);
         }
@@ -115,9 +140,7 @@ pub(crate) fn take_in(
 mod tests {
     use super::*;
     use crate::tests::crashes::{UTC, folder_with_study};
-    use crate::{
-        Quantity, RealFiles, StudyData, Sweep, hex_blake3, recover, sweep_bytes, verify, write_new,
-    };
+    use crate::{Quantity, RealFiles, StudyData, recover, verify};
     use zwidth_study::Source;
 
     fn write(layout: &Layout, number: u32, last: f64) -> (ActuatorId, u32, String) {

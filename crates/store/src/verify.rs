@@ -281,10 +281,11 @@ fn strays(files: &dyn Files, layout: &Layout) -> Findings {
     for path in unfinished {
         found.left_out.push(stray(&path, "a write was cut short here", &recover));
     }
-    if files.kind(&layout.import_list()).is_some() {
-        let what = "an import was cut short here, or runs now: what it has written is not whole";
-        let remedy = format!("run the import again, or `zwidth recover {}`", layout.study());
-        found.with_care.push(stray(&layout.import_list(), what, &remedy));
+    if files.kind(&layout.unfinished()).is_some() {
+        let what =
+            "a change of several files was cut short here, or runs now: none of it is there yet";
+        let remedy = format!("give the command again, or run `zwidth recover {}`", layout.study());
+        found.with_care.push(stray(&layout.unfinished(), what, &remedy));
     }
     for path in files_below(files, &layout.journals()).unwrap_or_default() {
         let damaged = path.to_string_lossy().contains(DAMAGED);

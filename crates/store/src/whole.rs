@@ -2,6 +2,7 @@
 //! it must find it whole: what is recorded onto a session in doubt is in doubt as well.
 
 use crate::atomic::folder_of;
+use crate::commit::pending;
 use crate::entries::read_trials;
 use crate::events::read_events_from;
 use crate::hash::blake3_of;
@@ -127,7 +128,8 @@ fn log_of(
     session: &SessionId,
     findings: &mut Vec<StoreError>,
 ) -> Result<SessionLog, StoreError> {
-    let log = read_named(files, layout, &format!("{participant}_{session}"), findings)?;
+    let name = format!("{participant}_{session}");
+    let log = read_named(files, layout, &name, &pending(files, layout), findings)?;
     if (&log.record.participant, &log.record.session) != (participant, session) {
         let what = format!(
             "it is the record of session {} of {}, whose files have the same names",

@@ -256,12 +256,12 @@ fn an_import_that_was_cut_short_is_taken_back_by_the_next_one_and_by_recover() {
             fs::remove_file(raw.join("sessions").join(name)).unwrap();
         }
         fs::write(raw.join("sessions/.P01_S01.json.1.tmp"), "{").unwrap();
-        fs::write(raw.join("import-unfinished.json"), list).unwrap();
+        fs::write(raw.join("unfinished.json"), list).unwrap();
     };
     cut_short();
     let found = zwidth(world.root(), &["verify", "rig"]).exits(1).out;
     assert!(
-        found.contains("import-unfinished.json") && found.contains("run the import again"),
+        found.contains("unfinished.json") && found.contains("give the command again"),
         "{found}"
     );
     world

@@ -4,6 +4,7 @@ mod cable;
 pub(crate) mod compared;
 pub(crate) mod coverage;
 pub(crate) mod extremes;
+pub(crate) mod faults;
 pub(crate) mod kill;
 pub(crate) mod live;
 pub(crate) mod properties;

@@ -77,8 +77,9 @@ impl Files for Faulty {
 
     fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
         self.step()?;
-        fs::File::options().append(true).create(true).open(path)?;
-        Ok(Box::new(Handle { disk: self.clone(), path: path.to_owned() }))
+        let file = fs::File::options().append(true).create(true).open(path)?;
+        let length = file.metadata()?.len();
+        Ok(Box::new(Handle { disk: self.clone(), path: path.to_owned(), length }))
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
@@ -93,6 +94,7 @@ impl Files for Faulty {
 struct Handle {
     disk: Faulty,
     path: PathBuf,
+    length: u64,
 }
 
 impl Append for Handle {
@@ -100,5 +102,9 @@ impl Append for Handle {
         let write =
             |bytes: &[u8]| fs::File::options().append(true).open(&self.path)?.write_all(bytes);
         self.disk.write(bytes, write)
+    }
+
+    fn take_back(&mut self) -> io::Result<()> {
+        fs::File::options().append(true).open(&self.path)?.set_len(self.length)
     }
 }

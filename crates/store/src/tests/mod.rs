@@ -2,5 +2,6 @@
 //! answers from journal to log.
 
 mod answers;
+mod commits;
 pub(crate) mod crashes;
 pub(crate) mod faulty;

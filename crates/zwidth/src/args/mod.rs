@@ -470,10 +470,10 @@ pub(crate) struct Said {
 pub(crate) struct Exclude {
     #[command(flatten)]
     pub(crate) said: Said,
-    /// The trial's number
-    #[arg(long, value_name = "N")]
-    pub(crate) trial: u32,
-    /// Why it does not count
+    /// The trial's number, or several, separated by commas: all are excluded, or none
+    #[arg(long, value_name = "N[,N…]", required = true, value_delimiter = ',')]
+    pub(crate) trial: Vec<u32>,
+    /// Why they do not count
     pub(crate) reason: String,
 }
 

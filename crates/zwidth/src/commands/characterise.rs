@@ -2,18 +2,16 @@
 
 use super::device::{Bench, bench};
 use super::impedance::impedance;
-use super::recover::{lock, now};
+use super::recover::{lock, now, put_in_order_and_tell};
 use crate::args::{Actuator, Characterise, Subject};
 use crate::devices::DeviceSpec;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use zwidth_device::{Device as _, Person, SweepPoint, Twin, brake_sweep, motor_sweep};
-use zwidth_store::{
-    Files, Layout, Quantity, Raw, RealFiles, Sweep, hex_blake3, log_sweeps, sweep_bytes, write_new,
-};
+use zwidth_store::{Layout, Quantity, Raw, RealFiles, Sweep, hex_blake3, record_sweep};
 use zwidth_study::{ActuatorId, Source};
 
 pub(crate) fn characterise(
@@ -29,6 +27,7 @@ pub(crate) fn characterise(
              own (docs/import.md)"
         );
     }
+    put_in_order_and_tell(&bench.layout, &lock, screen);
     let raw = Raw::adds(&RealFiles, &bench.layout, &lock);
     let actuator = match command.actuator {
         Subject::Motor => Actuator::Motor,
@@ -41,22 +40,21 @@ pub(crate) fn characterise(
     let first = free_number(&bench.layout, actuator)?;
     for number in first..first.saturating_add(command.sweeps) {
         let software = super::acquire::SOFTWARE;
-        let (path, sweep) = record(&bench, &raw, actuator, command.seed, number, software)?;
-        log_sweeps(&raw, &bench.layout, &now(), &[sweep])?;
+        let sweep = simulated_sweep(&bench, actuator, command.seed, number, software)?;
+        let path = record_sweep(&raw, &bench.layout, &now(), &sweep)?;
         screen.result(path.display().to_string());
     }
     Ok(Exit::Fine)
 }
 
-/// Records one sweep on the twin; its file, and what the log of the sweeps is to say of it.
-pub(super) fn record(
+/// One sweep on the twin.
+pub(super) fn simulated_sweep(
     bench: &Bench,
-    files: &dyn Files,
     actuator: Actuator,
     seed: u64,
     number: u32,
     software: &str,
-) -> anyhow::Result<(PathBuf, (ActuatorId, u32, String))> {
+) -> anyhow::Result<Sweep> {
     let points = match actuator {
         Actuator::Motor => motor_sweep(&bench.twin, seed, number)?,
         // A brake's force is its level only while it slips.
@@ -65,7 +63,6 @@ pub(super) fn record(
         }
     };
     let id = actuator_id(actuator)?;
-    let path = bench.layout.sweep(&id, number);
     let device =
         Twin::new(bench.twin.clone(), Person::typical(seed), seed)?.capabilities().name.clone();
     let file = [
@@ -78,10 +75,7 @@ pub(super) fn record(
     if !bench.study.design.blinded {
         file.insert("seed".to_owned(), seed.to_string());
     }
-    let sweep = Sweep { file, ..sweep(id, number, &points) };
-    let bytes = sweep_bytes(&sweep, &path)?;
-    write_new(files, &path, &bytes)?;
-    Ok((path, (sweep.actuator, number, hex_blake3(&bytes))))
+    Ok(Sweep { file, ..sweep(id, number, &points) })
 }
 
 fn sweep(actuator: ActuatorId, number: u32, points: &[SweepPoint]) -> Sweep {

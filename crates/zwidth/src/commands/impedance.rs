@@ -17,9 +17,7 @@ use zwidth_stability::impedance::{
     ACTUATOR, Bound, Ending, Found, Probe, Region, Response, Tried, bounds_table, probes, regions,
     regions_table, responses_table, search,
 };
-use zwidth_store::{
-    Quantity, Raw, StudyData, Sweep, hex_blake3, log_sweeps, read_sweep, sweep_bytes, write_new,
-};
+use zwidth_store::{Quantity, Raw, StudyData, Sweep, hex_blake3, read_sweep, record_sweep};
 use zwidth_study::{ActuatorId, ActuatorKind, Mode, Source, Study};
 
 /// Pushes, m.
@@ -64,9 +62,7 @@ pub(super) fn impedance(
         } else {
             let found = made(bench, &probe, seed, number)?;
             let sweep = sweep(bench, id.clone(), number, &probe, &found, seed);
-            let bytes = sweep_bytes(&sweep, &path)?;
-            write_new(raw, &path, &bytes)?;
-            log_sweeps(raw, &bench.layout, &now(), &[(id.clone(), number, hex_blake3(&bytes))])?;
+            record_sweep(raw, &bench.layout, &now(), &sweep)?;
             searches.push((probe, found));
         }
         bar.inc(1);

@@ -9,7 +9,7 @@ use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_import::{Guess, Mapping, guess, import as import_files, long_bytes};
-use zwidth_store::started::settle;
+use zwidth_store::commit::settle;
 use zwidth_store::{Raw, RealFiles, read_study};
 
 /// Prints a guessed mapping, or writes it where no file is yet.

@@ -106,6 +106,10 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
         smallest_difference: power::smallest_difference(TARGET, &planned, &simulation)?,
     };
     if asked.plan {
+        // The plan says how many trials there were before it.
+        if let Some(unread) = data.problems.iter().find(|problem| problem.by_system) {
+            bail!("{unread}; no plan was written");
+        }
         let lock = lock(&layout, "zwidth power")?;
         let raw = Raw::adds(&RealFiles, &layout, &lock);
         let path = plan::plan_file(&layout);

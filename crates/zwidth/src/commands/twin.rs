@@ -1,7 +1,7 @@
 //! `zwidth twin`: a whole study on the simulated device, faster than real time. The same seed gives
 //! the same bytes, on any machine and any number of threads.
 
-use super::characterise::record as record_sweep;
+use super::characterise::simulated_sweep;
 use super::device::{Bench, bench, keys};
 use super::recover::lock;
 use crate::args::{Actuator, Twin};
@@ -18,7 +18,8 @@ use zwidth_acquire::{
 };
 use zwidth_device::{Device as _, SimulatedClock};
 use zwidth_store::{
-    Files as _, Layout, Raw, RealFiles, check_study_id, hex_blake3, log_sweeps, write_new,
+    Files as _, Layout, Raw, RealFiles, check_study_id, hex_blake3, log_sweeps, sweep_bytes,
+    write_new,
 };
 use zwidth_study::{ParticipantId, SessionId, template};
 
@@ -206,7 +207,11 @@ fn sweep_all(bench: &Bench, raw: &Raw, seed: u64) -> anyhow::Result<()> {
         .flat_map(|(actuator, n)| (1..=*n).map(|number| (*actuator, number)))
         .collect();
     let record = |(actuator, number): &(Actuator, u32)| {
-        record_sweep(bench, raw, *actuator, seed, *number, SOFTWARE).map(|(_, sweep)| sweep)
+        let sweep = simulated_sweep(bench, *actuator, seed, *number, SOFTWARE)?;
+        let path = bench.layout.sweep(&sweep.actuator, *number);
+        let bytes = sweep_bytes(&sweep, &path)?;
+        write_new(raw, &path, &bytes)?;
+        Ok((sweep.actuator, *number, hex_blake3(&bytes)))
     };
     let sweeps = all.par_iter().map(record).collect::<anyhow::Result<Vec<_>>>()?;
     let utc = Timestamp::from_second(EPOCH_S)?.to_string();

@@ -2,7 +2,7 @@
 //! its log.
 
 use super::device::keys;
-use super::recover::{lock, now};
+use super::recover::{lock, now, put_in_order_and_tell};
 use super::{join_findings, session, study};
 use crate::args::Unseal;
 use crate::exit::Exit;
@@ -10,11 +10,12 @@ use crate::screen::Screen;
 use anyhow::bail;
 use std::path::Path;
 use zwidth_acquire::{left_to_do, vault};
-use zwidth_store::{Raw, RealFiles, StudyData, append_events};
+use zwidth_store::{Raw, RealFiles, StudyData, commit_events};
 
 pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
     let lock = lock(&layout, "zwidth unseal")?;
+    put_in_order_and_tell(&layout, &lock, screen);
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     let log = session(&data, &command.participant, &command.session)?;
     let name = format!("session {} of {}", command.session, command.participant);
@@ -34,12 +35,8 @@ pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::
     }
     let seal = vault::find(&RealFiles, &keys(&command.keys, true)?, layout.study(), &log.record)?;
     seal.opened(&log.record.trials)?;
-    append_events(
-        &Raw::adds(&RealFiles, &layout, &lock),
-        &log.events_path,
-        &now(),
-        &[seal.event()],
-    )?;
+    let raw = Raw::adds(&RealFiles, &layout, &lock);
+    commit_events(&raw, &layout, &now(), &[(&log.events_path, &[seal.event()])])?;
     screen.result(format!(
         "{name} is unsealed: its order is the one that was committed to before the first trial"
     ));

@@ -214,6 +214,9 @@ impl Append for FullFile {
         take(&self.1)?;
         self.0.append_synced(bytes)
     }
+    fn take_back(&mut self) -> io::Result<()> {
+        self.0.take_back()
+    }
 }
 
 impl Files for Full {

@@ -75,6 +75,9 @@ impl Append for LeavingFile {
         }
         self.0.append_synced(bytes)
     }
+    fn take_back(&mut self) -> io::Result<()> {
+        self.0.take_back()
+    }
 }
 
 impl Files for Leaving {

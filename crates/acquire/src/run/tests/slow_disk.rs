@@ -99,6 +99,9 @@ impl Append for SlowFile {
         (self.2)(&self.1, self.1.extension().is_some_and(|e| e == "journal"));
         self.0.append_synced(bytes)
     }
+    fn take_back(&mut self) -> io::Result<()> {
+        self.0.take_back()
+    }
 }
 
 impl Files for Slow {

@@ -10,7 +10,7 @@ use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, btree_map::Entry};
 use std::path::Path;
 use zwidth_import::{LateAnswer, LateAnswers, TrialMeant};
-use zwidth_store::{Entered, Raw, RealFiles, SessionLog, StoreError, StudyData, append_events};
+use zwidth_store::{Entered, Raw, RealFiles, SessionLog, StoreError, StudyData, commit_events};
 use zwidth_study::{Event, Kind, QuestionId};
 
 /// Gives every answer of the table. Each was checked before the first is written.
@@ -34,11 +34,9 @@ pub(super) fn from_table(
     let utc = now();
     let entered = Entered { utc: &utc, by: command.by.as_ref() };
     let raw = Raw::adds(&RealFiles, &layout, &lock);
-    for (path, events) in &checked.events {
-        append_events(&raw, path, entered, events).context(
-            "not every session has its answers; give the same command again: answers that are there are not given twice",
-        )?;
-    }
+    let logs: Vec<(&Path, &[Event])> =
+        checked.events.iter().map(|(path, events)| (*path, events.as_slice())).collect();
+    commit_events(&raw, &layout, entered, &logs)?;
     screen.result(checked.told("are given"));
     Ok(Exit::Fine)
 }

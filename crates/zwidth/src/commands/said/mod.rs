@@ -11,25 +11,38 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
 use given::{Given, given, known, recorded};
+use std::collections::BTreeSet;
 use std::path::Path;
-use zwidth_store::{Entered, Raw, RealFiles, SessionLog, StudyData, append_events};
+use zwidth_store::{Entered, Raw, RealFiles, SessionLog, StudyData, commit_events};
 use zwidth_study::Event;
 
 pub(crate) fn exclude(root: &Path, command: &Exclude, screen: &Screen) -> anyhow::Result<Exit> {
     let reason = text(&command.reason, "an exclusion needs its reason")?;
+    let trials: BTreeSet<u32> = command.trial.iter().copied().collect();
     add(root, &command.said, screen, &|data, log| {
-        let entry = recorded(data, log, command.trial)?;
-        let done_again = entry.is_some_and(|entry| entry.superseded_by.is_some());
-        let missing = entry.is_some_and(|entry| entry.counts() || entry.sealed.is_some());
+        let mut missing = false;
+        for trial in &trials {
+            let entry = recorded(data, log, *trial)?;
+            let done_again = entry.is_some_and(|entry| entry.superseded_by.is_some());
+            let counted = entry.is_some_and(|entry| entry.counts() || entry.sealed.is_some());
+            missing |= counted && !done_again;
+        }
         let Said { study, participant, session, .. } = &command.said;
+        let numbers = trials.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+        let (excluded, are_missing) = match trials.len() {
+            1 => (format!("trial {numbers} is excluded"), "it is missing until it is"),
+            _ => (format!("trials {numbers} are excluded"), "they are missing until they are"),
+        };
         let again = match log.record.order {
-            Some(_) if missing && !done_again => format!(
-                "; it is missing until it is done again: `zwidth acquire {study} -p {participant} -s {session}`"
-            ),
+            Some(_) if missing => {
+                format!(
+                    "; {are_missing} done again: `zwidth acquire {study} -p {participant} -s {session}`"
+                )
+            }
             _ => String::new(),
         };
-        let event = Event::Excluded { trial: command.trial, reason: reason.clone() };
-        Ok((event, format!("trial {} is excluded{again}", command.trial)))
+        let event = |trial: &u32| Event::Excluded { trial: *trial, reason: reason.clone() };
+        Ok((trials.iter().map(event).collect(), excluded + &again))
     })
 }
 
@@ -41,7 +54,7 @@ pub(crate) fn note(root: &Path, command: &Note, screen: &Screen) -> anyhow::Resu
         }
         let event = Event::Note { trial: command.trial, text: text.clone() };
         let of = command.trial.map_or("the session".to_owned(), |trial| format!("trial {trial}"));
-        Ok((event, format!("the note is kept with {of}")))
+        Ok((vec![event], format!("the note is kept with {of}")))
     })
 }
 
@@ -67,24 +80,25 @@ pub(crate) fn answer(root: &Path, command: &Answer, screen: &Screen) -> anyhow::
             before.unwrap_or_default(),
             but.unwrap_or_default()
         );
-        Ok((event, said))
+        Ok((vec![event], said))
     })
 }
 
-/// What makes an event of a session as it stands, and what is told of it.
-type Making<'a> = dyn Fn(&StudyData, &SessionLog) -> anyhow::Result<(Event, String)> + 'a;
+/// What makes events of a session as it stands, and what is told of them.
+type Making<'a> = dyn Fn(&StudyData, &SessionLog) -> anyhow::Result<(Vec<Event>, String)> + 'a;
 
-/// Adds an event to a session that nobody records.
+/// Adds events to a session that nobody records: all of them, or none.
 fn add(root: &Path, said: &Said, screen: &Screen, making: &Making<'_>) -> anyhow::Result<Exit> {
     let layout = study(root, said.study.clone())?;
     let lock = lock(&layout, "an event command")?;
     put_in_order_and_tell(&layout, &lock, screen);
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     let log = session(&data, &said.participant, &said.session)?;
-    let (event, told) = making(&data, log)?;
+    let (events, told) = making(&data, log)?;
     let utc = now();
     let entered = Entered { utc: &utc, by: said.by.as_ref() };
-    append_events(&Raw::adds(&RealFiles, &layout, &lock), &log.events_path, entered, &[event])?;
+    let raw = Raw::adds(&RealFiles, &layout, &lock);
+    commit_events(&raw, &layout, entered, &[(&log.events_path, &events)])?;
     screen.result(format!("{} {}: {told}", said.participant, said.session));
     Ok(Exit::Fine)
 }

@@ -1,0 +1,301 @@
+//! The commands whose calls fail, each in a study that it changes.
+
+use anyhow::ensure;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::Command;
+use zwidth_study::{StudyId, template};
+
+/// The study of every case.
+pub(super) const STUDY: &str = "demo";
+
+/// What an error leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// The command does one thing: all of it or nothing.
+    Whole,
+    /// It does many things one after the other (sweeps, jobs of a run), each of them whole; given
+    /// again, it does the rest.
+    Steps,
+    /// A session: trials that were said to be stored are, and it goes on to its end. What is asked
+    /// and answered may differ.
+    Session,
+}
+
+pub(super) struct Case {
+    pub(super) name: &'static str,
+    pub(super) kind: Kind,
+    /// Lays down what was there before the command.
+    pub(super) prepare: fn(&Path, &Path) -> anyhow::Result<()>,
+    pub(super) arguments: &'static [&'static str],
+    /// What begins with these names is compared.
+    pub(super) looked_at: &'static [&'static str],
+    /// Whether `recover` brings the study in order after it.
+    pub(super) recovers: bool,
+    /// Whether `verify` then finds nothing.
+    pub(super) verifies: bool,
+    /// One call in so many is tried, of a command that makes thousands.
+    pub(super) stride: u64,
+}
+
+const WHOLE: Case = Case {
+    name: "",
+    kind: Kind::Whole,
+    prepare: study,
+    arguments: &[],
+    looked_at: &["raw/"],
+    recovers: true,
+    verifies: true,
+    stride: 1,
+};
+
+pub(super) const CASES: &[Case] = &[
+    Case {
+        name: "new",
+        prepare: |_, root| Ok(std::fs::create_dir_all(root)?),
+        arguments: &["new", STUDY],
+        recovers: false,
+        verifies: false,
+        ..WHOLE
+    },
+    Case {
+        name: "import trials",
+        prepare: empty,
+        arguments: &["import", STUDY, "--map", "trials.toml", "P01.csv", "P02.csv"],
+        ..WHOLE
+    },
+    Case {
+        name: "import sweeps",
+        arguments: &["import", STUDY, "--map", "sweeps.toml", "more.csv"],
+        ..WHOLE
+    },
+    Case {
+        name: "import answers",
+        arguments: &["import", STUDY, "--map", "likert.toml", "likert.csv"],
+        ..WHOLE
+    },
+    Case {
+        name: "exclude",
+        arguments: &[
+            "exclude",
+            STUDY,
+            "-p",
+            "P01",
+            "-s",
+            "S01",
+            "--trial",
+            "1,2",
+            "the phone rang",
+        ],
+        ..WHOLE
+    },
+    Case {
+        name: "note",
+        arguments: &["note", STUDY, "-p", "P01", "-s", "S01", "left-handed"],
+        ..WHOLE
+    },
+    Case {
+        name: "answer",
+        arguments: &["answer", STUDY, "-p", "P01", "-s", "S01", "--trial", "1", "4"],
+        ..WHOLE
+    },
+    Case { name: "answer --from", arguments: &["answer", STUDY, "--from", "answers.csv"], ..WHOLE },
+    Case {
+        name: "accept a changed study.toml",
+        prepare: changed,
+        arguments: &["recover", STUDY, "--accept-study-change"],
+        verifies: false,
+        ..WHOLE
+    },
+    Case {
+        name: "unseal",
+        prepare: sealed,
+        arguments: &["unseal", STUDY, "-p", "P01", "-s", "S01", "--key", "keys", "--unfinished"],
+        ..WHOLE
+    },
+    Case {
+        name: "characterise",
+        kind: Kind::Steps,
+        arguments: &["characterise", STUDY, "motor", "--device", "twin", "--sweeps", "1"],
+        ..WHOLE
+    },
+    Case {
+        name: "power --plan",
+        arguments: &[
+            "power",
+            STUDY,
+            "--difference",
+            "0.5",
+            "--participants",
+            "6",
+            "--studies",
+            "100",
+            "--participant-sd",
+            "1",
+            "--participant-mode-sd",
+            "0.5",
+            "--residual-sd",
+            "1",
+            "--plan",
+        ],
+        ..WHOLE
+    },
+    Case {
+        name: "acquire",
+        kind: Kind::Session,
+        prepare: short,
+        arguments: &[
+            "acquire", STUDY, "-p", "P01", "-s", "S01", "--plain", "--auto", "--fast", "--seed",
+            "1",
+        ],
+        stride: 7,
+        ..WHOLE
+    },
+    Case {
+        name: "acquire, blinded",
+        kind: Kind::Session,
+        prepare: blinded,
+        arguments: &[
+            "acquire", STUDY, "-p", "P01", "-s", "S01", "--plain", "--auto", "--fast", "--key",
+            "keys",
+        ],
+        stride: 11,
+        ..WHOLE
+    },
+    Case {
+        name: "run",
+        kind: Kind::Steps,
+        arguments: &["--threads", "1", "run", STUDY, "--quiet"],
+        looked_at: &["derived/", "reports/"],
+        recovers: false,
+        verifies: false,
+        stride: 97,
+        ..WHOLE
+    },
+];
+
+/// Runs the program, which must not fail.
+fn run(program: &Path, root: &Path, arguments: &[&str]) -> anyhow::Result<()> {
+    let output =
+        Command::new(program).current_dir(root).arg("--root").arg(root).args(arguments).output()?;
+    let said = super::words(&output);
+    ensure!(output.status.success(), "{arguments:?}: {said}");
+    Ok(())
+}
+
+/// A study without a recording, its text changed so, and the files to import.
+fn laid_down(root: &Path, changes: &[(&str, &str)]) -> anyhow::Result<()> {
+    let mut text = template(&StudyId::new(STUDY)?);
+    for (from, to) in changes {
+        ensure!(text.contains(from), "the template of a study lost '{from}'");
+        text = text.replace(from, to);
+    }
+    let raw = root.join("raw").join(STUDY);
+    std::fs::create_dir_all(&raw)?;
+    std::fs::write(raw.join("study.toml"), text)?;
+    for person in ["P01", "P02"] {
+        let mut rows = "who,mode,n,t,f\n".to_owned();
+        for (trial, mode) in [(1, "active"), (2, "passive")] {
+            for sample in 0..40 {
+                let t_s = f64::from(sample) * 0.01;
+                let force_n = (f64::from(sample) * 0.7).sin() + f64::from(trial);
+                writeln!(rows, "{person},{mode},{trial},{t_s},{force_n}")?;
+            }
+        }
+        std::fs::write(root.join(format!("{person}.csv")), rows)?;
+    }
+    std::fs::write(root.join("trials.toml"), TRIALS)?;
+    std::fs::write(root.join("sweeps.toml"), SWEEPS)?;
+    std::fs::write(root.join("likert.toml"), LIKERT)?;
+    std::fs::write(root.join("first.csv"), "n,u,f\n1,0,1\n1,1,2\n")?;
+    std::fs::write(root.join("more.csv"), "n,u,f\n2,0,1\n2,1,2\n3,0,1\n3,1,3\n")?;
+    std::fs::write(root.join("likert.csv"), "who,mode,a\nP03,active,1\nP04,passive,3\n")?;
+    let answers =
+        "participant,session,trial,answer\nP01,S01,1,4\nP01,S01,2,2\nP02,S01,1,5\nP02,S01,2,1\n";
+    std::fs::write(root.join("answers.csv"), answers)?;
+    Ok(())
+}
+
+fn empty(_program: &Path, root: &Path) -> anyhow::Result<()> {
+    laid_down(root, &[])
+}
+
+/// Two people, two trials each, and a sweep.
+fn study(program: &Path, root: &Path) -> anyhow::Result<()> {
+    laid_down(root, &[])?;
+    run(program, root, &["import", STUDY, "--map", "trials.toml", "P01.csv", "P02.csv"])?;
+    run(program, root, &["import", STUDY, "--map", "sweeps.toml", "first.csv"])
+}
+
+/// The same, with a `study.toml` that was changed since.
+fn changed(program: &Path, root: &Path) -> anyhow::Result<()> {
+    study(program, root)?;
+    let path = root.join("raw").join(STUDY).join("study.toml");
+    let text = std::fs::read_to_string(&path)?;
+    Ok(std::fs::write(path, text.replace("pause_s = 5.0", "pause_s = 4.0"))?)
+}
+
+/// A design of three trials and one to get used to it.
+const SHORT: [(&str, &str); 2] = [
+    ("\nrepeats = 6\n", "\nrepeats = 1\n"),
+    ("\nfamiliarisation = 3\n", "\nfamiliarisation = 1\n"),
+];
+
+fn short(_program: &Path, root: &Path) -> anyhow::Result<()> {
+    laid_down(root, &SHORT)
+}
+
+fn blinded(_program: &Path, root: &Path) -> anyhow::Result<()> {
+    let blinded = ("\nblinded = false\n", "\nblinded = true\n");
+    laid_down(root, &[SHORT[0], SHORT[1], blinded])
+}
+
+/// A blinded session that was recorded.
+fn sealed(program: &Path, root: &Path) -> anyhow::Result<()> {
+    blinded(program, root)?;
+    let session = ["-p", "P01", "-s", "S01", "--plain", "--auto", "--fast", "--key", "keys"];
+    run(program, root, &[&["acquire", STUDY], session.as_slice()].concat())
+}
+
+const TRIALS: &str = r#"
+kind = "trials"
+[trial]
+participant = { column = "who" }
+session = "S01"
+environment = "spring"
+mode = { column = "mode" }
+trial = { column = "n" }
+[time]
+from = "t"
+unit = "s"
+[[column]]
+to = "force_ex_n"
+from = "f"
+unit = "N"
+"#;
+
+const SWEEPS: &str = r#"
+kind = "sweeps"
+[sweep]
+actuator = "brake"
+sweep = { column = "n" }
+[command]
+name = "u"
+unit = "V"
+from = "u"
+[response]
+name = "f"
+unit = "N"
+from = "f"
+"#;
+
+const LIKERT: &str = r#"
+kind = "likert"
+[trial]
+participant = { column = "who" }
+session = "S01"
+environment = "spring"
+mode = { column = "mode" }
+[questions.columns]
+felt_spring = "a"
+"#;
