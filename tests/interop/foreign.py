@@ -259,6 +259,17 @@ def hdf5(world):
         t, found, _ = world.bring(path, "", "t", "rig/f")
         same(f"hdf5 {name}: times", t, frame["t"])
         same(f"hdf5 {name}: values", found, f)
+    for number, (form, file_options) in enumerate([("old", {}), ("latest", {"libver": "latest"})]):
+        path, f = world.root / f"links-{number}.h5", frame["f"].to_numpy() + 30 + number
+        with h5py.File(path, "w", **file_options) as file:
+            file["t"], file["rig/f"] = frame["t"].to_numpy(), f
+            file["short"] = h5py.SoftLink("rig")
+            file["rig/gone"] = h5py.SoftLink("/nothing")
+            file["away"] = h5py.ExternalLink("other.h5", "/f")
+        t, found, _ = world.bring(path, "", "t", "short/f")
+        same(f"hdf5 behind a soft link, {form} form: values", found, f)
+        code, said = world.refused(path, force="away")
+        check(f"an external link of hdf5, {form} form, is refused by name", code == 1 and "other.h5" in said, said)
     matrix = np.column_stack([frame["t"], frame["f"] + 20])
     with h5py.File(world.root / "matrix.h5", "w") as file:
         file["rig/all"] = matrix

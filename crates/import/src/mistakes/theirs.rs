@@ -148,6 +148,20 @@ pub(super) fn kinds() -> Vec<Row> {
         ),
         mapped("HDF5", (Read, ""), from_hdf5.clone(), "a.h5", hdf5),
         mapped(
+            "an HDF5 file with soft links, one of them named",
+            (Read, ""),
+            from_hdf5.replace("rig/f", "again"),
+            "a.h5",
+            hdf5::tests::with_links(),
+        ),
+        mapped(
+            "an HDF5 file whose link leads to nothing",
+            (Refused, "it is a link to 'nothing/there', which is no data set of the file"),
+            from_hdf5.replace("rig/f", "gone"),
+            "a.h5",
+            hdf5::tests::with_links(),
+        ),
+        mapped(
             "an HDF5 file that is cut off",
             (Refused, "save it from MATLAB with -v7, or convert it: python -c"),
             from_hdf5.clone(),

@@ -3,20 +3,26 @@
 //! The library `hdf5-pure` reads the format. What a file claims is held against limits before the
 //! library takes memory for it, and a library that gives up on a damaged file is an error of ours.
 
+mod links;
+#[cfg(test)]
+pub(super) mod tests;
+
 use super::limits::{
     MOST_COLUMNS, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown,
     too_many_rows, too_much,
 };
-use super::table::{Cells, Table};
+use super::table::{Cells, ColumnRef, Table};
 use super::text::HDF5;
 use arrow::array::Float64Array;
 use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
+use links::{Links, MOST_DEPTH};
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use zwidth_store::StoreError;
 
-/// Groups within groups.
-const MOST_DEPTH: usize = 16;
+/// Names that an error lists.
+const MOST_LISTED: usize = 20;
 
 /// What MATLAB keeps beside the variables.
 const OF_MATLAB: [&str; 2] = ["#refs#", "#subsystem#"];
@@ -54,56 +60,117 @@ fn open(path: &Path, bytes: Vec<u8>) -> Result<File, StoreError> {
     File::from_bytes(bytes).map_err(|e| unreadable(path, &e.to_string()))
 }
 
-fn vectors(path: &Path, bytes: Vec<u8>, take: &Take) -> Result<Table, StoreError> {
+fn vectors(path: &Path, mut bytes: Vec<u8>, take: &Take) -> Result<Table, StoreError> {
     let of = (path, bytes.len() as u64);
+    let links = Links::take_out(&mut bytes);
     let file = open(path, bytes)?;
     let mut table = Table { names: Some(Vec::new()), ..Table::default() };
-    each(path, &file.root(), &mut |name, data| {
-        let cells = if take.wants(table.columns.len(), Some(&name)) {
-            vector(of, data, take)?
-        } else {
-            Cells::Unread
-        };
-        table.columns.push(cells);
-        table.names.get_or_insert_default().push(name);
-        check_columns(path, table.columns.len())
-    })?;
+    for found in groups(path, &file)? {
+        let first = table.columns.len();
+        check_columns(path, first + found.names.len())?;
+        let names: Vec<String> = found.names.iter().map(|name| found.full(name)).collect();
+        names.iter().try_for_each(|name| check_name(path, name))?;
+        let wants: Vec<bool> = (first..).zip(&names).map(|(i, n)| take.wants(i, Some(n))).collect();
+        let opened = found.open(path, &wants)?;
+        for (name, data) in names.into_iter().zip(opened) {
+            table.columns.push(match data {
+                Some(data) => vector(of, &data, take)?,
+                None => Cells::Unread,
+            });
+            table.names.get_or_insert_default().push(name);
+        }
+    }
+    // A link is a column where it is asked for by its name.
+    for column in &take.columns {
+        let ColumnRef::Name(name) = column else { continue };
+        let known = table.names.get_or_insert_default();
+        if known.contains(name) {
+            continue;
+        }
+        if let Some(data) = linked(path, &file, &links, name)? {
+            known.push(name.clone());
+            table.columns.push(vector(of, &data, take)?);
+        }
+    }
     Ok(table)
 }
 
-/// Goes through the data sets of a group and of those in it, each with its path.
-fn each(
+/// The data set to which a link leads, if the name is that of a link or of something behind one.
+///
+/// # Errors
+/// A link that leads to no data set of this file.
+fn linked(
     path: &Path,
-    root: &Group,
-    take: &mut dyn FnMut(String, &Dataset) -> Result<(), StoreError>,
-) -> Result<(), StoreError> {
-    let failed = |e: hdf5_pure::Error| unreadable(path, &e.to_string());
-    let mut groups = vec![(String::new(), root.clone(), 0)];
-    let mut visited = 0;
-    while let Some((before, group, depth)) = groups.pop() {
-        for (name, data) in named(group.datasets().map_err(failed)?, |name| group.dataset(name)) {
-            let name = format!("{before}{name}");
-            check_name(path, &name)?;
-            take(name, &data.map_err(failed)?)?;
+    file: &File,
+    links: &Links,
+    name: &str,
+) -> Result<Option<Dataset>, StoreError> {
+    let refused = |what: String| {
+        let remedy = "name the data set itself, or copy it into this file where the link is";
+        StoreError::new(path, shown(&what), remedy).column(shown(name))
+    };
+    let Some(target) = links.follow(name).map_err(refused)? else { return Ok(None) };
+    let found = file.dataset(&target);
+    found.map(Some).map_err(|e| {
+        refused(format!("it is a link to '{target}', which is no data set of the file: {e}"))
+    })
+}
+
+/// A group, with the names of its data sets.
+struct Found {
+    group: Group,
+    /// The path of the group, ending in a stroke, or nothing for the root.
+    before: String,
+    names: Vec<String>,
+}
+
+/// Data sets of a group that are opened by name: each is looked for among all of its links, while to
+/// open them all at once keeps the header of each in memory.
+const MOST_BY_NAME: usize = 32;
+
+impl Found {
+    /// The path of a data set.
+    fn full(&self, name: &str) -> String {
+        format!("{}{name}", self.before)
+    }
+
+    /// Those of its data sets that are wanted, in the order of their names.
+    fn open(&self, path: &Path, wants: &[bool]) -> Result<Vec<Option<Dataset>>, StoreError> {
+        let failed = |e: hdf5_pure::Error| unreadable(path, &e.to_string());
+        if wants.iter().filter(|wants| **wants).count() > MOST_BY_NAME {
+            let all = self.group.iter_datasets().map_err(failed)?;
+            let mut all: BTreeMap<String, Dataset> = all.collect();
+            let open = |(name, wants): (&String, &bool)| wants.then(|| all.remove(name)).flatten();
+            return Ok(self.names.iter().zip(wants).map(open).collect());
         }
-        let within = named(group.groups().map_err(failed)?, |name| group.group(name));
+        let open = |(name, wants): (&String, &bool)| {
+            wants.then(|| self.group.dataset(name).map_err(failed)).transpose()
+        };
+        self.names.iter().zip(wants).map(open).collect()
+    }
+}
+
+/// The groups of a file, each with the names of its data sets. The links of a group are gone through
+/// a fixed number of times, however many they are.
+fn groups(path: &Path, file: &File) -> Result<Vec<Found>, StoreError> {
+    let failed = |e: hdf5_pure::Error| unreadable(path, &e.to_string());
+    let mut left = vec![(String::new(), file.root(), 0)];
+    let mut all = Vec::new();
+    let mut visited = 0;
+    while let Some((before, group, depth)) = left.pop() {
+        let names = group.datasets().map_err(failed)?;
+        let within = group.iter_groups().map_err(failed)?;
         for (name, group) in within.filter(|(name, _)| !OF_MATLAB.contains(&name.as_str())) {
             visited += 1;
             if depth == MOST_DEPTH || visited > MOST_COLUMNS {
                 let what = "it has more groups, or deeper ones, than are read";
                 return Err(unreadable(path, what));
             }
-            groups.push((format!("{before}{name}/"), group.map_err(failed)?, depth + 1));
+            left.push((format!("{before}{name}/"), group, depth + 1));
         }
+        all.push(Found { group, before, names });
     }
-    Ok(())
-}
-
-fn named<T>(names: Vec<String>, open: impl Fn(&str) -> T) -> impl Iterator<Item = (String, T)> {
-    names.into_iter().map(move |name| {
-        let opened = open(&name);
-        (name, opened)
-    })
+    Ok(all)
 }
 
 /// A data set as a column: its values if it is a vector of numbers, else why not.
@@ -132,26 +199,38 @@ fn vector(of: (&Path, u64), data: &Dataset, take: &Take) -> Result<Cells, StoreE
 /// A matrix' columns by position.
 fn columns(
     path: &Path,
-    bytes: Vec<u8>,
+    mut bytes: Vec<u8>,
     (matrix, order): (&str, Order),
     take: &Take,
 ) -> Result<Table, StoreError> {
     let of = (path, bytes.len() as u64);
+    let links = Links::take_out(&mut bytes);
     let file = open(path, bytes)?;
     let (mut names, mut found) = (Vec::new(), None);
-    each(path, &file.root(), &mut |name, data| {
-        if name == matrix {
-            found = Some(data.clone());
+    for group in groups(path, &file)? {
+        check_columns(path, names.len() + group.names.len())?;
+        for name in &group.names {
+            let full = group.full(name);
+            check_name(path, &full)?;
+            if full == matrix {
+                let data = group.group.dataset(name);
+                found = Some(data.map_err(|e| unreadable(path, &e.to_string()))?);
+            }
+            names.push(shown(&full).into_owned());
         }
-        names.push(shown(&name).into_owned());
-        check_columns(path, names.len())
-    })?;
+    }
+    if found.is_none() {
+        found = linked(path, &file, &links, matrix)?;
+    }
     let wrong = |what: String| {
         let remedy = "set matrix in [file] to a numeric matrix of the file";
         StoreError::new(path, what, remedy).column(matrix)
     };
     let data = found.ok_or_else(|| {
-        wrong(format!("the data set is missing; the file has {}", names.join(", ")))
+        let first = names.iter().take(MOST_LISTED).map(String::as_str);
+        let more = if names.len() > MOST_LISTED { ", …" } else { "" };
+        let list = first.collect::<Vec<_>>().join(", ");
+        wrong(format!("the data set is missing; the file has {list}{more}"))
     })?;
     let size = size(path, &data)?;
     if let Some(class) = class(&data) {
@@ -238,95 +317,4 @@ fn values((path, length): (&Path, u64), data: &Dataset, n: usize) -> Result<Vec<
     }
     let what = format!("a data set says that it has {n} values, and has {}", values.len());
     Err(unreadable(path, &what))
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::super::limits::tests::everything;
-    use super::*;
-    use hdf5_pure::FileBuilder;
-
-    /// Two vectors, one of them in a group and one as MATLAB has columns; a matrix, a text, and a
-    /// whole number.
-    pub(in super::super) fn written(userblock: &[u8]) -> Vec<u8> {
-        let mut file = FileBuilder::new();
-        if !userblock.is_empty() {
-            file.with_userblock(512).with_userblock_content(userblock);
-        }
-        file.create_dataset("t").with_f64_data(&[0.0, 0.5, 1.0]).with_shape(&[3]);
-        file.create_dataset("m").with_i32_data(&[1, 2, 3, 4, 5, 6]).with_shape(&[2, 3]);
-        let mut rig = file.create_group("rig");
-        let force = rig.create_dataset("f").with_f64_data(&[1.5, -2.0, 4.0]);
-        force.with_shape(&[1, 3]);
-        file.add_group(rig.finish());
-        file.finish().unwrap()
-    }
-
-    fn read(bytes: Vec<u8>, matrix: Option<&str>, order: Order) -> Result<Table, StoreError> {
-        everything(|take| super::read(Path::new("a.h5"), bytes, (matrix, order), take))
-    }
-
-    fn numbers(cells: &Cells) -> Vec<f64> {
-        match cells {
-            Cells::Numbers(values) => values.values().to_vec(),
-            other => panic!("{other:?}"),
-        }
-    }
-
-    #[test]
-    fn vectors_come_by_their_path_and_a_matrix_is_told() {
-        for userblock in [&b""[..], b"MATLAB 7.3 MAT-file"] {
-            let table = read(written(userblock), None, Order::Rows).unwrap();
-            let names = table.names.unwrap();
-            let of = |name: &str| &table.columns[names.iter().position(|n| n == name).unwrap()];
-            assert_eq!(numbers(of("t")), [0.0, 0.5, 1.0]);
-            assert_eq!(numbers(of("rig/f")), [1.5, -2.0, 4.0]);
-            let Cells::Other(why) = of("m") else { panic!("{:?}", of("m")) };
-            assert!(why.contains("a 2 × 3 matrix"), "{why}");
-        }
-    }
-
-    #[test]
-    fn a_matrix_has_its_columns_by_the_order_of_who_wrote_it() {
-        let by_rows = read(written(b""), Some("m"), Order::Rows).unwrap();
-        let found: Vec<_> = by_rows.columns.iter().map(numbers).collect();
-        assert_eq!(found, [[1.0, 4.0], [2.0, 5.0], [3.0, 6.0]]);
-        let by_columns = read(written(b""), Some("m"), Order::Columns).unwrap();
-        let found: Vec<_> = by_columns.columns.iter().map(numbers).collect();
-        assert_eq!(found, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-        let error = read(written(b""), Some("x"), Order::Rows).unwrap_err();
-        assert!(error.what.contains("the file has") && error.what.contains("rig/f"), "{error}");
-    }
-
-    #[test]
-    fn a_file_cut_or_damaged_anywhere_is_an_error_or_a_table_and_never_a_panic() {
-        let whole = written(b"");
-        for cut in (0..whole.len()).step_by(7) {
-            let _ = read(whole[..cut].to_vec(), None, Order::Rows);
-        }
-        for place in 0..whole.len() {
-            let mut damaged = whole.clone();
-            damaged[place] ^= 0xff;
-            let found = read(damaged, None, Order::Rows);
-            assert!(found.is_ok() || found.unwrap_err().remedy.contains("python -c"), "{place}");
-        }
-    }
-
-    /// A chunked data set of 2⁴⁰ values of which none is written: its claim alone.
-    #[test]
-    fn a_claim_of_more_than_is_read_takes_no_memory() {
-        let mut file = FileBuilder::new();
-        file.create_dataset("t").with_f64_data(&[0.5; 8]).with_shape(&[8]);
-        let mut bytes = file.finish().unwrap();
-        // The dataspace' only dimension, as it is written: 8 in eight bytes.
-        let size = 8_u64.to_le_bytes();
-        let places: Vec<usize> =
-            (0..bytes.len() - 8).filter(|i| bytes[*i..*i + 8] == size).collect();
-        for place in places {
-            let before = bytes.clone();
-            bytes[place..place + 8].copy_from_slice(&(1_u64 << 40).to_le_bytes());
-            let _ = read(bytes, None, Order::Rows);
-            bytes = before;
-        }
-    }
 }

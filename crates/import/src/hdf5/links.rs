@@ -1,0 +1,343 @@
+//! The links of an HDF5 file that name a path: soft ones lead to a path in the file, external ones to
+//! another file.
+//!
+//! The library (hdf5-pure 0.47) takes a soft link in a group of the old form for an object at address
+//! 2⁶⁴ − 1, and refuses the group and all that is in it. So such links are taken out of their groups
+//! before it reads them, in memory, and are followed here where a column is asked for by their name.
+//!
+//! Source: HDF5 File Format Specification 3.0, II.A (superblock), III.A–D (groups), IV.A (headers).
+
+use super::super::limits::MOST_NAME;
+use std::collections::{BTreeMap, BTreeSet};
+
+const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
+/// Groups within groups, at most.
+pub(super) const MOST_DEPTH: usize = 16;
+/// Links that lead to each other, at most.
+const MOST_HOPS: usize = 16;
+/// Types of messages of an object's header.
+const LINK: u16 = 0x06;
+const CONTINUATION: u16 = 0x10;
+const SYMBOL_TABLE: u16 = 0x11;
+/// What an entry of a symbol table says that it is where it is a soft link.
+const IS_SOFT: u64 = 2;
+
+/// Where a link leads.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Target {
+    /// To a path in the file.
+    Path(String),
+    /// To another file.
+    File(String),
+}
+
+/// The links of a file, by their paths.
+#[derive(Debug, Default)]
+pub(super) struct Links(BTreeMap<String, Target>);
+
+impl Links {
+    /// Finds the links of a file, and takes those out that the library cannot pass by. Of a file that is
+    /// damaged they are found as far as it can be read: what is wrong with it is for the library to say.
+    pub(super) fn take_out(bytes: &mut [u8]) -> Self {
+        let mut walk = Walk::default();
+        if let Some((raw, root)) = Raw::open(bytes) {
+            walk.groups(&raw, root);
+        }
+        for table in &walk.tables {
+            table.without_soft_links(bytes);
+        }
+        Self(walk.links)
+    }
+
+    /// The path of the object that `name` leads to, if there is a link on the way.
+    ///
+    /// # Errors
+    /// Why the link leads nowhere in this file, in words.
+    pub(super) fn follow(&self, name: &str) -> Result<Option<String>, String> {
+        let mut rest: Vec<String> = parts(name).rev().collect();
+        let (mut path, mut hops) = (String::new(), 0);
+        while let Some(part) = rest.pop() {
+            let here = join(&path, &part);
+            match self.0.get(&here) {
+                None => path = here,
+                Some(Target::File(file)) => {
+                    return Err(format!("'{here}' is a link to another file, {file}"));
+                }
+                Some(Target::Path(_)) if hops == MOST_HOPS => {
+                    return Err(format!("'{here}' is a link that leads in a circle"));
+                }
+                Some(Target::Path(target)) => {
+                    hops += 1;
+                    // A path that begins with a stroke is counted from the file's root.
+                    if target.starts_with('/') {
+                        path.clear();
+                    }
+                    rest.extend(parts(target).rev());
+                }
+            }
+        }
+        Ok((hops > 0).then_some(path))
+    }
+}
+
+/// The names in a path.
+fn parts(path: &str) -> impl DoubleEndedIterator<Item = String> {
+    path.split('/').filter(|part| !part.is_empty() && *part != ".").map(str::to_owned)
+}
+
+fn join(path: &str, name: &str) -> String {
+    if path.is_empty() { name.to_owned() } else { format!("{path}/{name}") }
+}
+
+/// The bytes of a file, and how its addresses and lengths are written.
+struct Raw<'a> {
+    bytes: &'a [u8],
+    /// Where its superblock stands, from which addresses are counted.
+    base: usize,
+    address_size: usize,
+    length_size: usize,
+}
+
+impl<'a> Raw<'a> {
+    /// A file, and where the header of its root group stands.
+    fn open(bytes: &'a [u8]) -> Option<(Self, usize)> {
+        // At the beginning, or behind a block of the user's: 512 bytes, or a power of two of them.
+        let places = std::iter::successors(Some(512_usize), |place| place.checked_mul(2));
+        let base = std::iter::once(0)
+            .chain(places.take_while(|place| *place < bytes.len()))
+            .find(|place| bytes[*place..].starts_with(SIGNATURE))?;
+        let version = *bytes.get(base + 8)?;
+        let (sizes, root) = match version {
+            0 => (13, 24),
+            1 => (13, 28),
+            2 | 3 => (9, 12),
+            _ => return None,
+        };
+        let address_size = usize::from(*bytes.get(base + sizes)?);
+        let length_size = usize::from(*bytes.get(base + sizes + 1)?);
+        if !(1..=8).contains(&address_size) || !(1..=8).contains(&length_size) {
+            return None;
+        }
+        let raw = Self { bytes, base, address_size, length_size };
+        // Behind other addresses: those of the file's parts, in old files also that of the root's name.
+        let before = if version < 2 { 5 } else { 3 };
+        let root = raw.address(base + root + before * address_size)?;
+        Some((raw, root))
+    }
+
+    fn number(&self, at: usize, size: usize) -> Option<u64> {
+        let bytes = self.bytes.get(at..at.checked_add(size)?)?;
+        Some(bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
+    }
+
+    /// An address, as a place in the bytes; nothing if it is past their end.
+    fn address(&self, at: usize) -> Option<usize> {
+        let place = usize::try_from(self.number(at, self.address_size)?).ok()?;
+        place.checked_add(self.base).filter(|place| *place < self.bytes.len())
+    }
+
+    fn length(&self, at: usize) -> Option<usize> {
+        usize::try_from(self.number(at, self.length_size)?).ok()
+    }
+
+    fn has(&self, at: usize, signature: &[u8]) -> bool {
+        self.bytes.get(at..).is_some_and(|bytes| bytes.starts_with(signature))
+    }
+
+    /// The text up to a zero.
+    fn text(&self, at: usize) -> Option<String> {
+        let bytes = self.bytes.get(at..)?;
+        let bytes = &bytes[..bytes.len().min(MOST_NAME + 1)];
+        let end = bytes.iter().position(|byte| *byte == 0)?;
+        Some(String::from_utf8_lossy(&bytes[..end]).into_owned())
+    }
+}
+
+/// A symbol table, of whose entries some are soft links.
+struct SymbolTable {
+    /// Where its first entry stands; the number of entries stands in the two bytes before.
+    entries: usize,
+    /// Bytes of an entry.
+    size: usize,
+    /// The entries that stay, of how many.
+    stay: Vec<usize>,
+}
+
+impl SymbolTable {
+    fn without_soft_links(&self, bytes: &mut [u8]) {
+        for (to, from) in self.stay.iter().enumerate() {
+            let from = self.entries + from * self.size;
+            bytes.copy_within(from..from + self.size, self.entries + to * self.size);
+        }
+        // No more than there were, which two bytes held.
+        let count = u16::try_from(self.stay.len()).unwrap_or(u16::MAX).to_le_bytes();
+        bytes[self.entries - 2..self.entries].copy_from_slice(&count);
+    }
+}
+
+/// A group on the way through a file.
+struct Group {
+    header: usize,
+    path: String,
+    depth: usize,
+}
+
+/// What is found on the way through a file: each byte is looked at once, whatever leads to it.
+#[derive(Default)]
+struct Walk {
+    links: BTreeMap<String, Target>,
+    tables: Vec<SymbolTable>,
+    seen: BTreeSet<usize>,
+    groups: Vec<Group>,
+}
+
+impl Walk {
+    fn groups(&mut self, raw: &Raw, root: usize) {
+        self.groups.push(Group { header: root, path: String::new(), depth: 0 });
+        while let Some(group) = self.groups.pop() {
+            // What cannot be read has no links that are known.
+            let _: Option<()> = self.header(raw, &group);
+        }
+    }
+
+    /// Goes through the messages of an object's header, and the blocks in which it goes on.
+    fn header(&mut self, raw: &Raw, group: &Group) -> Option<()> {
+        let at = group.header;
+        if group.depth > MOST_DEPTH || !self.seen.insert(at) {
+            return None;
+        }
+        let is_new = raw.has(at, b"OHDR");
+        // Of a header of the second version, whether messages have the order of their creation too.
+        let mut ordered = 0;
+        let mut blocks = Vec::new();
+        if is_new {
+            let flags = raw.number(at + 5, 1)?;
+            let times = if flags & 0x20 != 0 { 16 } else { 0 };
+            let attributes = if flags & 0x10 != 0 { 4 } else { 0 };
+            ordered = if flags & 0x04 != 0 { 2 } else { 0 };
+            let size_at = at + 6 + times + attributes;
+            let size_size = 1 << (flags & 3);
+            let from = size_at + size_size;
+            let size = usize::try_from(raw.number(size_at, size_size)?).ok()?;
+            blocks.push(from..from.checked_add(size)?);
+        } else if raw.number(at, 1)? == 1 {
+            let size = usize::try_from(raw.number(at + 8, 4)?).ok()?;
+            blocks.push(at + 16..(at + 16).checked_add(size)?);
+        }
+        let head = if is_new { 4 + ordered } else { 8 };
+        while let Some(block) = blocks.pop() {
+            let mut at = block.start;
+            while at.checked_add(head)? <= block.end {
+                let (kind, size) = match is_new {
+                    true => (raw.number(at, 1)?, raw.number(at + 1, 2)?),
+                    false => (raw.number(at, 2)?, raw.number(at + 2, 2)?),
+                };
+                let (from, kind) = (at + head, u16::try_from(kind).ok()?);
+                at = from + usize::try_from(size).ok()?;
+                match kind {
+                    LINK => _ = self.link(raw, group, from),
+                    SYMBOL_TABLE => _ = self.symbol_table(raw, group, from),
+                    CONTINUATION => {
+                        let place = raw.address(from)?;
+                        let end = place.checked_add(raw.length(from + raw.address_size)?)?;
+                        // Between its signature and its checksum.
+                        let around = if is_new { 4 } else { 0 };
+                        if self.seen.insert(place) {
+                            blocks.push(place + around..end.saturating_sub(around));
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// A link of a group of the new form.
+    fn link(&mut self, raw: &Raw, group: &Group, at: usize) -> Option<()> {
+        let flags = raw.number(at + 1, 1)?;
+        let mut next = at + 2;
+        let mut kind = 0;
+        if flags & 0x08 != 0 {
+            kind = raw.number(next, 1)?;
+            next += 1;
+        }
+        next += if flags & 0x04 != 0 { 8 } else { 0 };
+        next += usize::from(flags & 0x10 != 0);
+        let size = 1 << (flags & 3);
+        let length = usize::try_from(raw.number(next, size)?).ok().filter(|n| *n <= MOST_NAME)?;
+        let name = raw.bytes.get(next + size..next + size + length)?;
+        let path = join(&group.path, &String::from_utf8_lossy(name));
+        let value = next + size + length;
+        match kind {
+            0 => {
+                let header = raw.address(value)?;
+                self.groups.push(Group { header, path, depth: group.depth + 1 });
+            }
+            1 => {
+                let length = usize::try_from(raw.number(value, 2)?).ok()?;
+                let target = raw.bytes.get(value + 2..value + 2 + length)?;
+                let target = String::from_utf8_lossy(target).into_owned();
+                self.links.insert(path, Target::Path(target));
+            }
+            // Behind its length and a byte of flags: the file's name, then the path in it.
+            64 => _ = self.links.insert(path, Target::File(raw.text(value + 3)?)),
+            _ => {}
+        }
+        Some(())
+    }
+
+    /// The tables of a group of the old form: a tree of them, whose names stand in a heap.
+    fn symbol_table(&mut self, raw: &Raw, group: &Group, at: usize) -> Option<()> {
+        let heap = raw.address(at + raw.address_size)?;
+        let names = raw.address(heap + 8 + 2 * raw.length_size)?;
+        let mut nodes = vec![raw.address(at)?];
+        while let Some(node) = nodes.pop() {
+            if !self.seen.insert(node) {
+                continue;
+            }
+            if raw.has(node, b"SNOD") {
+                self.entries(raw, group, names, node)?;
+            } else if raw.has(node, b"TREE") {
+                let children = usize::try_from(raw.number(node + 6, 2)?).ok()?;
+                let first = node + 8 + 2 * raw.address_size + raw.length_size;
+                let step = raw.address_size + raw.length_size;
+                for child in 0..children {
+                    nodes.push(raw.address(first + child * step)?);
+                }
+            }
+        }
+        Some(())
+    }
+
+    fn entries(&mut self, raw: &Raw, group: &Group, names: usize, node: usize) -> Option<()> {
+        let count = usize::try_from(raw.number(node + 6, 2)?).ok()?;
+        let mut table =
+            SymbolTable { entries: node + 8, size: 2 * raw.address_size + 24, stay: Vec::new() };
+        for i in 0..count {
+            let at = table.entries + i * table.size;
+            // All of it is there.
+            raw.number(at + table.size - 8, 8)?;
+            let name = raw
+                .text(names.checked_add(usize::try_from(raw.number(at, raw.address_size)?).ok()?)?);
+            let kind = at + 2 * raw.address_size;
+            if raw.number(kind, 4)? != IS_SOFT {
+                table.stay.push(i);
+                if let Some((name, header)) = name.zip(raw.address(at + raw.address_size)) {
+                    let path = join(&group.path, &name);
+                    self.groups.push(Group { header, path, depth: group.depth + 1 });
+                }
+                continue;
+            }
+            let value = usize::try_from(raw.number(kind + 8, 4)?).ok()?;
+            let target = names.checked_add(value).and_then(|at| raw.text(at));
+            if let Some((name, target)) = name.zip(target) {
+                self.links.insert(join(&group.path, &name), Target::Path(target));
+            }
+        }
+        if table.stay.len() < count {
+            self.tables.push(table);
+        }
+        Some(())
+    }
+}
