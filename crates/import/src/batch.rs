@@ -167,7 +167,7 @@ impl Batch {
             });
         written.map_err(|errors| {
             self.discard(disk);
-            Errors(errors)
+            errors.into_iter().collect()
         })
     }
 }

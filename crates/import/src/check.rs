@@ -1,6 +1,7 @@
 //! Checks a mapping file: from its tables and keys to a [`Mapping`], or every problem with its
 //! line.
 
+use super::Errors;
 use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS};
 use super::mapping::{Content, FileForm, Mapping, Who};
@@ -9,17 +10,25 @@ use super::shape::{
 };
 use regex::Regex;
 use std::path::Path;
-use zwidth_store::{Signal, hex_blake3};
+use zwidth_store::{Signal, StoreError, hex_blake3};
 use zwidth_study::{StudyError, line_of, toml_error};
 
 /// The mapping in `text`, or every problem found in it.
-pub(super) fn check(text: &str, path: &Path) -> Result<Mapping, Vec<StudyError>> {
-    let shape = toml::from_str::<Shape>(text).map_err(|e| vec![toml_error(text, &e)])?;
-    let mut check = Check { text, errors: Vec::new() };
+pub(super) fn check(text: &str, path: &Path) -> Result<Mapping, Errors> {
+    let error = |problem: &StudyError| {
+        let remedy = "mend the line; docs/import.md explains the keys";
+        StoreError::new(path, problem.to_string(), remedy)
+    };
+    let shape = toml::from_str::<Shape>(text).map_err(|e| error(&toml_error(text, &e)))?;
+    let mut check = Check { text, errors: Vec::new(), more: 0 };
     // A mapping may come out although something is wrong with it.
     match check.mapping(shape, path) {
         Some(mapping) if check.errors.is_empty() => Ok(mapping),
-        _ => Err(check.errors),
+        _ => {
+            let mut errors: Errors = check.errors.iter().map(error).collect();
+            errors.count(check.more);
+            Err(errors)
+        }
     }
 }
 
@@ -27,12 +36,15 @@ pub(super) fn check(text: &str, path: &Path) -> Result<Mapping, Vec<StudyError>>
 pub(super) struct Check<'a> {
     text: &'a str,
     pub(super) errors: Vec<StudyError>,
+    /// How many more problems there are.
+    more: usize,
 }
 
 impl Check<'_> {
     pub(super) fn error(&mut self, key: &str, problem: impl Into<String>) {
         // Each reads the text again for its line: a file of many mistakes would take for ever.
         if self.errors.len() == MOST_ERRORS {
+            self.more += 1;
             return;
         }
         let line = line_of(self.text, key);

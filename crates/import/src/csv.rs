@@ -4,7 +4,7 @@ use super::limits::{
     MOST_COLUMNS, MOST_LINE, MOST_WHOLE_ROWS, Take, check_name, shown, too_many_rows, too_much,
 };
 use super::plain::{is_labchart, labchart, spaced};
-use super::table::{Cells, Table};
+use super::table::{Cells, EmptyRows, Table};
 use super::text::{Encoding, decode_from};
 use arrow::array::LargeStringBuilder;
 use std::collections::BTreeMap;
@@ -32,7 +32,8 @@ pub(super) struct Dialect {
 /// The delimiter that stands for any white space.
 pub(super) const WHITE_SPACE: u8 = b' ';
 
-/// Reads delimited text; every cell stays text, trimmed, and null where empty.
+/// Reads delimited text; every cell stays text, trimmed, and null where empty. A record without a
+/// value is an empty row.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -41,11 +42,12 @@ pub(super) fn read(
 ) -> Result<Table, StoreError> {
     let decoded = decode_from(path, bytes, dialect.encoding, dialect.before)?;
     let text = after_lines(path, &decoded, dialect.skip)?;
+    // Its comments and heads are empty lines here, and its times say where samples are missing.
+    let has_empty_rows = !is_labchart(text);
     let (written, dialect, mut told) = as_delimited(text, dialect);
     let text = written.as_deref().unwrap_or(text);
     check_records(path, text, dialect)?;
-    let mut counter =
-        Lines { rest: text, byte: 0, line: 1 + first_line(dialect), comment: dialect.comment };
+    let mut counter = Lines::new(text, dialect);
     let mut reader = ::csv::ReaderBuilder::new()
         .delimiter(dialect.delimiter)
         .has_headers(dialect.header)
@@ -62,7 +64,8 @@ pub(super) fn read(
     };
     check_names(path, names.as_deref().unwrap_or_default())?;
     let mut record = ::csv::StringRecord::new();
-    let mut more = reader.read_record(&mut record).map_err(|e| fault(path, &mut counter, &e))?;
+    let mut more = next_record(&mut reader, &mut record, &mut counter)
+        .map_err(|e| fault(path, &mut counter, &e))?;
     if let Some(names) = names.as_mut().filter(|_| more) {
         told.extend(one_cell_short(names, &record));
     }
@@ -73,9 +76,10 @@ pub(super) fn read(
         take.wants(place, name.map(String::as_str)).then(LargeStringBuilder::new)
     };
     let mut columns: Vec<Option<LargeStringBuilder>> = (0..width).map(builder).collect();
-    let (mut lines, mut bad) = (Vec::new(), Vec::new());
+    let (mut lines, mut bad, mut empty) = (Vec::new(), Vec::new(), EmptyRows::default());
     while more {
-        let line = counter.line_of(record.position());
+        let line = counter.line;
+        empty.add(lines.len(), std::mem::take(&mut counter.empty));
         if record.len() != width {
             let what = format!("line {line} has {} cells where {width} belong", record.len());
             if bad.len() == dialect.bad_lines {
@@ -97,10 +101,31 @@ pub(super) fn read(
             }
         }
         lines.push(line);
-        more = reader.read_record(&mut record).map_err(|e| fault(path, &mut counter, &e))?;
+        more = next_record(&mut reader, &mut record, &mut counter)
+            .map_err(|e| fault(path, &mut counter, &e))?;
+    }
+    empty.add(lines.len(), counter.empty);
+    if !has_empty_rows {
+        empty = EmptyRows::default();
     }
     let columns = columns.into_iter().map(Cells::of_text).collect();
-    Ok(Table { columns, names, lines, told, bad })
+    Ok(Table { columns, names, lines, told, bad, empty, lost: None })
+}
+
+/// Reads the next record that has a value, if there is one; the empty ones before it are counted.
+fn next_record(
+    reader: &mut ::csv::Reader<&[u8]>,
+    record: &mut ::csv::StringRecord,
+    counter: &mut Lines,
+) -> Result<bool, ::csv::Error> {
+    loop {
+        let more = reader.read_record(record)?;
+        counter.line_of(record.position());
+        if !more || record.iter().any(|cell| !cell.is_empty()) {
+            return Ok(more);
+        }
+        counter.empty += 1;
+    }
 }
 
 /// What a text that is a table in another way looks like with tabs, the dialect it then has, and
@@ -257,18 +282,31 @@ struct Lines<'a> {
     byte: u64,
     line: u64,
     comment: Option<u8>,
+    /// What a line ends in: a line feed, or in old texts a carriage return alone.
+    end: char,
+    /// Blank lines that led to the records asked for.
+    empty: usize,
 }
 
-impl Lines<'_> {
+impl<'a> Lines<'a> {
+    fn new(text: &'a str, dialect: Dialect) -> Self {
+        let end = if text.contains('\n') { '\n' } else { '\r' };
+        let line = 1 + first_line(dialect);
+        Self { rest: text, byte: 0, line, comment: dialect.comment, end, empty: 0 }
+    }
+
     /// The line (from 1) of the record that the reader says begins at `position` or after it.
     fn line_of(&mut self, position: Option<&::csv::Position>) -> u64 {
         // On from where the last one was found: records come in the order of the text.
         let target = position.map_or(0, ::csv::Position::byte);
-        while let Some((line, rest)) = self.rest.split_once('\n') {
-            let passed_by =
-                line.trim_end_matches('\r').is_empty() || line.bytes().next() == self.comment;
-            if self.byte >= target && !passed_by {
-                break;
+        while let Some((line, rest)) = self.rest.split_once(self.end) {
+            let is_blank = line.trim_end_matches('\r').is_empty();
+            let is_comment = !is_blank && line.bytes().next() == self.comment;
+            if self.byte >= target {
+                if !is_blank && !is_comment {
+                    break;
+                }
+                self.empty += usize::from(is_blank);
             }
             self.byte += line.len() as u64 + 1;
             self.line += 1;

@@ -4,7 +4,7 @@ use super::label::Label;
 use super::limits::MOST_NUMBER;
 use super::mapping::{Content, Who};
 use super::recording::Recording;
-use super::{Context, Errors};
+use super::{Context, Errors, append};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_store::{StoreError, readable_records};
@@ -123,6 +123,46 @@ fn whole(text: &str, most: f64) -> Option<f64> {
     text.parse().ok().filter(|v: &f64| (1.0..=most).contains(v) && v.fract() == 0.0)
 }
 
+/// What a table says of the trials that it names by number, so that no row says something else.
+#[derive(Default)]
+pub(super) struct Named(BTreeMap<(ParticipantId, SessionId, u32), (usize, Identity)>);
+
+impl Named {
+    /// Notes the trial that a row of a recording names, if it names one by number.
+    ///
+    /// # Errors
+    /// A row before it said that this trial has another environment, mode, kind or repeat.
+    pub(super) fn add(
+        &mut self,
+        recording: &Recording,
+        row: usize,
+        identity: &Identity,
+    ) -> Result<(), StoreError> {
+        let Some(trial) = identity.trial else { return Ok(()) };
+        let named = (identity.participant.clone(), identity.session.clone(), trial);
+        let (first, known) = self.0.entry(named).or_insert_with(|| (row, identity.clone()));
+        let labels = |i: &Identity| (i.environment.clone(), i.mode.clone(), i.kind, i.repeat);
+        if labels(known) == labels(identity) {
+            return Ok(());
+        }
+        let words = |i: &Identity| {
+            let repeat = i.repeat.map(|repeat| format!(", repeat {repeat}")).unwrap_or_default();
+            let kind = if i.kind == Kind::Trial { "" } else { ", familiarisation" };
+            format!("{}, {}{repeat}{kind}", i.environment, i.mode)
+        };
+        let what = format!(
+            "duplicate trial: trial {trial} of {} {} is {} in {}, and {} here",
+            identity.participant,
+            identity.session,
+            words(known),
+            recording.row_name(*first),
+            words(identity)
+        );
+        let remedy = "correct one of the rows, or give each trial a number of its own";
+        Err(recording.row_error(row, &what, remedy))
+    }
+}
+
 /// The trials in the order given, each with its number in the session and its repeat of the
 /// condition: as given, or counted up from 1.
 ///
@@ -144,8 +184,8 @@ pub(super) fn number_trials(
         planned.push(PlannedTrial { trial, repeat, kind: i.kind, environment, mode, samples });
     }
     let mut errors = duplicates(context, identities, &planned);
-    errors.extend(twins(context, identities)?);
-    if errors.is_empty() { Ok(planned) } else { Err(Errors(errors)) }
+    append(&mut errors, twins(context, identities)?);
+    errors.none().map(|()| planned)
 }
 
 /// The number given, or the one after the highest so far.
@@ -174,12 +214,8 @@ fn again(context: &Context, participant: &ParticipantId, session: &SessionId) ->
     )
 }
 
-fn duplicates(
-    context: &Context,
-    identities: &[Identity],
-    planned: &[PlannedTrial],
-) -> Vec<StoreError> {
-    let mut errors = Vec::new();
+fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTrial]) -> Errors {
+    let mut errors = Errors::default();
     let mut seen: BTreeMap<_, &Path> = BTreeMap::new();
     let mut sessions: BTreeMap<_, bool> = BTreeMap::new();
     for (i, p) in identities.iter().zip(planned) {
@@ -217,7 +253,7 @@ fn duplicates(
 }
 
 /// Ids that differ only by case from others: some disks, and some people, take them for the same.
-fn twins(context: &Context, identities: &[Identity]) -> Result<Vec<StoreError>, StoreError> {
+fn twins(context: &Context, identities: &[Identity]) -> Result<Errors, StoreError> {
     let there = readable_records(context.files, context.layout)?;
     let mut people = Cases::default();
     let mut sessions = Cases::default();
@@ -225,7 +261,7 @@ fn twins(context: &Context, identities: &[Identity]) -> Result<Vec<StoreError>, 
         people.knows("", record.participant.as_str());
         sessions.knows(record.participant.as_str(), record.session.as_str());
     }
-    let mut errors = Vec::new();
+    let mut errors = Errors::default();
     for i in identities {
         let (who, which) = (i.participant.as_str(), i.session.as_str());
         let twin = people.add("", who).map(|other| ("participant", who, other));

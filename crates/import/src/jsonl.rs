@@ -3,7 +3,7 @@
 use super::limits::{
     MOST_LINE, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown, too_many_rows, too_much,
 };
-use super::table::{Cells, Table};
+use super::table::{Cells, EmptyRows, Table};
 use super::text::{Encoding, decode};
 use arrow::array::{ArrayBuilder as _, LargeStringBuilder};
 use serde::Deserializer as _;
@@ -15,7 +15,8 @@ use std::path::Path;
 use zwidth_store::StoreError;
 
 /// Reads JSON lines. Numbers keep the text they were written with, strings lose their quotes,
-/// `null` and a missing key are empty cells.
+/// `null` and a missing key are empty cells. A blank line, and an object without a value, are empty
+/// rows.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -33,7 +34,8 @@ pub(super) fn read(
     if !take.budget.cells(lines.len().saturating_mul(columns.iter().flatten().count())) {
         return Err(too_much(path));
     }
-    for (row, (number, line)) in full_lines(text).enumerate() {
+    let is_row = |(number, _): &(u64, &str)| lines.binary_search(number).is_ok();
+    for (row, (number, line)) in full_lines(text).filter(is_row).enumerate() {
         let mut cell = |key: String, raw: &RawValue| {
             // The names are sorted: they come out of a set.
             let column = names.binary_search(&key).ok().and_then(|place| columns[place].as_mut());
@@ -49,7 +51,8 @@ pub(super) fn read(
         }
     }
     let columns = columns.into_iter().map(Cells::of_text).collect();
-    Ok(Table { columns, names: Some(names), lines, ..Table::default() })
+    let empty = EmptyRows::between(&lines);
+    Ok(Table { columns, names: Some(names), lines, empty, ..Table::default() })
 }
 
 /// The lines that are not blank, with their numbers.
@@ -73,13 +76,17 @@ fn keys(path: &Path, text: &str) -> Result<(Vec<String>, Vec<u64>), StoreError> 
         if lines.len() == MOST_WHOLE_ROWS {
             return Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}")));
         }
-        let walked = walk(line, &mut |key, _| {
+        let mut has_value = false;
+        let walked = walk(line, &mut |key, raw| {
             names.insert(key);
+            has_value = has_value || !text_of(raw.get())?.is_empty();
             Ok(())
         });
         walked.map_err(|e| no_object(path, number, &e))?;
         check_columns(path, names.len())?;
-        lines.push(number);
+        if has_value {
+            lines.push(number);
+        }
     }
     names.iter().try_for_each(|name| check_name(path, name))?;
     Ok((names.into_iter().collect(), lines))
@@ -152,6 +159,14 @@ mod tests {
         assert_eq!((cell(1, 0), cell(1, 1)), (Cell::Text("active"), Cell::Empty));
         assert_eq!((cell(0, 0), cell(0, 1)), (Cell::Empty, Cell::Empty));
         assert_eq!(table.lines, [1, 3]);
+    }
+
+    #[test]
+    fn a_blank_line_and_an_object_without_a_value_are_empty_rows() {
+        let text = "{\"t\": 1}\n{}\n\n{\"t\": null, \"f\": \" \"}\n{\"t\": 2}\n{}\n";
+        let table = read(Path::new("a.jsonl"), text.as_bytes()).unwrap();
+        assert_eq!((&table.lines[..], table.columns[1].len()), (&[1, 5][..], 2));
+        assert_eq!((table.place(0), table.place(1)), (0, 4));
     }
 
     #[test]

@@ -93,7 +93,7 @@ impl Case {
         files: &[PathBuf],
     ) -> Result<Report, Vec<StoreError>> {
         let study = Study::from_toml(&template(layout.study())).unwrap();
-        import(layout, &study, &self.mapping, files, (UTC, "zwidth test"), disk, &|_| {})
+        Ok(import(layout, &study, &self.mapping, files, (UTC, "zwidth test"), disk, &|_| {})?)
     }
 
     /// The import, killed at step `n`, and what then stands on the disk; whether the kill came

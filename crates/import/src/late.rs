@@ -3,11 +3,11 @@
 
 use super::guess_read::{Looked, look};
 use super::identity::{id, number};
-use super::limits::MOST_ERRORS;
 use super::recording::Recording;
+use super::table::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
-use zwidth_store::StoreError;
+use zwidth_store::{FirstErrors, StoreError};
 use zwidth_study::{EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId};
 
 /// What to do about a row that is wrong.
@@ -29,6 +29,18 @@ pub enum TrialMeant {
     },
 }
 
+/// What a row says of a trial that it names by number, in columns beside that. It must be so: else
+/// nobody knows which of them is right.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Claims {
+    /// The id of its environment, or the label.
+    pub environment: Option<String>,
+    /// The id of its mode, or the label.
+    pub mode: Option<String>,
+    /// Its repeat.
+    pub repeat: Option<u32>,
+}
+
 /// One row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LateAnswer {
@@ -38,6 +50,8 @@ pub struct LateAnswer {
     pub session: Option<SessionId>,
     /// After which trial.
     pub trial: TrialMeant,
+    /// What the row says of the trial besides its number.
+    pub claims: Claims,
     /// To which question; `None` where the table has no such column.
     pub question: Option<QuestionId>,
     /// The answer.
@@ -59,31 +73,28 @@ impl LateAnswers {
     ///
     /// # Errors
     /// A file that cannot be read, a column that is missing, and each row in which a cell is wrong.
-    pub fn read(path: &Path) -> Result<Self, Vec<StoreError>> {
-        let Looked { table, written, .. } = look(path).map_err(|error| vec![error])?;
+    pub fn read(path: &Path) -> Result<Self, FirstErrors> {
+        let Looked { table, written, .. } = look(path)?;
         let comma = written.is_some_and(|written| written.decimal_comma);
         let recording = Recording::part(path, table, comma, BTreeMap::new());
-        let columns = Columns::of(&recording).map_err(|error| vec![error])?;
-        let (mut rows, mut errors) = (Vec::new(), Vec::new());
-        let read = |row| match recording.table.bad.iter().find(|(bad, _)| *bad == row) {
-            Some((_, why)) => Err(recording.cell_error(columns.answer, row, why, MEND)),
-            None => columns.row(&recording, row),
-        };
+        let columns = Columns::of(&recording)?;
+        let (mut rows, mut errors) = (Vec::new(), FirstErrors::default());
+        let mut bad = recording.table.bad.iter().peekable();
         for row in 0..recording.table.columns[columns.answer].len() {
-            match read(row) {
+            // Bad rows are in order: each is looked at once.
+            let read = match bad.next_if(|(bad, _)| *bad == row) {
+                Some((_, why)) => Err(recording.cell_error(columns.answer, row, why, MEND)),
+                None => columns.row(&recording, row),
+            };
+            match read {
                 Ok(answer) => rows.push(answer),
                 Err(error) => errors.push(error),
-            }
-            if errors.len() >= MOST_ERRORS {
-                break;
             }
         }
         if rows.is_empty() && errors.is_empty() {
             errors.push(recording.error("the table has no rows", "name the table of answers"));
         }
-        if !errors.is_empty() {
-            return Err(errors);
-        }
+        errors.none()?;
         Ok(Self { recording, answer: columns.answer, rows })
     }
 
@@ -109,7 +120,7 @@ struct Columns {
 }
 
 enum TrialColumns {
-    Number(usize),
+    Number { trial: usize, environment: Option<usize>, mode: Option<usize>, repeat: Option<usize> },
     Repeat { environment: usize, mode: usize, repeat: usize },
 }
 
@@ -136,7 +147,12 @@ impl Columns {
                 mode: needed("mode")?,
                 repeat: needed("repeat")?,
             },
-            _ => TrialColumns::Number(needed("trial")?),
+            _ => TrialColumns::Number {
+                trial: needed("trial")?,
+                environment: find("environment"),
+                mode: find("mode"),
+                repeat: find("repeat"),
+            },
         };
         Ok(Self {
             participant: needed("participant")?,
@@ -156,17 +172,31 @@ impl Columns {
                 Ok(text)
             }
         };
-        let trial = match self.trial {
-            TrialColumns::Number(trial) => TrialMeant::Number(
-                number("trial", &cell(trial)?).map_err(|why| at(recording, trial, row, &why))?,
-            ),
-            TrialColumns::Repeat { environment, mode, repeat } => TrialMeant::Repeat {
-                environment: id(&cell(environment)?)
-                    .map_err(|why| at(recording, environment, row, &why))?,
-                mode: id(&cell(mode)?).map_err(|why| at(recording, mode, row, &why))?,
-                repeat: number("repeat", &cell(repeat)?)
-                    .map_err(|why| at(recording, repeat, row, &why))?,
-            },
+        let number_in = |what: &str, column: usize| {
+            number(what, &cell(column)?).map_err(|why| at(recording, column, row, &why))
+        };
+        // A cell that is empty claims nothing.
+        let claim = |column: Option<usize>| {
+            column.filter(|column| recording.table.columns[*column].cell(row) != Cell::Empty)
+        };
+        let (trial, claims) = match self.trial {
+            TrialColumns::Number { trial, environment, mode, repeat } => {
+                let claims = Claims {
+                    environment: claim(environment).map(cell).transpose()?,
+                    mode: claim(mode).map(cell).transpose()?,
+                    repeat: claim(repeat).map(|column| number_in("repeat", column)).transpose()?,
+                };
+                (TrialMeant::Number(number_in("trial", trial)?), claims)
+            }
+            TrialColumns::Repeat { environment, mode, repeat } => {
+                let meant = TrialMeant::Repeat {
+                    environment: id(&cell(environment)?)
+                        .map_err(|why| at(recording, environment, row, &why))?,
+                    mode: id(&cell(mode)?).map_err(|why| at(recording, mode, row, &why))?,
+                    repeat: number_in("repeat", repeat)?,
+                };
+                (meant, Claims::default())
+            }
         };
         let code = cell(self.participant)?;
         let session = self
@@ -179,6 +209,7 @@ impl Columns {
             participant: id(&code).map_err(|why| at(recording, self.participant, row, &why))?,
             session: session.transpose()?,
             trial,
+            claims,
             question: question.transpose()?,
             value: value(&cell(self.answer)?)
                 .map_err(|why| at(recording, self.answer, row, &why))?,
@@ -204,7 +235,7 @@ mod tests {
     use super::super::world::World;
     use super::*;
 
-    fn read(text: &str) -> Result<LateAnswers, Vec<StoreError>> {
+    fn read(text: &str) -> Result<LateAnswers, FirstErrors> {
         LateAnswers::read(&World::new().file("ratings.csv", text))
     }
 
@@ -218,6 +249,36 @@ mod tests {
         assert_eq!(first.session.as_ref().map(SessionId::as_str), Some("S02"));
         assert_eq!((&first.trial, &first.question), (&TrialMeant::Number(7), &None));
         assert_eq!((second.value, found.place(second)), (-1, "line 3".to_owned()));
+    }
+
+    #[test]
+    fn what_a_row_says_of_a_trial_besides_its_number_is_kept_to_be_checked() {
+        let text = "participant,trial,mode,environment,repeat,answer\nP01,7,active,,2,4\nP01,8,Soft,spring,,4\n";
+        let found = read(text).unwrap_or_else(|e| panic!("{e:#?}"));
+        let claims = |mode: &str, environment: Option<&str>, repeat| Claims {
+            environment: environment.map(str::to_owned),
+            mode: Some(mode.to_owned()),
+            repeat,
+        };
+        let found: Vec<&Claims> = found.rows.iter().map(|row| &row.claims).collect();
+        assert_eq!(
+            found,
+            [&claims("active", None, Some(2)), &claims("Soft", Some("spring"), None)]
+        );
+        let error = read("participant,trial,repeat,answer\nP01,7,x,4\n").err().unwrap();
+        assert!(
+            error[0].to_string().contains("column repeat, row 1: repeat 'x' must be"),
+            "{error:?}"
+        );
+    }
+
+    #[test]
+    fn a_table_that_is_wrong_in_every_row_is_read_in_one_walk_and_told_by_its_first_rows() {
+        // Most rows have a cell too many.
+        let rows: String = (0..20_000).map(|i| format!("P01,{i},4,{i}\n")).collect();
+        let errors = read(&format!("participant,trial,answer\nP01,1,4\n{rows}")).err().unwrap();
+        assert_eq!(errors.len() + errors.more(), 20_000);
+        assert!(errors.len() <= 1_000);
     }
 
     #[test]

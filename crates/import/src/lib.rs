@@ -48,6 +48,8 @@ mod real;
 mod recording;
 mod report;
 mod shape;
+#[cfg(test)]
+mod skipped;
 mod stream;
 mod sweeps;
 mod table;
@@ -63,20 +65,20 @@ mod xml;
 mod zip;
 
 pub use guess::{Guess, guess};
-pub use late::{LateAnswer, LateAnswers, TrialMeant};
+pub use late::{Claims, LateAnswer, LateAnswers, TrialMeant};
 pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped};
 
 use batch::Batch;
 use format::Format;
-use limits::{MOST_ERRORS, MOST_FILE, Take, shown};
+use limits::{MOST_FILE, Take, shown};
 use mapping::Content;
 use rayon::prelude::*;
 use recording::{Recording, Rows};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_store::commit::settle;
-use zwidth_store::{Files, Layout, MOST_STUDY, SOURCE, StoreError, hex_blake3};
+use zwidth_store::{Files, FirstErrors, Layout, MOST_STUDY, SOURCE, StoreError, hex_blake3};
 use zwidth_study::{Study, printable};
 
 /// Imports `files` into the study at `layout`, as `mapping` says.
@@ -98,7 +100,7 @@ pub fn import(
     (utc, software): (&str, &str),
     disk: &dyn Files,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Report, Vec<StoreError>> {
+) -> Result<Report, FirstErrors> {
     // What the last import left would stand in the way of what this one writes.
     let made = all(settle(disk, layout)).and_then(|_| {
         let read = disk.read(&layout.study_toml(), MOST_STUDY);
@@ -118,13 +120,7 @@ pub fn import(
         batch.write(disk, layout, utc)?;
         Ok(batch)
     });
-    made.map(|batch| batch.report(layout)).map_err(|Errors(mut errors)| {
-        if errors.len() >= MOST_ERRORS {
-            let what = "there are more errors than these";
-            errors.push(StoreError::new(&mapping.path, what, "mend these first, and import again"));
-        }
-        errors
-    })
+    made.map(|batch| batch.report(layout))
 }
 
 fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
@@ -148,6 +144,12 @@ fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
 /// Why rows are left out where the mapping drops those without a value.
 const MISSING: &str = "a mapped cell is empty or NaN (missing = \"drop\")";
 
+/// What is said of empty rows that are no samples.
+const EMPTY: &str = "empty";
+/// What is said of empty rows where samples come at a rate.
+const EMPTY_AT_A_RATE: &str =
+    "empty: within a trial no sample stands there, and later samples keep their time";
+
 /// A file, and what was made of it.
 struct Converted<T> {
     path: PathBuf,
@@ -157,30 +159,27 @@ struct Converted<T> {
 }
 
 /// Everything found wrong; never empty.
-#[derive(Debug)]
-struct Errors(Vec<StoreError>);
+type Errors = FirstErrors;
 
-impl From<StoreError> for Errors {
-    fn from(error: StoreError) -> Self {
-        Self(vec![error])
-    }
-}
-
-/// Every value, or every error up to [`MOST_ERRORS`].
+/// Every value, or every error.
 fn all<T, E: Into<Errors>>(
     results: impl IntoIterator<Item = Result<T, E>>,
 ) -> Result<Vec<T>, Errors> {
-    let (mut values, mut errors) = (Vec::new(), Vec::new());
+    let (mut values, mut errors) = (Vec::new(), Errors::default());
     for result in results {
         match result {
             Ok(value) => values.push(value),
-            Err(found) => {
-                let room = MOST_ERRORS - errors.len();
-                errors.extend(found.into().0.into_iter().take(room));
-            }
+            Err(found) => append(&mut errors, found),
         }
     }
-    if errors.is_empty() { Ok(values) } else { Err(Errors(errors)) }
+    errors.none().map(|()| values)
+}
+
+/// Adds errors behind others.
+fn append(errors: &mut Errors, found: impl Into<Errors>) {
+    let found = found.into();
+    errors.extend(found.iter().cloned());
+    errors.count(found.more());
 }
 
 /// The bytes of those files that are read block by block: what progress is told of.
@@ -302,7 +301,7 @@ impl Context<'_> {
             (rows.missing, MISSING.to_owned()),
             (rows.past_limit, format!("after the first {limit} (rows = {limit})")),
         ];
-        let bad = rows.bad.iter().map(|why| (1, format!("{why} (bad_lines)")));
+        let bad = rows.bad.values().map(|why| (1, format!("{why} (bad_lines)")));
         Ok(FileReport {
             file: printable(&recording.path.to_string_lossy()).into_owned(),
             rows_read: rows.read,
@@ -323,6 +322,7 @@ impl Context<'_> {
             computed: Vec::new(),
             null: Vec::new(),
             made: Vec::new(),
+            lost: recording.lost(rows, 0..usize::MAX),
             care: Vec::new(),
             told: recording.table.told.clone(),
         })

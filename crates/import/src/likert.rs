@@ -3,14 +3,14 @@
 
 use super::batch::Batch;
 use super::given::{Answered, Place, read_given};
-use super::identity::{Identity, identity, number_trials};
+use super::identity::{Identity, Named, identity, number_trials};
 use super::limits::{Budget, Take};
 use super::mapping::{Asked, Questionnaire, Who};
 use super::recording::Recording;
 use super::report::FileReport;
 use super::table::ColumnRef;
-use super::{Context, Converted, Errors, all, long, once};
-use std::collections::BTreeMap;
+use super::{Context, Converted, EMPTY, Errors, all, long, once};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use zwidth_store::StoreError;
 use zwidth_study::{Event, PlannedTrial, QuestionId, Study};
@@ -50,9 +50,28 @@ pub(super) fn likert(
     let identities: Vec<Identity> = rows.iter().map(|r| r.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
     once::answers(context, &converted)?;
-    let events = rows.into_iter().zip(&planned).map(|(row, number)| events(row, number)).collect();
+    let mut events: Vec<Vec<Event>> =
+        rows.into_iter().zip(&planned).map(|(row, number)| events(row, number)).collect();
+    note_losses(&converted, &mut events);
     batch.add_sessions(context, &identities, &planned, events, &sources)?;
     Ok(batch)
+}
+
+/// Has the log of each session say, with its first trial in the table, what of the table could not be
+/// read.
+fn note_losses(converted: &[Converted<(Vec<Answered>, FileReport)>], events: &mut [Vec<Event>]) {
+    let mut events = events.iter_mut();
+    for Converted { made: (found, report), .. } in converted {
+        let mut told = BTreeSet::new();
+        for (Answered { identity, .. }, events) in found.iter().zip(&mut events) {
+            let is_first = told.insert((&identity.participant, &identity.session));
+            let lost = report.lost.as_ref().filter(|_| is_first);
+            events.extend(lost.map(|lost| Event::Note {
+                trial: None,
+                text: format!("of the table of answers, {lost}"),
+            }));
+        }
+    }
 }
 
 /// The answers after a trial as events of it.
@@ -123,8 +142,10 @@ fn convert(
         .map(|(.., time)| time.as_ref().map(|column| recording.find(column)).transpose()))?;
     let rows = recording.rows(&context.mapping.file, &[], &labels)?;
     budget.trials(&recording.path, rows.kept.len())?;
+    let mut named = Named::default();
     let read = rows.kept.iter().map(|row| {
         let identity = identity(who, recording, *row, context.study)?;
+        named.add(recording, *row, &identity)?;
         let places = columns.iter().zip(&times);
         let places = places.map(|(answer, time)| Place { row: *row, answer: *answer, time: *time });
         let answers = questions.iter().zip(places).map(|((id, ..), place)| {
@@ -139,6 +160,7 @@ fn convert(
     let found: Vec<Answered> = all(read)?;
     let used = [labels, columns, times.into_iter().flatten().collect()].concat();
     let mut report = context.file_report(recording, (&rows, rows.kept.len()), &used)?;
+    report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
     let answers: usize = found.iter().map(|r| r.answers.len()).sum();
     report.converted.push(format!("answers, as given, of {} questions", questions.len()));
     let empty = match found.len() * questions.len() - answers {
@@ -225,6 +247,26 @@ trial = { column = \"order\" }
         let report = world.import(&drop, &[file]).unwrap();
         assert_eq!(report.answers, 5);
         assert!(report.to_string().contains("5 answers; 1 empty answers left out"), "{report}");
+    }
+
+    #[test]
+    fn rows_that_say_different_things_of_one_trial_are_refused_with_both() {
+        let world = world();
+        let check = |map: &str, text: &str, words: &str, row: usize| {
+            let errors = world.import(map, &[world.file("a.csv", text)]).unwrap_err();
+            let [error] = errors.as_slice() else { panic!("{errors:?}") };
+            assert!(error.row == Some(row) && error.what.contains(words), "{error}");
+        };
+        let wide = "who;mode;order;Wall?;Spring?\n1;active;2;5;1\n1;passive;2;4;2\n";
+        let words =
+            "trial 2 of P01 S01 is spring, active in line 2, and spring, passive here (line 3)";
+        check(MAP, wide, words, 2);
+        let form = "[questions]\nquestion = { column = \"item\" }\nanswer = \"response\"\n";
+        let long = format!("{MAP}repeat = {{ column = \"again\" }}\n{form}");
+        let rows = "1;active;2;1;felt_wall;4\n1;active;2;2;felt_spring;4\n";
+        let text = format!("who;mode;order;again;item;response\n{rows}");
+        let words = "is spring, active, repeat 1 in line 2, and spring, active, repeat 2 here";
+        check(&long, &text, words, 2);
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub(super) const LONG_FROM: u64 = 1 << 25;
 pub(super) const MOST_WHOLE_ROWS: usize = 1 << 22;
 /// Bytes of a mapping file (256 KiB).
 pub(super) const MOST_MAPPING: u64 = 1 << 18;
-/// Errors that are told: nobody reads more, and one a cell would fill memory.
+/// Problems of a mapping file that are kept: each reads the text for its line.
 pub(super) const MOST_ERRORS: usize = 1_000;
 /// Bytes of a line of text, a cell in quotes with line breaks included: 64 for each of
 /// [`MOST_COLUMNS`].

@@ -1,13 +1,13 @@
 //! Long questionnaire tables, a row an answer → trials without samples, each with its answers.
 
 use super::given::{Answered, Place, read_given};
-use super::identity::{Identity, identity};
+use super::identity::{Identity, Named, identity};
 use super::label::Label;
 use super::limits::Budget;
 use super::mapping::{LongForm, Questionnaire, Who};
 use super::recording::Recording;
 use super::report::FileReport;
-use super::{Context, Errors, all};
+use super::{Context, EMPTY, Errors, all, append};
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::StoreError;
@@ -28,35 +28,36 @@ pub(super) fn convert(
     let rows = recording.rows(&context.mapping.file, &[], &labels)?;
     let mut found: Vec<Answered> = Vec::new();
     let mut places: BTreeMap<String, usize> = BTreeMap::new();
-    let mut errors = Vec::new();
+    let (mut errors, mut named) = (Errors::default(), Named::default());
     let mut answers = 0;
     for row in &rows.kept {
         let place = Place { row: *row, answer, time };
         match read_row(context, (who, asked, &form.question), recording, place) {
             Ok((identity, Some((question, given)))) => {
+                if let Err(other) = named.add(recording, *row, &identity) {
+                    errors.push(other);
+                    continue;
+                }
                 let at = *places.entry(key(&identity)).or_insert_with(|| {
                     found.push(Answered { identity, answers: Vec::new() });
                     found.len() - 1
                 });
                 if found[at].answers.iter().any(|(known, _)| *known == question) {
                     errors.push(twice(recording, answer, *row, &question));
+                    continue;
                 }
                 found[at].answers.push((question, given));
                 answers += 1;
             }
             Ok((_, None)) => {}
-            Err(Errors(wrong)) => errors.extend(wrong),
-        }
-        if errors.len() >= super::limits::MOST_ERRORS {
-            break;
+            Err(wrong) => append(&mut errors, wrong),
         }
     }
-    if !errors.is_empty() {
-        return Err(Errors(errors));
-    }
+    errors.none()?;
     budget.trials(&recording.path, found.len())?;
     let used = [labels, vec![answer], time.into_iter().collect()].concat();
     let mut report = context.file_report(recording, (&rows, rows.kept.len()), &used)?;
+    report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
     let timed = if time.is_some() { ", with the time that each took" } else { "" };
     report.converted.push(format!("answers, as given, one row each{timed}"));
     let empty = match rows.kept.len() - answers {

@@ -15,7 +15,7 @@ use super::wide::Wide;
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use zwidth_store::{Quantity, Signal, StoreError, read_named};
+use zwidth_store::{FirstErrors, Quantity, Signal, StoreError, read_named};
 use zwidth_study::{ChannelId, QuestionId, Source};
 
 /// A mapping file, checked.
@@ -254,12 +254,11 @@ impl Mapping {
     ///
     /// # Errors
     /// Those of reading it, and of [`Mapping::from_toml`].
-    pub fn read(path: &Path) -> Result<Self, Vec<StoreError>> {
-        let bytes =
-            read_named(path, MOST_MAPPING).map_err(|e| vec![StoreError::io(path, "read", &e)])?;
+    pub fn read(path: &Path) -> Result<Self, FirstErrors> {
+        let bytes = read_named(path, MOST_MAPPING).map_err(|e| StoreError::io(path, "read", &e))?;
         let text = String::from_utf8(bytes).map_err(|e| {
             let what = format!("byte {} is not UTF-8", e.utf8_error().valid_up_to());
-            vec![StoreError::new(path, what, "save the mapping as UTF-8")]
+            StoreError::new(path, what, "save the mapping as UTF-8")
         })?;
         Self::from_toml(&text, path)
     }
@@ -269,13 +268,10 @@ impl Mapping {
     /// # Errors
     /// Every problem found, each with its line and key: text that is not TOML, an unknown key, an
     /// unknown column of ours, a unit that does not fit, a pattern that is no regular expression, …
-    pub fn from_toml(text: &str, path: &Path) -> Result<Self, Vec<StoreError>> {
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, FirstErrors> {
         // Some editors put a byte-order mark first.
         let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let remedy = "mend the line; docs/import.md explains the keys";
-        check(plain, path).map_err(|errors| {
-            errors.iter().map(|e| StoreError::new(path, e.to_string(), remedy)).collect()
-        })
+        check(plain, path)
     }
 }
 

@@ -74,11 +74,11 @@ pub(super) fn plan<'a>(
     Ok(plan)
 }
 
-/// The times of `rows` at a rate, s. A dropped row leaves a gap: later rows keep the time they were
-/// recorded at.
-#[allow(clippy::cast_precision_loss)] // a file has fewer than 2⁵³ rows
-pub(super) fn rate_times(rate_hz: f64, rows: &[usize]) -> Vec<f64> {
-    rows.iter().map(|row| (row - rows[0]) as f64 / rate_hz).collect()
+/// The times at a rate, s, of samples by their numbers. A row that was dropped or is empty leaves a
+/// gap: later rows keep the time they were recorded at.
+#[allow(clippy::cast_precision_loss)] // a number beyond 2⁵³ is past any time that is read
+pub(super) fn rate_times(rate_hz: f64, numbers: impl IntoIterator<Item = usize>) -> Vec<f64> {
+    numbers.into_iter().map(|number| number as f64 / rate_hz).collect()
 }
 
 /// What a file says of times that were made from a rate.

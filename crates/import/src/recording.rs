@@ -8,6 +8,7 @@ use super::table::{Cell, Cells, ColumnRef, Table};
 use super::text::check_readable;
 use regex::Regex;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use zwidth_store::{StoreError, hex_blake3, read_named};
 
@@ -34,7 +35,63 @@ pub(super) struct Rows {
     /// Rows left out because they come after the limit.
     pub(super) past_limit: usize,
     /// Why each row that cannot be read was left out.
-    pub(super) bad: Vec<String>,
+    pub(super) bad: BTreeMap<usize, String>,
+}
+
+/// What a trial or sweep lacks between its first row and its last.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Gaps {
+    /// Rows of the file that are empty.
+    pub(super) empty: usize,
+    /// Rows that were left out because a mapped cell is empty.
+    pub(super) missing: usize,
+}
+
+/// Where a row stands in its file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Standing {
+    /// Its number among the rows that have values, from 0.
+    pub(super) row: usize,
+    /// Its number among all rows, empty ones included, from 0.
+    pub(super) place: usize,
+}
+
+/// How many empty rows stand between two rows.
+pub(super) fn empty_between(first: Standing, last: Standing) -> usize {
+    (last.place - first.place) - (last.row - first.row)
+}
+
+impl Standing {
+    /// Where a row of a part of the file stands, before which these rows lie.
+    pub(super) fn of(self, part: &Table, row: usize) -> Self {
+        Self { row: self.row + row, place: self.place.saturating_add(part.place(row)) }
+    }
+}
+
+impl Gaps {
+    /// What is between two rows, of which and of those between so many were kept and so many could not
+    /// be read.
+    pub(super) fn between(first: Standing, last: Standing, kept: usize, bad: usize) -> Self {
+        let rows = last.row - first.row;
+        Self { empty: empty_between(first, last), missing: rows + 1 - kept - bad }
+    }
+
+    /// The gaps as the file made of `kept` rows tells them; nothing if there are none.
+    pub(super) fn in_words(self, kept: usize) -> Option<String> {
+        let absent = self.empty.saturating_add(self.missing);
+        if absent == 0 {
+            return None;
+        }
+        let mut causes = Vec::new();
+        if self.empty > 0 {
+            causes.push(format!("empty rows: {}", self.empty));
+        }
+        if self.missing > 0 {
+            causes.push(format!("rows without a value in a mapped column: {}", self.missing));
+        }
+        let all = kept.saturating_add(absent);
+        Some(format!("missing samples: {absent} of {all} ({})", causes.join("; ")))
+    }
 }
 
 impl Recording {
@@ -104,6 +161,18 @@ impl Recording {
             None => what.to_owned(),
         };
         self.error(what, remedy).column(self.table.name(column)).row0(row)
+    }
+
+    /// An error about a row: its number, and its line where the file has lines.
+    pub(super) fn row_error(&self, row: usize, what: &str, remedy: &str) -> StoreError {
+        let line = self.table.lines.get(row).map(|line| format!(" (line {line})"));
+        self.error(format!("{what}{}", line.unwrap_or_default()), remedy).row0(row)
+    }
+
+    /// What a row is called: by its line, where the file has lines.
+    pub(super) fn row_name(&self, row: usize) -> String {
+        let line = self.table.lines.get(row);
+        line.map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
     }
 
     /// The number in a cell, `None` where it is missing; `Err` says what stands there instead.
@@ -202,7 +271,7 @@ impl Recording {
             Missing::Drop => readable.filter(|row| self.is_full(*row, numeric, text)).collect(),
         };
         let missing = limit - kept.len() - bad.len();
-        Ok(Rows { read, missing, past_limit: read - limit, kept, bad: bad.into_values().collect() })
+        Ok(Rows { read, missing, past_limit: read - limit, kept, bad })
     }
 
     /// Rows up to `limit` that cannot be read, at most as many as are allowed: what more there are
@@ -254,6 +323,40 @@ impl Recording {
     ) -> impl Iterator<Item = &'a [usize]> {
         let cell = |column: &usize, row: &usize| self.table.columns[*column].cell(*row);
         rows.chunk_by(move |a, b| labels.iter().all(|c| cell(c, a) == cell(c, b)))
+    }
+
+    /// What of the recording could not be read, in words: of the rows that were passed by, those among
+    /// `part`.
+    pub(super) fn lost(&self, rows: &Rows, part: Range<usize>) -> Option<String> {
+        let mut bad = rows.bad.range(part).map(|(row, _)| *row);
+        let passed_by = bad.next().map(|first| {
+            let first = self.row_name(first);
+            match bad.count() {
+                0 => format!("{first} could not be read, and is left out (bad_lines)"),
+                n => {
+                    format!("{first} and {n} more could not be read, and are left out (bad_lines)")
+                }
+            }
+        });
+        let lost: Vec<String> = self.table.lost.iter().cloned().chain(passed_by).collect();
+        (!lost.is_empty()).then(|| lost.join("; "))
+    }
+
+    /// What the stretch `rows` of the rows taken lacks between its first and its last.
+    pub(super) fn gaps(&self, taken: &Rows, rows: &[usize]) -> Gaps {
+        let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
+            return Gaps::default();
+        };
+        let bad = taken.bad.range(first..=last).count();
+        let [first, last] = [*first, *last].map(|row| Standing::default().of(&self.table, row));
+        Gaps::between(first, last, rows.len(), bad)
+    }
+
+    /// The places of rows among all rows of the file, from the first of them on: at a rate, the
+    /// number of a sample.
+    pub(super) fn places(&self, rows: &[usize]) -> Vec<usize> {
+        let first = rows.first().map_or(0, |first| self.table.place(*first));
+        rows.iter().map(|row| self.table.place(*row) - first).collect()
     }
 
     /// How many rows the columns in use have.

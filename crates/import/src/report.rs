@@ -6,6 +6,9 @@ use std::fmt;
 use zwidth_store::Signal;
 use zwidth_study::{StudyId, printable};
 
+/// Columns that a line names: a file may have thousands. For machines all are listed.
+const MOST_NAMED: usize = 20;
+
 /// What an import read, made, and left out.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Report {
@@ -46,6 +49,8 @@ pub struct FileReport {
     pub made: Vec<String>,
     /// What was taken for granted in reading it.
     pub told: Vec<String>,
+    /// What of it could not be read: what was made of it is to be read with care, and says so.
+    pub lost: Option<String>,
     /// What its trials say against their units, signs, clock and sensors: they were imported, and
     /// are to be read with care.
     pub care: Vec<String>,
@@ -77,7 +82,7 @@ pub(super) fn null_columns(made: &[Signal]) -> Vec<String> {
 impl Report {
     /// Whether something that was imported is to be read with care.
     pub fn is_doubtful(&self) -> bool {
-        self.files.iter().any(|file| !file.care.is_empty())
+        self.files.iter().any(FileReport::is_doubtful)
     }
 }
 
@@ -108,7 +113,7 @@ impl fmt::Display for Report {
             self.study,
             made.collect::<Vec<_>>().join(", ")
         )?;
-        let doubtful = self.files.iter().filter(|file| !file.care.is_empty()).count();
+        let doubtful = self.files.iter().filter(|file| file.is_doubtful()).count();
         match doubtful {
             0 => Ok(()),
             n if n == self.files.len() => {
@@ -124,6 +129,19 @@ fn count_of(n: usize, what: &str) -> String {
 }
 
 impl FileReport {
+    /// Whether something that was made of it is to be read with care.
+    fn is_doubtful(&self) -> bool {
+        self.lost.is_some() || !self.care.is_empty()
+    }
+
+    /// Adds the empty rows between the first row with a value and the last.
+    pub(super) fn add_empty(&mut self, rows: usize, why: &str) {
+        if rows > 0 {
+            self.rows_read = self.rows_read.saturating_add(rows);
+            self.rows_dropped.push(RowsDropped { rows, why: why.to_owned() });
+        }
+    }
+
     /// What its report has in common with those of files of the same kind.
     fn form(&self) -> Vec<String> {
         let rest = Self { made: Vec::new(), care: Vec::new(), ..self.clone() };
@@ -152,14 +170,20 @@ impl FileReport {
                 self.columns_dropped.iter().filter(|c| c.why == *why).map(|c| c.column.as_str());
             let same: Vec<&str> = same.collect();
             let what = if same.len() == 1 { "column" } else { "columns" };
-            lines.push(format!("  dropped   {what} {}: {why}", same.join(", ")));
+            let named = same.iter().take(MOST_NAMED).copied().collect::<Vec<_>>().join(", ");
+            let more = match same.len().saturating_sub(MOST_NAMED) {
+                0 => String::new(),
+                n => format!(" and {n} more"),
+            };
+            lines.push(format!("  dropped   {what} {named}{more}: {why}"));
         }
         for (head, what) in
             [("converted", &self.converted), ("computed", &self.computed), ("made", &self.made)]
         {
             lines.extend(what.iter().map(|line| format!("  {head:<9} {line}")));
         }
-        lines.extend(self.care.iter().map(|line| format!("  read with care: {line}")));
+        let care = self.lost.iter().chain(&self.care);
+        lines.extend(care.map(|line| format!("  read with care: {line}")));
         lines.extend(
             (!self.null.is_empty()).then(|| format!("  null      {}", self.null.join(", "))),
         );
@@ -170,6 +194,15 @@ impl FileReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_thousands_of_columns_the_first_are_named_and_the_others_counted() {
+        let why = "not mapped".to_owned();
+        let column = |i| ColumnDropped { column: format!("c{i}"), why: why.clone() };
+        let columns_dropped: Vec<_> = (1..=16_000).map(column).collect();
+        let lines = FileReport { columns_dropped, ..FileReport::default() }.lines();
+        assert!(lines[1].ends_with("c19, c20 and 15980 more: not mapped"), "{}", lines[1]);
+    }
 
     #[test]
     fn the_report_reads_as_a_list_a_file() {
@@ -188,6 +221,7 @@ mod tests {
             null: vec!["flags".to_owned()],
             made: vec!["trial 1".to_owned()],
             told: vec!["cells stand between tabs".to_owned()],
+            lost: None,
             care: vec!["column t_s: it jumps; mend it".to_owned()],
         };
         let study = StudyId::new("demo").unwrap();

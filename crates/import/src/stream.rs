@@ -7,8 +7,8 @@ use super::convert::Linear;
 use super::identity::{Identity, identity};
 use super::limits::{Budget, Take, check_sizes, check_time, too_many_for_a_trial};
 use super::mapping::{FileForm, Rule, Who};
-use super::plan::{Plan, Taken};
-use super::recording::{Recording, Rows, groups};
+use super::plan::{Plan, Taken, rate_times};
+use super::recording::{Gaps, Recording, Rows, Standing, empty_between, groups};
 use super::table::{Cell, ColumnRef};
 use super::{Context, Errors, all, csv};
 use rayon::prelude::*;
@@ -54,8 +54,8 @@ pub(super) struct Stretch<'a> {
     pub(super) identity: &'a Identity,
     parsed: &'a Parsed,
     range: Range<usize>,
-    /// Rows of the file before the block.
-    before: usize,
+    /// Rows of the file before the block, with values and in all.
+    before: Standing,
 }
 
 /// The labels' cells of the row before, and its time where that parts trials.
@@ -70,6 +70,12 @@ pub(super) struct Walked {
     pub(super) rows: Rows,
     /// How many were kept.
     pub(super) kept: usize,
+    /// How many are empty, between the first that was kept and the last.
+    pub(super) empty: usize,
+    /// Rows that were read, empty ones included.
+    places: usize,
+    /// Where the first and the last stand that were kept.
+    ends: Option<[Standing; 2]>,
     pub(super) blake3: String,
     /// The columns as the first block has them.
     shape: Option<Shape>,
@@ -155,6 +161,7 @@ impl<'a> Source<'a> {
             }
             parsed = next;
         }
+        walked.empty = walked.ends.map_or(0, |[first, last]| empty_between(first, last));
         walked.blake3 = blocks.blake3();
         if walked.kept == 0 {
             return Err(self.empty(walked.rows.read).into());
@@ -170,7 +177,7 @@ impl<'a> Source<'a> {
         progress: &(dyn Fn(u64) + Sync),
         each: &mut (dyn FnMut(&Stretch) -> Result<bool, Errors> + Send),
     ) -> Result<bool, Errors> {
-        let before = walked.rows.read;
+        let before = Standing { row: walked.rows.read, place: walked.places };
         // A header that is a cell short of its first record is mended: of every block or of none.
         let table = &parsed.recording.table;
         let shape = (table.names.clone(), table.columns.len());
@@ -178,8 +185,9 @@ impl<'a> Source<'a> {
         if has_rows && *walked.shape.get_or_insert_with(|| shape.clone()) != shape {
             let what = "it has another number of cells than the rows before it";
             let error = StoreError::new(self.path, what, "mend the row, or remove it");
-            return Err(error.row0(before).into());
+            return Err(error.row0(before.row).into());
         }
+        walked.places = walked.places.saturating_add(table.place(parsed.rows.read));
         walked.rows.read += parsed.rows.read;
         walked.rows.missing += parsed.rows.missing;
         walked.kept += parsed.rows.kept.len();
@@ -202,7 +210,9 @@ impl<'a> Source<'a> {
                 return Ok(false);
             }
         }
-        if !parsed.rows.kept.is_empty() {
+        if let (Some(first), Some(end)) = (parsed.rows.kept.first(), parsed.rows.kept.last()) {
+            let [first, end] = [*first, *end].map(|row| before.of(table, row));
+            walked.ends = Some([walked.ends.map_or(first, |[first, _]| first), end]);
             *last = Some((parsed.ends[1].clone(), time(parsed.rows.kept.len().checked_sub(1))));
         }
         Ok(true)
@@ -269,9 +279,8 @@ impl Stretch<'_> {
 }
 
 /// Errors whose rows are counted from the file's beginning.
-fn later(Errors(errors): Errors, rows: usize) -> Errors {
-    let later = |error: StoreError| StoreError { row: error.row.map(|row| row + rows), ..error };
-    Errors(errors.into_iter().map(later).collect())
+fn later(errors: Errors, rows: usize) -> Errors {
+    errors.map(|error| StoreError { row: error.row.map(|row| row + rows), ..error })
 }
 
 /// Where a column of a trial goes.
@@ -283,13 +292,16 @@ enum To {
 
 /// A trial on its way from the blocks of a text to its file.
 pub(super) struct Growing<'a> {
-    plan: &'a Plan<'a>,
+    pub(super) plan: &'a Plan<'a>,
     path: PathBuf,
     /// Columns in the order of the plan, then the time from a rate, then those that are computed.
     columns: Vec<(To, Vec<f64>)>,
     /// The first raw value of each taken column.
     firsts: Vec<f64>,
-    first_row: usize,
+    /// Where its first row and its last stand in the text.
+    ends: Option<[Standing; 2]>,
+    /// Rows that were taken.
+    pub(super) taken: usize,
     /// First and last time, s.
     times: Option<[f64; 2]>,
     /// Rows that were given to the writer and are kept because the next row's derivative needs
@@ -311,7 +323,8 @@ impl<'a> Growing<'a> {
             path: path.to_owned(),
             columns: all.map(|to| (to, Vec::new())).collect(),
             firsts: Vec::new(),
-            first_row: 0,
+            ends: None,
+            taken: 0,
             times: None,
             given: 0,
             rows: 0,
@@ -331,8 +344,12 @@ impl<'a> Growing<'a> {
         let rows = &stretch.parsed.rows.kept[stretch.range.clone()];
         if self.firsts.is_empty() {
             self.firsts = (0..stretch.parsed.values.len()).map(|i| raw(i)[0]).collect();
-            self.first_row = stretch.before + rows[0];
         }
+        let standing = |row: &usize| stretch.before.of(&stretch.parsed.recording.table, *row);
+        let [begin, end] = [&rows[0], &rows[rows.len() - 1]].map(standing);
+        let first = self.ends.map_or(begin, |[first, _]| first);
+        self.ends = Some([first, end]);
+        self.taken += rows.len();
         let lines = self.plan.taken.iter().map(|Taken { line, factor, .. }| (line, *factor));
         let lines: Vec<(&Linear, f64)> =
             lines.chain(self.plan.channels.iter().map(|c| (&c.line, 1.0))).collect();
@@ -343,9 +360,8 @@ impl<'a> Growing<'a> {
             set(&mut part, &self.columns[i].0, values);
         }
         if let Some(rate_hz) = self.plan.rate_hz {
-            #[allow(clippy::cast_precision_loss)] // a file has fewer than 2⁵³ rows
-            let time = |row: &usize| (stretch.before + row - self.first_row) as f64 / rate_hz;
-            part.set(Signal::Time, rows.iter().map(time).collect());
+            let numbers = rows.iter().map(|row| standing(row).place - first.place);
+            part.set(Signal::Time, rate_times(rate_hz, numbers));
         }
         self.check(&part).map_err(|e| self.in_their_words(e, stretch))?;
         let t = part.get(Signal::Time).unwrap_or_default();
@@ -363,6 +379,12 @@ impl<'a> Growing<'a> {
             values.extend_from_slice(new.unwrap_or_default());
         }
         self.write(writer, false)
+    }
+
+    /// What it lacks between its first row and its last.
+    pub(super) fn gaps(&self) -> Gaps {
+        self.ends
+            .map_or_else(Gaps::default, |[first, last]| Gaps::between(first, last, self.taken, 0))
     }
 
     /// Writes what is left.
@@ -418,7 +440,7 @@ impl<'a> Growing<'a> {
                 let row = parsed.rows.kept[stretch.range.start + row - 1];
                 let error =
                     parsed.recording.cell_error(parsed.numeric[i], row, &error.what, &error.remedy);
-                StoreError { row: error.row.map(|row| row + stretch.before), ..error }
+                StoreError { row: error.row.map(|row| row + stretch.before.row), ..error }
             }
             _ => error,
         }

@@ -5,14 +5,14 @@ use super::label::Label;
 use super::limits::{Budget, Take, check_time};
 use super::mapping::{QuantityFrom, SweepForm, SweepLabels, Time};
 use super::plan::{rate_times, rate_words};
-use super::recording::Recording;
+use super::recording::{Gaps, Recording};
 use super::report::FileReport;
 use super::table::ColumnRef;
 use super::wide::wide;
-use super::{Context, Converted, Errors, all, identity, once};
+use super::{Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, all, identity, once};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use zwidth_store::{StoreError, Sweep, hex_blake3, sweep_bytes};
+use zwidth_store::{GAPS, LOST, StoreError, Sweep, hex_blake3, sweep_bytes};
 use zwidth_study::{ActuatorId, Source};
 
 /// One sweep of a file, its values converted, its number there where the mapping gives it.
@@ -22,6 +22,8 @@ pub(super) struct Piece {
     pub(super) t_s: Option<Vec<f64>>,
     pub(super) command: Vec<f64>,
     pub(super) response: Vec<f64>,
+    /// Samples that it lacks between its first and its last, in words.
+    pub(super) gaps: Option<String>,
 }
 
 /// Converts every file and numbers the sweeps of each actuator in the order of the files.
@@ -50,7 +52,8 @@ pub(super) fn sweeps(
     let mut results = Vec::new();
     let mut cases = once::actuators_there(context)?;
     for Converted { path: file, blake3, made: (pieces, mut report) } in converted {
-        let footer = context.footer(blake3, &report.computed);
+        let mut footer = context.footer(blake3, &report.computed);
+        footer.extend(report.lost.clone().map(|lost| (LOST.to_owned(), lost)));
         let source = context.mapping.source();
         for piece in pieces {
             let number = identity::next(&mut last, piece.actuator.clone(), piece.number);
@@ -97,6 +100,8 @@ fn encode(
     from: &Path,
 ) -> Result<Vec<u8>, StoreError> {
     let (command, response) = form.quantities();
+    let mut file = footer.clone();
+    file.extend(piece.gaps.map(|gaps| (GAPS.to_owned(), gaps)));
     let sweep = Sweep {
         actuator: piece.actuator,
         sweep: number,
@@ -106,7 +111,7 @@ fn encode(
         t_s: piece.t_s,
         command_values: piece.command,
         response_values: piece.response,
-        file: footer.clone(),
+        file,
     };
     sweep_bytes(&sweep, from)
 }
@@ -141,15 +146,25 @@ fn pairs(
     let numeric = all(form.columns().into_iter().map(|c| recording.find(c)))?;
     let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
     let rows = recording.rows(&context.mapping.file, &numeric, &label_columns)?;
+    let at_a_rate = matches!(form.time, Some(Time::Rate { .. }));
     // Counted before anything is made of them.
     budget.trials(&recording.path, recording.pieces(&rows.kept, &label_columns).count())?;
     let stretches = recording.pieces(&rows.kept, &label_columns);
-    let pieces = all(stretches.map(|rows| piece(labels, form, recording, &numeric, rows)))?;
+    let pieces = all(stretches.map(|stretch| {
+        let gaps = recording.gaps(&rows, stretch);
+        let piece = piece(labels, form, recording, &numeric, stretch)?;
+        let empty = if at_a_rate { gaps.empty } else { 0 };
+        Ok::<_, StoreError>(Piece { gaps: Gaps { empty, ..gaps }.in_words(stretch.len()), ..piece })
+    }))?;
     let mut report = context.file_report(
         recording,
         (&rows, rows.kept.len()),
         &[numeric.as_slice(), &label_columns].concat(),
     )?;
+    report.add_empty(
+        recording.gaps(&rows, &rows.kept).empty,
+        if at_a_rate { EMPTY_AT_A_RATE } else { EMPTY },
+    );
     match form.time {
         Some(Time::Rate { rate_hz }) => report.computed.push(rate_words(rate_hz)),
         Some(Time::Column { line, .. }) => {
@@ -175,7 +190,7 @@ fn piece(
     let (actuator, number) = labels.of(recording, rows[0])?;
     let t_s = match &form.time {
         None => None,
-        Some(Time::Rate { rate_hz }) => Some(rate_times(*rate_hz, rows)),
+        Some(Time::Rate { rate_hz }) => Some(rate_times(*rate_hz, recording.places(rows))),
         Some(Time::Column { unit, line, .. }) => {
             let t = recording.converted(numeric[2], rows, line, unit.to_si)?;
             check_time(&t).map_err(|(i, what)| {
@@ -190,7 +205,7 @@ fn piece(
     };
     let command = recording.converted(numeric[0], rows, &form.command.1.line, 1.0)?;
     let response = recording.converted(numeric[1], rows, &form.response.1.line, 1.0)?;
-    Ok(Piece { actuator, number, t_s, command, response })
+    Ok(Piece { actuator, number, t_s, command, response, gaps: None })
 }
 
 /// Whether every time is later than the one before; `Err` is the first that is not.

@@ -102,12 +102,61 @@ pub(super) struct Table {
     pub(super) told: Vec<String>,
     /// Rows (from 0) that could not be read, and why: their cells are empty.
     pub(super) bad: Vec<(usize, String)>,
+    /// Rows of the file in which no cell has a value: they are no rows of the table.
+    pub(super) empty: EmptyRows,
+    /// What of the recording could not be read, in words.
+    pub(super) lost: Option<String>,
+}
+
+/// Where a file has rows without any value. Each is a place at which no sample was taken.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct EmptyRows(Vec<EmptyStretch>);
+
+/// Empty rows that follow each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct EmptyStretch {
+    /// The row of the table (from 0) that they stand before; one past the last at the end.
+    before: usize,
+    /// How many empty rows stand before that row, in the whole file.
+    count: usize,
+}
+
+impl EmptyRows {
+    /// The empty rows of a file of which every line is a row of the table or empty; `lines` are those
+    /// of the table's rows.
+    pub(super) fn between(lines: &[u64]) -> Self {
+        let mut empty = Self::default();
+        for (i, pair) in lines.windows(2).enumerate() {
+            let passed = pair[1].saturating_sub(pair[0]).saturating_sub(1);
+            empty.add(i + 1, usize::try_from(passed).unwrap_or(usize::MAX));
+        }
+        empty
+    }
+
+    /// Adds empty rows that stand before a row, behind all that were added.
+    pub(super) fn add(&mut self, before: usize, count: usize) {
+        if count > 0 {
+            let count = self.0.last().map_or(0, |last| last.count).saturating_add(count);
+            self.0.push(EmptyStretch { before, count });
+        }
+    }
+
+    /// How many empty rows stand before a row.
+    pub(super) fn before(&self, row: usize) -> usize {
+        let stretches = self.0.partition_point(|stretch| stretch.before <= row);
+        stretches.checked_sub(1).map_or(0, |last| self.0[last].count)
+    }
 }
 
 /// How many names an error lists before it stops.
 const NAMES_SHOWN: usize = 20;
 
 impl Table {
+    /// The place of a row among all rows of the file, empty ones included, from 0.
+    pub(super) fn place(&self, row: usize) -> usize {
+        row.saturating_add(self.empty.before(row))
+    }
+
     /// The place (from 0) of the column meant; `Err` says what there is instead.
     pub(super) fn find(&self, column: &ColumnRef) -> Result<usize, String> {
         let found = match (column, &self.names) {
@@ -168,6 +217,18 @@ mod tests {
         let columns = vec![cells(), cells(), Cells::Other("a struct".to_owned())];
         let names = names.map(|n| n.iter().map(|s| (*s).to_owned()).collect());
         Table { names, columns, ..Table::default() }
+    }
+
+    #[test]
+    fn a_row_has_its_place_among_the_empty_ones() {
+        let empty = EmptyRows::between(&[2, 3, 6, 7, 9]);
+        let table = Table { empty, ..table(None) };
+        assert_eq!([0, 1, 2, 3, 4, 5].map(|row| table.place(row)), [0, 1, 4, 5, 7, 8]);
+        let far = EmptyRows::between(&[1, u64::MAX, 5]);
+        assert_eq!(
+            (far.before(0), far.before(1), far.before(2)),
+            (0, usize::MAX - 2, usize::MAX - 2)
+        );
     }
 
     #[test]

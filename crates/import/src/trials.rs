@@ -7,15 +7,15 @@ use super::identity::{Identity, identity, number_trials};
 use super::limits::{Budget, Take, check_sizes};
 use super::mapping::{ChannelFrom, Rule, SignalFrom, Time, Who};
 use super::plan::{Plan, Taken, plan, rate_times};
-use super::recording::{Recording, Rows};
+use super::recording::{Gaps, Recording, Rows};
 use super::report::{FileReport, RowsDropped, null_columns};
 use super::stream::{Growing, Source as LongText};
-use super::{Context, Converted, Errors, MISSING, all, once};
+use super::{Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, all, once};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_store::{
-    Asked, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, check_form, check_samples,
-    trial_bytes,
+    Asked, GAPS, LOST, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, check_form,
+    check_samples, trial_bytes,
 };
 use zwidth_study::{Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
 
@@ -24,6 +24,17 @@ struct Piece {
     identity: Identity,
     /// None of a long text: they are read once more when they are written.
     samples: Samples,
+    /// What it lacks, as its file will say.
+    lacks: Lacks,
+}
+
+/// What a trial lacks of what was recorded, in words for its file.
+#[derive(Debug, Default)]
+struct Lacks {
+    /// Samples between its first and its last ([`GAPS`]).
+    gaps: Option<String>,
+    /// What of the recording could not be read ([`LOST`]).
+    lost: Option<String>,
 }
 
 /// A trial's file.
@@ -33,6 +44,8 @@ struct Encoded {
     /// The trial in words, for the report.
     words: String,
     care: Vec<String>,
+    /// What of the recording could not be read.
+    lost: Option<String>,
 }
 
 /// Converts every file, numbers the trials over all of them, and encodes them.
@@ -70,13 +83,14 @@ pub(super) fn trials(
             break;
         }
     }
-    let mut failed = None;
+    let (mut failed, mut losses) = (None, Vec::new());
     for encoded in done {
         match encoded {
             Ok((encoded, mut report)) => {
-                for Encoded { path, output, words, care } in encoded {
+                for Encoded { path, output, words, care, lost } in encoded {
                     report.made.push(words);
                     report.care.extend(care);
+                    losses.push(lost);
                     batch.outputs.push((path, output));
                 }
                 batch.files.push(report);
@@ -89,10 +103,13 @@ pub(super) fn trials(
         return Err(errors);
     }
     let mut events = Vec::new();
-    for ((number, (_, output)), identity) in planned.iter().zip(&batch.outputs).zip(&identities) {
-        let recorded = Event::Recorded { trial: number.trial, blake3: output.blake3() };
-        let answer = answer(context.study, identity, number.trial);
-        events.push(std::iter::once(recorded).chain(answer).collect());
+    let trials = planned.iter().zip(&identities).zip(losses);
+    for (((number, identity), lost), (_, output)) in trials.zip(&batch.outputs) {
+        let trial = number.trial;
+        let recorded = Event::Recorded { trial, blake3: output.blake3() };
+        let answer = answer(context.study, identity, trial);
+        let lost = lost.map(|text| Event::Note { trial: Some(trial), text });
+        events.push(std::iter::once(recorded).chain(answer).chain(lost).collect());
     }
     // The trials' own footers say what they were imported from.
     batch.add_sessions(context, &identities, &planned, events, &[])?;
@@ -131,7 +148,8 @@ fn converted(
             let what = "it was long when the import began, and is not now";
             return Err(StoreError::new(path, what, "import it again").into());
         };
-        let piece = |identity| Piece { identity, samples: Samples::default() };
+        let piece =
+            |identity| Piece { identity, samples: Samples::default(), lacks: Lacks::default() };
         let pieces = source.identities(budget)?.into_iter().map(piece).collect();
         Ok::<_, Errors>(Converted { path: path.clone(), blake3, made: (pieces, None) })
     };
@@ -196,7 +214,7 @@ fn streamed(
                 .chain(plan.derived.iter().map(|(to, _)| *to))
                 .chain([Signal::Time])
                 .collect();
-            let report = FileReport {
+            let mut report = FileReport {
                 rows_read: walked.rows.read,
                 rows_kept: walked.kept,
                 rows_dropped: missing.into_iter().collect(),
@@ -205,6 +223,7 @@ fn streamed(
                 null: null_columns(&made),
                 ..report
             };
+            report.add_empty(walked.empty, why_empty(plan));
             Ok((encoded, report))
         }
         Err(errors) => {
@@ -252,6 +271,10 @@ impl<'a> Open<'a> {
     }
 
     fn end(mut self, context: &Context) -> Result<Encoded, Errors> {
+        let gaps = told_gaps(self.growing.plan, self.growing.gaps(), self.growing.taken);
+        if let Some(gaps) = gaps {
+            self.writer.note(GAPS, gaps);
+        }
         if let Err(errors) = self.growing.end(&mut self.writer) {
             self.writer.discard(context.files);
             return Err(errors);
@@ -266,6 +289,8 @@ impl<'a> Open<'a> {
             care: care(&found, self.number, samples),
             path: self.path,
             output: Output::Staged(staged),
+            // What cannot be read of a long text is an error.
+            lost: None,
         })
     }
 }
@@ -320,19 +345,42 @@ fn convert(
     };
     // Counted before anything is made of them.
     budget.trials(&recording.path, pieces().count())?;
-    let pieces = all(pieces().map(|rows| {
-        let identity = identity(who, recording, rows[0], context.study)?;
-        Ok::<_, Errors>(Piece { identity, samples: samples(plan, recording, &numeric, rows)? })
+    let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
+    let pieces = all(pieces().enumerate().map(|(i, stretch)| {
+        let identity = identity(who, recording, stretch[0], context.study)?;
+        let samples = samples(plan, recording, &numeric, stretch)?;
+        let gaps = told_gaps(plan, recording.gaps(&rows, stretch), stretch.len());
+        // Rows that could not be read are the trial's before them, or the first one's.
+        let from = if i == 0 { 0 } else { stretch[0] };
+        let lost = recording.lost(&rows, from..begins.get(i + 1).copied().unwrap_or(usize::MAX));
+        let lost = lost.map(|lost| match begins.len() {
+            1 => lost,
+            n => format!("{lost} (the recording has {n} trials)"),
+        });
+        Ok::<_, Errors>(Piece { identity, samples, lacks: Lacks { gaps, lost } })
     }))?;
     let made: Vec<Signal> =
         Signal::all().filter(|s| pieces.iter().any(|p| p.samples.get(*s).is_some())).collect();
-    let report = FileReport {
+    let mut report = FileReport {
         converted: plan.converted.clone(),
         computed: plan.computed.clone(),
         null: null_columns(&made),
         ..context.file_report(recording, (&rows, rows.kept.len()), &[numeric, labels].concat())?
     };
+    report.add_empty(recording.gaps(&rows, &rows.kept).empty, why_empty(plan));
     Ok((pieces, report))
+}
+
+/// What empty rows of a file mean.
+fn why_empty(plan: &Plan) -> &'static str {
+    if plan.rate_hz.is_some() { EMPTY_AT_A_RATE } else { EMPTY }
+}
+
+/// What a trial's file says of its gaps. Where times were recorded, they say when there was a sample,
+/// and an empty row is none that is missing.
+fn told_gaps(plan: &Plan, gaps: Gaps, kept: usize) -> Option<String> {
+    let empty = if plan.rate_hz.is_some() { gaps.empty } else { 0 };
+    Gaps { empty, ..gaps }.in_words(kept)
 }
 
 /// The samples in `rows` of the file; `numeric` are the places of the columns taken.
@@ -355,7 +403,7 @@ fn samples(
         samples.set_channel(to.clone(), values);
     }
     if let Some(rate_hz) = plan.rate_hz {
-        samples.set(Signal::Time, rate_times(rate_hz, rows));
+        samples.set(Signal::Time, rate_times(rate_hz, recording.places(rows)));
     }
     let check = |samples: &Samples| {
         let checked =
@@ -407,19 +455,23 @@ fn in_their_words(
 fn encode(
     context: &Context,
     plan: &Plan,
-    Piece { identity, samples }: Piece,
+    Piece { identity, samples, lacks }: Piece,
     number: &PlannedTrial,
     blake3: &str,
 ) -> Result<Encoded, StoreError> {
     let path = context.layout.trial(&identity.participant, &identity.session, number.trial);
     let asked = Asked::of(context.study, &number.environment);
     let found = check_samples(&asked, Path::new(""), &samples);
-    let (words, care) =
-        (words(&identity, number, samples.len()), care(&found, number, samples.len()));
+    let words = words(&identity, number, samples.len());
+    let care = care(&found, number, samples.len());
+    let Lacks { gaps, lost } = lacks;
     let meta = meta(&identity, number, context.mapping.source());
-    let trial = Trial { meta, file: file(context, plan, blake3), samples };
+    let mut file = file(context, plan, blake3);
+    file.extend(gaps.map(|gaps| (GAPS.to_owned(), gaps)));
+    file.extend(lost.clone().map(|lost| (LOST.to_owned(), lost)));
+    let trial = Trial { meta, file, samples };
     let bytes = trial_bytes(&trial, &context.study.trial_form(), &path)?;
-    Ok(Encoded { path, output: bytes.into(), words, care })
+    Ok(Encoded { path, output: bytes.into(), words, care, lost })
 }
 
 /// What is known of an imported trial.

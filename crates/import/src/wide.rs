@@ -7,7 +7,7 @@ use super::mapping::{QuantityFrom, Reduce, Side, SweepLabels};
 use super::recording::Recording;
 use super::report::FileReport;
 use super::sweeps::{Piece, note};
-use super::{Context, Errors, all};
+use super::{Context, EMPTY, Errors, all};
 use regex::Regex;
 use std::collections::BTreeSet;
 use zwidth_store::StoreError;
@@ -64,7 +64,8 @@ pub(super) fn wide(
         note(&mut report, side, &format!("{from} of the columns '{}'", form.pattern), q);
     }
     let (actuator, number) = labels.of(recording, rows.kept[0])?;
-    Ok((vec![Piece { actuator, number, t_s: None, command, response }], report))
+    report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
+    Ok((vec![Piece { actuator, number, t_s: None, command, response, gaps: None }], report))
 }
 
 /// The columns whose header matches, each with the number in its header.

@@ -81,7 +81,8 @@ impl World {
         disk: &dyn Files,
     ) -> Result<Report, Vec<StoreError>> {
         let mapping = Mapping::from_toml(map, Path::new("map.toml"))?;
-        import(&self.layout, &self.study, &mapping, files, (UTC, "zwidth test"), disk, &|_| {})
+        let said = (UTC, "zwidth test");
+        Ok(import(&self.layout, &self.study, &mapping, files, said, disk, &|_| {})?)
     }
 
     /// The same with every text read block by block.
@@ -93,7 +94,7 @@ impl World {
         let mut mapping = Mapping::from_toml(map, Path::new("map.toml"))?;
         mapping.file.long_from = 0;
         let (said, disk) = ((UTC, "zwidth test"), &RealFiles);
-        import(&self.layout, &self.study, &mapping, files, said, disk, &|_| {})
+        Ok(import(&self.layout, &self.study, &mapping, files, said, disk, &|_| {})?)
     }
 
     pub(super) fn import(&self, map: &str, files: &[PathBuf]) -> Result<Report, Vec<StoreError>> {

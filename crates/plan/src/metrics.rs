@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::{Parameters, TrialMetrics};
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
-use zwidth_store::{Asked, Layout, OpenTrial, StoreError, StudyData, check_samples};
+use zwidth_store::{Asked, Layout, OpenTrial, StoreError, StudyData};
 use zwidth_study::{Condition, TrialMeta};
 use zwidth_tables::{NoteKind, Table, TableError};
 
@@ -237,10 +237,9 @@ fn make_by_condition(
     write_tables(&[zwidth_metrics::by_condition(&metrics, conditions)?], making, Vec::new())
 }
 
-/// What `verify` finds in a trial's samples, which count all the same.
+/// What `verify` finds in a trial, which counts all the same.
 fn with_care(asked: &Asked, trial: &OpenTrial) -> Vec<String> {
-    let found = check_samples(asked, Path::new(""), trial.columns());
-    found.into_iter().map(|finding| describe(trial, finding)).collect()
+    trial.check(asked).into_iter().map(|finding| describe(trial, finding)).collect()
 }
 
 fn describe(trial: &OpenTrial, finding: StoreError) -> String {

@@ -5,6 +5,7 @@ use crate::open::OpenTrial;
 use crate::read::with_time;
 use crate::seen::{Seen, Signals, Stamp};
 use crate::shown::Shown;
+use crate::verify::lost;
 use crate::{Samples, Signal, StoreError, Trial};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ struct Read {
     path: PathBuf,
     stamp: Stamp,
     meta: TrialMeta,
+    lost: Option<StoreError>,
     samples: Arc<Samples>,
     /// How long the device's clock ran, s.
     device_s: Option<f64>,
@@ -65,13 +67,14 @@ impl Lately {
         let stamp = stamp_of(path);
         if let Some(read) = stamp.and_then(|stamp| self.kept(path, stamp, (signals, channels))) {
             let samples = (read.samples, read.device_s);
-            return Ok(OpenTrial::of(read.meta, Shown::new(samples, signals, channels)));
+            return Ok(OpenTrial::of(read.meta, read.lost, Shown::new(samples, signals, channels)));
         }
         let (trial, device_s) = match OpenTrial::read(&self.seen, path, (signals, channels))? {
             Ok(short) => short,
             Err(long) => return Ok(long),
         };
-        let Trial { meta, samples, .. } = trial;
+        let Trial { meta, file, samples } = trial;
+        let lost = lost(Path::new(""), &file);
         let samples = Arc::new(samples);
         if let Some(stamp) = stamp.filter(|stamp| stamp_of(path) == Some(*stamp)) {
             self.seen.match_now(path, stamp, Signals::of(signals));
@@ -79,13 +82,14 @@ impl Lately {
                 path: path.to_owned(),
                 stamp,
                 meta: meta.clone(),
+                lost: lost.clone(),
                 samples: samples.clone(),
                 device_s,
                 signals: signals.to_vec(),
                 channels: channels.to_vec(),
             });
         }
-        Ok(OpenTrial::of(meta, Shown::new((samples, device_s), signals, channels)))
+        Ok(OpenTrial::of(meta, lost, Shown::new((samples, device_s), signals, channels)))
     }
 
     fn kept(
@@ -246,7 +250,16 @@ mod tests {
             let path = PathBuf::from(i.to_string());
             let (signals, channels, meta) = (Vec::new(), Vec::new(), trial.meta.clone());
             let (samples, device_s) = (samples.clone(), None);
-            lately.keep(Read { path, stamp, meta, samples, device_s, signals, channels });
+            lately.keep(Read {
+                path,
+                stamp,
+                meta,
+                lost: None,
+                samples,
+                device_s,
+                signals,
+                channels,
+            });
         }
         let kept = lately.read.into_inner().unwrap();
         assert_eq!(

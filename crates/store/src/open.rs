@@ -4,7 +4,8 @@ use crate::columns::{Columns, LONG, Recorded};
 use crate::read::{OpenColumns, with_time};
 use crate::seen::{Seen, Signals};
 use crate::shown::Shown;
-use crate::{RealFiles, Signal, StoreError, Trial};
+use crate::verify::{check_samples, lost};
+use crate::{Asked, RealFiles, Signal, StoreError, Trial};
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_study::{ChannelId, TrialMeta};
@@ -14,6 +15,8 @@ use zwidth_study::{ChannelId, TrialMeta};
 pub struct OpenTrial {
     /// What is known of the trial.
     pub meta: TrialMeta,
+    /// What its file says was lost of the recording.
+    lost: Option<StoreError>,
     columns: Box<dyn Columns + Send>,
 }
 
@@ -39,8 +42,9 @@ impl OpenTrial {
     ) -> Result<Self, StoreError> {
         let (signals, channels) = (with_time(wanted.0.iter().copied()), wanted.1);
         Ok(match Self::read_from(&Seen::default(), path, wanted, long)? {
-            Ok((Trial { meta, samples, .. }, device_s)) => {
-                Self::of(meta, Shown::new((Arc::new(samples), device_s), &signals, channels))
+            Ok((Trial { meta, file, samples }, device_s)) => {
+                let shown = Shown::new((Arc::new(samples), device_s), &signals, channels);
+                Self::of(meta, lost(Path::new(""), &file), shown)
             }
             Err(long) => long,
         })
@@ -64,7 +68,8 @@ impl OpenTrial {
     ) -> Result<Result<(Trial, Option<f64>), Self>, StoreError> {
         let mut open = OpenColumns::open(&RealFiles, path)?;
         if open.rows() > long {
-            return Ok(Err(Self::of(open.said()?.0, open)));
+            let (meta, file) = open.said()?;
+            return Ok(Err(Self::of(meta, lost(Path::new(""), &file), open)));
         }
         let wanted = with_time(signals.iter().copied());
         let signals = Signals::of(&wanted);
@@ -75,8 +80,19 @@ impl OpenTrial {
         Ok(Ok((trial, open.reach_of(Signal::DeviceTime)?)))
     }
 
-    pub(crate) fn of(meta: TrialMeta, columns: impl Columns + Send + 'static) -> Self {
-        Self { meta, columns: Box::new(columns) }
+    pub(crate) fn of(
+        meta: TrialMeta,
+        lost: Option<StoreError>,
+        columns: impl Columns + Send + 'static,
+    ) -> Self {
+        Self { meta, lost, columns: Box::new(columns) }
+    }
+
+    /// What is to be read with care of it: what its samples say against it ([`check_samples`]), and
+    /// what was lost of the recording.
+    pub fn check(&self, asked: &Asked) -> Vec<StoreError> {
+        let found = check_samples(asked, Path::new(""), self.columns());
+        found.into_iter().chain(self.lost.clone()).collect()
     }
 
     /// Its samples.

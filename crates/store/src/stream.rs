@@ -112,6 +112,11 @@ impl TrialWriter {
         written.map_err(|e| self.writer.inner_mut().error(&self.path, &e))
     }
 
+    /// Has the file say this of itself too, in its footer.
+    pub fn note(&mut self, key: &str, value: String) {
+        self.file.insert(key.to_owned(), value);
+    }
+
     /// Removes what was written; what cannot be removed, the next import sweeps up.
     pub fn discard(self, files: &dyn Files) {
         // The file is closed first: an open one stays on some systems.

@@ -3,7 +3,7 @@
 
 use crate::columns::{Columns, LONG};
 use crate::read::{OpenColumns, read_trial};
-use crate::verify::check_samples;
+use crate::verify::{check_samples, lost};
 use crate::{Asked, RealFiles, Samples, Signal, StoreError, Trial};
 use std::path::Path;
 
@@ -38,19 +38,21 @@ pub fn read_thinned(
     Ok((Trial { meta, file, samples }, open.rows()))
 }
 
-/// What the samples of the trial at `path` say against it, as [`check_samples`] finds it; of a long
-/// one no more than two columns are in memory at a time.
+/// What the trial at `path` is to be read with care for: what its samples say against it, as
+/// [`check_samples`] finds it, and what was lost of the recording. Of a long one no more than two
+/// columns are in memory at a time.
 ///
 /// # Errors
 /// A file that cannot be read.
 pub fn check_trial(path: &Path, asked: &Asked) -> Result<Vec<StoreError>, StoreError> {
     let open = OpenColumns::open(&RealFiles, path)?;
     // Of a short one each column is decoded once.
-    if open.rows() <= LONG {
-        return Ok(check_samples(asked, Path::new(""), &read_trial(path, Signal::all())?.samples));
-    }
-    let found = check_samples(asked, Path::new(""), &open);
-    open.failure().map_or(Ok(found), Err)
+    let found = match open.rows() <= LONG {
+        true => check_samples(asked, Path::new(""), &read_trial(path, Signal::all())?.samples),
+        false => check_samples(asked, Path::new(""), &open),
+    };
+    let lost = lost(Path::new(""), &open.said()?.1);
+    open.failure().map_or(Ok(found.into_iter().chain(lost).collect()), Err)
 }
 
 /// The samples that stand for all of `rows`, in order.

@@ -183,8 +183,16 @@ fn fits(value: f64, storage: Storage) -> bool {
 /// Known keys: `study_blake3`, `calibration_blake3`, `device`, `software`, `start_utc`, `seed`,
 /// `lever_m` (the lever length that turned lengths into angles or torques into forces),
 /// `made_by_import` (what import computed, such as a derivative), `source_blake3` and
-/// `mapping_blake3` (the imported file and the mapping it came through).
+/// `mapping_blake3` (the imported file and the mapping it came through), [`LOST`] and [`GAPS`].
 pub type TrialFile = BTreeMap<String, String>;
+
+/// Footer key of what an import could not read of a recording, in words. Such a trial is to be read
+/// with care.
+pub const LOST: &str = "samples_lost";
+
+/// Footer key of the samples that a recording lacks between its first and its last, in words: rows
+/// that were empty, or left out because the mapping asked for it.
+pub const GAPS: &str = "samples_missing";
 
 /// Footer key of the hash of the recording that a file was made from.
 pub const SOURCE: &str = "source_blake3";

@@ -9,7 +9,8 @@ use crate::study::check_folders;
 use crate::sweep::read_sweep_from;
 use crate::walk::files_below;
 use crate::{
-    Columns, Files, Layout, RealFiles, SessionLog, Signal, StoreError, StudyData, TrialEntry,
+    Columns, Files, FirstErrors, LOST, Layout, RealFiles, SessionLog, Signal, StoreError,
+    StudyData, SweepEntry, TrialEntry, TrialFile,
 };
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,8 +47,7 @@ fn verify_by(files: &dyn Files, layout: &Layout, check: Check) -> Vec<StoreError
             let Findings { left_out, with_care } = findings(files, &data);
             let trials: Vec<_> =
                 data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t, check)).collect();
-            let sweeps =
-                data.sweeps.par_iter().filter_map(|s| read_sweep_from(files, &s.path).err());
+            let sweeps = data.sweeps.par_iter().filter_map(|entry| sweep(files, entry));
             [left_out, with_care, trials, sweeps.collect()].concat()
         }
         // Behind a link nothing is looked at.
@@ -98,8 +98,28 @@ fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry, check: Check) 
         }),
     };
     match found {
-        Ok(found) => found.into_iter().chain(off_scale(&data.study, entry)).collect(),
+        Ok(found) => {
+            let lost = if entry.counts() { lost(&entry.path, &entry.said.file) } else { None };
+            found.into_iter().chain(lost).chain(off_scale(&data.study, entry)).collect()
+        }
         Err(error) => vec![error],
+    }
+}
+
+/// What was lost of a recording before it became this trial, as its footer says: the trial counts,
+/// and is to be read with care.
+pub(crate) fn lost(path: &Path, file: &TrialFile) -> Option<StoreError> {
+    let remedy = "import a whole copy of the recording as another session, or exclude the trial if what is lost matters";
+    file.get(LOST).map(|lost| StoreError::new(path, lost, remedy))
+}
+
+/// The same of a sweep.
+fn sweep(files: &dyn Files, entry: &SweepEntry) -> Option<StoreError> {
+    let remedy = "import a whole copy of the recording as another sweep, and remove this one from the study if what is lost \
+                  matters";
+    match read_sweep_from(files, &entry.path) {
+        Ok(sweep) => sweep.file.get(LOST).map(|lost| StoreError::new(&entry.path, lost, remedy)),
+        Err(error) => Some(error),
     }
 }
 
@@ -187,9 +207,12 @@ fn session(data: &StudyData, log: &SessionLog) -> Vec<StoreError> {
     let mut findings = Vec::new();
     findings.extend(record(data, log));
     let known: BTreeSet<u32> = log.trials.iter().map(|t| t.trial).collect();
+    // A log may be wrong in each of its lines.
+    let mut events = FirstErrors::default();
     for (row, event) in log.events.iter().enumerate() {
-        findings.extend(event_finding(data, log, &known, event).map(|e| e.row0(row)));
+        events.extend(event_finding(data, log, &known, event).map(|e| e.row0(row)));
     }
+    findings.extend(Vec::from(events));
     findings
 }
 

@@ -9,7 +9,7 @@ use zwidth_draw::Figure;
 pub struct Found {
     /// The trial's number.
     pub trial: u32,
-    /// The column that it was found in.
+    /// The column that it was found in; empty where it is of the whole trial.
     pub column: String,
     /// What it is, a phrase.
     pub what: String,
@@ -57,7 +57,8 @@ fn note(column: &str, found: &[&Found]) -> String {
     let what = found.first().map_or("", |found| found.what.as_str());
     let first =
         if trials.len() == 1 { String::new() } else { format!("in trial {}, ", found[0].trial) };
-    plain(&format!("Read with care {word} {}{more} ({column}): {first}{what}", named.join(", ")))
+    let column = if column.is_empty() { String::new() } else { format!(" ({column})") };
+    plain(&format!("Read with care {word} {}{more}{column}: {first}{what}", named.join(", ")))
 }
 
 #[cfg(test)]
@@ -84,6 +85,9 @@ mod tests {
             ),
             "{note}"
         );
+        let whole = with_care(Figure::default(), &[found(3, "")]);
+        let note = zwidth_draw::markup::typed(&whole.footnotes[0]);
+        assert!(note.starts_with("Read with care trial 3: the velocity"), "{note}");
         let two = with_care(Figure::default(), &[found(1, "b"), found(2, "a")]);
         assert_eq!(two.footnotes.len(), 2);
     }

@@ -331,3 +331,73 @@ fn a_study_or_a_mapping_that_is_not_there_or_not_understood_is_told() {
         "reads versions 1 and 2",
     ]);
 }
+
+/// An XDF recording of three streams' worth of chunks: `chunks` of 20 samples at 100 Hz, each behind a
+/// boundary, of a stream whose footer counts them all.
+fn xdf(chunks: usize) -> Vec<u8> {
+    let chunk = |tag: u16, stream: Option<u32>, content: &[u8]| {
+        let stream = stream.map(|stream| stream.to_le_bytes().to_vec()).unwrap_or_default();
+        let inner = [&tag.to_le_bytes()[..], &stream, content].concat();
+        let length = u32::try_from(inner.len()).unwrap().to_le_bytes();
+        [&[4][..], &length, &inner].concat()
+    };
+    let boundary = [
+        0x43, 0xa5, 0x46, 0xdc, 0xcb, 0xf5, 0x41, 0x0f, 0xb3, 0x0e, 0xd5, 0x46, 0x73, 0x83, 0xcb,
+        0xe4,
+    ];
+    let head = "<info><name>rig</name><channel_count>2</channel_count><nominal_srate>0</nominal_srate>\
+        <channel_format>double64</channel_format><desc><channels><channel><label>angle</label></channel>\
+        <channel><label>f</label></channel></channels></desc></info>";
+    let mut file =
+        [b"XDF:".to_vec(), chunk(1, None, b"<info/>"), chunk(2, Some(1), head.as_bytes())];
+    for part in 0..chunks {
+        let mut content = vec![1, 20];
+        for sample in 0..20 {
+            let i = f64::from(u32::try_from(20 * part + sample).unwrap());
+            let values =
+                [0.01 * i, -45.0 + 15.0 * (1.0 - (0.03 * i).cos()), 4.0 * (0.03 * i).sin()];
+            content.push(8);
+            content.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        }
+        file[2].extend(chunk(5, None, &boundary));
+        file[2].extend(chunk(3, Some(1), &content));
+    }
+    let count = format!("<info><sample_count>{}</sample_count></info>", 20 * chunks);
+    file[2].extend(chunk(5, None, &boundary));
+    file[2].extend(chunk(6, Some(1), count.as_bytes()));
+    file.concat()
+}
+
+#[test]
+fn a_damaged_xdf_is_told_by_import_list_verify_and_run() {
+    let world = World::new().mapping("from = \"t\"", "from = \"time_s\"");
+    let mut damaged = xdf(6);
+    // The length of the third chunk of samples is none: up to the next boundary all is lost.
+    let boundary = [0x43, 0xa5, 0x46, 0xdc];
+    let places: Vec<usize> =
+        (0..damaged.len() - 4).filter(|i| damaged[*i..*i + 4] == boundary).collect();
+    damaged[places[2] + 16] = 9;
+    let file = world.file("damaged.xdf", &damaged);
+    let lost = "100 of 120 samples are read: the XDF file is damaged or was cut off";
+    told(&world.import(&[file]).exits(3), &["read with care", lost]);
+    let root = world.folder.path();
+    told(&zwidth(root, &["list", "rig"]).exits(0), &["lost: trial 1: ", lost]);
+    let remedy = "import a whole copy of the recording as another session, or exclude the trial";
+    told(&zwidth(root, &["verify", "rig"]).exits(1), &["trial-001.parquet", lost, remedy]);
+    told(&zwidth(root, &["run", "rig"]).exits(3), &["P01 S01 trial 1", lost]);
+    let summary = fs::read_to_string(root.join("reports/rig/summary.md")).unwrap();
+    assert!(summary.contains("100 of 120 samples"), "{summary}");
+    // Who excludes the trial has settled it.
+    let exclude = ["exclude", "rig", "-p", "P01", "-s", "S01", "--trial", "1", "a part is lost"];
+    zwidth(root, &exclude).exits(0);
+    zwidth(root, &["verify", "rig"]).exits(0);
+    told(&zwidth(root, &["list", "rig"]), &["lost: trial 1: "]);
+}
+
+/// Each of these words must be printed.
+#[track_caller]
+fn told(ran: &Ran, words: &[&str]) {
+    for word in words {
+        assert!(ran.out.contains(word) || ran.err.contains(word), "'{word}' is not in {ran:#?}");
+    }
+}

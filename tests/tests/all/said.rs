@@ -237,3 +237,77 @@ fn a_table_names_trials_by_condition_and_repeat_as_well() {
     zwidth(desk.root(), &[&give[..], &["-s", "S01"]].concat()).exits(0);
     assert!(answers(&desk).contains(&(5, 5)));
 }
+
+/// A trial of the session as it was planned.
+fn planned(desk: &Desk, trial: u32) -> zwidth_study::PlannedTrial {
+    let layout = zwidth_store::Layout::new(desk.root(), "small".parse().unwrap());
+    let data = zwidth_store::StudyData::load(&layout).unwrap();
+    data.sessions[0].trials.iter().find(|t| t.trial == trial).unwrap().clone()
+}
+
+#[test]
+fn a_row_that_names_a_trial_and_another_condition_or_repeat_is_refused_with_what_the_trial_is() {
+    let desk = done();
+    let trial = planned(&desk, 5);
+    let (environment, mode, repeat) = (&trial.environment, &trial.mode, trial.repeat);
+    let other_mode = if mode.as_str() == "active" { "passive" } else { "active" };
+    let other_environment = if environment.as_str() == "spring" { "spring_wall" } else { "spring" };
+    let table = desk.root().join("ratings.csv");
+    let give = |row: &str| {
+        let head = "participant,session,trial,environment,mode,repeat,answer";
+        fs::write(&table, format!("{head}\nP01,S01,{row}\n")).unwrap();
+        zwidth(desk.root(), &["answer", "small", "--from", table.to_str().unwrap()])
+    };
+    let is = format!("but trial 5 is of {environment}, {mode}, repeat {repeat} (line 2)");
+    for (row, says) in [
+        (format!("5,{environment},{other_mode},{repeat},4"), format!("mode {other_mode}")),
+        (format!("5,{other_environment},,,4"), format!("environment {other_environment}")),
+        (
+            format!("5,,{other_mode},{},4", repeat + 1),
+            format!("mode {other_mode}, repeat {}", repeat + 1),
+        ),
+    ] {
+        let ran = give(&row).exits(1);
+        assert!(ran.err.contains(&format!("row 1: the table says {says}, {is}")), "{ran:#?}");
+        assert!(!answers(&desk).contains(&(5, 4)));
+    }
+    // The label is as good as the id, and an empty cell says nothing.
+    give(&format!("5,{},,{repeat},4", environment.as_str().to_uppercase())).exits(0);
+    assert!(answers(&desk).contains(&(5, 4)));
+    desk.verify();
+}
+
+#[test]
+fn of_a_sealed_session_a_table_is_told_the_same_whatever_it_says_of_modes_and_repeats() {
+    let desk = Desk::new(true);
+    desk.acquire(&("start\n3\n".repeat(TRIALS) + "quit\n"), &[]).exits(0);
+    let environment = planned(&desk, 5).environment;
+    let table = desk.root().join("ratings.csv");
+    let give = |row: &str| {
+        let head = "participant,session,trial,environment,mode,repeat,answer";
+        fs::write(&table, format!("{head}\nP01,S01,5,{row},4\n")).unwrap();
+        zwidth(desk.root(), &["answer", "small", "--from", table.to_str().unwrap(), "--dry-run"])
+    };
+    let said = ["active,1", "passive,1", "hybrid,1", "hybrid,7"]
+        .map(|rest| give(&format!("{environment},{rest}")).exits(0).out);
+    assert!(said.iter().all(|text| *text == said[0]), "{said:?}");
+    let words = "1 row of sealed sessions, whose modes and repeats cannot be checked before `zwidth unseal`";
+    assert!(said[0].contains(words), "{said:?}");
+    let other = if environment.as_str() == "spring" { "spring_wall" } else { "spring" };
+    let ran = give(&format!("{other},active,1")).exits(1);
+    let expect =
+        format!("the table says environment {other}, but trial 5 is of {environment} (line 2)");
+    assert!(ran.err.contains(&expect), "{ran:#?}");
+}
+
+#[test]
+fn a_table_that_is_wrong_in_every_row_is_told_by_its_first_twenty_and_a_number() {
+    let rows: Vec<String> = std::iter::once("participant,session,trial,answer".to_owned())
+        .chain((0..30_000).map(|i| format!("P01,S01,{},4", 1000 + i)))
+        .collect();
+    let (desk, table) = with_table(&rows.iter().map(String::as_str).collect::<Vec<_>>());
+    let ran = zwidth(desk.root(), &["answer", "small", "--from", &table]).exits(1);
+    assert_eq!(ran.err.lines().count(), 21, "{}", &ran.err[..2000]);
+    assert!(ran.err.contains("the session has no trial 1000: they are 1 to 7 (line 2)"));
+    assert_eq!(ran.err.lines().last().map(str::trim), Some("and 29,980 more"));
+}

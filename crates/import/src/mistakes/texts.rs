@@ -133,7 +133,18 @@ pub(super) fn texts() -> Vec<Row> {
             "a.csv",
             format!("# upstairs\n{PLAIN}"),
         ),
-        file("blank lines", (Read, ""), "", "a.csv", PLAIN.replace('\n', "\n\n")),
+        file("blank lines", (Flagged, "2 rows: empty"), "", "a.csv", PLAIN.replace('\n', "\n\n")),
+        file("blank lines at the end", (Read, ""), "", "a.csv", PLAIN.to_owned() + "\n,\n\n"),
+        mapped(
+            "blank lines, where samples come at a rate",
+            (
+                Flagged,
+                "2 rows: empty: within a trial no sample stands there, and later samples keep their time",
+            ),
+            trials_map(&[ONE, &FORCE.replace("from = \"t\"\nunit = \"s\"", "rate_hz = 2.0")]),
+            "a.csv",
+            PLAIN.replace('\n', "\n\n"),
+        ),
         file(
             "no header, not said",
             (Refused, "column t: the column is missing"),

@@ -4,7 +4,7 @@ use super::super::csv::Dialect;
 use super::super::limits::{
     MOST_TEXT, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows, too_much,
 };
-use super::super::table::{Cells, Table};
+use super::super::table::{Cells, EmptyRows, Table};
 use arrow::array::{Float64Array, LargeStringBuilder};
 use std::borrow::Cow;
 use std::path::Path;
@@ -90,7 +90,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// Adds the row `line` (from 1) of the sheet, and as many more like it as it is repeated. Cells
-    /// stand in the order of their places, from 0; a row without any is passed by.
+    /// stand in the order of their places, from 0; a row without any is an empty row.
     ///
     /// # Errors
     /// More than is read.
@@ -180,6 +180,8 @@ impl<'a> Sheet<'a> {
             return Err(StoreError::new(self.path, what, "leave the file out of the import"));
         }
         let columns = self.columns.into_iter().map(Column::cells).collect();
-        Ok(Table { names: self.names, columns, lines: self.lines, ..Table::default() })
+        let (names, lines) = (self.names, self.lines);
+        let empty = EmptyRows::between(&lines);
+        Ok(Table { names, columns, lines, empty, ..Table::default() })
     }
 }

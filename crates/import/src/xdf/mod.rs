@@ -67,8 +67,10 @@ pub(super) fn read(
     let lost = walk(bytes, &mut |chunk| {
         chunk.tag != Tag::Samples || chunk.stream != number || samples.add(header, chunk.content)
     });
-    let mut table = Table { told: damage(&lost).into_iter().collect(), ..Table::default() };
+    let damaged = damage(&lost);
     samples.check(path)?;
+    let lost = samples.lost(stream.counted, damaged.is_some());
+    let mut table = Table { told: damaged.into_iter().collect(), lost, ..Table::default() };
     table.told.extend(samples.told(stream.counted));
     let mut times = std::mem::take(&mut samples.times);
     table.told.extend(on_our_clock(&mut times, stream, header));

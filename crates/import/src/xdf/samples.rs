@@ -146,6 +146,25 @@ impl<'a> Samples<'a> {
         told
     }
 
+    /// What of the stream could not be read, in words; `is_damaged` says whether the file has bytes that
+    /// hold no whole chunk.
+    pub(super) fn lost(&self, counted: Option<u64>, is_damaged: bool) -> Option<String> {
+        let why = "the XDF file is damaged or was cut off";
+        let read = self.times.len() as u64;
+        // What a damaged chunk claims is trusted less than the footer.
+        let all = match counted {
+            Some(counted) if counted > read => counted,
+            _ => read.saturating_add(self.lost),
+        };
+        if all > read {
+            return Some(format!("{read} of {all} samples are read: {why}"));
+        }
+        // If the footer's samples are all there, another stream was damaged.
+        (is_damaged && counted.is_none()).then(|| {
+            format!("{read} samples are read, and it is not known how many are lost: {why}")
+        })
+    }
+
     /// The channels as columns.
     pub(super) fn cells(self) -> impl Iterator<Item = Cells> {
         self.channels.into_iter().map(|channel| match channel {

@@ -51,7 +51,7 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
         );
     };
     let layout = study(root, id.clone())?;
-    let mapping = Mapping::read(map).map_err(|findings| join_findings(&findings))?;
+    let mapping = Mapping::read(map).map_err(|findings| sum_up(&findings))?;
     let lock = lock(&layout, "zwidth import").map_err(|e| anyhow!("{e}; nothing was imported"))?;
     let study = read_study(&layout).map_err(|findings| join_findings(&findings))?;
     let raw = Raw::mends(&RealFiles, &layout, &lock);

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_acquire::left_to_do;
-use zwidth_store::{Layout, SessionLog, StudyData, TrialEntry};
+use zwidth_store::{GAPS, LOST, Layout, SessionLog, StudyData, TrialEntry};
 use zwidth_study::{Channel, Condition, Kind, StudyId};
 
 #[derive(Serialize)]
@@ -38,6 +38,10 @@ struct Session {
     /// Trials of the order that are still to be done.
     to_go: usize,
     left_out: Vec<String>,
+    /// What an import could not read of recordings.
+    lost: Vec<String>,
+    /// Samples that recordings lack between their first and their last.
+    gaps: Vec<String>,
     missing: Vec<String>,
 }
 
@@ -106,8 +110,16 @@ fn session(data: &StudyData, log: &SessionLog, trials: &[&TrialEntry]) -> Sessio
         left_out: left_out
             .filter_map(|t| Some(format!("trial {}: {}", t.meta.trial, t.why_not()?)))
             .collect(),
+        lost: in_footers(trials, LOST),
+        gaps: in_footers(trials, GAPS),
         missing: if sealed { Vec::new() } else { missing(data, trials) },
     }
+}
+
+/// What the files of trials say of themselves under a key of their footers.
+fn in_footers(trials: &[&TrialEntry], key: &str) -> Vec<String> {
+    let line = |t: &&TrialEntry| Some(format!("trial {}: {}", t.meta.trial, t.said.file.get(key)?));
+    trials.iter().filter_map(line).collect()
 }
 
 /// Conditions with fewer repeats than the design wants, for sessions that have samples at all.
@@ -143,6 +155,8 @@ fn text(l: &Listing) -> String {
             lines.push(format!("    sealed: {}", command("unseal")));
         }
         lines.extend(s.left_out.iter().map(|t| format!("    left out: {t}")));
+        lines.extend(s.lost.iter().map(|t| format!("    lost: {t}")));
+        lines.extend(s.gaps.iter().map(|t| format!("    gaps: {t}")));
         lines.extend(s.missing.iter().map(|t| format!("    missing: {t}")));
     }
     let channel =

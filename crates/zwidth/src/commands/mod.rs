@@ -44,7 +44,7 @@ use near::did_you_mean;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use zwidth_runner::HashesRead;
-use zwidth_store::{Layout, SessionLog, StoreError, StudyData};
+use zwidth_store::{FirstErrors, Layout, SessionLog, StoreError, StudyData};
 use zwidth_study::{ParticipantId, SessionId, StudyId};
 
 /// The studies named, or all there are under `raw/`.
@@ -147,11 +147,8 @@ fn session<'a>(
     participant: &ParticipantId,
     session: &SessionId,
 ) -> anyhow::Result<&'a SessionLog> {
-    let is_this = |log: &&SessionLog| {
-        log.record.participant == *participant && log.record.session == *session
-    };
     let study = data.layout.study();
-    data.sessions.iter().find(is_this).with_context(|| {
+    data.session(participant, session).with_context(|| {
         format!(
             "there is no session {session} of {participant} in {study} that can be read; see `zwidth list {study}`"
         )
@@ -171,18 +168,24 @@ fn is_study(folder: &Path) -> bool {
     ["study.toml", "trials", "sweeps", "sessions"].iter().any(|name| folder.join(name).exists())
 }
 
+/// Lines of an error: of more the first are told, and how many others there are.
+const MOST_LINES: usize = 20;
+
 /// Several findings as one error, a line each.
 fn join_findings(findings: &[StoreError]) -> anyhow::Error {
-    as_lines(findings.iter().map(ToString::to_string))
+    let lines: Vec<String> = findings.iter().take(MOST_LINES).map(ToString::to_string).collect();
+    as_lines(lines, findings.len().saturating_sub(MOST_LINES))
 }
 
 /// The same for recordings that go into one import, of which many have the same wrong with them:
 /// that is said once.
-fn sum_up(findings: &[StoreError]) -> anyhow::Error {
+fn sum_up(findings: &FirstErrors) -> anyhow::Error {
     let mut said: Vec<(&StoreError, usize)> = Vec::new();
-    for finding in findings {
-        match said.iter_mut().find(|(first, _)| is_alike(first, finding)) {
-            Some((_, more)) => *more += 1,
+    let mut untold = findings.more();
+    for finding in findings.iter() {
+        match said.iter().position(|(first, _)| is_alike(first, finding)) {
+            Some(alike) => said[alike].1 += 1,
+            None if said.len() == MOST_LINES => untold += 1,
             None => said.push((finding, 0)),
         }
     }
@@ -191,11 +194,28 @@ fn sum_up(findings: &[StoreError]) -> anyhow::Error {
         1 => format!("{first} (and so in 1 more file)"),
         more => format!("{first} (and so in {more} more files)"),
     };
-    as_lines(said.iter().map(line))
+    as_lines(said.iter().map(line).collect(), untold)
 }
 
-fn as_lines(lines: impl Iterator<Item = String>) -> anyhow::Error {
-    anyhow::anyhow!("{}", lines.collect::<Vec<_>>().join("\n       "))
+/// Lines as one error, with a last one that says how many more there are.
+fn as_lines(mut lines: Vec<String>, more: usize) -> anyhow::Error {
+    if more > 0 {
+        lines.push(format!("and {} more", thousands(more)));
+    }
+    anyhow::anyhow!("{}", lines.join("\n       "))
+}
+
+/// A number with commas between its thousands.
+fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
 }
 
 /// Whether two files have the same thing wrong with them.
@@ -209,10 +229,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn of_many_findings_twenty_are_told_and_the_others_counted() {
+        let finding = |i| StoreError::new(Path::new("a.csv"), format!("row {i}"), "mend it");
+        let findings: Vec<StoreError> = (0..1500).map(finding).collect();
+        for told in [join_findings(&findings), sum_up(&findings.iter().cloned().collect())] {
+            let told = told.to_string();
+            assert_eq!(told.lines().count(), 21, "{told}");
+            assert!(told.ends_with("a.csv: row 19; mend it\n       and 1,480 more"), "{told}");
+        }
+        assert_eq!([7, 1000, 1_234_567].map(thousands), ["7", "1,000", "1,234,567"]);
+    }
+
+    #[test]
     fn what_is_the_same_in_many_files_is_said_once() {
         let of = |file: &str, what: &str| StoreError::new(Path::new(file), what, "mend it");
         let findings = [of("a", "no t"), of("b", "no t"), of("b", "no f"), of("c", "no t")];
-        let told = sum_up(&findings).to_string();
+        let told = sum_up(&findings.into_iter().collect()).to_string();
         assert_eq!(told, "a: no t; mend it (and so in 2 more files)\n       b: no f; mend it",);
     }
 }

@@ -1,6 +1,6 @@
 //! `zwidth answer --from`: a table of answers to trials that are there, all given or none.
 
-use super::given::{Given, given};
+use super::given::{Given, Known};
 use crate::args::Answer;
 use crate::commands::recover::{lock, now, put_in_order_and_tell};
 use crate::commands::{join_findings, session, study, sum_up};
@@ -9,9 +9,11 @@ use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, btree_map::Entry};
 use std::path::Path;
-use zwidth_import::{LateAnswer, LateAnswers, TrialMeant};
-use zwidth_store::{Entered, Raw, RealFiles, SessionLog, StoreError, StudyData, commit_events};
-use zwidth_study::{Event, Kind, QuestionId};
+use zwidth_import::{Claims, LateAnswer, LateAnswers, TrialMeant};
+use zwidth_store::{
+    Entered, FirstErrors, Raw, RealFiles, SessionLog, StudyData, TrialEntry, commit_events,
+};
+use zwidth_study::{Event, ParticipantId, QuestionId, SessionId, Study};
 
 /// Gives every answer of the table. Each was checked before the first is written.
 pub(super) fn from_table(
@@ -20,7 +22,7 @@ pub(super) fn from_table(
     table: &Path,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
-    let answers = LateAnswers::read(table).map_err(|errors| join_findings(&errors))?;
+    let answers = LateAnswers::read(table).map_err(|errors| sum_up(&errors))?;
     let layout = study(root, command.study.clone())?;
     let lock = lock(&layout, "an event command")?;
     put_in_order_and_tell(&layout, &lock, screen);
@@ -50,6 +52,8 @@ struct Checked<'a> {
     replaced: usize,
     /// How many are there already.
     known: usize,
+    /// How many rows say something of a sealed trial that cannot be checked.
+    unchecked: usize,
     /// Why trials that are answered do not count, with their number.
     but: BTreeMap<String, usize>,
 }
@@ -66,6 +70,13 @@ impl Checked<'_> {
         if self.known > 0 {
             told += &format!("; {} there already, and not given twice", self.known);
         }
+        if self.unchecked > 0 {
+            told += &format!(
+                "; {} of sealed sessions, whose modes and repeats cannot be checked before `zwidth unseal`: give the same \
+                 table again then",
+                of(self.unchecked, "row")
+            );
+        }
         for (why, n) in &self.but {
             told += &format!("; {} to trials that do not count: {why}", of(*n, "answer"));
         }
@@ -78,12 +89,15 @@ fn check<'a>(
     data: &'a StudyData,
     command: &Answer,
     answers: &LateAnswers,
-) -> Result<Checked<'a>, Vec<StoreError>> {
-    let (mut checked, mut errors) = (Checked::default(), Vec::new());
+) -> Result<Checked<'a>, FirstErrors> {
+    let (mut checked, mut errors) = (Checked::default(), FirstErrors::default());
     let mut seen: BTreeMap<(&Path, u32, QuestionId), &LateAnswer> = BTreeMap::new();
+    let mut sessions = Sessions { data, entries: data.by_session(), known: BTreeMap::new() };
     for row in &answers.rows {
-        let (log, trial, found) = match resolve(data, command, row) {
-            Ok(found) => found,
+        let resolved =
+            sessions.of(command, row).and_then(|known| resolve(data, known, command, row));
+        let Resolved { log, trial, found, is_checked } = match resolved {
+            Ok(resolved) => resolved,
             Err(error) => {
                 errors.push(answers.error(row, &error.to_string()));
                 continue;
@@ -100,6 +114,7 @@ fn check<'a>(
             }
             Entry::Vacant(place) => _ = place.insert(row),
         }
+        checked.unchecked += usize::from(!is_checked);
         if found.before == Some(row.value) {
             checked.known += 1;
             continue;
@@ -110,50 +125,65 @@ fn check<'a>(
         }
         checked.events.entry(path).or_default().push(found.event);
     }
-    if errors.is_empty() { Ok(checked) } else { Err(errors) }
+    errors.none().map(|()| checked)
+}
+
+/// The sessions that rows speak of: each is looked up once, however many rows there are.
+struct Sessions<'a> {
+    data: &'a StudyData,
+    entries: BTreeMap<(&'a ParticipantId, &'a SessionId), Vec<&'a TrialEntry>>,
+    known: BTreeMap<(ParticipantId, SessionId), Known<'a>>,
+}
+
+impl<'a> Sessions<'a> {
+    /// The session of a row.
+    fn of(&mut self, command: &Answer, row: &LateAnswer) -> anyhow::Result<&Known<'a>> {
+        let id = row.session.as_ref().or(command.session.as_ref());
+        let id = id.context("the table has no column 'session': add it, or name one with -s")?;
+        let Self { data, entries, known } = self;
+        match known.entry((row.participant.clone(), id.clone())) {
+            Entry::Occupied(known) => Ok(known.into_mut()),
+            Entry::Vacant(place) => {
+                let log = session(data, &row.participant, id)?;
+                let entries = entries.get(&(&log.record.participant, &log.record.session));
+                Ok(place.insert(Known::new(log, entries.map_or(&[], Vec::as_slice))))
+            }
+        }
+    }
 }
 
 /// The session and trial of a row, and its answer.
+struct Resolved<'a> {
+    log: &'a SessionLog,
+    trial: u32,
+    found: Given,
+    /// Whether everything that the row says of its trial could be checked.
+    is_checked: bool,
+}
+
 fn resolve<'a>(
     data: &'a StudyData,
+    known: &Known<'a>,
     command: &Answer,
     row: &LateAnswer,
-) -> anyhow::Result<(&'a SessionLog, u32, Given)> {
-    let of = row.session.as_ref().or(command.session.as_ref());
-    let of = of.context("the table has no column 'session': add it, or name one with -s")?;
-    let log = session(data, &row.participant, of)?;
-    let trial = number(data, log, &row.trial)?;
+) -> anyhow::Result<Resolved<'a>> {
+    let trial = number(known, &row.trial)?;
+    let is_checked = check_claims(&data.study, known, trial, &row.claims)?;
     let question = row.question.as_ref().or(command.question.as_ref());
-    let given = given(data, log, trial, question, row.value)?;
-    Ok((log, trial, given))
+    let found = known.given(data, trial, question, row.value)?;
+    Ok(Resolved { log: known.log, trial, found, is_checked })
 }
 
 /// The number of the trial meant: of a condition's repeat, the one that no other took the place of.
-fn number(data: &StudyData, log: &SessionLog, meant: &TrialMeant) -> anyhow::Result<u32> {
+fn number(known: &Known, meant: &TrialMeant) -> anyhow::Result<u32> {
     let (environment, mode, repeat) = match meant {
         TrialMeant::Number(trial) => return Ok(*trial),
         TrialMeant::Repeat { environment, mode, repeat } => (environment, mode, *repeat),
     };
-    if log.is_sealed() {
+    if known.log.is_sealed() {
         bail!("the session's modes are sealed: name its trials by number, in a column 'trial'");
     }
-    let replaced = |trial: u32| {
-        data.trials.iter().any(|entry| {
-            entry.meta.trial == trial
-                && entry.meta.participant == log.record.participant
-                && entry.meta.session == log.record.session
-                && entry.superseded_by.is_some()
-        })
-    };
-    let found: Vec<u32> = log
-        .trials
-        .iter()
-        .filter(|t| t.kind == Kind::Trial && t.repeat == repeat)
-        .filter(|t| t.environment == *environment && t.mode == *mode)
-        .map(|t| t.trial)
-        .filter(|trial| !replaced(*trial))
-        .collect();
-    match found[..] {
+    match known.repeats(environment, mode, repeat)[..] {
         [only] => Ok(only),
         [] => bail!("the session has no trial of {environment}, {mode}, repeat {repeat}"),
         _ => bail!(
@@ -161,4 +191,46 @@ fn number(data: &StudyData, log: &SessionLog, meant: &TrialMeant) -> anyhow::Res
              column 'trial'"
         ),
     }
+}
+
+/// Whether what a row says of a trial besides its number is so. Of a sealed session mode and repeat
+/// are not known, and whether a row is right about them must not be told: then `false`, whatever it
+/// says.
+fn check_claims(study: &Study, known: &Known, trial: u32, claims: &Claims) -> anyhow::Result<bool> {
+    let Claims { environment, mode, repeat } = claims;
+    let planned = known.planned(trial)?;
+    let environment_is = |claim: &String| {
+        let label = study.environment(&planned.environment).map(|e| e.label.as_str());
+        is_called(claim, planned.environment.as_str(), label)
+    };
+    let mode_is = |claim: &String| {
+        let label = study.mode(&planned.mode).map(|mode| mode.label.as_str());
+        is_called(claim, planned.mode.as_str(), label)
+    };
+    let is_sealed = known.log.is_sealed();
+    let mut wrong = Vec::new();
+    if let Some(claim) = environment.as_ref().filter(|claim| !environment_is(claim)) {
+        wrong.push(format!("environment {claim}"));
+    }
+    if let Some(claim) = mode.as_ref().filter(|claim| !is_sealed && !mode_is(claim)) {
+        wrong.push(format!("mode {claim}"));
+    }
+    if let Some(claim) = repeat.filter(|claim| !is_sealed && *claim != planned.repeat) {
+        wrong.push(format!("repeat {claim}"));
+    }
+    if wrong.is_empty() {
+        return Ok(!is_sealed || (mode.is_none() && repeat.is_none()));
+    }
+    let of = match is_sealed {
+        true => format!("is of {}", planned.environment),
+        false => {
+            format!("is of {}, {}, repeat {}", planned.environment, planned.mode, planned.repeat)
+        }
+    };
+    bail!("the table says {}, but trial {trial} {of}", wrong.join(", "))
+}
+
+/// Whether a table's word is an id, or its label for people, in any case.
+fn is_called(word: &str, id: &str, label: Option<&str>) -> bool {
+    word.eq_ignore_ascii_case(id) || label.is_some_and(|label| word.eq_ignore_ascii_case(label))
 }

@@ -1,8 +1,9 @@
 //! What may be said of a trial of a session, and what an answer to it is.
 
 use anyhow::{Context as _, bail};
+use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::{SessionLog, StudyData, TrialEntry};
-use zwidth_study::{Event, QuestionId};
+use zwidth_study::{EnvironmentId, Event, Kind, ModeId, PlannedTrial, QuestionId, SessionRecord};
 
 /// An answer that may be given.
 pub(super) struct Given {
@@ -14,98 +15,134 @@ pub(super) struct Given {
     pub(super) but: Option<String>,
 }
 
-/// The answer to a question, the only one that is asked where none is named, after a trial.
-pub(super) fn given(
-    data: &StudyData,
-    log: &SessionLog,
-    trial: u32,
-    named: Option<&QuestionId>,
-    value: i16,
-) -> anyhow::Result<Given> {
-    let entry = recorded(data, log, trial)?;
-    let id = question(data, log, trial, named)?;
-    let asked = data.study.question(&id).with_context(|| format!("{id} is not in study.toml"))?;
-    if !asked.scale.has(value) {
-        bail!("{value} is no answer to {id}: {}", asked.scale.range());
-    }
-    Ok(Given {
-        before: before(log, entry, &id, trial),
-        but: entry.filter(|entry| entry.sealed.is_none()).and_then(TrialEntry::why_not),
-        event: Event::Answer { trial, question: id.clone(), value, time_ms: None },
-        question: id,
-    })
+/// A session, looked up by the numbers of its trials.
+pub(super) struct Known<'a> {
+    pub(super) log: &'a SessionLog,
+    planned: BTreeMap<u32, &'a PlannedTrial>,
+    /// Trials of the experiment by their condition and repeat.
+    repeats: BTreeMap<(&'a EnvironmentId, &'a ModeId, u32), Vec<u32>>,
+    /// Files that can be read.
+    entries: BTreeMap<u32, &'a TrialEntry>,
+    recorded: BTreeSet<u32>,
+    /// The answers that count so far, by the log.
+    answers: BTreeMap<(u32, &'a QuestionId), i16>,
 }
 
-/// A trial that the session has.
-pub(super) fn known(log: &SessionLog, trial: u32) -> anyhow::Result<()> {
-    if log.trials.iter().any(|t| t.trial == trial) {
-        return Ok(());
-    }
-    let numbers = log.trials.iter().map(|t| t.trial);
-    bail!(
-        "the session has no trial {trial}: they are {} to {}",
-        numbers.clone().min().unwrap_or(0),
-        numbers.max().unwrap_or(0)
-    )
-}
-
-/// A trial that was recorded, or answered without samples; its file, if it can be read.
-pub(super) fn recorded<'a>(
-    data: &'a StudyData,
-    log: &SessionLog,
-    trial: u32,
-) -> anyhow::Result<Option<&'a TrialEntry>> {
-    known(log, trial)?;
-    let of_session = |t: &&TrialEntry| {
-        let m = &t.meta;
-        (&m.participant, &m.session) == (&log.record.participant, &log.record.session)
-    };
-    let entry = data.trials.iter().filter(of_session).find(|t| t.meta.trial == trial);
-    let is_logged =
-        |e: &Event| matches!(e, Event::Recorded { trial: recorded, .. } if *recorded == trial);
-    let ended = log.record.order.is_none() || log.events.iter().any(is_logged);
-    if entry.is_none() && !ended {
-        bail!("trial {trial} is still to be done");
-    }
-    Ok(entry)
-}
-
-/// The question that is answered: one that is asked after the trial.
-fn question(
-    data: &StudyData,
-    log: &SessionLog,
-    trial: u32,
-    named: Option<&QuestionId>,
-) -> anyhow::Result<QuestionId> {
-    let planned = log.trials.iter().find(|t| t.trial == trial);
-    let environment = planned.and_then(|t| data.study.environment(&t.environment));
-    let asked: Vec<&QuestionId> = environment.iter().flat_map(|e| e.questions()).collect();
-    let list = || asked.iter().map(|id| id.as_str()).collect::<Vec<_>>().join(", ");
-    match (named, asked.as_slice()) {
-        (Some(id), asked) if asked.contains(&id) => Ok(id.clone()),
-        (None, [only]) => Ok((*only).clone()),
-        (_, []) => bail!(
-            "nothing is asked after trial {trial}: name a question of [[questions]] in its environment of study.toml, question = \"…\""
-        ),
-        (Some(id), _) => {
-            bail!("{id} is not asked after trial {trial}: name one of {}", list())
+impl<'a> Known<'a> {
+    /// The session of this log, of whose trials these are the files.
+    pub(super) fn new(log: &'a SessionLog, entries: &[&'a TrialEntry]) -> Self {
+        let mut known = Self {
+            log,
+            planned: log.trials.iter().map(|t| (t.trial, t)).collect(),
+            repeats: BTreeMap::new(),
+            entries: entries.iter().map(|entry| (entry.meta.trial, *entry)).collect(),
+            recorded: BTreeSet::new(),
+            answers: BTreeMap::new(),
+        };
+        for t in log.trials.iter().filter(|t| t.kind == Kind::Trial) {
+            known.repeats.entry((&t.environment, &t.mode, t.repeat)).or_default().push(t.trial);
         }
-        (None, _) => bail!("say which question is answered, with --question: {}", list()),
-    }
-}
-
-/// The answer that counted so far.
-fn before(
-    log: &SessionLog,
-    entry: Option<&TrialEntry>,
-    asked: &QuestionId,
-    of: u32,
-) -> Option<i16> {
-    let one = |event: &Event| match event {
-        Event::Answer { trial, question, value, .. } if *trial == of && question == asked => {
-            Some(*value)
+        for event in &log.events {
+            match event {
+                Event::Recorded { trial, .. } => _ = known.recorded.insert(*trial),
+                Event::Answer { trial, question, value, .. } => {
+                    known.answers.insert((*trial, question), *value);
+                }
+                _ => {}
+            }
         }
-        _ => None,
-    };
-    log.events.iter().rev().find_map(one).or_else(|| entry?.meta.likert)
+        known
+    }
+
+    /// A session of a study.
+    pub(super) fn of(data: &'a StudyData, log: &'a SessionLog) -> Self {
+        let SessionRecord { participant, session, .. } = &log.record;
+        let is_its =
+            |t: &&TrialEntry| (&t.meta.participant, &t.meta.session) == (participant, session);
+        Self::new(log, &data.trials.iter().filter(is_its).collect::<Vec<_>>())
+    }
+
+    /// A trial that the session has.
+    pub(super) fn planned(&self, trial: u32) -> anyhow::Result<&'a PlannedTrial> {
+        let numbers = || self.planned.keys().copied();
+        self.planned.get(&trial).copied().with_context(|| {
+            format!(
+                "the session has no trial {trial}: they are {} to {}",
+                numbers().next().unwrap_or(0),
+                numbers().next_back().unwrap_or(0)
+            )
+        })
+    }
+
+    /// A trial that was recorded, or answered without samples; its file, if it can be read.
+    pub(super) fn recorded(&self, trial: u32) -> anyhow::Result<Option<&'a TrialEntry>> {
+        self.planned(trial)?;
+        let entry = self.entries.get(&trial).copied();
+        let ended = self.log.record.order.is_none() || self.recorded.contains(&trial);
+        if entry.is_none() && !ended {
+            bail!("trial {trial} is still to be done");
+        }
+        Ok(entry)
+    }
+
+    /// The trials of a condition's repeat that no other took the place of.
+    pub(super) fn repeats(
+        &self,
+        environment: &EnvironmentId,
+        mode: &ModeId,
+        repeat: u32,
+    ) -> Vec<u32> {
+        let replaced = |trial: &u32| {
+            self.entries.get(trial).is_some_and(|entry| entry.superseded_by.is_some())
+        };
+        let trials = self.repeats.get(&(environment, mode, repeat)).into_iter().flatten();
+        trials.copied().filter(|trial| !replaced(trial)).collect()
+    }
+
+    /// The answer to a question, the only one that is asked where none is named, after a trial.
+    pub(super) fn given(
+        &self,
+        data: &StudyData,
+        trial: u32,
+        named: Option<&QuestionId>,
+        value: i16,
+    ) -> anyhow::Result<Given> {
+        let entry = self.recorded(trial)?;
+        let id = self.question(data, trial, named)?;
+        let asked =
+            data.study.question(&id).with_context(|| format!("{id} is not in study.toml"))?;
+        if !asked.scale.has(value) {
+            bail!("{value} is no answer to {id}: {}", asked.scale.range());
+        }
+        let logged = self.answers.get(&(trial, &id)).copied();
+        Ok(Given {
+            before: logged.or_else(|| entry?.meta.likert),
+            but: entry.filter(|entry| entry.sealed.is_none()).and_then(TrialEntry::why_not),
+            event: Event::Answer { trial, question: id.clone(), value, time_ms: None },
+            question: id,
+        })
+    }
+
+    /// The question that is answered: one that is asked after the trial.
+    fn question(
+        &self,
+        data: &StudyData,
+        trial: u32,
+        named: Option<&QuestionId>,
+    ) -> anyhow::Result<QuestionId> {
+        let environment = data.study.environment(&self.planned(trial)?.environment);
+        let asked: Vec<&QuestionId> = environment.iter().flat_map(|e| e.questions()).collect();
+        let list = || asked.iter().map(|id| id.as_str()).collect::<Vec<_>>().join(", ");
+        match (named, asked.as_slice()) {
+            (Some(id), asked) if asked.contains(&id) => Ok(id.clone()),
+            (None, [only]) => Ok((*only).clone()),
+            (_, []) => bail!(
+                "nothing is asked after trial {trial}: name a question of [[questions]] in its environment of study.toml, question = \"…\""
+            ),
+            (Some(id), _) => {
+                bail!("{id} is not asked after trial {trial}: name one of {}", list())
+            }
+            (None, _) => bail!("say which question is answered, with --question: {}", list()),
+        }
+    }
 }

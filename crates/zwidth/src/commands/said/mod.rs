@@ -10,7 +10,7 @@ use crate::args::{Answer, Exclude, Note, Said};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
-use given::{Given, given, known, recorded};
+use given::{Given, Known};
 use std::collections::BTreeSet;
 use std::path::Path;
 use zwidth_store::{Entered, Raw, RealFiles, SessionLog, StudyData, commit_events};
@@ -20,9 +20,10 @@ pub(crate) fn exclude(root: &Path, command: &Exclude, screen: &Screen) -> anyhow
     let reason = text(&command.reason, "an exclusion needs its reason")?;
     let trials: BTreeSet<u32> = command.trial.iter().copied().collect();
     add(root, &command.said, screen, &|data, log| {
+        let known = Known::of(data, log);
         let mut missing = false;
         for trial in &trials {
-            let entry = recorded(data, log, *trial)?;
+            let entry = known.recorded(*trial)?;
             let done_again = entry.is_some_and(|entry| entry.superseded_by.is_some());
             let counted = entry.is_some_and(|entry| entry.counts() || entry.sealed.is_some());
             missing |= counted && !done_again;
@@ -48,9 +49,9 @@ pub(crate) fn exclude(root: &Path, command: &Exclude, screen: &Screen) -> anyhow
 
 pub(crate) fn note(root: &Path, command: &Note, screen: &Screen) -> anyhow::Result<Exit> {
     let text = text(&command.text, "the note is empty")?;
-    add(root, &command.said, screen, &|_, log| {
+    add(root, &command.said, screen, &|data, log| {
         if let Some(trial) = command.trial {
-            known(log, trial)?;
+            Known::of(data, log).planned(trial)?;
         }
         let event = Event::Note { trial: command.trial, text: text.clone() };
         let of = command.trial.map_or("the session".to_owned(), |trial| format!("trial {trial}"));
@@ -72,7 +73,7 @@ pub(crate) fn answer(root: &Path, command: &Answer, screen: &Screen) -> anyhow::
     let said = Said { study: study.clone(), participant, session, by: by.clone() };
     add(root, &said, screen, &|data, log| {
         let Given { event, question, before, but } =
-            given(data, log, trial, question.as_ref(), value)?;
+            Known::of(data, log).given(data, trial, question.as_ref(), value)?;
         let before = before.map(|value| format!(", in place of {value}, which is kept"));
         let but = but.map(|why| format!("; the trial itself does not count: {why}"));
         let said = format!(
