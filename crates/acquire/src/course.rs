@@ -4,30 +4,62 @@ use crate::flow::{Flow, Place};
 use crate::view::{Cell, Course};
 use zwidth_study::{Kind, ModeId, Study};
 
-/// What is done of each condition, in the order's order; modes are those of the places, or none
-/// where they are hidden.
-pub(crate) fn cells(flow: &Flow, modes: Option<&[ModeId]>, study: &Study) -> Vec<Cell> {
-    let mut cells: Vec<Cell> = Vec::new();
-    for (i, place) in flow.places().iter().enumerate().filter(|(_, p)| is_counted(p)) {
-        let environment = &place.trial.environment;
-        let label = study.environment(environment).map(|e| e.label.clone());
-        let environment = label.unwrap_or_else(|| environment.to_string());
-        let mode = modes.and_then(|modes| study.mode(modes.get(i)?)).map(|m| m.label.clone());
-        let same = |c: &Cell| (&c.environment, &c.mode) == (&environment, &mode);
-        let at = cells.iter().position(same).unwrap_or_else(|| {
-            cells.push(Cell { environment, mode, done: 0, of: 0 });
-            cells.len() - 1
+/// The conditions of a session, in the study's order, and which of them each place of its order
+/// has: that stays as it is while trials are done, and takes long to find for a long session.
+pub(crate) struct Conditions {
+    cells: Vec<Cell>,
+    /// None where a place is not counted.
+    of_places: Vec<Option<usize>>,
+}
+
+impl Conditions {
+    /// Modes are those of the places, or none where they are hidden.
+    pub(crate) fn new(flow: &Flow, modes: Option<&[ModeId]>, study: &Study) -> Self {
+        let cell = |i: usize, place: &Place| {
+            let environment = &place.trial.environment;
+            let label = study.environment(environment).map(|e| e.label.clone());
+            let mode = modes.and_then(|modes| study.mode(modes.get(i)?));
+            Cell {
+                environment: label.unwrap_or_else(|| environment.to_string()),
+                mode: mode.map(|m| m.label.clone()),
+                done: 0,
+                of: 0,
+            }
+        };
+        let places = flow.places().iter().enumerate();
+        let each: Vec<Option<Cell>> =
+            places.map(|(i, place)| is_counted(place).then(|| cell(i, place))).collect();
+        let mut cells: Vec<Cell> = Vec::new();
+        for cell in each.iter().flatten() {
+            if !cells.contains(cell) {
+                cells.push(cell.clone());
+            }
+        }
+        // By the study's order, not by the one drawn.
+        cells.sort_by_key(|cell| {
+            let environment = study.environments.iter().position(|e| e.label == cell.environment);
+            (environment, study.modes.iter().position(|m| Some(&m.label) == cell.mode.as_ref()))
         });
-        cells[at].of += 1;
-        cells[at].done += usize::from(place.is_settled());
+        let of_places: Vec<Option<usize>> = each
+            .iter()
+            .map(|of_place| cells.iter().position(|cell| Some(cell) == of_place.as_ref()))
+            .collect();
+        for cell in of_places.iter().flatten() {
+            cells[*cell].of += 1;
+        }
+        Self { cells, of_places }
     }
-    // By the study's order, not by the one drawn.
-    let rank = |c: &Cell| {
-        let environment = study.environments.iter().position(|e| e.label == c.environment);
-        (environment, study.modes.iter().position(|m| Some(&m.label) == c.mode.as_ref()))
-    };
-    cells.sort_by_key(rank);
-    cells
+
+    /// What is done of each condition now.
+    pub(crate) fn counted(&self, flow: &Flow) -> Vec<Cell> {
+        let mut cells = self.cells.clone();
+        for (place, cell) in flow.places().iter().zip(&self.of_places) {
+            if let Some(cell) = cell {
+                cells[*cell].done += usize::from(place.is_settled());
+            }
+        }
+        cells
+    }
 }
 
 fn is_counted(place: &Place) -> bool {
@@ -77,11 +109,16 @@ mod tests {
         let excluded = Event::Excluded { trial: 3, reason: "x".into() };
         let (flow, _) = Flow::begin(order, 5.0, &files, &[excluded]);
         let counts = |modes| -> Vec<(usize, usize)> {
-            cells(&flow, modes, &study).iter().map(|c| (c.done, c.of)).collect()
+            Conditions::new(&flow, modes, &study)
+                .counted(&flow)
+                .iter()
+                .map(|c| (c.done, c.of))
+                .collect()
         };
         assert_eq!(counts(Some(&modes)), [(2, 2), (0, 1), (0, 1), (0, 1)]);
         assert_eq!(counts(None), [(2, 3), (0, 2)]);
-        assert!(cells(&flow, None, &study).iter().all(|c| c.mode.is_none()));
+        let hidden = Conditions::new(&flow, None, &study).counted(&flow);
+        assert!(hidden.iter().all(|c| c.mode.is_none()));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::AcquireError;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zwidth_store::{Append, Entry, Files, Held, StoreError};
+use zwidth_store::{Append, Entry, Files, Held, Stamp, StoreError};
 
 /// A folder, and which one it was at the start.
 pub(crate) struct StudyFolder {
@@ -77,6 +77,10 @@ impl Files for Within<'_> {
 
     fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
         self.files.read(path, most)
+    }
+
+    fn stamp(&self, path: &Path) -> Option<Stamp> {
+        self.files.stamp(path)
     }
 
     fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {

@@ -3,7 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::Path;
-use zwidth_store::{Append, Content, Files, RealFiles, append_to};
+use zwidth_store::{Append, Content, Files, RealFiles, Stamp, append_to};
 
 /// The real disk without syncs. A kill costs no more than on [`RealFiles`]; a power cut may cost
 /// everything.
@@ -27,6 +27,10 @@ impl Append for Open {
 }
 
 impl Files for Unsynced {
+    fn stamp(&self, path: &Path) -> Option<Stamp> {
+        RealFiles.stamp(path)
+    }
+
     fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
         RealFiles.open(path, most)
     }

@@ -7,6 +7,7 @@ use crate::StoreError;
 use crate::content::Content;
 use crate::held::{Held, hold};
 use crate::regular::{open_as, open_content, read_regular};
+use crate::stamp::Stamp;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -42,6 +43,11 @@ pub trait Files: Sync {
     /// What a regular file of at most `most` bytes holds, to be read part by part.
     fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
         self.read(path, most).map(Content::of)
+    }
+    /// What tells whether the file or folder at `path` changes; nothing where there is none, or
+    /// nothing is told. So says a layer that does not know.
+    fn stamp(&self, _path: &Path) -> Option<Stamp> {
+        None
     }
     /// Holds a folder open, so that it is known again wherever it goes.
     fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {
@@ -82,6 +88,10 @@ pub trait Append: Send {
 pub struct RealFiles;
 
 impl Files for RealFiles {
+    fn stamp(&self, path: &Path) -> Option<Stamp> {
+        Stamp::of_any(path)
+    }
+
     fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
         open_content(path, most)
     }

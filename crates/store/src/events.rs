@@ -15,17 +15,17 @@ pub(crate) const MOST_LOG: u64 = 1 << 26;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Line {
+pub(crate) struct Line {
     /// When it was written, UTC, RFC 3339.
     utc: String,
     /// Who had it written, by their code, where that was said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     by: Option<ExperimenterId>,
     #[serde(rename = "what")]
-    event: Event,
+    pub(crate) event: Event,
     /// BLAKE3 over the previous line's digest, the time, who, and the event: a changed or missing
     /// line shows.
-    blake3: String,
+    pub(crate) blake3: String,
 }
 
 /// What is written beside each event: when, UTC, and who had it written, where that was said.
@@ -115,35 +115,47 @@ impl<'a> NewLines<'a> {
     /// Adds the lines; the log is given open, so that they can be taken back.
     ///
     /// # Errors
-    /// The write that failed, after which no line was added.
+    /// Those of [`write_lines`].
     pub(crate) fn append(&self, files: &dyn Files) -> Result<Box<dyn Append>, StoreError> {
-        let folder = folder_of(self.path);
-        let open = || {
-            create_folders(files, folder)?;
-            files.open_append(self.path)
-        };
-        let mut log = open().map_err(|e| StoreError::io(self.path, "append to", &e))?;
-        let written =
-            log.append_synced(self.text.as_bytes()).and_then(|()| files.sync_folder(folder));
-        match written {
-            Ok(()) => Ok(log),
-            Err(e) => {
-                // What cannot be taken back either is an unfinished line, which `recover` cuts off.
-                let _ = log.take_back();
-                Err(StoreError::io(self.path, "append to", &e))
-            }
-        }
+        write_lines(files, self.path, &self.text)
     }
 
-    /// Writes the head anew, last: it must never count a line that is not on the disk. One that
-    /// cannot be written stays behind the log, as after a kill, and the next line counts for both.
+    /// Counts the lines, as [`count_lines`] does.
     pub(crate) fn count(&self, files: &dyn Files) {
-        let _ = write_head(files, self.path, &self.digests);
+        count_lines(files, self.path, &self.digests);
     }
 }
 
+/// Appends these lines in one synced write; the log is given open, so that they can be taken back.
+///
+/// # Errors
+/// The write that failed, after which no line was added.
+pub(crate) fn write_lines(
+    files: &dyn Files,
+    path: &Path,
+    text: &str,
+) -> Result<Box<dyn Append>, StoreError> {
+    let folder = folder_of(path);
+    let opened = create_folders(files, folder).and_then(|()| files.open_append(path));
+    let mut log = opened.map_err(|e| StoreError::io(path, "append to", &e))?;
+    let written = log.append_synced(text.as_bytes()).and_then(|()| files.sync_folder(folder));
+    written.map_err(|e| {
+        // What cannot be taken back either is an unfinished line, which `recover` cuts off.
+        let _ = log.take_back();
+        StoreError::io(path, "append to", &e)
+    })?;
+    Ok(log)
+}
+
+/// Writes the head of a log with these digests anew, last: it must never count a line that is not on
+/// the disk. One that cannot be written stays behind the log, as after a kill, and the next line
+/// counts for both.
+pub(crate) fn count_lines(files: &dyn Files, path: &Path, digests: &[String]) {
+    let _ = write_head(files, path, digests);
+}
+
 /// The lines of events that follow the lines with these digests, to which theirs are added.
-fn chained(
+pub(crate) fn chained(
     path: &Path,
     digests: &mut Vec<String>,
     entered: Entered<'_>,
@@ -181,6 +193,14 @@ pub fn new_log(
     let text = chained(path, &mut digests, utc.into(), events)?;
     let head = head_bytes(path, &digests)?.map(|head| (head_of(path), head));
     Ok(std::iter::once((path.to_owned(), text.into_bytes())).chain(head).collect())
+}
+
+/// The lines of a log to which more can be appended. A missing log has no lines.
+///
+/// # Errors
+/// A line in doubt, or a last one that is not finished.
+pub(crate) fn finished_lines(files: &dyn Files, path: &Path) -> Result<Vec<Line>, StoreError> {
+    lines_of(path, &finished_text(files, path)?)
 }
 
 /// The text of a log that ends with a whole line. A missing log has none.

@@ -9,6 +9,8 @@ use crate::atomic::{create_folders, folder_of};
 use crate::frame::{
     Chain, Decoded, FIRST_MAGIC, Frame, Header, MAGIC, MOST_ROWS, Protocol, decode, encode,
 };
+use crate::open_session::OpenSession;
+use crate::record::Ended;
 use crate::{
     Append, Entered, Files, Layout, MOST_BYTES, Samples, StoreError, Trial, TrialFile, record_trial,
 };
@@ -132,11 +134,40 @@ impl Journal {
     /// A write that failed: the journal is still there then, and [`crate::recover`] goes on where
     /// this stopped.
     pub fn finish<'a>(
-        mut self,
+        self,
         files: &dyn Files,
         layout: &Layout,
         likert: Option<Given>,
         entered: impl Into<Entered<'a>>,
+    ) -> Result<Option<PathBuf>, StoreError> {
+        let entered = entered.into();
+        self.finish_by(files, likert, |trial, protocol, answer_time_ms| {
+            record_trial(files, layout, entered, trial, protocol, answer_time_ms)
+        })
+    }
+
+    /// The same for a session of which many trials are recorded.
+    ///
+    /// # Errors
+    /// Those of [`Journal::finish`].
+    pub fn finish_in<'a>(
+        self,
+        files: &dyn Files,
+        session: &mut OpenSession,
+        likert: Option<Given>,
+        entered: impl Into<Entered<'a>>,
+    ) -> Result<Option<PathBuf>, StoreError> {
+        let entered = entered.into();
+        self.finish_by(files, likert, |trial, protocol, answer_time_ms| {
+            session.record(files, entered, &Ended { trial, protocol, answer_time_ms })
+        })
+    }
+
+    fn finish_by(
+        mut self,
+        files: &dyn Files,
+        likert: Option<Given>,
+        record: impl FnOnce(&Trial, &Protocol, Option<u32>) -> Result<PathBuf, StoreError>,
     ) -> Result<Option<PathBuf>, StoreError> {
         if let Some(given) = likert {
             self.write(&Frame::Answer(given), &[])?;
@@ -146,9 +177,7 @@ impl Journal {
         let read = read_journal(files, &path)?;
         let written = match read.trial() {
             None => None,
-            Some((trial, protocol)) => {
-                Some(record_trial(files, layout, entered, &trial, &protocol, read.time_ms())?)
-            }
+            Some((trial, protocol)) => Some(record(&trial, &protocol, read.time_ms())?),
         };
         clear(files, &path, &read)?;
         Ok(written)

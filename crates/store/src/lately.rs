@@ -3,8 +3,9 @@
 
 use crate::open::OpenTrial;
 use crate::read::with_time;
-use crate::seen::{Seen, Signals, Stamp};
+use crate::seen::{Seen, Signals};
 use crate::shown::Shown;
+use crate::stamp::Stamp;
 use crate::verify::lost;
 use crate::{Samples, Signal, StoreError, Trial};
 use std::collections::VecDeque;

@@ -5,7 +5,7 @@
 //! last sync, a name from the last sync of its folder. [`Memory::restart`] leaves what outlives a
 //! kill or a power cut.
 
-use crate::{Append, Entry, Files, Held};
+use crate::{Append, Entry, Files, Held, Stamp};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};
@@ -54,6 +54,11 @@ struct State {
     live: BTreeMap<PathBuf, Node>,
     durable: BTreeMap<PathBuf, Node>,
     contents: Vec<Content>,
+    /// Changes of anything since the start, and the last one of the names in each folder.
+    changes: i64,
+    renamed: BTreeMap<PathBuf, i64>,
+    /// Processes that ended.
+    lives: i64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +71,8 @@ enum Node {
 struct Content {
     live: Vec<u8>,
     durable: Vec<u8>,
+    /// The change that was its last.
+    changed: i64,
 }
 
 impl Memory {
@@ -81,10 +88,12 @@ impl Memory {
             state.live.insert(folder.to_owned(), Node::Folder);
             state.durable.insert(folder.to_owned(), Node::Folder);
         }
-        state.contents.push(Content { live: bytes.to_vec(), durable: bytes.to_vec() });
+        let (live, durable) = (bytes.to_vec(), bytes.to_vec());
+        state.contents.push(Content { live, durable, ..Content::default() });
         let file = Node::File(state.contents.len() - 1);
         state.live.insert(path.to_owned(), file);
         state.durable.insert(path.to_owned(), file);
+        state.rename_in(path);
     }
 
     /// Every file below a folder, with its content.
@@ -120,6 +129,7 @@ impl Memory {
     pub fn restart(&self, survives: Survives) {
         let mut state = self.state();
         state.fault = None;
+        state.lives += 1;
         if survives != Survives::Everything {
             state.lose(survives);
         }
@@ -173,6 +183,7 @@ impl State {
                 self.parent(path)?;
                 self.contents.push(Content::default());
                 self.live.insert(path.to_owned(), Node::File(self.contents.len() - 1));
+                self.rename_in(path);
                 Ok(self.contents.len() - 1)
             }
             found => found,
@@ -188,8 +199,17 @@ impl State {
         }
     }
 
+    /// A name in the folder of this path has changed.
+    fn rename_in(&mut self, path: &Path) {
+        self.changes += 1;
+        let folder = path.parent().unwrap_or(path).to_owned();
+        self.renamed.insert(folder, self.changes);
+    }
+
     /// Appends to a file and syncs it: two steps, of which the first may do half of its work.
     fn append(&mut self, number: usize, bytes: &[u8]) -> io::Result<()> {
+        self.changes += 1;
+        self.contents[number].changed = self.changes;
         if let Err(e) = self.step(false) {
             self.contents[number].live.extend_from_slice(&bytes[..bytes.len() / 2]);
             return Err(e);
@@ -263,6 +283,21 @@ impl Files for Memory {
         Ok(bytes.clone())
     }
 
+    fn stamp(&self, path: &Path) -> Option<Stamp> {
+        let state = self.state();
+        Some(match *state.live.get(path)? {
+            Node::Folder => {
+                let renamed = state.renamed.get(path).copied().unwrap_or_default();
+                Stamp::counted(u64::MAX, state.lives, renamed, 0)
+            }
+            Node::File(number) => {
+                let content = &state.contents[number];
+                let length = content.live.len() as u64;
+                Stamp::counted(number as u64, state.lives, content.changed, length)
+            }
+        })
+    }
+
     fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {
         let state = self.state();
         state.look()?;
@@ -286,6 +321,7 @@ impl Files for Memory {
         let mut state = self.state();
         state.step(false)?;
         state.live.entry(path.to_owned()).or_insert(Node::Folder);
+        state.rename_in(path);
         Ok(())
     }
 
@@ -303,6 +339,8 @@ impl Files for Memory {
         let file = Node::File(state.file(from)?);
         state.live.remove(from);
         state.live.insert(to.to_owned(), file);
+        state.rename_in(from);
+        state.rename_in(to);
         Ok(())
     }
 
@@ -329,6 +367,7 @@ impl Files for Memory {
         state.step(true)?;
         state.file(path)?;
         state.live.remove(path);
+        state.rename_in(path);
         Ok(())
     }
 
@@ -339,6 +378,7 @@ impl Files for Memory {
         match state.live.get(path) {
             Some(Node::Folder) if is_empty => {
                 state.live.remove(path);
+                state.rename_in(path);
                 Ok(())
             }
             Some(_) => Err(io::Error::from(ErrorKind::DirectoryNotEmpty)),

@@ -7,7 +7,7 @@
 
 use crate::atomic::is_unfinished;
 use crate::content::Content;
-use crate::{Append, Entry, Files, Held, Layout, StudyLock};
+use crate::{Append, Entry, Files, Held, Layout, Stamp, StudyLock};
 use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -128,6 +128,10 @@ impl Files for Raw<'_> {
 
     fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
         self.files.open(path, most)
+    }
+
+    fn stamp(&self, path: &Path) -> Option<Stamp> {
+        self.files.stamp(path)
     }
 
     fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {

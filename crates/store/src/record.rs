@@ -2,16 +2,16 @@
 //! session's log.
 
 use crate::atomic::{folder_of, sync_file};
-use crate::events::read_events_from;
 use crate::frame::Protocol;
 use crate::hash::blake3_of;
+use crate::open_log::OpenLog;
+use crate::open_session::OpenSession;
 use crate::read::read_whole_trial;
 use crate::{
-    Entered, Files, Layout, Samples, Signal, Storage, StoreError, Trial, append_events,
-    trial_bytes, write_new,
+    Entered, Files, Layout, Samples, Signal, Storage, StoreError, Trial, trial_bytes, write_new,
 };
 use std::path::{Path, PathBuf};
-use zwidth_study::{Event, Schema, TrialForm, TrialMeta};
+use zwidth_study::{Event, QuestionId, Schema, TrialForm, TrialMeta};
 
 /// Writes a trial's file, the event that calls it recorded and, from schema 2 on, the event of the
 /// answer to its question; gives the file's path. `utc` is the time of the events,
@@ -31,49 +31,73 @@ pub fn record_trial<'a>(
     protocol: &Protocol,
     answer_time_ms: Option<u32>,
 ) -> Result<PathBuf, StoreError> {
-    let (m, form) = (&trial.meta, &protocol.form);
-    let path = layout.trial(&m.participant, &m.session, m.trial);
-    if files.kind(&path).is_some() {
-        is_this(files, &path, trial, form)?;
-    } else {
-        write_new(files, &path, &trial_bytes(trial, form, &path)?)?;
-    }
-    // Before the log speaks of it: the name of the file must not go in a power cut.
-    settle(files, layout, &path)?;
-    let log = layout.events(&m.participant, &m.session);
-    let blake3 = blake3_of(files, &path)?;
-    let known = read_events_from(files, &log)?;
-    let mut events = Vec::new();
-    if !is_recorded(&known, &log, m.trial, &blake3)? {
-        events.push(Event::Recorded { trial: m.trial, blake3 });
-    }
-    events.extend(
-        answer(trial, protocol, answer_time_ms).filter(|answer| !is_answered(&known, answer)),
-    );
-    if events.is_empty() {
-        sync_file(files, &log).map_err(|e| StoreError::io(&log, "sync", &e))?;
-    } else {
-        append_events(files, &log, entered, &events)?;
-    }
-    settle(files, layout, &log)?;
-    Ok(path)
+    let m = &trial.meta;
+    let mut session = OpenSession::new(layout, &m.participant, &m.session);
+    session.record(files, entered.into(), &Ended { trial, protocol, answer_time_ms })
 }
 
-/// The event of the answer that was given before the trial's file was finished. In schema 1 the
-/// file alone has it.
-fn answer(trial: &Trial, protocol: &Protocol, time_ms: Option<u32>) -> Option<Event> {
-    let (question, value) = (protocol.question.clone()?, trial.meta.likert?);
-    let is_event = protocol.form.schema > Schema::One;
-    is_event.then_some(Event::Answer { trial: trial.meta.trial, question, value, time_ms })
+/// A trial that ended, to be made a file.
+pub(crate) struct Ended<'a> {
+    pub(crate) trial: &'a Trial,
+    pub(crate) protocol: &'a Protocol,
+    /// What the answer took, where it was measured, ms.
+    pub(crate) answer_time_ms: Option<u32>,
 }
 
-/// Whether a log has an answer to the same question of the same trial.
-fn is_answered(events: &[Event], answer: &Event) -> bool {
-    let about = |event: &Event| match event {
-        Event::Answer { trial, question, .. } => Some((*trial, question.clone())),
-        _ => None,
-    };
-    events.iter().any(|event| about(event).is_some() && about(event) == about(answer))
+impl Ended<'_> {
+    /// Does what [`record_trial`] says, with its session's log.
+    pub(crate) fn record(
+        &self,
+        files: &dyn Files,
+        layout: &Layout,
+        log: &mut OpenLog,
+        entered: Entered<'_>,
+    ) -> Result<PathBuf, StoreError> {
+        let (m, form) = (&self.trial.meta, &self.protocol.form);
+        let path = layout.trial(&m.participant, &m.session, m.trial);
+        if files.kind(&path).is_some() {
+            is_this(files, &path, self.trial, form)?;
+        } else {
+            write_new(files, &path, &trial_bytes(self.trial, form, &path)?)?;
+        }
+        // Before the log speaks of it: the name of the file must not go in a power cut.
+        settle(files, layout, &path)?;
+        let blake3 = blake3_of(files, &path)?;
+        let contents = log.contents(files)?;
+        let recorded = contents.hash(m.trial).map(|hash| hash == blake3);
+        let answer = self.answer().filter(|(question, _)| !contents.is_answered(m.trial, question));
+        if recorded == Some(false) {
+            let what =
+                format!("trial {} was recorded already, in a file with another hash", m.trial);
+            let remedy = "restore the session's files from a copy";
+            return Err(StoreError::new(log.path(), what, remedy));
+        }
+        let mut events = Vec::new();
+        if recorded.is_none() {
+            events.push(Event::Recorded { trial: m.trial, blake3 });
+        }
+        events.extend(answer.map(|(question, value)| Event::Answer {
+            trial: m.trial,
+            question,
+            value,
+            time_ms: self.answer_time_ms,
+        }));
+        if events.is_empty() {
+            sync_file(files, log.path()).map_err(|e| StoreError::io(log.path(), "sync", &e))?;
+        } else {
+            log.append(files, entered, &events)?;
+        }
+        settle(files, layout, log.path())?;
+        Ok(path)
+    }
+
+    /// The question that was answered before the trial's file was finished, and its answer, which
+    /// becomes an event. In schema 1 the file alone has it.
+    fn answer(&self) -> Option<(QuestionId, i16)> {
+        let question = self.protocol.question.clone()?;
+        let value = self.trial.meta.likert?;
+        (self.protocol.form.schema > Schema::One).then_some((question, value))
+    }
 }
 
 /// Whether the file at `path` holds `trial`.
@@ -107,22 +131,6 @@ fn as_stored(samples: &Samples) -> Samples {
         }
     }
     stored
-}
-
-/// Whether the log calls the trial recorded, with this hash.
-fn is_recorded(events: &[Event], log: &Path, number: u32, hash: &str) -> Result<bool, StoreError> {
-    let recorded = events.iter().find_map(|event| match event {
-        Event::Recorded { trial, blake3 } if *trial == number => Some(blake3),
-        _ => None,
-    });
-    match recorded {
-        None => Ok(false),
-        Some(recorded) if recorded == hash => Ok(true),
-        Some(_) => {
-            let what = format!("trial {number} was recorded already, in a file with another hash");
-            Err(StoreError::new(log, what, "restore the session's files from a copy"))
-        }
-    }
 }
 
 /// Syncs every folder from a file up to the root: a process that was killed may have left names

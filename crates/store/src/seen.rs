@@ -14,78 +14,20 @@
 //! they are packed.
 
 use crate::regular::read_regular;
+use crate::stamp::Stamp;
 use crate::{Layout, Signal, StoreError, file_blake3};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
-use std::fs::Metadata;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
 /// Largest file of hashes that is read, bytes (256 MiB): a million files.
 const MOST_SEEN: u64 = 1 << 28;
 
-/// A file whose state changed so little ago may change again and have the same time: systems count
-/// it in steps, of two seconds at most.
-const SETTLED: Duration = Duration::from_secs(2);
-
 /// Files from which on their hashes are worth a file of their own.
 const WORTH_WRITING: usize = 2000;
-
-/// What the system says of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Stamp {
-    length: u64,
-    /// Seconds and nanoseconds of its last write.
-    modified: (i64, i64),
-    /// Likewise of its last change of any kind.
-    changed: (i64, i64),
-    /// Its number on its disk.
-    number: u64,
-}
-
-impl Stamp {
-    #[cfg(unix)]
-    fn of(found: &Metadata) -> Option<Self> {
-        use std::os::unix::fs::MetadataExt as _;
-        found.file_type().is_file().then(|| Self {
-            length: found.len(),
-            modified: (found.mtime(), found.mtime_nsec()),
-            changed: (found.ctime(), found.ctime_nsec()),
-            number: found.ino(),
-        })
-    }
-
-    #[cfg(not(unix))]
-    fn of(_: &Metadata) -> Option<Self> {
-        None
-    }
-
-    /// Of what lies at `path`; a link is no file.
-    pub(crate) fn at(path: &Path) -> Option<Self> {
-        Self::of(&path.symlink_metadata().ok()?)
-    }
-
-    /// The same, where any change from now on shows.
-    pub(crate) fn settled(path: &Path) -> Option<Self> {
-        Self::at(path).filter(|stamp| stamp.is_settled(SystemTime::now()))
-    }
-
-    /// Whether any change after `now` shows.
-    fn is_settled(&self, now: SystemTime) -> bool {
-        let since = now
-            .checked_sub(SETTLED)
-            .and_then(|now| now.duration_since(SystemTime::UNIX_EPOCH).ok());
-        since.is_some_and(|since| {
-            let since = (
-                i64::try_from(since.as_secs()).unwrap_or(i64::MAX),
-                i64::from(since.subsec_nanos()),
-            );
-            self.changed < since
-        })
-    }
-}
 
 /// What a file was before it was read, where any change after that shows.
 pub(crate) struct Begun(Option<Stamp>);
@@ -297,8 +239,10 @@ impl Seen {
 mod tests {
     use super::*;
     use crate::hex_blake3;
+    use crate::stamp::SETTLED;
     use std::fs::{self, File};
     use std::os::unix::fs::FileExt as _;
+    use std::time::Duration;
 
     /// A study's folder with a file, as a run finds it that knows `text` of it.
     fn known(text: &str) -> (tempfile::TempDir, Layout, PathBuf) {

@@ -58,11 +58,11 @@ pub fn read_session(
 }
 
 /// Whether a session that was laid down still is what it was: its record, its log and its copy of
-/// `study.toml` by their content, its trials by their names. Quick enough before each trial.
+/// `study.toml` by their content, its trials by their names.
 ///
 /// # Errors
 /// The first finding.
-pub fn check_session(
+pub(crate) fn check_session(
     files: &dyn Files,
     layout: &Layout,
     record: &SessionRecord,

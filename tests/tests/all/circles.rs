@@ -32,6 +32,8 @@ const KNOWN: [(&str, &str, &[&str]); 13] = [
             "form",
             "journal",
             "laid",
+            "open_log",
+            "open_session",
             "record",
             "recover",
             "sessions",

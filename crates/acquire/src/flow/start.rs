@@ -29,14 +29,12 @@ impl Flow {
         events: &[Event],
     ) -> (Self, Vec<Action>) {
         let files: BTreeMap<u32, Recorded> = recorded.iter().map(|r| (r.trial, *r)).collect();
-        let successors = successors(events);
+        let (successors, excluded) = (successors(events), excluded(events));
         let used = order.iter().map(|(t, _)| t.trial).chain(files.keys().copied());
         let next_number = used.chain(successors.values().copied()).max().unwrap_or(0) + 1;
         let places: Vec<Place> = order
             .into_iter()
-            .map(|(trial, questions)| {
-                place(trial, questions, &successors, &files, &excluded(events))
-            })
+            .map(|(trial, questions)| place(trial, questions, &successors, &files, &excluded))
             .collect();
         let mut flow = Self {
             phase: Phase::Check,

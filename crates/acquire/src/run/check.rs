@@ -107,7 +107,7 @@ impl Runner<'_> {
             if self.options.quit.load(Ordering::SeqCst) {
                 return Ok(Word::End(Input::Quit));
             }
-            look::refresh(&mut self.view, &self.flow, self.plan, &self.session);
+            look::refresh(&mut self.view, &self.flow, self.plan, &self.session, &self.conditions);
             self.view.phase = Phase::Step { what: what.clone(), moves };
             self.front.show(&self.view)?;
             match self.front.next(WAIT)? {

@@ -1,6 +1,6 @@
 //! From what goes on to what is shown.
 
-use crate::course;
+use crate::course::Conditions;
 use crate::flow::{self, Flow};
 use crate::plan::Plan;
 use crate::session::Session;
@@ -29,21 +29,32 @@ pub(super) fn view(plan: &Plan, session: &Session, device: &Capabilities) -> Vie
 }
 
 /// What the flow says now.
-pub(super) fn refresh(view: &mut View, flow: &Flow, plan: &Plan, session: &Session) {
-    refresh_trial(view, flow, plan, session);
+pub(super) fn refresh(
+    view: &mut View,
+    flow: &Flow,
+    plan: &Plan,
+    session: &Session,
+    conditions: &Conditions,
+) {
+    refresh_trial(view, flow, plan, session, conditions);
     view.phase = phase(flow, plan, view);
 }
 
 /// The same but for the phase, whose time runs on.
-pub(super) fn refresh_trial(view: &mut View, flow: &Flow, plan: &Plan, session: &Session) {
+pub(super) fn refresh_trial(
+    view: &mut View,
+    flow: &Flow,
+    plan: &Plan,
+    session: &Session,
+    conditions: &Conditions,
+) {
     let place = match flow.phase() {
         flow::Phase::Question { place, .. } => Some(*place),
         _ => flow.here(),
     };
     view.done = flow.done();
     view.held = flow.is_held();
-    let modes = (!session.blinded).then_some(session.modes.as_slice());
-    view.cells = course::cells(flow, modes, &plan.study);
+    view.cells = conditions.counted(flow);
     view.trial = place.map(|place| current(place, flow, plan, session));
     // In the pause the trace still is that of the trial that ended.
     if matches!(flow.phase(), flow::Phase::Pause) {

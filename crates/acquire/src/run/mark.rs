@@ -4,7 +4,6 @@ use super::Runner;
 use crate::AcquireError;
 use crate::markers::{Marker, Markers};
 use zwidth_device::Moments;
-use zwidth_store::{Entered, append_events};
 use zwidth_study::{Event, Moment, Sample};
 
 /// Finds the markers of a running trial and sends them; they are kept until it has ended.
@@ -52,10 +51,7 @@ impl Runner<'_> {
             return Ok(());
         }
         let events: Vec<Event> = sent.iter().map(event).collect();
-        let utc = (self.utc)(self.attendant.now_s());
-        let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
-        let entered = Entered { utc: &utc, by: self.options.by.as_ref() };
-        Ok(append_events(&self.files, &path, entered, &events)?)
+        self.keep(&events)
     }
 
     /// The answer to the trial that ran last; one that is given later is no moment of a recording.

@@ -13,7 +13,7 @@ mod mark;
 mod tests;
 mod trial;
 
-use crate::course::course;
+use crate::course::{Conditions, course};
 use crate::flow::{Action, Flow, Input, Phase};
 use crate::folder::{StudyFolder, Within};
 use crate::markers::Markers;
@@ -30,7 +30,7 @@ use zwidth_device::check::Step;
 use zwidth_device::{
     Attendant, Capabilities, Clock, Device, Guard, Limits, Station, Timing, TrialPlan,
 };
-use zwidth_store::{Entered, Files, append_events, sync_names};
+use zwidth_store::{Entered, Files, OpenSession, sync_names};
 use zwidth_study::{Event, ExperimenterId, Study};
 
 /// How long one look at the keys may wait, and how often an idle screen is drawn.
@@ -110,6 +110,9 @@ struct Runner<'a> {
     front: &'a mut dyn Front,
     utc: &'a (dyn Fn(f64) -> String + Sync),
     session: Session,
+    /// The session's files.
+    stored: OpenSession,
+    conditions: Conditions,
     flow: Flow,
     /// The journal of the trial that runs, or that waits for its answer.
     tape: Option<Tape>,
@@ -164,6 +167,9 @@ pub fn run<'a>(
     );
     let flow = flow.homed_by_hand(options.by_hand);
     let view = look::view(plan, &session, &capabilities);
+    let stored = OpenSession::new(&plan.layout, &plan.participant, &plan.session);
+    let modes = (!session.blinded).then_some(session.modes.as_slice());
+    let conditions = Conditions::new(&flow, modes, &plan.study);
     let station = Station::new(device, clock, guard, rate_hz);
     let attended = |mut attendant: Attendant<'a>| {
         let seen_s = attendant.now_s();
@@ -177,6 +183,8 @@ pub fn run<'a>(
             front,
             utc,
             session,
+            stored,
+            conditions,
             flow,
             tape: None,
             answer: None,
@@ -327,11 +335,15 @@ impl<'a> Runner<'a> {
             self.view.say("not kept: the session begins after the device check");
             return Ok(());
         }
-        let utc = (self.utc)(self.attendant.now_s());
-        let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
         self.view.say(look::event(&event));
+        self.keep(&[event])
+    }
+
+    /// Appends events to the session's log.
+    fn keep(&mut self, events: &[Event]) -> Result<(), AcquireError> {
+        let utc = (self.utc)(self.attendant.now_s());
         let entered = Entered { utc: &utc, by: self.options.by.as_ref() };
-        Ok(append_events(&self.files, &path, entered, &[event])?)
+        Ok(self.stored.append(&self.files, entered, events)?)
     }
 
     /// Tells what is to be known of the session, and keeps it in its log.
@@ -351,7 +363,7 @@ impl<'a> Runner<'a> {
     }
 
     fn show(&mut self) -> Result<(), AcquireError> {
-        look::refresh(&mut self.view, &self.flow, self.plan, &self.session);
+        look::refresh(&mut self.view, &self.flow, self.plan, &self.session, &self.conditions);
         self.view.course = self.course();
         self.front.show(&self.view)
     }

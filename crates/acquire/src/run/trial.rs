@@ -2,6 +2,7 @@
 
 use super::mark::Marking;
 use super::{Runner, look};
+use crate::course::Conditions;
 use crate::flow::{Action, EMERGENCY_STOP, End, Flow, Input};
 use crate::plan::Plan;
 use crate::session::Session;
@@ -15,7 +16,7 @@ use zwidth_device::{
     Controller, Histogram, Reading, Seen, Station, Timing, TrialEnd, TrialPlan, TrialRun,
     TrialTask, Trip, watch,
 };
-use zwidth_store::{Entered, Files, Journal, Protocol, TrialFile, append_events, check_session};
+use zwidth_store::{Entered, Files, Journal, OpenSession, Protocol, TrialFile};
 use zwidth_study::{
     Environment, Event, ExperimenterId, Flags, Given, Mode, PlannedTrial, Sample, Study,
 };
@@ -65,6 +66,8 @@ impl<'a> Runner<'a> {
             utc: self.utc,
             plan: self.plan,
             session: &self.session,
+            stored: &mut self.stored,
+            conditions: &self.conditions,
             stop,
             by: self.options.by.as_ref(),
             quit: &self.options.quit,
@@ -95,10 +98,12 @@ impl<'a> Runner<'a> {
     }
 
     /// Nothing is recorded onto a session that is not whole any more.
-    fn check_session(&self) -> Result<(), AcquireError> {
-        let not_whole =
-            |finding| AcquireError::NotWhole { session: self.plan.name(), findings: vec![finding] };
-        check_session(&self.files, &self.plan.layout, &self.session.record).map_err(not_whole)
+    fn check_session(&mut self) -> Result<(), AcquireError> {
+        let checked = self.stored.check(&self.files, &self.session.record);
+        checked.map_err(|finding| AcquireError::NotWhole {
+            session: self.plan.name(),
+            findings: vec![finding],
+        })
     }
 
     /// A trial begins with the lever at its start. After one in which it stayed where it was,
@@ -195,7 +200,7 @@ impl<'a> Runner<'a> {
         let Some(tape) = self.tape.take() else { return Ok(()) };
         let utc = (self.utc)(self.attendant.now_s());
         let entered = Entered { utc: &utc, by: self.options.by.as_ref() };
-        let path = tape.journal.finish(&self.files, &self.plan.layout, likert, entered)?;
+        let path = tape.journal.finish_in(&self.files, &mut self.stored, likert, entered)?;
         self.view.say(match (path, complete) {
             (None, _) => format!("trial {trial} had not begun: nothing is kept of it"),
             (Some(_), true) => format!("trial {trial} stored"),
@@ -344,6 +349,8 @@ struct Desk<'a> {
     utc: &'a (dyn Fn(f64) -> String + Sync),
     plan: &'a Plan,
     session: &'a Session,
+    stored: &'a mut OpenSession,
+    conditions: &'a Conditions,
     stop: &'a AtomicBool,
     by: Option<&'a ExperimenterId>,
     quit: &'a AtomicBool,
@@ -373,7 +380,7 @@ impl Desk<'_> {
         if self.drawn.elapsed() >= FRAME {
             self.drawn = Instant::now();
             live.tell();
-            look::refresh_trial(live.view, self.flow, self.plan, self.session);
+            look::refresh_trial(live.view, self.flow, self.plan, self.session, self.conditions);
             self.front.show(live.view)?;
         }
         Ok(())
@@ -385,10 +392,9 @@ impl Desk<'_> {
             Action::Halt => self.stop.store(true, Ordering::SeqCst),
             Action::Refuse(why) | Action::Tell(why) => live.view.say(why),
             Action::Log(event) => {
-                let path = self.plan.layout.events(&self.plan.participant, &self.plan.session);
                 live.view.say(look::event(&event));
                 let entered = Entered { utc: &(self.utc)(0.0), by: self.by };
-                append_events(self.files, &path, entered, &[event])?;
+                self.stored.append(self.files, entered, &[event])?;
             }
             _ => {}
         }

@@ -1,5 +1,6 @@
 mod checks;
 mod in_memory;
+mod long;
 mod marks;
 #[cfg(unix)]
 mod moved;
@@ -16,7 +17,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 use zwidth_device::SimulatedClock;
 use zwidth_device::mock::{Fault, Mock};
-use zwidth_store::{Append, Layout, RealFiles, StudyData, recover, verify};
+use zwidth_store::{Append, Layout, RealFiles, StudyData, append_events, recover, verify};
 use zwidth_study::{Calibration, Kind, ModeId, Status, Study, Voltages, template};
 
 const UTC: &str = "2026-01-01T00:00:00Z";

@@ -1,0 +1,77 @@
+//! What the system says of a file, by which a change of it shows although it is not read.
+
+use serde::{Deserialize, Serialize};
+use std::fs::Metadata;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+/// A file whose state changed so little ago may change again and have the same time: systems count
+/// it in steps, of two seconds at most.
+pub(crate) const SETTLED: Duration = Duration::from_secs(2);
+
+/// What the system says of a file or a folder: it is another after every change of its content, or
+/// of the names in the folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stamp {
+    pub(crate) length: u64,
+    /// Seconds and nanoseconds of its last write.
+    pub(crate) modified: (i64, i64),
+    /// Likewise of its last change of any kind.
+    pub(crate) changed: (i64, i64),
+    /// Its number on its disk.
+    pub(crate) number: u64,
+}
+
+impl Stamp {
+    #[cfg(unix)]
+    fn of(found: &Metadata) -> Option<Self> {
+        use std::os::unix::fs::MetadataExt as _;
+        let kind = found.file_type();
+        (kind.is_file() || kind.is_dir()).then(|| Self {
+            length: found.len(),
+            modified: (found.mtime(), found.mtime_nsec()),
+            changed: (found.ctime(), found.ctime_nsec()),
+            number: found.ino(),
+        })
+    }
+
+    #[cfg(not(unix))]
+    fn of(_: &Metadata) -> Option<Self> {
+        None
+    }
+
+    /// Of the file at `path`; a link is no file.
+    pub(crate) fn at(path: &Path) -> Option<Self> {
+        let found = path.symlink_metadata().ok()?;
+        Self::of(&found).filter(|_| found.is_file())
+    }
+
+    /// Of the file or folder at `path`; a link is neither.
+    pub(crate) fn of_any(path: &Path) -> Option<Self> {
+        Self::of(&path.symlink_metadata().ok()?)
+    }
+
+    /// Of something on a disk that counts its changes, in the process that is `life`.
+    pub(crate) fn counted(number: u64, life: i64, changes: i64, length: u64) -> Self {
+        Self { length, modified: (life, 0), changed: (changes, 0), number }
+    }
+
+    /// The same, where any change from now on shows.
+    pub(crate) fn settled(path: &Path) -> Option<Self> {
+        Self::at(path).filter(|stamp| stamp.is_settled(SystemTime::now()))
+    }
+
+    /// Whether any change after `now` shows.
+    pub(crate) fn is_settled(&self, now: SystemTime) -> bool {
+        let since = now
+            .checked_sub(SETTLED)
+            .and_then(|now| now.duration_since(SystemTime::UNIX_EPOCH).ok());
+        since.is_some_and(|since| {
+            let since = (
+                i64::try_from(since.as_secs()).unwrap_or(i64::MAX),
+                i64::from(since.subsec_nanos()),
+            );
+            self.changed < since
+        })
+    }
+}
