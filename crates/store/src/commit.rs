@@ -346,7 +346,7 @@ impl Longer {
         let is_whole = first.ends_with(b"\n") && !first.contains(&0);
         Ok(if rest.is_empty() || is_whole && first != self.first.as_bytes() {
             Stand::Before
-        } else if rest.len() as u64 > self.bytes || counted(disk, &path) > self.lines_before {
+        } else if rest.len() as u64 > self.bytes || counted(disk, &path) > Some(self.lines_before) {
             Stand::Counted
         } else {
             Stand::Longer

@@ -1,7 +1,7 @@
 //! The event log of a session: one JSON object a line, chained by checksums, only ever appended to.
 
 use crate::atomic::{create_folders, folder_of, sync_file};
-use crate::head::{Standing, head_bytes, head_of, standing, write_head};
+use crate::head::{Standing, counted, head_bytes, head_of, standing, write_head};
 use crate::json::from_json;
 use crate::recover::Done;
 use crate::regular::{as_text, text};
@@ -278,26 +278,49 @@ pub(crate) fn mend_head(files: &dyn Files, path: &Path) -> Result<bool, StoreErr
 ///
 /// An append ends with a line feed, so a last line without one was never finished: it is cut off,
 /// or gets its line feed if it is whole. So is one with a zero byte, which no line of ours has:
-/// some file systems show zeros where data were not synced. Any other line in doubt stays, and is
-/// an error of whoever reads the log.
+/// some file systems show zeros where data were not synced, and of an append of several lines any
+/// of its sectors may be missing. What the head counts was synced: with one such line in doubt, as
+/// with any other, the log stays as it is, and is an error of whoever reads it.
 pub(crate) fn mend_log(files: &dyn Files, path: &Path) -> Result<Option<Done>, StoreError> {
     let bytes = files.read(path, MOST_LOG).map_err(|e| StoreError::io(path, "read", &e))?;
     let lines: Vec<&[u8]> = bytes.split_inclusive(|b| *b == b'\n').collect();
-    let Some((last, before)) = lines.split_last() else { return Ok(None) };
-    if last.ends_with(b"\n") && !last.contains(&0) {
+    let (Some(last), whole) = (lines.last(), whole_lines(&lines)) else { return Ok(None) };
+    if whole == lines.len() {
+        if last.ends_with(b"\n") {
+            return Ok(None);
+        }
+        replace(files, path, &[&bytes, b"\n".as_slice()].concat())?;
+        return Ok(Some(Done::Ended));
+    }
+    let (before, tail) = (lines[..whole].concat(), lines[whole..].concat());
+    if tail.ends_with(b"\n") && !tail.contains(&0) {
         return Ok(None);
     }
-    let before = before.concat();
-    // The lines before must be whole for the last one to be no more than unfinished.
-    lines_of(path, &String::from_utf8_lossy(&before))?;
-    let whole = String::from_utf8(bytes.clone()).is_ok_and(|text| lines_of(path, &text).is_ok());
-    let (mended, done) = if whole {
-        ([&bytes, b"\n".as_slice()].concat(), Done::Ended)
-    } else {
-        (before, Done::Cut(String::from_utf8_lossy(last).trim_end_matches(['\0', '\n']).to_owned()))
-    };
-    replace(files, path, &mended)?;
-    Ok(Some(done))
+    let is_uncounted = counted(files, path).is_some_and(|lines| lines <= whole);
+    if whole + 1 < lines.len() && !is_uncounted {
+        lines_of(path, &String::from_utf8_lossy(&bytes))?;
+    }
+    let cut = String::from_utf8_lossy(&tail);
+    let cut = cut.trim_end_matches(['\0', '\n']).replace(['\0', '\n'], " ");
+    replace(files, path, &before)?;
+    Ok(Some(Done::Cut(cut)))
+}
+
+/// How many of the first lines of a log are whole and follow each other.
+fn whole_lines(lines: &[&[u8]]) -> usize {
+    let mut previous = String::new();
+    for (whole, line) in lines.iter().enumerate() {
+        let Ok(Ok(line)) = std::str::from_utf8(line).map(|line| from_json::<Line>(line.trim_end()))
+        else {
+            return whole;
+        };
+        let entered = Entered { utc: &line.utc, by: line.by.as_ref() };
+        if !digest(&previous, entered, &line.event).is_ok_and(|digest| digest == line.blake3) {
+            return whole;
+        }
+        previous = line.blake3;
+    }
+    lines.len()
 }
 
 fn text_of(files: &dyn Files, path: &Path) -> Result<String, StoreError> {
@@ -330,6 +353,7 @@ fn lines_of(path: &Path, text: &str) -> Result<Vec<Line>, StoreError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Fault, Memory, Survives};
     use std::fs;
 
     const UTC: &str = "2026-01-01T00:00:00Z";
@@ -438,6 +462,47 @@ mod tests {
         assert_eq!(mend_head(&RealFiles, &path), Ok(true));
         assert_eq!(fs::read(crate::head::head_of(&path)).unwrap(), newer);
         assert_eq!(mend_head(&RealFiles, &path), Ok(false));
+    }
+
+    #[test]
+    fn an_append_of_several_lines_of_which_any_sector_is_missing_is_cut_off_and_no_counted_line_is()
+    {
+        let path = Path::new("/s/P01_S01.events.jsonl");
+        let note = |i: usize| Event::Note { trial: None, text: format!("{i} {}", "x".repeat(150)) };
+        let mut cut = 0;
+        for seed in 0..200 {
+            let disk = Memory::new();
+            disk.put(Path::new("/s/study.toml"), b"");
+            let before: Vec<Event> = (0..3).map(note).collect();
+            append_events(&disk, path, UTC, &before).unwrap();
+            // The file is open and written to, and not synced.
+            disk.fail_in(2, Fault::End);
+            let more: Vec<Event> = (3..9).map(note).collect();
+            append_events(&disk, path, UTC, &more).unwrap_err();
+            disk.restart(Survives::Torn(seed));
+            let done = mend_log(&disk, path).unwrap();
+            cut += usize::from(matches!(done, Some(Done::Cut(_))));
+            mend_head(&disk, path).unwrap();
+            let events = read_events_from(&disk, path).unwrap();
+            assert!(events.len() >= 3 && (0..9).map(note).take(events.len()).eq(events), "{seed}");
+        }
+        assert!(cut > 100, "{cut}");
+    }
+
+    #[test]
+    fn a_line_that_the_head_counts_is_not_cut_off_with_what_follows_it() {
+        let path = Path::new("/s/P01_S01.events.jsonl");
+        let disk = Memory::new();
+        disk.put(Path::new("/s/study.toml"), b"");
+        let notes = ["one", "two", "three"];
+        let notes = notes.map(|text| Event::Note { trial: None, text: text.into() });
+        append_events(&disk, path, UTC, &notes).unwrap();
+        let text = disk.below(path).remove(path).unwrap();
+        let second = text.iter().position(|byte| *byte == b'\n').unwrap() + 5;
+        let damaged = [&text[..second], &[0; 20], &text[second + 20..]].concat();
+        disk.put(path, &damaged);
+        assert_eq!(mend_log(&disk, path).unwrap_err().row, Some(2));
+        assert_eq!(disk.below(path).remove(path).unwrap(), damaged);
     }
 
     #[test]

@@ -18,6 +18,7 @@
 //! that stands before a frame takes the place of the digest that was computed, so that what was
 //! lost hides nothing of what comes after it.
 
+use crate::sectors::SECTOR;
 use crate::{TrialFile, from_json};
 use serde::{Deserialize, Serialize};
 use zwidth_study::{
@@ -144,7 +145,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Decoded {
         if let Some((frame, true_chain)) = mend(span, chain) {
             found.frames.push(frame);
             (found.mended, chain) = (found.mended + 1, true_chain);
-        } else if next.is_none() && is_unfinished(span) {
+        } else if next.is_none() && is_unfinished(span, MAGIC.len() + at) {
             found.unfinished = span.len();
         } else {
             found.damaged += span.len();
@@ -379,18 +380,27 @@ fn row(bytes: &[u8]) -> Option<Sample> {
 /// others does.
 const UNSYNCED: [u8; 2] = [0; 2];
 
-/// Whether what follows the last whole frame is no more than one unfinished append: a frame that
-/// passes the end of the file, or one that ends in zeros, which some file systems show where data
-/// were not synced. A length is believed only where a frame can have it.
-fn is_unfinished(rest: &[u8]) -> bool {
+/// Whether what follows the last whole frame, from this byte of the file on, is no more than one
+/// unfinished append: a frame that passes the end of the file, or one that ends in zeros or lacks a
+/// sector, which some file systems show where data were not synced. A length is believed only where
+/// a frame can have it.
+fn is_unfinished(rest: &[u8], at: usize) -> bool {
     let written = rest.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
-    if written < HEAD {
+    if written < HEAD || lacks_sector(rest, at) {
         return rest.len() <= HEAD + MOST_PAYLOAD + DIGEST;
     }
     payload_length(rest).is_some_and(|length| {
         let end = HEAD + length + DIGEST;
         rest.len() < end || (rest.len() == end && rest.ends_with(&UNSYNCED))
     })
+}
+
+/// Whether a sector of bytes that begin here in their file was not written: no frame has as many
+/// zeros, but for the few bytes of it that lie in its first or last sector.
+fn lacks_sector(bytes: &[u8], at: usize) -> bool {
+    let (first, rest) = bytes.split_at((at.next_multiple_of(SECTOR) - at).min(bytes.len()));
+    let mut sectors = std::iter::once(first).chain(rest.chunks(SECTOR));
+    sectors.any(|sector| !sector.is_empty() && sector.iter().all(|byte| *byte == 0))
 }
 
 #[cfg(test)]

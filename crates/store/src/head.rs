@@ -60,11 +60,10 @@ pub(crate) fn head_bytes(log: &Path, digests: &[String]) -> Result<Option<Vec<u8
     Ok(Some((text + "\n").into_bytes()))
 }
 
-/// How many lines the head of a log counts; none where there is no head, or none that can be read.
-pub(crate) fn counted(files: &dyn Files, log: &Path) -> usize {
-    let text = text(files, &head_of(log), MOST_HEAD).ok();
-    let head: Option<Head> = text.and_then(|text| from_json(&text).ok());
-    head.map_or(0, |head| head.lines)
+/// How many lines the head of a log counts; nothing where there is no head, or none to be read.
+pub(crate) fn counted(files: &dyn Files, log: &Path) -> Option<usize> {
+    let head: Head = from_json(&text(files, &head_of(log), MOST_HEAD).ok()?).ok()?;
+    Some(head.lines)
 }
 
 /// Holds a log, by the digests of its lines, against its head.

@@ -11,6 +11,7 @@ use crate::frame::{
 };
 use crate::open_session::OpenSession;
 use crate::record::Ended;
+use crate::sectors::SECTOR;
 use crate::{
     Append, Entered, Files, Layout, MOST_BYTES, Samples, StoreError, Trial, TrialFile, record_trial,
 };
@@ -172,9 +173,13 @@ impl Journal {
         if let Some(given) = likert {
             self.write(&Frame::Answer(given), &[])?;
         }
-        let Self { path, file, .. } = self;
+        let Self { path, file, broken, .. } = self;
         drop(file); // before the file is removed: not every system removes an open one
-        let read = read_journal(files, &path)?;
+        let mut read = read_journal(files, &path)?;
+        if !broken {
+            // Each append was synced: what cannot be read of one is no append that was cut short.
+            read.damaged += std::mem::take(&mut read.unfinished);
+        }
         let written = match read.trial() {
             None => None,
             Some((trial, protocol)) => Some(record(&trial, &protocol, read.time_ms())?),
@@ -306,10 +311,12 @@ pub(crate) fn read_journal(files: &dyn Files, path: &Path) -> Result<Journaled, 
     let bytes = files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
     let (first, framed) = bytes.split_at(MAGIC.len().min(bytes.len()));
     let is_journal = [MAGIC, FIRST_MAGIC].contains(&first);
-    if !is_journal && (MAGIC.starts_with(first) || bytes.iter().all(|b| *b == 0)) {
+    let decoded = decode(framed);
+    // The first append has the magic and the header; of what was not synced any sector may be zeros.
+    let lacks_first = bytes.iter().take(SECTOR).all(|b| *b == 0) && decoded.frames.is_empty();
+    if !is_journal && (MAGIC.starts_with(first) || lacks_first) {
         return Ok(Journaled { unfinished: bytes.len(), ..Journaled::default() });
     }
-    let decoded = decode(framed);
     let read = journaled(decoded);
     if !is_journal && read.header.is_none() {
         let what = "not a journal of this version";
@@ -453,5 +460,85 @@ mod tests {
         disk.restart(Survives::Everything);
         let error = journal.append(&rows(3, 3)).unwrap_err();
         assert!(error.remedy.contains("zwidth recover"), "{error}");
+    }
+
+    /// A study in memory.
+    fn in_memory() -> (Memory, Layout) {
+        let layout = Layout::new(Path::new("/root"), "demo".parse().unwrap());
+        let disk = Memory::new();
+        disk.put(&layout.study_toml(), b"");
+        (disk, layout)
+    }
+
+    #[test]
+    fn of_an_append_that_a_power_cut_ended_any_sectors_may_be_missing_and_it_is_no_damage() {
+        // The header, or rows of several sectors: written, and not synced.
+        for steps in [4, 6] {
+            for seed in 0..200 {
+                let (disk, layout) = in_memory();
+                disk.fail_in(steps, Fault::End);
+                let file = [("device".to_owned(), "x".repeat(900))].into();
+                let begun = Journal::create(&disk, &layout, &meta(1), &file, &protocol());
+                let appended = begun.and_then(|mut journal| journal.append(&rows(0, 30)));
+                assert!(appended.is_err());
+                disk.restart(Survives::Torn(seed));
+                let path = layout.journal(&meta(1).participant, &meta(1).session, 1);
+                if disk.kind(&path).is_none() {
+                    continue;
+                }
+                let read = read_journal(&disk, &path).unwrap_or_else(|e| panic!("{seed}: {e}"));
+                assert_eq!(read.damaged, 0, "{seed}");
+                assert!([0, 30].contains(&read.rows.len()), "{seed}");
+                assert!(steps < 6 || read.header.is_some(), "{seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_journal_that_lost_a_sector_of_what_was_synced_is_kept_and_its_trial_is_incomplete() {
+        for (lost, words) in [
+            ("the end", "the journal is damaged"),
+            ("the first sector", "not a journal of this version"),
+        ] {
+            let (disk, layout) = in_memory();
+            let mut journal =
+                Journal::create(&disk, &layout, &meta(1), &TrialFile::new(), &protocol()).unwrap();
+            journal.append(&rows(0, 30)).unwrap();
+            journal.end().unwrap();
+            let path = layout.journal(&meta(1).participant, &meta(1).session, 1);
+            let mut bytes = disk.below(&path).remove(&path).unwrap();
+            let last = (bytes.len() - 1) / SECTOR * SECTOR;
+            let sector = if lost == "the end" { last..bytes.len() } else { 0..SECTOR };
+            bytes[sector].fill(0);
+            disk.put(&path, &bytes);
+            let error = journal.finish(&disk, &layout, None, UTC).unwrap_err();
+            assert!(error.what.contains(words), "{lost}: {error}");
+            assert_eq!(disk.below(&layout.journals()).into_values().collect::<Vec<_>>(), [bytes]);
+            let trial = layout.trial(&meta(1).participant, &meta(1).session, 1);
+            if disk.kind(&trial).is_some() {
+                let kept = crate::read::read_whole_trial(&disk, &trial).unwrap();
+                assert_eq!(kept.meta.status, Status::Incomplete, "{lost}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_journal_stays_until_its_file_reads_as_it_was_written() {
+        let mut refused = 0;
+        for seed in 0..60 {
+            let (disk, layout) = in_memory();
+            let mut journal =
+                Journal::create(&disk, &layout, &meta(1), &TrialFile::new(), &protocol()).unwrap();
+            journal.append(&rows(0, 30)).unwrap();
+            journal.end().unwrap();
+            disk.misdirect_in(0, seed); // the next write is the trial's file
+            let Err(error) = journal.finish(&disk, &layout, None, UTC) else { continue };
+            if error.what.contains("reads otherwise than it was written") {
+                refused += 1;
+                let path = layout.journal(&meta(1).participant, &meta(1).session, 1);
+                assert!(disk.kind(&path).is_some(), "{seed}");
+            }
+        }
+        assert!(refused > 10, "{refused}");
     }
 }

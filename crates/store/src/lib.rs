@@ -52,6 +52,7 @@ mod record;
 mod recover;
 mod regular;
 mod sealed;
+mod sectors;
 mod seen;
 mod sessions;
 mod shown;

@@ -5,6 +5,7 @@
 //! last sync, a name from the last sync of its folder. [`Memory::restart`] leaves what outlives a
 //! kill or a power cut.
 
+use crate::sectors::{Draws, SECTOR, torn};
 use crate::{Append, Entry, Files, Held, Stamp};
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -37,6 +38,9 @@ pub enum Survives {
     Zeros,
     /// A power cut that spares names, and half of what was not synced.
     Half,
+    /// A power cut that leaves of each write that was not synced any of its sectors, as drawn from
+    /// this seed; names are spared, or only those that were synced.
+    Torn(u64),
 }
 
 /// A disk in memory. Clones are the same disk.
@@ -59,6 +63,19 @@ struct State {
     renamed: BTreeMap<PathBuf, i64>,
     /// Processes that ended.
     lives: i64,
+    /// The write of which a sector goes astray, counted down, and the seed of where it goes.
+    misdirected: Option<(u64, u64)>,
+    /// What lies on the disk for sectors of which the process still sees what it wrote.
+    hidden: Vec<Hidden>,
+}
+
+/// A sector that holds something else than was written to it.
+#[derive(Debug)]
+struct Hidden {
+    file: usize,
+    /// Its number in the file.
+    sector: usize,
+    bytes: Vec<u8>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,6 +90,17 @@ struct Content {
     durable: Vec<u8>,
     /// The change that was its last.
     changed: i64,
+    /// What was written, where a sector that went astray left something else.
+    meant: Option<Vec<u8>>,
+}
+
+impl Content {
+    fn extend(&mut self, bytes: &[u8]) {
+        self.live.extend_from_slice(bytes);
+        if let Some(meant) = &mut self.meant {
+            meant.extend_from_slice(bytes);
+        }
+    }
 }
 
 impl Memory {
@@ -125,11 +153,43 @@ impl Memory {
         self.state().has_failed.get()
     }
 
+    /// Has one sector go astray of the write that is `writes` writes from now: it lands at a place
+    /// drawn from the seed, of the same file or another, and its own place stays as it was. The
+    /// process sees that at once, or reads on what it wrote until [`Memory::restart`].
+    pub fn misdirect_in(&self, writes: u64, seed: u64) {
+        self.state().misdirected = Some((writes, seed));
+    }
+
+    /// The files that hold something else than was written to them.
+    pub fn damaged(&self) -> Vec<PathBuf> {
+        let state = self.state();
+        let is_damaged = |number: usize| {
+            let Content { live, meant, .. } = &state.contents[number];
+            meant.as_ref().is_some_and(|meant| meant != live)
+        };
+        let files = state.live.iter().filter_map(|(path, node)| match node {
+            Node::File(number) if is_damaged(*number) => Some(path.clone()),
+            _ => None,
+        });
+        files.collect()
+    }
+
+    /// What was written to a file, whatever it holds.
+    pub fn meant(&self, path: &Path) -> Option<Vec<u8>> {
+        let state = self.state();
+        let content = &state.contents[state.file(path).ok()?];
+        Some(content.meant.as_ref().unwrap_or(&content.live).clone())
+    }
+
     /// A new process finds what survives, on a disk that works and has room.
     pub fn restart(&self, survives: Survives) {
         let mut state = self.state();
         state.fault = None;
         state.lives += 1;
+        state.misdirected = None;
+        // What the process saw of its own writes is gone with it.
+        let hidden = std::mem::take(&mut state.hidden);
+        hidden.into_iter().for_each(|hidden| state.damage(hidden));
         if survives != Survives::Everything {
             state.lose(survives);
         }
@@ -211,18 +271,88 @@ impl State {
         self.changes += 1;
         self.contents[number].changed = self.changes;
         if let Err(e) = self.step(false) {
-            self.contents[number].live.extend_from_slice(&bytes[..bytes.len() / 2]);
+            self.contents[number].extend(&bytes[..bytes.len() / 2]);
             return Err(e);
         }
-        self.contents[number].live.extend_from_slice(bytes);
+        let begin = self.contents[number].live.len();
+        // The sector in which this begins is written once more, as the process sees it.
+        self.hidden.retain(|hidden| (hidden.file, hidden.sector) != (number, begin / SECTOR));
+        self.contents[number].extend(bytes);
+        self.lead_astray(number, begin);
         self.step(false)?;
         self.contents[number].durable = self.contents[number].live.clone();
         Ok(())
     }
 
+    /// Cuts a file off behind so many bytes, and syncs that.
+    fn cut(&mut self, number: usize, length: usize) -> io::Result<()> {
+        self.step(true)?;
+        self.changes += 1;
+        self.hidden
+            .retain(|hidden| hidden.file != number || hidden.sector < length.div_ceil(SECTOR));
+        let content = &mut self.contents[number];
+        content.changed = self.changes;
+        content.live.truncate(length);
+        if let Some(meant) = &mut content.meant {
+            meant.truncate(length);
+        }
+        content.durable = content.live.clone();
+        Ok(())
+    }
+
+    /// Leads a sector of what was written to a file from `begin` on astray, if this write is the
+    /// one.
+    fn lead_astray(&mut self, number: usize, begin: usize) {
+        let end = self.contents[number].live.len();
+        let Some((writes, seed)) = self.misdirected.filter(|_| begin < end) else { return };
+        self.misdirected = writes.checked_sub(1).map(|left| (left, seed));
+        if writes > 0 {
+            return;
+        }
+        let mut draws = Draws::from(seed);
+        let from = begin / SECTOR + draws.below((end - 1) / SECTOR - begin / SECTOR + 1);
+        let (at, to) = (from * SECTOR, (from * SECTOR + SECTOR).min(end));
+        let bytes = self.contents[number].live[at..to].to_vec();
+        // At its own place there stays what was there, or nothing was yet.
+        let mut stays = self.contents[number].live[at..begin.max(at)].to_vec();
+        stays.resize(bytes.len(), 0);
+        let files: Vec<usize> = self
+            .live
+            .values()
+            .filter_map(|node| match node {
+                Node::File(file) if !self.contents[*file].live.is_empty() => Some(*file),
+                _ => None,
+            })
+            .collect();
+        let file = files[draws.below(files.len())];
+        let sector = draws.below(self.contents[file].live.len().div_ceil(SECTOR));
+        let is_hidden = draws.one_in(2);
+        let places =
+            [Hidden { file: number, sector: from, bytes: stays }, Hidden { file, sector, bytes }];
+        for place in places {
+            if is_hidden { self.hidden.push(place) } else { self.damage(place) }
+        }
+    }
+
+    /// A sector holds something else from now on, as far as its file goes.
+    fn damage(&mut self, Hidden { file, sector, bytes }: Hidden) {
+        let content = &mut self.contents[file];
+        content.meant.get_or_insert_with(|| content.live.clone());
+        for stored in [&mut content.live, &mut content.durable] {
+            let sector = stored.get_mut(sector * SECTOR..).unwrap_or_default();
+            let length = bytes.len().min(sector.len());
+            sector[..length].copy_from_slice(&bytes[..length]);
+        }
+    }
+
     /// What a power cut leaves.
     fn lose(&mut self, survives: Survives) {
-        if survives == Survives::Synced {
+        let mut draws = match survives {
+            Survives::Torn(seed) => Draws::from(seed),
+            _ => Draws::from(0),
+        };
+        let names = matches!(survives, Survives::Torn(_)) && draws.one_in(2);
+        if survives == Survives::Synced || names {
             self.live = self.durable.clone();
         }
         // A name whose folder is gone leads nowhere.
@@ -235,6 +365,7 @@ impl State {
             let synced = content.durable.len().min(written);
             content.live = match survives {
                 Survives::Half => content.live[..synced + (written - synced) / 2].to_vec(),
+                Survives::Torn(_) => torn(&content.durable, &content.live, &mut draws),
                 _ => content.durable.clone(),
             };
             if survives == Survives::Zeros {
@@ -416,11 +547,6 @@ impl Append for Handle {
     }
 
     fn take_back(&mut self) -> io::Result<()> {
-        let mut state = self.disk.state();
-        state.step(true)?;
-        let content = &mut state.contents[self.number];
-        content.live.truncate(self.length);
-        content.durable = content.live.clone();
-        Ok(())
+        self.disk.state().cut(self.number, self.length)
     }
 }

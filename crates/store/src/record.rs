@@ -3,7 +3,7 @@
 
 use crate::atomic::{folder_of, sync_file};
 use crate::frame::Protocol;
-use crate::hash::blake3_of;
+use crate::hash::{blake3_of, hex_blake3};
 use crate::open_log::OpenLog;
 use crate::open_session::OpenSession;
 use crate::read::read_whole_trial;
@@ -55,14 +55,23 @@ impl Ended<'_> {
     ) -> Result<PathBuf, StoreError> {
         let (m, form) = (&self.trial.meta, &self.protocol.form);
         let path = layout.trial(&m.participant, &m.session, m.trial);
-        if files.kind(&path).is_some() {
+        let blake3 = if files.kind(&path).is_some() {
             is_this(files, &path, self.trial, form)?;
+            blake3_of(files, &path)?
         } else {
-            write_new(files, &path, &trial_bytes(self.trial, form, &path)?)?;
-        }
+            let bytes = trial_bytes(self.trial, form, &path)?;
+            write_new(files, &path, &bytes)?;
+            // Its journal is removed only if the file can be read back.
+            let blake3 = hex_blake3(&bytes);
+            if blake3_of(files, &path)? != blake3 {
+                let what = "the file reads otherwise than it was written";
+                let remedy = "check the disk; the trial's journal is kept, so move this file elsewhere and run `zwidth recover`";
+                return Err(StoreError::new(&path, what, remedy));
+            }
+            blake3
+        };
         // Before the log speaks of it: the name of the file must not go in a power cut.
         settle(files, layout, &path)?;
-        let blake3 = blake3_of(files, &path)?;
         let contents = log.contents(files)?;
         let recorded = contents.hash(m.trial).map(|hash| hash == blake3);
         let answer = self.answer().filter(|(question, _)| !contents.is_answered(m.trial, question));

@@ -189,8 +189,15 @@ fn holds(disk: &Memory, layout: &Layout, promised: &Promised, first: bool, what:
     assert!(notes <= 1 && notes >= usize::from(promised.told), "{what}");
 }
 
-const ENDS: [Survives; 5] =
-    [Survives::Everything, Survives::Synced, Survives::Names, Survives::Zeros, Survives::Half];
+const ENDS: [Survives; 7] = [
+    Survives::Everything,
+    Survives::Synced,
+    Survives::Names,
+    Survives::Zeros,
+    Survives::Half,
+    Survives::Torn(1),
+    Survives::Torn(4),
+];
 
 /// Ends the process at the n-th step of the trial; whether that came before the trial's end.
 fn killed(n: u64, end: Survives, first: bool, then: impl Fn(&Memory, &Layout, &Promised)) -> bool {
