@@ -19,8 +19,10 @@ const MOST_LIVES: u64 = 4;
 /// Lives that end a session once nothing goes wrong any more: a stop within one may send the person
 /// home.
 const LAST_LIVES: u64 = 3;
+/// Of so many sessions one ends on a disk that leads a sector astray.
+const ASTRAY_ONE_IN: u64 = 5;
 /// The first day of the simulation.
-const BEGIN: &str = "2026-01-01T08:00:00Z";
+pub(super) const BEGIN: &str = "2026-01-01T08:00:00Z";
 /// The board's watchdog has run out by then, s.
 const LATER_S: f64 = 1.0;
 
@@ -41,6 +43,11 @@ pub(super) fn session(with: With, seed: u64, counts: &mut Counts) -> Result<Disk
         *counts
             .entry(if left.is_ok() { "lives left in order" } else { "lives cut short" })
             .or_default() += 1;
+    }
+    if Draw::new(seed, 3).one_in(ASTRAY_ONE_IN) {
+        let word = desk.astray(lives).map_err(|why| format!("a sector astray: {why}"))?;
+        *counts.entry(word).or_default() += 1;
+        return Ok(desk.disk.below(Path::new("/")));
     }
     for life in lives..lives + LAST_LIVES {
         let outcome =
@@ -68,30 +75,65 @@ pub(super) fn session_on_a_liar(seed: u64) -> Result<(), String> {
     desk.settle().map(drop)
 }
 
-struct Desk {
-    seed: u64,
+/// Whether the times in the log of a session go back at some line, on a disk that works and with a
+/// time of day that steps.
+#[cfg(test)]
+pub(super) fn steps_back(seed: u64) -> Result<bool, String> {
+    let mut desk = Desk::new(With::Mock, seed)?;
+    let steps = Trouble::draw(&mut Draw::new(seed, 10)).steps;
+    desk.live(0, &Trouble { steps, ..Trouble::none() }, true)?.map_err(told)?;
+    let log = desk.plan.layout.events(&desk.plan.participant, &desk.plan.session);
+    let text = desk.disk.below(&log).remove(&log).unwrap_or_default();
+    let times: Vec<Timestamp> = String::from_utf8_lossy(&text)
+        .lines()
+        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .filter_map(|line| line["utc"].as_str()?.parse().ok())
+        .collect();
+    Ok(!times.is_sorted())
+}
+
+/// A session, its disk, and what was promised of it so far.
+pub(super) struct Desk {
+    pub(super) seed: u64,
     with: With,
-    disk: Memory,
-    plan: zwidth_acquire::Plan,
+    pub(super) disk: Memory,
+    pub(super) plan: zwidth_acquire::Plan,
     /// The session's record, once it lies there: its hash.
     record: Option<String>,
     /// The files of finished trials, and their hashes.
-    finished: BTreeMap<PathBuf, String>,
+    pub(super) finished: BTreeMap<PathBuf, String>,
 }
 
 impl Desk {
-    fn new(with: With, seed: u64) -> Result<Self, String> {
+    pub(super) fn new(with: With, seed: u64) -> Result<Self, String> {
         let (disk, plan) = study(seed)?;
         Ok(Self { seed, with, disk, plan, record: None, finished: BTreeMap::new() })
     }
 
     /// One life, and what must hold after it; how it was left.
-    fn live(
+    pub(super) fn live(
         &mut self,
         life: u64,
         trouble: &Trouble,
         diligent: bool,
     ) -> Result<Result<Outcome, String>, String> {
+        let (outcome, shown) = self.life(life, trouble, diligent)?;
+        let done = self.settle()?;
+        // A person who asked for a trial again, or a life that never saw the session, promises
+        // nothing.
+        if done < shown && trouble.survives == Survives::Everything {
+            return Err(format!("{shown} trials were shown as done, and {done} are"));
+        }
+        Ok(outcome)
+    }
+
+    /// One life: how it was left, and the trials that were shown as done.
+    pub(super) fn life(
+        &mut self,
+        life: u64,
+        trouble: &Trouble,
+        diligent: bool,
+    ) -> Result<(Result<Outcome, String>, usize), String> {
         if let Some((steps, fault)) = trouble.disk {
             self.disk.fail_in(steps, fault);
         }
@@ -104,7 +146,7 @@ impl Desk {
             trouble.late.then(|| Draw::new(self.seed, 30 + life)),
             self.with.nap_s(),
         );
-        let utc = time_of_day(life, trouble.jumps)?;
+        let utc = time_of_day(life, trouble)?;
         let outcome = match self.with {
             With::Mock => {
                 // A device whose code fails takes the program with it, on a simulated clock: nobody
@@ -125,13 +167,7 @@ impl Desk {
             is_at_0_v(&mock, trouble)?;
         }
         self.disk.restart(trouble.survives);
-        let done = self.settle()?;
-        // A person who asked for a trial again, or a life that never saw the session, promises
-        // nothing.
-        if done < shown && trouble.survives == Survives::Everything {
-            return Err(format!("{shown} trials were shown as done, and {done} are"));
-        }
-        Ok(outcome)
+        Ok((outcome, shown))
     }
 
     fn record(
@@ -160,7 +196,7 @@ impl Desk {
 
     /// Recovers what the life left, and checks what was promised; trials of the order that are
     /// done.
-    fn settle(&mut self) -> Result<usize, String> {
+    pub(super) fn settle(&mut self) -> Result<usize, String> {
         let layout = self.plan.layout.clone();
         for found in recover(&self.disk, &layout, BEGIN) {
             found.map_err(|why| format!("recover: {why}"))?;
@@ -228,13 +264,16 @@ fn is_at_0_v(mock: &Mock, trouble: &Trouble) -> Result<(), String> {
 }
 
 /// The time of day at a time of the loop's clock: from a day of its own for each life on, or from
-/// any other.
-fn time_of_day(life: u64, jumps: bool) -> Result<impl Fn(f64) -> String + Sync, String> {
+/// any other, with the steps that it takes on its way.
+fn time_of_day(life: u64, trouble: &Trouble) -> Result<impl Fn(f64) -> String + Sync, String> {
     let begin: Timestamp = BEGIN.parse().map_err(told)?;
-    let days = if jumps { 400 * (1 - 2 * (life as i64 % 2)) } else { life as i64 };
+    let days = if trouble.jumps { 400 * (1 - 2 * (life as i64 % 2)) } else { life as i64 };
     let begin = begin.checked_add(SignedDuration::from_hours(24 * days)).map_err(told)?;
+    let steps = trouble.steps.clone();
     Ok(move |now_s: f64| {
-        let since = SignedDuration::from_millis((now_s * 1e3) as i64);
+        let taken = steps.iter().filter(|(at_s, _)| *at_s <= now_s);
+        let stepped_ms: i64 = taken.map(|(_, by_s)| 1000 * by_s).sum();
+        let since = SignedDuration::from_millis((now_s * 1e3) as i64 + stepped_ms);
         begin.checked_add(since).unwrap_or(begin).to_string()
     })
 }

@@ -3,11 +3,14 @@
 //!
 //! A session of a few short trials is recorded in several lives. Each but the last is cut short by
 //! what its seed draws: a kill, a power cut, a full disk, a pulled cable, a sensor that stops, a
-//! late tick, a clock that jumps, a person who leaves or presses stop. After each life the device
+//! late tick, a clock that jumps or steps, a person who leaves or presses stop. (A power cut may
+//! leave any of the sectors of what was not synced.) After each life the device
 //! is at 0 V, `recover` succeeds, `verify` finds nothing, and whatever was finished is there, byte
-//! for byte; the last life ends the session in the order in which it was drawn. One seed is
+//! for byte; the last life ends the session in the order in which it was drawn, or is on a disk that
+//! leads a sector astray (`astray`). One seed is
 //! one course of events, so that a seed that fails can be looked at again.
 
+mod astray;
 mod life;
 mod person;
 mod with;
@@ -82,7 +85,9 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
     note(&Tried {
         what: match with {
             With::Mock => {
-                "sessions of a device that fails, each with faults drawn from its seed".to_owned()
+                "sessions of a device and a disk that fail, with sectors torn and astray and steps of the \
+                 time of day, each with faults drawn from its seed"
+                    .to_owned()
             }
             With::Twin => {
                 "sessions of the simulated device, each with faults drawn from its seed".to_owned()
@@ -131,5 +136,12 @@ mod tests {
     fn a_disk_that_loses_what_was_synced_is_found_out() {
         let found = (0..40).any(|seed| life::session_on_a_liar(seed).is_err());
         assert!(found, "the simulation sees nothing");
+    }
+
+    #[test]
+    fn the_time_of_day_steps_back_within_a_session_whose_order_stays() {
+        let stepped_back = (0..60).filter(|seed| life::steps_back(*seed).unwrap());
+        // Who puts events in the order of their times would put these in another.
+        assert!(stepped_back.count() > 5);
     }
 }

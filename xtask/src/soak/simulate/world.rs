@@ -54,15 +54,27 @@ pub(super) struct Trouble {
     pub(super) late: bool,
     /// Whether the time of day jumps.
     pub(super) jumps: bool,
+    /// Steps of the time of day while the session runs: when, s of the loop's clock, and by how
+    /// much, s.
+    pub(super) steps: Vec<(f64, i64)>,
 }
 
 impl Trouble {
     pub(super) fn none() -> Self {
-        Self { disk: None, survives: Survives::Everything, device: None, late: false, jumps: false }
+        Self {
+            disk: None,
+            survives: Survives::Everything,
+            device: None,
+            late: false,
+            jumps: false,
+            steps: Vec::new(),
+        }
     }
 
     pub(super) fn draw(draw: &mut Draw) -> Self {
-        let power = [Survives::Synced, Survives::Names, Survives::Zeros, Survives::Half];
+        let torn = Survives::Torn(draw.below(1 << 32));
+        let power =
+            [Survives::Synced, Survives::Names, Survives::Zeros, Survives::Half, torn, torn];
         let (fault, survives) = match draw.below(8) {
             0..=2 => (Some(Fault::End), Survives::Everything),
             3..=5 => (Some(Fault::End), draw.of(&power)),
@@ -85,7 +97,19 @@ impl Trouble {
             device,
             late: draw.one_in(4),
             jumps: draw.one_in(3),
+            steps: if draw.one_in(3) { Self::steps(draw) } else { Vec::new() },
         }
+    }
+
+    /// A few steps, by seconds to years, forwards and backwards, within the first trials.
+    fn steps(draw: &mut Draw) -> Vec<(f64, i64)> {
+        const UNITS_S: [i64; 5] = [1, 60, 3_600, 86_400, 31_557_600];
+        let one = |_| {
+            let at_s = draw.below(20_000) as f64 * 1e-3;
+            let by_s = draw.of(&UNITS_S) * (1 + draw.below(9) as i64) * draw.of(&[-1, 1]);
+            (at_s, by_s)
+        };
+        (0..=4).map(one).collect()
     }
 
     /// What it is called where it is counted.
@@ -98,6 +122,7 @@ impl Trouble {
             (Fault::End, Survives::Names) => "a power cut: names stay, unsynced content goes",
             (Fault::End, Survives::Zeros) => "a power cut: zeros where content was not synced",
             (Fault::End, Survives::Half) => "a power cut: half of what was not synced",
+            (Fault::End, Survives::Torn(_)) => "a power cut: any sectors of what was not synced",
         });
         let device = self.device.map(|(_, fault)| match fault {
             DeviceFault::Unplugged => "a pulled cable",
@@ -108,7 +133,11 @@ impl Trouble {
             DeviceFault::Force(_) => "a force beyond the limit",
             DeviceFault::Panic => "a device whose code fails",
         });
-        let others = [(self.late, "late ticks"), (self.jumps, "a time of day that jumps")];
+        let others = [
+            (self.late, "late ticks"),
+            (self.jumps, "a time of day that jumps"),
+            (!self.steps.is_empty(), "a time of day that steps while the session runs"),
+        ];
         let others = others.into_iter().filter_map(|(is, word)| is.then_some(word));
         disk.into_iter().chain(device).chain(others).collect()
     }
