@@ -58,6 +58,16 @@ impl<'a> Within<'a> {
     fn there(&self) -> io::Result<&'a dyn Files> {
         still_there(&self.folder).map(|()| self.files)
     }
+
+    /// The same for a folder that is created: the study's own is never made here, not even if it
+    /// went since that look.
+    fn where_folders_are_made(&self, path: &Path) -> io::Result<&'a dyn Files> {
+        let files = self.there()?;
+        if self.folder.path.starts_with(path) {
+            return Err(io::ErrorKind::NotFound.into());
+        }
+        Ok(files)
+    }
 }
 
 /// What a write is told; the runner tells the whole of it ([`AcquireError::Gone`]).
@@ -92,12 +102,11 @@ impl Files for Within<'_> {
     }
 
     fn create_folder(&self, path: &Path) -> io::Result<()> {
-        let files = self.there()?;
-        // Not even one that went since that look: the folder itself is never made here.
-        if self.folder.path.starts_with(path) {
-            return Err(io::ErrorKind::NotFound.into());
-        }
-        files.create_folder(path)
+        self.where_folders_are_made(path)?.create_folder(path)
+    }
+
+    fn create_private_folder(&self, path: &Path) -> io::Result<()> {
+        self.where_folders_are_made(path)?.create_private_folder(path)
     }
 
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {

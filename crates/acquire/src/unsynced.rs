@@ -39,6 +39,10 @@ impl Files for Unsynced {
         RealFiles.create_folder(path)
     }
 
+    fn create_private_folder(&self, path: &Path) -> io::Result<()> {
+        RealFiles.create_private_folder(path)
+    }
+
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         // What stands there may be a link, and is removed and not written to, as on the real disk.
         match fs::remove_file(path) {

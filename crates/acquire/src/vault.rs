@@ -7,12 +7,13 @@
 //!
 //! With the commitment in its name a seal is never taken for that of another study of the same id.
 //! Opened seals stay: the event log holds them too. Seeds and seals are for this user alone: files
-//! 0600, the study's folder and those that had to be made 0700, whatever the umask says.
+//! 0600, the study's folder and those that had to be made 0700, whatever the umask says. Folders
+//! above it that are there keep their modes: they may be the user's home.
 
 use crate::AcquireError;
 use std::io;
-use std::path::{Path, PathBuf, absolute};
-use zwidth_store::{Files, Layout, StoreError, keep_private, sync_names, write_private};
+use std::path::{Path, PathBuf};
+use zwidth_store::{Files, Layout, StoreError, keep_private, real_path, sync_names, write_private};
 use zwidth_study::{ParticipantId, Seal, SessionId, SessionRecord, StudyId};
 
 /// Digits of the commitment in a seal's name: enough to tell any two apart.
@@ -20,24 +21,38 @@ const DIGITS: usize = 16;
 /// Largest seal that is read, bytes: that of a hundred thousand trials.
 const MOST_SEAL: u64 = 1 << 23;
 
-/// Whether seals in this folder lie apart from the data, which others are to read.
+/// Whether seals in this folder lie apart from the data, which others are to read. What counts is
+/// where paths lead: through links, `..` and folders that are still to be made.
 ///
 /// # Errors
-/// The folder lies in one of the data's.
+/// The seals of the study would lie in raw/, derived/ or reports/; a path that leads nowhere.
 pub fn check_apart(folder: &Path, layout: &Layout) -> Result<(), AcquireError> {
-    let from_root = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_owned());
-    let vault = from_root(folder);
-    let data = ["raw", "derived", "reports"].map(|name| from_root(&layout.root().join(name)));
-    if data.iter().any(|data| vault.starts_with(data)) {
-        return Err(AcquireError::Refused {
-            what: format!(
-                "the folder of the seals, {}, is inside the data folder, where all who read the data could read the seals",
-                folder.display()
-            ),
-            remedy: "name a folder outside of raw/, derived/ and reports/ with --key".to_owned(),
-        });
+    // The study's own folder in it counts as well: a study may be called `raw`.
+    let seals = [folder.to_owned(), folder.join(layout.study().as_str())];
+    for data in ["raw", "derived", "reports"].map(|name| layout.root().join(name)) {
+        let real_data = leads_to(&data)?;
+        for seals in &seals {
+            if leads_to(seals)?.starts_with(&real_data) {
+                return Err(AcquireError::Refused {
+                    what: format!(
+                        "the folder of the seals, {}, is inside {}, where all who read the data could read the seals",
+                        seals.display(),
+                        data.display()
+                    ),
+                    remedy: "name a folder outside of raw/, derived/ and reports/ with --key"
+                        .to_owned(),
+                });
+            }
+        }
     }
     Ok(())
+}
+
+fn leads_to(path: &Path) -> Result<PathBuf, StoreError> {
+    real_path(path).map_err(|e| {
+        let what = format!("cannot tell where this folder leads: {e}");
+        StoreError::new(path, what, "see that it can be looked into, or name another with --key")
+    })
 }
 
 /// Where a session's seal lies.
@@ -153,7 +168,7 @@ pub fn seed(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_store::RealFiles;
+    use zwidth_store::{Raw, RealFiles};
     use zwidth_study::Source;
 
     fn sealed() -> (SessionRecord, Seal) {
@@ -202,13 +217,15 @@ mod tests {
     #[test]
     fn keeps_a_seed_and_a_seal_in_the_folder_that_it_is_told() {
         let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
-        let study = "s".parse().unwrap();
+        let study: StudyId = "s".parse().unwrap();
         let (record, seal) = sealed();
-        seed(&RealFiles, &folder, &study, || 5).unwrap();
-        keep(&RealFiles, &folder, &study, &record, &seal).unwrap();
+        let layout = Layout::new(Path::new("elsewhere"), study.clone());
+        let raw = Raw::new_study(&RealFiles, &layout).with_vault(&folder);
+        seed(&raw, &folder, &study, || 5).unwrap();
+        keep(&raw, &folder, &study, &record, &seal).unwrap();
         // Both again, now that they are there.
-        seed(&RealFiles, &folder, &study, || 5).unwrap();
-        keep(&RealFiles, &folder, &study, &record, &seal).unwrap();
+        seed(&raw, &folder, &study, || 5).unwrap();
+        keep(&raw, &folder, &study, &record, &seal).unwrap();
     }
 
     /// What lies below a folder, with its mode.
@@ -233,7 +250,10 @@ mod tests {
         use std::os::unix::fs::PermissionsExt as _;
         for umask in ["0000", "0022", "0777"] {
             let root = tempfile::tempdir().unwrap();
-            let folder = root.path().join("state/zwidth");
+            let home = root.path().join("home");
+            std::fs::create_dir(&home).unwrap();
+            std::fs::set_permissions(&home, std::fs::Permissions::from_mode(0o751)).unwrap();
+            let folder = home.join("state/zwidth");
             let child = || {
                 let mut command = std::process::Command::new("sh");
                 command.args(["-c", &format!("umask {umask}; exec \"$0\" \"$@\"")]);
@@ -248,9 +268,13 @@ mod tests {
             };
             let check = || {
                 let found = modes(root.path());
-                assert_eq!(found.len(), 5, "{found:?}");
+                assert_eq!(found.len(), 6, "{found:?}");
                 for (path, mode) in found {
-                    let expect = if path.is_dir() { 0o700 } else { 0o600 };
+                    let expect = match path.is_dir() {
+                        true if path == home => 0o751, // was there
+                        true => 0o700,
+                        false => 0o600,
+                    };
                     assert_eq!(mode, expect, "{umask}: {} is {mode:o}", path.display());
                 }
             };
@@ -301,6 +325,57 @@ mod tests {
         {
             check(root, folder).unwrap();
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_counts_is_where_a_vault_leads_and_not_how_it_is_spelled() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path().join("root");
+        let disk = folder.path().join("disk");
+        for made in [root.join("raw/s"), root.join("reports"), disk.clone()] {
+            std::fs::create_dir_all(made).unwrap();
+        }
+        for (target, link) in [
+            ("root/raw", "into"),
+            ("root/raw/new", "dangling"),
+            ("disk", "out"),
+            ("root", "same"),
+            ("circle", "circle"),
+            ("../disk", "root/derived"),
+            ("../../disk", "root/raw/out"),
+        ] {
+            symlink(target, folder.path().join(link)).unwrap();
+        }
+        let check = |study: &str, vault: &str| {
+            let layout = Layout::new(&root, study.parse().unwrap());
+            check_apart(&folder.path().join(vault), &layout)
+        };
+        for vault in [
+            "into",
+            "into/new/keys",
+            "dangling/keys",
+            "same/raw",
+            "same/reports/keys",
+            "root/x/../raw/keys",
+            "root/./raw//keys",
+            "disk/keys", // which derived/ leads to
+            "out/keys",
+        ] {
+            let error = check("s", vault).unwrap_err().to_string();
+            assert!(error.contains("is inside") && error.contains("--key"), "{vault}: {error}");
+        }
+        for vault in
+            ["keys", "raw", "root", "root/keys", "root/rawer", "root/keys/raw", "root/raw/../keys"]
+        {
+            check("s", vault).unwrap_or_else(|error| panic!("{vault}: {error}"));
+        }
+        assert!(check("raw", "root").unwrap_err().to_string().contains("root/raw"));
+        assert!(check("s", "circle/x").unwrap_err().to_string().contains("--key"));
+        // A link within the data that leads out of it: its seals lie apart.
+        std::fs::remove_file(root.join("derived")).unwrap();
+        check("s", "root/raw/out/keys").unwrap();
     }
 
     #[test]

@@ -60,6 +60,15 @@ pub trait Files: Sync {
     }
     /// Creates one folder, unless it is there already.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
+    /// Creates one folder for this user alone ([`Files::make_private`]). One that is there already
+    /// keeps its mode: it may be the user's home.
+    fn create_private_folder(&self, path: &Path) -> io::Result<()> {
+        if self.kind(path).is_some() {
+            return Ok(());
+        }
+        self.create_folder(path)?;
+        self.make_private(path)
+    }
     /// Creates `path`, writes `bytes`, and syncs them to the disk.
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
     /// Gives the file `from` the name `to`, replacing what stood there.
@@ -101,6 +110,15 @@ impl Files for RealFiles {
             // Another process may have made it in between.
             Err(_) if path.is_dir() => Ok(()),
             made => made,
+        }
+    }
+
+    fn create_private_folder(&self, path: &Path) -> io::Result<()> {
+        match create_private(path) {
+            Err(_) if path.is_dir() => Ok(()),
+            // A umask may have taken even its owner's rights.
+            Ok(()) => made_private(path),
+            failed => failed,
         }
     }
 
@@ -173,6 +191,18 @@ fn made_private(_path: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Creates a folder that nobody else can enter, not even before its mode is set.
+#[cfg(unix)]
+fn create_private(path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::DirBuilderExt as _;
+    fs::DirBuilder::new().mode(0o700).create(path)
+}
+
+#[cfg(not(unix))]
+fn create_private(path: &Path) -> io::Result<()> {
+    fs::create_dir(path)
+}
+
 /// Opens a regular file at its end, or creates it. A link is not followed.
 ///
 /// # Errors
@@ -213,21 +243,30 @@ fn listed(folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
 /// Creates every missing folder of `path`, each with its name synced: a file in a folder whose own
 /// name is lost is lost too.
 pub(crate) fn create_folders(files: &dyn Files, path: &Path) -> io::Result<()> {
-    create_each(files, path, |_| Ok(()))
+    for folder in missing_folders(files, path) {
+        files.create_folder(folder)?;
+        files.sync_folder(folder_of(folder))?;
+    }
+    Ok(())
 }
 
-/// The same, with something done to each folder as soon as it is there.
-fn create_each(
-    files: &dyn Files,
-    path: &Path,
-    then: impl Fn(&Path) -> io::Result<()>,
-) -> io::Result<()> {
-    let missing: Vec<&Path> = path.ancestors().take_while(|p| files.kind(p).is_none()).collect();
-    missing.into_iter().rev().filter(|p| *p != Path::new("")).try_for_each(|folder| {
-        files.create_folder(folder)?;
-        then(folder)?;
-        files.sync_folder(folder_of(folder))
-    })
+/// The same, each for this user alone. Folders that are there keep their modes.
+fn create_private_folders(files: &dyn Files, path: &Path) -> io::Result<()> {
+    for folder in missing_folders(files, path) {
+        files.create_private_folder(folder)?;
+        files.sync_folder(folder_of(folder))?;
+    }
+    Ok(())
+}
+
+/// The folders of `path` that are not there, from the outermost on.
+fn missing_folders<'p>(files: &dyn Files, path: &'p Path) -> Vec<&'p Path> {
+    let mut missing: Vec<&Path> = path
+        .ancestors()
+        .take_while(|folder| *folder != Path::new("") && files.kind(folder).is_none())
+        .collect();
+    missing.reverse();
+    missing
 }
 
 /// Syncs what a file holds, and its name: a process that was killed may have left either unsynced.
@@ -296,10 +335,8 @@ pub fn write_private(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(),
         return Err(StoreError::io(path, "write", &io::ErrorKind::AlreadyExists.into()));
     }
     let folder = folder_of(path);
-    // Each at once: a umask may keep even its owner out of a folder, and nothing else could be made
-    // in it.
-    let made = create_each(files, folder, |folder| files.make_private(folder));
-    made.map_err(|e| StoreError::io(folder, "create the folder", &e))?;
+    create_private_folders(files, folder)
+        .map_err(|e| StoreError::io(folder, "create the folder", &e))?;
     keep_private(files, folder)?;
     place(files, path, |beside| {
         files.write_synced(beside, bytes)?;

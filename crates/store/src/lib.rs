@@ -48,6 +48,7 @@ mod plausible;
 mod port;
 mod raw;
 mod read;
+mod real_path;
 mod record;
 mod recover;
 mod regular;
@@ -110,6 +111,7 @@ pub use raw::Raw;
 pub use read::{
     read_channels, read_entries, read_parquet, read_trial, read_trial_and_channels, read_trial_from,
 };
+pub use real_path::real_path;
 pub use record::record_trial;
 pub use recover::{Done, Recovered, recover, unfinished_below};
 pub use regular::{MOST_BYTES, MOST_RECORDING, open_named, open_regular, read_named, read_regular};

@@ -56,22 +56,31 @@ impl<'a> Raw<'a> {
         Self::of(files, layout, May::Mend)
     }
 
-    /// The same, which may add to the folder of seals too.
+    /// The same, which may add to the folder of seals too. An empty path names none: every path
+    /// begins with it.
     #[must_use]
     pub fn with_vault(self, folder: &Path) -> Self {
-        Self { vault: Some(folder.to_owned()), ..self }
+        let vault = Some(folder.to_owned()).filter(|folder| *folder != Path::new(""));
+        Self { vault, ..self }
     }
 
     /// The layer below, if the handle is for this path, by its text and by every folder on the way.
     fn here(&self, path: &Path) -> io::Result<&'a dyn Files> {
-        let straight = path.components().all(|part| part != Component::ParentDir);
         let vault = self.vault.as_deref().filter(|vault| path.starts_with(vault));
         let top = if path.starts_with(&self.raw) { Some(self.root.as_path()) } else { vault };
         let top = top
-            .filter(|_| straight)
+            .filter(|top| is_straight(path, top))
             .ok_or_else(|| refused(path, "this command writes only below raw/ of its study"))?;
         self.check_way(top, path)?;
         Ok(self.files)
+    }
+
+    /// The same for a folder that is created: those above raw/ and the vault have to be made as
+    /// well, and nothing is recorded in them.
+    fn where_folders_are_made(&self, path: &Path) -> io::Result<&'a dyn Files> {
+        let is_above = self.raw.starts_with(path)
+            || self.vault.as_deref().is_some_and(|vault| vault.starts_with(path));
+        if is_above { Ok(self.files) } else { self.here(path) }
     }
 
     /// Whether no folder between the top and the path is a link, which would lead a writer out of
@@ -109,6 +118,12 @@ impl<'a> Raw<'a> {
     }
 }
 
+/// Whether nothing below `top` leads up again. `top` itself is the user's to spell: `../data`.
+fn is_straight(path: &Path, top: &Path) -> bool {
+    path.strip_prefix(top)
+        .is_ok_and(|below| below.components().all(|part| part != Component::ParentDir))
+}
+
 fn refused(path: &Path, why: &str) -> io::Error {
     io::Error::new(io::ErrorKind::PermissionDenied, format!("{why}: {}", path.display()))
 }
@@ -143,12 +158,11 @@ impl Files for Raw<'_> {
     }
 
     fn create_folder(&self, path: &Path) -> io::Result<()> {
-        // The folders above these have to be made as well, and nothing is recorded in them.
-        let above = |folder: &Path| folder.starts_with(path);
-        if above(&self.raw) || self.vault.as_deref().is_some_and(above) {
-            return self.files.create_folder(path);
-        }
-        self.here(path)?.create_folder(path)
+        self.where_folders_are_made(path)?.create_folder(path)
+    }
+
+    fn create_private_folder(&self, path: &Path) -> io::Result<()> {
+        self.where_folders_are_made(path)?.create_private_folder(path)
     }
 
     fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
@@ -192,7 +206,7 @@ impl Files for Raw<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Memory, replace, write_new};
+    use crate::{Memory, replace, write_new, write_private};
 
     fn study() -> (Memory, Layout) {
         let layout = Layout::new(Path::new("/r"), "demo".parse().unwrap());
@@ -231,6 +245,35 @@ mod tests {
             }
         }
         assert_eq!(disk.below(Path::new("/")), before);
+    }
+
+    #[test]
+    fn folders_above_the_vault_are_made_and_nothing_is_written_in_them() {
+        let (disk, layout) = study();
+        let vault = Path::new("/home/.local/state/zwidth");
+        let raw = Raw::of(&disk, &layout, May::Add).with_vault(vault);
+        write_private(&raw, &vault.join("demo/seed"), b"1").unwrap();
+        assert!(write_private(&raw, Path::new("/home/.local/seed"), b"1").is_err());
+        assert!(raw.make_private(Path::new("/home/.local")).is_err());
+    }
+
+    #[test]
+    fn a_vault_without_a_name_opens_no_other_folder() {
+        let (disk, layout) = study();
+        let raw = Raw::of(&disk, &layout, May::Add).with_vault(Path::new(""));
+        assert!(write_new(&raw, Path::new("/r/derived/demo/new"), b"no").is_err());
+    }
+
+    #[test]
+    fn root_and_vault_may_lead_up_and_nothing_below_them() {
+        let layout = Layout::new(Path::new("../r"), "demo".parse().unwrap());
+        let (disk, vault) = (Memory::new(), Path::new("../keys"));
+        let raw = Raw::of(&disk, &layout, May::Add).with_vault(vault);
+        write_new(&raw, &layout.study_toml(), b"study").unwrap();
+        write_private(&raw, &vault.join("demo/seed"), b"1").unwrap();
+        for path in ["../r/raw/demo/../other/x", "../keys/../x"] {
+            assert!(write_new(&raw, Path::new(path), b"no").is_err(), "{path}");
+        }
     }
 
     #[cfg(unix)]

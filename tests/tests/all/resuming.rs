@@ -2,7 +2,7 @@
 //! suggested; and what a blinded one leaves.
 
 use crate::acquire::{Desk, TRIALS};
-use crate::binary::{binary, ran, zwidth};
+use crate::binary::{Ran, binary, ran, zwidth};
 use crate::folders::{files, listing};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -100,6 +100,69 @@ fn the_command_that_is_suggested_goes_on_with_the_session() {
     let resumed = ran(&shell.unwrap()).exits(0);
     assert!(resumed.out.contains("resumed: 1 of 7"), "{resumed:#?}");
     desk.verify();
+}
+
+/// `zwidth acquire` of a blinded session that goes by itself, from this folder.
+fn acquire_blinded(folder: &Path, root: &str, more: &[(&str, &Path)]) -> Ran {
+    let mut command = Command::new(binary());
+    command
+        .current_dir(folder)
+        .args(["--root", root, "acquire", "small", "-p", "P01", "-s", "S01"]);
+    command.args(["--plain", "--fast", "--auto"]).stdin(Stdio::null());
+    command.env_remove("ZWIDTH_ROOT").env_remove("XDG_STATE_HOME").env_remove("LOCALAPPDATA");
+    for (name, path) in more {
+        match name.strip_prefix("--") {
+            Some(_) => command.arg(name).arg(path),
+            None => command.env(name, path),
+        };
+    }
+    ran(&command.output().unwrap())
+}
+
+#[test]
+fn the_first_blinded_session_of_a_new_account_makes_the_folders_of_its_seals() {
+    for new in [vec!["HOME"], vec!["HOME", "XDG_STATE_HOME"]] {
+        let desk = Desk::new(true);
+        let account = tempfile::tempdir().unwrap();
+        let home = account.path().join("home/new");
+        let state = account.path().join("state/of/the/user");
+        let folders: Vec<(&str, &Path)> = new.iter().copied().zip([&*home, &*state]).collect();
+        acquire_blinded(desk.root(), ".", &folders).exits(0);
+        let vault = match new.len() {
+            1 => home.join(".local/state/zwidth"),
+            _ => state.join("zwidth"),
+        };
+        assert_eq!(files(&vault.join("small"), "json").len(), 1);
+        desk.verify();
+    }
+}
+
+#[test]
+fn a_vault_is_made_in_new_folders_by_any_spelling_of_its_path_and_of_the_root() {
+    for (root, key, leads_to) in [
+        (".", "new/sub/folder", "new/sub/folder"),
+        ("../desk", "./keys", "keys"),
+        ("../desk", "../keys/new", "../keys/new"),
+        (".", "raw/../keys/new", "keys/new"),
+    ] {
+        let desk = Desk::new(true);
+        let folder = desk.root().join("desk");
+        fs::create_dir(&folder).unwrap();
+        fs::rename(desk.root().join("raw"), folder.join("raw")).unwrap();
+        acquire_blinded(&folder, root, &[("--key", Path::new(key))]).exits(0);
+        assert_eq!(files(&folder.join(leads_to).join("small"), "json").len(), 1, "{key}");
+        acquire_blinded(&folder, root, &[("--key", Path::new(key))]).exits(0);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_vault_that_a_link_leads_into_the_data_is_refused_before_anything_is_written() {
+    let desk = Desk::new(true);
+    std::os::unix::fs::symlink("raw/small", desk.root().join("keys")).unwrap();
+    let before = listing(&desk.root().join("raw"));
+    desk.finish().exits(1).one_error().says(&["is inside", "raw", "--key"]);
+    assert_eq!(listing(&desk.root().join("raw")), before);
 }
 
 #[cfg(unix)]
