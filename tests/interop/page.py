@@ -3,7 +3,7 @@
     python page.py --zwidth PROGRAM --report reports/thesis-twin --raw raw/thesis-twin --out FOLDER [--axe axe.min.js] [--chromium PROGRAM]
 
 Drives Chromium without a window and without a network, by mouse and by keyboard alone. Values that the page shows are
-compared with the Parquet files of raw/ bit for bit. Screenshots, the printed page and the saved plots are written to --out, for
+compared with the Parquet files of raw/ bit for bit. What others bring into the page is neither run nor loaded, and the page as one file does the same. Screenshots, the printed page and the saved plots are written to --out, for
 people to look at. At last a study is simulated whose every text is a script or a tag: they are shown, not run. Times are printed, not judged.
 One line a check; the exit code is 1 where one failed.
 """
@@ -16,12 +16,13 @@ import math
 import re
 import shutil
 import struct
+import subprocess
 import tempfile
 from pathlib import Path
 
 import axe_playwright_python
 import pyarrow.parquet as parquet
-from playwright.sync_api import TimeoutError, sync_playwright
+from playwright.sync_api import Error, sync_playwright
 
 import checks
 import hostile
@@ -68,6 +69,8 @@ def main():
         screens(browser, visit.report, given)
         says_what_is_missing(browser, visit.report)
         nothing_left_the_page(visit)
+        what_is_brought_in_does_nothing(browser, visit.report)
+        as_one_file(browser, visit.report, given.zwidth.resolve())
         texts_are_shown_and_not_run(browser, given.zwidth.resolve())
         browser.close()
     checks.end()
@@ -76,15 +79,18 @@ def main():
 class Visit:
     """One page in one browser, with a log of its requests and complaints."""
 
-    def __init__(self, browser, report, **context):
-        self.report, self.requests, self.errors = report, [], []
+    def __init__(self, browser, report, watched=False, **context):
+        self.report, self.requests, self.refused, self.errors = report, [], [], []
         self.context = browser.new_context(**{"viewport": {"width": 1440, "height": 900}, "accept_downloads": True, "reduced_motion": "reduce", **context})
         self.context.set_offline(True)
         self.page = self.context.new_page()
         self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("requestfailed", lambda request: request.failure == "csp" and self.refused.append(request.url))
         self.page.on("console", lambda message: message.type in ("error", "warning") and self.errors.append(message.text))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("dialog", self.refuse)
+        if watched:
+            self.page.add_init_script("window.refused = []; addEventListener('securitypolicyviolation', (event) => window.refused.push([event.effectiveDirective, event.blockedURI]))")
         self.page.goto((report / "index.html").as_uri())
         self.study = json.loads(self.page.locator("#study-data").text_content())
 
@@ -94,7 +100,7 @@ class Visit:
         dialog.dismiss()
 
     def ready(self):
-        self.page.wait_for_function(f"{DRAWN} > 0")
+        wait_until(self.page, f"{DRAWN} > 0")
         return self
 
     def after(self, act):
@@ -102,7 +108,7 @@ class Visit:
         before = self.page.evaluate(DRAWN)
         self.page.evaluate("window.began = performance.now()")
         act()
-        self.page.wait_for_function(f"{DRAWN} > {before}", polling="raf")
+        wait_until(self.page, f"{DRAWN} > {before}")
         return self.page.evaluate("performance.now() - window.began")
 
     def address(self, has, lacks=None):
@@ -110,8 +116,8 @@ class Visit:
         says = f"location.hash.includes({has!r})" if has else "true"
         says += f" && !location.hash.includes({lacks!r})" if lacks else ""
         try:
-            self.page.wait_for_function(says, timeout=10_000)
-        except TimeoutError:
+            wait_until(self.page, says, seconds=10)
+        except Error:
             return False
         return True
 
@@ -123,6 +129,15 @@ class Visit:
     def complaints(self):
         found, self.errors = self.errors, []
         return found
+
+
+def wait_until(page, condition, seconds=30):
+    """Waits for a condition, looked at before each frame. Playwright's own way evaluates a text in the page, which the page's policy forbids."""
+    page.evaluate(f"""new Promise((done, fail) => {{
+        const began = performance.now();
+        const look = () => ({condition}) ? done() : performance.now() - began > {1000 * seconds} ? fail(new Error("waited in vain for " + {json.dumps(condition)})) : requestAnimationFrame(look);
+        look();
+    }})""")
 
 
 def trial_file(raw, participant, session, trial):
@@ -213,7 +228,8 @@ def by_mouse(visit, raw):
             box = plot.bounding_box()
             for step in range(1, 12):
                 page.mouse.move(box["x"] + 46 + (box["width"] - 58) * step / 12, box["y"] + box["height"] * (0.25 + 0.05 * step))
-                shown = page.wait_for_function("document.getElementById('readout').dataset.index !== undefined") and visit.readout()
+                wait_until(page, "document.getElementById('readout').dataset.index !== undefined")
+                shown = visit.readout()
                 seen.add((shown["trial"], shown["index"]))
                 if raw:
                     wrong += same_as_recorded(visit, raw, shown)
@@ -258,7 +274,7 @@ def by_keyboard(visit, raw):
         checks.equal("by keyboard, samples are bit for bit as recorded", wrong, [])
     page.keyboard.press("ArrowDown")
     checks.check("arrow down leads to another curve", visit.readout()["trial"] != first)
-    page.wait_for_function("document.getElementById('live').textContent.includes('t ')")
+    wait_until(page, "document.getElementById('live').textContent.includes('t ')")
     checks.check("the live region speaks after a pause", "Curve" in page.locator("#live").text_content())
     page.keyboard.press("Home")
     page.keyboard.press("PageDown")
@@ -476,7 +492,7 @@ def screens(browser, report, given):
 def accessible(visit, axe, name):
     """What axe-core finds serious or critical, everything opened."""
     visit.page.evaluate("for (const details of document.querySelectorAll('details')) details.open = true")
-    visit.page.add_script_tag(content=axe.read_text())
+    visit.page.evaluate(axe.read_text())  # no tag: the page's policy runs none
     found = visit.page.evaluate("axe.run(document, { resultTypes: ['violations'] }).then((result) => result.violations.map(({ id, impact, nodes }) => ({ id, impact, nodes: nodes.slice(0, 3).map(({ target, failureSummary }) => [target, failureSummary]) })))")
     checks.equal(f"{name}: axe finds nothing serious", [one for one in found if one["impact"] in ("serious", "critical")], [])
     lesser = [one["id"] for one in found if one["impact"] not in ("serious", "critical")]
@@ -495,6 +511,56 @@ def says_what_is_missing(browser, report):
             visit.page.wait_for_selector(".status.bad")
             text = visit.page.locator(".status").text_content()
             checks.check("missing data are named, with what to do", "report-data" in text, text)
+        visit.context.close()
+
+
+# What somebody might bring into a page, and which rule of its policy refuses it.
+BROUGHT_IN = """<script>window.pwned = "inline"</script><script src="brought.js"></script><script src="https://example.org/x.js"></script>
+<img alt="" src="https://example.org/x.png" onerror="window.pwned = 'handler'"><link rel="stylesheet" href="https://example.org/x.css">
+<style>h1 { color: rgb(1, 2, 3) }</style><p style="color: rgb(1, 2, 3)" id="coloured">text</p><iframe src="https://example.org/"></iframe>
+<object data="https://example.org/x.svg"></object><base href="https://example.org/">"""
+REFUSED = {"script-src-elem", "script-src-attr", "style-src-elem", "style-src-attr", "img-src", "frame-src", "object-src", "base-uri", "connect-src"}
+
+
+def what_is_brought_in_does_nothing(browser, report):
+    """Scripts, pictures, styles and frames that were put into the page, and a request of its own; without the policy the scripts run."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / report.name
+        shutil.copytree(report, copy)
+        (copy / "brought.js").write_text("window.pwned = 'beside';")
+        page = (copy / "index.html").read_text()
+        (copy / "index.html").write_text(page.replace("</main>", f"{BROUGHT_IN}</main>", 1))
+        visit = Visit(browser, copy, watched=True).ready()
+        scroll_through(visit.page)
+        visit.page.evaluate("fetch('https://example.org/').catch(() => {})")
+        found = visit.page.evaluate("[window.pwned, getComputedStyle(document.querySelector('h1')).color, getComputedStyle(document.getElementById('coloured')).color, document.baseURI === location.href]")
+        checks.check("nothing that was brought in ran, coloured or moved the page", found[0] is None and "rgb(1, 2, 3)" not in found and found[3], str(found))
+        checks.equal("each kind of it was refused", {rule for rule, _ in visit.page.evaluate("window.refused")}, REFUSED)
+        visit.requests = [url for url in visit.requests if url not in visit.refused]  # the browser tells these too
+        nothing_left_the_page(visit)
+        visit.context.close()
+        (copy / "index.html").write_text(page.replace("Content-Security-Policy", "none", 1).replace("</main>", f"{BROUGHT_IN}</main>", 1))
+        visit = Visit(browser, copy, watched=True)
+        checks.check("without the policy it would have run", visit.page.evaluate("window.pwned") is not None)
+        visit.context.close()
+
+
+def as_one_file(browser, report, zwidth):
+    """The page as one file does what the page does, with nothing beside it."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "index.html"
+        subprocess.run([zwidth, "--root", report.parent.parent, "open", report.name, "--single-file", file], check=True, capture_output=True)
+        visit = Visit(browser, Path(folder)).ready()
+        checks.check("one file says that it is one", visit.study["single_file"])
+        for environment in visit.study["environments"][1:]:
+            pick(visit, "environment", environment["id"])
+        text, _ = downloaded(visit, "csv")
+        checks.check("one file gives its samples", text.count(b"\n") > 100, f"{text.count(chr(10).encode())} lines")
+        scroll_through(visit.page)
+        pictures = visit.page.evaluate("[...document.images].filter((image) => image.complete).map((image) => image.naturalWidth)")
+        checks.check(f"one file shows its {len(pictures)} figures", len(pictures) > 0 and all(pictures))
+        checks.equal("one file: no complaint", visit.complaints(), [])
+        nothing_left_the_page(visit)
         visit.context.close()
 
 

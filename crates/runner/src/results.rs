@@ -44,7 +44,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// Why the path is not one of a result, in words.
-    pub(crate) fn named(layout: &Layout, path: &str) -> Result<PathBuf, String> {
+    pub fn named(layout: &Layout, path: &str) -> Result<PathBuf, String> {
         relative(path)?;
         let study = layout.study().as_str();
         match path.split('/').collect::<Vec<_>>().as_slice() {
@@ -113,7 +113,7 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// A link on the way to it.
-    pub(crate) fn read(
+    pub fn read(
         &self,
         path: &Path,
         most: u64,

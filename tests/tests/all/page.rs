@@ -41,3 +41,63 @@ fn a_page_as_one_file_needs_nothing_beside_it_and_a_study_without_a_page_says_ho
         .one_error()
         .says(&["reports/thesis-twin/index.html", "zwidth run thesis-twin"]);
 }
+
+/// `zwidth open --single-file` of a page whose first figure, or first script of samples, is another
+/// path.
+#[test]
+fn one_file_takes_in_regular_files_of_its_own_report_alone_and_names_what_else_the_page_shows() {
+    let root = shipped::finished();
+    let report = root.path().join("reports/thesis-twin");
+    fs::write(root.path().join("secret.svg"), "secret").unwrap();
+    fs::write(root.path().join("secret.js"), "zwidthData(\"x\", secret);").unwrap();
+    let page = fs::read_to_string(report.join("index.html")).unwrap();
+    let figure = page.split(" src=\"").nth(1).unwrap().split('"').next().unwrap();
+    let key = "P01.S01.spring.hybrid";
+    let file = root.path().join("one.html");
+    let single =
+        || zwidth(root.path(), &["open", "thesis-twin", "--single-file", file.to_str().unwrap()]);
+    let refused = |named: &str, says: &[&str]| {
+        single().exits(1).one_error().says(&[named]).says(says);
+        assert!(!file.exists(), "{named}");
+    };
+    for path in ["figures/../../../secret.svg", "figures//secret.svg", "figures/missing.svg"] {
+        let edited = page.replace(&format!("\"{figure}\""), &format!("\"{path}\""));
+        fs::write(report.join("index.html"), edited).unwrap();
+        refused(path, &["zwidth run"]);
+    }
+    for path in ["/etc/hostname", "https://example.org/x.svg"] {
+        let edited = page.replace(&format!(" src=\"{figure}\""), &format!(" src=\"{path}\""));
+        fs::write(report.join("index.html"), edited).unwrap();
+        refused(path, &["no figure of the study"]);
+    }
+    let edited = page.replace(&format!("\"data\":\"{key}\""), "\"data\":\"../../../secret\"");
+    assert_ne!(edited, page);
+    fs::write(report.join("index.html"), edited).unwrap();
+    refused("report-data/../../../secret.js", &["no file of this report"]);
+    fs::write(report.join("index.html"), &page).unwrap();
+    single().exits(0);
+    fs::remove_file(&file).unwrap();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::symlink;
+        for name in [figure.to_owned(), format!("report-data/{key}.js")] {
+            let path = report.join(&name);
+            let kept = fs::read(&path).unwrap();
+            fs::remove_file(&path).unwrap();
+            symlink(root.path().join("secret.svg"), &path).unwrap();
+            refused(&name, &["link"]);
+            fs::remove_file(&path).unwrap();
+            // Nobody writes into this pipe: whoever waits for it hangs.
+            std::process::Command::new("mkfifo").arg(&path).status().unwrap();
+            refused(&name, &[]);
+            fs::remove_file(&path).unwrap();
+            fs::write(&path, kept).unwrap();
+        }
+        fs::rename(report.join("figures"), root.path().join("elsewhere")).unwrap();
+        symlink(root.path().join("elsewhere"), report.join("figures")).unwrap();
+        refused("reports/thesis-twin/figures", &["it is a link"]);
+        fs::remove_file(report.join("figures")).unwrap();
+        fs::rename(root.path().join("elsewhere"), report.join("figures")).unwrap();
+        single().exits(0);
+    }
+}

@@ -7,9 +7,11 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use std::collections::BTreeMap;
+use std::io;
 use std::path::Path;
 use zwidth_report::single_file;
-use zwidth_store::Layout;
+use zwidth_runner::Results;
+use zwidth_store::{Layout, MOST_BYTES, RealFiles, StoreError};
 
 pub(crate) fn open(root: &Path, command: &Open, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
@@ -19,7 +21,7 @@ pub(crate) fn open(root: &Path, command: &Open, screen: &Screen) -> anyhow::Resu
         bail!("there is no {shown}; make it with `zwidth run {}`", command.study);
     }
     if let Some(file) = &command.single_file {
-        write_single(&layout, &page, file)?;
+        write_single(&layout, file)?;
         screen.result(format!("{}", file.display()));
         return Ok(Exit::Fine);
     }
@@ -31,8 +33,7 @@ pub(crate) fn open(root: &Path, command: &Open, screen: &Screen) -> anyhow::Resu
 }
 
 /// Writes the page as one file, which may not lie among recordings.
-fn write_single(layout: &Layout, page: &Path, file: &Path) -> anyhow::Result<()> {
-    let beside = page.parent().unwrap_or(Path::new(""));
+fn write_single(layout: &Layout, file: &Path) -> anyhow::Result<()> {
     let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let named = file.file_stem().and_then(|stem| stem.to_str());
     let is_html = file.extension().is_some_and(|extension| extension == "html");
@@ -46,13 +47,42 @@ fn write_single(layout: &Layout, page: &Path, file: &Path) -> anyhow::Result<()>
     if layout.raw().canonicalize().is_ok_and(|raw| folder.starts_with(raw)) {
         bail!("{} is inside raw/; choose another folder", file.display());
     }
-    let html = std::fs::read_to_string(page).with_context(|| page.display().to_string())?;
-    let read = |path: &str| {
-        let path = beside.join(path);
-        std::fs::read(&path).map_err(|error| {
-            std::io::Error::new(error.kind(), format!("{}: {error}", path.display()))
-        })
-    };
-    let one = single_file(&html, read).context("the page as one file")?;
+    let mut report = Report { layout, left: MOST_BYTES };
+    let page = zwidth_plan::page_file(layout);
+    let html = String::from_utf8(report.read("index.html")?)
+        .with_context(|| layout.shown(&page).display().to_string())?;
+    let one = single_file(&html, |path| report.read(path))
+        .with_context(|| layout.shown(&page).display().to_string())?;
     Output::new(&folder, BTreeMap::new()).text(name, "html", &one)
 }
+
+/// The files of a study's report that go into one. The page names them, and anybody may have edited
+/// it.
+struct Report<'a> {
+    layout: &'a Layout,
+    /// How many bytes may still be read.
+    left: u64,
+}
+
+impl Report<'_> {
+    /// A regular file of the report by its path from the report's folder on, with `/`.
+    fn read(&mut self, path: &str) -> io::Result<Vec<u8>> {
+        let study = self.layout.study();
+        let named =
+            Results::named(self.layout, &format!("reports/{study}/{path}")).map_err(|why| {
+                let what =
+                    format!("it names {path}, which is no file of this report: {why}; {AGAIN}");
+                io::Error::other(what)
+            })?;
+        let bytes = Results::new(self.layout, &RealFiles)
+            .read(&named, self.left)
+            .and_then(|found| {
+                found.unwrap_or_else(|| Err(StoreError::new(&named, "it is missing", AGAIN)))
+            })
+            .map_err(io::Error::other)?;
+        self.left -= bytes.len() as u64;
+        Ok(bytes)
+    }
+}
+
+const AGAIN: &str = "make the report again with `zwidth run STUDY`";

@@ -3,14 +3,18 @@
 //! All that is text stands in the page as it is, so that it reads and prints without its script;
 //! the script (`script/`, ours, no library) adds the browser of trials and what can be clicked.
 //! Nothing leaves the page: style and script stand in it, samples in scripts beside it
-//! ([`condition_script`]) that are loaded when somebody asks for them.
+//! ([`condition_script`]) that are loaded when somebody asks for them. A policy in its head
+//! ([`policy`]) lets the browser do nothing else.
 
 mod contents;
 mod course;
 mod estimates;
 mod given;
+mod own;
 mod parts;
+mod policy;
 mod quality;
+mod sha256;
 mod single;
 mod turned;
 
@@ -21,33 +25,11 @@ pub use single::single_file;
 pub use turned::{TURNED, Turn, TurnedError, turned_script};
 
 use maud::{DOCTYPE, PreEscaped, html};
+use own::{SCRIPT, STYLE};
 use parts::Part;
+use policy::{Form, policy};
 use single::DATA;
 use std::io::{self, BufWriter, Write};
-
-const STYLE: &str = include_str!("page.css");
-/// One classic script, because a page opened from disk may load neither modules nor anything by
-/// fetch: its parts share one scope, and stand in the order in which they need each other's
-/// constants. Text from the study is only ever set as text in it, never as markup.
-const SCRIPT: &str = concat!(
-    "\"use strict\";\n(() => {\n",
-    include_str!("script/words.js"),
-    include_str!("script/data.js"),
-    include_str!("script/pens.js"),
-    include_str!("script/scales.js"),
-    include_str!("script/view.js"),
-    include_str!("script/curves.js"),
-    include_str!("script/panels.js"),
-    include_str!("script/browser.js"),
-    include_str!("script/screen.js"),
-    include_str!("script/cursor.js"),
-    include_str!("script/exports.js"),
-    include_str!("script/dots.js"),
-    include_str!("script/answers.js"),
-    include_str!("script/sliders.js"),
-    include_str!("script/page.js"),
-    "})();\n",
-);
 
 /// The page in HTML, before and behind what its script knows of the study: of a large one that is far
 /// more than all else.
@@ -66,6 +48,8 @@ pub fn page_html(page: &Page) -> PageHtml {
         html lang="en" {
             head {
                 meta charset="utf-8";
+                // Before anything that it is about: what stands above it is not held to it.
+                meta http-equiv="Content-Security-Policy" content=(PreEscaped(policy(Form::Folder)));
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 meta name="referrer" content="no-referrer";

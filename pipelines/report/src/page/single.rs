@@ -1,5 +1,6 @@
 //! The page as one file: pictures and samples in it.
 
+use super::policy::{Form, policy};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::collections::BTreeSet;
@@ -7,8 +8,9 @@ use std::io;
 
 /// Where the page says that samples lie beside it, and what one file says instead.
 const BESIDE: [&str; 2] = ["\"single_file\":false", "\"single_file\":true"];
-/// How the page names a picture.
-const PICTURE: &str = "src=\"figures/";
+/// How the page names a picture: all that it shows of another file. No text of a study can have this
+/// quotation mark.
+const SOURCE: &str = " src=\"";
 /// What stands before what the page's script knows of the study: samples are brought in before it, too.
 pub(super) const DATA: &str = "<script id=\"study-data\" type=\"application/json\">";
 /// How a trial names the script that holds its samples.
@@ -18,17 +20,30 @@ const KEY: &str = "\"data\":\"";
 /// from its folder on. Links to tables and other forms of a figure stay links.
 ///
 /// # Errors
-/// Those of `read`; a script of samples that is not one of ours.
+/// Those of `read`; a page or a script of samples that is not one of ours; a picture that is no
+/// figure.
 pub fn single_file(
     html: &str,
     mut read: impl FnMut(&str) -> io::Result<Vec<u8>>,
 ) -> io::Result<String> {
-    let (mut shown, data) = html.split_once(DATA).unwrap_or((html, ""));
+    let (head, body) = html.split_once(&policy(Form::Folder)).ok_or_else(|| {
+        io::Error::other(
+            "it is not as this version of zwidth writes it; make it again with `zwidth run STUDY`",
+        )
+    })?;
+    let (mut shown, data) = body.split_once(DATA).unwrap_or((body, ""));
     let mut one = String::with_capacity(2 * html.len());
-    while let Some((before, rest)) = shown.split_once(PICTURE) {
-        let (name, after) = rest.split_once('"').unwrap_or((rest, ""));
-        let picture = STANDARD.encode(read(&format!("figures/{name}"))?);
-        one += &format!("{before}src=\"data:image/svg+xml;base64,{picture}\"");
+    one += head;
+    one += &policy(Form::OneFile);
+    while let Some((before, rest)) = shown.split_once(SOURCE) {
+        let (path, after) = rest.split_once('"').unwrap_or((rest, ""));
+        if !path.starts_with("figures/") || !path.ends_with(".svg") {
+            return Err(io::Error::other(format!(
+                "it shows '{path}', which is no figure of the study; make it again with `zwidth run STUDY`"
+            )));
+        }
+        let picture = STANDARD.encode(read(path)?);
+        one += &format!("{before}{SOURCE}data:image/svg+xml;base64,{picture}\"");
         shown = after;
     }
     one += shown;

@@ -269,6 +269,37 @@ fn one_file_holds_pictures_and_samples_and_is_else_the_same() {
     );
     let other = single_file(&html, |_| Ok(b"something else".to_vec())).unwrap_err();
     assert!(other.to_string().contains("run it again"), "{other}");
+    // It loads nothing any more, and shows what is in it alone.
+    assert!(one.contains("; img-src data:;") && !one.contains("strict-dynamic"), "{one}");
+}
+
+#[test]
+fn a_page_that_is_not_ours_or_shows_what_is_no_figure_does_not_become_one_file() {
+    let html = page(&summary());
+    let nothing = |path: &str| -> io::Result<Vec<u8>> { panic!("{path} was read") };
+    let figure = " src=\"figures/modes.P01.svg\"";
+    assert_eq!(html.matches(figure).count(), 1);
+    for other in ["../secret.svg", "https://example.org/x.svg", "report-data/x.js", ""] {
+        let edited = html.replace(figure, &format!(" src=\"{other}\""));
+        let error = single_file(&edited, nothing).unwrap_err().to_string();
+        assert!(error.contains(&format!("'{other}'")) && error.contains("zwidth run"), "{error}");
+    }
+    let without_policy = html.replace("Content-Security-Policy", "").replace("default-src", "");
+    let error = single_file(&without_policy, nothing).unwrap_err().to_string();
+    assert!(error.contains("zwidth run"), "{error}");
+}
+
+#[test]
+fn the_policy_stands_before_all_that_it_is_about_and_names_the_page_s_own_script_and_style() {
+    let html = page(&summary());
+    let (before, after) = html.split_once("http-equiv=\"Content-Security-Policy\"").unwrap();
+    assert!(
+        !before.contains("<script") && !before.contains("<style") && !before.contains("<title")
+    );
+    let policy = after.split('"').nth(1).unwrap();
+    assert!(policy.starts_with("default-src 'none'; script-src 'sha256-"), "{policy}");
+    assert!(!policy.contains("unsafe") && !policy.contains("http"), "{policy}");
+    assert!(!html.contains(" style=\""), "an attribute that the policy forbids");
 }
 
 #[test]

@@ -11,7 +11,7 @@ const DASHES = [[], [8, 4], [8, 3, 2, 3], [2, 3], [12, 3], [4, 2, 1, 2]];
 const BITS = { 1: "saturated", 2: "stale force", 4: "stale angle", 8: "dropout", 16: "clipped", 32: "past wall", 64: "outside work space", 128: "brake on", 256: "motor on" };
 const EVENTS = { onset: ["○", "onset"], contact: ["×", "contact"], reversal: ["△", "reversal"], let_go: ["◇", "let-go"], end: ["□", "end"] };
 
-/** An element with attributes, listeners (`onclick`) and children; strings become text. */
+/** An element with attributes, listeners (`onclick`) and children; strings become text. A `style` is set as one: as an attribute the page's policy forbids it. */
 function make(tag, attributes = {}, ...children) {
   return fill(document.createElement(tag), attributes, children);
 }
@@ -23,6 +23,7 @@ function makeSvg(tag, attributes = {}, ...children) {
 function fill(element, attributes, children) {
   for (const [name, value] of Object.entries(attributes)) {
     if (typeof value === "function") element.addEventListener(name.slice(2), value);
+    else if (name === "style") element.style.cssText = value;
     else if (value !== null && value !== undefined && value !== false) element.setAttribute(name, value === true ? "" : value);
   }
   element.append(...children.filter((child) => child !== null && child !== undefined));

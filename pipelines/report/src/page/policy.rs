@@ -1,0 +1,34 @@
+//! What a browser may do for the page, said in its head (Content Security Policy, level 3,
+//! <https://www.w3.org/TR/CSP3/>): run its own script, use its own style sheet, show its figures.
+//! A script or a picture that somebody else brought into the page does nothing, and nothing is sent
+//! anywhere.
+
+use super::own::{SCRIPT, STYLE};
+use super::sha256::sha256;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+/// In which form a page is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    /// With figures and samples beside it, from a disk or from a server.
+    Folder,
+    /// One file.
+    OneFile,
+}
+
+/// The policy of a page.
+pub(super) fn policy(form: Form) -> String {
+    let [script, style] = [SCRIPT, STYLE].map(|text| STANDARD.encode(sha256(text.as_bytes())));
+    let (loads, images) = match form {
+        // `strict-dynamic`: what the page's own script loads is samples; a tag of another script
+        // loads nothing. A page from a disk has no origin, so that not every browser takes files
+        // beside it for its own (`'self'`).
+        Form::Folder => (" 'strict-dynamic'", "'self' file:"),
+        Form::OneFile => ("", "data:"),
+    };
+    format!(
+        "default-src 'none'; script-src 'sha256-{script}'{loads}; style-src 'sha256-{style}'; \
+         img-src {images}; base-uri 'none'; form-action 'none'"
+    )
+}
