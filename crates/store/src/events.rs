@@ -393,6 +393,28 @@ mod tests {
         }
     }
 
+    /// The time of a line is kept as it was written, and nothing is computed with it.
+    #[test]
+    fn a_line_of_any_time_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = log(folder.path());
+        let note = Event::Note { trial: None, text: "a moment".into() };
+        let times = [
+            "0001-01-01T00:00:00Z",
+            "-009999-01-01T00:00:00-25:59",
+            "9999-12-31T23:59:59.999999999Z",
+            "9999-12-31T23:59:60+23:59",
+            "10000-01-01T00:00:00Z",
+            "2016-12-31T23:59:60Z",
+            "no time",
+            "",
+        ];
+        for utc in times {
+            append_events(&RealFiles, &path, utc, std::slice::from_ref(&note)).unwrap();
+        }
+        assert_eq!(read_events(&path).unwrap().len(), 3 + times.len());
+    }
+
     #[test]
     fn a_changed_a_missing_and_a_cut_line_are_noticed() {
         let folder = tempfile::tempdir().unwrap();

@@ -4,28 +4,34 @@
 /// Excel has it, or 1904-01-01.
 const DAY_0: i64 = 693_899;
 const DAY_0_OF_1904: i64 = 695_361;
-/// The first day that no calendar of a workbook has any more: 10000-01-01.
-const DAYS: f64 = 2_958_466.0;
+/// Days from 0000-03-01 to the first that ISO 8601 cannot write: 10000-01-01.
+const DAYS: i64 = 3_652_365;
 const MILLISECONDS: f64 = 86_400_000.0;
 
-/// `2026-01-31`, `2026-01-31T12:00:00`, or below one day `12:00:00`; seconds to the millisecond.
+/// `2026-01-31`, `2026-01-31T12:00:00`, or below one day `12:00:00`; seconds to the millisecond. None
+/// for a day before the count or after the year 9999.
 #[allow(clippy::cast_possible_truncation)] // The range is checked.
 pub(super) fn iso(days: f64, since_1904: bool) -> Option<String> {
-    if !(0.0..DAYS).contains(&days) {
+    if !(0.0..DAYS as f64).contains(&days) {
         return None;
     }
     let milliseconds = (days * MILLISECONDS).round() as i64;
+    // Only the rounded time says which day it is: a moment before midnight may be that of the next.
     let (day, rest) = (milliseconds / 86_400_000, milliseconds % 86_400_000);
+    let day_0 = if since_1904 { DAY_0_OF_1904 } else { DAY_0 };
+    if day_0 + day >= DAYS {
+        return None;
+    }
     let (hours, minutes) = (rest / 3_600_000, rest / 60_000 % 60);
     let (seconds, fraction) = (rest / 1000 % 60, rest % 1000);
     let mut time = format!("{hours:02}:{minutes:02}:{seconds:02}");
     if fraction > 0 {
         time += &format!(".{fraction:03}");
     }
-    if days < 1.0 {
+    if day == 0 {
         return Some(time);
     }
-    let date = date(day + if since_1904 { DAY_0_OF_1904 } else { DAY_0 });
+    let date = date(day_0 + day);
     Some(if rest == 0 { date } else { format!("{date}T{time}") })
 }
 
@@ -93,6 +99,28 @@ mod tests {
         assert_eq!(iso(1.0, true).as_deref(), Some("1904-01-02"));
         for none in [-1.0, f64::NAN, 1e300, 2_958_466.0] {
             assert_eq!(iso(none, false), None);
+        }
+    }
+
+    #[test]
+    fn no_day_is_after_the_year_9999_and_none_has_24_hours() {
+        let last_moment = 2_958_465.0 + 86_399_999.0 / MILLISECONDS;
+        assert_eq!(iso(last_moment, false).as_deref(), Some("9999-12-31T23:59:59.999"));
+        // The next number below that of the year 10000 is less than a millisecond before it.
+        assert_eq!(iso(2_958_466_f64.next_down(), false), None);
+        assert_eq!(iso(2_957_003.0, true).as_deref(), Some("9999-12-31"));
+        for none in [2_957_004.0, 2_958_465.0, 2_957_004_f64.next_down(), f64::INFINITY] {
+            assert_eq!(iso(none, true), None, "{none}");
+        }
+        assert_eq!(iso(1_f64.next_down(), false).as_deref(), Some("1899-12-31"));
+        assert_eq!(iso(62_f64.next_down(), false).as_deref(), Some("1900-03-02"));
+        for number in 0..=9_999 {
+            let days = f64::from(number) * 296.3 + 0.999_999_999_9;
+            for text in [false, true].map(|since_1904| iso(days, since_1904)).into_iter().flatten()
+            {
+                let (date, time) = text.split_once('T').unwrap_or((&text, "00:00:00"));
+                assert!(date.len() == 10 && time < "24", "{days}: {text}");
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! `zwidth import`: recordings of other rigs, as a mapping file says.
 
-use super::recover::lock;
+use super::recover::{lock, now};
 use super::{join_findings, study, sum_up};
 use crate::args::Import;
 use crate::exit::Exit;
@@ -58,7 +58,7 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
     for left in settle(&raw, &layout) {
         screen.say(left.map_err(|e| anyhow!("{e}; nothing was imported"))?.to_string());
     }
-    let utc = jiff::Timestamp::now().to_string();
+    let utc = now();
     let software = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
     // Long texts alone take long enough to be looked at.
     let bar = screen.bytes(long_bytes(&mapping, &command.files));

@@ -4,8 +4,10 @@ use super::{join_findings, study};
 use crate::args::Recover;
 use crate::exit::Exit;
 use crate::screen::Screen;
+use jiff::Timestamp;
 use serde::Serialize;
 use std::path::Path;
+use std::time::SystemTime;
 use zwidth_store::{
     Layout, Raw, RealFiles, Recovered, StoreError, StudyLock, accept_study, owner,
     recover as recover_study,
@@ -56,9 +58,9 @@ pub(super) fn lock(layout: &Layout, command: &str) -> Result<StudyLock, StoreErr
     StudyLock::take(layout, &owner(command, &now()))
 }
 
-/// The time of day, UTC.
+/// The time of day, UTC. A clock that is set past the year 9999 has no date any more.
 pub(super) fn now() -> String {
-    jiff::Timestamp::now().to_string()
+    Timestamp::try_from(SystemTime::now()).unwrap_or(Timestamp::MAX).to_string()
 }
 
 /// Recovers a study and tells what was done, for a command that is to write to it.

@@ -9,6 +9,7 @@ use crate::devices::{DeviceSpec, mixed, steps_alone, twin as device};
 use crate::exit::Exit;
 use crate::limits::MOST_SCALE;
 use crate::screen::Screen;
+use crate::text::read_beside;
 use anyhow::{Context as _, bail, ensure};
 use jiff::{SignedDuration, Timestamp};
 use rayon::prelude::*;
@@ -86,9 +87,8 @@ fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
     }
     if path.exists() {
         // One that says the same is of a simulation that was interrupted.
-        let there = std::fs::read(&path).with_context(|| path.display().to_string())?;
         ensure!(
-            there == text.as_bytes(),
+            read_beside(&path)?.is_some_and(|there| there == text),
             "--scale sets the repeats of a new study, and {} exists already; edit its repeats instead",
             path.display()
         );
@@ -244,4 +244,29 @@ fn tell(
         command.study
     ));
     Ok(exit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::{MOST_PARTICIPANTS, MOST_SESSIONS};
+
+    #[test]
+    fn the_last_session_of_the_largest_study_has_a_date() {
+        let (participant, session) =
+            (format!("P{MOST_PARTICIPANTS}").parse().unwrap(), format!("S{MOST_SESSIONS}"));
+        let begin = begin(&participant, &session.parse().unwrap()).unwrap();
+        assert!(later(begin, 86_400.0).starts_with("20"), "{begin}");
+    }
+
+    #[test]
+    fn a_time_past_the_last_date_is_the_beginning() {
+        let millisecond_before = Timestamp::MAX - SignedDuration::from_millis(1);
+        for begin in [Timestamp::MIN, Timestamp::UNIX_EPOCH, millisecond_before, Timestamp::MAX] {
+            for now_s in [0.0, 0.001, 1e6, 1e12, f64::MAX, f64::INFINITY, f64::NAN, -1e300] {
+                let text = later(begin, now_s);
+                assert!(text.ends_with('Z') && text.parse::<Timestamp>().is_ok(), "{text}");
+            }
+        }
+    }
 }

@@ -249,6 +249,23 @@ mod tests {
     use zwidth_runner::Field;
 
     #[test]
+    fn a_file_of_any_date_has_one_or_none() {
+        use std::time::{Duration, SystemTime};
+        let file = tempfile::NamedTempFile::new().unwrap();
+        // Up to the year 9999, past it, and past all that systems count.
+        for seconds in [0, 253_402_300_799, 253_402_300_800, 1 << 40, i64::MAX.unsigned_abs()] {
+            let Some(time) = SystemTime::UNIX_EPOCH.checked_add(Duration::from_secs(seconds))
+            else {
+                continue;
+            };
+            // A disk may refuse a date, or keep the nearest that it can.
+            let _ = file.as_file().set_modified(time);
+            assert!(dated(file.path()).is_none_or(|text| text.ends_with('Z')), "{seconds}");
+        }
+        assert_eq!(dated(Path::new("no such file")), None);
+    }
+
+    #[test]
     fn parameters_are_told_by_field_and_many_are_counted() {
         let field = |i: usize| Field { name: format!("f{i}"), recorded: Some(0.into()), now: None };
         let told =

@@ -9,6 +9,7 @@ use super::output::Output;
 use crate::args::Trade as Command;
 use crate::exit::Exit;
 use crate::screen::Screen;
+use crate::text::read_beside;
 use anyhow::bail;
 use serde::Serialize;
 use setups::{Made, Study, setups};
@@ -140,7 +141,10 @@ fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Re
     let key = source.key()?;
     let key_file = source.folder.join(format!("{}.trade.json", source.stem));
     let is_there = source.folder.join(format!("{}.trade.png", source.stem)).exists();
-    if !fresh && is_there && std::fs::read_to_string(&key_file).is_ok_and(|known| known == key) {
+    if !fresh
+        && is_there
+        && read_beside(&key_file).is_ok_and(|known| known.is_some_and(|known| known == key))
+    {
         return Ok(Done { trade: None, files: Vec::new() });
     }
     let parameters = Parameters::full(&source.scene, &source.perception);

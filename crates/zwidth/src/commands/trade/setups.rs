@@ -4,6 +4,7 @@
 use super::super::device::{Bench, bench};
 use super::super::output::Output;
 use crate::devices::twin;
+use crate::text::read_beside;
 use anyhow::anyhow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -67,7 +68,10 @@ pub(super) fn setups(
     let key = key(study, &asked, &bench, &of)?;
     let key_file = study.folder.join(format!("{STEM}.json"));
     let is_there = study.folder.join(format!("{STEM}.png")).exists();
-    if !fresh && is_there && std::fs::read_to_string(&key_file).is_ok_and(|known| known == key) {
+    if !fresh
+        && is_there
+        && read_beside(&key_file).is_ok_and(|known| known.is_some_and(|known| known == key))
+    {
         return Ok(Some(Made::default()));
     }
     let made = rehearsed(&study.data, &of, progress).map_err(|e| anyhow!("{}: {e}", study.name))?;
