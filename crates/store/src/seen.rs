@@ -1,13 +1,15 @@
 //! What files were when their content was last hashed: as long as the system says that nothing of a
 //! file has changed, its hash is known without its being read.
 //!
-//! A file is taken for the same while its length, its two times and its place on the disk are. The
-//! time at which its state last changed (`ctime`) moves with every write and every renaming, and no
-//! program can set it back; so what this does not see is a disk that loses bytes by itself, and who
-//! writes through a memory map: then the time moves only when a page is first touched after it was
-//! last written back.
-//! [`verify`](crate::verify) reads everything, whatever is known. Where a system keeps no such time,
-//! nothing is known.
+//! A file is taken for the same while its length, its two times and its number on the disk are. The
+//! time at which its state last changed (`ctime`) moves with every write and every renaming, and where
+//! a file system keeps it, no program can set it back without the machine's clock. What this does not
+//! see is listed in docs/data.md ("Where a result is from"): a disk that loses bytes by itself; who
+//! writes through a memory map, where the time moves only when a page is first touched after it was
+//! last written back; a result that is changed within the step of the clock in which it was written; a
+//! file system that gives the time of the last write for `ctime`; a network disk whose times lag.
+//! [`verify`](crate::verify) reads every recording, whatever is known. Where a system keeps no such
+//! time, nothing is known.
 //!
 //! A recording's signals are held against their digests when they are first read. After that its
 //! bytes as they are read then are held against their hash: they say the same in less time, because
