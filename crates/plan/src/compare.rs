@@ -244,7 +244,7 @@ fn parameters(data: &StudyData, metric: &str) -> Parameters {
     Parameters {
         metric: metric.to_owned(),
         primary,
-        preregistered: preregistered(data).filter(|_| primary),
+        preregistered: if primary { preregistered(data, &compared(data)) } else { None },
         simulated: data.counting().any(|trial| trial.meta.source.is_simulated()),
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         bounds: study.environments.iter().map(bound).collect(),

@@ -1,12 +1,11 @@
 //! What the methods in words speak of: what was recorded, and which stages a run has for it.
 
+use crate::people::participants;
+use crate::preregistered::of_plan;
 use crate::{compare, identify, likert, replay};
 use std::collections::BTreeMap;
 use zwidth_report::Recorded;
 use zwidth_store::StudyData;
-
-/// The participant of recordings in which nobody took part, as of a device driven by its own motor.
-const NOBODY: &str = "none";
 
 /// What was recorded for a study and is made of it.
 pub fn recorded(data: &StudyData) -> Recorded {
@@ -19,9 +18,6 @@ pub fn recorded(data: &StudyData) -> Recorded {
     trials.dedup();
     let mut sessions: Vec<_> = trials.iter().map(|(p, s, _)| (*p, *s)).collect();
     sessions.dedup();
-    let mut people: Vec<_> = sessions.iter().map(|(p, _)| *p).collect();
-    people.dedup();
-    people.retain(|p| p.as_str() != NOBODY);
     let mut sources = BTreeMap::new();
     // By the footers, wherever there is one.
     for trial in &data.trials {
@@ -46,7 +42,7 @@ pub fn recorded(data: &StudyData) -> Recorded {
     Recorded {
         words: words.collect(),
         made_by_import,
-        participants: people.len(),
+        participants: participants(data),
         sessions: sessions.len(),
         trials: trials.len(),
         sweeps: data.sweeps.len(),
@@ -57,5 +53,6 @@ pub fn recorded(data: &StudyData) -> Recorded {
         // Without the lever's length the table of replays says of each trial that it could not be.
         replayed: replay::of_study(data).is_some() && data.study.device.lever_m.is_some(),
         identified: identify::known_plant(data).is_some(),
+        plan: of_plan(data, &compare::compared(data)),
     }
 }

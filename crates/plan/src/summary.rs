@@ -313,6 +313,7 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
             .into_iter()
             .chain(not_recorded(&counting))
             .collect(),
+        plan: recorded.plan,
         ..Summary::default()
     }
 }

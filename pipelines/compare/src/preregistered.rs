@@ -1,4 +1,4 @@
-//! Whether the analysis is the one that was planned before the data were taken.
+//! Whether study, data and analysis are as they were planned before the data were taken.
 
 use serde::Serialize;
 use zwidth_tables::NoteKind;
@@ -10,6 +10,8 @@ pub struct Preregistered {
     pub blake3: String,
     /// What is otherwise than planned, each in words.
     pub deviations: Vec<String>,
+    /// What else a reader of the plan should know: whole sentences.
+    pub remarks: Vec<String>,
     /// How many participants were planned.
     pub participants: Option<u64>,
     /// How many trials were there when the plan was written.
@@ -17,24 +19,41 @@ pub struct Preregistered {
 }
 
 impl Preregistered {
-    /// The plan and its deviations in words, where `took_part` participants took part.
+    /// The plan and its deviations in one note, where `took_part` participants took part.
     pub(crate) fn note(&self, took_part: usize) -> (NoteKind, String) {
+        let verdict = match self.deviations.as_slice() {
+            [] => format!("{}.", self.verdict()),
+            all => format!("{}: {}.", self.verdict(), all.join("; ")),
+        };
+        let kind = if self.deviations.is_empty() { NoteKind::General } else { NoteKind::Care };
+        let sentences: Vec<String> = [verdict].into_iter().chain(self.further(took_part)).collect();
+        (kind, sentences.join(" "))
+    }
+
+    /// The plan and its deviations, each in a sentence, where `took_part` participants took part.
+    pub fn sentences(&self, took_part: usize) -> Vec<String> {
+        let deviations = self.deviations.iter().map(|deviation| format!("Deviation: {deviation}."));
+        let verdict = format!("{}.", self.verdict());
+        [verdict].into_iter().chain(deviations).chain(self.further(took_part)).collect()
+    }
+
+    fn verdict(&self) -> String {
         let start: String = self.blake3.chars().take(12).collect();
         let hash = if start.is_empty() { start } else { format!(", BLAKE3 {start}…") };
+        let as_planned = if self.deviations.is_empty() { "As planned" } else { "Not as planned" };
+        format!("{as_planned} (plan.json{hash})")
+    }
+
+    /// What is no deviation, and told all the same.
+    fn further(&self, took_part: usize) -> Vec<String> {
         let sample = self
             .participants
-            .map(|planned| format!(" Participants: {planned} planned, {took_part} with trials."));
-        let late = self.trials_before.filter(|trials| *trials > 0).map(|trials| {
-            format!(" The plan was written when {trials} trials were there already.")
-        });
-        let (kind, verdict) = match self.deviations.as_slice() {
-            [] => (NoteKind::General, format!("As planned (plan.json{hash}).")),
-            all => {
-                let all = all.join("; ");
-                (NoteKind::Care, format!("Not as planned (plan.json{hash}): {all}."))
-            }
-        };
-        (kind, [Some(verdict), sample, late].into_iter().flatten().collect())
+            .map(|planned| format!("Participants: {planned} planned, {took_part} with trials."));
+        let late = self
+            .trials_before
+            .filter(|trials| *trials > 0)
+            .map(|trials| format!("The plan was written when {trials} trials were there already."));
+        sample.into_iter().chain(late).chain(self.remarks.iter().cloned()).collect()
     }
 }
 
@@ -46,6 +65,7 @@ mod tests {
         Preregistered {
             blake3: "0123456789abcdef".to_owned(),
             deviations: deviations.iter().map(|d| (*d).to_owned()).collect(),
+            remarks: Vec::new(),
             participants: Some(12),
             trials_before: Some(trials_before),
         }
@@ -65,5 +85,23 @@ mod tests {
         assert_eq!(kind, NoteKind::Care);
         assert!(text.starts_with("Not as planned") && text.contains("alpha was 0.05, is 0.01."));
         assert!(text.ends_with("when 36 trials were there already."), "{text}");
+    }
+
+    #[test]
+    fn each_deviation_is_a_sentence_of_its_own() {
+        let remarks = vec!["A remark.".to_owned()];
+        let plan =
+            Preregistered { remarks, ..plan(&["alpha was 0.05, is 0.01", "1 trial more"], 3) };
+        let expected = [
+            "Not as planned (plan.json, BLAKE3 0123456789ab…).",
+            "Deviation: alpha was 0.05, is 0.01.",
+            "Deviation: 1 trial more.",
+            "Participants: 12 planned, 6 with trials.",
+            "The plan was written when 3 trials were there already.",
+            "A remark.",
+        ];
+        assert_eq!(plan.sentences(6), expected);
+        let whole = Preregistered { participants: None, deviations: Vec::new(), ..plan };
+        assert_eq!(whole.sentences(6)[0], "As planned (plan.json, BLAKE3 0123456789ab…).");
     }
 }

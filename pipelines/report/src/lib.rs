@@ -67,6 +67,9 @@ pub(crate) const NO_MEAN: &str = "–";
 /// What is said of runs of the model.
 pub(crate) const RUNS: &str = "What a run of the model requires";
 
+/// What is said of the plan that lies beside the data.
+pub(crate) const PLAN: &str = "The deposited plan";
+
 /// What the summary speaks of.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Summary {
@@ -107,6 +110,9 @@ pub struct Summary {
     pub care: Vec<Remark>,
     /// What these data cannot show: whole sentences.
     pub limits: Vec<String>,
+    /// What the plan that was deposited says of them, whole sentences; empty without a plan.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plan: Vec<String>,
 }
 
 /// A figure or a table that was made, or a sentence that one of them shows.
@@ -152,6 +158,9 @@ pub fn summary_markdown(summary: &Summary) -> String {
         let sentence = escape(&summary.statements);
         let lines = section("The thesis' statements", &summary.judged, tell_judged, "");
         parts.push(lines.replacen("\n\n", &format!("\n\n{sentence}\n\n"), 1).trim_end().to_owned());
+    }
+    if !summary.plan.is_empty() {
+        parts.push(section(PLAN, &summary.plan, |sentence| escape(sentence), ""));
     }
     if !summary.runs.is_empty() {
         parts.push(section(RUNS, &summary.runs, tell, ""));
@@ -341,7 +350,16 @@ mod tests {
             }],
             care: Vec::new(),
             limits: vec!["Two participants cannot show an effect after Holm.".to_owned()],
+            plan: Vec::new(),
         }
+    }
+
+    #[test]
+    fn each_sentence_of_the_plan_is_a_line_of_its_own_section() {
+        let plan = ["Not as planned.", "Deviation: alpha was 0.05, is 0.01."].map(str::to_owned);
+        let text = summary_markdown(&Summary { plan: plan.to_vec(), ..sample() });
+        let expect = "\n\n## The deposited plan\n\n- Not as planned.\n- Deviation: alpha was 0.05, is 0.01.\n\n## What a";
+        assert!(text.contains(expect), "{text}");
     }
 
     #[test]

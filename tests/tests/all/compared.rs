@@ -3,6 +3,7 @@
 use crate::binary::{Ran, zwidth};
 use crate::shipped;
 use std::fs;
+use std::path::{Path, PathBuf};
 
 /// What stands on the standard output.
 fn prints(ran: &Ran, words: &[&str]) {
@@ -106,4 +107,107 @@ fn a_metric_of_study_toml_that_there_is_not_is_told() {
     zwidth(root.path(), &["run", "thesis-twin", "--only", "compare"])
         .exits(3)
         .says(&["there is no metric 'softness_n'"]);
+}
+
+/// A plan for the finished study, written by `zwidth power`.
+fn planned(root: &Path) -> PathBuf {
+    let plan = ["power", "thesis-twin", "--difference", "0.1", "--participant-mode-sd", "0.1"];
+    let plan = [&plan[..], &["--residual-sd", "0.2", "--studies", "200", "--plan"]].concat();
+    zwidth(root, &plan).exits(0);
+    root.join("raw/thesis-twin/plan.json")
+}
+
+#[test]
+fn a_plan_that_was_edited_or_is_of_another_study_is_a_finding_and_nothing_is_as_planned() {
+    let root = shipped::finished();
+    let plan = planned(root.path());
+    let written = fs::read_to_string(&plan).unwrap();
+    zwidth(root.path(), &["verify", "thesis-twin"]).exits(0);
+    for (damaged, says) in [
+        (written.replace("\"alpha\": 0.05", "\"alpha\": 0.01"), "does not fit its own hash"),
+        (
+            written.replace("\"participants\": 12", "\"participants\": 1"),
+            "does not fit its own hash",
+        ),
+        (
+            written.replace("\"study\": \"thesis-twin\"", "\"study\": \"another\""),
+            "study 'another'",
+        ),
+        (written[..written.len() / 2].to_owned(), "holds no plan"),
+    ] {
+        assert_ne!(damaged, written);
+        fs::write(&plan, damaged).unwrap();
+        let verified = zwidth(root.path(), &["verify", "thesis-twin"]).exits(1);
+        prints(&verified, &["raw/thesis-twin/plan.json", says, "1 finding"]);
+        let compared = zwidth(root.path(), &["compare", "thesis-twin"]).exits(0);
+        prints(&compared, &["Not as planned (plan.json", says]);
+        assert!(!compared.out.contains("As planned"), "{compared:#?}");
+        let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0);
+        prints(&methods, &[says]);
+    }
+    // A damaged plan stops no run: the report is made, and says so.
+    let ran = zwidth(root.path(), &["run", "thesis-twin", "--only", "summary"]).exits(3);
+    ran.says(&["plan.json", "holds no plan"]);
+    let summary = fs::read_to_string(root.path().join("reports/thesis-twin/summary.md")).unwrap();
+    assert!(summary.contains("## The deposited plan\n\n- Not as planned"), "{summary}");
+    assert!(summary.contains("Deviation: the file holds no plan"), "{summary}");
+}
+
+#[test]
+fn a_plan_for_another_study_toml_says_what_differs_even_if_it_is_a_comment() {
+    let root = shipped::finished();
+    planned(root.path());
+    let path = root.path().join("raw/thesis-twin/study.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    for (edited, says) in [
+        (format!("# A comment.\n{text}"), "they differ in comments and form alone"),
+        (text.replacen("pause_s = 5.0", "pause_s = 4.0", 1), "s was 5.0, is 4.0"),
+    ] {
+        assert_ne!(edited, text);
+        fs::write(&path, edited).unwrap();
+        let compared = zwidth(root.path(), &["compare", "thesis-twin"]).exits(0);
+        prints(&compared, &["Not as planned (plan.json", says]);
+        let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0);
+        prints(&methods, &["Not as planned", says]);
+    }
+}
+
+#[test]
+fn summary_page_and_methods_tell_each_deviation_from_the_plan_in_a_sentence() {
+    let root = shipped::finished();
+    planned(root.path());
+    let path = root.path().join("raw/thesis-twin/study.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    let compare = "\n[compare]\nalpha = 0.01\nprimary = \"duration_s\"\n\
+                   bounds = { duration_s = 0.5 }\ncontrasts = [[\"active\", \"passive\"]]\n";
+    fs::write(&path, format!("{}{compare}", text.replacen("repeats = 6", "repeats = 5", 1)))
+        .unwrap();
+    for stage in ["summary", "page"] {
+        zwidth(root.path(), &["run", "thesis-twin", "--only", stage]);
+    }
+    let sentences = [
+        "Not as planned (plan.json",
+        "alpha was 0.05, is 0.01.",
+        "repeats was 6, is 5.",
+        "primary was ",
+        "bounds was {}, is ",
+        "contrasts was ",
+        "the power was computed for discrepancy_user_mean_n, and the primary metric is duration_s",
+        "Participants: 12 planned, 1 with trials.",
+    ];
+    let read = |name: &str| {
+        let text = fs::read_to_string(root.path().join("reports/thesis-twin").join(name)).unwrap();
+        text.replace('\\', "").replace("&quot;", "\"")
+    };
+    let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0).out.replace('\\', "");
+    for told in [read("summary.md"), read("index.html"), methods] {
+        for sentence in sentences {
+            assert!(told.contains(sentence), "'{sentence}' is not in {told}");
+        }
+    }
+    let exclude =
+        ["exclude", "thesis-twin", "-p", "P01", "-s", "S01", "--trial", "9", "the phone rang"];
+    zwidth(root.path(), &exclude).exits(0);
+    let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0);
+    prints(&methods, &["Deviation: 1 trial was excluded by hand."]);
 }

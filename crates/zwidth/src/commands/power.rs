@@ -5,6 +5,7 @@ use super::recover::lock;
 use crate::args::Power;
 use crate::exit::Exit;
 use crate::screen::Screen;
+use crate::text::read_beside;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
 use serde_json::Value;
@@ -24,7 +25,8 @@ const PARTICIPANTS: usize = 12;
 #[derive(Debug, Serialize)]
 struct Planned {
     study: String,
-    /// BLAKE3 of the study.toml that says contrasts, metrics, alpha and bounds.
+    /// The study.toml that says contrasts, metrics, alpha and bounds, as it is now, and its BLAKE3.
+    study_toml: String,
     study_blake3: String,
     /// What is compared, and in which design.
     analysis: Value,
@@ -83,9 +85,12 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
     };
     let found = power::power(&planned, &simulation)?;
     let needed = power::participants_for(TARGET, &planned, &simulation)?;
+    let study_toml =
+        read_beside(&layout.study_toml())?.context("there is no study.toml any more")?;
     let result = Planned {
         study: layout.study().to_string(),
-        study_blake3: hex_blake3(&std::fs::read(layout.study_toml())?),
+        study_blake3: hex_blake3(study_toml.as_bytes()),
+        study_toml,
         analysis: plan::analysis(&data.study),
         trials_before: data.counting().count(),
         metric,
@@ -116,7 +121,7 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
         if path.exists() {
             bail!("{} exists already; move it elsewhere to write a new plan", path.display());
         }
-        write_new(&raw, &path, &serde_json::to_vec_pretty(&result)?)?;
+        write_new(&raw, &path, plan::plan_text(&result)?.as_bytes())?;
         screen.say(format!("{}: deposit a copy before data are taken", path.display()));
     }
     if screen.json {

@@ -108,6 +108,7 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
         seen: Arc::new(seen),
         without_origin: command.without_origin,
     };
+    let of_plan: Vec<StoreError> = plan::plan_finding(layout).into_iter().collect();
     let left_out: Vec<String> = words(&found.left_out).chain(plan::chosen_in_vain(&data)).collect();
     // The jobs have what they need of it.
     drop(data);
@@ -120,7 +121,7 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
     let done = run_jobs(&jobs, &results, &options, &done);
     bars.clear();
     let Done { reports, remarks } = done?;
-    let with_care = words(&found.with_care).chain(words(&remarks));
+    let with_care = words(&found.with_care).chain(words(&of_plan)).chain(words(&remarks));
     let problems = reports.iter().flat_map(|r| r.problems.iter().cloned());
     let outcome = Outcome {
         left_out: sorted(left_out.into_iter().chain(problems)),

@@ -27,7 +27,8 @@ pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyho
             let asked = read_study(&l).map(|study| zwidth_plan::asked_in_vain(&study));
             let vain = asked.unwrap_or_default().into_iter();
             let vain = vain.map(|what| StoreError::new(&l.study_toml(), what, "correct it there"));
-            (l.study().clone(), zwidth_store::verify(&l).into_iter().chain(vain).collect())
+            let found = zwidth_store::verify(&l).into_iter().chain(vain);
+            (l.study().clone(), found.chain(zwidth_plan::plan_finding(&l)).collect())
         })
         .collect();
     if screen.json {

@@ -41,6 +41,7 @@ pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<Methods
         ("Measures", measures(study, recorded, &mut cited)),
         ("Model", model(study, recorded, &mut cited)),
         ("Statistics", statistics::paragraphs(study, recorded, &mut cited)),
+        ("Plan", plan(recorded)),
         ("Software", vec![software(study, version)]),
     ];
     let mut parts: Vec<MethodsPart> = parts
@@ -347,6 +348,13 @@ fn model(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
         ));
     }
     said
+}
+
+/// What is otherwise than in the plan that was deposited.
+fn plan(recorded: &Recorded) -> Vec<String> {
+    let sentences = recorded.plan.join(" ");
+    let planned = "The analysis was planned in a file that lies beside the recordings.";
+    (!sentences.is_empty()).then(|| format!("{planned} {sentences}")).into_iter().collect()
 }
 
 fn software(study: &Study, version: &str) -> String {

@@ -30,6 +30,8 @@ pub struct Recorded {
     pub replayed: bool,
     /// Whether the plant is identified from trials.
     pub identified: bool,
+    /// What the plan that was deposited says of them, whole sentences; empty without a plan.
+    pub plan: Vec<String>,
 }
 
 impl Recorded {

@@ -34,6 +34,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
         part("answers", "Answers beside a metric", trials && asked, answers),
         part("model", "The model, turned by hand", turned, model),
         part("statements", "The thesis’ statements", !summary.statements.is_empty(), statements),
+        part("plan", crate::PLAN, !summary.plan.is_empty(), plan),
         part("quality", "Quality of the data", true, quality::body),
         part("runs", crate::RUNS, !summary.runs.is_empty(), runs),
         part("figures", "Figures", !summary.figures.is_empty(), figures),
@@ -122,6 +123,10 @@ fn sentence(text: &str, path: &str) -> Markup {
 
 fn findings(page: &Page) -> Markup {
     html! { ol { @for made in &page.summary.shown { li { (sentence(&made.caption, &made.path)) } } } }
+}
+
+fn plan(page: &Page) -> Markup {
+    html! { ul { @for sentence in &page.summary.plan { li { (sentence) } } } }
 }
 
 fn runs(page: &Page) -> Markup {
