@@ -34,7 +34,10 @@ pub use left::left_to_do;
 pub use markers::Target;
 pub use number::number;
 pub use own::own_study;
-pub use participant::{Beside, Door, Guest, place_of, show_lines, show_screen};
+pub use participant::{
+    Beside, Door, Guest, Knock, Nonce, Reception, Secret, SentAway, Teller, Visit, place_of,
+    show_lines, show_screen,
+};
 pub use plain::Plain;
 pub use plan::Plan;
 pub use run::{Options, Outcome, Parts, run};

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
-use zwidth_study::Kind;
+use zwidth_study::{Kind, printable};
 
 /// Lines in, lines out.
 #[derive(Debug)]
@@ -83,11 +83,11 @@ impl<W: Write> Front for Plain<W> {
     fn show(&mut self, view: &View) -> Result<(), AcquireError> {
         let fresh = (view.said - self.view.said).min(view.messages.len());
         for message in view.messages.iter().skip(view.messages.len() - fresh) {
-            writeln!(self.out, "{message}")?;
+            writeln!(self.out, "{}", printable(message))?;
         }
         let now = (still(&view.phase), view.held, view.trial.as_ref().map(|t| t.trial));
         if self.shown.as_ref() != Some(&now) {
-            writeln!(self.out, "{}", line(view))?;
+            writeln!(self.out, "{}", printable(&line(view)))?;
             self.shown = Some(now);
         }
         self.out.flush()?;
@@ -116,7 +116,7 @@ impl<W: Write> Front for Plain<W> {
             }
             Some(Ok(input)) => Ok(Some(input)),
             Some(Err(words)) => {
-                writeln!(self.out, "{words}")?;
+                writeln!(self.out, "{}", printable(&words))?;
                 Ok(None)
             }
             None => Ok(None),
@@ -323,12 +323,13 @@ mod tests {
 
     #[test]
     fn what_is_not_understood_is_told_and_changes_nothing() {
-        let (mut plain, _) = plain("begin\nanswer much\nquit\n");
+        let (mut plain, _) = plain("begin\nanswer much\n\u{1b}[2J\nquit\n");
         assert_eq!(next(&mut plain, Phase::Ready), Input::Quit);
         let told = String::from_utf8(plain.out).unwrap();
         assert!(
             told.contains("'begin' is not understood: start")
-                && told.contains("'much' is not an answer"),
+                && told.contains("'much' is not an answer")
+                && told.contains("'\\u{1b}[2J' is not understood"),
             "{told}"
         );
     }

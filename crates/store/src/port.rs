@@ -1,13 +1,14 @@
 //! The file by which a participant's screen finds the session that is being recorded.
 //!
 //! It lies beside the study's lock, is there while a session is recorded, and can be read by this
-//! user alone. One that a killed process left leads nowhere, and is written anew by the next.
+//! user alone: a screen takes none that others could have read or written. One that a killed process
+//! left leads nowhere, and is written anew by the next.
 
 use crate::lock::StudyLock;
-use crate::regular::read_regular;
+use crate::regular::open_regular;
 use crate::{Layout, StoreError};
 use std::fs::{File, OpenOptions, remove_file};
-use std::io::{self, Write as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Longest text of the file, bytes.
@@ -41,14 +42,43 @@ impl Drop for PortFile {
 /// The text of the file; none if there is no such file.
 ///
 /// # Errors
-/// Anything but a short text of its own lies there, or it cannot be read.
+/// Anything but a short text that this user alone can read lies there, or it cannot be read.
 pub fn read_port(layout: &Layout) -> Result<Option<String>, StoreError> {
     let path = layout.port();
-    match read_regular(&path, MOST_TEXT) {
-        Ok(bytes) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),
-        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(e) => Err(StoreError::io(&path, "read the port", &e)),
+    let file = match open_regular(&path) {
+        Ok(file) => file,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(e) => return Err(StoreError::io(&path, "read the port", &e)),
+    };
+    if !is_of_this_user_alone(&file).map_err(|e| StoreError::io(&path, "read the port", &e))? {
+        return Err(StoreError::new(
+            &path,
+            "belongs to another user, or others can read or write it, so it may lead to a program of theirs",
+            "remove it, and start the session and the participant's screen as the same user",
+        ));
     }
+    let mut text = Vec::new();
+    file.take(MOST_TEXT)
+        .read_to_end(&mut text)
+        .map_err(|e| StoreError::io(&path, "read the port", &e))?;
+    Ok(Some(String::from_utf8_lossy(&text).into_owned()))
+}
+
+/// Whether an open file belongs to whoever runs this program, and nobody else can read or write it.
+/// Asked of what was opened: another file may lie at its path by now.
+#[cfg(unix)]
+fn is_of_this_user_alone(file: &File) -> io::Result<bool> {
+    /// What a file allows its group and everybody.
+    const OTHERS: u32 = 0o077;
+    use std::os::unix::fs::MetadataExt as _;
+    let metadata = file.metadata()?;
+    Ok(metadata.uid() == rustix::process::geteuid().as_raw() && metadata.mode() & OTHERS == 0)
+}
+
+/// Users are not told apart here.
+#[cfg(not(unix))]
+fn is_of_this_user_alone(_file: &File) -> io::Result<bool> {
+    Ok(true)
 }
 
 /// Writes a file in place of what an earlier one left. What lies there is removed, not opened: it
@@ -90,10 +120,38 @@ mod tests {
     #[test]
     fn what_a_killed_process_left_is_written_anew() {
         let (_folder, layout) = folder_with_study();
-        std::fs::write(layout.port(), "1 another\n").unwrap();
+        created(&layout.port()).unwrap().write_all(b"1 another\n").unwrap();
         let lock = StudyLock::take(&layout, "me").unwrap();
         let _file = PortFile::write(&layout, &lock, "2 word\n").unwrap();
         assert_eq!(read_port(&layout).unwrap().as_deref(), Some("2 word\n"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_others_can_read_or_write_is_refused() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let (_folder, layout) = folder_with_study();
+        created(&layout.port()).unwrap().write_all(b"1 word\n").unwrap();
+        assert_eq!(read_port(&layout).unwrap().as_deref(), Some("1 word\n"));
+        for mode in [0o640, 0o604, 0o620, 0o602, 0o666] {
+            let permissions = std::fs::Permissions::from_mode(mode);
+            std::fs::set_permissions(layout.port(), permissions).unwrap();
+            let told = read_port(&layout).unwrap_err().to_string();
+            assert!(told.contains("others can read or write it"), "{mode:o}: {told}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_of_another_user_is_refused() {
+        let (_folder, layout) = folder_with_study();
+        created(&layout.port()).unwrap().write_all(b"1 word\n").unwrap();
+        if let Err(error) = std::os::unix::fs::chown(layout.port(), Some(65_534), None) {
+            println!("skipped: only root gives a file to another user ({error})");
+            return;
+        }
+        let told = read_port(&layout).unwrap_err().to_string();
+        assert!(told.contains("belongs to another user"), "{told}");
     }
 
     #[cfg(unix)]

@@ -19,6 +19,8 @@ mod blinding;
 mod circles;
 mod compared;
 mod counting;
+#[cfg(unix)]
+mod door;
 mod findings;
 mod folders;
 mod hostile_import;

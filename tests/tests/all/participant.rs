@@ -7,14 +7,14 @@ use std::process::{Command, Stdio};
 use zwidth_tables::Table;
 
 /// A session on a simulated clock, ready for its first trial.
-fn session(desk: &Desk) -> Live {
+pub(crate) fn session(desk: &Desk) -> Live {
     let mut session = Live::new(desk, &["--fast"]);
     session.until("ready 1 ");
     session
 }
 
 /// A participant's screen that the session has let in.
-fn screen(desk: &Desk, session: &mut Live) -> Live {
+pub(crate) fn screen(desk: &Desk, session: &mut Live) -> Live {
     let mut command = Command::new(binary());
     command.arg("--root").arg(desk.root()).args(["participant", "small", "--plain"]);
     command.env_remove("ZWIDTH_ROOT");
@@ -25,11 +25,11 @@ fn screen(desk: &Desk, session: &mut Live) -> Live {
 }
 
 /// A screen that is not let in.
-fn refused(desk: &Desk) -> Ran {
+pub(crate) fn refused(desk: &Desk) -> Ran {
     zwidth(desk.root(), &["participant", "small", "--plain"]).exits(1).one_error()
 }
 
-fn ends(mut live: Live, code: i32) {
+pub(crate) fn ends(mut live: Live, code: i32) {
     assert_eq!(live.child.wait().unwrap().code(), Some(code));
 }
 

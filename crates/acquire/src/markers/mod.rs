@@ -12,7 +12,6 @@ use osc::{Argument, message};
 use std::io::{self, Write};
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs, UdpSocket};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use zwidth_study::Moment;
 
@@ -58,11 +57,15 @@ impl Marker {
     }
 }
 
-/// Sends markers. When it is dropped, those that wait are sent first.
+/// Longest wait for the markers that are still to be sent when a session ends: a program may take
+/// them slowly, and a name may be looked up for long.
+const LAST: Duration = Duration::from_secs(2);
+
+/// Sends markers. When it is dropped, those that wait are sent first, for a while.
 pub(crate) struct Markers {
     sender: Option<SyncSender<Marker>>,
+    /// It ends with the thread that sends.
     failures: Receiver<String>,
-    thread: Option<JoinHandle<()>>,
 }
 
 impl Markers {
@@ -71,15 +74,15 @@ impl Markers {
         let (sender, markers) = sync_channel(WAITING);
         let (told, failures) = channel();
         if targets.is_empty() {
-            return Self { sender: None, failures, thread: None };
+            return Self { sender: None, failures };
         }
         let mut lines: Vec<Line> = targets.iter().cloned().map(Line::new).collect();
-        let thread = std::thread::spawn(move || {
+        std::thread::spawn(move || {
             for marker in markers {
                 lines.iter_mut().for_each(|line| line.send(&marker, &told));
             }
         });
-        Self { sender: Some(sender), failures, thread: Some(thread) }
+        Self { sender: Some(sender), failures }
     }
 
     /// Whether anybody is told.
@@ -102,7 +105,8 @@ impl Markers {
 impl Drop for Markers {
     fn drop(&mut self) {
         drop(self.sender.take());
-        let _ = self.thread.take().map(JoinHandle::join);
+        let until = Instant::now() + LAST;
+        while self.failures.recv_timeout(until.saturating_duration_since(Instant::now())).is_ok() {}
     }
 }
 
@@ -212,12 +216,24 @@ mod tests {
             markers.send(marker(Moment::Start, None));
         }
         drop(markers.sender.take());
-        markers.thread.take().unwrap().join().unwrap();
-        let failures = markers.failures();
+        let failures: Vec<String> = markers.failures.iter().collect();
         assert!(
             matches!(&failures[..], [one] if one.starts_with(&format!("tcp:{free} takes no markers: "))),
             "{failures:?}"
         );
+    }
+
+    #[test]
+    fn a_program_that_takes_markers_for_ever_does_not_hold_up_the_end() {
+        let (sender, markers) = sync_channel(WAITING);
+        let (told, failures) = channel();
+        let (go, hangs) = channel::<()>();
+        std::thread::spawn(move || {
+            let _ = hangs.recv();
+            drop((markers, told));
+        });
+        drop(Markers { sender: Some(sender), failures });
+        drop(go);
     }
 
     #[test]

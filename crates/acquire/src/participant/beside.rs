@@ -1,49 +1,59 @@
 //! A session's front end, and a participant's screen beside it.
 
-use super::door::{Door, Heard};
+use super::door::Door;
+use super::reception::Reception;
 use super::sight::Sight;
 use crate::{AcquireError, Front, Input, Phase, View};
+use std::sync::Arc;
 use std::time::Duration;
 use zwidth_store::PortFile;
 
-/// Another front end, and a door for a participant's screen: it shows what the participant may see,
-/// and hands over answers to the open question. Whatever becomes of the screen, the other front end
-/// goes on.
-pub struct Beside {
-    front: Box<dyn Front>,
-    /// Where screens find the door, while it is open.
-    _file: Option<PortFile>,
-    door: Door,
+/// Another front end, and a participant's screen: it shows what the participant may see, and hands
+/// over answers to the open question. Whatever becomes of the screen, the other front end goes on.
+pub struct Beside<'a> {
+    front: Box<dyn Front + 'a>,
+    reception: Arc<Reception>,
+    /// The way in, and the file by which screens find it. The file goes first.
+    _way: Option<(PortFile, Door)>,
     /// The trial and the phase with the open question.
     open: Option<(Option<u32>, Phase)>,
     /// How many questions were opened.
     number: u64,
+    /// Whether a screen was open at the last look.
+    was_open: bool,
 }
 
-impl Beside {
-    /// Beside that front end; the file tells where the door is.
-    pub fn new(front: Box<dyn Front>, door: Door, file: Option<PortFile>) -> Self {
-        Self { front, _file: file, door, open: None, number: 0 }
+impl<'a> Beside<'a> {
+    /// Beside that front end; the way in is kept as long.
+    pub fn new(
+        front: Box<dyn Front + 'a>,
+        reception: Arc<Reception>,
+        way: Option<(PortFile, Door)>,
+    ) -> Self {
+        Self { front, reception, _way: way, open: None, number: 0, was_open: false }
     }
 
     /// What comes from the participant's screen now.
-    fn heard(&self) -> Option<Input> {
-        // An answer to a question that is not open any more is none to this one.
-        let is_late = |number| self.open.is_none() || number != self.number;
-        let heard = std::iter::from_fn(|| self.door.hear());
-        let mut inputs = heard.filter_map(|heard| match heard {
-            Heard::Opened => Some(Input::Tell("the participant's screen is open".to_owned())),
-            Heard::Closed => Some(Input::Tell(
-                "the participant's screen was closed: answer here, or open it again".to_owned(),
-            )),
-            Heard::Answer { number, .. } if is_late(number) => None,
-            Heard::Answer { value, .. } => Some(Input::AnswerThere(value)),
-        });
-        inputs.next()
+    fn heard(&mut self) -> Option<Input> {
+        let is_open = self.reception.is_open();
+        if is_open && !self.was_open {
+            self.was_open = true;
+            return Some(Input::Tell("the participant's screen is open".to_owned()));
+        }
+        // What a screen said before it went counts.
+        if let Some(value) = self.reception.answer() {
+            return Some(Input::AnswerThere(value));
+        }
+        if self.was_open && !is_open {
+            self.was_open = false;
+            let closed = "the participant's screen was closed: answer here, or open it again";
+            return Some(Input::Tell(closed.to_owned()));
+        }
+        None
     }
 }
 
-impl Front for Beside {
+impl Front for Beside<'_> {
     fn show(&mut self, view: &View) -> Result<(), AcquireError> {
         let is_open = matches!(view.phase, Phase::Question { .. });
         let open =
@@ -52,7 +62,7 @@ impl Front for Beside {
             self.number += 1;
         }
         self.open = open;
-        self.door.show(&Sight::of(view, self.number));
+        self.reception.show(&Sight::of(view, self.number));
         self.front.show(view)
     }
 
@@ -67,6 +77,7 @@ impl Front for Beside {
 #[cfg(test)]
 mod tests {
     use super::super::guest::Guest;
+    use super::super::proof::Secret;
     use super::super::sight::Now;
     use super::super::sight::tests::telling;
     use super::super::wire::place_of;
@@ -81,17 +92,20 @@ mod tests {
     }
 
     /// A session, and a screen that is in.
-    fn both() -> (Beside, Guest) {
-        let door = Door::open("word").unwrap();
-        let place = door.place();
-        let mut beside = Beside::new(Box::new(Nobody), door, None);
-        let (port, word) = place_of(&place).unwrap();
-        let guest = Guest::enter(port, word).unwrap();
+    fn both() -> (Beside<'static>, Guest, Door) {
+        let door = Door::open(Secret::new([1; 32])).unwrap();
+        let mut beside = Beside::new(Box::new(Nobody), door.reception(), None);
+        let guest = enter(&door);
         assert_eq!(next(&mut beside), Input::Tell("the participant's screen is open".into()));
-        (beside, guest)
+        (beside, guest, door)
     }
 
-    fn next(beside: &mut Beside) -> Input {
+    fn enter(door: &Door) -> Guest {
+        let (port, secret) = place_of(&door.place()).unwrap();
+        Guest::enter(port, &secret).unwrap()
+    }
+
+    fn next(beside: &mut Beside<'_>) -> Input {
         loop {
             if let Some(input) = beside.next(SOON).unwrap() {
                 return input;
@@ -112,7 +126,7 @@ mod tests {
 
     #[test]
     fn an_answer_at_the_participants_screen_is_handed_over() {
-        let (mut beside, mut guest) = both();
+        let (mut beside, mut guest, _door) = both();
         beside.show(&question("one")).unwrap();
         let number = number(&mut guest, "one");
         guest.answer(number, 4).unwrap();
@@ -121,7 +135,7 @@ mod tests {
 
     #[test]
     fn an_answer_that_comes_after_its_question_is_none_to_the_next() {
-        let (mut beside, mut guest) = both();
+        let (mut beside, mut guest, _door) = both();
         beside.show(&question("one")).unwrap();
         let one = number(&mut guest, "one");
         beside.show(&question("two")).unwrap();
@@ -138,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_question_that_is_asked_again_has_another_number() {
-        let (mut beside, mut guest) = both();
+        let (mut beside, mut guest, _door) = both();
         beside.show(&question("one")).unwrap();
         let first = number(&mut guest, "one");
         beside.show(&question("one")).unwrap();
@@ -150,13 +164,11 @@ mod tests {
 
     #[test]
     fn the_session_goes_on_when_the_screen_is_gone_and_another_may_come() {
-        let (mut beside, guest) = both();
+        let (mut beside, guest, door) = both();
         drop(guest);
         assert!(matches!(next(&mut beside), Input::Tell(told) if told.contains("was closed")));
         beside.show(&telling(Phase::Done)).unwrap();
-        let place = beside.door.place();
-        let (port, word) = place_of(&place).unwrap();
-        let mut guest = Guest::enter(port, word).unwrap();
+        let mut guest = enter(&door);
         assert_eq!(guest.next(SOON).unwrap().map(|sight| sight.now), Some(Now::Done));
     }
 }

@@ -1,227 +1,194 @@
-//! The session's end of the line: lets one screen in, shows it what may be seen, hears its answers.
+//! The session's end of the line as sockets: a port of this machine alone. What is said there is
+//! [`Reception`]'s.
 //!
-//! It listens at a port of this machine alone, and lets in who knows the word that only this user
-//! can read. Whoever does not read, or goes, is let go; nothing here waits for a screen, but threads
-//! of its own.
+//! Anybody on this machine may come to the port, so nothing waits for whoever comes: each is greeted
+//! by a thread of its own within a time for all of the greeting, only so many at once, and the end of
+//! the session joins none of these threads.
 
-use super::sight::Sight;
-use super::wire::{Said, hello, place, read_answer, read_line, write_line};
-use std::io::{self, BufReader};
+use super::proof::Secret;
+use super::reception::{Reception, SentAway, Teller, Visit};
+use super::wire::{Patient, nonce, place};
+use std::collections::VecDeque;
+use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::Builder;
+use std::time::{Duration, Instant};
 
-/// Longest wait for a screen, each time.
+/// Longest time for the whole greeting: a screen of ours takes a thousandth of it.
+const GREETING: Duration = Duration::from_secs(2);
+/// Longest wait for a screen that takes nothing, each time.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// What may wait to be heard: more than a person says.
-const WAITING: usize = 64;
+/// Those who are greeted at once. When one more comes, the one that came first goes: a screen of ours
+/// is in before so many others have come.
+const MOST_GREETED: usize = 64;
+/// Longest wait for our own call to the port, which ends the thread that listens there.
+const CALL: Duration = Duration::from_millis(50);
 
-/// What came from a participant's screen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Heard {
-    /// A screen was opened.
-    Opened,
-    /// It was closed, or is gone.
-    Closed,
-    /// An answer.
-    Answer {
-        /// To which question.
-        number: u64,
-        /// Which.
-        value: i16,
-    },
-}
-
-/// The session's end of the line. When it is dropped, the screen is shown the last sight first.
+/// A port at which the participant's screen finds a session. When it is dropped, the screen is told
+/// the last sight first.
 #[derive(Debug)]
 pub struct Door {
-    shared: Arc<Shared>,
-    heard: Receiver<Heard>,
+    reception: Arc<Reception>,
     address: SocketAddr,
-    word: String,
-    listening: Option<JoinHandle<()>>,
+    hall: Arc<Hall>,
 }
 
-/// What the threads share. The lock is held for a copy, never for input or output.
+/// Those who are being greeted, the one that came first in front, by their numbers.
 #[derive(Debug, Default)]
-struct Shared {
-    state: Mutex<State>,
-    changed: Condvar,
-}
-
-#[derive(Debug, Default)]
-struct State {
-    sight: Sight,
-    /// How many sights there were.
-    shown: u64,
-    /// The screen that is in, by its number.
-    inside: Option<u64>,
-    closing: bool,
-}
+struct Hall(Mutex<VecDeque<(u64, Arc<TcpStream>)>>);
 
 impl Door {
-    /// Opens a door for who knows the word.
+    /// Opens a port for screens that know the secret.
     ///
     /// # Errors
     /// The system gives no port, or no thread.
-    pub fn open(word: &str) -> io::Result<Self> {
+    pub fn open(secret: Secret) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let address = listener.local_addr()?;
-        let (sender, heard) = sync_channel(WAITING);
-        let shared = Arc::new(Shared::default());
-        let (inner, hello) = (Arc::clone(&shared), hello(word));
-        let thread = std::thread::Builder::new().name("door".into());
-        let listening = Some(thread.spawn(move || inner.listen(&listener, &hello, &sender))?);
-        Ok(Self { shared, heard, address, word: word.to_owned(), listening })
+        let (reception, hall) = (Reception::new(secret), Arc::new(Hall::default()));
+        let (inner, greeted) = (Arc::clone(&reception), Arc::clone(&hall));
+        let thread = Builder::new().name("door".into());
+        thread.spawn(move || listen(&listener, &inner, &greeted))?;
+        Ok(Self { reception, address, hall })
     }
 
     /// Where it is found: what [`super::place_of`] reads.
     pub fn place(&self) -> String {
-        place(self.address.port(), &self.word)
+        place(self.address.port(), self.reception.secret())
     }
 
-    /// Shows a sight to the screen that is in, or to the next one.
-    pub(super) fn show(&self, sight: &Sight) {
-        let mut state = self.shared.lock();
-        if state.sight != *sight {
-            state.sight.clone_from(sight);
-            state.shown += 1;
-            drop(state);
-            self.shared.changed.notify_all();
-        }
-    }
-
-    /// What came since this was asked last, one by one.
-    pub(super) fn hear(&self) -> Option<Heard> {
-        self.heard.try_recv().ok()
+    /// What is shown and heard there.
+    pub fn reception(&self) -> Arc<Reception> {
+        Arc::clone(&self.reception)
     }
 }
 
 impl Drop for Door {
     fn drop(&mut self) {
-        self.shared.lock().closing = true;
-        self.shared.changed.notify_all();
-        // Who listens sees that the door closes when somebody comes. If nobody can come, that
-        // thread is left to the end of the program.
-        if TcpStream::connect_timeout(&self.address, PATIENCE).is_ok() {
-            let _ = self.listening.take().map(JoinHandle::join);
+        self.reception.close();
+        for (_, stream) in self.hall.lock().drain(..) {
+            let _ = stream.shutdown(Shutdown::Both);
+        }
+        self.reception.wait_for_tellers(PATIENCE);
+        // Who listens sees that the session is over when somebody comes. Where the line is full, others
+        // come.
+        let _ = TcpStream::connect_timeout(&self.address, CALL);
+    }
+}
+
+impl Hall {
+    /// A panic elsewhere leaves plain values behind.
+    fn lock(&self) -> MutexGuard<'_, VecDeque<(u64, Arc<TcpStream>)>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn enter(&self, number: u64, stream: &Arc<TcpStream>) {
+        let mut greeted = self.lock();
+        if greeted.len() >= MOST_GREETED
+            && let Some((_, first)) = greeted.pop_front()
+        {
+            let _ = first.shutdown(Shutdown::Both);
+        }
+        greeted.push_back((number, Arc::clone(stream)));
+    }
+
+    fn leave(&self, number: u64) {
+        self.lock().retain(|(greeted, _)| *greeted != number);
+    }
+}
+
+/// Until the session is over.
+fn listen(listener: &TcpListener, reception: &Arc<Reception>, hall: &Arc<Hall>) {
+    for number in 0.. {
+        let stream = listener.accept();
+        if reception.is_closing() {
+            break;
+        }
+        let greeted = stream.and_then(|(stream, _)| {
+            let stream = Arc::new(stream);
+            hall.enter(number, &stream);
+            let (reception, hall) = (Arc::clone(reception), Arc::clone(hall));
+            Builder::new().name("participant".into()).spawn(move || {
+                // Who went, or has to go.
+                let _ = receive(&stream, &reception, &hall, number);
+                hall.leave(number);
+                let _ = stream.shutdown(Shutdown::Both);
+            })
+        });
+        if greeted.is_err() {
+            hall.leave(number);
+            // Who went already; or no room for another, which does not come by asking often.
+            std::thread::sleep(Duration::from_millis(10));
         }
     }
 }
 
-impl Shared {
-    /// A panic elsewhere leaves plain values behind.
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Until the door closes.
-    fn listen(self: &Arc<Self>, listener: &TcpListener, hello: &str, heard: &SyncSender<Heard>) {
-        let mut telling = None;
-        for number in 1.. {
-            let stream = listener.accept();
-            if self.lock().closing {
-                break;
-            }
-            match stream.and_then(|(stream, _)| self.admit(stream, number, hello, heard)) {
-                Ok(Some(thread)) => telling = Some(thread),
-                Ok(None) => {}
-                // Who went already; or no room for another, which does not come by asking often.
-                Err(_) => std::thread::sleep(Duration::from_millis(10)),
-            }
-        }
-        // The last sight is on its way.
-        let _ = telling.map(JoinHandle::join);
-    }
-
-    /// Lets a screen in that says the right word, if no other is in; who tells it what is seen.
-    fn admit(
-        self: &Arc<Self>,
-        mut stream: TcpStream,
-        number: u64,
-        hello: &str,
-        heard: &SyncSender<Heard>,
-    ) -> io::Result<Option<JoinHandle<()>>> {
-        stream.set_nodelay(true)?;
-        stream.set_read_timeout(Some(PATIENCE))?;
-        stream.set_write_timeout(Some(PATIENCE))?;
-        let mut input = BufReader::new(stream.try_clone()?);
-        if read_line(&mut input)?.as_deref() != Some(hello) {
-            return Ok(None);
-        }
-        if self.lock().inside.is_some() {
-            write_line(&mut stream, &serde_json::to_string(&Said::Taken)?)?;
-            return Ok(None);
-        }
-        stream.set_read_timeout(None)?;
-        let named = |name: &str| std::thread::Builder::new().name(name.into());
-        self.lock().inside = Some(number);
-        let (inner, heard) = (Arc::clone(self), heard.clone());
-        let hearing = named("participant").spawn(move || inner.hear_all(input, &heard));
-        let inner = Arc::clone(self);
-        let telling = hearing
-            .and_then(|_| named("participant's screen").spawn(move || inner.tell(stream, number)));
-        if telling.is_err() {
-            self.lock().inside = None;
-        }
-        telling.map(Some)
-    }
-
-    /// Hears a screen until it is gone.
-    fn hear_all(&self, mut input: BufReader<TcpStream>, heard: &SyncSender<Heard>) {
-        // What has no room is more than a person says.
-        let tell = |what| {
-            let _ = heard.try_send(what);
+/// Hears whoever came until they are gone. Once they are let in, they are greeted no longer.
+///
+/// # Errors
+/// They have gone, or did not prove in time that they know the secret.
+fn receive(
+    stream: &TcpStream,
+    reception: &Arc<Reception>,
+    hall: &Hall,
+    number: u64,
+) -> io::Result<()> {
+    stream.set_nodelay(true)?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let mut input = Patient { stream: stream.try_clone()?, until: Some(Instant::now() + GREETING) };
+    let mut visit = Visit::new(reception, nonce()?);
+    let mut bytes = [0; 256];
+    loop {
+        let length = match input.read(&mut bytes) {
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            length => length?,
         };
-        tell(Heard::Opened);
-        while let Ok(Some(line)) = read_line(&mut input) {
-            if let Some((number, value)) = read_answer(&line) {
-                tell(Heard::Answer { number, value });
-            }
+        if length == 0 {
+            return Ok(());
         }
-        let _ = input.get_ref().shutdown(Shutdown::Both);
-        self.lock().inside = None;
-        self.changed.notify_all();
-        tell(Heard::Closed);
-    }
-
-    /// Shows a screen what is to be seen, until it is gone or the door closes.
-    fn tell(&self, mut stream: TcpStream, number: u64) {
-        let mut last = None;
-        while let Some((shown, sight)) = self.wait_for_news(number, last) {
-            last = Some(shown);
-            let line = serde_json::to_string(&Said::Sight(sight)).unwrap_or_default();
-            if write_line(&mut stream, &line).is_err() {
-                break;
-            }
+        let mut output = stream;
+        match visit.take(&bytes[..length]) {
+            Ok(back) => output.write_all(back.as_bytes())?,
+            Err(SentAway(last)) => return output.write_all(last.as_bytes()),
         }
-        let _ = stream.shutdown(Shutdown::Both);
+        if input.until.is_some()
+            && let Some(teller) = visit.teller()
+        {
+            hall.leave(number);
+            input.until = None;
+            let output = stream.try_clone()?;
+            Builder::new()
+                .name("participant's screen".into())
+                .spawn(move || tell(output, teller))?;
+        }
     }
+}
 
-    /// The newest sight, once it is another than the last one; none if that screen is gone, or the
-    /// door closes.
-    fn wait_for_news(&self, number: u64, last: Option<u64>) -> Option<(u64, Sight)> {
-        let is_in = |state: &State| state.inside == Some(number);
-        let idle = |state: &mut State| is_in(state) && !state.closing && Some(state.shown) == last;
-        let state =
-            self.changed.wait_while(self.lock(), idle).unwrap_or_else(PoisonError::into_inner);
-        let is_news = is_in(&state) && Some(state.shown) != last;
-        is_news.then(|| (state.shown, state.sight.clone()))
+/// Tells a screen what is to be seen, until it is gone or the session is over.
+fn tell(mut output: TcpStream, mut teller: Teller) {
+    while let Some(line) = teller.wait_for_news() {
+        if output.write_all(line.as_bytes()).is_err() {
+            break;
+        }
     }
+    let _ = output.shutdown(Shutdown::Both);
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::sight::{Asked, Now};
-    use super::super::wire::answer;
+    use super::super::guest::Guest;
+    use super::super::proof::Knock;
+    use super::super::sight::{Asked, Choice, Now, Sight};
+    use super::super::wire::{Said, answer, read_line, write_line};
     use super::*;
-    use std::io::Read as _;
+    use std::io::BufReader;
 
-    const WORD: &str = "open sesame";
+    fn secret() -> Secret {
+        Secret::new([1; 32])
+    }
 
-    /// A screen that said this, and where it reads.
+    /// Somebody who said this, and where they read.
     fn knock(door: &Door, line: &str) -> (TcpStream, BufReader<TcpStream>) {
         let mut stream = TcpStream::connect(door.address).unwrap();
         write_line(&mut stream, line).unwrap();
@@ -229,70 +196,112 @@ mod tests {
         (stream, input)
     }
 
-    fn said(input: &mut BufReader<TcpStream>) -> Said {
-        serde_json::from_str(&read_line(input).unwrap().unwrap()).unwrap()
+    /// A screen of ours.
+    fn enter(door: &Door) -> (TcpStream, BufReader<TcpStream>) {
+        let ours = Knock::new(secret(), [7; 32]);
+        let (mut stream, mut input) = knock(door, &ours.hello());
+        let line = read_line(&mut input).unwrap().unwrap();
+        write_line(&mut stream, &ours.proof(&line).unwrap()).unwrap();
+        (stream, input)
     }
 
-    /// The next thing that comes, however long it takes.
-    fn hear(door: &Door) -> Heard {
-        door.heard.recv().unwrap()
+    fn said(input: &mut BufReader<TcpStream>) -> Said {
+        serde_json::from_str(&read_line(input).unwrap().unwrap()).unwrap()
     }
 
     fn sight(done: usize) -> Sight {
         Sight { done, ..Sight::default() }
     }
 
+    fn until(mut holds: impl FnMut() -> bool) {
+        while !holds() {
+            std::thread::yield_now();
+        }
+    }
+
     #[test]
     fn a_screen_sees_what_is_shown_and_its_answer_is_heard() {
-        let door = Door::open(WORD).unwrap();
-        door.show(&sight(1));
-        let (mut stream, mut input) = knock(&door, &hello(WORD));
+        let door = Door::open(secret()).unwrap();
+        door.reception.show(&sight(1));
+        let (mut stream, mut input) = enter(&door);
         assert_eq!(said(&mut input), Said::Sight(sight(1)));
-        let asked = Sight { now: Now::Question(Asked::default()), ..sight(1) };
-        door.show(&asked);
+        let choices = vec![Choice { value: -2, word: None }];
+        let asked = Asked { number: 7, choices, ..Asked::default() };
+        let asked = Sight { now: Now::Question(asked), ..sight(1) };
+        door.reception.show(&asked);
         assert_eq!(said(&mut input), Said::Sight(asked));
         write_line(&mut stream, "start").unwrap();
         write_line(&mut stream, &answer(7, -2)).unwrap();
-        assert_eq!(
-            [hear(&door), hear(&door)],
-            [Heard::Opened, Heard::Answer { number: 7, value: -2 }]
-        );
+        until(|| door.reception.answer() == Some(-2));
     }
 
     #[test]
     fn a_second_screen_is_told_so_and_let_in_once_the_first_is_gone() {
-        let door = Door::open(WORD).unwrap();
-        let (first, mut input) = knock(&door, &hello(WORD));
+        let door = Door::open(secret()).unwrap();
+        let (first, mut input) = enter(&door);
         assert_eq!(said(&mut input), Said::Sight(sight(0)));
-        assert_eq!(said(&mut knock(&door, &hello(WORD)).1), Said::Taken);
+        assert_eq!(said(&mut enter(&door).1), Said::Taken);
         first.shutdown(Shutdown::Both).unwrap();
-        assert_eq!([hear(&door), hear(&door)], [Heard::Opened, Heard::Closed]);
-        assert_eq!(said(&mut knock(&door, &hello(WORD)).1), Said::Sight(sight(0)));
+        until(|| !door.reception.is_open());
+        assert_eq!(said(&mut enter(&door).1), Said::Sight(sight(0)));
     }
 
     #[test]
-    fn who_does_not_know_the_word_hears_nothing() {
-        let door = Door::open(WORD).unwrap();
-        door.show(&sight(1));
-        for line in ["GET / HTTP/1.1", &hello("guessed"), ""] {
+    fn who_does_not_know_the_secret_hears_nothing_of_the_session() {
+        let door = Door::open(secret()).unwrap();
+        door.reception.show(&sight(1));
+        for line in ["GET / HTTP/1.1", "zwidth-participant-1 word", ""] {
             let mut told = Vec::new();
             // A line that waits unread may turn the end into a reset.
             let _ = knock(&door, line).1.read_to_end(&mut told);
             assert_eq!(told, b"", "{line}");
         }
-        assert_eq!(door.hear(), None);
+        let (mut stream, mut input) = knock(&door, &Knock::new(secret(), [7; 32]).hello());
+        let nonce_and_proof = read_line(&mut input).unwrap().unwrap();
+        write_line(&mut stream, &nonce_and_proof).unwrap();
+        let mut told = Vec::new();
+        let _ = input.read_to_end(&mut told);
+        assert_eq!(told, b"");
+        assert!(!door.reception.is_open());
+    }
+
+    #[test]
+    fn three_hundred_who_say_nothing_shut_no_screen_out() {
+        let door = Door::open(secret()).unwrap();
+        let idle: Vec<TcpStream> =
+            (0..300).map(|_| TcpStream::connect(door.address).unwrap()).collect();
+        assert_eq!(said(&mut enter(&door).1), Said::Sight(sight(0)));
+        assert!(door.hall.lock().len() <= MOST_GREETED);
+        drop(idle);
+    }
+
+    #[test]
+    fn who_sends_a_byte_now_and_then_is_not_waited_for_at_the_end() {
+        let door = Door::open(secret()).unwrap();
+        let mut slow = TcpStream::connect(door.address).unwrap();
+        let greeted = || door.hall.lock().front().is_some();
+        until(greeted);
+        slow.write_all(b"z").unwrap();
+        let hall = Arc::clone(&door.hall);
+        drop(door);
+        let mut slow_ended = Vec::new();
+        // Cut off, with or without a reset; the thread that greeted it has ended.
+        let _ = slow.read_to_end(&mut slow_ended);
+        until(|| Arc::strong_count(&hall) == 1);
+        assert_eq!(slow_ended, b"");
     }
 
     #[test]
     fn a_screen_that_reads_nothing_holds_up_nothing_and_is_let_go() {
-        let door = Door::open(WORD).unwrap();
-        let (stream, _input) = knock(&door, &hello(WORD));
-        assert_eq!(hear(&door), Heard::Opened);
+        let door = Door::open(secret()).unwrap();
+        let (stream, _input) = enter(&door);
+        until(|| door.reception.is_open());
         let long = "x".repeat(100_000);
         // The line takes a few megabytes by itself; then the screen is waited for, and let go.
         for done in 0.. {
-            door.show(&Sight { environment: Some(long.clone()), ..sight(done) });
-            if door.hear() == Some(Heard::Closed) {
+            let long = Some(long.clone());
+            door.reception.show(&Sight { environment: long, ..sight(done) });
+            if !door.reception.is_open() {
                 break;
             }
         }
@@ -301,13 +310,28 @@ mod tests {
 
     #[test]
     fn the_last_sight_is_seen_before_the_door_closes() {
-        let door = Door::open(WORD).unwrap();
-        let (_stream, mut input) = knock(&door, &hello(WORD));
+        let door = Door::open(secret()).unwrap();
+        let (_stream, mut input) = enter(&door);
         assert_eq!(said(&mut input), Said::Sight(sight(0)));
         let left = Sight { now: Now::Left, ..sight(9) };
-        door.show(&left);
+        door.reception.show(&left);
         drop(door);
         assert_eq!(said(&mut input), Said::Sight(left));
         assert_eq!(read_line(&mut input).unwrap(), None);
+    }
+
+    #[test]
+    fn a_screen_that_was_crowded_out_before_it_was_greeted_tries_again() {
+        let door = Door::open(secret()).unwrap();
+        let port = door.address.port();
+        // Enough to crowd it out four times, however slow it is: it comes five times.
+        let crowd = std::thread::spawn(move || {
+            for _ in 0..300 {
+                let _ = TcpStream::connect((Ipv4Addr::LOCALHOST, port));
+            }
+        });
+        let guest = Guest::enter(port, &secret());
+        crowd.join().unwrap();
+        assert!(guest.is_ok(), "{guest:?}");
     }
 }

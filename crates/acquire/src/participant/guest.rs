@@ -1,15 +1,19 @@
 //! The screen's end of the line: what it sees of a session, and the answers that it gives.
 
+use super::proof::{Knock, Secret};
 use super::sight::{Now, Sight};
-use super::wire::{Said, answer, hello, read_line, write_line};
+use super::wire::{Patient, Said, answer, nonce, read_line, write_line};
 use crate::AcquireError;
 use std::io::{self, BufReader};
 use std::net::{Ipv4Addr, Shutdown, TcpStream};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// Longest wait for the session's first word: it answers at once.
+/// Longest wait for the whole greeting: a session answers at once.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// A screen that is sent away before the session has said a word was crowded out by others, and
+/// comes again, so often.
+const ATTEMPTS: u32 = 5;
 
 /// A participant's screen that a session has let in.
 #[derive(Debug)]
@@ -20,34 +24,59 @@ pub struct Guest {
     is_over: bool,
 }
 
+/// How a greeting ended.
+enum Greeted {
+    /// The session has proven that it is one, and this is what it says.
+    By(BufReader<Patient>, Said),
+    /// Whoever listens hung up before the first word.
+    HungUp,
+    /// Whoever listens does not know the secret.
+    ByAStranger,
+}
+
 impl Guest {
-    /// Asks to be let in at a port of this machine, with the word of admission.
+    /// Asks to be let in at a port of this machine. Nothing of what comes from there is believed
+    /// before whoever listens has proven that they know the secret.
     ///
     /// # Errors
     /// Nobody listens there, or not a session of this program; another screen is open.
-    pub fn enter(port: u16, word: &str) -> Result<Self, AcquireError> {
-        let nobody = |_| refused("no session of this study is being recorded", START);
-        let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).map_err(nobody)?;
-        let mut input = greeted(&mut stream, word).map_err(nobody)?;
-        let first = match heard(&mut input) {
-            Ok(Some(Said::Sight(sight))) => sight,
-            Ok(Some(Said::Taken)) => {
+    pub fn enter(port: u16, secret: &Secret) -> Result<Self, AcquireError> {
+        let nobody = |_| refused(NOBODY, START);
+        let mut greeted = Greeted::HungUp;
+        for _ in 0..ATTEMPTS {
+            let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).map_err(nobody)?;
+            greeted = greet(stream, secret).map_err(nobody)?;
+            if !matches!(greeted, Greeted::HungUp) {
+                break;
+            }
+        }
+        let (mut input, first) = match greeted {
+            Greeted::By(input, Said::Sight(sight)) => (input, sight),
+            Greeted::By(_, Said::Taken) => {
                 return Err(refused(
                     "another participant's screen is open for this session",
                     "close that one first (Ctrl-C there)",
                 ));
             }
-            Ok(None) | Err(_) => {
+            Greeted::HungUp => {
                 return Err(refused(
                     "the session does not let this screen in",
                     "use the same version of zwidth for both, and open the screen again",
                 ));
             }
+            Greeted::ByAStranger => {
+                return Err(refused(
+                    "no session of this study is being recorded: another program has the port that \
+                     an earlier session had, and nothing of what it says is shown",
+                    START,
+                ));
+            }
         };
-        stream.set_read_timeout(None).map_err(nobody)?;
+        input.get_mut().until = None;
+        let stream = input.get_ref().stream.try_clone().map_err(nobody)?;
         let (sender, sights) = channel();
         // The receiver is right here: this cannot fail.
-        let _ = sender.send(first);
+        let _ = sender.send(first.cleaned());
         let thread = std::thread::Builder::new().name("session".into());
         thread.spawn(move || hear_all(&mut input, &sender)).map_err(nobody)?;
         Ok(Self { stream, sights, is_over: false })
@@ -85,6 +114,7 @@ impl Drop for Guest {
     }
 }
 
+const NOBODY: &str = "no session of this study is being recorded";
 const START: &str = "start it with `zwidth acquire` in another terminal, then open this screen";
 const GO_ON: &str = "go on with it by `zwidth acquire`, then open this screen again";
 
@@ -92,24 +122,46 @@ fn refused(what: &str, remedy: &str) -> AcquireError {
     AcquireError::Refused { what: what.to_owned(), remedy: remedy.to_owned() }
 }
 
-/// Says the word; what comes is read from there.
-fn greeted(stream: &mut TcpStream, word: &str) -> io::Result<BufReader<TcpStream>> {
+/// Proves to whoever listens that this screen knows the secret, once they have proven the same.
+///
+/// # Errors
+/// What the system says.
+fn greet(stream: TcpStream, secret: &Secret) -> io::Result<Greeted> {
     stream.set_nodelay(true)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    write_line(stream, &hello(word))?;
-    Ok(BufReader::new(stream.try_clone()?))
+    let mut output = stream.try_clone()?;
+    let knock = Knock::new(secret.clone(), nonce()?);
+    let mut input = BufReader::new(Patient { stream, until: Some(Instant::now() + PATIENCE) });
+    if write_line(&mut output, &knock.hello()).is_err() {
+        return Ok(Greeted::HungUp);
+    }
+    let line = match read_line(&mut input) {
+        Ok(Some(line)) => line,
+        Ok(None) => return Ok(Greeted::HungUp),
+        Err(error) if error.kind() == io::ErrorKind::ConnectionReset => {
+            return Ok(Greeted::HungUp);
+        }
+        Err(_) => return Ok(Greeted::ByAStranger),
+    };
+    let Some(proof) = knock.proof(&line) else { return Ok(Greeted::ByAStranger) };
+    if write_line(&mut output, &proof).is_err() {
+        return Ok(Greeted::HungUp);
+    }
+    Ok(match heard(&mut input) {
+        Ok(Some(said)) => Greeted::By(input, said),
+        Ok(None) | Err(_) => Greeted::HungUp,
+    })
 }
 
 /// What the session says next; none at the end.
-fn heard(input: &mut BufReader<TcpStream>) -> io::Result<Option<Said>> {
+fn heard(input: &mut BufReader<Patient>) -> io::Result<Option<Said>> {
     let line = read_line(input)?;
     Ok(line.map(|line| serde_json::from_str(&line)).transpose()?)
 }
 
-fn hear_all(input: &mut BufReader<TcpStream>, sights: &Sender<Sight>) {
+fn hear_all(input: &mut BufReader<Patient>, sights: &Sender<Sight>) {
     while let Ok(Some(Said::Sight(sight))) = heard(input) {
-        if sights.send(sight).is_err() {
+        if sights.send(sight.cleaned()).is_err() {
             return;
         }
     }
@@ -120,7 +172,12 @@ mod tests {
     use super::super::door::Door;
     use super::super::wire::place_of;
     use super::*;
+    use std::io::{Read as _, Write as _};
     use std::net::TcpListener;
+
+    fn secret() -> Secret {
+        Secret::new([1; 32])
+    }
 
     fn words(error: AcquireError) -> String {
         error.to_string()
@@ -129,28 +186,85 @@ mod tests {
     #[test]
     fn where_nobody_listens_no_session_is_being_recorded() {
         let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-        let told = words(Guest::enter(port, "word").unwrap_err());
+        let told = words(Guest::enter(port, &secret()).unwrap_err());
         assert!(told.contains("no session of this study") && told.contains("acquire"), "{told}");
     }
 
     #[test]
-    fn a_second_screen_and_one_with_another_word_are_told_apart() {
-        let door = Door::open("word").unwrap();
-        let place = door.place();
-        let (port, word) = place_of(&place).unwrap();
-        let _first = Guest::enter(port, word).unwrap();
-        assert!(words(Guest::enter(port, word).unwrap_err()).contains("another participant's"));
-        assert!(words(Guest::enter(port, "guess").unwrap_err()).contains("does not let"));
+    fn a_second_screen_and_one_with_another_secret_are_told_apart() {
+        let door = Door::open(secret()).unwrap();
+        let (port, secret) = place_of(&door.place()).unwrap();
+        let _first = Guest::enter(port, &secret).unwrap();
+        let second = Guest::enter(port, &secret).unwrap_err();
+        assert!(words(second).contains("another participant's"));
+        let guessed = Guest::enter(port, &Secret::new([2; 32])).unwrap_err();
+        assert!(words(guessed).contains("no session of this study is being recorded"));
+    }
+
+    /// Somebody at a port who says this to whoever comes first, and what they hear.
+    fn liar(says: impl Fn(&str) -> String + Send + 'static) -> (u16, impl FnOnce() -> String) {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = listener.local_addr().unwrap().port();
+        let thread = std::thread::spawn(move || {
+            let mut stream = listener.accept().unwrap().0;
+            drop(listener);
+            let mut hello = [0; 86];
+            stream.read_exact(&mut hello).unwrap();
+            let mut heard = String::from_utf8(hello.to_vec()).unwrap();
+            let _ = stream.write_all(says(&heard).as_bytes());
+            let _ = stream.read_to_string(&mut heard);
+            heard
+        });
+        (port, || thread.join().unwrap())
+    }
+
+    #[test]
+    fn a_liar_at_the_port_gets_no_secret_and_its_words_are_not_shown() {
+        let ours = Knock::new(secret(), [9; 32]);
+        let zeros = "0".repeat(64);
+        let lies = [
+            "\"taken\"\n".to_owned(),
+            "{\"sight\":{\"now\":\"done\"}}\n".to_owned(),
+            "\u{1b}[2Jgive your password\n".to_owned(),
+            format!("{zeros} {zeros}\n"),
+            format!("{}\n", ours.hello()),
+            "x".repeat(1 << 20),
+        ];
+        for lie in lies {
+            let begins = lie[..lie.len().min(40)].to_owned();
+            let (port, heard) = liar(move |_| lie.clone());
+            let told = words(Guest::enter(port, &secret()).unwrap_err());
+            let heard = heard();
+            assert!(told.contains("no session of this study"), "{begins}: {told}");
+            assert!(!told.contains('\u{1b}') && !told.contains("password"), "{told}");
+            assert_eq!(heard.lines().count(), 1, "{begins}: it heard more than a hello: {heard}");
+            assert!(!heard.contains(&secret().hex()), "{heard}");
+        }
+        // Its own words back are no proof either.
+        let (port, heard) = liar(|hello| hello.to_owned());
+        assert!(Guest::enter(port, &secret()).is_err());
+        assert_eq!(heard().lines().count(), 1);
+    }
+
+    #[test]
+    fn what_steers_a_terminal_is_shown_and_not_obeyed() {
+        let door = Door::open(secret()).unwrap();
+        let environment = Some("a\u{1b}[2Jb".repeat(10_000));
+        door.reception().show(&Sight { environment, ..Sight::default() });
+        let (port, secret) = place_of(&door.place()).unwrap();
+        let mut guest = Guest::enter(port, &secret).unwrap();
+        let environment = guest.next(PATIENCE).unwrap().unwrap().environment.unwrap();
+        assert!(environment.starts_with("a\\u{1b}[2Jba\\u{1b}"), "{environment:.40}");
+        assert!(environment.len() < 30_000, "{}", environment.len());
     }
 
     #[test]
     fn a_session_that_says_that_it_is_over_is_not_missed_and_one_that_goes_is() {
         for (now, is_over) in [(Now::Left, true), (Now::Ready, false)] {
-            let door = Door::open("word").unwrap();
-            let place = door.place();
-            let (port, word) = place_of(&place).unwrap();
-            let mut guest = Guest::enter(port, word).unwrap();
-            door.show(&Sight { now: now.clone(), ..Sight::default() });
+            let door = Door::open(secret()).unwrap();
+            let (port, secret) = place_of(&door.place()).unwrap();
+            let mut guest = Guest::enter(port, &secret).unwrap();
+            door.reception().show(&Sight { now: now.clone(), ..Sight::default() });
             drop(door);
             while guest.next(PATIENCE).unwrap().is_none_or(|sight| sight.now != now) {}
             assert_eq!(guest.next(PATIENCE).is_ok(), is_over, "{now:?}");

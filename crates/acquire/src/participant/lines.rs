@@ -7,18 +7,20 @@ use super::guest::Guest;
 use super::sight::{Asked, Now, Sight};
 use crate::AcquireError;
 use std::collections::VecDeque;
-use std::io::{BufRead, Write};
+use std::io::{self, BufRead, IsTerminal as _, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Duration;
+use zwidth_study::printable;
 
 /// Longest wait for the session, each time.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// Shows a session as lines until it is over, or `quit` is raised; whether it is over.
+/// Shows a session as lines until it is over, nobody takes the lines any more, or `quit` is raised;
+/// whether it is over.
 ///
 /// # Errors
-/// The session is gone; nobody takes the lines.
+/// The session is gone.
 pub fn show_lines(
     mut guest: Guest,
     input: impl BufRead + Send + 'static,
@@ -26,6 +28,7 @@ pub fn show_lines(
     quit: &AtomicBool,
 ) -> Result<bool, AcquireError> {
     let said = read(input);
+    let is_at_terminal = io::stdin().is_terminal();
     let (mut waiting, mut shown, mut open) = (VecDeque::new(), None, None);
     let mut answered = None;
     while !quit.load(Ordering::SeqCst) {
@@ -33,15 +36,25 @@ pub fn show_lines(
             open = sight.asked().filter(|asked| answered != Some(asked.number)).cloned();
             let line = line(&sight);
             if shown.as_ref() != Some(&line) {
-                writeln!(out, "{line}")?;
-                out.flush()?;
+                if writeln!(out, "{line}").and_then(|()| out.flush()).is_err() {
+                    break;
+                }
                 shown = Some(line);
             }
             if sight.now == Now::Left {
                 return Ok(true);
             }
         }
-        waiting.extend(said.try_iter());
+        let has_ended = loop {
+            match said.try_recv() {
+                Ok(line) => waiting.push_back(line),
+                Err(ended) => break ended == TryRecvError::Disconnected,
+            }
+        };
+        // A script may end before the session; a terminal that was hung up is none any more.
+        if has_ended && is_at_terminal && !io::stdin().is_terminal() {
+            break;
+        }
         while let Some(asked) = &open {
             let Some(line) = waiting.pop_front() else { break };
             match value(asked, &line) {
@@ -51,8 +64,9 @@ pub fn show_lines(
                     open = None;
                 }
                 Err(words) => {
-                    writeln!(out, "{words}")?;
-                    out.flush()?;
+                    if writeln!(out, "{words}").and_then(|()| out.flush()).is_err() {
+                        return Ok(false);
+                    }
                 }
             }
         }
@@ -77,7 +91,7 @@ fn read(input: impl BufRead + Send + 'static) -> Receiver<String> {
 /// The answer that a line gives; the error says what may be answered.
 fn value(asked: &Asked, line: &str) -> Result<i16, String> {
     let value = line.parse().ok().filter(|value| asked.has(*value));
-    value.ok_or_else(|| format!("'{line}' is not an answer: {}", asked.range))
+    value.ok_or_else(|| format!("'{}' is not an answer: {}", printable(line), asked.range))
 }
 
 /// What is to be done, as a line.
@@ -104,7 +118,8 @@ fn line(sight: &Sight) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::door::{Door, Heard};
+    use super::super::door::Door;
+    use super::super::proof::Secret;
     use super::super::sight::tests::{phases, telling};
     use super::super::wire::place_of;
     use super::*;
@@ -122,33 +137,37 @@ mod tests {
 
     #[test]
     fn numbers_answer_questions_in_order_and_what_is_no_answer_is_told() {
-        let door = Door::open("word").unwrap();
-        let place = door.place();
-        let (port, word) = place_of(&place).unwrap();
-        let guest = Guest::enter(port, word).unwrap();
+        let door = Door::open(Secret::new([1; 32])).unwrap();
+        let (port, secret) = place_of(&door.place()).unwrap();
+        let guest = Guest::enter(port, &secret).unwrap();
+        let reception = door.reception();
         let lines = std::thread::spawn(move || {
             let mut out = Vec::new();
-            let over =
-                show_lines(guest, Cursor::new("9\n4\n\n2\n"), &mut out, &AtomicBool::default());
+            let over = show_lines(
+                guest,
+                Cursor::new("9\n\u{1b}[2J\n4\n\n2\n"),
+                &mut out,
+                &AtomicBool::default(),
+            );
             (over.unwrap(), String::from_utf8(out).unwrap())
         });
         let answers: Vec<i16> = (1..=2)
             .map(|number| {
                 let scale = AnswerScale::FivePoint;
                 let phase = Phase::Question { text: format!("Question {number}?"), scale };
-                door.show(&Sight::of(&telling(phase), number));
+                reception.show(&Sight::of(&telling(phase), number));
                 loop {
-                    if let Some(Heard::Answer { number: to, value }) = door.hear() {
-                        assert_eq!(to, number);
+                    if let Some(value) = reception.answer() {
                         break value;
                     }
                 }
             })
             .collect();
         assert_eq!(answers, [4, 2]);
-        door.show(&Sight::of(&telling(Phase::Left), 2));
+        reception.show(&Sight::of(&telling(Phase::Left), 2));
         let (is_over, out) = lines.join().unwrap();
         assert!(is_over && out.contains("'9' is not an answer: 1 to 5"), "{out}");
+        assert!(out.contains("'\\u{1b}[2J' is not an answer"), "{out}");
         assert!(out.ends_with("left: the session is over\n"), "{out}");
     }
 }

@@ -1,13 +1,14 @@
 //! The participant's own screen, beside a session.
 //!
 //! ```text
-//! session: View → Sight → Door ═══ a line to this machine ═══ Guest → screen or lines
-//!          Input ←──────── Beside                                  answer
+//! session: View → Sight → Reception ═ Door ═══ a line to this machine ═══ Guest → screen or lines
+//!          Input ←──────── Beside                                         answer
 //! ```
 //!
 //! What the participant may see is a [`Sight`](sight::Sight), which has no place for a mode, a
-//! voltage or a message; nothing else leaves the session. The door has threads of its own, so that
-//! neither the control loop nor the session ever waits for a screen.
+//! voltage or a message; nothing else leaves the session. Both ends prove that they know a secret
+//! before they say anything else. The door has threads of its own, so that neither the control loop
+//! nor the session ever waits for a screen.
 
 mod beside;
 mod big;
@@ -16,6 +17,8 @@ mod draw;
 mod guest;
 mod keys;
 mod lines;
+mod proof;
+mod reception;
 mod sight;
 mod terminal;
 mod wire;
@@ -24,5 +27,7 @@ pub use beside::Beside;
 pub use door::Door;
 pub use guest::Guest;
 pub use lines::show_lines;
+pub use proof::{Knock, Nonce, Secret};
+pub use reception::{Reception, SentAway, Teller, Visit};
 pub use terminal::show_screen;
 pub use wire::place_of;

@@ -7,6 +7,10 @@ use crate::{Phase, View};
 use serde::{Deserialize, Serialize};
 use zwidth_study::{AnswerScale, Kind, printable};
 
+/// Longest text that is shown of what came over a line, characters: more than any screen has room
+/// for.
+const MOST_TEXT: usize = 4_000;
+
 /// What a participant sees.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub(super) struct Sight {
@@ -86,6 +90,21 @@ impl Sight {
         }
     }
 
+    /// The same as it may be shown where it came over a line: no text of it steers a terminal, and
+    /// none is endless.
+    pub(super) fn cleaned(mut self) -> Self {
+        self.environment = self.environment.map(cleaned);
+        if let Now::Question(asked) = &mut self.now {
+            for text in [&mut asked.text, &mut asked.range] {
+                *text = cleaned(std::mem::take(text));
+            }
+            for choice in &mut asked.choices {
+                choice.word = choice.word.take().map(cleaned);
+            }
+        }
+        self
+    }
+
     /// The question that is open.
     pub(super) fn asked(&self) -> Option<&Asked> {
         match &self.now {
@@ -93,6 +112,11 @@ impl Sight {
             _ => None,
         }
     }
+}
+
+fn cleaned(text: String) -> String {
+    let text: String = text.chars().take(MOST_TEXT).collect();
+    printable(&text).into_owned()
 }
 
 impl Now {

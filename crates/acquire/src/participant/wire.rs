@@ -1,14 +1,14 @@
 //! What goes over the line between a session and the participant's screen: lines of text, at most
 //! so long.
 
+use super::proof::{Nonce, Secret};
 use super::sight::Sight;
 use serde::{Deserialize, Serialize};
-use std::io::{self, BufRead, Read as _, Write};
+use std::io::{self, BufRead, Read, Write};
+use std::net::TcpStream;
+use std::time::Instant;
 
-/// The form of the lines. A screen of another form is not let in.
-const FORM: &str = "zwidth-participant-1";
-
-/// Longest line, bytes: a question with a hundred answers, each with a long word.
+/// Longest line of a session, bytes: a question with a hundred answers, each with a long word.
 const MOST_LINE: u64 = 1 << 17;
 
 /// What the session says.
@@ -21,20 +21,15 @@ pub(super) enum Said {
     Sight(Sight),
 }
 
-/// What a file says of where a session is found: port and word of admission.
-pub fn place_of(text: &str) -> Option<(u16, &str)> {
-    let (port, word) = text.trim_end().split_once(' ')?;
-    Some((port.parse().ok()?, word)).filter(|(_, word)| !word.is_empty())
+/// What a file says of where a session is found: its port, and the secret that proves who is who.
+pub fn place_of(text: &str) -> Option<(u16, Secret)> {
+    let (port, secret) = text.trim_end().split_once(' ')?;
+    Some((port.parse().ok()?, Secret::from_hex(secret)?))
 }
 
 /// The text of that file.
-pub(super) fn place(port: u16, word: &str) -> String {
-    format!("{port} {word}\n")
-}
-
-/// The first line of a screen.
-pub(super) fn hello(word: &str) -> String {
-    format!("{FORM} {word}")
+pub(super) fn place(port: u16, secret: &Secret) -> String {
+    format!("{port} {}\n", secret.hex())
 }
 
 /// An answer to the question of that number.
@@ -46,6 +41,36 @@ pub(super) fn answer(number: u64, value: i16) -> String {
 pub(super) fn read_answer(line: &str) -> Option<(u64, i16)> {
     let (number, value) = line.strip_prefix("answer ")?.split_once(' ')?;
     Some((number.parse().ok()?, value.parse().ok()?))
+}
+
+/// A number for one line, which nobody can guess.
+///
+/// # Errors
+/// The system gives no random numbers.
+pub(super) fn nonce() -> io::Result<Nonce> {
+    let mut bytes = [0; 32];
+    getrandom::fill(&mut bytes).map_err(io::Error::other)?;
+    Ok(bytes)
+}
+
+/// One end of a line, which is waited for until an instant at most, over all reads together. A limit
+/// for each read alone would last for ever against somebody who sends a byte now and then.
+#[derive(Debug)]
+pub(super) struct Patient {
+    pub(super) stream: TcpStream,
+    /// None: however long it takes.
+    pub(super) until: Option<Instant>,
+}
+
+impl Read for Patient {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let left = self.until.map(|until| until.saturating_duration_since(Instant::now()));
+        if left.is_some_and(|left| left.is_zero()) {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        self.stream.set_read_timeout(left)?;
+        self.stream.read(into)
+    }
 }
 
 /// The next line, without its end; none at the end of the input.
@@ -72,11 +97,16 @@ pub(super) fn write_line(output: &mut impl Write, line: &str) -> io::Result<()> 
 mod tests {
     use super::*;
     use std::io::Cursor;
+    use std::net::TcpListener;
+    use std::time::Duration;
 
     #[test]
     fn a_place_is_read_as_it_was_written_and_nothing_else_is_one() {
-        assert_eq!(place_of(&place(4_711, "word")), Some((4_711, "word")));
-        for text in ["", "4711", "4711 ", "x word", "99999 word"] {
+        let secret = Secret::new([7; 32]);
+        assert_eq!(place_of(&place(4_711, &secret)), Some((4_711, secret.clone())));
+        let hex = secret.hex();
+        for text in ["", "4711", "4711 ", "4711 word", &format!("x {hex}"), &format!("99999 {hex}")]
+        {
             assert_eq!(place_of(text), None, "{text:?}");
         }
     }
@@ -97,5 +127,24 @@ mod tests {
         assert_eq!(read_line(&mut input).unwrap(), None);
         let long = "x".repeat(1 << 18) + "\n";
         assert!(read_line(&mut Cursor::new(long)).is_err());
+    }
+
+    #[test]
+    fn who_sends_a_byte_now_and_then_is_waited_for_no_longer_than_who_sends_nothing() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut slow = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let stream = listener.accept().unwrap().0;
+        let sends = std::thread::spawn(move || while slow.write_all(b"x").is_ok() {});
+        let until = Some(Instant::now() + Duration::from_millis(30));
+        let mut patient = Patient { stream, until };
+        let mut byte = [0];
+        let error = loop {
+            if let Err(error) = patient.read(&mut byte) {
+                break error;
+            }
+        };
+        assert!(matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock));
+        drop(patient);
+        sends.join().unwrap();
     }
 }

@@ -5,11 +5,19 @@ use super::study;
 use crate::args::Participant;
 use crate::exit::Exit;
 use crate::screen::Screen;
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use std::io::{BufReader, stdin, stdout};
 use std::path::Path;
-use zwidth_acquire::{Beside, Door, Front, Guest, Look, place_of, show_lines, show_screen};
-use zwidth_store::{Layout, PortFile, StudyLock, hex_blake3, read_port};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+use zwidth_acquire::{Beside, Door, Front, Guest, Look, Secret, place_of, show_lines, show_screen};
+use zwidth_store::{Layout, PortFile, StudyLock, read_port};
+
+/// A screen that a signal ends gives its terminal back within this time, or not at all.
+const LAST: Duration = Duration::from_millis(500);
 
 pub(crate) fn participant(
     root: &Path,
@@ -18,18 +26,36 @@ pub(crate) fn participant(
 ) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
     let text = read_port(&layout)?;
-    let (port, word) = text.as_deref().and_then(place_of).with_context(|| {
+    let (port, secret) = text.as_deref().and_then(place_of).with_context(|| {
         format!(
             "no session of {} is being recorded; start it with `zwidth acquire` in another terminal, then open this screen",
             layout.study()
         )
     })?;
     let quit = raised_by_signals()?;
-    let guest = Guest::enter(port, word)?;
-    let is_over = if command.plain {
-        show_lines(guest, BufReader::new(stdin()), stdout(), &quit)?
-    } else {
-        show_screen(guest, Look::from_env(command.ascii), &quit)?
+    let guest = Guest::enter(port, &secret)?;
+    let (plain, look, raised) = (command.plain, Look::from_env(command.ascii), Arc::clone(&quit));
+    let (sender, shown) = channel();
+    // A terminal that takes nothing would hold up a signal's end as well.
+    thread::spawn(move || {
+        let is_over = if plain {
+            show_lines(guest, BufReader::new(stdin()), stdout(), &raised)
+        } else {
+            show_screen(guest, look, &raised)
+        };
+        // Who waits for it may have gone.
+        let _ = sender.send(is_over);
+    });
+    let is_over = loop {
+        let is_ending = quit.load(Ordering::SeqCst);
+        match shown.recv_timeout(LAST) {
+            Ok(is_over) => break is_over?,
+            Err(RecvTimeoutError::Timeout) if !is_ending => {}
+            Err(RecvTimeoutError::Timeout) => break false,
+            Err(RecvTimeoutError::Disconnected) => {
+                bail!("zwidth has a defect, and the screen ended; please report it")
+            }
+        }
     };
     screen.say(match is_over {
         true => "the session is over",
@@ -38,8 +64,8 @@ pub(crate) fn participant(
     Ok(Exit::Fine)
 }
 
-/// Where a participant's screen comes in, and the file that says where that is.
-type Way = (Door, PortFile);
+/// The file that says where a participant's screen comes in, and where that is.
+type Way = (PortFile, Door);
 
 /// A way in for the participant's screen. A session goes on without one where there can be none.
 pub(super) fn way(layout: &Layout, lock: &StudyLock, screen: &Screen) -> Option<Way> {
@@ -53,16 +79,16 @@ pub(super) fn way(layout: &Layout, lock: &StudyLock, screen: &Screen) -> Option<
 
 /// A door for whoever can read the study's file of it.
 fn opened(layout: &Layout, lock: &StudyLock) -> anyhow::Result<Way> {
-    let door = Door::open(&hex_blake3(&secret()?))
+    let door = Door::open(Secret::new(secret()?))
         .context("this machine gives no port for the participant's screen")?;
     let file = PortFile::write(layout, lock, &door.place())?;
-    Ok((door, file))
+    Ok((file, door))
 }
 
 /// That front end, with the participant's screen beside it where it has a way in.
 pub(super) fn beside(front: Box<dyn Front>, way: Option<Way>) -> Box<dyn Front> {
     match way {
-        Some((door, file)) => Box::new(Beside::new(front, door, Some(file))),
+        Some((file, door)) => Box::new(Beside::new(front, door.reception(), Some((file, door)))),
         None => front,
     }
 }
