@@ -24,3 +24,13 @@ pub trait Front {
     /// A terminal or a pipe that is gone.
     fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError>;
 }
+
+impl<F: Front + ?Sized> Front for &mut F {
+    fn show(&mut self, view: &View) -> Result<(), AcquireError> {
+        (**self).show(view)
+    }
+
+    fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
+        (**self).next(wait)
+    }
+}

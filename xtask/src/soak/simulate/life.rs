@@ -1,5 +1,6 @@
 //! The lives of a session, and what must hold after each.
 
+use super::participant::Liar;
 use super::person::Person;
 use super::with::{Counts, With};
 use super::world::{Draw, Late, Trouble, study, told};
@@ -8,7 +9,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zwidth_acquire::{Options, Outcome, Parts, Session, run};
+use zwidth_acquire::{Front, Options, Outcome, Parts, Session, run};
 use zwidth_device::mock::{Fault as DeviceFault, Mock};
 use zwidth_device::{Device, Person as Hand, Twin, TwinParameters};
 use zwidth_store::{Memory, StudyData, Survives, TrialEntry, hex_blake3, recover, verify_kept};
@@ -39,6 +40,9 @@ pub(super) fn session(with: With, seed: u64, counts: &mut Counts) -> Result<Disk
     for life in 0..lives {
         let trouble = Trouble::draw(&mut Draw::new(seed, 10 + life));
         trouble.words().into_iter().for_each(|word| *counts.entry(word).or_default() += 1);
+        let lies = Liar::is_drawn(seed, life);
+        *counts.entry("lives beside a participant's screen that lies").or_default() +=
+            u64::from(lies);
         let left = desk.live(life, &trouble, false).map_err(|why| format!("life {life}: {why}"))?;
         *counts
             .entry(if left.is_ok() { "lives left in order" } else { "lives cut short" })
@@ -56,6 +60,8 @@ pub(super) fn session(with: With, seed: u64, counts: &mut Counts) -> Result<Disk
         if outcome.done == outcome.total {
             *counts.entry("trials that were finished and stayed").or_default() +=
                 desk.finished.len() as u64;
+            *counts.entry("answers heard from a participant's screen that lies").or_default() +=
+                desk.heard;
             return Ok(desk.disk.below(Path::new("/")));
         }
     }
@@ -102,12 +108,14 @@ pub(super) struct Desk {
     record: Option<String>,
     /// The files of finished trials, and their hashes.
     pub(super) finished: BTreeMap<PathBuf, String>,
+    /// Answers that a participant's screen that lies gave to an open question.
+    heard: u64,
 }
 
 impl Desk {
     pub(super) fn new(with: With, seed: u64) -> Result<Self, String> {
         let (disk, plan) = study(seed)?;
-        Ok(Self { seed, with, disk, plan, record: None, finished: BTreeMap::new() })
+        Ok(Self { seed, with, disk, plan, record: None, finished: BTreeMap::new(), heard: 0 })
     }
 
     /// One life, and what must hold after it; how it was left.
@@ -139,6 +147,7 @@ impl Desk {
         }
         let mut draw = Draw::new(self.seed, 20 + life);
         let mut person = Person::new(&mut draw, diligent);
+        let mut liar = Liar::beside(&mut person, self.seed, life);
         let mut mock = Mock::default();
         mock.faults.extend(trouble.device);
         let mut clock = Late::new(
@@ -151,7 +160,7 @@ impl Desk {
             With::Mock => {
                 // A device whose code fails takes the program with it, on a simulated clock: nobody
                 // stands between.
-                let recorded = || self.record(&mut mock, &mut clock, &mut person, &utc);
+                let recorded = || self.record(&mut mock, &mut clock, &mut liar, &utc);
                 let caught = catch_unwind(AssertUnwindSafe(recorded));
                 let asked = matches!(trouble.device, Some((_, DeviceFault::Panic)));
                 match caught {
@@ -160,8 +169,13 @@ impl Desk {
                     Err(panic) => resume_unwind(panic),
                 }
             }
-            With::Twin => self.record(&mut twin(self.seed)?, &mut clock, &mut person, &utc),
+            With::Twin => self.record(&mut twin(self.seed)?, &mut clock, &mut liar, &utc),
         };
+        if let Some(broken) = liar.broken.take() {
+            return Err(broken);
+        }
+        self.heard += liar.heard;
+        drop(liar);
         let shown = person.done;
         if self.with == With::Mock {
             is_at_0_v(&mock, trouble)?;
@@ -174,7 +188,7 @@ impl Desk {
         &self,
         device: &mut dyn Device,
         clock: &mut Late,
-        person: &mut Person<'_>,
+        front: &mut dyn Front,
         utc: &(dyn Fn(f64) -> String + Sync),
     ) -> Result<Outcome, String> {
         let options = Options {
@@ -190,7 +204,7 @@ impl Desk {
             quit: Arc::default(),
         };
         let session = Session::open(&self.plan, device.capabilities(), &self.disk).map_err(told)?;
-        let parts = Parts { device, clock, files: &self.disk, front: person, utc };
+        let parts = Parts { device, clock, files: &self.disk, front, utc };
         run(&self.plan, session, &options, parts).map_err(told)
     }
 
