@@ -61,7 +61,7 @@ pub enum AcquireError {
         /// Where it is now, if that is known.
         now: Option<PathBuf>,
     },
-    /// The terminal, or the pipe, is gone.
+    /// The terminal, or the pipe, is gone. A session that runs is left in order then.
     #[error("the terminal is gone ({0}); the session can be resumed with the same command")]
     Front(#[from] std::io::Error),
 }

@@ -27,6 +27,8 @@ mod talk;
 #[cfg(test)]
 mod tests;
 pub mod text;
+#[cfg(unix)]
+mod window;
 mod wire;
 
 pub use board::Board;
@@ -36,4 +38,6 @@ pub use rig::Rig;
 pub use serial::Pair;
 pub use serial::Serial;
 pub use settings::{AngleAt, Firmata, Hx711, Link, Settings, Templates, Text, Turning};
+#[cfg(unix)]
+pub use window::Window;
 pub use wire::Wire;

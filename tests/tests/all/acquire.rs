@@ -124,7 +124,7 @@ pub(crate) struct Live {
 const FOR_EVER: Duration = Duration::from_secs(20 * 60);
 
 /// Ends the program with that number, unless nobody waits for it by then.
-fn ended_after_all(process: u32) -> Sender<()> {
+pub(crate) fn ended_after_all(process: u32) -> Sender<()> {
     let (waiting, gone) = channel();
     thread::spawn(move || {
         if gone.recv_timeout(FOR_EVER) == Err(RecvTimeoutError::Timeout) {
@@ -213,6 +213,11 @@ impl Live {
         }
     }
 
+    /// Nobody reads what it writes any more; its input stays open.
+    pub(crate) fn unread(self) -> (Child, ChildStdin) {
+        (self.child, self.hears)
+    }
+
     pub(crate) fn say(&mut self, line: &str) {
         writeln!(self.hears, "{line}").unwrap();
     }
@@ -220,7 +225,7 @@ impl Live {
 
 /// A session in the middle of its first trial, whose journal holds samples, and its desk. Where the
 /// machine stood still for so long that safety stopped that trial, another desk has its turn.
-fn journaling(more: &[&str]) -> (Desk, Live) {
+pub(crate) fn journaling(more: &[&str]) -> (Desk, Live) {
     loop {
         let desk = Desk::slow();
         let mut live = if more.contains(&"--auto") {
@@ -231,7 +236,7 @@ fn journaling(more: &[&str]) -> (Desk, Live) {
             live.until("trial 1 ");
             live
         };
-        if holds_samples(&desk, &mut live) {
+        if waits_for_samples(&desk, &mut live) {
             return (desk, live);
         }
         let _ = live.child.kill();
@@ -239,10 +244,15 @@ fn journaling(more: &[&str]) -> (Desk, Live) {
     }
 }
 
-/// Waits until a trial's journal holds samples; whether it does before the trial is over.
-fn holds_samples(desk: &Desk, live: &mut Live) -> bool {
+/// Whether the journal of the trial that runs holds samples.
+pub(crate) fn holds_samples(desk: &Desk) -> bool {
     let held = |path: &PathBuf| fs::metadata(path).is_ok_and(|m| m.len() > 3000);
-    while !files(&desk.root().join("raw/small/journal"), "journal").iter().any(held) {
+    files(&desk.root().join("raw/small/journal"), "journal").iter().any(held)
+}
+
+/// Waits until a trial's journal holds samples; whether it does before the trial is over.
+fn waits_for_samples(desk: &Desk, live: &mut Live) -> bool {
+    while !holds_samples(desk) {
         if desk.trials() > 0 || live.child.try_wait().unwrap().is_some() {
             return false;
         }

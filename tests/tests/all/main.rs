@@ -45,6 +45,8 @@ mod small;
 mod source;
 mod story;
 mod survey;
+#[cfg(unix)]
+mod terminals;
 mod whole_run;
 #[cfg(unix)]
 mod wire;

@@ -6,40 +6,21 @@ use super::keys::{Pressed, press};
 use super::sight::{Now, Sight};
 use crate::AcquireError;
 use crate::screen::look::Look;
-use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{self, Event};
-use std::io::{self, IsTerminal as _};
+use crate::screen::window::{Window, next_event};
+use ratatui::crossterm::event::Event;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Longest wait for a key, and for the session, each time: more often than a person follows.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// Shows a session on the terminal until it is over, the screen is closed, or `quit` is raised;
-/// whether the session is over. The terminal is given back in any case.
+/// Shows a session on the terminal until it is over, the screen is closed, the terminal is gone, or
+/// `quit` is raised; whether the session is over. The terminal is given back in any case.
 ///
 /// # Errors
-/// There is no terminal, or it is gone; the session is gone.
-pub fn show_screen(guest: Guest, look: Look, quit: &AtomicBool) -> Result<bool, AcquireError> {
-    if !(io::stdin().is_terminal() && io::stdout().is_terminal()) {
-        return Err(AcquireError::Refused {
-            what: "the screen needs a terminal, and input or output is not one".into(),
-            remedy: "use --plain in scripts and pipes".into(),
-        });
-    }
-    let mut terminal = ratatui::try_init().map_err(lost)?;
-    let shown = show(guest, &mut terminal, look, quit);
-    // A terminal that is gone cannot be given back.
-    let _ = ratatui::try_restore();
-    shown
-}
-
-fn show(
-    mut guest: Guest,
-    terminal: &mut DefaultTerminal,
-    look: Look,
-    quit: &AtomicBool,
-) -> Result<bool, AcquireError> {
+/// There is no terminal; the session is gone.
+pub fn show_screen(mut guest: Guest, look: Look, quit: &AtomicBool) -> Result<bool, AcquireError> {
+    let mut window = Window::take()?;
     let (mut sight, mut typed, mut answered) = (Sight::default(), String::new(), None);
     let mut fresh = true;
     while !quit.load(Ordering::SeqCst) {
@@ -55,15 +36,18 @@ fn show(
         }
         let number = sight.asked().map(|asked| asked.number);
         let is_answered = number.is_some() && number == answered;
-        if std::mem::take(&mut fresh) {
-            let frame = terminal.draw(|frame| render(&sight, &typed, is_answered, look, frame));
-            frame.map_err(lost)?;
+        if std::mem::take(&mut fresh)
+            && window.draw(|frame| render(&sight, &typed, is_answered, look, frame)).is_err()
+        {
+            break;
         }
-        if !event::poll(WAIT).map_err(lost)? {
-            continue;
-        }
+        let event = match next_event(WAIT) {
+            Ok(Some(event)) => event,
+            Ok(None) => continue,
+            Err(_) => break,
+        };
         fresh = true;
-        let Event::Key(key) = event::read().map_err(lost)? else { continue };
+        let Event::Key(key) = event else { continue };
         let open = sight.asked().filter(|_| !is_answered);
         let (after, pressed) = press(key, open, std::mem::take(&mut typed));
         typed = after;
@@ -77,11 +61,4 @@ fn show(
         }
     }
     Ok(false)
-}
-
-fn lost(error: io::Error) -> AcquireError {
-    AcquireError::Refused {
-        what: format!("this terminal cannot be used ({error})"),
-        remedy: "open the participant's screen in another one; the session goes on".into(),
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::{Runner, WAIT, look};
 use crate::flow::{EMERGENCY_STOP, Input};
-use crate::{AcquireError, Phase, step_words};
+use crate::{AcquireError, Front as _, Phase, step_words};
 use std::sync::atomic::Ordering;
 use zwidth_device::check::{Finding, Step, check_step, tare_n};
 use zwidth_device::{Station, Trip};

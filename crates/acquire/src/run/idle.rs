@@ -1,8 +1,8 @@
 //! Between trials.
 
 use super::{Runner, WAIT};
-use crate::AcquireError;
 use crate::flow::{Input, Phase};
+use crate::{AcquireError, Front as _};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use zwidth_device::{Station, Trip, watch};

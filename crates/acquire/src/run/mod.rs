@@ -7,6 +7,7 @@
 
 mod check;
 mod idle;
+mod lasting;
 mod look;
 mod mark;
 #[cfg(test)]
@@ -21,6 +22,7 @@ use crate::plan::Plan;
 use crate::session::Session;
 use crate::tape::Tape;
 use crate::{AcquireError, Course, Front, Target, View};
+use lasting::Lasting;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -91,8 +93,10 @@ pub struct Outcome {
     pub total: usize,
     /// What stopped it last, where it was left in that state.
     pub stopped: Option<String>,
-    /// A signal ended it.
+    /// A signal ended it, or the terminal that is gone.
     pub interrupted: bool,
+    /// Why the terminal, or the pipe, is gone, if it is.
+    pub gone: Option<String>,
     /// The device did not take its last 0 V, and has no watchdog: a voltage may stay on.
     pub stays_on: bool,
     /// How the loop kept its time, over all trials.
@@ -107,7 +111,7 @@ struct Runner<'a> {
     /// Ticks a second, Hz: the study's, or the device's if those are fewer.
     rate_hz: f64,
     files: Within<'a>,
-    front: &'a mut dyn Front,
+    front: Lasting<'a>,
     utc: &'a (dyn Fn(f64) -> String + Sync),
     session: Session,
     /// The session's files.
@@ -134,8 +138,7 @@ struct Runner<'a> {
 /// Runs a session from where it stands to where it is left. The study's lock is the caller's.
 ///
 /// # Errors
-/// A device, a disk, a study's folder or a terminal that is gone; a study that this device must not
-/// run. The device is at 0 V then, and what was finished is safe; the session can be resumed.
+/// A device, a disk or a study's folder that is gone; a study that this device must not run. The device is at 0 V then, and what was finished is safe; the session can be resumed.
 pub fn run<'a>(
     plan: &'a Plan,
     session: Session,
@@ -180,7 +183,7 @@ pub fn run<'a>(
             capabilities,
             rate_hz,
             files,
-            front,
+            front: Lasting::new(front, &options.stop, &options.quit),
             utc,
             session,
             stored,
@@ -400,6 +403,7 @@ impl<'a> Runner<'a> {
             total: self.flow.places().len(),
             stopped: self.stopped,
             interrupted: self.options.quit.load(Ordering::SeqCst),
+            gone: self.front.gone().map(str::to_owned),
             timing: self.timing,
         }
     }

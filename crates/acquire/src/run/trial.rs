@@ -23,6 +23,8 @@ use zwidth_study::{
 
 /// Why a trial was cut that a signal ended.
 const SIGNAL: &str = "a signal ended the program";
+/// Why one was cut whose terminal is gone.
+const GONE: &str = "the terminal is gone";
 
 /// How often the screen is drawn while a trial runs: more than a person follows.
 const FRAME: Duration = Duration::from_millis(50);
@@ -60,7 +62,7 @@ impl<'a> Runner<'a> {
         };
         let stop = &*self.options.stop;
         let mut desk = Desk {
-            front: self.front,
+            front: &mut self.front,
             flow: &mut self.flow,
             files: &self.files,
             utc: self.utc,
@@ -153,7 +155,7 @@ impl<'a> Runner<'a> {
         let end = match &run.end {
             TrialEnd::Limit | TrialEnd::LetGo => End::Complete,
             TrialEnd::Stopped if self.options.quit.load(Ordering::SeqCst) => {
-                End::Cut(SIGNAL.to_owned())
+                End::Cut(self.front.gone().map_or(SIGNAL, |_| GONE).to_owned())
             }
             TrialEnd::Stopped => End::Cut(EMERGENCY_STOP.to_owned()),
             TrialEnd::Tripped(trip) => End::Cut(trip.to_string()),

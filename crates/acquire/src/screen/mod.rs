@@ -15,6 +15,7 @@ mod render;
 mod terminal;
 pub(crate) mod text;
 mod trace;
+pub(crate) mod window;
 
 #[cfg(test)]
 mod tests;

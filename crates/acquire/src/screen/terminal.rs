@@ -3,11 +3,11 @@
 use super::keys::{Entry, press};
 use super::look::Look;
 use super::render::render;
+use super::window::{Window, next_event};
 use crate::{AcquireError, Front, Input, View};
-use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{self, Event};
-use ratatui::crossterm::terminal::{is_raw_mode_enabled, size};
-use std::io::{self, IsTerminal};
+use ratatui::crossterm::event::Event;
+use ratatui::crossterm::terminal::size;
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -66,21 +66,14 @@ impl Screen {
     /// # Errors
     /// There is no terminal, or it refuses.
     pub fn open(look: Look, stop: Arc<AtomicBool>) -> Result<Self, AcquireError> {
-        if !(io::stdin().is_terminal() && io::stdout().is_terminal()) {
-            return Err(AcquireError::Refused {
-                what: "the screen needs a terminal, and input or output is not one".into(),
-                remedy: "use --plain in scripts and pipes".into(),
-            });
-        }
+        let window = Window::take()?;
         let shared = Arc::new(Shared { state: Mutex::default(), changed: Condvar::new(), stop });
         let (sender, inputs) = channel();
         let mut screen = Self { shared: Arc::clone(&shared), inputs, keys: None, drawing: None };
-        // From here on a failure drops `screen`, which gives the terminal back.
-        let terminal = ratatui::try_init()?;
         let of_keys = Arc::clone(&shared);
         let named = |name: &str| std::thread::Builder::new().name(name.into());
         screen.keys = Some(named("keys").spawn(move || of_keys.read_keys(&sender))?);
-        screen.drawing = Some(named("screen").spawn(move || shared.draw_frames(terminal, look))?);
+        screen.drawing = Some(named("screen").spawn(move || shared.draw_frames(window, look))?);
         Ok(screen)
     }
 }
@@ -111,36 +104,24 @@ impl Drop for Screen {
     fn drop(&mut self) {
         self.shared.lock().closing = true;
         self.shared.changed.notify_one();
-        let drawn = has_ended(self.drawing.as_ref());
-        has_ended(self.keys.as_ref());
-        // A drawing that hangs holds the output: the terminal takes nothing more, and would hang
-        // this as well.
-        if drawn && is_ours() {
-            // A terminal that is gone cannot be given back.
-            let _ = ratatui::try_restore();
-        }
+        // The drawing thread gives the terminal back. One that hangs holds the output: the terminal
+        // takes nothing more, and would hang this as well.
+        wait_for(self.drawing.as_ref());
+        wait_for(self.keys.as_ref());
     }
 }
 
-/// Whether a thread ends, if it is waited for a while. The rest is left to the end of the program:
-/// reading keys from a terminal that was hung up never returns.
-fn has_ended(thread: Option<&JoinHandle<()>>) -> bool {
+/// Waits for a thread's end for a while. The rest is left to the end of the program.
+fn wait_for(thread: Option<&JoinHandle<()>>) {
     /// Half a second in all: some ten times what an orderly end takes.
     const LOOKS: u32 = 50;
     const BETWEEN: Duration = Duration::from_millis(10);
-    (0..LOOKS).any(|_| {
-        let ended = thread.is_none_or(JoinHandle::is_finished);
-        if !ended {
-            std::thread::sleep(BETWEEN);
+    for _ in 0..LOOKS {
+        if thread.is_none_or(JoinHandle::is_finished) {
+            return;
         }
-        ended
-    })
-}
-
-/// Whether the terminal is still taken: a panic on any thread gives it back before its message is
-/// printed, and nothing may be drawn over that.
-fn is_ours() -> bool {
-    is_raw_mode_enabled().unwrap_or(true)
+        std::thread::sleep(BETWEEN);
+    }
 }
 
 impl Shared {
@@ -151,7 +132,7 @@ impl Shared {
 
     fn read_keys(&self, inputs: &Sender<Input>) {
         while !self.lock().closing {
-            let input = match next_event() {
+            let input = match next_event(KEY_WAIT) {
                 Ok(event) => event.and_then(|event| self.take(&event)),
                 Err(error) => {
                     self.lock().lost = Some(error);
@@ -181,9 +162,9 @@ impl Shared {
         input
     }
 
-    fn draw_frames(&self, mut terminal: DefaultTerminal, look: Look) {
-        while let Some((view, entry)) = self.wait_for_change().filter(|_| is_ours()) {
-            let drawn = terminal.draw(|frame| render(&view, entry.as_ref(), look, frame)).map(drop);
+    fn draw_frames(&self, mut window: Window, look: Look) {
+        while let Some((view, entry)) = self.wait_for_change() {
+            let drawn = window.draw(|frame| render(&view, entry.as_ref(), look, frame));
             if let Err(error) = drawn {
                 self.lock().lost = Some(error);
                 return;
@@ -200,10 +181,6 @@ impl Shared {
         state.fresh = false;
         (!state.closing).then(|| (state.view.clone(), state.entry.clone()))
     }
-}
-
-fn next_event() -> io::Result<Option<Event>> {
-    if event::poll(KEY_WAIT)? { event::read().map(Some) } else { Ok(None) }
 }
 
 /// Letters in a line of the terminal that this program runs in, if it does in one.

@@ -145,6 +145,10 @@ fn tell(plan: &Plan, outcome: &Outcome, resume: &str, screen: &Screen) -> Exit {
         return Exit::Fine;
     }
     screen.warn(format!("{session}: {done} of {total} trials are done; go on with `{resume}`"));
+    if let Some(why) = &outcome.gone {
+        screen.warn(format!("the terminal is gone ({why}); what was recorded is safe"));
+        return Exit::Failed;
+    }
     match (&outcome.stopped, outcome.interrupted) {
         (Some(why), _) => {
             screen.warn(format!("it was stopped: {why}"));

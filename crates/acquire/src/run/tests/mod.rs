@@ -105,7 +105,8 @@ impl<F: FnMut(&View) -> Option<Input>> Front for Somebody<F> {
         self.1 = view.phase.clone();
         if let Some(input) = (self.0)(view) {
             if input == Input::Failed("killed".into()) {
-                return Err(io::Error::other("killed").into());
+                let (what, remedy) = ("killed".to_owned(), String::new());
+                return Err(AcquireError::Refused { what, remedy });
             }
             OWN.set(Some(input));
         }
@@ -310,6 +311,45 @@ fn a_session_killed_while_a_question_is_open_asks_it_again() {
     let data = desk.data();
     assert_eq!(data.answers.len(), TRIALS - 1);
     assert_eq!(data.trials.len(), TRIALS);
+}
+
+#[test]
+fn a_front_end_that_goes_away_leaves_the_session_as_a_signal_does_in_every_phase() {
+    let phases: [fn(&Shown) -> bool; 5] = [
+        |phase| matches!(phase, Shown::Check | Shown::Homing),
+        |phase| matches!(phase, Shown::Ready),
+        |phase| matches!(phase, Shown::Question { .. }),
+        |phase| matches!(phase, Shown::Pause { .. }),
+        |phase| matches!(phase, Shown::Done),
+    ];
+    for (number, is_phase) in phases.into_iter().enumerate() {
+        let desk = Desk::new(false);
+        let mut front = Going(diligent(), is_phase);
+        let outcome = desk.run(&mut Mock::default(), &Unsynced, &mut front).unwrap();
+        assert!(outcome.interrupted, "{number}");
+        assert_eq!(outcome.gone.as_deref(), Some("the window was closed"), "{number}");
+        assert_eq!(recover(&RealFiles, &desk.plan.layout, UTC).len(), 0, "{number}");
+        assert_eq!(verify(&desk.plan.layout), [], "{number}");
+        let desk = Desk { options: Desk::new(false).options, ..desk };
+        let outcome = desk.run(&mut Mock::default(), &Unsynced, &mut diligent()).unwrap();
+        assert_eq!((outcome.done, outcome.gone), (TRIALS, None), "{number}");
+    }
+}
+
+/// Somebody whose window is closed in a phase.
+struct Going<F>(F, fn(&Shown) -> bool);
+
+impl<F: Front> Front for Going<F> {
+    fn show(&mut self, view: &View) -> Result<(), AcquireError> {
+        if (self.1)(&view.phase) {
+            return Err(io::Error::other("the window was closed").into());
+        }
+        self.0.show(view)
+    }
+
+    fn next(&mut self, wait: Duration) -> Result<Option<Input>, AcquireError> {
+        self.0.next(wait)
+    }
 }
 
 #[test]

@@ -1,0 +1,205 @@
+//! Terminals that go away while a session runs: closed windows, pipes whose reader is gone.
+
+use crate::acquire::{Desk, Live, TRIALS, ended_after_all, holds_samples, journaling};
+use crate::binary::{binary, zwidth};
+use crate::folders::files;
+use crate::participant::{ends, screen, session};
+use serde_json::Value;
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use zwidth_link::Window;
+
+/// A phase in which a window is closed, as the participant's screen tells it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum In {
+    Wait,
+    Ready,
+    Trial,
+    Question,
+    Pause,
+    Stopped,
+}
+
+const PHASES: [In; 6] = [In::Wait, In::Ready, In::Trial, In::Question, In::Pause, In::Stopped];
+
+fn arguments(root: &Path, more: &[&str]) -> Vec<OsString> {
+    let mut all = vec!["--root".into(), root.into()];
+    all.extend(more.iter().map(OsString::from));
+    all
+}
+
+/// The participant's screen as lines, beside a session in a window, once it can be opened.
+fn beside(desk: &Desk, window: &Window, child: &mut Child) -> Live {
+    while !desk.root().join("raw/small/.participant").exists() {
+        if let Some(status) = child.try_wait().unwrap() {
+            panic!("it ended with {status}: {}", String::from_utf8_lossy(&window.drawn()));
+        }
+        thread::yield_now();
+    }
+    let mut command = Command::new(binary());
+    command.args(arguments(desk.root(), &["participant", "small", "--plain"]));
+    command.env_remove("ZWIDTH_ROOT");
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    Live::of(command)
+}
+
+/// Goes on in a window to a phase. Where the machine stands still for so long that safety stops what
+/// is done, it is begun again.
+fn go_on_to(phase: In, window: &Window, lines: &mut Live, is_plain: bool) {
+    let (start, answer, stop) =
+        if is_plain { ("start\n", "4\n", "stop\n") } else { ("\r", "4", " ") };
+    if phase == In::Wait {
+        lines.until("wait: ");
+        return;
+    }
+    loop {
+        let line = lines.until_any(&["ready: ", "go: ", "question ", "pause: ", "stopped: "]);
+        match (line.as_str(), phase) {
+            (line, In::Ready) if line.starts_with("ready: ") => return,
+            (line, In::Trial) if line.starts_with("go: ") => return,
+            (line, In::Question) if line.starts_with("question ") => return,
+            (line, In::Pause) if line.starts_with("pause: ") => return,
+            (line, In::Stopped) if line.starts_with("stopped: ") => return,
+            (line, In::Stopped) if line.starts_with("ready: ") => window.type_keys(stop),
+            (line, _) if line.starts_with("question ") => window.type_keys(answer),
+            (line, _) if line.starts_with("go: ") || line.starts_with("pause: ") => {}
+            _ => window.type_keys(start),
+        }
+    }
+}
+
+/// What holds however a session was left: nothing is to be recovered, and nobody has its lock.
+fn is_in_order(desk: &Desk, what: &str) {
+    assert!(files(&desk.root().join("raw/small/journal"), "journal").is_empty(), "{what}");
+    let recovered = zwidth(desk.root(), &["--json", "recover", "small"]).exits(0).json();
+    assert_eq!(recovered, Value::Array(Vec::new()), "{what}");
+    desk.verify();
+}
+
+fn a_closed_window_ends_a_session_in_order(is_plain: bool) {
+    for (number, phase) in PHASES.into_iter().enumerate() {
+        // By turns a window of a shell, whose program is told, and one whose program has to notice.
+        let is_told = (number % 2 == 0) != is_plain;
+        let what = format!("{phase:?}, told: {is_told}");
+        let desk = Desk::slow();
+        let mut acquire = arguments(desk.root(), &["acquire", "small", "-p", "P01", "-s", "S01"]);
+        acquire.extend(["--key".into(), desk.keys().into()]);
+        acquire.extend(is_plain.then(|| "--plain".into()));
+        let (window, mut child) = Window::open(binary(), &acquire, is_told).unwrap();
+        let _waiting = ended_after_all(child.id());
+        let mut lines = beside(&desk, &window, &mut child);
+        go_on_to(phase, &window, &mut lines, is_plain);
+        while phase == In::Trial && desk.trials() == 0 && !holds_samples(&desk) {
+            thread::yield_now();
+        }
+        window.close();
+        assert_eq!(child.wait().unwrap().code(), Some(1), "{what}");
+        lines.until("left: ");
+        ends(lines, 0);
+        is_in_order(&desk, &what);
+        let kept = usize::from(!matches!(phase, In::Wait | In::Ready | In::Stopped));
+        assert!(desk.trials() >= kept, "{what}");
+    }
+}
+
+#[test]
+fn a_closed_window_ends_a_session_in_order_in_every_phase() {
+    a_closed_window_ends_a_session_in_order(false);
+}
+
+#[test]
+fn a_closed_window_ends_a_session_of_lines_in_order_in_every_phase() {
+    a_closed_window_ends_a_session_in_order(true);
+}
+
+#[test]
+fn a_closed_window_of_the_participant_ends_its_program_and_another_can_be_opened() {
+    let desk = Desk::new(false);
+    let mut session = session(&desk);
+    let phases = [("", "ready "), ("start", "question "), ("4", "ready "), ("stop", "stopped ")];
+    for (number, (word, line)) in phases.into_iter().enumerate() {
+        if !word.is_empty() {
+            session.say(word);
+            session.until(line);
+        }
+        for (more, is_told) in [(None, number % 2 == 0), (Some("--plain"), number % 2 != 0)] {
+            let mut command = arguments(desk.root(), &["participant", "small"]);
+            command.extend(more.map(OsString::from));
+            let (window, mut child) = Window::open(binary(), &command, is_told).unwrap();
+            let _waiting = ended_after_all(child.id());
+            session.until("the participant's screen is open");
+            while window.drawn().is_empty() {
+                assert_eq!(child.try_wait().unwrap(), None);
+                thread::yield_now();
+            }
+            window.close();
+            assert_eq!(child.wait().unwrap().code(), Some(0), "{line}, {more:?}, told: {is_told}");
+            session.until("the participant's screen was closed");
+        }
+    }
+    let open = screen(&desk, &mut session);
+    session.say("quit");
+    session.until("left ");
+    session.child.wait().unwrap();
+    ends(open, 0);
+    is_in_order(&desk, "participant");
+}
+
+#[test]
+fn a_reader_that_is_gone_ends_a_session_as_a_closed_window_does() {
+    let (desk, live) = journaling(&["--auto"]);
+    let (mut child, _input) = live.unread();
+    let _waiting = ended_after_all(child.id());
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    is_in_order(&desk, "a pipe");
+    assert_eq!(desk.trials(), 1);
+    let head = Desk::new(false);
+    let command = "\"$0\" \"$@\" | head -n 1; exit \"${PIPESTATUS[0]}\"";
+    let mut bash = Command::new("bash");
+    bash.args(["-c", command]).arg(binary());
+    let acquire = ["acquire", "small", "-p", "P01", "-s", "S01", "--plain", "--auto", "--fast"];
+    bash.args(arguments(head.root(), &acquire)).env_remove("ZWIDTH_ROOT");
+    let ran = bash.output().unwrap();
+    assert_eq!(ran.status.code(), Some(1), "{ran:?}");
+    assert!(String::from_utf8_lossy(&ran.stderr).contains("the terminal is gone"), "{ran:?}");
+    is_in_order(&head, "head");
+    head.finish().exits(0);
+}
+
+#[test]
+fn a_session_without_any_output_is_recorded_to_its_end() {
+    let desk = Desk::new(false);
+    let acquire = ["acquire", "small", "-p", "P01", "-s", "S01", "--plain", "--auto", "--fast"];
+    let ran = Command::new("sh")
+        .args(["-c", "exec \"$0\" \"$@\" <&- >&- 2>&-"])
+        .arg(binary())
+        .args(arguments(desk.root(), &acquire))
+        .env_remove("ZWIDTH_ROOT")
+        .status();
+    assert_eq!(ran.unwrap().code(), Some(0));
+    assert_eq!(desk.trials(), TRIALS);
+    is_in_order(&desk, "closed output");
+}
+
+#[test]
+fn a_closed_window_ends_a_session_under_nohup_in_order() {
+    let desk = Desk::slow();
+    let log = desk.root().join("log");
+    let script = "log=$1; shift; exec nohup \"$0\" \"$@\" >\"$log\" 2>&1";
+    let acquire = ["acquire", "small", "-p", "P01", "-s", "S01", "--plain", "--auto"];
+    let mut all: Vec<OsString> = vec!["-c".into(), script.into(), binary().into()];
+    all.push(log.clone().into());
+    all.extend(arguments(desk.root(), &acquire));
+    let (window, mut child) = Window::open("sh", &all, true).unwrap();
+    let _waiting = ended_after_all(child.id());
+    while !holds_samples(&desk) && desk.trials() == 0 {
+        assert_eq!(child.try_wait().unwrap(), None);
+        thread::yield_now();
+    }
+    window.close();
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    is_in_order(&desk, "nohup");
+    assert!(desk.trials() > 0);
+}
