@@ -33,6 +33,7 @@ cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random i
 cargo xtask soak faults [EVERY [NAME…]] each call of every command to the file system (or one in EVERY, or of the commands named) fails: full disk, errors, kill [1]
 cargo xtask soak live [MINUTES [LINK]] record at 1 kHz in real time, from the simulated device or from a board with it over a link, and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
+cargo xtask soak terminals [TRIES [SEED]] close windows and end readers at random instants of a session: the program ends in order [100, seed 1]
 cargo xtask soak wire [EVERY]          a session over each link with one message gone wrong, for every (or every so-manieth) message and trouble [1]
 cargo xtask soak wire-sessions         sessions of 36 trials over each link at its rate, in simulated time: no reading is lost
 cargo xtask bench [read] [NAME…]       every bench beside its peers, or those named; writes benches/RESULTS.md, and fails where a committed ratio is 10 % worse (read: as measured last, nothing is run)
@@ -86,6 +87,11 @@ fn main() -> anyhow::Result<()> {
         ["soak", "watchdog", rest @ ..] => {
             let cuts = number(rest.first(), 100)?;
             soak::watchdog::watchdog(&scratch("watchdog"), cuts, number(rest.get(1), 1)?)
+        }
+        ["soak", "terminals", rest @ ..] => {
+            let tries = number(rest.first(), 100)?;
+            let seed = number(rest.get(1), 1)?;
+            soak::terminals::terminals(&soak::program()?, &scratch("terminals"), tries, seed)
         }
         ["soak", "wire", rest @ ..] => soak::wire::wire(number(rest.first(), 1)?),
         ["soak", "wire-sessions"] => soak::wire::whole(),

@@ -10,6 +10,8 @@ pub(crate) mod live;
 pub(crate) mod properties;
 pub(crate) mod simulate;
 pub(crate) mod statistics;
+#[cfg(unix)]
+pub(crate) mod terminals;
 pub(crate) mod thesis;
 pub(crate) mod watchdog;
 pub(crate) mod wire;
