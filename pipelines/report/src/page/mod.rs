@@ -14,7 +14,6 @@ mod own;
 mod parts;
 mod policy;
 mod quality;
-mod sha256;
 mod single;
 mod turned;
 

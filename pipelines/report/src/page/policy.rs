@@ -4,9 +4,9 @@
 //! anywhere.
 
 use super::own::{SCRIPT, STYLE};
-use super::sha256::sha256;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest as _, Sha256};
 
 /// In which form a page is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub(super) enum Form {
 
 /// The policy of a page.
 pub(super) fn policy(form: Form) -> String {
-    let [script, style] = [SCRIPT, STYLE].map(|text| STANDARD.encode(sha256(text.as_bytes())));
+    let [script, style] = [SCRIPT, STYLE].map(|text| STANDARD.encode(Sha256::digest(text)));
     let (loads, images) = match form {
         // `strict-dynamic`: what the page's own script loads is samples; a tag of another script
         // loads nothing. A page from a disk has no origin, so that not every browser takes files
