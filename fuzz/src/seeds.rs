@@ -156,6 +156,13 @@ pub fn write() -> Result<(), Any> {
     put("lines", "board", b"{t_us},{counts},{hx711}\n5,6,7\n8300,2048,-8123\r\n")?;
     put("lines", "host", b"t={t_ms} {any}; {counts}!\nM-255 B0\nK2 17\nt=3 x; 12!\n")?;
 
+    put("participant", "answer", b"answer 3 -2\n")?;
+    let numbers = "07".repeat(32);
+    let hello = format!("zwidth-participant-2 {numbers}\n");
+    put("participant", "hello", hello.as_bytes())?;
+    put("participant", "place", format!("4711 {numbers}\n").as_bytes())?;
+    put("participant", "sights", SIGHTS.as_bytes())?;
+
     put("csv", "plain", b"# made by hand\nt,angle,force\n0,0.1,1e-3\n0.01,\"0,2\",-2\n")?;
     put("csv", "crlf", b"\xef\xbb\xbft;\"a \"\"b\"\"\"\r\n1;2\r\n")?;
     put("txt", "blanks", b"# made by hand\n t   \"F in N\"\n 0.0\t 1\n 0.5  2\n")?;
@@ -295,6 +302,13 @@ const ODS: [(&str, &str); 1] = [(
 
 const RECORDS: &str = r#"{"metrics P01 S01":{"stage":"metrics","version":1,"parameters":"{}",
 "inputs":{"raw/demo/study.toml":"00"},"outputs":{"derived/demo/metrics.parquet":"11"},"problems":[],"origin":"22"}}"#;
+
+/// What a session says to a participant's screen.
+const SIGHTS: &str = r#"{"sight":{"now":"ready","environment":"Spring","practice":true,"done":1,"total":9}}
+{"sight":{"now":{"question":{"number":3,"text":"How?","range":"1 to 2","choices":[{"value":1,"word":"no"},{"value":2,"word":null}]}},"environment":null,"practice":false,"done":1,"total":9}}
+{"sight":{"now":{"pause":{"left_s":5}},"environment":null,"practice":false,"done":2,"total":9}}
+"taken"
+"#;
 
 /// The header of a MAT file of version 5, little-endian.
 fn mat_header() -> Vec<u8> {

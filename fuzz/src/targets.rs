@@ -20,7 +20,7 @@ use zwidth_study::{Calibration, Study, StudyId, study_changes};
 pub type Target = Box<dyn Fn(&[u8]) + Send + Sync>;
 
 /// Every target of our own files by its name, which is the folder of its seeds.
-const OURS: [(&str, fn(&[u8])); 16] = [
+const OURS: [(&str, fn(&[u8])); 17] = [
     ("journal", journal),
     ("events", events),
     ("head", head),
@@ -37,6 +37,7 @@ const OURS: [(&str, fn(&[u8])); 16] = [
     ("wire", wire),
     ("firmata", firmata),
     ("lines", lines),
+    ("participant", participant),
 ];
 
 pub fn named(name: &str) -> Option<Target> {
@@ -237,4 +238,12 @@ fn whole(bytes: &[u8]) {
         let shown = finding.to_string();
         assert!(!shown.contains(['\n', '\u{1b}', '\u{202e}']), "{shown:?}");
     }
+}
+
+/// What a participant's screen and its session send each other, and where the session is found.
+fn participant(bytes: &[u8]) {
+    assert!(
+        zwidth_acquire::hostile::is_read_as_written(bytes),
+        "it is read otherwise when written"
+    );
 }

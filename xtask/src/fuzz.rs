@@ -48,6 +48,7 @@ fn kinds() -> Vec<Kind> {
         ("wire", "what a board and its host send", TEXT, 1024),
         ("firmata", "what a board that speaks Firmata and its host send", TEXT, 512),
         ("lines", "what a board that prints lines and its host send", TEXT, 512),
+        ("participant", "what a participant's screen and its session send", TEXT, 1024),
     ];
     let ours = ours.map(|(name, about, runs, longest)| {
         let about = about.to_owned();

@@ -35,8 +35,8 @@ pub use markers::Target;
 pub use number::number;
 pub use own::own_study;
 pub use participant::{
-    Beside, Door, Guest, Knock, Nonce, Reception, Secret, SentAway, Teller, Visit, place_of,
-    show_lines, show_screen,
+    Beside, Door, Guest, Knock, Nonce, Reception, Secret, SentAway, Teller, Visit, hostile,
+    place_of, show_lines, show_screen,
 };
 pub use plain::Plain;
 pub use plan::Plan;

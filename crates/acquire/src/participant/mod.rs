@@ -15,6 +15,7 @@ mod big;
 mod door;
 mod draw;
 mod guest;
+pub mod hostile;
 mod keys;
 mod lines;
 mod proof;
