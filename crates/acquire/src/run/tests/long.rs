@@ -48,6 +48,9 @@ impl Append for CountedFile {
         self.1.write(bytes);
         self.0.append_synced(bytes)
     }
+    fn take_back(&mut self) -> io::Result<()> {
+        self.0.take_back()
+    }
 }
 
 impl Files for Counted {
