@@ -86,7 +86,8 @@ impl Content {
             }
             Kept::Disk { file, .. } | Kept::End { file, .. } => {
                 // Its length was looked at: what is claimed beyond it takes no memory.
-                let mut bytes = vec![0; length];
+                let mut bytes = room(length)?;
+                bytes.resize(length, 0);
                 let mut file = file.lock().unwrap_or_else(PoisonError::into_inner);
                 file.seek(SeekFrom::Start(from))?;
                 file.read_exact(&mut bytes)?;
@@ -147,9 +148,39 @@ impl Read for Part {
     }
 }
 
+/// Memory for so many bytes of a file, if the system gives it and has some left for what is made of
+/// them: a smaller part that it refuses afterwards would end the program.
+///
+/// # Errors
+/// [`io::ErrorKind::OutOfMemory`].
+pub(crate) fn room(length: usize) -> io::Result<Vec<u8>> {
+    /// What is to be left, bytes (64 MiB).
+    const LEFT: usize = 1 << 26;
+    let mut bytes = Vec::new();
+    let mut left = Vec::<u8>::new();
+    let given = bytes.try_reserve_exact(length).and_then(|()| match length < LEFT {
+        true => Ok(()),
+        false => left.try_reserve_exact(LEFT),
+    });
+    given.map_err(|_| {
+        let what = format!("the system does not give {length} bytes of memory for it");
+        io::Error::new(io::ErrorKind::OutOfMemory, what)
+    })?;
+    Ok(bytes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn memory_that_the_system_does_not_give_is_an_error_of_the_system_and_none_of_the_file() {
+        let error = room(1 << 62).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::OutOfMemory);
+        let error = crate::StoreError::io(std::path::Path::new("a.npy"), "read", &error);
+        assert!(error.by_system && error.remedy.contains("larger machine"), "{error}");
+        assert!(room(1 << 10).unwrap().capacity() >= 1 << 10);
+    }
 
     #[test]
     fn a_file_on_the_disk_gives_the_same_bytes_and_hash_as_one_in_memory() {

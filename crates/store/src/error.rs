@@ -64,12 +64,15 @@ impl StoreError {
             ErrorKind::FileTooLarge => {
                 "no file that zwidth writes comes near this size; split it, or leave it out"
             }
+            ErrorKind::OutOfMemory => {
+                "end other programs, raise the limit (`ulimit -v`), or read it on a larger machine"
+            }
             ErrorKind::AlreadyExists => {
                 "finished files never change; choose another number or folder"
             }
             _ => "see the message of the system",
         };
-        let by_system = error.raw_os_error().is_some();
+        let by_system = error.raw_os_error().is_some() || error.kind() == ErrorKind::OutOfMemory;
         Self { by_system, ..Self::new(path, format!("cannot {doing}: {error}"), remedy) }
     }
 }

@@ -71,7 +71,7 @@ impl Pages {
             match self.is_packed {
                 true => UNPACKED.with_borrow_mut(|room| {
                     room.clear();
-                    room.reserve(header.unpacked);
+                    room.try_reserve(header.unpacked).ok()?;
                     with_decompressor(|with| with.decompress_to_buffer(page, room)).ok()?;
                     add(room)
                 })?,

@@ -1,7 +1,7 @@
 //! Opening what others may have laid there: regular files only. A pipe or a device could hang
 //! whoever reads it, and a link leads out of the data.
 
-use crate::content::{Content, WHOLE};
+use crate::content::{Content, WHOLE, room};
 use crate::{Files, StoreError};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read as _};
@@ -123,7 +123,7 @@ fn whole(file: File, most: u64) -> io::Result<Vec<u8>> {
     if length > most {
         return Err(too_large(length, most));
     }
-    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+    let mut bytes = room(usize::try_from(length).unwrap_or(0))?;
     // It may grow while it is read.
     file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {

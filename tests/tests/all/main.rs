@@ -24,6 +24,7 @@ mod door;
 mod findings;
 mod folders;
 mod hostile_import;
+mod little_memory;
 mod logs;
 mod page;
 mod participant;
