@@ -60,7 +60,7 @@ pub fn plan_text(plan: &impl Serialize) -> serde_json::Result<String> {
 pub fn plan_finding(layout: &Layout) -> Option<StoreError> {
     let fault = read_plan(layout)?.err()?.1;
     let remedy =
-        "put the copy that was deposited in its place; if there is none, move the file elsewhere";
+        "restore the copy that was deposited; without one, move the file elsewhere";
     Some(StoreError::new(&plan_file(layout), fault, remedy))
 }
 

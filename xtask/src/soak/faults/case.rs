@@ -148,7 +148,7 @@ pub(super) const CASES: &[Case] = &[
             "acquire", STUDY, "-p", "P01", "-s", "S01", "--plain", "--auto", "--fast", "--seed",
             "1",
         ],
-        stride: 7,
+        stride: 5,
         ..WHOLE
     },
     Case {
@@ -159,7 +159,7 @@ pub(super) const CASES: &[Case] = &[
             "acquire", STUDY, "-p", "P01", "-s", "S01", "--plain", "--auto", "--fast", "--key",
             "keys",
         ],
-        stride: 11,
+        stride: 13,
         ..WHOLE
     },
     Case {
