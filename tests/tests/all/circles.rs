@@ -26,6 +26,7 @@ const KNOWN: [(&str, &str, &[&str]); 13] = [
         "crates/store",
         &[
             "alike",
+            "commit",
             "entries",
             "events",
             "fit",
@@ -37,7 +38,6 @@ const KNOWN: [(&str, &str, &[&str]); 13] = [
             "record",
             "recover",
             "sessions",
-            "started",
             "study",
             "sweep",
             "sweep_log",
