@@ -59,8 +59,7 @@ pub fn plan_text(plan: &impl Serialize) -> serde_json::Result<String> {
 /// whole, or if there is none.
 pub fn plan_finding(layout: &Layout) -> Option<StoreError> {
     let fault = read_plan(layout)?.err()?.1;
-    let remedy =
-        "restore the copy that was deposited; without one, move the file elsewhere";
+    let remedy = "restore the copy that was deposited; without one, move the file elsewhere";
     Some(StoreError::new(&plan_file(layout), fault, remedy))
 }
 
