@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::commit::Change;
 use zwidth_store::{
-    Files, Layout, Staged, StoreError, hex_blake3, laid_down, new_log, record_bytes, write_new,
+    Files, Layout, Staged, StoreError, hex_blake3, laid_down, new_log, record_bytes, replace,
 };
 use zwidth_study::{ActuatorId, Event, PlannedTrial, SessionRecord};
 
@@ -49,7 +49,8 @@ impl Output {
 
     fn write(&self, disk: &dyn Files, path: &Path) -> Result<(), StoreError> {
         match self {
-            Self::Bytes(bytes) => write_new(disk, path, bytes),
+            // That nothing lies there was looked at for all files, before the first is written.
+            Self::Bytes(bytes) => replace(disk, path, bytes),
             Self::Staged(staged) => staged.publish(disk, path),
         }
     }

@@ -305,16 +305,20 @@ pub fn write_new(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), Sto
         let exists = io::Error::from(io::ErrorKind::AlreadyExists);
         return Err(StoreError::io(path, "write", &exists));
     }
-    replace(files, path, bytes).inspect_err(|_| take_away(files, path))
+    replace(files, path, bytes).map_err(|error| take_away(files, path, error))
 }
 
-/// Removes a new file again, of which something could not be written: who was told of an error finds
-/// nothing there.
-pub(crate) fn take_away(files: &dyn Files, path: &Path) {
+/// Removes a new file again, of which something could not be written: who is told of the error finds
+/// nothing there, or is told that too.
+pub(crate) fn take_away(files: &dyn Files, path: &Path, mut error: StoreError) -> StoreError {
     if files.kind(path).is_some() {
         // The first error is the one to report.
         let _ = files.remove(path).and_then(|()| files.sync_folder(folder_of(path)));
+        if files.kind(path).is_some() {
+            error.what += "; it is there all the same, and whether it stays is not known";
+        }
     }
+    error
 }
 
 /// Writes a file as a whole; whatever stood at `path` stays until the new one is safe on the disk.
@@ -342,7 +346,7 @@ pub fn write_private(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(),
         files.write_synced(beside, bytes)?;
         files.make_private(beside)
     })
-    .inspect_err(|_| take_away(files, path))
+    .map_err(|error| take_away(files, path, error))
 }
 
 /// Keeps a file or a folder that is there for this user alone.

@@ -49,7 +49,8 @@ pub fn record_sweep(
     let bytes = sweep_bytes(sweep, &path)?;
     write_new(files, &path, &bytes)?;
     let logged = (sweep.actuator.clone(), sweep.sweep, hex_blake3(&bytes));
-    log_sweeps(files, layout, utc, &[logged]).inspect_err(|_| take_away(files, &path))?;
+    let done = log_sweeps(files, layout, utc, &[logged]);
+    done.map_err(|error| take_away(files, &path, error))?;
     Ok(path)
 }
 
