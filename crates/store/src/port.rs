@@ -4,6 +4,7 @@
 //! user alone: a screen takes none that others could have read or written. One that a killed process
 //! left leads nowhere, and is written anew by the next.
 
+use crate::atomic::temporary;
 use crate::lock::StudyLock;
 use crate::regular::open_regular;
 use crate::{Layout, StoreError};
@@ -81,14 +82,16 @@ fn is_of_this_user_alone(_file: &File) -> io::Result<bool> {
     Ok(true)
 }
 
-/// Writes a file in place of what an earlier one left. What lies there is removed, not opened: it
-/// may be a link to another file.
+/// Writes a file in place of what an earlier one left, whole: a screen that looks for it meanwhile finds
+/// none, or all of it. What lies there is replaced, not opened: it may be a link to another file.
 fn write_new(path: &Path, text: &str) -> io::Result<()> {
-    match remove_file(path) {
+    let beside = temporary(path);
+    match remove_file(&beside) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
         _ => {}
     }
-    created(path)?.write_all(text.as_bytes())
+    created(&beside)?.write_all(text.as_bytes())?;
+    std::fs::rename(&beside, path)
 }
 
 /// A new file that this user alone can read, where users are told apart.
