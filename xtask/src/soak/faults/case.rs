@@ -179,8 +179,8 @@ pub(super) const CASES: &[Case] = &[
 fn run(program: &Path, root: &Path, arguments: &[&str]) -> anyhow::Result<()> {
     let output =
         Command::new(program).current_dir(root).arg("--root").arg(root).args(arguments).output()?;
-    let said = super::words(&output);
-    ensure!(output.status.success(), "{arguments:?}: {said}");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "{arguments:?}: {errors}");
     Ok(())
 }
 
