@@ -171,7 +171,6 @@ pub(super) const CASES: &[Case] = &[
         recovers: false,
         verifies: false,
         stride: 397,
-        ..WHOLE
     },
 ];
 
