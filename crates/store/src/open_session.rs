@@ -48,7 +48,7 @@ impl OpenSession {
         }
     }
 
-    /// Whether the session still is what it was when it was laid down ([`check_session`]).
+    /// Whether the session still is what it was when it was laid down.
     ///
     /// # Errors
     /// The first finding.
