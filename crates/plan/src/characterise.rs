@@ -1,7 +1,8 @@
 //! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor; the
 //! calibration.
 
-use crate::making::{derived, split, write_tables};
+use crate::making::{derived, write_tables};
+use crate::trials::{Found, readable};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -10,7 +11,7 @@ use zwidth_characterise::{
 };
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_stability::impedance::ACTUATOR;
-use zwidth_store::{Layout, StudyData, Sweep, read_sweep};
+use zwidth_store::{Layout, StoreError, StudyData, Sweep, read_sweep};
 use zwidth_study::{ActuatorId, Calibration, Characteristic};
 use zwidth_tables::Table;
 
@@ -39,12 +40,15 @@ fn files_of(data: &StudyData, id: &ActuatorId) -> Vec<PathBuf> {
 }
 
 /// Reads sweeps. A sweep of other quantities than the first one is left out and reported.
-pub(crate) fn read_sweeps(files: &[PathBuf]) -> (Vec<Sweep>, Vec<String>) {
-    let (sweeps, mut problems) = split(files.iter().map(|f| read_sweep(f)).collect());
-    let Some(first) = sweeps.first().cloned() else { return (sweeps, problems) };
+///
+/// # Errors
+/// A file that the system does not give.
+pub(crate) fn read_sweeps(files: &[PathBuf]) -> Result<Found<Sweep>, StoreError> {
+    let (sweeps, mut problems) = readable(files.iter().map(|f| read_sweep(f)).collect())?;
+    let Some(first) = sweeps.first().cloned() else { return Ok((sweeps, problems)) };
     let others = sweeps.iter().filter(|s| !s.is_like(&first));
     problems.extend(others.map(|other| other.unlike(&first)));
-    (sweeps.into_iter().filter(|s| s.is_like(&first)).collect(), problems)
+    Ok((sweeps.into_iter().filter(|s| s.is_like(&first)).collect(), problems))
 }
 
 /// The study's own calibration, where motor and brake were both swept: the file whose content
@@ -87,7 +91,7 @@ fn make_characteristic(
     files: &Vec<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let (sweeps, problems) = read_sweeps(files);
+    let (sweeps, problems) = read_sweeps(files)?;
     let first =
         sweeps.first().ok_or_else(|| format!("no sweep could be read: {}", problems.join("; ")))?;
     let (command_unit, response_unit) = (&first.command.unit, &first.response.unit);

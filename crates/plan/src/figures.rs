@@ -376,7 +376,7 @@ fn characteristic(
     (actuator, level): &(String, f64),
     (sweeps, tables): &(Vec<PathBuf>, [PathBuf; 3]),
 ) -> Figured {
-    let (read, problems) = characterise::read_sweeps(sweeps);
+    let (read, problems) = characterise::read_sweeps(sweeps)?;
     let [models, parameters, curve] = tables.each_ref().map(|file| Table::from_parquet(file));
     let (models, parameters, curve) = (&models?, &parameters?, &curve?);
     let of = Characterised { models, parameters, curve, level: *level };

@@ -69,12 +69,12 @@ pub(crate) fn files(trials: &[&TrialEntry]) -> Recordings {
 /// What is there of trials, and in words what is wrong with the files of the others.
 pub(crate) type Found<T> = (Vec<T>, Vec<String>);
 
-/// What could be read of trials; what cannot is left out and told.
+/// What could be read of trials or sweeps; what cannot is left out and told.
 ///
 /// # Errors
 /// A file that the system does not give, though it did when the study was planned. A result without
 /// it would be remembered as that of all files, and nobody would ask again.
-fn readable<T>(read: Vec<Result<T, StoreError>>) -> Result<Found<T>, StoreError> {
+pub(crate) fn readable<T>(read: Vec<Result<T, StoreError>>) -> Result<Found<T>, StoreError> {
     let errors = read.iter().filter_map(|read| read.as_ref().err());
     match errors.into_iter().find(|error| error.by_system) {
         Some(error) => Err(error.clone()),
@@ -171,6 +171,7 @@ pub(crate) fn name(meta: &TrialMeta) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::characterise::read_sweeps;
     use std::fs;
 
     /// A file that went away after the study was read stands for any that the system does not give: a
@@ -180,6 +181,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let known = [Known { trial: 1, mode: "hybrid".parse().unwrap(), repeat: 1 }];
         let read = |file: std::path::PathBuf| {
+            let sweeps = read_sweeps(std::slice::from_ref(&file));
             let files = [Arc::from(file)];
             let counts = |found: Result<usize, StoreError>| found.map_err(|error| error.by_system);
             let lately = Lately::default();
@@ -189,11 +191,12 @@ mod tests {
                 counts(read_drawn(&files, &known, Signal::all()).map(|(_, told)| told.len())),
                 counts(open_all(&files, &known).map(|(_, told)| told.len())),
                 counts(of.map(|(_, told)| told.len())),
+                counts(sweeps.map(|(_, told)| told.len())),
             ]
         };
         let damaged = folder.path().join("damaged.parquet");
         fs::write(&damaged, "no recording").unwrap();
-        assert_eq!(read(damaged), [Ok(1); 4]);
-        assert_eq!(read(folder.path().join("gone.parquet")), [Err(true); 4]);
+        assert_eq!(read(damaged), [Ok(1); 5]);
+        assert_eq!(read(folder.path().join("gone.parquet")), [Err(true); 5]);
     }
 }
