@@ -118,7 +118,7 @@ impl Batch {
     }
 
     /// The report on the whole import.
-    pub(super) fn report(self, layout: &Layout) -> Report {
+    pub(super) fn report(self, layout: &Layout, against_plan: Vec<String>) -> Report {
         let below = |folder: PathBuf| {
             self.outputs.iter().filter(|(path, _)| path.starts_with(&folder)).count()
         };
@@ -130,6 +130,7 @@ impl Batch {
             sessions: self.logs.len(),
             answers: events.filter(|event| matches!(event, Event::Answer { .. })).count(),
             files: self.files,
+            against_plan,
         }
     }
 

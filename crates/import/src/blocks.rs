@@ -24,6 +24,7 @@ pub(super) fn is_long(path: &Path, form: &FileForm) -> bool {
         && form.header
         && form.bad_lines == 0
         && form.rows.is_none()
+        && !form.whole
         && form.encoding != Encoding::Utf16;
     plain && opened(path, form).unwrap_or(false)
 }

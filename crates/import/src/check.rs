@@ -6,7 +6,8 @@ use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS};
 use super::mapping::{Content, FileForm, Mapping, Who};
 use super::shape::{
-    ChannelShape, ColumnShape, FileShape, KindShape, Shape, Split, TimeShape, TrialShape,
+    Backwards, ChannelShape, ColumnShape, FileShape, KindShape, Shape, Split, TimeShape,
+    TrialShape, XdfClock, ZeroShape,
 };
 use regex::Regex;
 use std::path::Path;
@@ -65,8 +66,20 @@ impl Check<'_> {
 
     fn mapping(&mut self, shape: Shape, path: &Path) -> Option<Mapping> {
         self.refuse_unused(&shape);
-        let file = self.file(&shape.file);
-        let has_time = shape.time.as_ref().is_some_and(|time| time.from.is_some());
+        let mut file = self.file(&shape.file);
+        if let Some(time) = &shape.time {
+            file.splits_at_time |= time.backwards == Some(Backwards::Split);
+            file.clock = time.clock.unwrap_or_default();
+            file.dejitter = time.dejitter.unwrap_or(file.clock == XdfClock::Corrected);
+            let is_exact = time.zero.is_some() && time.unit.as_deref() == Some("ns");
+            file.whole =
+                is_exact || time.wrap.is_some() || time.equal.is_some() || time.counter.is_some();
+        }
+        let looks_back = |zero: Option<ZeroShape>| matches!(zero, Some(ZeroShape::Rest(_)));
+        file.whole |= shape.column.iter().any(|c| looks_back(c.zero) || c.wrap.is_some())
+            || shape.channel.iter().any(|c| looks_back(c.zero));
+        let has_time =
+            shape.time.as_ref().is_some_and(|time| time.from.is_some() || time.counter.is_some());
         if file.splits_at_time && (shape.kind != KindShape::Trials || !has_time) {
             self.error("file.split", "needs trials with a column of time: `from` in [time]");
         }
@@ -152,6 +165,9 @@ impl Check<'_> {
             bad_lines: f.bad_lines,
             splits_at_time: f.split == Some(Split::Time),
             long_from: LONG_FROM,
+            whole: false,
+            clock: XdfClock::default(),
+            dejitter: true,
         }
     }
 

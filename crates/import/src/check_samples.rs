@@ -1,40 +1,69 @@
 //! Checks of a mapping's samples: time, columns, units, derivatives.
 
 use super::check::Check;
-use super::convert::Linear;
+use super::convert::{Linear, Zero};
 use super::limits::RATES_HZ;
-use super::mapping::{ChannelFrom, Origin, Rule, SignalFrom, Time};
-use super::shape::{ChannelShape, ColumnShape, TimeShape};
+use super::mapping::{ChannelFrom, Mend, Origin, Rule, SignalFrom, Time};
+use super::shape::{ChannelShape, ColumnShape, RestShape, TimeShape, ZeroShape, ZeroWord};
 use super::unit::{self, Unit};
 use zwidth_store::{COLUMNS, Signal};
 use zwidth_study::ChannelId;
 
 impl Check<'_> {
     pub(super) fn time(&mut self, t: TimeShape) -> Option<Time> {
-        match (t.from, t.rate_hz) {
-            (Some(from), None) => {
+        if t.wrap.is_some_and(|wrap| !(wrap.is_finite() && wrap > 0.0)) {
+            self.error(
+                "time.wrap",
+                "must be a number above 0: the value at which the time starts over",
+            );
+        }
+        if let Some(rate_hz) = t.rate_hz.filter(|rate| !RATES_HZ.contains(rate)) {
+            let (low, high) = (RATES_HZ.start(), RATES_HZ.end());
+            self.error(
+                "time.rate_hz",
+                format!("{rate_hz:?} must be a number from {low} to {high}"),
+            );
+        }
+        let mend = Mend { wrap: t.wrap, equal: t.equal, counts_at_hz: None };
+        let is_placed = t.unit.is_some() || t.offset.is_some() || t.zero.is_some();
+        match (t.from, t.counter, t.rate_hz) {
+            (Some(from), None, None) => {
                 let unit = self.unit("time.unit", t.unit.as_deref(), Signal::Time)?;
-                let line = self.line("time", None, None, t.offset, t.zero.is_some())?;
-                Some(Time::Column { from, unit, unit_text: t.unit.unwrap_or_default(), line })
+                let zero = if t.zero.is_some() { Zero::First } else { Zero::None };
+                let line = self.line("time", None, None, t.offset, zero)?;
+                let unit_text = t.unit.unwrap_or_default();
+                Some(Time::Column { from, unit, unit_text, line, mend })
             }
-            (None, Some(rate_hz)) => {
-                if !RATES_HZ.contains(&rate_hz) {
-                    let (low, high) = (RATES_HZ.start(), RATES_HZ.end());
-                    self.error(
-                        "time.rate_hz",
-                        format!("{rate_hz:?} must be a number from {low} to {high}"),
-                    );
+            (None, Some(from), Some(rate_hz)) => {
+                if is_placed {
+                    let what = "unit, offset and zero are not used beside counter; remove them";
+                    self.error("time", what);
                 }
-                if t.unit.is_some() || t.offset.is_some() || t.zero.is_some() {
-                    self.error(
-                        "time",
-                        "unit, offset and zero are not used beside rate_hz; remove them",
-                    );
+                let unit = unit::find("s")?;
+                let line = Linear { scale: 1.0 / rate_hz, zero: Zero::First, ..Linear::IDENTITY };
+                let mend = Mend { counts_at_hz: Some(rate_hz), ..mend };
+                Some(Time::Column { from, unit, unit_text: "samples".to_owned(), line, mend })
+            }
+            (None, None, Some(rate_hz)) => {
+                if is_placed || t.wrap.is_some() || t.equal.is_some() || t.backwards.is_some() {
+                    let what = "unit, offset, zero, wrap, equal and backwards are not used beside rate_hz alone; \
+                                remove them";
+                    self.error("time", what);
                 }
                 Some(Time::Rate { rate_hz })
             }
+            (None, Some(_), None) => {
+                self.error(
+                    "time",
+                    "counter needs rate_hz: how many samples are counted in a second",
+                );
+                None
+            }
             _ => {
-                self.error("time", "needs either from (a column) or rate_hz");
+                self.error(
+                    "time",
+                    "needs either from (a column) or rate_hz; counter goes with rate_hz alone",
+                );
                 None
             }
         }
@@ -73,7 +102,7 @@ impl Check<'_> {
         sign: Option<f64>,
         scale: Option<f64>,
         offset: Option<f64>,
-        zero_first: bool,
+        zero: Zero,
     ) -> Option<Linear> {
         let same = Linear::IDENTITY;
         let (sign, scale) = (sign.unwrap_or(same.sign), scale.unwrap_or(same.scale));
@@ -92,7 +121,22 @@ impl Check<'_> {
         if !offset.is_finite() {
             self.error(&format!("{at}.offset"), format!("{offset} must be a finite number"));
         }
-        (self.errors.len() == before).then_some(Linear { sign, scale, offset, zero_first })
+        (self.errors.len() == before).then_some(Linear { sign, scale, offset, zero })
+    }
+
+    /// What is subtracted from a column of a trial.
+    fn zero(&mut self, at: &str, zero: Option<ZeroShape>) -> Zero {
+        match zero {
+            None => Zero::None,
+            Some(ZeroShape::Word(ZeroWord::First)) => Zero::First,
+            Some(ZeroShape::Rest(RestShape { from_s, to_s })) => {
+                if !(from_s >= 0.0 && to_s.is_finite() && to_s > from_s) {
+                    let what = "needs 0 ≤ from_s < to_s: a stretch of the trial, in seconds from its first sample";
+                    self.error(&format!("{at}.zero"), what);
+                }
+                Zero::Rest { from_s, to_s }
+            }
+        }
     }
 
     pub(super) fn column(
@@ -123,22 +167,30 @@ impl Check<'_> {
         let origin = match (c.from, c.derive) {
             (Some(from), None) => {
                 let unit = self.unit(&format!("{at}.unit"), c.unit.as_deref(), to);
-                let line = self.line(at, c.sign, c.scale, c.offset, c.zero.is_some());
+                let zero = self.zero(at, c.zero);
+                let line = self.line(at, c.sign, c.scale, c.offset, zero);
+                if c.wrap.is_some_and(|wrap| !(wrap.is_finite() && wrap > 0.0)) {
+                    let what =
+                        "must be a number above 0, in the unit of the column: 360 for degrees";
+                    self.error(&format!("{at}.wrap"), what);
+                }
                 Origin::Column {
                     from,
                     unit: unit?,
                     unit_text: c.unit.unwrap_or_default(),
                     line: line?,
+                    wrap: c.wrap,
                 }
             }
             (None, Some(rule)) => {
                 if [c.sign, c.scale, c.offset].iter().any(Option::is_some)
                     || c.unit.is_some()
                     || c.zero.is_some()
+                    || c.wrap.is_some()
                 {
                     self.error(
                         at,
-                        "unit, sign, scale, offset and zero are not used beside derive; remove them",
+                        "unit, sign, scale, offset, zero and wrap are not used beside derive; remove them",
                     );
                 }
                 let key = format!("{at}.derive");
@@ -164,7 +216,8 @@ impl Check<'_> {
         if known.iter().any(|k| k.to == to) {
             self.error(&key, format!("'{}' is mapped twice", to.as_str()));
         }
-        let line = self.line(at, c.sign, c.scale, c.offset, c.zero.is_some())?;
+        let zero = self.zero(at, c.zero);
+        let line = self.line(at, c.sign, c.scale, c.offset, zero)?;
         Some(ChannelFrom { to, from: c.from, unit: c.unit, line })
     }
 }

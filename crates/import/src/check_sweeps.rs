@@ -1,8 +1,9 @@
 //! Checks of a mapping of sweeps.
 
 use super::check::Check;
+use super::convert::Zero;
 use super::mapping::{Content, QuantityFrom, SweepForm, SweepLabels};
-use super::shape::{QuantityShape, SweepShape, TimeShape, WideShape};
+use super::shape::{QuantityShape, SweepShape, TimeShape, WideShape, ZeroShape, ZeroWord};
 use super::sweeps::Pairs;
 use super::table::ColumnRef;
 use super::wide::Wide;
@@ -67,7 +68,16 @@ impl Check<'_> {
                 self.error(&format!("{at}.{key}"), "must not be empty; figures put it on an axis");
             }
         }
-        let line = self.line(at, q.sign, q.scale, q.offset, q.zero.is_some())?;
+        let zero = match q.zero {
+            None => Zero::None,
+            Some(ZeroShape::Word(ZeroWord::First)) => Zero::First,
+            Some(ZeroShape::Rest(_)) => {
+                let what = "is \"first\" or left out in a sweep, which need not have a time";
+                self.error(&format!("{at}.zero"), what);
+                Zero::None
+            }
+        };
+        let line = self.line(at, q.sign, q.scale, q.offset, zero)?;
         Some((q.from, QuantityFrom { quantity: Quantity { name: q.name, unit: q.unit }, line }))
     }
 }

@@ -1,6 +1,6 @@
 //! From their numbers to ours: a line, a derivative, an integral, a mean.
 
-/// `sign · (scale · (x − first) + offset)`, where `first` is the first value or 0.
+/// `sign · (scale · (x − zero) + offset)`, where `zero` is the first value, a median or 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Linear {
     /// 1 or −1.
@@ -9,27 +9,39 @@ pub(super) struct Linear {
     pub(super) scale: f64,
     /// In the unit named.
     pub(super) offset: f64,
-    /// Whether the first value is subtracted.
-    pub(super) zero_first: bool,
+    /// What is subtracted first of all.
+    pub(super) zero: Zero,
+}
+
+/// What is subtracted from every value of a trial.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Zero {
+    None,
+    /// The first value.
+    First,
+    /// The median of the values in a stretch, in seconds from the trial's first sample.
+    Rest {
+        from_s: f64,
+        to_s: f64,
+    },
 }
 
 impl Linear {
     /// Leaves every value as it is, bit for bit: adding −0, unlike 0, keeps the sign of −0.
     pub(super) const IDENTITY: Self =
-        Self { sign: 1.0, scale: 1.0, offset: -0.0, zero_first: false };
+        Self { sign: 1.0, scale: 1.0, offset: -0.0, zero: Zero::None };
 
-    /// Converts `values`, and multiplies them by `factor` (that of the unit).
-    pub(super) fn apply(&self, values: &mut [f64], factor: f64) {
-        let first = values.first().copied().unwrap_or(0.0);
-        self.apply_from(values, factor, first);
+    /// Converts values, less `zero` and times `factor` (that of the unit).
+    pub(super) fn apply(&self, values: &mut [f64], factor: f64, zero: f64) {
+        for x in values {
+            *x = self.sign * (self.scale * (*x - zero) + self.offset) * factor;
+        }
     }
 
-    /// [`Linear::apply`] to a part of a column whose first value is `first`.
-    pub(super) fn apply_from(&self, values: &mut [f64], factor: f64, first: f64) {
-        let first = if self.zero_first { first } else { 0.0 };
-        for x in values {
-            *x = self.sign * (self.scale * (*x - first) + self.offset) * factor;
-        }
+    /// Converts a whole column, whose first value is its zero if one is asked for.
+    pub(super) fn apply_to_all(&self, values: &mut [f64], factor: f64) {
+        let first = values.first().copied().filter(|_| self.zero == Zero::First);
+        self.apply(values, factor, first.unwrap_or(0.0));
     }
 
     /// The conversion in words: `−(0.5 (x − x₀) + 2)`; `None` where it changes nothing.
@@ -38,7 +50,11 @@ impl Linear {
         if *self == Self::IDENTITY {
             return None;
         }
-        let x = if self.zero_first { "(x − first x)" } else { "x" };
+        let x = match self.zero {
+            Zero::None => "x",
+            Zero::First => "(x − first x)",
+            Zero::Rest { .. } => "(x − x at rest)",
+        };
         let scaled = if self.scale == 1.0 { x.to_owned() } else { format!("{} {x}", self.scale) };
         let shifted =
             if self.offset == 0.0 { scaled } else { format!("({scaled} + {})", self.offset) };
@@ -46,23 +62,32 @@ impl Linear {
     }
 }
 
-/// dx/dt by central differences, second order on uneven times too; one-sided at both ends.
-///
-/// Fornberg, Math. Comp. 51 (1988) 699: with steps h before and k after a sample,
-/// (h² x₊ + (k² − h²) x − k² x₋) / (h k (h + k)). At least two samples, t increasing.
+/// dx/dt by central differences, second order on uneven times too; one-sided at both ends. At least two
+/// samples, t increasing.
 pub(super) fn derivative(t: &[f64], x: &[f64]) -> Vec<f64> {
     let n = x.len();
-    let step = |i: usize| (x[i + 1] - x[i]) / (t[i + 1] - t[i]);
     (0..n)
         .map(|i| match i {
-            0 => step(0),
-            _ if i == n - 1 => step(n - 2),
-            _ => {
-                let (h, k) = (t[i] - t[i - 1], t[i + 1] - t[i]);
-                (h * h * x[i + 1] + (k * k - h * h) * x[i] - k * k * x[i - 1]) / (h * k * (h + k))
-            }
+            0 => slope(t, x, 0),
+            _ if i == n - 1 => slope(t, x, n - 2),
+            _ => central(t, x, i),
         })
         .collect()
+}
+
+/// The slope from a sample to the next.
+pub(super) fn slope(t: &[f64], x: &[f64], i: usize) -> f64 {
+    (x[i + 1] - x[i]) / (t[i + 1] - t[i])
+}
+
+/// The slope at a sample between two others: that of the parabola through the three, exactly 0 where they
+/// are equal.
+///
+/// Fornberg, Math. Comp. 51 (1988) 699: with steps h before and k after the sample, the slopes of both
+/// weighted by k and h.
+pub(super) fn central(t: &[f64], x: &[f64], i: usize) -> f64 {
+    let (h, k) = (t[i] - t[i - 1], t[i + 1] - t[i]);
+    (k * slope(t, x, i - 1) + h * slope(t, x, i)) / (h + k)
 }
 
 /// ∫ x dt from the first sample, where it is 0, by the trapezoidal rule.
@@ -84,6 +109,17 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
+/// The middle value, or the mean of the two in the middle; 0 of none.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => values[middle],
+        _ => (values[middle - 1] + values[middle]) / 2.0,
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::float_cmp)]
 mod tests {
@@ -91,9 +127,9 @@ mod tests {
 
     #[test]
     fn a_line_is_applied_in_the_order_that_is_written_down() {
-        let line = Linear { sign: -1.0, scale: 2.0, offset: 1.0, zero_first: true };
+        let line = Linear { sign: -1.0, scale: 2.0, offset: 1.0, zero: Zero::First };
         let mut values = [10.0, 11.0];
-        line.apply(&mut values, 0.5);
+        line.apply(&mut values, 0.5, 10.0);
         assert_eq!(values, [-0.5, -1.5]);
         assert_eq!(line.words().unwrap(), "−(2 (x − first x) + 1)");
     }
@@ -102,7 +138,7 @@ mod tests {
     fn the_identity_keeps_every_bit() {
         let mut values = [-0.0, 0.0, 1e-321, 0.1];
         let bits = values.map(f64::to_bits);
-        Linear::IDENTITY.apply(&mut values, 1.0);
+        Linear::IDENTITY.apply(&mut values, 1.0, 0.0);
         assert_eq!(values.map(f64::to_bits), bits);
         assert_eq!(Linear::IDENTITY.words(), None);
     }

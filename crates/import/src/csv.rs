@@ -109,7 +109,7 @@ pub(super) fn read(
         empty = EmptyRows::default();
     }
     let columns = columns.into_iter().map(Cells::of_text).collect();
-    Ok(Table { columns, names, lines, told, bad, empty, lost: None })
+    Ok(Table { columns, names, lines, told, bad, empty, ..Table::default() })
 }
 
 /// Reads the next record that has a value, if there is one; the empty ones before it are counted.

@@ -2,6 +2,7 @@
 
 use super::csv::Dialect;
 use super::limits::{Take, shown};
+use super::shape::XdfClock;
 use super::table::Table;
 use super::{csv, feather, hdf5, jsonl, mat, npy, parquet, workbook, xdf};
 use serde::Deserialize;
@@ -36,6 +37,10 @@ pub(super) struct FormatOptions<'a> {
     /// The part of the file whose columns are meant: a matrix of a MAT file, an array of a NumPy
     /// archive, a stream, a sheet.
     pub(super) part: Option<&'a str>,
+    /// Which times of an XDF stream are taken.
+    pub(super) clock: XdfClock,
+    /// Whether those of a steady stream are put on a straight line.
+    pub(super) dejitter: bool,
 }
 
 /// What a MAT file of version 7.3 begins with.
@@ -153,7 +158,9 @@ impl Format {
             Self::Hdf5 => hdf5::read(path, bytes, (options.part, hdf5::Order::Rows), take),
             Self::Npy => npy::read(path, &bytes, take),
             Self::Npz => npy::read_archive(path, &bytes, options.part, take),
-            Self::Xdf => xdf::read(path, &bytes, options.part, take),
+            Self::Xdf => {
+                xdf::read(path, &bytes, options.part, (options.clock, options.dejitter), take)
+            }
             Self::Xlsx => workbook::read_xlsx(path, &bytes, options.dialect, options.part, take),
             Self::Ods => workbook::read_ods(path, &bytes, options.dialect, options.part, take),
         }

@@ -6,6 +6,7 @@ use super::format::{Format, FormatOptions};
 use super::limits::{Budget, MOST_FILE, Take};
 use super::plain::is_labchart;
 use super::recording::number;
+use super::shape::XdfClock;
 use super::table::{ColumnRef, Table};
 use super::text::{Encoding, check_readable, decode};
 use std::io::Read as _;
@@ -118,7 +119,12 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
     let columns: Vec<ColumnRef> = (1..=MOST_GUESSED).map(ColumnRef::Position).collect();
     let budget = Budget::default();
     let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
-    let table = format.read(path, bytes, FormatOptions { dialect, part: None }, &take)?;
+    let table = format.read(
+        path,
+        bytes,
+        FormatOptions { dialect, part: None, clock: XdfClock::Corrected, dejitter: true },
+        &take,
+    )?;
     let (format, written) =
         (named.is_none().then_some(format), is_delimited(format).then_some(written));
     Ok(Looked { table, format, written })

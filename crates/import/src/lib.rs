@@ -13,7 +13,9 @@ mod check;
 mod check_likert;
 mod check_samples;
 mod check_sweeps;
+mod clock;
 mod convert;
+mod counter;
 mod csv;
 mod feather;
 mod format;
@@ -35,10 +37,13 @@ mod limits;
 mod long;
 mod mapping;
 mod mat;
+mod mend;
 #[cfg(test)]
 mod mistakes;
 mod npy;
 mod once;
+mod order;
+mod outline;
 mod parquet;
 mod plain;
 mod plan;
@@ -62,6 +67,7 @@ mod workbook;
 mod world;
 mod xdf;
 mod xml;
+mod zero;
 mod zip;
 
 pub use guess::{Guess, guess};
@@ -73,12 +79,15 @@ use batch::Batch;
 use format::Format;
 use limits::{MOST_FILE, Take, shown};
 use mapping::Content;
+use order::in_order;
 use rayon::prelude::*;
 use recording::{Recording, Rows};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::commit::settle;
-use zwidth_store::{Files, FirstErrors, Layout, MOST_STUDY, SOURCE, StoreError, hex_blake3};
+use zwidth_store::{
+    Files, FirstErrors, Layout, MOST_STUDY, SOURCE, StoreError, StudyData, against_plan, hex_blake3,
+};
 use zwidth_study::{Study, printable};
 
 /// Imports `files` into the study at `layout`, as `mapping` says.
@@ -116,11 +125,27 @@ pub fn import(
             files: disk,
             progress,
         };
-        let batch = batch(&context, files)?;
+        let batch = batch(&context, &in_order(files))?;
         batch.write(disk, layout, utc)?;
         Ok(batch)
     });
-    made.map(|batch| batch.report(layout))
+    made.map(|batch| {
+        let odd = against_plan_of(disk, layout, &batch);
+        batch.report(layout, odd)
+    })
+}
+
+/// What of these sessions is more, less or other than planned. What keeps the study from being read is told by
+/// whoever reads it next: this import is made.
+fn against_plan_of(disk: &dyn Files, layout: &Layout, batch: &Batch) -> Vec<String> {
+    let Ok(data) = StudyData::load_from(disk, layout) else { return Vec::new() };
+    let new: BTreeSet<&Path> = batch.outputs.iter().map(|(path, _)| path.as_path()).collect();
+    let found =
+        against_plan(&data).into_iter().filter(|finding| new.contains(finding.path.as_path()));
+    let shown = |finding: StoreError| {
+        StoreError { path: layout.shown(&finding.path).to_owned(), ..finding }.to_string()
+    };
+    found.map(shown).collect()
 }
 
 fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
@@ -213,12 +238,12 @@ impl Context<'_> {
         &self,
         files: &[PathBuf],
         take: &Take,
-        convert: impl Fn(&Recording) -> Result<T, Errors> + Sync,
+        convert: impl Fn(&mut Recording) -> Result<T, Errors> + Sync,
     ) -> Result<Vec<Converted<T>>, Errors> {
         let one = |path: &PathBuf| {
-            let recording =
+            let mut recording =
                 Recording::read(path, &self.mapping.file, self.mapping.name.as_ref(), take)?;
-            let made = convert(&recording)?;
+            let made = convert(&mut recording)?;
             Ok::<_, Errors>(Converted { path: recording.path, blake3: recording.blake3, made })
         };
         let mut found = Vec::new();
@@ -300,6 +325,10 @@ impl Context<'_> {
         let dropped = [
             (rows.missing, MISSING.to_owned()),
             (rows.past_limit, format!("after the first {limit} (rows = {limit})")),
+            (
+                rows.joined.len(),
+                "they have the time of a row before them (equal in [time])".to_owned(),
+            ),
         ];
         let bad = rows.bad.values().map(|why| (1, format!("{why} (bad_lines)")));
         Ok(FileReport {

@@ -6,7 +6,7 @@ use super::csv::{Dialect, WHITE_SPACE};
 use super::format::Format;
 use super::label::Label;
 use super::limits::MOST_MAPPING;
-pub(super) use super::shape::{Missing, Reduce, Side};
+pub(super) use super::shape::{Equal, Missing, Reduce, Side, XdfClock};
 use super::sweeps::Pairs;
 use super::table::ColumnRef;
 use super::text::Encoding;
@@ -103,6 +103,12 @@ pub(super) struct FileForm {
     pub(super) splits_at_time: bool,
     /// Texts of more bytes are read block by block.
     pub(super) long_from: u64,
+    /// Whether something is asked for that looks at a trial from its beginning to its end: then no text is
+    /// read block by block.
+    pub(super) whole: bool,
+    pub(super) clock: XdfClock,
+    /// Whether the times of a steady XDF stream are put on a straight line.
+    pub(super) dejitter: bool,
 }
 
 impl FileForm {
@@ -173,11 +179,22 @@ pub(super) enum Time {
         unit: &'static Unit,
         unit_text: String,
         line: Linear,
+        mend: Mend,
     },
     /// The n-th row, from 0, lies at n / rate.
     Rate {
         rate_hz: f64,
     },
+}
+
+/// What is mended of a column of times before it is converted.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Mend {
+    /// Where it starts over, in their unit.
+    pub(super) wrap: Option<f64>,
+    pub(super) equal: Option<Equal>,
+    /// The rate of a column that counts samples, Hz.
+    pub(super) counts_at_hz: Option<f64>,
 }
 
 /// Where a signal comes from.
@@ -200,7 +217,14 @@ pub(super) struct ChannelFrom {
 /// A column of theirs, or a rule.
 #[derive(Debug, Clone)]
 pub(super) enum Origin {
-    Column { from: ColumnRef, unit: &'static Unit, unit_text: String, line: Linear },
+    Column {
+        from: ColumnRef,
+        unit: &'static Unit,
+        unit_text: String,
+        line: Linear,
+        /// Where it starts over, in their unit.
+        wrap: Option<f64>,
+    },
     Derived(Rule),
 }
 

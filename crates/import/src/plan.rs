@@ -1,7 +1,8 @@
 //! How every file becomes trials: the mapping joined with the study.
 
-use super::convert::Linear;
+use super::convert::{Linear, Zero};
 use super::mapping::{ChannelFrom, Origin, Rule, SignalFrom, Time};
+use super::mend::TimeColumn;
 use super::table::ColumnRef;
 use super::{Context, Errors, all, unit};
 use zwidth_store::{Signal, StoreError};
@@ -12,6 +13,8 @@ use zwidth_study::Study;
 pub(super) struct Plan<'a> {
     /// Time first, where it has a column; then the mapped signals.
     pub(super) taken: Vec<Taken<'a>>,
+    /// The column of time, and what is mended of it.
+    pub(super) time: Option<TimeColumn<'a>>,
     /// Rows a second, where there is no time column.
     pub(super) rate_hz: Option<f64>,
     /// Columns that become channels of the study's own.
@@ -33,6 +36,8 @@ pub(super) struct Taken<'a> {
     pub(super) line: Linear,
     /// From the unit named to SI.
     pub(super) factor: f64,
+    /// Where it starts over, in the unit named.
+    pub(super) wrap: Option<f64>,
 }
 
 /// Joins the mapping with the study.
@@ -56,13 +61,22 @@ pub(super) fn plan<'a>(
             plan.rate_hz = Some(*rate_hz);
             plan.computed.push(rate_words(*rate_hz));
         }
-        Time::Column { from, unit, unit_text, line } => {
+        Time::Column { from, unit, unit_text, line, mend } => {
             plan.take(context, Signal::Time, from, (unit, unit_text), *line)?;
+            let from_first = line.zero == Zero::First;
+            plan.time = Some(TimeColumn { from, unit, from_first, mend: *mend });
+            plan.computed.extend(mend.words());
         }
     }
     let added = columns.iter().map(|SignalFrom { to, origin }| match origin {
-        Origin::Column { from, unit, unit_text, line } => {
-            plan.take(context, target(*to, columns, context.study), from, (unit, unit_text), *line)
+        Origin::Column { from, unit, unit_text, line, wrap } => {
+            let to = target(*to, columns, context.study);
+            plan.take(context, to, from, (unit, unit_text), *line)?;
+            if let (Some(wrap), Some(taken)) = (*wrap, plan.taken.last_mut()) {
+                taken.wrap = Some(wrap);
+                plan.computed.push(format!("{} unwrapped at {wrap} {unit_text}", to.name()));
+            }
+            Ok::<_, StoreError>(())
         }
         Origin::Derived(rule) => {
             plan.computed.push(rule_words(*to, *rule));
@@ -156,10 +170,16 @@ impl<'a> Plan<'a> {
                 if unit.dimension == unit::Dimension::Torque { "F = τ / L" } else { "θ = x / L" };
             self.computed.push(format!("{name} by {rule} with L = {lever_m} m"));
         }
-        if line.zero_first {
-            self.computed.push(format!("{name} less its first value"));
+        match line.zero {
+            Zero::None => {}
+            Zero::First => self.computed.push(format!("{name} less its first value")),
+            Zero::Rest { from_s, to_s } => {
+                let words =
+                    format!("{name} less its median from {from_s} s to {to_s} s of the trial");
+                self.computed.push(words);
+            }
         }
-        self.taken.push(Taken { to, from, line, factor });
+        self.taken.push(Taken { to, from, line, factor, wrap: None });
         Ok(())
     }
 }

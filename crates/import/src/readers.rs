@@ -3,6 +3,7 @@
 use super::csv::{Dialect, WHITE_SPACE};
 use super::format::{Format, FormatOptions};
 use super::limits::{Budget, Take};
+use super::shape::XdfClock;
 use super::table::ColumnRef;
 use super::text::Encoding;
 use std::path::Path;
@@ -56,7 +57,8 @@ impl FormatReader {
         let read = |part| {
             let budget = Budget::default();
             let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
-            let options = FormatOptions { dialect, part };
+            let options =
+                FormatOptions { dialect, part, clock: XdfClock::Corrected, dejitter: true };
             let table = self.0.read(Path::new("input"), bytes.to_vec(), options, &take)?;
             Ok(table.lines.len())
         };

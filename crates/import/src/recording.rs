@@ -18,7 +18,7 @@ pub(super) struct Recording {
     pub(super) table: Table,
     /// BLAKE3 of the file, hexadecimal.
     pub(super) blake3: String,
-    decimal_comma: bool,
+    pub(super) decimal_comma: bool,
     /// Named groups of the pattern on the path.
     groups: BTreeMap<String, String>,
 }
@@ -36,6 +36,8 @@ pub(super) struct Rows {
     pub(super) past_limit: usize,
     /// Why each row that cannot be read was left out.
     pub(super) bad: BTreeMap<usize, String>,
+    /// Rows of the time of a row before them, which stands for them.
+    pub(super) joined: Vec<usize>,
 }
 
 /// What a trial or sweep lacks between its first row and its last.
@@ -107,7 +109,12 @@ impl Recording {
         let blake3 = hex_blake3(&bytes);
         let groups = name.map_or_else(|| Ok(BTreeMap::new()), |pattern| groups(path, pattern))?;
         let format = form.format_of(path)?;
-        let options = FormatOptions { dialect: form.dialect(format), part: form.part.as_deref() };
+        let options = FormatOptions {
+            dialect: form.dialect(format),
+            part: form.part.as_deref(),
+            clock: form.clock,
+            dejitter: form.dejitter,
+        };
         let table = format.read(path, bytes, options, take)?;
         Ok(Self { path: path.to_owned(), table, blake3, decimal_comma: form.decimal_comma, groups })
     }
@@ -210,7 +217,7 @@ impl Recording {
         factor: f64,
     ) -> Result<Vec<f64>, StoreError> {
         let mut values = self.numbers(column, rows)?;
-        line.apply(&mut values, factor);
+        line.apply_to_all(&mut values, factor);
         Ok(values)
     }
 
@@ -271,7 +278,7 @@ impl Recording {
             Missing::Drop => readable.filter(|row| self.is_full(*row, numeric, text)).collect(),
         };
         let missing = limit - kept.len() - bad.len();
-        Ok(Rows { read, missing, past_limit: read - limit, kept, bad })
+        Ok(Rows { read, missing, past_limit: read - limit, kept, bad, joined: Vec::new() })
     }
 
     /// Rows up to `limit` that cannot be read, at most as many as are allowed: what more there are
@@ -347,7 +354,8 @@ impl Recording {
         let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
             return Gaps::default();
         };
-        let bad = taken.bad.range(first..=last).count();
+        let joined = taken.joined.iter().filter(|row| (first..=last).contains(row)).count();
+        let bad = taken.bad.range(first..=last).count() + joined;
         let [first, last] = [*first, *last].map(|row| Standing::default().of(&self.table, row));
         Gaps::between(first, last, rows.len(), bad)
     }

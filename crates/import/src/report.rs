@@ -14,7 +14,7 @@ const MOST_NAMED: usize = 20;
 pub struct Report {
     /// The study that was imported into.
     pub study: StudyId,
-    /// One entry a file, in the order given.
+    /// One entry a file, in the order of their names.
     pub files: Vec<FileReport>,
     /// Trial files written.
     pub trials: usize,
@@ -24,6 +24,8 @@ pub struct Report {
     pub sessions: usize,
     /// Answers written as events.
     pub answers: usize,
+    /// What of the new sessions is more, less or other than study.toml plans.
+    pub against_plan: Vec<String>,
 }
 
 /// What became of one file.
@@ -82,7 +84,7 @@ pub(super) fn null_columns(made: &[Signal]) -> Vec<String> {
 impl Report {
     /// Whether something that was imported is to be read with care.
     pub fn is_doubtful(&self) -> bool {
-        self.files.iter().any(FileReport::is_doubtful)
+        !self.against_plan.is_empty() || self.files.iter().any(FileReport::is_doubtful)
     }
 }
 
@@ -98,6 +100,21 @@ impl fmt::Display for Report {
             if ends {
                 writeln!(f)?;
             }
+        }
+        for line in self.against_plan.iter().take(MOST_NAMED) {
+            writeln!(f, "read with care: {}", printable(line))?;
+        }
+        match self.against_plan.len() {
+            0 => {}
+            n if n > MOST_NAMED => {
+                writeln!(
+                    f,
+                    "and {} more like these (`zwidth verify {}`)\n",
+                    n - MOST_NAMED,
+                    self.study
+                )?;
+            }
+            _ => writeln!(f)?,
         }
         let counts = [
             (self.trials, "trial"),
@@ -225,8 +242,15 @@ mod tests {
             care: vec!["column t_s: it jumps; mend it".to_owned()],
         };
         let study = StudyId::new("demo").unwrap();
-        let report =
-            Report { study, files: vec![file], trials: 1, sweeps: 0, sessions: 1, answers: 0 };
+        let report = Report {
+            study,
+            files: vec![file],
+            trials: 1,
+            sweeps: 0,
+            sessions: 1,
+            answers: 0,
+            against_plan: vec![],
+        };
         let expect = "\
 K_1.csv: 10 rows read, 9 kept
   dropped   1 row: a mapped cell is empty

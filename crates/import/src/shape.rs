@@ -112,11 +112,62 @@ pub(super) struct TrialShape {
     pub(super) likert: Option<LabelShape>,
 }
 
-/// What "zero" may be.
+/// What "zero" of a time may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Zero {
+pub(super) enum ZeroWord {
     First,
+}
+
+/// What "zero" of another column may be.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected \"first\", or a stretch at rest, { from_s = 0.0, to_s = 0.5 }"
+)]
+pub(super) enum ZeroShape {
+    Word(ZeroWord),
+    Rest(RestShape),
+}
+
+/// A stretch of a trial, in seconds from its first sample.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RestShape {
+    #[serde(default)]
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
+}
+
+/// What becomes of samples of one and the same time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Equal {
+    /// The first of them stays.
+    Drop,
+    /// Their mean takes their place.
+    Mean,
+}
+
+/// What a time that runs backwards means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Backwards {
+    Refuse,
+    Split,
+}
+
+/// Which times of an XDF stream are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum XdfClock {
+    /// Those of its samples as they stand in the file, on the stream's own clock.
+    Recorded,
+    /// The first of them, and from there on by the rate that the stream names.
+    Nominal,
+    /// Those on the recorder's clock.
+    #[default]
+    Corrected,
 }
 
 #[derive(Deserialize)]
@@ -125,8 +176,14 @@ pub(super) struct TimeShape {
     pub(super) from: Option<ColumnRef>,
     pub(super) unit: Option<String>,
     pub(super) offset: Option<f64>,
-    pub(super) zero: Option<Zero>,
+    pub(super) zero: Option<ZeroWord>,
     pub(super) rate_hz: Option<f64>,
+    pub(super) counter: Option<ColumnRef>,
+    pub(super) wrap: Option<f64>,
+    pub(super) equal: Option<Equal>,
+    pub(super) backwards: Option<Backwards>,
+    pub(super) clock: Option<XdfClock>,
+    pub(super) dejitter: Option<bool>,
 }
 
 #[derive(Deserialize)]
@@ -138,7 +195,8 @@ pub(super) struct ColumnShape {
     pub(super) sign: Option<f64>,
     pub(super) scale: Option<f64>,
     pub(super) offset: Option<f64>,
-    pub(super) zero: Option<Zero>,
+    pub(super) zero: Option<ZeroShape>,
+    pub(super) wrap: Option<f64>,
     pub(super) derive: Option<String>,
 }
 
@@ -152,7 +210,7 @@ pub(super) struct ChannelShape {
     pub(super) sign: Option<f64>,
     pub(super) scale: Option<f64>,
     pub(super) offset: Option<f64>,
-    pub(super) zero: Option<Zero>,
+    pub(super) zero: Option<ZeroShape>,
 }
 
 #[derive(Deserialize)]
@@ -171,7 +229,7 @@ pub(super) struct QuantityShape {
     pub(super) sign: Option<f64>,
     pub(super) scale: Option<f64>,
     pub(super) offset: Option<f64>,
-    pub(super) zero: Option<Zero>,
+    pub(super) zero: Option<ZeroShape>,
 }
 
 /// Which quantity of a wide sweep stands in the headers.

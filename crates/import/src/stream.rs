@@ -3,7 +3,7 @@
 //! What they become is what a short recording becomes.
 
 use super::blocks::{Block, Blocks, is_long};
-use super::convert::Linear;
+use super::convert::{Linear, Zero, central, slope};
 use super::identity::{Identity, identity};
 use super::limits::{Budget, Take, check_sizes, check_time, too_many_for_a_trial};
 use super::mapping::{FileForm, Rule, Who};
@@ -239,8 +239,11 @@ impl<'a> Source<'a> {
         let budget = Budget::default();
         let take = Take { columns, pattern: None, budget: &budget };
         let table = csv::read(self.path, &block.text, block.dialect, &take)?;
-        let recording =
+        let mut recording =
             Recording::part(self.path, table, self.form.decimal_comma, self.groups.clone());
+        if let Some(time) = self.plan.time {
+            recording.read_clock(time, false)?;
+        }
         let numeric = all(self.plan.columns().map(|column| recording.find(column)))?;
         let labels = all(self.who.columns().into_iter().map(|c| recording.find(c)))?;
         let rows = recording.rows_in(&self.form, &numeric, &labels)?;
@@ -356,7 +359,8 @@ impl<'a> Growing<'a> {
         let mut part = Samples::default();
         for (i, (line, factor)) in lines.into_iter().enumerate() {
             let mut values = raw(i).to_vec();
-            line.apply_from(&mut values, factor, self.firsts[i]);
+            let zero = if line.zero == Zero::First { self.firsts[i] } else { 0.0 };
+            line.apply(&mut values, factor, zero);
             set(&mut part, &self.columns[i].0, values);
         }
         if let Some(rate_hz) = self.plan.rate_hz {
@@ -490,18 +494,13 @@ impl<'a> Growing<'a> {
         let n = t.len().min(x.len());
         // Whether the first row at hand is the trial's first.
         let from_start = self.rows == self.given;
-        let step = |i: usize| (x[i + 1] - x[i]) / (t[i + 1] - t[i]);
         match rule {
             Rule::DerivativeOf(_) => {
                 let until = if end { n } else { n.saturating_sub(1) };
                 let value = |i: usize| match i {
-                    0 if from_start => step(0),
-                    _ if i + 1 == n => step(i - 1),
-                    _ => {
-                        let (h, k) = (t[i] - t[i - 1], t[i + 1] - t[i]);
-                        (h * h * x[i + 1] + (k * k - h * h) * x[i] - k * k * x[i - 1])
-                            / (h * k * (h + k))
-                    }
+                    0 if from_start => slope(t, x, 0),
+                    _ if i + 1 == n => slope(t, x, i - 1),
+                    _ => central(t, x, i),
                 };
                 (have.len()..until).map(value).collect()
             }

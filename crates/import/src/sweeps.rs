@@ -1,9 +1,11 @@
 //! Files of characterisation sweeps → sweeps.
 
 use super::batch::Batch;
+use super::convert::Zero;
 use super::label::Label;
 use super::limits::{Budget, Take, check_time};
 use super::mapping::{QuantityFrom, SweepForm, SweepLabels, Time};
+use super::mend::TimeColumn;
 use super::plan::{rate_times, rate_words};
 use super::recording::{Gaps, Recording};
 use super::report::FileReport;
@@ -141,11 +143,24 @@ fn pairs(
     labels: &SweepLabels,
     form: &Pairs,
     budget: &Budget,
-    recording: &Recording,
+    recording: &mut Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
+    let time = match &form.time {
+        Some(Time::Column { from, unit, line, mend, .. }) => {
+            let from_first = line.zero == Zero::First;
+            Some(TimeColumn { from, unit, from_first, mend: *mend })
+        }
+        _ => None,
+    };
+    if let Some(time) = time {
+        recording.read_clock(time, time.from_first)?;
+    }
     let numeric = all(form.columns().into_iter().map(|c| recording.find(c)))?;
     let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
-    let rows = recording.rows(&context.mapping.file, &numeric, &label_columns)?;
+    let mut rows = recording.rows(&context.mapping.file, &numeric, &label_columns)?;
+    if let Some(time) = time {
+        recording.mend(time, &mut rows, &numeric, &label_columns)?;
+    }
     let at_a_rate = matches!(form.time, Some(Time::Rate { .. }));
     // Counted before anything is made of them.
     budget.trials(&recording.path, recording.pieces(&rows.kept, &label_columns).count())?;
@@ -167,8 +182,9 @@ fn pairs(
     );
     match form.time {
         Some(Time::Rate { rate_hz }) => report.computed.push(rate_words(rate_hz)),
-        Some(Time::Column { line, .. }) => {
+        Some(Time::Column { line, mend, .. }) => {
             report.computed.extend(line.words().map(|words| format!("t_s = {words}")));
+            report.computed.extend(mend.words());
         }
         None => report.null.push("t_s".to_owned()),
     }

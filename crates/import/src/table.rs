@@ -106,6 +106,8 @@ pub(super) struct Table {
     pub(super) empty: EmptyRows,
     /// What of the recording could not be read, in words.
     pub(super) lost: Option<String>,
+    /// Why what is made of it is to be read with care.
+    pub(super) doubts: Vec<String>,
 }
 
 /// Where a file has rows without any value. Each is a place at which no sample was taken.

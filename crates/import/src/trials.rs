@@ -2,20 +2,25 @@
 
 use super::batch::{Batch, Output};
 use super::blocks::{blake3_of, is_long};
-use super::convert::{derivative, integral};
+use super::convert::{Linear, derivative, integral};
 use super::identity::{Identity, identity, number_trials};
 use super::limits::{Budget, Take, check_sizes};
 use super::mapping::{ChannelFrom, Rule, SignalFrom, Time, Who};
+use super::mend::unwrap_angle;
+use super::outline::Outline;
 use super::plan::{Plan, Taken, plan, rate_times};
 use super::recording::{Gaps, Recording, Rows};
 use super::report::{FileReport, RowsDropped, null_columns};
 use super::stream::{Growing, Source as LongText};
-use super::{Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, all, once};
+use super::table::ColumnRef;
+use super::{
+    Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, all, counter, once, outline, zero,
+};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_store::{
-    Asked, GAPS, LOST, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, check_form,
-    check_samples, trial_bytes,
+    Asked, DOUBTS, GAPS, LOST, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, ZEROS,
+    check_form, check_samples, trial_bytes,
 };
 use zwidth_study::{Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
 
@@ -24,17 +29,27 @@ struct Piece {
     identity: Identity,
     /// None of a long text: they are read once more when they are written.
     samples: Samples,
-    /// What it lacks, as its file will say.
-    lacks: Lacks,
+    notes: Notes,
 }
 
-/// What a trial lacks of what was recorded, in words for its file.
+/// What a trial's file says of how it was made.
 #[derive(Debug, Default)]
-struct Lacks {
-    /// Samples between its first and its last ([`GAPS`]).
+struct Notes {
+    /// Samples missing between its first and its last ([`GAPS`]).
     gaps: Option<String>,
     /// What of the recording could not be read ([`LOST`]).
     lost: Option<String>,
+    /// What was taken for the zeros of its sensors ([`ZEROS`]).
+    zeros: Vec<String>,
+    /// Why it is to be read with care although its samples do not show it ([`DOUBTS`]).
+    doubts: Vec<String>,
+}
+
+/// What is known of the zeros of a trial's sensors.
+#[derive(Debug, Default)]
+struct Zeros {
+    words: Vec<String>,
+    doubts: Vec<String>,
 }
 
 /// A trial's file.
@@ -58,7 +73,18 @@ pub(super) fn trials(
     check_form(context.files, context.layout, context.study)?;
     let plan = plan(context, time, columns, channels)?;
     let budget = Budget::default();
-    let converted = converted(context, (who, &plan), &budget, files)?;
+    let mut converted = converted(context, (who, &plan), &budget, files)?;
+    // Samples of long texts are not there yet.
+    let mut pieces: Vec<&mut Piece> = converted
+        .iter_mut()
+        .flat_map(|file| file.made.0.iter_mut())
+        .filter(|piece| !piece.samples.is_empty())
+        .collect();
+    let outlines: Vec<Outline> =
+        pieces.iter().map(|piece| Outline::of(&piece.identity, &piece.samples)).collect();
+    for (piece, doubts) in pieces.iter_mut().zip(outline::doubts(&outlines)) {
+        piece.notes.doubts.extend(doubts);
+    }
     let identities: Vec<Identity> =
         converted.iter().flat_map(|c| c.made.0.iter().map(|p| p.identity.clone())).collect();
     let planned = number_trials(context, &identities, true)?;
@@ -116,6 +142,9 @@ pub(super) fn trials(
     Ok(batch)
 }
 
+/// Columns that are looked at for what they count.
+const MOST_LOOKED_AT: usize = 16;
+
 /// The trials of a file, and the report on it; of a long text whose its trials are, and no report
 /// yet.
 type FileTrials = (Vec<Piece>, Option<FileReport>);
@@ -129,9 +158,14 @@ fn converted(
 ) -> Result<Vec<Converted<FileTrials>>, Errors> {
     let long = |path: &PathBuf| is_long(path, &context.mapping.file);
     let (long, short): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(long);
-    let taken = plan.columns().chain(who.columns()).collect();
+    // Where no column of the mapping says the time, another one may show that samples are missing.
+    let looked_at: Vec<ColumnRef> = match plan.rate_hz {
+        Some(_) => (1..=MOST_LOOKED_AT).map(ColumnRef::Position).collect(),
+        None => Vec::new(),
+    };
+    let taken = plan.columns().chain(who.columns()).chain(&looked_at).collect();
     let take = Take { columns: taken, pattern: None, budget };
-    let convert = |recording: &Recording| {
+    let convert = |recording: &mut Recording| {
         let (pieces, report) = convert(context, who, plan, budget, recording)?;
         Ok((pieces, Some(report)))
     };
@@ -149,7 +183,7 @@ fn converted(
             return Err(StoreError::new(path, what, "import it again").into());
         };
         let piece =
-            |identity| Piece { identity, samples: Samples::default(), lacks: Lacks::default() };
+            |identity| Piece { identity, samples: Samples::default(), notes: Notes::default() };
         let pieces = source.identities(budget)?.into_iter().map(piece).collect();
         Ok::<_, Errors>(Converted { path: path.clone(), blake3, made: (pieces, None) })
     };
@@ -330,11 +364,18 @@ fn convert(
     who: &Who,
     plan: &Plan,
     budget: &Budget,
-    recording: &Recording,
+    recording: &mut Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
+    if let Some(time) = plan.time {
+        recording.read_clock(time, time.from_first)?;
+    }
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
-    let rows = recording.rows(&context.mapping.file, &numeric, &labels)?;
+    let mut rows = recording.rows(&context.mapping.file, &numeric, &labels)?;
+    if let Some(time) = plan.time {
+        recording.mend(time, &mut rows, &numeric, &labels)?;
+    }
+    let recording = &*recording;
     let time = numeric.first().copied().filter(|_| context.mapping.file.splits_at_time);
     let pieces = || {
         let labelled = recording.pieces(&rows.kept, &labels);
@@ -348,7 +389,7 @@ fn convert(
     let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
     let pieces = all(pieces().enumerate().map(|(i, stretch)| {
         let identity = identity(who, recording, stretch[0], context.study)?;
-        let samples = samples(plan, recording, &numeric, stretch)?;
+        let (samples, zeros) = samples(plan, recording, &numeric, stretch)?;
         let gaps = told_gaps(plan, recording.gaps(&rows, stretch), stretch.len());
         // Rows that could not be read are the trial's before them, or the first one's.
         let from = if i == 0 { 0 } else { stretch[0] };
@@ -357,7 +398,17 @@ fn convert(
             1 => lost,
             n => format!("{lost} (the recording has {n} trials)"),
         });
-        Ok::<_, Errors>(Piece { identity, samples, lacks: Lacks { gaps, lost } })
+        let missing = match plan.time.and_then(|time| time.mend.counts_at_hz) {
+            Some(rate_hz) => passed_over(samples.get(Signal::Time).unwrap_or_default(), rate_hz),
+            None if plan.rate_hz.is_some() => {
+                passed_over_elsewhere(recording, &numeric, &labels, stretch)
+            }
+            None => None,
+        };
+        let doubts = recording.table.doubts.iter().cloned().chain(zeros.doubts).chain(missing);
+        let doubts = doubts.collect();
+        let notes = Notes { gaps, lost, zeros: zeros.words, doubts };
+        Ok::<_, Errors>(Piece { identity, samples, notes })
     }))?;
     let made: Vec<Signal> =
         Signal::all().filter(|s| pieces.iter().any(|p| p.samples.get(*s).is_some())).collect();
@@ -369,6 +420,40 @@ fn convert(
     };
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, why_empty(plan));
     Ok((pieces, report))
+}
+
+/// What is said of samples that the counter which the time is from passes over.
+fn passed_over(t_s: &[f64], rate_hz: f64) -> Option<String> {
+    let found = counter::gaps(t_s, 1.0 / rate_hz);
+    found.matter().then(|| {
+        format!(
+            "t_s: its counter passes over {} samples in {} places, or over more if a gap is longer than it counts",
+            found.samples, found.places
+        )
+    })
+}
+
+/// What is said where the time is a row's number, and a column that is not mapped shows that samples are
+/// missing.
+fn passed_over_elsewhere(
+    recording: &Recording,
+    numeric: &[usize],
+    labels: &[usize],
+    rows: &[usize],
+) -> Option<String> {
+    let others = (0..recording.table.columns.len().min(MOST_LOOKED_AT))
+        .filter(|column| !numeric.contains(column) && !labels.contains(column));
+    others.into_iter().find_map(|column| {
+        let values = recording.numbers(column, rows).ok()?;
+        let found = counter::counted(&values).filter(|found| found.matter())?;
+        Some(format!(
+            "t_s: rate_hz takes the rows for evenly spaced, but column {} passes over {} samples in {} places: take the time \
+             from it (`from`), or the number of each sample (`counter`, with rate_hz and wrap)",
+            recording.table.name(column),
+            found.samples,
+            found.places
+        ))
+    })
 }
 
 /// What empty rows of a file mean.
@@ -389,22 +474,48 @@ fn samples(
     recording: &Recording,
     numeric: &[usize],
     rows: &[usize],
-) -> Result<Samples, Errors> {
-    let mut samples = Samples::default();
+) -> Result<(Samples, Zeros), Errors> {
+    let (mut samples, mut zeros) = (Samples::default(), Zeros::default());
     let (signals, channels) = numeric.split_at(plan.taken.len());
-    let taken = plan.taken.iter().zip(signals);
-    let taken = all(taken.map(|(t, place)| recording.converted(*place, rows, &t.line, t.factor)))?;
-    for (Taken { to, .. }, values) in plan.taken.iter().zip(taken) {
-        samples.set(*to, values);
+    match plan.rate_hz {
+        Some(rate_hz) => samples.set(Signal::Time, rate_times(rate_hz, recording.places(rows))),
+        // The plan has the time first.
+        None => {
+            let Taken { line, factor, .. } = &plan.taken[0];
+            match recording.converted(signals[0], rows, line, *factor) {
+                Ok(t_s) => samples.set(Signal::Time, t_s),
+                // Of every column at once.
+                Err(error) => {
+                    all(numeric.iter().map(|place| recording.numbers(*place, rows)))?;
+                    return Err(error.into());
+                }
+            }
+        }
     }
-    let own = plan.channels.iter().zip(channels);
-    let own = all(own.map(|(c, place)| recording.converted(*place, rows, &c.line, 1.0)))?;
-    for (ChannelFrom { to, .. }, values) in plan.channels.iter().zip(own) {
-        samples.set_channel(to.clone(), values);
-    }
-    if let Some(rate_hz) = plan.rate_hz {
-        samples.set(Signal::Time, rate_times(rate_hz, recording.places(rows)));
-    }
+    let t_s = samples.get(Signal::Time).unwrap_or_default().to_vec();
+    let mut convert = |name: &str, place: usize, line: &Linear, factor: f64, wrap: Option<f64>| {
+        let mut values = recording.numbers(place, rows)?;
+        if let Some(wrap) = wrap {
+            unwrap_angle(&mut values, wrap);
+        }
+        let zero = zero::find(line.zero, &t_s, &values).map_err(|what| {
+            let remedy = "name another stretch in zero, or leave the trial out";
+            recording.cell_error(place, rows[0], &what, remedy)
+        })?;
+        zeros.words.extend(zero.words.map(|words| format!("{name}: {words}")));
+        zeros.doubts.extend(zero.doubt.map(|doubt| format!("{name}: {doubt}")));
+        line.apply(&mut values, factor, zero.value);
+        Ok::<_, StoreError>(values)
+    };
+    let taken = plan.taken.iter().zip(signals).filter(|(taken, _)| taken.to != Signal::Time);
+    let taken = all(taken.map(|(t, place)| {
+        Ok::<_, StoreError>((t.to, convert(t.to.name(), *place, &t.line, t.factor, t.wrap)?))
+    }))?;
+    let own = all(plan.channels.iter().zip(channels).map(|(c, place)| {
+        Ok::<_, StoreError>((&c.to, convert(c.to.as_str(), *place, &c.line, 1.0, None)?))
+    }))?;
+    taken.into_iter().for_each(|(to, values)| samples.set(to, values));
+    own.into_iter().for_each(|(to, values)| samples.set_channel(to.clone(), values));
     let check = |samples: &Samples| {
         let checked =
             samples.check(&recording.path).and_then(|()| check_sizes(&recording.path, samples));
@@ -416,7 +527,7 @@ fn samples(
         samples.set(*to, derive(*rule, &samples, recording)?);
     }
     check(&samples)?;
-    Ok(samples)
+    Ok((samples, zeros))
 }
 
 fn derive(rule: Rule, samples: &Samples, recording: &Recording) -> Result<Vec<f64>, StoreError> {
@@ -455,7 +566,7 @@ fn in_their_words(
 fn encode(
     context: &Context,
     plan: &Plan,
-    Piece { identity, samples, lacks }: Piece,
+    Piece { identity, samples, notes }: Piece,
     number: &PlannedTrial,
     blake3: &str,
 ) -> Result<Encoded, StoreError> {
@@ -463,12 +574,18 @@ fn encode(
     let asked = Asked::of(context.study, &number.environment);
     let found = check_samples(&asked, Path::new(""), &samples);
     let words = words(&identity, number, samples.len());
-    let care = care(&found, number, samples.len());
-    let Lacks { gaps, lost } = lacks;
+    let mut care = care(&found, number, samples.len());
+    let Notes { gaps, lost, zeros, doubts } = notes;
+    care.extend(doubts.iter().map(|doubt| format!("trial {}, {doubt}", number.trial)));
     let meta = meta(&identity, number, context.mapping.source());
     let mut file = file(context, plan, blake3);
     file.extend(gaps.map(|gaps| (GAPS.to_owned(), gaps)));
     file.extend(lost.clone().map(|lost| (LOST.to_owned(), lost)));
+    for (key, lines) in [(ZEROS, zeros), (DOUBTS, doubts)] {
+        if !lines.is_empty() {
+            file.insert(key.to_owned(), lines.join("; "));
+        }
+    }
     let trial = Trial { meta, file, samples };
     let bytes = trial_bytes(&trial, &context.study.trial_form(), &path)?;
     Ok(Encoded { path, output: bytes.into(), words, care, lost })
@@ -600,6 +717,7 @@ mod tests {
         let channels =
             "\n[[channels]]\nid = \"grip_n\"\nunit = \"N\"\ndescription = \"the grip\"\n";
         let text = zwidth_study::template(&"demo".parse().unwrap()) + channels;
+        let text = text.replace("repeats = 6", "repeats = 1");
         let map = |to: &str, unit: &str| {
             let channel = format!(
                 "\n[[channel]]\nto = \"{to}\"\nfrom = \"g\"\nunit = \"{unit}\"\nsign = -1\n"

@@ -72,14 +72,18 @@ const INCH: f64 = 0.0254;
 const OUNCES: f64 = 16.0;
 /// Seconds in a minute.
 const MINUTE: f64 = 60.0;
+/// Seconds in a day, as spreadsheets count durations.
+const DAY: f64 = 86_400.0;
 
 // Two letters look like µ, the sign of micro and the Greek letter: both are typed.
-const UNITS: [Unit; 43] = [
+const UNITS: [Unit; 45] = [
     unit(&["s", "sec"], Time, 1.0),
     unit(&["ms", "msec"], Time, 1e-3),
     unit(&["µs", "μs", "us"], Time, 1e-6),
     unit(&["ns"], Time, 1e-9),
     unit(&["min"], Time, MINUTE),
+    unit(&["h", "hr", "hour", "hours"], Time, 60.0 * MINUTE),
+    unit(&["d", "day", "days"], Time, DAY),
     unit(&["rad"], Angle, 1.0),
     unit(&["mrad"], Angle, 1e-3),
     // "Grad" is German for degree; a gradian is written gon there.

@@ -59,7 +59,7 @@ pub(super) fn wide(
     for (side, q, values) in
         [("command", &form.command, &mut command), ("response", &form.response, &mut response)]
     {
-        q.line.apply(values, 1.0);
+        q.line.apply_to_all(values, 1.0);
         let from = if side == cells_are { "the cells" } else { "the number in the header" };
         note(&mut report, side, &format!("{from} of the columns '{}'", form.pattern), q);
     }

@@ -40,9 +40,9 @@ pub(super) struct World {
 
 impl World {
     /// The study of the template: lever 0.045 m, spring and spring_wall, active, passive and
-    /// hybrid.
+    /// hybrid; with one repeat of each.
     pub(super) fn new() -> Self {
-        Self::with(&template(&StudyId::new("demo").unwrap()))
+        Self::with(&template(&StudyId::new("demo").unwrap()).replace("repeats = 6", "repeats = 1"))
     }
 
     /// The study of this text, which must have the id `demo`.

@@ -6,7 +6,7 @@ use crate::read::with_time;
 use crate::seen::{Seen, Signals};
 use crate::shown::Shown;
 use crate::stamp::Stamp;
-use crate::verify::lost;
+use crate::verify::import_findings;
 use crate::{Samples, Signal, StoreError, Trial};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ struct Read {
     path: PathBuf,
     stamp: Stamp,
     meta: TrialMeta,
-    lost: Option<StoreError>,
+    imported: Vec<StoreError>,
     samples: Arc<Samples>,
     /// How long the device's clock ran, s.
     device_s: Option<f64>,
@@ -68,14 +68,18 @@ impl Lately {
         let stamp = stamp_of(path);
         if let Some(read) = stamp.and_then(|stamp| self.kept(path, stamp, (signals, channels))) {
             let samples = (read.samples, read.device_s);
-            return Ok(OpenTrial::of(read.meta, read.lost, Shown::new(samples, signals, channels)));
+            return Ok(OpenTrial::of(
+                read.meta,
+                read.imported,
+                Shown::new(samples, signals, channels),
+            ));
         }
         let (trial, device_s) = match OpenTrial::read(&self.seen, path, (signals, channels))? {
             Ok(short) => short,
             Err(long) => return Ok(long),
         };
         let Trial { meta, file, samples } = trial;
-        let lost = lost(Path::new(""), &file);
+        let imported = import_findings(Path::new(""), &file);
         let samples = Arc::new(samples);
         if let Some(stamp) = stamp.filter(|stamp| stamp_of(path) == Some(*stamp)) {
             self.seen.match_now(path, stamp, Signals::of(signals));
@@ -83,14 +87,14 @@ impl Lately {
                 path: path.to_owned(),
                 stamp,
                 meta: meta.clone(),
-                lost: lost.clone(),
+                imported: imported.clone(),
                 samples: samples.clone(),
                 device_s,
                 signals: signals.to_vec(),
                 channels: channels.to_vec(),
             });
         }
-        Ok(OpenTrial::of(meta, lost, Shown::new((samples, device_s), signals, channels)))
+        Ok(OpenTrial::of(meta, imported, Shown::new((samples, device_s), signals, channels)))
     }
 
     fn kept(
@@ -255,7 +259,7 @@ mod tests {
                 path,
                 stamp,
                 meta,
-                lost: None,
+                imported: Vec::new(),
                 samples,
                 device_s,
                 signals,

@@ -127,8 +127,10 @@ pub use study::{
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::{log_sweeps, record_sweep};
 pub use thin::{check_trial, read_thinned};
-pub use trial::{GAPS, LOST, SOURCE, Samples, Trial, TrialFile};
-pub use verify::{CHECKED, Findings, check_samples, findings, verify, verify_from, verify_kept};
+pub use trial::{DOUBTS, GAPS, LOST, SOURCE, Samples, Trial, TrialFile, ZEROS};
+pub use verify::{
+    CHECKED, Findings, against_plan, check_samples, findings, verify, verify_from, verify_kept,
+};
 pub use walk::files_below;
 pub use whole::{WholeSession, read_session, session_study};
 pub use write::{described, trial_bytes, write_parquet};

@@ -4,7 +4,7 @@ use crate::columns::{Columns, LONG, Recorded};
 use crate::read::{OpenColumns, with_time};
 use crate::seen::{Seen, Signals};
 use crate::shown::Shown;
-use crate::verify::{check_samples, lost};
+use crate::verify::{check_samples, import_findings};
 use crate::{Asked, RealFiles, Signal, StoreError, Trial};
 use std::path::Path;
 use std::sync::Arc;
@@ -15,8 +15,8 @@ use zwidth_study::{ChannelId, TrialMeta};
 pub struct OpenTrial {
     /// What is known of the trial.
     pub meta: TrialMeta,
-    /// What its file says was lost of the recording.
-    lost: Option<StoreError>,
+    /// What its import found ([`LOST`](crate::LOST), [`DOUBTS`](crate::DOUBTS)).
+    imported: Vec<StoreError>,
     columns: Box<dyn Columns + Send>,
 }
 
@@ -44,7 +44,7 @@ impl OpenTrial {
         Ok(match Self::read_from(&Seen::default(), path, wanted, long)? {
             Ok((Trial { meta, file, samples }, device_s)) => {
                 let shown = Shown::new((Arc::new(samples), device_s), &signals, channels);
-                Self::of(meta, lost(Path::new(""), &file), shown)
+                Self::of(meta, import_findings(Path::new(""), &file), shown)
             }
             Err(long) => long,
         })
@@ -69,7 +69,7 @@ impl OpenTrial {
         let mut open = OpenColumns::open(&RealFiles, path)?;
         if open.rows() > long {
             let (meta, file) = open.said()?;
-            return Ok(Err(Self::of(meta, lost(Path::new(""), &file), open)));
+            return Ok(Err(Self::of(meta, import_findings(Path::new(""), &file), open)));
         }
         let wanted = with_time(signals.iter().copied());
         let signals = Signals::of(&wanted);
@@ -82,17 +82,17 @@ impl OpenTrial {
 
     pub(crate) fn of(
         meta: TrialMeta,
-        lost: Option<StoreError>,
+        imported: Vec<StoreError>,
         columns: impl Columns + Send + 'static,
     ) -> Self {
-        Self { meta, lost, columns: Box::new(columns) }
+        Self { meta, imported, columns: Box::new(columns) }
     }
 
     /// What is to be read with care of it: what its samples say against it ([`check_samples`]), and
-    /// what was lost of the recording.
+    /// what its import found.
     pub fn check(&self, asked: &Asked) -> Vec<StoreError> {
         let found = check_samples(asked, Path::new(""), self.columns());
-        found.into_iter().chain(self.lost.clone()).collect()
+        found.into_iter().chain(self.imported.clone()).collect()
     }
 
     /// Its samples.

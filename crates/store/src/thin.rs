@@ -3,7 +3,7 @@
 
 use crate::columns::{Columns, LONG};
 use crate::read::{OpenColumns, read_trial};
-use crate::verify::{check_samples, lost};
+use crate::verify::{check_samples, import_findings};
 use crate::{Asked, RealFiles, Samples, Signal, StoreError, Trial};
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub fn read_thinned(
 }
 
 /// What the trial at `path` is to be read with care for: what its samples say against it, as
-/// [`check_samples`] finds it, and what was lost of the recording. Of a long one no more than two
+/// [`check_samples`] finds it, and what its import found. Of a long one no more than two
 /// columns are in memory at a time.
 ///
 /// # Errors
@@ -51,8 +51,8 @@ pub fn check_trial(path: &Path, asked: &Asked) -> Result<Vec<StoreError>, StoreE
         true => check_samples(asked, Path::new(""), &read_trial(path, Signal::all())?.samples),
         false => check_samples(asked, Path::new(""), &open),
     };
-    let lost = lost(Path::new(""), &open.said()?.1);
-    open.failure().map_or(Ok(found.into_iter().chain(lost).collect()), Err)
+    let imported = import_findings(Path::new(""), &open.said()?.1);
+    open.failure().map_or(Ok(found.into_iter().chain(imported).collect()), Err)
 }
 
 /// The samples that stand for all of `rows`, in order.

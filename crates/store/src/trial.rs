@@ -194,6 +194,14 @@ pub const LOST: &str = "samples_lost";
 /// that were empty, or left out because the mapping asked for it.
 pub const GAPS: &str = "samples_missing";
 
+/// Footer key of what an import saw in a recording that makes it to be read with care, and that its samples
+/// no longer show, in words.
+pub const DOUBTS: &str = "import_doubts";
+
+/// Footer key of what an import took for the zeros of sensors, in words: a median over a stretch at rest, with
+/// its spread.
+pub const ZEROS: &str = "zeros";
+
 /// Footer key of the hash of the recording that a file was made from.
 pub const SOURCE: &str = "source_blake3";
 

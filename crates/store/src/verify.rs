@@ -9,13 +9,13 @@ use crate::study::check_folders;
 use crate::sweep::read_sweep_from;
 use crate::walk::files_below;
 use crate::{
-    Columns, Files, FirstErrors, LOST, Layout, RealFiles, SessionLog, Signal, StoreError,
+    Columns, DOUBTS, Files, FirstErrors, LOST, Layout, RealFiles, SessionLog, Signal, StoreError,
     StudyData, SweepEntry, TrialEntry, TrialFile,
 };
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use zwidth_study::{Coordinate, Event, Question, Study};
+use zwidth_study::{Condition, Coordinate, Event, Question, Source, Study};
 
 /// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit
 /// at which the safety layer cuts the voltage).
@@ -79,8 +79,14 @@ pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
     found.left_out.splice(0..0, data.problems.iter().cloned());
     found.with_care.splice(0..0, data.warnings.iter().cloned());
     found.with_care.extend(data.sessions.iter().flat_map(|s| session(data, s)));
-    found.with_care.extend(doubled(data));
+    found.with_care.extend(against_plan(data));
     found
+}
+
+/// What is more, less or other than planned: repeats that count twice, conditions with other numbers of trials,
+/// trials far shorter than others.
+pub fn against_plan(data: &StudyData) -> Vec<StoreError> {
+    [doubled(data), unplanned(data), stumps(data)].concat()
 }
 
 fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry, check: Check) -> Vec<StoreError> {
@@ -99,18 +105,23 @@ fn trial(files: &dyn Files, data: &StudyData, entry: &TrialEntry, check: Check) 
     };
     match found {
         Ok(found) => {
-            let lost = if entry.counts() { lost(&entry.path, &entry.said.file) } else { None };
-            found.into_iter().chain(lost).chain(off_scale(&data.study, entry)).collect()
+            let imported = entry.counts().then(|| import_findings(&entry.path, &entry.said.file));
+            let imported = imported.into_iter().flatten();
+            found.into_iter().chain(imported).chain(off_scale(&data.study, entry)).collect()
         }
         Err(error) => vec![error],
     }
 }
 
-/// What was lost of a recording before it became this trial, as its footer says: the trial counts,
-/// and is to be read with care.
-pub(crate) fn lost(path: &Path, file: &TrialFile) -> Option<StoreError> {
-    let remedy = "import a whole copy of the recording as another session, or exclude the trial if what is lost matters";
-    file.get(LOST).map(|lost| StoreError::new(path, lost, remedy))
+/// What an import found that a trial's samples do not show, as its footer says: the trial counts, and is to be
+/// read with care.
+pub(crate) fn import_findings(path: &Path, file: &TrialFile) -> Vec<StoreError> {
+    let lost = "import a whole copy of the recording as another session, or exclude the trial if what is lost matters";
+    let doubts =
+        "mend the mapping or the recording and import it as another session, or exclude the trial";
+    let found = [(LOST, lost), (DOUBTS, doubts)]
+        .map(|(key, remedy)| file.get(key).map(|what| StoreError::new(path, what, remedy)));
+    found.into_iter().flatten().collect()
 }
 
 /// The same of a sweep.
@@ -181,6 +192,74 @@ fn doubled(data: &StudyData) -> Vec<StoreError> {
                 what,
                 "exclude or supersede one of them, or number the repeats",
             ));
+        }
+    }
+    findings
+}
+
+/// Sessions in which more trials of a condition count than are planned, and imported ones, which are there as a
+/// whole, in which fewer do.
+fn unplanned(data: &StudyData) -> Vec<StoreError> {
+    let planned = data.study.design.repeats;
+    let mut counts: BTreeMap<_, BTreeMap<Condition, u32>> = BTreeMap::new();
+    for t in data.counting() {
+        let session = counts.entry((&t.meta.participant, &t.meta.session)).or_default();
+        *session.entry(t.meta.condition()).or_default() += 1;
+    }
+    let mut findings = Vec::new();
+    for log in &data.sessions {
+        let Some(counts) = counts.get(&(&log.record.participant, &log.record.session)) else {
+            continue;
+        };
+        let is_whole = matches!(log.record.source, Source::Imported | Source::Simulated);
+        let odd = counts.iter().filter(|(_, n)| **n > planned || (is_whole && **n < planned));
+        let odd: Vec<String> =
+            odd.map(|(of, n)| format!("{n} of {} × {}", of.environment, of.mode)).collect();
+        if odd.is_empty() {
+            continue;
+        }
+        let more = match odd.len().saturating_sub(MOST_NAMED) {
+            0 => String::new(),
+            n => format!(" and {n} more conditions"),
+        };
+        let what = format!(
+            "other trials count than are planned (design.repeats = {planned} of each condition): {}{more}",
+            odd[..odd.len().min(MOST_NAMED)].join(", ")
+        );
+        let remedy = "exclude the trials that are not meant (attempts, practice, a label that changed within a file), or set \
+                      repeats in study.toml to what was done";
+        findings.push(StoreError::new(&log.path, what, remedy));
+    }
+    findings
+}
+
+/// Conditions that a finding names.
+const MOST_NAMED: usize = 6;
+/// A trial is taken for a stump if it has less than this share of the samples of the others …
+const STUMP: f64 = 0.2;
+/// … of which there are at least so many in its session.
+const LEAST_OTHERS: usize = 3;
+
+/// Trials far shorter than the others of their environment in the session.
+fn stumps(data: &StudyData) -> Vec<StoreError> {
+    let mut alike: BTreeMap<_, Vec<&TrialEntry>> = BTreeMap::new();
+    for t in data.counting() {
+        let m = &t.meta;
+        alike.entry((&m.participant, &m.session, &m.environment)).or_default().push(t);
+    }
+    let mut findings = Vec::new();
+    for trials in alike.into_values().filter(|trials| trials.len() > LEAST_OTHERS) {
+        let mut rows: Vec<usize> = trials.iter().map(|t| t.rows).collect();
+        let middle = rows.len() / 2;
+        let usual = *rows.select_nth_unstable(middle).1;
+        for t in trials.iter().filter(|t| (t.rows as f64) < STUMP * usual as f64) {
+            let what = format!(
+                "it has {} samples, and the trials of {} in its session have {usual} (their median): does it hold a whole \
+                 trial?",
+                t.rows, t.meta.environment
+            );
+            let remedy = "look at it, and exclude it if it is a stump or an attempt";
+            findings.push(StoreError::new(&t.path, what, remedy));
         }
     }
     findings

@@ -208,8 +208,8 @@ pub(super) fn cells() -> Vec<Row> {
         plain("an infinity", (Refused, "'inf' is not a finite number"), "", "-2", "inf"),
         plain("true and false for a number", (Refused, "'TRUE' is not a number"), "", "-2", "TRUE"),
         plain(
-            "dates for a time",
-            (Refused, "'2026-01-01 10:00:00' is not a number"),
+            "a date for one of the times",
+            (Refused, "'0.5' is not a time as the first row has it"),
             "",
             "\n0,",
             "\n2026-01-01 10:00:00,",

@@ -13,10 +13,11 @@ mod samples;
 pub(super) mod tests;
 
 use super::limits::{MOST_COLUMNS, Take, shown};
+use super::shape::XdfClock;
 use super::table::{Cells, Table};
 use arrow::array::Float64Array;
 use chunks::{Bytes, Lost, MAGIC, Tag, walk};
-use clock::{Offset, remove_jitter, synchronise};
+use clock::{Offset, Synchronised, remove_jitter, synchronise, without_outliers};
 use header::{Header, sample_count};
 use samples::Samples;
 use std::collections::BTreeMap;
@@ -29,9 +30,9 @@ const TIME: &str = "time_s";
 /// Comparisons of clocks that are read of a stream: LabRecorder makes one in five seconds, so that
 /// these are of four days.
 const MOST_OFFSETS: usize = 1 << 16;
-/// How far, as a part, the samples' rate may lie from the one that the stream names before it is
-/// told.
-const RATE_OFF: f64 = 0.1;
+/// How far a recording's length by its rate and by its times may lie apart, as a part of it and in s.
+const MOST_OFF: f64 = 0.01;
+const MOST_OFF_S: f64 = 0.1;
 
 /// What is read of a stream before its samples.
 struct Stream {
@@ -47,6 +48,7 @@ pub(super) fn read(
     path: &Path,
     bytes: &[u8],
     wanted: Option<&str>,
+    (clock, dejitter): (XdfClock, bool),
     take: &Take,
 ) -> Result<Table, StoreError> {
     if !bytes.starts_with(MAGIC) {
@@ -73,7 +75,27 @@ pub(super) fn read(
     let mut table = Table { told: damaged.into_iter().collect(), lost, ..Table::default() };
     table.told.extend(samples.told(stream.counted));
     let mut times = std::mem::take(&mut samples.times);
-    table.told.extend(on_our_clock(&mut times, stream, header));
+    match clock {
+        XdfClock::Recorded => {
+            table.told.push("times are on the stream's own clock, as recorded".to_owned());
+        }
+        XdfClock::Nominal => {
+            let doubt = at_the_nominal_rate(&mut times, header.rate_hz);
+            table.doubts.extend(
+                doubt.map_err(|what| {
+                    StoreError::new(path, what, "choose another clock in [time]")
+                })?,
+            );
+        }
+        XdfClock::Corrected => {
+            let (told, doubts) = on_our_clock(&mut times, stream);
+            table.told.extend(told);
+            table.doubts.extend(doubts);
+        }
+    }
+    if dejitter && header.rate_hz > 0.0 && !header.may_drop {
+        table.doubts.extend(remove_jitter(&mut times, header.rate_hz));
+    }
     let named = header.labels.iter().enumerate().map(|(i, label)| match label.as_str() {
         "" => format!("channel_{}", i + 1),
         label => label.to_owned(),
@@ -185,33 +207,39 @@ fn choose(
 /// Streams that an error lists.
 const MOST_LISTED: usize = 20;
 
-/// Puts times on the recorder's clock and, where samples come at a rate, on a line; what there is
-/// to be told.
-fn on_our_clock(times: &mut [f64], stream: &Stream, header: &Header) -> Vec<String> {
+/// Puts times on the recorder's clock; what there is to be told, and why they may be wrong.
+fn on_our_clock(times: &mut [f64], stream: &Stream) -> (Vec<String>, Vec<String>) {
     let mut told = Vec::new();
     if stream.offsets.is_empty() {
-        told.push("no clock offsets were recorded: times are on the stream's own clock");
+        told.push("no clock offsets were recorded: times are on the stream's own clock".to_owned());
     }
-    if !synchronise(times, &stream.offsets) {
+    let (offsets, doubts) = without_outliers(&stream.offsets);
+    let Synchronised { all_used, doubts: set_anew } = synchronise(times, &offsets);
+    if !all_used {
         told.push(
-            "clock offsets of one and the same time are of no use: times are on the stream's own clock",
+            "clock offsets of one and the same time are of no use: times are on the stream's own clock"
+                .to_owned(),
         );
     }
-    let mut told: Vec<String> = told.into_iter().map(str::to_owned).collect();
-    if header.rate_hz > 0.0 && !header.may_drop {
-        remove_jitter(times, header.rate_hz);
-        told.extend(other_rate(times, header.rate_hz));
-    }
-    told
+    (told, [doubts, set_anew].concat())
 }
 
-/// What is said of a rate that is not the one which the stream names.
-fn other_rate(times: &[f64], rate_hz: f64) -> Option<String> {
-    let [first, .., last] = times else { return None };
-    #[allow(clippy::cast_precision_loss)] // Rows are fewer than 2⁵³.
-    let found_hz = (times.len() - 1) as f64 / (last - first);
-    let is_off = (found_hz - rate_hz).abs() > RATE_OFF * rate_hz;
-    is_off.then(|| {
-        format!("the stream says {rate_hz} Hz, and {found_hz:.1} samples per second were recorded")
-    })
+/// Puts the samples at the rate that the stream names, from the first on; what that hides.
+fn at_the_nominal_rate(times: &mut [f64], rate_hz: f64) -> Result<Option<String>, String> {
+    if rate_hz <= 0.0 {
+        return Err("the stream names no rate, which clock = \"nominal\" asks for".to_owned());
+    }
+    let [first, .., last] = *times else { return Ok(None) };
+    for (i, time) in times.iter_mut().enumerate() {
+        *time = first + i as f64 / rate_hz;
+    }
+    let nominal_s = (times.len() - 1) as f64 / rate_hz;
+    let recorded_s = last - first;
+    let is_off = (recorded_s - nominal_s).abs() > MOST_OFF_S.max(MOST_OFF * nominal_s);
+    Ok(is_off.then(|| {
+        format!(
+            "at {rate_hz} Hz its samples take {nominal_s:.2} s, and by their times {recorded_s:.2} s: samples are missing, or the \
+             rate is another"
+        )
+    }))
 }

@@ -1,4 +1,5 @@
 use super::super::limits::tests::everything;
+use super::super::shape::XdfClock;
 use super::super::table::Cell;
 use super::chunks::BOUNDARY;
 use super::*;
@@ -71,8 +72,28 @@ pub(in super::super) fn parts() -> Vec<Vec<u8>> {
     ]
 }
 
+/// One stream at 100 Hz whose samples have these times, and these clock offsets.
+pub(in super::super) fn steady(
+    times: impl Iterator<Item = f64>,
+    offsets: &[(f64, f64)],
+) -> Vec<u8> {
+    let values: Vec<(f64, [f32; 1])> =
+        times.enumerate().map(|(i, t)| (t, [(i as f32 * 0.1).sin()])).collect();
+    let rows: Vec<(Option<f64>, &[f32])> =
+        values.iter().map(|(t, value)| (Some(*t), value.as_slice())).collect();
+    let channels = "<channels><channel><label>load</label></channel></channels>";
+    let mut file =
+        [b"XDF:".to_vec(), chunk(1, None, b"<info><version>1.0</version></info>")].concat();
+    file.extend(header(1, "rig", 1, 100.0, "float32", channels));
+    file.extend(samples(1, &rows));
+    offsets.iter().for_each(|(t, value)| file.extend(offset(1, *t, *value)));
+    file
+}
+
 fn try_read(bytes: &[u8], stream: Option<&str>) -> Result<Table, StoreError> {
-    everything(|take| super::read(Path::new("a.xdf"), bytes, stream, take))
+    everything(|take| {
+        super::read(Path::new("a.xdf"), bytes, stream, (XdfClock::Corrected, true), take)
+    })
 }
 
 fn rig(parts: &[Vec<u8>]) -> Table {

@@ -20,7 +20,7 @@ const LONGEST_INTERVAL_S: f64 = 0.5;
 /// No rig records a hand at shorter intervals, s.
 const SHORTEST_INTERVAL_S: f64 = 1e-5;
 /// A clock jumps by more than this many of its usual intervals …
-const JUMP: f64 = 50.0;
+const JUMP: f64 = 5.0;
 /// … and by more than this, s.
 const LEAST_JUMP_S: f64 = 0.05;
 /// The velocity's noise passes the onset for so many samples at a time, at most …
@@ -29,6 +29,8 @@ const SPIKE: usize = 3;
 const SPIKES: usize = 2;
 /// … which is as long as it is this share of its range from where it began.
 const AT_REST: f64 = 0.05;
+/// What a derivative of equal values differs by from 0, in any unit of ours.
+const ROUNDING: f64 = 1e-9;
 /// By how much two clocks may differ over a trial.
 const CLOCKS_DIFFER: f64 = 0.1;
 /// A signal that holds one value this long, s, while the lever moves, has stopped.
@@ -37,8 +39,12 @@ const HELD_S: f64 = 1.0;
 const MOVED: f64 = 0.2;
 /// A signal at the end of its range stands there in this share of the samples at least …
 const AT_THE_END: f64 = 0.05;
-/// … and so much longer than it holds a value otherwise.
+/// … and so much longer than it holds a value otherwise …
 const LONGER: f64 = 5.0;
+/// … while within this share of all that it does …
+const NEAR_THE_END: f64 = 0.02;
+/// … there are fewer other samples than this share of those at the end.
+const FEW: f64 = 0.15;
 
 pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     let least = samples.column(Signal::Time).map_or(0, |t| least_held(&t));
@@ -96,7 +102,7 @@ fn interval(usual_s: Option<f64>) -> Option<Doubt> {
     let so = if interval_s > LONGEST_INTERVAL_S {
         "no movement of a hand can be read from that: milliseconds taken for seconds?"
     } else if interval_s < SHORTEST_INTERVAL_S {
-        "no rig records a hand so fast: seconds taken for milliseconds, or a rate_hz in kilohertz?"
+        "no rig records a hand so fast: seconds taken for milliseconds, days of a spreadsheet taken for seconds, or a rate_hz in kilohertz?"
     } else {
         return None;
     };
@@ -237,8 +243,15 @@ fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal, least: usize) -
     drop(values);
     if is_whole {
         let others = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx];
-        let moves = |other: &Signal| samples.column(*other).is_some_and(|v| !is_constant(&v));
+        let moves = |other: &Signal| samples.column(*other).is_some_and(|v| range(&v) > ROUNDING);
         let other = others.iter().find(|other| moves(other))?;
+        // Of an isometric trial the angle is one value and the velocity none, whatever the force does.
+        let of_motion = |signal: &Signal| matches!(signal, Signal::Theta | Signal::ThetaDot);
+        let rests = signal == Signal::Theta || held == 0.0;
+        let is_isometric = of_motion(&signal) && rests && !of_motion(other);
+        if is_isometric {
+            return None;
+        }
         // Nobody pushes against nothing: no force is what is to be measured there.
         let nothing = held == 0.0 && matches!(asked.scene, Scene::Free | Scene::None);
         if nothing {
@@ -282,6 +295,12 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     if count < LONGER * usual || changes == 0 {
         return None;
     }
+    // A load that is held scatters about its value: where a sensor ends, nothing lies just below.
+    let close = NEAR_THE_END * (high - low);
+    let is_close = |value: &f64| !is_there(value) && (value - end).abs() < close;
+    if values.iter().filter(|value| is_close(value)).count() as f64 > FEW * count {
+        return None;
+    }
     let what = format!(
         "it stands at its largest value, {end}, in {:.0} % of the samples: the sensor or its converter is at the end of \
          its range",
@@ -318,10 +337,6 @@ fn ranked<I: Iterator<Item = f64>>(values: impl Fn() -> I, mut rank: usize) -> f
 fn ordered(value: f64) -> u64 {
     let bits = value.to_bits();
     if bits >> 63 == 1 { !bits } else { bits | (1 << 63) }
-}
-
-fn is_constant(values: &[f64]) -> bool {
-    values.windows(2).all(|w| w[0].to_bits() == w[1].to_bits())
 }
 
 /// From where to where (exclusive) the longest stretch of one value goes; none if it is soon told that

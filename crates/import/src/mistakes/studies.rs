@@ -1,0 +1,256 @@
+//! Clocks and counters of others, zeros of sensors, and trials that are not what a study plans.
+
+use super::super::world::{FORCE, ONE, trials_map};
+use super::super::xdf::tests::steady;
+use super::Becomes::{Flagged, Read, Refused};
+use super::{Becomes, Row, mapped};
+use std::fmt::Write as _;
+
+/// A mapping with other keys under `[time]`.
+fn timed(keys: &str) -> String {
+    let force = "[[column]]\nto = \"force_ex_n\"\nfrom = \"f\"\nunit = \"N\"\n";
+    trials_map(&[ONE, "[time]\n", keys, "\n", force])
+}
+
+/// Three samples at these times.
+fn three(what: &'static str, said: (Becomes, &'static str), keys: &str, times: [&str; 3]) -> Row {
+    let [a, b, c] = times;
+    mapped(what, said, timed(keys), "a.csv", format!("t,f\n{a},1.5\n{b},-2\n{c},4\n"))
+}
+
+/// What becomes of clocks and counters.
+pub(super) fn clocks() -> Vec<Row> {
+    let micros = "from = \"t\"\nunit = \"us\"\nzero = \"first\"";
+    let seconds = "from = \"t\"\nunit = \"s\"\nzero = \"first\"";
+    let counted = "rate_hz = 100.0\ncounter = \"n\"\nwrap = 16";
+    let wraps = ["4294000000", "4294500000", "32704"];
+    let backwards = "time runs backwards or stands still";
+    let in_ms =
+        "its cells are clock times or durations, which say their unit themselves; set unit = \"s\"";
+    let doubled = "t,f\n0,1.5\n0,1.5\n0.5,-2\n1,4\n";
+    let mut counter = String::from("n,f\n");
+    for n in (0..60).filter(|n| !(30..40).contains(n)) {
+        let _ = writeln!(counter, "{},{}", n % 16, n % 7);
+    }
+    let xdf = |times: &dyn Fn(u32) -> f64, samples, offsets: &[(f64, f64)]| {
+        steady((0..samples).map(times), offsets)
+    };
+    let usual = [(0.0, 5.0), (1.0, 5.0), (2.0, 5.0)];
+    let even = |i: u32| 0.01 * f64::from(i);
+    let gap = |i: u32| 0.01 * f64::from(i) + if i >= 150 { 0.6 } else { 0.0 };
+    let stepped = |i: u32| 0.01 * f64::from(i) - if i >= 150 { 10.0 } else { 0.0 };
+    let from_xdf = || timed(&seconds.replace("\"t\"", "\"time_s\"")).replace("\"f\"", "\"load\"");
+    vec![
+        three("a counter of microseconds that starts over", (Refused, backwards), micros, wraps),
+        three("the same, said", (Read, ""), &format!("{micros}\nwrap = 4294967296"), wraps),
+        three("clock times", (Read, ""), seconds, ["10:00:00.0", "10:00:00.5", "10:00:01.0"]),
+        three(
+            "dates with times",
+            (Read, ""),
+            seconds,
+            ["2026-01-31 23:59:59", "2026-01-31 23:59:59.5", "2026-02-01 00:00:00"],
+        ),
+        three("durations with their unit", (Read, ""), seconds, ["0 sec", "0.5 sec", "1 sec"]),
+        three(
+            "durations as pandas writes them",
+            (Read, ""),
+            seconds,
+            ["0 days 00:00:00", "0 days 00:00:00.5", "0 days 00:00:01"],
+        ),
+        three(
+            "clock times taken for milliseconds",
+            (Refused, in_ms),
+            "from = \"t\"\nunit = \"ms\"",
+            ["10:00:00.0", "10:00:00.5", "10:00:01.0"],
+        ),
+        three(
+            "days, as spreadsheets count",
+            (Read, ""),
+            "from = \"t\"\nunit = \"d\"",
+            ["0", "5.787037037037037e-6", "1.1574074074074073e-5"],
+        ),
+        three("a clock that is set back", (Refused, backwards), seconds, ["0", "0.5", "0.25"]),
+        mapped("each row twice", (Refused, backwards), timed(seconds), "a.csv", doubled),
+        mapped(
+            "each row twice, said",
+            (Flagged, "they have the time of a row before them"),
+            timed(&format!("{seconds}\nequal = \"drop\"")),
+            "a.csv",
+            doubled,
+        ),
+        mapped(
+            "samples that a counter passes over, said",
+            (Flagged, "its counter passes over 10 samples in 1 places"),
+            timed(counted),
+            "a.csv",
+            &counter,
+        ),
+        mapped(
+            "samples that a counter passes over, beside rate_hz",
+            (Flagged, "column n passes over 10 samples in 1 places"),
+            timed("rate_hz = 100.0"),
+            "a.csv",
+            &counter,
+        ),
+        mapped(
+            "an XDF stream as it should be",
+            (Read, ""),
+            from_xdf(),
+            "a.xdf",
+            xdf(&even, 300, &usual),
+        ),
+        mapped(
+            "an XDF stream of which 0.6 s are missing",
+            (Flagged, "0.60 s (60 samples at 100 Hz) are missing behind sample 150"),
+            from_xdf(),
+            "a.xdf",
+            xdf(&gap, 300, &usual),
+        ),
+        mapped(
+            "an XDF stream of another rate than it says",
+            (Flagged, "the stream says 100 Hz, and 90.9 samples per second were recorded"),
+            from_xdf(),
+            "a.xdf",
+            xdf(&|i| 0.011 * f64::from(i), 300, &usual),
+        ),
+        mapped(
+            "an XDF file with a clock offset that is off by itself",
+            (Flagged, "clock offset 4 of 4 lies 200000.000 s off those beside it, and is left out"),
+            from_xdf(),
+            "a.xdf",
+            xdf(&even, 300, &[usual[0], usual[1], usual[2], (3.0, 200_005.0)]),
+        ),
+        mapped(
+            "an XDF file recorded while the clock was set back by 10 s",
+            (Flagged, "a clock was set anew by 10.000 s while this was recorded"),
+            from_xdf(),
+            "a.xdf",
+            xdf(
+                &stepped,
+                1000,
+                &[(0.0, 5.0), (0.5, 5.0), (1.0, 5.0), (1.4, 5.0), (-8.3, 15.0), (-7.5, 15.0)],
+            ),
+        ),
+    ]
+}
+
+/// A force that rests at 2.3 N for a second and rises then, at 25 Hz; its first value as given.
+fn pushed(first: f64) -> String {
+    let mut text = String::from("t,load\n");
+    for i in 0..100_u32 {
+        let noise = 0.01 * f64::from(i * 7 % 5) - 0.02;
+        let push = 0.1 * (f64::from(i) - 25.0).max(0.0);
+        let f = if i == 0 { first } else { 2.3 + noise + push };
+        let _ = writeln!(text, "{},{f}", 0.04 * f64::from(i));
+    }
+    text
+}
+
+/// What becomes of zeros, and of sensors that rest.
+pub(super) fn zeros() -> Vec<Row> {
+    let load = &FORCE.replace("\"f\"", "\"load\"");
+    let zeroed = |zero: &str| {
+        trials_map(&[ONE, &load.replace("unit = \"N\"", &format!("unit = \"N\"\nzero = {zero}"))])
+    };
+    let rest = |from: f64, to: f64| zeroed(&format!("{{ from_s = {from:?}, to_s = {to:?} }}"));
+    let angle = |wrap: &str| {
+        let column =
+            format!("[[column]]\nto = \"theta_rad\"\nfrom = \"a\"\nunit = \"deg\"\n{wrap}\n");
+        trials_map(&[ONE, load, &column])
+    };
+    let turning = "t,load,a\n0,1.5,350\n0.5,-2,10\n1,4,30\n";
+    let mut held = String::from("t,load\n");
+    let mut isometric = String::from("t,load,a\n");
+    for i in 0..150_u32 {
+        let load = (0.09 * f64::from(i)).min(if i % 4 == 0 { 1.798 } else { 1.8 });
+        let _ = writeln!(held, "{},{load}", 0.02 * f64::from(i));
+        let _ = writeln!(
+            isometric,
+            "{},{},9.975",
+            0.011 * f64::from(i) + 1e-4 * f64::from(i % 3),
+            0.01 * f64::from(i)
+        );
+    }
+    let derived = "[[column]]\nto = \"theta_dot_rad_s\"\nderive = \"derivative of theta_rad\"\n";
+    vec![
+        mapped(
+            "a first sample that is taken for the zero, and is none",
+            (Flagged, "its first value, 1.15, is taken for its zero, and it rests at 2.3"),
+            zeroed("\"first\""),
+            "a.csv",
+            pushed(1.15),
+        ),
+        mapped("a zero over a stretch at rest", (Read, ""), rest(0.1, 0.6), "a.csv", pushed(1.15)),
+        mapped(
+            "a zero over a stretch that does not rest",
+            (Flagged, "where it does not rest"),
+            rest(0.5, 2.5),
+            "a.csv",
+            pushed(2.3),
+        ),
+        mapped(
+            "an angle that starts over at a full turn, said",
+            (Read, ""),
+            angle("wrap = 360.0\noffset = -360.0"),
+            "a.csv",
+            turning,
+        ),
+        mapped("a load that is held", (Read, ""), trials_map(&[ONE, load]), "a.csv", held),
+        mapped("an isometric trial", (Read, ""), angle("") + derived, "a.csv", isometric),
+    ]
+}
+
+/// A file of a trial: a movement of so many samples at this interval in ms, and the label of each row.
+fn trial(samples: u32, interval_ms: u32, label: impl Fn(u32) -> &'static str) -> Vec<u8> {
+    let mut text = String::from("t,f,m\n");
+    for i in 0..samples {
+        let t = f64::from(i * interval_ms) * 1e-3;
+        let _ = writeln!(text, "{t},{},{}", libm::sin(t + f64::from(samples)), label(i));
+    }
+    text.into_bytes()
+}
+
+/// What becomes of trials that are more, fewer or other than planned.
+pub(super) fn plans() -> Vec<Row> {
+    const NAMES: [&str; 6] = ["P1.csv", "P2.csv", "P3.csv", "P4.csv", "P5.csv", "P6.csv"];
+    let labelled = "[name]\npattern = 'P(?<who>\\d)'\n[trial]\nparticipant = { name = \"who\", prefix = \"P\" }\n\
+                    session = \"S01\"\nenvironment = \"spring\"\nmode = { column = \"m\" }\n";
+    let several = |what, said: &'static str, one: &str, files: Vec<Vec<u8>>| Row {
+        what,
+        becomes: Flagged,
+        said,
+        map: trials_map(&[one, FORCE]),
+        files: NAMES.into_iter().zip(files).collect(),
+        is_twice: false,
+    };
+    let active = |_| "active";
+    let of_one = |odd: Vec<u8>| -> Vec<Vec<u8>> {
+        (0..5).map(|n| trial(100 + n, 10, active)).chain([odd]).collect()
+    };
+    vec![
+        several(
+            "a label that changes just before a file ends",
+            "its file has 2 trials, and 5 of 6 files have 1",
+            labelled,
+            of_one(trial(100, 10, |i| if i < 95 { "active" } else { "passive" })),
+        ),
+        several(
+            "a trial far shorter than the others",
+            "it lasts 0.14 s, and the trials of spring last 1.00 s",
+            labelled,
+            of_one(trial(15, 10, active)),
+        ),
+        several(
+            "a trial at another rate than the others",
+            "it has 50.0 samples a second, and the trials of spring have 100.0",
+            labelled,
+            of_one(trial(60, 20, active)),
+        ),
+        several(
+            "more repeats than planned",
+            "(design.repeats = 1 of each condition): 2 of spring × hybrid",
+            ONE,
+            vec![trial(100, 10, active), trial(101, 10, active)],
+        ),
+    ]
+}

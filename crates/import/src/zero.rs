@@ -1,0 +1,154 @@
+//! The zero of a sensor: a median over a stretch at rest, and whether it was one.
+
+use super::convert::{Zero, median};
+use zwidth_numerics::series::ends;
+
+/// The stretch at whose end a sensor is expected to have come to rest, if none is named, s.
+const BEGINNING_S: f64 = 0.5;
+/// Samples that tell whether a signal rests.
+const LEAST: usize = 4;
+/// A zero is off, or a stretch is not at rest, if it differs by so many times what the values scatter …
+const SCATTERS: f64 = 3.0;
+/// … and by this share of all that the signal does in the trial.
+const SHARE: f64 = 0.05;
+/// The standard deviation of a normal distribution in median absolute deviations.
+const DEVIATIONS: f64 = 1.482_602_218_505_602;
+
+/// What is subtracted from a signal of a trial.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Found {
+    /// In their unit, as recorded.
+    pub(super) value: f64,
+    /// What was taken, for the trial's file.
+    pub(super) words: Option<String>,
+    /// Why it may not be the zero of the sensor.
+    pub(super) doubt: Option<String>,
+}
+
+/// The zero of a signal: its values as recorded, at times in s.
+///
+/// # Errors
+/// There is no sample in the stretch that is to be taken.
+pub(super) fn find(zero: Zero, t_s: &[f64], x: &[f64]) -> Result<Found, String> {
+    match zero {
+        Zero::None => Ok(Found::default()),
+        Zero::First => Ok(Found {
+            value: x.first().copied().unwrap_or(0.0),
+            words: None,
+            doubt: odd_first(t_s, x),
+        }),
+        Zero::Rest { from_s, to_s } => {
+            let stretch = within(t_s, x, from_s, to_s);
+            if stretch.is_empty() {
+                return Err(format!(
+                    "the trial has no sample from {from_s} s to {to_s} s, where its zero is to be taken"
+                ));
+            }
+            let (value, spread) = median_and_deviation(stretch);
+            let n = stretch.len();
+            let words = format!(
+                "{value} as recorded, the median of {n} samples from {from_s} s to {to_s} s, standard deviation {spread:.3e}"
+            );
+            Ok(Found { value, words: Some(words), doubt: unrest(stretch, x, (from_s, to_s)) })
+        }
+    }
+}
+
+/// A first value that is not that of the samples after it, which rest: filters begin so.
+fn odd_first(t_s: &[f64], x: &[f64]) -> Option<String> {
+    let beginning = within(t_s, x, 0.0, BEGINNING_S);
+    let settled = &beginning[beginning.len() / 2..];
+    if settled.len() < LEAST {
+        return None;
+    }
+    let first = x.first()?;
+    let (usual, _) = median_and_deviation(settled);
+    let off = (first - usual).abs();
+    let is_odd = off > SCATTERS * range(settled) && off > SHARE * range(x);
+    is_odd.then(|| {
+        format!(
+            "its first value, {first}, is taken for its zero, and it rests at {usual} half a second later: give a stretch at \
+             rest, zero = {{ from_s = 0.1, to_s = {BEGINNING_S} }}"
+        )
+    })
+}
+
+/// A stretch in which the signal does not rest.
+fn unrest(stretch: &[f64], x: &[f64], (from_s, to_s): (f64, f64)) -> Option<String> {
+    if stretch.len() < 2 * LEAST {
+        return None;
+    }
+    let (before, after) = stretch.split_at(stretch.len() / 2);
+    let [before, after] = [before, after].map(|half| median(half.to_vec()));
+    // What it scatters from one sample to the next, which a slow motion does not change.
+    let steps = stretch.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let scatter = DEVIATIONS * median(steps) / std::f64::consts::SQRT_2;
+    let drift = (after - before).abs();
+    let drifts = drift > SCATTERS * scatter && drift > SHARE * range(x);
+    drifts.then(|| {
+        format!(
+            "its zero is taken from {from_s} s to {to_s} s, where it does not rest: it goes from {before} to {after} (medians \
+             of both halves); choose another stretch"
+        )
+    })
+}
+
+/// The values from one time to another after the first.
+fn within<'a>(t_s: &[f64], x: &'a [f64], from_s: f64, to_s: f64) -> &'a [f64] {
+    let Some(start) = t_s.first() else { return &[] };
+    let before = |limit_s: f64| t_s.partition_point(|t| t - start < limit_s);
+    let from = before(from_s);
+    let to = t_s.partition_point(|t| t - start <= to_s);
+    &x[from..to.max(from)]
+}
+
+/// The median, and a standard deviation from the median of what the values are off it.
+fn median_and_deviation(values: &[f64]) -> (f64, f64) {
+    let middle = median(values.to_vec());
+    let off = values.iter().map(|value| (value - middle).abs()).collect();
+    (middle, DEVIATIONS * median(off))
+}
+
+fn range(values: &[f64]) -> f64 {
+    let (low, high) = ends(values);
+    (high - low).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sensor that rests at 2.3 for a second and is pushed then.
+    fn pushed(first: f64) -> (Vec<f64>, Vec<f64>) {
+        let t: Vec<f64> = (0..100).map(|i| 0.04 * f64::from(i)).collect();
+        let noise = |i: usize| 0.01 * f64::from(u8::try_from(i * 7 % 5).unwrap()) - 0.02;
+        let mut x: Vec<f64> =
+            (0..100).map(|i| 2.3 + noise(i) + 0.1 * (i as f64 - 25.0).max(0.0)).collect();
+        x[0] = first;
+        (t, x)
+    }
+
+    #[test]
+    fn a_zero_is_a_median_over_a_stretch_with_its_spread() {
+        let (t, x) = pushed(1.15);
+        let found = find(Zero::Rest { from_s: 0.0, to_s: 0.5 }, &t, &x).unwrap();
+        assert!((found.value - 2.3).abs() < 0.011 && found.doubt.is_none(), "{found:?}");
+        assert!(found.words.unwrap().contains("median of 13 samples from 0 s to 0.5 s"));
+        let none = find(Zero::Rest { from_s: 9.0, to_s: 9.5 }, &t, &x).unwrap_err();
+        assert!(none.contains("no sample from 9 s"), "{none}");
+    }
+
+    #[test]
+    fn a_stretch_that_does_not_rest_and_an_odd_first_value_are_told() {
+        let (t, x) = pushed(1.15);
+        let doubt = find(Zero::First, &t, &x).unwrap().doubt.unwrap();
+        assert!(doubt.contains("its first value, 1.15, is taken"), "{doubt}");
+        let doubt = find(Zero::Rest { from_s: 0.5, to_s: 2.5 }, &t, &x).unwrap().doubt.unwrap();
+        assert!(doubt.contains("does not rest"), "{doubt}");
+        let (t, x) = pushed(2.29);
+        assert_eq!(find(Zero::First, &t, &x).unwrap().doubt, None);
+        // A lever that moves at once has no other zero than its first value.
+        let moving: Vec<f64> = t.iter().map(|t| 3.0 * t).collect();
+        assert_eq!(find(Zero::First, &t, &moving).unwrap().doubt, None);
+    }
+}
