@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from pathlib import Path
 
 import duckdb
 import numpy as np
@@ -139,6 +140,30 @@ def trials(label, folder, listing):
     check(f"{label}: time runs forward in every trial", bool((still > 0).all()), still.min())
 
 
+def counted(label, root, name, listing):
+    """The lines of docs/data.md that read the samples of trials that count, and of no others."""
+    lines = (Path(__file__).parents[2] / "docs/data.md").read_text()
+    lines = lines.replace("raw/thesis-twin", f"{root}/raw/{name}").replace("derived/thesis-twin", f"{root}/derived/{name}")
+    blocks = [block.split("```")[0] for block in lines.split("```")[1:]]
+    python = [block.removeprefix("python\n") for block in blocks if block.startswith("python\n") and "samples =" in block]
+    sql = [block.removeprefix("sql\n") for block in blocks if block.startswith("sql\n") and "SEMI JOIN" in block]
+    equal(f"{label}: lines of Python and SQL in docs/data.md", (len(python), len(sql)), (2, 1))
+    rows = []
+    for block in python:
+        names = {"pl": pl}
+        exec(block, names)
+        rows.append(len(names["samples"]))
+        trials = names.get("trials", None)
+        if trials is not None:
+            expect = sum(session["trials_that_count"] for session in listing["sessions"])
+            equal(f"{label}: trials that count", int(trials.counts.sum()), expect)
+            equal(f"{label}: who does not count has a reason", int((trials.why_not.isna() == trials.counts).sum()), len(trials))
+            files = trials.path[trials.counts]
+            rows.append(sum(pq.ParquetFile(root / path).metadata.num_rows for path in files))
+    rows.append(len(duckdb.sql(sql[0]).df()))
+    equal(f"{label}: samples of the trials that count", set(rows), {rows[0]})
+
+
 def events(raw):
     """Every event of a study's sessions, in order."""
     for log in sorted((raw / "sessions").glob("*.events.jsonl")):
@@ -169,5 +194,7 @@ def study(zwidth, root, name):
     raw = root / "raw" / name
     if (raw / "trials").exists():
         trials(f"{name}/trials", raw / "trials", listing)
+        if (root / "derived" / name / "trials.parquet").exists():
+            counted(f"{name}/trials.parquet", Path(root), name, listing)
     if (raw / "sweeps").exists():
         sweeps(f"{name}/sweeps", raw / "sweeps", listing)

@@ -1,7 +1,7 @@
 //! Everything an import makes, as bytes; and writing it, all or nothing.
 
 use super::identity::Identity;
-use super::report::{FileReport, Report};
+use super::report::{FileReport, Report, Unplanned};
 use super::{Context, Errors};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -118,7 +118,7 @@ impl Batch {
     }
 
     /// The report on the whole import.
-    pub(super) fn report(self, layout: &Layout, against_plan: Vec<String>) -> Report {
+    pub(super) fn report(self, layout: &Layout, against_plan: Vec<Unplanned>) -> Report {
         let below = |folder: PathBuf| {
             self.outputs.iter().filter(|(path, _)| path.starts_with(&folder)).count()
         };
@@ -141,6 +141,9 @@ impl Batch {
     /// # Errors
     /// The write that failed, saying what was removed, and any file that could not be removed.
     pub(super) fn write(&self, disk: &dyn Files, layout: &Layout, utc: &str) -> Result<(), Errors> {
+        if self.outputs.is_empty() && self.sweeps.is_empty() {
+            return Ok(());
+        }
         let mut logs: Vec<(PathBuf, Output)> = Vec::new();
         for (path, events) in &self.logs {
             logs.extend(new_log(path, utc, events)?.into_iter().map(|(p, b)| (p, b.into())));

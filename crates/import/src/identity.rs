@@ -376,15 +376,15 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
         let file = world.file("b.csv", "t,f\n0,1\n1,2\n");
         world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&file)).unwrap();
         let before = world.written();
+        let other = world.file("c.csv", "t,f\n0,1\n1,3\n");
         let errors =
-            world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&file)).unwrap_err();
+            world.import(&trials_map(&[ONE, FORCE]), std::slice::from_ref(&other)).unwrap_err();
         assert!(
             errors[0].what.contains("duplicate trial: trial 1 of P01 S01 is at raw/demo/trials"),
             "{errors:?}"
         );
         let second = format!("{ONE}trial = 2\n");
-        let errors =
-            world.import(&trials_map(&[&second, FORCE]), std::slice::from_ref(&file)).unwrap_err();
+        let errors = world.import(&trials_map(&[&second, FORCE]), &[other]).unwrap_err();
         assert!(errors[0].what.contains("session S01 of P01 exists already"), "{errors:?}");
         let errors = world.import(&trials_map(&[ONE, FORCE]), &[file.clone(), file]).unwrap_err();
         assert!(errors[0].what.contains("given twice"), "{errors:?}");

@@ -73,7 +73,7 @@ mod zip;
 pub use guess::{Guess, guess};
 pub use late::{Claims, LateAnswer, LateAnswers, TrialMeant};
 pub use mapping::Mapping;
-pub use report::{ColumnDropped, FileReport, Report, RowsDropped};
+pub use report::{ColumnDropped, FileReport, Report, RowsDropped, Unplanned};
 
 use batch::Batch;
 use format::Format;
@@ -137,13 +137,14 @@ pub fn import(
 
 /// What of these sessions is more, less or other than planned. What keeps the study from being read is told by
 /// whoever reads it next: this import is made.
-fn against_plan_of(disk: &dyn Files, layout: &Layout, batch: &Batch) -> Vec<String> {
+fn against_plan_of(disk: &dyn Files, layout: &Layout, batch: &Batch) -> Vec<Unplanned> {
     let Ok(data) = StudyData::load_from(disk, layout) else { return Vec::new() };
     let new: BTreeSet<&Path> = batch.outputs.iter().map(|(path, _)| path.as_path()).collect();
     let found =
         against_plan(&data).into_iter().filter(|finding| new.contains(finding.path.as_path()));
-    let shown = |finding: StoreError| {
-        StoreError { path: layout.shown(&finding.path).to_owned(), ..finding }.to_string()
+    let shown = |finding: StoreError| Unplanned {
+        file: layout.shown(&finding.path).display().to_string(),
+        what: format!("{}; {}", finding.what, finding.remedy),
     };
     found.map(shown).collect()
 }
@@ -354,6 +355,7 @@ impl Context<'_> {
             lost: recording.lost(rows, 0..usize::MAX),
             care: Vec::new(),
             told: recording.table.told.clone(),
+            there: None,
         })
     }
 }

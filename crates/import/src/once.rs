@@ -1,8 +1,9 @@
 //! The same recording counts once: by its content, within an import and in the whole study.
 
-use super::identity::Cases;
+use super::identity::{Cases, Identity};
+use super::report::FileReport;
 use super::{Context, Converted, Errors, all};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zwidth_store::{StoreError, files_below, readable_records, sweep_sources, trial_sources};
 
@@ -21,9 +22,40 @@ pub(super) fn given_once<T>(files: &[Converted<T>]) -> Result<(), Errors> {
     all(checked).map(drop)
 }
 
-/// Whether no trial of the study was imported from one of these recordings.
-pub(super) fn trials<T>(context: &Context, files: &[Converted<T>]) -> Result<(), Errors> {
-    new_here(files, trial_sources(context.files, context.layout)?)
+/// The files of which the study has no trial yet, and in words those that are there already, as the same
+/// sessions: a glob may be given again when people were added.
+///
+/// # Errors
+/// A recording from which another session's trial was made.
+pub(super) fn new_trials<T>(
+    context: &Context,
+    files: Vec<Converted<T>>,
+    identities: impl Fn(&T) -> Vec<&Identity>,
+) -> Result<(Vec<Converted<T>>, Vec<FileReport>), Errors> {
+    let known = trial_sources(context.files, context.layout)?;
+    let (mut new, mut there, mut errors) = (Vec::new(), Vec::new(), Errors::default());
+    for file in files {
+        let Some(trials) = known.get(&file.blake3) else {
+            new.push(file);
+            continue;
+        };
+        let sessions: BTreeSet<_> = trials.iter().map(|(who, session, _)| (who, session)).collect();
+        let here: BTreeSet<_> =
+            identities(&file.made).into_iter().map(|i| (&i.participant, &i.session)).collect();
+        let words =
+            trials.iter().map(|(who, session, trial)| format!("{who} {session} trial {trial}"));
+        let words = words.collect::<Vec<_>>().join(", ");
+        if here == sessions {
+            there.push(FileReport::there_already(&file.path, &words));
+        } else {
+            errors.push(StoreError::new(
+                &file.path,
+                format!("this recording was imported before, as {words}"),
+                "leave the file out; a recording must not count twice",
+            ));
+        }
+    }
+    errors.none().map(|()| (new, there))
 }
 
 /// Whether no sweep of the study was imported from one of these recordings.
@@ -133,6 +165,27 @@ mod tests {
             answers,
             "imported before, as P01 S01",
         );
+    }
+
+    #[test]
+    fn a_glob_that_is_given_again_with_more_people_imports_what_is_new_and_says_what_was_there() {
+        let world = World::new();
+        let named = ONE.replace("\"P01\"", "{ name = \"who\" }");
+        let map = trials_map(&["[name]\npattern = '(?<who>P\\d+)'\n", &named, FORCE]);
+        let file = |n: u32| world.file(&format!("P0{n}.csv"), format!("t,f\n0,{n}\n1,2\n"));
+        let mut files = vec![file(1), file(2)];
+        world.import(&map, &files).unwrap();
+        files.push(file(3));
+        let report = world.import(&map, &files).unwrap();
+        assert_eq!((report.trials, report.sessions, report.is_doubtful()), (1, 1, false));
+        let text = report.to_string();
+        assert!(
+            text.contains("P02.csv: it is in the study already, as P02 S01 trial 1: left out"),
+            "{text}"
+        );
+        let before = world.written();
+        assert_eq!(world.import(&map, &files).unwrap().trials, 0);
+        assert_eq!(world.written(), before);
     }
 
     #[test]

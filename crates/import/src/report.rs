@@ -3,6 +3,7 @@
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt;
+use std::path::Path;
 use zwidth_store::Signal;
 use zwidth_study::{StudyId, printable};
 
@@ -25,7 +26,16 @@ pub struct Report {
     /// Answers written as events.
     pub answers: usize,
     /// What of the new sessions is more, less or other than study.toml plans.
-    pub against_plan: Vec<String>,
+    pub against_plan: Vec<Unplanned>,
+}
+
+/// Something that is more, less or other than planned.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Unplanned {
+    /// The session's record, or the trial's file.
+    pub file: String,
+    /// What was found, and what to do.
+    pub what: String,
 }
 
 /// What became of one file.
@@ -51,6 +61,8 @@ pub struct FileReport {
     pub made: Vec<String>,
     /// What was taken for granted in reading it.
     pub told: Vec<String>,
+    /// The trials that the study has of it already: nothing was made of it.
+    pub there: Option<String>,
     /// What of it could not be read: what was made of it is to be read with care, and says so.
     pub lost: Option<String>,
     /// What its trials say against their units, signs, clock and sensors: they were imported, and
@@ -92,7 +104,8 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, file) in self.files.iter().enumerate() {
             // Forty-eight files of one kind are told once.
-            let is_as_above = i > 0 && self.files[i - 1].form() == file.form();
+            let is_as_above =
+                i > 0 && file.there.is_none() && self.files[i - 1].form() == file.form();
             let lines = if is_as_above { file.brief() } else { file.lines() };
             // Names of others stand in each line.
             lines.iter().try_for_each(|line| writeln!(f, "{}", printable(line)))?;
@@ -101,20 +114,26 @@ impl fmt::Display for Report {
                 writeln!(f)?;
             }
         }
-        for line in self.against_plan.iter().take(MOST_NAMED) {
-            writeln!(f, "read with care: {}", printable(line))?;
+        let mut alike: Vec<(&str, Vec<&str>)> = Vec::new();
+        for Unplanned { file, what } in &self.against_plan {
+            match alike.iter_mut().find(|(known, _)| known == what) {
+                Some((_, files)) => files.push(file),
+                None => alike.push((what, vec![file])),
+            }
         }
-        match self.against_plan.len() {
-            0 => {}
-            n if n > MOST_NAMED => {
+        for (what, files) in alike {
+            writeln!(f, "read with care: {}: {}", printable(files[0]), printable(what))?;
+            if files.len() > 1 {
                 writeln!(
                     f,
-                    "and {} more like these (`zwidth verify {}`)\n",
-                    n - MOST_NAMED,
+                    "  likewise {} others (`zwidth verify {}` lists them)",
+                    files.len() - 1,
                     self.study
                 )?;
             }
-            _ => writeln!(f)?,
+        }
+        if !self.against_plan.is_empty() {
+            writeln!(f)?;
         }
         let counts = [
             (self.trials, "trial"),
@@ -123,17 +142,28 @@ impl fmt::Display for Report {
             (self.answers, "answer"),
         ];
         let made = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count_of(*n, what));
-        let files = count_of(self.files.len(), "file");
-        write!(
-            f,
-            "{files} imported into study {}: {}",
-            self.study,
-            made.collect::<Vec<_>>().join(", ")
-        )?;
+        let there = self.files.iter().filter(|file| file.there.is_some()).count();
+        let files = count_of(self.files.len() - there, "file");
+        match self.files.len() - there {
+            0 => write!(f, "nothing new for study {}", self.study)?,
+            _ => write!(
+                f,
+                "{files} imported into study {}: {}",
+                self.study,
+                made.collect::<Vec<_>>().join(", ")
+            )?,
+        }
+        if there > 0 {
+            write!(
+                f,
+                "; {} there already",
+                if there == 1 { "1 was".to_owned() } else { format!("{there} were") }
+            )?;
+        }
         let doubtful = self.files.iter().filter(|file| file.is_doubtful()).count();
         match doubtful {
             0 => Ok(()),
-            n if n == self.files.len() => {
+            n if n == self.files.len() - there => {
                 write!(f, "; all have warnings, listed above")
             }
             n => write!(f, "; {n} of {files} have warnings, listed above"),
@@ -146,6 +176,15 @@ fn count_of(n: usize, what: &str) -> String {
 }
 
 impl FileReport {
+    /// That of a file of which the study has the trials already.
+    pub(super) fn there_already(path: &Path, trials: &str) -> Self {
+        Self {
+            file: printable(&path.to_string_lossy()).into_owned(),
+            there: Some(format!("it is in the study already, as {trials}: left out")),
+            ..Self::default()
+        }
+    }
+
     /// Whether something that was made of it is to be read with care.
     fn is_doubtful(&self) -> bool {
         self.lost.is_some() || !self.care.is_empty()
@@ -175,6 +214,9 @@ impl FileReport {
     }
 
     fn lines(&self) -> Vec<String> {
+        if let Some(there) = &self.there {
+            return vec![format!("{}: {there}", self.file)];
+        }
         let read = count_of(self.rows_read, "row");
         let mut lines = vec![format!("{}: {read} read, {} kept", self.file, self.rows_kept)];
         let dropped =
@@ -238,6 +280,7 @@ mod tests {
             null: vec!["flags".to_owned()],
             made: vec!["trial 1".to_owned()],
             told: vec!["cells stand between tabs".to_owned()],
+            there: None,
             lost: None,
             care: vec!["column t_s: it jumps; mend it".to_owned()],
         };

@@ -73,7 +73,10 @@ pub(super) fn trials(
     check_form(context.files, context.layout, context.study)?;
     let plan = plan(context, time, columns, channels)?;
     let budget = Budget::default();
-    let mut converted = converted(context, (who, &plan), &budget, files)?;
+    let converted = converted(context, (who, &plan), &budget, files)?;
+    let (mut converted, there) = once::new_trials(context, converted, |(pieces, _)| {
+        pieces.iter().map(|piece| &piece.identity).collect()
+    })?;
     // Samples of long texts are not there yet.
     let mut pieces: Vec<&mut Piece> = converted
         .iter_mut()
@@ -88,8 +91,7 @@ pub(super) fn trials(
     let identities: Vec<Identity> =
         converted.iter().flat_map(|c| c.made.0.iter().map(|p| p.identity.clone())).collect();
     let planned = number_trials(context, &identities, true)?;
-    once::trials(context, &converted)?;
-    let mut batch = Batch::default();
+    let mut batch = Batch { files: there, ..Batch::default() };
     let mut numbers = planned.iter();
     let mut done = Vec::new();
     for Converted { path, blake3, made: (pieces, report) } in converted {

@@ -12,6 +12,7 @@ mod captions;
 mod characterise;
 mod compare;
 mod conditions;
+mod counted;
 mod courses;
 mod design;
 mod drawing;
@@ -125,13 +126,14 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     let captions = (!figures.is_empty()).then(|| captions::job(data, &figures));
     jobs.extend(figures.into_iter().map(|figure| figure.job));
     jobs.extend(captions);
+    jobs.push(counted::job(data, found));
     jobs.push(summary);
     jobs.extend(page);
     jobs
 }
 
 /// The stages, in the order in which a person thinks of them.
-pub const STAGES: [&str; 16] = [
+pub const STAGES: [&str; 17] = [
     "characterise",
     "metrics",
     "average",
@@ -143,6 +145,7 @@ pub const STAGES: [&str; 16] = [
     "compare",
     "trade",
     "simulate",
+    "trials",
     "figures",
     "report",
     "tables",

@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::{Parameters, TrialMetrics};
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
-use zwidth_store::{Asked, Layout, OpenTrial, StoreError, StudyData};
+use zwidth_store::{Asked, Layout, OpenTrial, Signal, StoreError, StudyData};
 use zwidth_study::{Condition, TrialMeta};
 use zwidth_tables::{NoteKind, Table, TableError};
 
@@ -205,10 +205,9 @@ fn make_condition(
     let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
     let (made, problems) = of_each(making.trials, (files, &of.trials), &signals, |trial| {
         let row = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
-        Ok((
-            row.map_err(|e| format!("{}: {e}", name(&trial.meta))),
-            with_care(&of.stage.asked, trial),
-        ))
+        let mut care = with_care(&of.stage.asked, trial);
+        care.extend(row.as_ref().ok().and_then(|row| covers_little(row, trial)));
+        Ok((row.map_err(|e| format!("{}: {e}", name(&trial.meta))), care))
     })?;
     let (rows, care): (Vec<_>, Vec<_>) = made.into_iter().unzip();
     let (rows, more) = split(rows);
@@ -235,6 +234,30 @@ fn make_by_condition(
     let columns = zwidth_metrics::condition_columns();
     let metrics = Table::columns_from_parquet(metrics, &columns)?;
     write_tables(&[zwidth_metrics::by_condition(&metrics, conditions)?], making, Vec::new())
+}
+
+/// A movement that covers less than this share of its recording …
+const LITTLE: f64 = 0.05;
+/// … and leaves this long, s, may not be the one that was meant.
+const LONG_S: f64 = 5.0;
+
+/// What is said of a movement that covers little of its recording.
+fn covers_little(row: &TrialMetrics, trial: &OpenTrial) -> Option<String> {
+    let duration_s = row.movement.duration_s?;
+    let recorded_s = {
+        let t = trial.columns().column(Signal::Time)?;
+        t.last()? - t.first()?
+    };
+    let is_little = duration_s < LITTLE * recorded_s && recorded_s - duration_s > LONG_S;
+    is_little.then(|| {
+        format!(
+            "{}, {}: its movement is taken to be {duration_s:.2} s of the {recorded_s:.1} s that were recorded; look whether \
+             this is the one that was meant, and set onset_deg_s and offset_deg_s under [analysis] of study.toml, or split \
+             the recording",
+            name(&trial.meta),
+            Signal::ThetaDot.name()
+        )
+    })
 }
 
 /// What `verify` finds in a trial, which counts all the same.

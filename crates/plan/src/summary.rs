@@ -19,7 +19,7 @@ use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{About, Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 17 };
+const STAGE: Stage = Stage { name: "summary", version: 18 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -403,7 +403,10 @@ fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
 }
 
 /// The notes of these kinds below tables, each once, in order.
-fn notes(tables: &[PathBuf], of: fn(NoteKind) -> bool) -> Result<BTreeSet<String>, TableError> {
+pub(crate) fn notes(
+    tables: &[PathBuf],
+    of: fn(NoteKind) -> bool,
+) -> Result<BTreeSet<String>, TableError> {
     let mut notes = BTreeSet::new();
     for path in tables.iter().filter(|p| p.exists()) {
         let found = Table::about(path)?.notes;

@@ -118,7 +118,7 @@ pub use regular::{MOST_BYTES, MOST_RECORDING, open_named, open_regular, read_nam
 pub use seen::Seen;
 pub use sessions::read_records;
 pub use signal::{COLUMNS, Column, Signal, Storage};
-pub use sources::{Sources, readable_records, sweep_sources, trial_sources};
+pub use sources::{TrialName, readable_records, sweep_sources, trial_sources};
 pub use stamp::Stamp;
 pub use stream::{Staged, TrialWriter, replace_by};
 pub use study::{

@@ -8,36 +8,49 @@ use crate::sessions::{MOST_RECORD, record_from};
 use crate::walk::files_below;
 use crate::{Files, Layout, SOURCE, StoreError};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
-use std::path::Path;
-use zwidth_study::SessionRecord;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use zwidth_study::{ParticipantId, SessionId, SessionRecord};
 
-/// By the hash of a recording: what was made of it, in words.
-pub type Sources = BTreeMap<String, String>;
+/// A trial of a study.
+pub type TrialName = (ParticipantId, SessionId, u32);
 
-/// The recordings that trials were imported from.
+/// The recordings that trials were imported from, by their hash, with the trials.
 ///
 /// # Errors
 /// A folder that cannot be listed.
-pub fn trial_sources(files: &dyn Files, layout: &Layout) -> Result<Sources, StoreError> {
-    sources(files, &layout.trials(), |path| {
+pub fn trial_sources(
+    files: &dyn Files,
+    layout: &Layout,
+) -> Result<BTreeMap<String, BTreeSet<TrialName>>, StoreError> {
+    let there = files_below(files, &layout.trials())?;
+    let of_file = |path: &PathBuf| {
         let found = read_footer_from(files, path).ok()?;
-        let meta = found.meta;
-        let named = format!("{} {} trial {}", meta.participant, meta.session, meta.trial);
-        Some((found.file.get(SOURCE)?.clone(), named))
-    })
+        let name = (found.meta.participant, found.meta.session, found.meta.trial);
+        Some((found.file.get(SOURCE)?.clone(), name))
+    };
+    let mut sources: BTreeMap<String, BTreeSet<TrialName>> = BTreeMap::new();
+    for (source, name) in there.par_iter().filter_map(of_file).collect::<Vec<_>>() {
+        sources.entry(source).or_default().insert(name);
+    }
+    Ok(sources)
 }
 
-/// The recordings that sweeps were imported from.
+/// The recordings that sweeps were imported from, by their hash, with what was made of them in words.
 ///
 /// # Errors
 /// A folder that cannot be listed.
-pub fn sweep_sources(files: &dyn Files, layout: &Layout) -> Result<Sources, StoreError> {
-    sources(files, &layout.sweeps(), |path| {
+pub fn sweep_sources(
+    files: &dyn Files,
+    layout: &Layout,
+) -> Result<BTreeMap<String, String>, StoreError> {
+    let there = files_below(files, &layout.sweeps())?;
+    let of_file = |path: &PathBuf| {
         let footer = ParquetFile::open(files, path).ok()?.footer;
         let named = format!("sweep {} of {}", footer.get("sweep")?, footer.get("actuator")?);
         Some((footer.get(SOURCE)?.clone(), named))
-    })
+    };
+    Ok(there.par_iter().filter_map(of_file).collect())
 }
 
 /// The records of the study's sessions that can be read, in the order of their names.
@@ -54,14 +67,4 @@ pub fn readable_records(
         .iter()
         .filter_map(|path| record_from(path, &text(files, path, MOST_RECORD).ok()?).ok());
     Ok(records.collect())
-}
-
-/// The source of each file below a folder, with the name of the last file that was made of it.
-fn sources(
-    files: &dyn Files,
-    folder: &Path,
-    source: impl Fn(&Path) -> Option<(String, String)> + Sync,
-) -> Result<Sources, StoreError> {
-    let there = files_below(files, folder)?;
-    Ok(there.par_iter().filter_map(|path| source(path)).collect())
 }

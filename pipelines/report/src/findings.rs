@@ -208,10 +208,19 @@ fn steadiness(
         (_, 0) => {
             let but =
                 (doubtful > 0).then(|| format!(" Of these, {doubtful} {} {care}.", are(doubtful)));
-            format!(
-                "No fast oscillation was found in any of {all} trials; all {smooth} were smooth.{}",
-                but.unwrap_or_default()
-            )
+            let spoken_of = match (all, metrics.height() - all) {
+                (1, 0) => "the one trial; it was smooth".to_owned(),
+                (1, others) => format!(
+                    "the one trial of {} in which it can be told; it was smooth",
+                    1 + others
+                ),
+                (_, 0) => format!("any of {all} trials; all {all} were smooth"),
+                (_, others) => format!(
+                    "any of the {all} trials of {} in which it can be told; all {all} were smooth",
+                    all + others
+                ),
+            };
+            format!("No fast oscillation was found in {spoken_of}.{}", but.unwrap_or_default())
         }
         _ if doubtful_swung == n => format!(
             "The lever seems to swing fast in {n} of {all} trials: {swung}. All of these are {care}: \
@@ -345,7 +354,8 @@ mod tests {
         let doubted = [("P01".to_owned(), "S01".to_owned(), 1)].into();
         let found = findings(&study(), &metrics(&smooth), None, &doubted).unwrap();
         let last = &found.last().unwrap().text;
-        assert!(last.ends_with(&format!("all 1 were smooth. Of these, 1 is {care}.")), "{last}");
+        let one = "found in the one trial; it was smooth.";
+        assert!(last.ends_with(&format!("{one} Of these, 1 is {care}.")), "{last}");
     }
 
     /// 292.75 N/rad on a slide whose L is 1 m are 0.293 N/mm.

@@ -44,6 +44,9 @@ impl World {
     pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         zwidth(folder.path(), &["new", "rig"]).exits(0);
+        let study = folder.path().join("raw/rig/study.toml");
+        let text = fs::read_to_string(&study).unwrap().replace("repeats = 6", "repeats = 1");
+        fs::write(&study, text).unwrap();
         Self { folder, map: format!("{LABELS}{COLUMNS}") }
     }
 

@@ -155,11 +155,19 @@ fn the_same_recording_counts_once_whatever_it_is_called() {
     let linked = world.root().join("linked.csv");
     fs::hard_link(&first, &linked).unwrap();
     let dotted = world.root().join("./x.csv");
-    for second in [&first, &dotted, &copy, &linked] {
-        let words = ["given twice", "x.csv has the same content", "give every recording once"];
+    // Of two files the one whose name comes first is the recording, the other the copy.
+    for (second, name) in [(&first, "x"), (&dotted, "x"), (&copy, "copy"), (&linked, "linked")] {
+        let same = format!("{name}.csv has the same content");
+        let words = ["given twice", &same, "give every recording once"];
         world.refuses(&[first.clone(), second.clone()], &words);
     }
-    world.import(&[first]).exits(0);
+    world.import(&[first.clone()]).exits(0);
+    let there = "it is in the study already, as P01 S01 trial 1: left out";
+    let again = world.import(&[first]).exits(0);
+    assert!(
+        again.out.contains(there) && again.out.contains("nothing new for study rig"),
+        "{again:#?}"
+    );
     let other = World { map: world.map.replace("S01", "S02"), ..world };
     for again in [copy, linked] {
         other.refuses(&[again], &["imported before, as P01 S01 trial 1", "must not count twice"]);
