@@ -130,6 +130,7 @@ impl Batch {
             sessions: self.logs.len(),
             answers: events.filter(|event| matches!(event, Event::Answer { .. })).count(),
             files: self.files,
+            exclusions: 0,
             against_plan,
         }
     }

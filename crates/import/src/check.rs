@@ -2,13 +2,15 @@
 //! line.
 
 use super::Errors;
+use super::exclusions::{Exclusions, Of};
 use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS};
 use super::mapping::{Content, FileForm, Mapping, Who};
 use super::shape::{
-    Backwards, ChannelShape, ColumnShape, FileShape, KindShape, Shape, Split, TimeShape,
-    TrialShape, XdfClock, ZeroShape,
+    Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, Shape, Split,
+    TimeShape, TrialShape, XdfClock, ZeroShape,
 };
+use super::table::ColumnRef;
 use regex::Regex;
 use std::path::Path;
 use zwidth_store::{Signal, StoreError, hex_blake3};
@@ -97,6 +99,7 @@ impl Check<'_> {
             KindShape::Likert => {
                 self.likert(shape.trial, shape.questions.unwrap_or_default(), &groups)
             }
+            KindShape::Exclusions => self.exclusions(shape.exclude, &groups),
         }?;
         let blake3 = hex_blake3(self.text.as_bytes());
         let (drop, simulated) = (shape.drop, shape.simulated);
@@ -105,11 +108,11 @@ impl Check<'_> {
 
     /// A table that the kind gives no meaning to is a mistake.
     fn refuse_unused(&mut self, shape: &Shape) {
-        use KindShape::{Likert, Sweeps, Trials};
+        use KindShape::{Exclusions, Likert, Sweeps, Trials};
         let kind = shape.kind;
         for (table, given, used) in [
-            ("trial", shape.trial.is_some(), kind != Sweeps),
-            ("time", shape.time.is_some(), kind != Likert),
+            ("trial", shape.trial.is_some(), matches!(kind, Trials | Likert)),
+            ("time", shape.time.is_some(), matches!(kind, Trials | Sweeps)),
             ("column", !shape.column.is_empty(), kind == Trials),
             ("channel", !shape.channel.is_empty(), kind == Trials),
             ("sweep", shape.sweep.is_some(), kind == Sweeps),
@@ -117,6 +120,7 @@ impl Check<'_> {
             ("response", shape.response.is_some(), kind == Sweeps),
             ("wide", shape.wide.is_some(), kind == Sweeps),
             ("questions", shape.questions.is_some(), kind == Likert),
+            ("exclude", shape.exclude.is_some(), kind == Exclusions),
         ] {
             if given && !used {
                 self.error(table, "is not used in a mapping of this kind; remove it");
@@ -206,6 +210,38 @@ impl Check<'_> {
             environment: environment?,
             mode: mode?,
         })
+    }
+
+    fn exclusions(&mut self, shape: Option<ExcludeShape>, groups: &[&str]) -> Option<Content> {
+        let shape = self.required("exclude", shape)?;
+        let named = [&shape.participant, &shape.session, &shape.trial];
+        let is_named = named.iter().any(|label| label.is_some());
+        if shape.recording.is_none() && shape.folder.is_some() {
+            self.error("exclude.folder", "is where the files of `recording` lie; remove it");
+        }
+        let of = match shape.recording {
+            Some(column) if !is_named => {
+                Of::Recording { column, folder: shape.folder.unwrap_or_default().into() }
+            }
+            Some(_) => {
+                let what = "names the trial by its recording; participant, session and trial are not used beside it";
+                self.error("exclude.recording", what);
+                return None;
+            }
+            None => {
+                let participant = self.required("exclude.participant", shape.participant);
+                let session = self.required("exclude.session", shape.session);
+                let trial = self.required("exclude.trial", shape.trial);
+                Of::Trial {
+                    participant: self.label("exclude.participant", participant?, groups)?,
+                    session: self.label("exclude.session", session?, groups)?,
+                    trial: self.label("exclude.trial", trial?, groups)?,
+                }
+            }
+        };
+        let reason = self.label("exclude.reason", shape.reason, groups)?;
+        let when = shape.when.into_iter().map(|(column, words)| (ColumnRef::Name(column), words));
+        Some(Content::Exclusions(Exclusions { of, when: when.collect(), reason }))
     }
 
     fn trials(

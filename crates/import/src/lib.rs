@@ -17,6 +17,7 @@ mod clock;
 mod convert;
 mod counter;
 mod csv;
+mod exclusions;
 mod feather;
 mod format;
 mod given;
@@ -111,28 +112,37 @@ pub fn import(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Report, FirstErrors> {
     // What the last import left would stand in the way of what this one writes.
-    let made = all(settle(disk, layout)).and_then(|_| {
-        let read = disk.read(&layout.study_toml(), MOST_STUDY);
-        let study_toml = read.map_err(|e| StoreError::io(&layout.study_toml(), "read", &e))?;
-        let study_blake3 = hex_blake3(&study_toml);
-        let context = Context {
-            layout,
-            study,
-            mapping,
-            software,
-            study_toml,
-            study_blake3,
-            files: disk,
-            progress,
-        };
-        let batch = batch(&context, &in_order(files))?;
-        batch.write(disk, layout, utc)?;
-        Ok(batch)
-    });
-    made.map(|batch| {
-        let odd = against_plan_of(disk, layout, &batch);
-        batch.report(layout, odd)
-    })
+    all(settle(disk, layout))?;
+    let read = disk.read(&layout.study_toml(), MOST_STUDY);
+    let study_toml = read.map_err(|e| StoreError::io(&layout.study_toml(), "read", &e))?;
+    let study_blake3 = hex_blake3(&study_toml);
+    let context = Context {
+        layout,
+        study,
+        mapping,
+        software,
+        study_toml,
+        study_blake3,
+        files: disk,
+        progress,
+    };
+    if files.is_empty() {
+        let what = "no file is given";
+        return Err(StoreError::new(Path::new("."), what, "name the files to import").into());
+    }
+    let files = &in_order(files);
+    let batch = match &mapping.content {
+        Content::Trials { who, time, columns, channels } => {
+            trials::trials(&context, (who, time, columns, channels), files)?
+        }
+        Content::Sweeps { labels, form } => sweeps::sweeps(&context, (labels, form), files)?,
+        Content::Likert { who, asked } => likert::likert(&context, (who, asked), files)?,
+        // They add to logs that are there.
+        Content::Exclusions(form) => return exclusions::import(&context, form, files, utc),
+    };
+    batch.write(disk, layout, utc)?;
+    let odd = against_plan_of(disk, layout, &batch);
+    Ok(batch.report(layout, odd))
 }
 
 /// What of these sessions is more, less or other than planned. What keeps the study from being read is told by
@@ -147,24 +157,6 @@ fn against_plan_of(disk: &dyn Files, layout: &Layout, batch: &Batch) -> Vec<Unpl
         what: format!("{}; {}", finding.what, finding.remedy),
     };
     found.map(shown).collect()
-}
-
-fn batch(context: &Context, files: &[PathBuf]) -> Result<Batch, Errors> {
-    if files.is_empty() {
-        return Err(StoreError::new(
-            Path::new("."),
-            "no file is given",
-            "name the files to import",
-        )
-        .into());
-    }
-    match &context.mapping.content {
-        Content::Trials { who, time, columns, channels } => {
-            trials::trials(context, (who, time, columns, channels), files)
-        }
-        Content::Sweeps { labels, form } => sweeps::sweeps(context, (labels, form), files),
-        Content::Likert { who, asked } => likert::likert(context, (who, asked), files),
-    }
 }
 
 /// Why rows are left out where the mapping drops those without a value.

@@ -3,6 +3,7 @@
 use super::check::check;
 use super::convert::Linear;
 use super::csv::{Dialect, WHITE_SPACE};
+use super::exclusions::Exclusions;
 use super::format::Format;
 use super::label::Label;
 use super::limits::MOST_MAPPING;
@@ -41,6 +42,7 @@ pub(super) enum Content {
     Trials { who: Who, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
     Sweeps { labels: SweepLabels, form: SweepForm },
     Likert { who: Who, asked: Questionnaire },
+    Exclusions(Exclusions),
 }
 
 /// How a questionnaire lies in its files, and what its cells mean.
@@ -320,7 +322,7 @@ mod tests {
     #[test]
     fn every_mapping_in_the_documentation_is_valid() {
         let examples = examples();
-        assert_eq!(examples.len(), 4);
+        assert_eq!(examples.len(), 5);
         for text in examples {
             Mapping::from_toml(&text, Path::new("docs/import.md")).unwrap();
         }

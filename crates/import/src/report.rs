@@ -25,6 +25,8 @@ pub struct Report {
     pub sessions: usize,
     /// Answers written as events.
     pub answers: usize,
+    /// Trials that were excluded.
+    pub exclusions: usize,
     /// What of the new sessions is more, less or other than study.toml plans.
     pub against_plan: Vec<Unplanned>,
 }
@@ -140,6 +142,7 @@ impl fmt::Display for Report {
             (self.sweeps, "sweep"),
             (self.sessions, "session"),
             (self.answers, "answer"),
+            (self.exclusions, "exclusion"),
         ];
         let made = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count_of(*n, what));
         let there = self.files.iter().filter(|file| file.there.is_some()).count();
@@ -292,6 +295,7 @@ mod tests {
             sweeps: 0,
             sessions: 1,
             answers: 0,
+            exclusions: 0,
             against_plan: vec![],
         };
         let expect = "\

@@ -13,6 +13,7 @@ pub(super) enum KindShape {
     Trials,
     Sweeps,
     Likert,
+    Exclusions,
 }
 
 #[derive(Deserialize)]
@@ -37,6 +38,7 @@ pub(super) struct Shape {
     pub(super) response: Option<QuantityShape>,
     pub(super) wide: Option<WideShape>,
     pub(super) questions: Option<QuestionsShape>,
+    pub(super) exclude: Option<ExcludeShape>,
 }
 
 /// What to do with rows in which a mapped cell is missing.
@@ -268,4 +270,17 @@ pub(super) struct QuestionsShape {
     pub(super) time_unit: Option<String>,
     #[serde(default)]
     pub(super) translate: BTreeMap<String, i16>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ExcludeShape {
+    pub(super) recording: Option<ColumnRef>,
+    pub(super) folder: Option<String>,
+    pub(super) participant: Option<LabelShape>,
+    pub(super) session: Option<LabelShape>,
+    pub(super) trial: Option<LabelShape>,
+    #[serde(default)]
+    pub(super) when: BTreeMap<String, Vec<String>>,
+    pub(super) reason: LabelShape,
 }

@@ -1,0 +1,250 @@
+//! A table beside recordings that says which of their trials are not to count → exclusions in the sessions'
+//! logs.
+
+use super::blocks::blake3_of;
+use super::identity::{id, number};
+use super::label::Label;
+use super::limits::{Budget, Take};
+use super::recording::Recording;
+use super::report::{FileReport, Report};
+use super::table::ColumnRef;
+use super::{Context, Errors, all};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use zwidth_store::{StoreError, StudyData, TrialName, commit_events, trial_sources};
+use zwidth_study::Event;
+
+/// Which rows of a table exclude a trial, which trial, and why.
+#[derive(Debug, Clone)]
+pub(super) struct Exclusions {
+    pub(super) of: Of,
+    /// Rows with one of these words in each of the columns; all rows if there is none.
+    pub(super) when: Vec<(ColumnRef, Vec<String>)>,
+    pub(super) reason: Label,
+}
+
+/// How a row names its trial.
+#[derive(Debug, Clone)]
+pub(super) enum Of {
+    /// By the recording that it was imported from: a path from this folder, which lies beside the table.
+    Recording {
+        column: ColumnRef,
+        folder: PathBuf,
+    },
+    Trial {
+        participant: Label,
+        session: Label,
+        trial: Label,
+    },
+}
+
+impl Exclusions {
+    fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
+        let named = match &self.of {
+            Of::Recording { column, .. } => vec![column],
+            Of::Trial { participant, session, trial } => {
+                [participant, session, trial].into_iter().filter_map(Label::column).collect()
+            }
+        };
+        let when = self.when.iter().map(|(column, _)| column);
+        named.into_iter().chain(when).chain(self.reason.column())
+    }
+}
+
+/// Excludes the trials that tables name: all of them, or none. What is excluded already stays as it is.
+///
+/// # Errors
+/// Everything found wrong with the tables; a trial that the study does not have.
+pub(super) fn import(
+    context: &Context,
+    form: &Exclusions,
+    files: &[PathBuf],
+    utc: &str,
+) -> Result<Report, Errors> {
+    let data = StudyData::load_from(context.files, context.layout);
+    let data = data.map_err(|found| found.into_iter().collect::<Errors>())?;
+    let sources = trial_sources(context.files, context.layout)?;
+    let budget = Budget::default();
+    let take = Take { columns: form.columns().collect(), pattern: None, budget: &budget };
+    let converted =
+        context.convert(files, &take, |recording| read(context, form, recording, &sources))?;
+    let (mut events, mut reports) = (BTreeMap::<_, Vec<Event>>::new(), Vec::new());
+    let mut told = BTreeSet::new();
+    for table in converted {
+        let (rows, mut report) = table.made;
+        let (mut new, mut before) = (0, 0);
+        for (row, (participant, session, trial), reason) in rows {
+            let entry = data.trials.iter().find(|entry| {
+                let meta = &entry.meta;
+                (&meta.participant, &meta.session, meta.trial) == (&participant, &session, trial)
+            });
+            let log = data.sessions.iter().find(|log| {
+                (&log.record.participant, &log.record.session) == (&participant, &session)
+            });
+            let (Some(entry), Some(log)) = (entry, log) else {
+                let what = format!("{participant} {session} has no trial {trial}");
+                let error =
+                    StoreError::new(&table.path, what, "mend the row, or leave it out with when");
+                return Err(error.row0(row).into());
+            };
+            if entry.excluded.is_some() {
+                before += 1;
+            } else if told.insert((participant, session, trial)) {
+                new += 1;
+                events.entry(&log.events_path).or_default().push(Event::Excluded { trial, reason });
+            }
+        }
+        report.made.push(format!("{new} trials excluded"));
+        if before > 0 {
+            report.told.push(format!("{before} rows are about trials that are excluded already"));
+        }
+        reports.push(report);
+    }
+    let logs: Vec<(&Path, &[Event])> =
+        events.iter().map(|(path, events)| (path.as_path(), events.as_slice())).collect();
+    commit_events(context.files, context.layout, utc, &logs)?;
+    Ok(Report {
+        study: context.layout.study().clone(),
+        files: reports,
+        trials: 0,
+        sweeps: 0,
+        sessions: 0,
+        answers: 0,
+        exclusions: told.len(),
+        against_plan: Vec::new(),
+    })
+}
+
+/// A row (from 0), the trial that it excludes, and why.
+type Excluded = (usize, TrialName, String);
+
+fn read(
+    context: &Context,
+    form: &Exclusions,
+    recording: &Recording,
+    sources: &BTreeMap<String, BTreeSet<TrialName>>,
+) -> Result<(Vec<Excluded>, FileReport), Errors> {
+    let used = all(form.columns().map(|column| recording.find(column)))?;
+    let rows = recording.rows(&context.mapping.file, &[], &[])?;
+    let mut meant = Vec::new();
+    for row in &rows.kept {
+        let mut is_meant = true;
+        for (column, words) in &form.when {
+            let cell = recording.cell(column, *row)?.to_string();
+            is_meant &= words.contains(&cell);
+        }
+        if is_meant {
+            meant.push(*row);
+        }
+    }
+    let excluded = all(meant.iter().map(|row| {
+        let reason = form.reason.value("reason", recording, *row, |text| Ok(text.to_owned()))?;
+        let trials = match &form.of {
+            Of::Recording { column, folder } => {
+                from_recording(recording, *row, column, folder, sources)?
+            }
+            Of::Trial { participant, session, trial } => vec![(
+                participant.value("participant", recording, *row, id)?,
+                session.value("session", recording, *row, id)?,
+                trial.value("trial", recording, *row, |text| number("trial", text))?,
+            )],
+        };
+        Ok::<_, Errors>(
+            trials.into_iter().map(|trial| (*row, trial, reason.clone())).collect::<Vec<_>>(),
+        )
+    }))?;
+    let report = context.file_report(recording, (&rows, meant.len()), &used)?;
+    Ok((excluded.concat(), report))
+}
+
+/// The trials that were imported from the recording that a row names.
+fn from_recording(
+    table: &Recording,
+    row: usize,
+    column: &ColumnRef,
+    folder: &Path,
+    sources: &BTreeMap<String, BTreeSet<TrialName>>,
+) -> Result<Vec<TrialName>, StoreError> {
+    let named = table.cell(column, row)?.to_string();
+    let path = table.path.parent().unwrap_or(Path::new("")).join(folder).join(&named);
+    let at = |error: StoreError| {
+        let what = format!("{}: {}", path.display(), error.what);
+        let remedy = "set folder in [exclude] to where the recordings lie, seen from the table";
+        table.row_error(row, &what, remedy)
+    };
+    let blake3 = blake3_of(&path).map_err(at)?;
+    sources.get(&blake3).map(|trials| trials.iter().cloned().collect()).ok_or_else(|| {
+        let what = format!("no trial of the study was imported from {}", path.display());
+        table.row_error(row, &what, "import the recordings first, or leave the row out with when")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::world::{FORCE, ONE, World, trials_map};
+    use zwidth_study::Event;
+
+    const TABLE: &str = "file,who,n,outcome\nP1_1.csv,P1,1,COMPLETED\nP1_2.csv,P1,2,ABORTED\nP2_1.csv,P2,1,ABORTED\n";
+    const BY_FILE: &str = "kind = \"exclusions\"\n[exclude]\nrecording = \"file\"\nfolder = \"tables/..\"\n\
+                           when = { outcome = [\"ABORTED\"] }\nreason = { column = \"outcome\" }\n";
+
+    fn world() -> World {
+        let world = World::new();
+        let named = ONE.replace("\"P01\"", "{ name = \"who\" }");
+        let map = trials_map(&["[name]\npattern = '(?<who>P\\d)_'\n", &named, FORCE]);
+        let names = ["P1_1.csv", "P1_2.csv", "P2_1.csv"];
+        let files = names.map(|name| {
+            world.file(
+                name,
+                format!(
+                    "t,f\n0,{}\n1,2\n",
+                    name.len()
+                        + usize::from(name.as_bytes()[1]) * 10
+                        + usize::from(name.as_bytes()[3])
+                ),
+            )
+        });
+        world.import(&map, &files).unwrap();
+        world
+    }
+
+    #[test]
+    fn trials_are_excluded_by_the_recordings_that_a_table_names_and_once() {
+        let world = world();
+        let table = world.file("attempts.csv", TABLE);
+        std::fs::create_dir(table.with_file_name("tables")).unwrap();
+        let report = world.import(BY_FILE, std::slice::from_ref(&table)).unwrap();
+        assert_eq!(report.exclusions, 2);
+        assert!(report.to_string().contains("2 exclusions"), "{report}");
+        let excluded = Event::Excluded { trial: 2, reason: "ABORTED".to_owned() };
+        assert_eq!(world.events("P1", "S01").last(), Some(&excluded));
+        let again = world.import(BY_FILE, &[table]).unwrap();
+        assert_eq!(again.exclusions, 0);
+        assert!(
+            again.to_string().contains("2 rows are about trials that are excluded already"),
+            "{again}"
+        );
+    }
+
+    #[test]
+    fn trials_are_excluded_by_their_labels_and_a_wrong_row_excludes_none() {
+        let world = world();
+        let map = "kind = \"exclusions\"\n[exclude]\nparticipant = { column = \"who\" }\nsession = \"S01\"\n\
+                   trial = { column = \"n\" }\nreason = \"aborted\"\n";
+        let all = world.file("all.csv", TABLE.replace("P2,1", "P2,7"));
+        let errors = world.import(map, &[all]).unwrap_err();
+        assert!(
+            errors[0].what.contains("P2 S01 has no trial 7") && errors[0].row == Some(3),
+            "{errors:?}"
+        );
+        assert!(!world.events("P1", "S01").iter().any(|e| matches!(e, Event::Excluded { .. })));
+        let lost = world.file("lost.csv", TABLE.replace("P1_2", "P1_9"));
+        let by_file = BY_FILE.replace("folder = \"tables/..\"\n", "");
+        let errors = world.import(&by_file, &[lost]).unwrap_err();
+        assert!(
+            errors[0].to_string().contains("P1_9.csv") && errors[0].row == Some(2),
+            "{errors:?}"
+        );
+        assert_eq!(world.import(map, &[world.file("b.csv", TABLE)]).unwrap().exclusions, 3);
+    }
+}
