@@ -31,6 +31,7 @@ cargo xtask firmware COMMAND…          our host at our firmware, which COMMAND
 cargo xtask hx711 COMMAND…             our reader at the load cell's sketch, which COMMAND runs in an emulator with an HX711 at its pins
 cargo xtask soak kill [KILLS [SEED]]   kill -9 a running acquisition at random instants [1000, seed 1]
 cargo xtask soak faults [EVERY [NAME…]] each call of every command to the file system (or one in EVERY, or of the commands named) fails: full disk, errors, kill [1]
+cargo xtask soak mistakes [STUDIES [FIRST]] recordings of others with one mistake each, and clean ones, through the import [10000, from 0]
 cargo xtask soak live [MINUTES [LINK]] record at 1 kHz in real time, from the simulated device or from a board with it over a link, and count what is lost [10]
 cargo xtask soak watchdog [CUTS [SEED]] kill hosts and pull cables under voltage: the board goes to 0 V [100, seed 1]
 cargo xtask soak terminals [TRIES [SEED]] close windows and end readers at random instants of a session: the program ends in order [100, seed 1]
@@ -80,6 +81,11 @@ fn main() -> anyhow::Result<()> {
             let named = rest.get(1..).unwrap_or_default();
             soak::faults::faults(&soak::program()?, &scratch("faults"), every, named)
         }
+        ["soak", "mistakes", rest @ ..] => soak::mistakes::mistakes(
+            &scratch("mistakes"),
+            number(rest.first(), 10_000)?,
+            number(rest.get(1), 0)?,
+        ),
         ["soak", "live", rest @ ..] => {
             let (minutes, link) = (number(rest.first(), 10.0)?, rest.get(1).copied());
             soak::live::live(&soak::program()?, &scratch("live"), minutes, link)

@@ -37,13 +37,15 @@ const CLOCKS_DIFFER: f64 = 0.1;
 const HELD_S: f64 = 1.0;
 /// How far the lever then moves, as a share of its whole range.
 const MOVED: f64 = 0.2;
-/// A signal at the end of its range stands there in this share of the samples at least …
+/// A signal at the end of its range stands there in so many samples at least …
+const LEAST_AT_THE_END: usize = 20;
+/// … and in this share of them …
 const AT_THE_END: f64 = 0.05;
 /// … and so much longer than it holds a value otherwise …
 const LONGER: f64 = 5.0;
 /// … while within this share of all that it does …
 const NEAR_THE_END: f64 = 0.02;
-/// … there are fewer other samples than this share of those at the end.
+/// … there are, from the first sample at the end to the last, fewer others than this share of these.
 const FEW: f64 = 0.15;
 
 pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
@@ -287,7 +289,7 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     let is_there = |value: &f64| value.to_bits() == end.to_bits();
     let there = values.iter().filter(|value| is_there(value)).count();
     let (n, count) = (values.len() as f64, there as f64);
-    if there < LEAST_SAMPLES || count < AT_THE_END * n {
+    if there < LEAST_AT_THE_END || count < AT_THE_END * n {
         return None;
     }
     let changes = values.windows(2).filter(|w| w[0].to_bits() != w[1].to_bits()).count();
@@ -295,10 +297,12 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     if count < LONGER * usual || changes == 0 {
         return None;
     }
+    let first = values.iter().position(is_there)?;
+    let last = values.iter().rposition(is_there)?;
     // A load that is held scatters about its value: where a sensor ends, nothing lies just below.
     let close = NEAR_THE_END * (high - low);
-    let is_close = |value: &f64| !is_there(value) && (value - end).abs() < close;
-    if values.iter().filter(|value| is_close(value)).count() as f64 > FEW * count {
+    let is_close = |value: &&f64| !is_there(value) && (**value - end).abs() < close;
+    if values[first..=last].iter().filter(is_close).count() as f64 > FEW * count {
         return None;
     }
     let what = format!(
@@ -307,8 +311,7 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
         100.0 * count / n
     );
     let remedy = "larger values are lost: exclude the trial, or report it in your methods; check scale and range of the sensor";
-    let first = values.iter().position(is_there);
-    Some(Doubt { row: first, ..Doubt::new(signal, what, remedy) })
+    Some(Doubt { row: Some(first), ..Doubt::new(signal, what, remedy) })
 }
 
 /// The value that `rank` others of `values` come before, in the order of [`f64::total_cmp`]. By

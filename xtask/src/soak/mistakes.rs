@@ -1,0 +1,607 @@
+//! Studies of a device that is not ours, clean or with one mistake, through the import: what leaves a trace
+//! and changes a result is to be found or refused.
+//!
+//! A clean study is drawn from its seed: people, modes, repeats, a rate, a spring, noise. A mistake is then
+//! made in its files or its mapping. The import must refuse it, or say "read with care"; if it says nothing,
+//! the means of the two modes must be those of the clean study, within the interval of each. Mistakes that
+//! leave no trace (labels exchanged, a force off by less than two) are tried too, and must leave none.
+
+use super::optimised;
+use crate::tried::held;
+use anyhow::{Context as _, ensure};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use zwidth_import::{Mapping, import};
+use zwidth_store::{Layout, RealFiles, Signal, StudyData, hex_blake3};
+use zwidth_study::{Study, StudyId};
+
+const PEOPLE: usize = 3;
+const REPEATS: usize = 3;
+const MODES: [&str; 2] = ["a", "b"];
+/// Student's t at 97.5 % with one degree of freedom less than the trials of a mode, 9.
+const T_8: f64 = 2.306_004_135_204_166;
+/// A hand moves where it is faster than this, rad/s (5°/s).
+const ONSET_RAD_S: f64 = 0.087;
+
+/// What is done to a clean study, and whether it leaves a trace.
+const MISTAKES: [(&str, bool); 34] = [
+    ("a label flips just before files end", true),
+    ("a label flips in the middle of a file", true),
+    ("an attempt that was cut short counts", true),
+    ("an attempt counts twice", true),
+    ("a trial is missing", true),
+    ("files in a shell's order", true),
+    ("a counter of microseconds starts over", true),
+    ("samples are missing, their times are there", true),
+    ("samples are missing at a rate, a counter shows them", true),
+    ("each row twice", true),
+    ("a clock is set back", true),
+    ("a clock is set forward", true),
+    ("milliseconds taken for seconds", true),
+    ("seconds taken for milliseconds", true),
+    ("mN taken for N", true),
+    ("a torque taken for a force", true),
+    ("a force of the other sign", true),
+    ("degrees taken for radians", true),
+    ("deg/s taken for rad/s", true),
+    ("a first sample that is no zero", true),
+    ("a zero over a stretch in motion", true),
+    ("a word for a missing value", true),
+    ("a number for a missing value", true),
+    ("decimal commas", true),
+    ("an angle that starts over", true),
+    ("a sensor at the end of its range", true),
+    ("a sensor that stops", true),
+    ("an angle that is stuck in one trial", true),
+    ("another rate in one file", true),
+    ("a stump of a trial", true),
+    ("rows out of order", true),
+    ("samples are missing at a rate, and nothing counts them", false),
+    ("two labels exchanged", false),
+    ("a force off by a half", false),
+];
+
+/// Tries so many seeds, one mistake each and as many clean studies.
+pub(crate) fn mistakes(folder: &Path, studies: u64, first: u64) -> anyhow::Result<()> {
+    if cfg!(debug_assertions) && studies > 500 {
+        return optimised(&["mistakes", &studies.to_string(), &first.to_string()]);
+    }
+    let began = Instant::now();
+    if folder.exists() {
+        std::fs::remove_dir_all(folder)?;
+    }
+    let tried: Vec<(usize, Outcome, Outcome)> = (first..first + studies)
+        .into_par_iter()
+        .map(|seed| one(folder, seed).with_context(|| format!("seed {seed}")))
+        .collect::<anyhow::Result<_>>()?;
+    let mut rows: BTreeMap<usize, [u64; 4]> = BTreeMap::new();
+    let mut wrong = Vec::new();
+    let (mut false_findings, mut unlike) = (0, Vec::new());
+    for (seed, (mistake, clean, spoilt)) in (first..).zip(&tried) {
+        let (name, leaves_trace) = MISTAKES[*mistake];
+        let row = rows.entry(*mistake).or_default();
+        match spoilt {
+            Outcome::Refused => row[0] += 1,
+            Outcome::Flagged(_) => row[1] += 1,
+            Outcome::Silent { is_off: false, .. } => row[2] += 1,
+            Outcome::Silent { is_off: true, .. } => row[3] += 1,
+        }
+        let is_silent = matches!(spoilt, Outcome::Silent { .. });
+        if leaves_trace && matches!(spoilt, Outcome::Silent { is_off: true, .. }) {
+            wrong.push(format!("seed {seed}: {name}: nothing is said, and a mean is off"));
+        }
+        if !leaves_trace && !is_silent {
+            unlike.push(format!("seed {seed}: {name}: it leaves a trace: {spoilt:?}"));
+        }
+        if !matches!(clean, Outcome::Silent { .. }) {
+            false_findings += 1;
+            if false_findings <= 3 {
+                println!("seed {seed}, clean: {clean:?}");
+            }
+        }
+    }
+    println!("{:<58} refused flagged harmless  silent", format!("{studies} studies from {first}"));
+    for (mistake, [refused, flagged, harmless, silent]) in rows {
+        println!("{:<58} {refused:>7} {flagged:>7} {harmless:>8} {silent:>7}", MISTAKES[mistake].0);
+    }
+    println!("{false_findings} of {studies} clean studies have a finding");
+    for line in wrong.iter().chain(&unlike).take(20) {
+        println!("{line}");
+    }
+    std::fs::remove_dir_all(folder).ok();
+    ensure!(wrong.is_empty(), "{} mistakes went in without a word", wrong.len());
+    ensure!(
+        unlike.is_empty(),
+        "{} mistakes leave a trace that are said to leave none",
+        unlike.len()
+    );
+    ensure!(
+        100 * false_findings < studies.max(100),
+        "{false_findings} of {studies} clean studies have a finding"
+    );
+    let what = "recordings of others with one mistake each, and as many clean ones: what leaves a trace and changes a result \
+                is found or refused";
+    held(what, format!("cargo xtask soak mistakes {studies} {first}"), studies, began)
+}
+
+/// What came of an import.
+#[derive(Debug, Clone)]
+enum Outcome {
+    Refused,
+    /// Something was said, here what.
+    Flagged(#[allow(dead_code)] String),
+    /// Nothing was said; the means of each mode, and whether one is off.
+    Silent {
+        means: Vec<(f64, f64)>,
+        is_off: bool,
+    },
+}
+
+/// A clean study and one with a mistake, of a seed.
+fn one(folder: &Path, seed: u64) -> anyhow::Result<(usize, Outcome, Outcome)> {
+    let mut draw = Draw(seed, 0);
+    let mistake = (seed % MISTAKES.len() as u64) as usize;
+    let clean = Files::clean(&mut draw);
+    let spoilt = clean.clone().spoilt(mistake, &mut draw);
+    let mut found = imported(&folder.join(format!("{seed}-clean")), &clean)?;
+    let mut other = imported(&folder.join(format!("{seed}-spoilt")), &spoilt)?;
+    if let (Outcome::Silent { means, .. }, Outcome::Silent { means: spoilt, is_off }) =
+        (&mut found, &mut other)
+    {
+        *is_off = means.len() != spoilt.len()
+            || means
+                .iter()
+                .zip(spoilt)
+                .any(|((mean, half), (found, _))| !((*mean - *found).abs() <= *half));
+    }
+    Ok((mistake, found, other))
+}
+
+/// Numbers that follow from a seed.
+#[derive(Clone)]
+struct Draw(u64, u64);
+
+impl Draw {
+    /// A number in [low, high).
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.1 += 1;
+        let hash = hex_blake3(format!("mistakes {} {}", self.0, self.1).as_bytes());
+        let bits = u64::from_str_radix(&hash[..13], 16).unwrap_or_default();
+        low + (high - low) * bits as f64 / 2_f64.powi(52)
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.between(0.0, n as f64) as usize).min(n - 1)
+    }
+}
+
+/// A trial's file before it is written: a row a sample, time (s), angle (°), velocity (°/s), force (N).
+#[derive(Clone)]
+struct Trial {
+    name: String,
+    mode: Vec<&'static str>,
+    rows: Vec<[f64; 4]>,
+    /// Cells that are written otherwise: by row and column.
+    words: BTreeMap<(usize, usize), &'static str>,
+}
+
+/// The files of a study, and how they are mapped.
+#[derive(Clone)]
+struct Files {
+    trials: Vec<Trial>,
+    map: String,
+    study: String,
+    /// How times are written.
+    time: fn(f64) -> String,
+    decimal: char,
+    is_doubled: bool,
+    is_counted: bool,
+}
+
+const MAP: &str = r#"kind = "trials"
+[file]
+delimiter = ";"
+[name]
+pattern = '(?<who>P\d+)_(?<mode>[a-z])_(?<repeat>\d+)'
+[trial]
+participant = { name = "who" }
+session = "S01"
+environment = "spring"
+mode = { column = "mode" }
+repeat = { name = "repeat" }
+[time]
+from = "t"
+unit = "s"
+zero = "first"
+[[column]]
+to = "theta_rad"
+from = "angle"
+unit = "deg"
+[[column]]
+to = "theta_dot_rad_s"
+from = "velocity"
+unit = "deg/s"
+[[column]]
+to = "force_ex_n"
+from = "force"
+unit = "N"
+"#;
+
+fn study(stiffness: f64) -> String {
+    format!(
+        "schema = 2\n[study]\nid = \"theirs\"\ntitle = \"x\"\n[design]\nrepeats = {REPEATS}\nfamiliarisation = 0\n\
+         trial_limit_s = 60.0\npause_s = 0.0\n[coordinate]\nkind = \"rotational\"\n[device]\nname = \"x\"\nlever_m = 0.1\n\
+         [[environments]]\nid = \"spring\"\nlabel = \"x\"\nkind = \"spring\"\nstiffness_n_per_rad = {stiffness:?}\nrest_deg = 0.0\n\
+         [analysis]\nonset_deg_s = 5.0\noffset_deg_s = 2.0\n[[modes]]\nid = \"a\"\nlabel = \"A\"\n[[modes]]\nid = \"b\"\nlabel = \"B\"\n"
+    )
+}
+
+impl Files {
+    fn clean(draw: &mut Draw) -> Self {
+        let rate_hz = [50.0, 100.0, 200.0][draw.below(3)];
+        let stiffness = draw.between(3.0, 8.0);
+        let noise_n = draw.between(0.005, 0.03);
+        let mut trials = Vec::new();
+        for person in 1..=PEOPLE {
+            let pace = draw.between(0.8, 1.2);
+            for mode in MODES {
+                for repeat in 1..=REPEATS {
+                    let slower = if mode == "b" { 1.25 } else { 1.0 };
+                    let move_s = pace * slower * draw.between(0.55, 0.65);
+                    let reach = [
+                        draw.between(35.0, 45.0),
+                        draw.between(0.5, 0.8),
+                        move_s,
+                        draw.between(0.1, 0.3),
+                    ];
+                    trials.push(Trial {
+                        name: format!("P{person}_{mode}_{repeat}.csv"),
+                        mode: Vec::new(),
+                        rows: rows(reach, (rate_hz, stiffness, noise_n), draw),
+                        words: BTreeMap::new(),
+                    });
+                    let trial = trials.last_mut().expect("it was just added");
+                    trial.mode = vec![mode; trial.rows.len()];
+                }
+            }
+        }
+        Self {
+            trials,
+            map: MAP.to_owned(),
+            study: study(stiffness),
+            time: |t| format!("{t:.6}"),
+            decimal: '.',
+            is_doubled: false,
+            is_counted: false,
+        }
+    }
+
+    /// The trial that a mistake is made in.
+    fn some(&mut self, draw: &mut Draw) -> &mut Trial {
+        let one = draw.below(self.trials.len());
+        &mut self.trials[one]
+    }
+
+    fn mapped(mut self, from: &str, to: &str) -> Self {
+        assert!(self.map.contains(from), "{from}");
+        self.map = self.map.replacen(from, to, 1);
+        self
+    }
+
+    #[allow(clippy::too_many_lines)] // a case a mistake
+    fn spoilt(mut self, mistake: usize, draw: &mut Draw) -> Self {
+        let share = draw.between(0.35, 0.5);
+        match MISTAKES[mistake].0 {
+            "a label flips just before files end" => {
+                let seconds = draw.between(0.1, 0.3);
+                for trial in self.trials.iter_mut().filter(|trial| trial.mode[0] == "b") {
+                    let end = trial.rows[trial.rows.len() - 1][0] - seconds;
+                    let flips = trial.rows.iter().position(|row| row[0] > end).unwrap_or(0);
+                    trial.mode[flips..].fill("a");
+                }
+                // No number tells the second trial from the first.
+                self.mapped("repeat = { name = \"repeat\" }\n", "")
+            }
+            "a label flips in the middle of a file" => {
+                let trial = self.some(draw);
+                let (middle, other) =
+                    (trial.rows.len() / 2, if trial.mode[0] == "a" { "b" } else { "a" });
+                trial.mode[middle..].fill(other);
+                self.mapped("repeat = { name = \"repeat\" }\n", "")
+            }
+            word @ ("an attempt that was cut short counts"
+            | "an attempt counts twice"
+            | "a stump of a trial") => {
+                let mut trial = self.some(draw).clone();
+                trial.name = trial.name.replace(".csv", "_2.csv");
+                trial.rows.iter_mut().for_each(|row| row[3] += 0.001);
+                let kept = match word {
+                    "an attempt counts twice" => trial.rows.len(),
+                    "a stump of a trial" => trial.rows.len() / 8,
+                    _ => (share * trial.rows.len() as f64) as usize,
+                };
+                trial.rows.truncate(kept);
+                trial.mode.truncate(kept);
+                self.trials.push(trial);
+                self.mapped("repeat = { name = \"repeat\" }\n", "")
+            }
+            "a trial is missing" => {
+                let one = draw.below(self.trials.len());
+                self.trials.remove(one);
+                self
+            }
+            "files in a shell's order" => {
+                self.trials.reverse();
+                self.mapped("repeat = { name = \"repeat\" }\n", "")
+            }
+            "a counter of microseconds starts over" => {
+                self.time = |t| {
+                    format!(
+                        "{}",
+                        (1e6 * t + 4_294_967_296.0 - 1.2e6).rem_euclid(4_294_967_296.0).round()
+                    )
+                };
+                self.mapped("unit = \"s\"", "unit = \"us\"")
+            }
+            "samples are missing, their times are there" => {
+                let seconds = draw.between(0.15, 0.4);
+                for trial in &mut self.trials {
+                    trial.loses(share, seconds);
+                }
+                self
+            }
+            word @ ("samples are missing at a rate, a counter shows them"
+            | "samples are missing at a rate, and nothing counts them") => {
+                let rate_hz = 1.0 / (self.trials[0].rows[1][0] - self.trials[0].rows[0][0]);
+                let seconds = draw.between(0.15, 0.4);
+                for trial in &mut self.trials {
+                    trial.loses(share, seconds);
+                }
+                self.is_counted = true;
+                let at_a_rate = self.mapped(
+                    "from = \"t\"\nunit = \"s\"\nzero = \"first\"",
+                    &format!("rate_hz = {rate_hz:?}"),
+                );
+                Self {
+                    is_counted: word.contains("a counter"),
+                    time: |_| "0".to_owned(),
+                    ..at_a_rate
+                }
+            }
+            "each row twice" => Self { is_doubled: true, ..self },
+            "a clock is set back" => {
+                let trial = self.some(draw);
+                let middle = trial.rows.len() / 2;
+                trial.rows[middle..].iter_mut().for_each(|row| row[0] -= 0.3);
+                self
+            }
+            "a clock is set forward" => {
+                let trial = self.some(draw);
+                let middle = trial.rows.len() / 2;
+                trial.rows[middle..].iter_mut().for_each(|row| row[0] += 10.0);
+                self
+            }
+            "milliseconds taken for seconds" => {
+                Self { time: |t| format!("{:.3}", 1e3 * t), ..self }
+            }
+            "seconds taken for milliseconds" => self.mapped("unit = \"s\"", "unit = \"ms\""),
+            "mN taken for N" => self.forces(|force| 1e3 * force),
+            "a torque taken for a force" => self.forces(|force| 0.1 * force),
+            "a force of the other sign" => self.forces(|force| -force),
+            "a force off by a half" => self.forces(|force| 1.5 * force),
+            "degrees taken for radians" => {
+                self.mapped("from = \"angle\"\nunit = \"deg\"", "from = \"angle\"\nunit = \"rad\"")
+            }
+            "deg/s taken for rad/s" => self.mapped("unit = \"deg/s\"", "unit = \"rad/s\""),
+            "a first sample that is no zero" => {
+                for trial in &mut self.trials {
+                    let offset = draw.between(1.5, 3.0);
+                    trial.rows.iter_mut().for_each(|row| row[3] += offset);
+                    trial.rows[0][3] /= 2.0;
+                }
+                self.mapped("unit = \"N\"", "unit = \"N\"\nzero = \"first\"")
+            }
+            "a zero over a stretch in motion" => {
+                self.mapped("unit = \"N\"", "unit = \"N\"\nzero = { from_s = 0.4, to_s = 1.0 }")
+            }
+            "a word for a missing value" => {
+                let word = ["NA", "n/a", "None", "-nan(ind)", "#N/A", "null"][draw.below(6)];
+                let trial = self.some(draw);
+                let row = trial.rows.len() / 2;
+                trial.words.insert((row, 3), word);
+                self
+            }
+            "a number for a missing value" => {
+                let trial = self.some(draw);
+                let row = trial.rows.len() / 2;
+                trial.words.insert((row, 3), "-9999");
+                self
+            }
+            "decimal commas" => Self { decimal: ',', ..self },
+            "an angle that starts over" => {
+                for trial in &mut self.trials {
+                    trial
+                        .rows
+                        .iter_mut()
+                        .for_each(|row| row[1] = (row[1] + 340.0).rem_euclid(360.0));
+                }
+                self
+            }
+            "a sensor at the end of its range" => {
+                let most = self
+                    .trials
+                    .iter()
+                    .flat_map(|trial| &trial.rows)
+                    .map(|row| row[3])
+                    .fold(0.0, f64::max);
+                let end = draw.between(0.5, 0.7) * most;
+                for trial in &mut self.trials {
+                    trial.rows.iter_mut().for_each(|row| row[3] = row[3].min(end));
+                }
+                self
+            }
+            "a sensor that stops" => {
+                let trial = self.some(draw);
+                let from = trial.rows.len() * 2 / 5;
+                let held = trial.rows[from][3];
+                trial.rows[from..].iter_mut().for_each(|row| row[3] = held);
+                self
+            }
+            "an angle that is stuck in one trial" => {
+                let trial = self.some(draw);
+                trial.rows.iter_mut().for_each(|row| row[1] = 0.0);
+                self
+            }
+            "another rate in one file" => {
+                let trial = self.some(draw);
+                trial.rows.iter_mut().for_each(|row| row[0] *= 2.0);
+                self
+            }
+            "rows out of order" => {
+                let trial = self.some(draw);
+                let middle = trial.rows.len() / 2;
+                trial.rows.swap(middle, middle + 5);
+                self
+            }
+            "two labels exchanged" => {
+                let (one, other) = (&self.trials[0], &self.trials[REPEATS]);
+                let modes = (one.mode[0], other.mode[0]);
+                self.trials[0].mode.fill(modes.1);
+                self.trials[REPEATS].mode.fill(modes.0);
+                self
+            }
+            other => unreachable!("{other}"),
+        }
+    }
+
+    fn forces(mut self, change: fn(f64) -> f64) -> Self {
+        for trial in &mut self.trials {
+            trial.rows.iter_mut().for_each(|row| row[3] = change(row[3]));
+        }
+        self
+    }
+
+    /// Writes the files; their paths in the order of the trials.
+    fn write(&self, folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+        std::fs::create_dir_all(folder)?;
+        let mut paths = Vec::new();
+        for trial in &self.trials {
+            let mut text = String::from(if self.is_counted { "n;" } else { "" })
+                + "t;angle;velocity;force;mode\n";
+            for (i, row) in trial.rows.iter().enumerate() {
+                let mut line = String::new();
+                if self.is_counted {
+                    let _ = write!(line, "{};", (row[0] * 1000.0).round());
+                }
+                line += &(self.time)(row[0]);
+                for (column, value) in row.iter().enumerate().skip(1) {
+                    match trial.words.get(&(i, column)) {
+                        Some(word) => line += &format!(";{word}"),
+                        None => line += &format!(";{value:.4}"),
+                    }
+                }
+                if self.decimal == ',' {
+                    line = line.replace('.', ",");
+                }
+                let _ = writeln!(text, "{line};{}", trial.mode[i]);
+                if self.is_doubled {
+                    let _ = writeln!(text, "{line};{}", trial.mode[i]);
+                }
+            }
+            let path = folder.join(&trial.name);
+            std::fs::write(&path, text)?;
+            paths.push(path);
+        }
+        Ok(paths)
+    }
+}
+
+impl Trial {
+    /// Loses the samples of so many seconds, from this share of the trial on.
+    fn loses(&mut self, share: f64, seconds: f64) {
+        let last = self.rows[self.rows.len() - 1][0];
+        let lost = share * last..share * last + seconds;
+        self.rows.retain(|row| !lost.contains(&row[0]));
+        self.mode.truncate(self.rows.len());
+    }
+}
+
+/// There and back with least jerk: how far (°), a rest, how long each way takes, a rest between (s); at this rate,
+/// against this spring (N/rad), with this noise (N).
+fn rows(
+    [far, rest_s, move_s, dwell_s]: [f64; 4],
+    (rate_hz, stiffness, noise_n): (f64, f64, f64),
+    draw: &mut Draw,
+) -> Vec<[f64; 4]> {
+    let back_s = rest_s + move_s + dwell_s;
+    let end_s = back_s + move_s + rest_s;
+    let place = |t: f64| {
+        let u = if t < back_s { (t - rest_s) / move_s } else { 1.0 - (t - back_s) / move_s };
+        let u = u.clamp(0.0, 1.0);
+        far * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u)
+    };
+    let interval_s = 1.0 / rate_hz;
+    let mut rows = Vec::new();
+    for i in 0..(end_s * rate_hz) as u32 {
+        let t = f64::from(i) * interval_s;
+        let velocity = (place(t + 1e-4) - place(t - 1e-4)) / 2e-4;
+        let noise = draw.between(-1.0, 1.0) * noise_n;
+        rows.push([t, place(t), velocity, stiffness * place(t).to_radians() + noise]);
+    }
+    rows
+}
+
+/// Imports files into a study of their own; what was said, or the means.
+fn imported(folder: &Path, files: &Files) -> anyhow::Result<Outcome> {
+    let layout = Layout::new(folder, StudyId::new("theirs")?);
+    std::fs::create_dir_all(layout.raw())?;
+    std::fs::write(layout.study_toml(), &files.study)?;
+    let paths = files.write(&folder.join("recordings"))?;
+    let study = Study::from_toml(&files.study).map_err(|e| anyhow::anyhow!("{e:?}"))?;
+    let mapping = Mapping::from_toml(&files.map, Path::new("map.toml"));
+    let mapping = mapping.map_err(|e| anyhow::anyhow!("{e:?}"))?;
+    let said = ("2026-01-01T00:00:00Z", "zwidth mistakes");
+    let outcome = match import(&layout, &study, &mapping, &paths, said, &RealFiles, &|_| {}) {
+        Err(_) => Outcome::Refused,
+        Ok(report) if report.is_doubtful() => {
+            let text = report.to_string();
+            let first =
+                text.lines().find(|line| line.contains("read with care")).unwrap_or_default();
+            Outcome::Flagged(first.to_owned())
+        }
+        Ok(_) => Outcome::Silent { means: means(&layout)?, is_off: false },
+    };
+    std::fs::remove_dir_all(folder)?;
+    Ok(outcome)
+}
+
+/// Of each mode the mean over people of duration, largest angle and largest force, and half of its interval at
+/// 95 %.
+fn means(layout: &Layout) -> anyhow::Result<Vec<(f64, f64)>> {
+    let data = StudyData::load(layout).map_err(|e| anyhow::anyhow!("{e:?}"))?;
+    let mut of: BTreeMap<(String, usize), Vec<f64>> = BTreeMap::new();
+    for entry in data.counting() {
+        let trial = entry.read([Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx])?;
+        let column = |signal| trial.samples.get(signal).unwrap_or_default();
+        let t = column(Signal::Time);
+        let moving: Vec<usize> =
+            (0..t.len()).filter(|i| column(Signal::ThetaDot)[*i].abs() > ONSET_RAD_S).collect();
+        let duration =
+            moving.first().zip(moving.last()).map_or(0.0, |(from, to)| t[*to] - t[*from]);
+        let largest = |signal| column(signal).iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let values = [duration, largest(Signal::Theta), largest(Signal::ForceEx)];
+        for (which, value) in values.into_iter().enumerate() {
+            of.entry((entry.meta.mode.to_string(), which)).or_default().push(value);
+        }
+    }
+    let mean = |values: &Vec<f64>| {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        (mean, T_8 * (variance / n).sqrt())
+    };
+    Ok(of.values().map(mean).collect())
+}
