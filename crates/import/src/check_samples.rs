@@ -283,6 +283,31 @@ mod tests {
     }
 
     #[test]
+    fn what_is_mended_must_make_sense() {
+        let good = trials_map(&[ONE, FORCE]);
+        let time = "from = \"t\"\nunit = \"s\"";
+        let wrap = format!("{time}\nwrap = 0");
+        check(&good, time, &wrap, 12, "the value at which the time starts over");
+        check(&good, time, "counter = \"n\"", 9, "counter needs rate_hz");
+        let both = format!("{time}\ncounter = \"n\"");
+        check(&good, time, &both, 9, "needs either from (a column) or rate_hz");
+        check(
+            &good,
+            time,
+            "rate_hz = 1.0\ncounter = 1\nunit = \"s\"",
+            9,
+            "not used beside counter",
+        );
+        check(&good, time, "rate_hz = 1.0\nwrap = 16", 9, "not used beside rate_hz alone");
+        let force = "unit = \"N\"";
+        let zero = |zero: &str| format!("{force}\nzero = {zero}");
+        check(&good, force, &zero("{ from_s = 1, to_s = 0.5 }"), 16, "needs 0 ≤ from_s < to_s");
+        check(&good, force, &zero("{ to = 1 }"), 16, "a stretch at rest");
+        check(&good, force, &zero("\"last\""), 16, "a stretch at rest");
+        check(&good, force, "unit = \"N\"\nwrap = -1", 16, "360 for degrees");
+    }
+
+    #[test]
     fn a_column_whose_unit_is_wrong_is_told_of_once_and_not_missed_by_what_is_derived_from_it() {
         const ANGLE: &str = "[[column]]\nto = \"theta_rad\"\nfrom = \"a\"\nunit = \"degg\"\n";
         const SLOPE: &str =

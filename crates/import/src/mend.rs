@@ -230,6 +230,17 @@ mod tests {
     }
 
     #[test]
+    fn a_time_that_runs_backwards_begins_another_trial_where_the_mapping_says_so() {
+        let text = "t,f\n0,1\n1,2\n0.5,3\n1,4\n";
+        let split = map("", "from = \"t\"\nunit = \"s\"\nbackwards = \"split\"\n");
+        let world = World::new();
+        assert_eq!(world.import(&split, &[world.file("a.csv", text)]).unwrap().trials, 2);
+        let world = World::new();
+        let refuse = split.replace("split", "refuse");
+        world.refuses(&refuse, &world.file("a.csv", text), "time runs backwards", Some(("t", 3)));
+    }
+
+    #[test]
     fn clocks_and_durations_are_seconds_and_no_other_unit() {
         let rows =
             |times: [&str; 3]| format!("t,f\n{},1\n{},2\n{},3\n", times[0], times[1], times[2]);

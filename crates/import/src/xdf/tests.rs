@@ -212,3 +212,32 @@ fn a_flipped_bit_never_ends_the_program() {
         let _ = try_read(&bad, None);
     }
 }
+
+#[test]
+fn times_are_those_that_the_mapping_asks_for() {
+    let file = steady(
+        (0..200).map(|i| 0.01 * f64::from(i) + if i >= 100 { 0.5 } else { 0.0 }),
+        &[(0.0, 7.0)],
+    );
+    let last = |clock, dejitter| {
+        let table = everything(|take| {
+            super::read(Path::new("a.xdf"), &file, None, (clock, dejitter), take)
+        });
+        let table = table.unwrap();
+        let Cell::Number(last) = table.columns[0].cell(199) else { panic!("no number") };
+        (last, table.doubts)
+    };
+    let near = |found: f64, expect: f64| assert!((found - expect).abs() < 1e-6, "{found} {expect}");
+    let (recorded, doubts) = last(XdfClock::Recorded, false);
+    near(recorded, 2.49);
+    assert!(doubts.is_empty(), "a gap stays in the times: {doubts:?}");
+    let (nominal, doubts) = last(XdfClock::Nominal, false);
+    near(nominal, 1.99);
+    assert!(doubts[0].contains("its samples take 1.99 s, and by their times 2.49 s"), "{doubts:?}");
+    let (corrected, doubts) = last(XdfClock::Corrected, true);
+    near(corrected, 9.49);
+    assert!(
+        doubts[0].contains("0.50 s (50 samples at 100 Hz) are missing behind sample 100"),
+        "{doubts:?}"
+    );
+}
