@@ -5,7 +5,7 @@ use super::Errors;
 use super::exclusions::{Exclusions, Of};
 use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS};
-use super::mapping::{Content, FileForm, Mapping, Who};
+use super::mapping::{CellForm, Content, FileForm, Mapping, Origin, Who};
 use super::shape::{
     Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, Shape, Split,
     TimeShape, TrialShape, XdfClock, ZeroShape,
@@ -101,6 +101,15 @@ impl Check<'_> {
             }
             KindShape::Exclusions => self.exclusions(shape.exclude, &groups),
         }?;
+        if let Content::Trials { columns, channels, .. } = &content {
+            let bits = columns.iter().filter(|column| column.to == Signal::StateBits);
+            let bits = bits.filter_map(|column| match &column.origin {
+                Origin::Column { from, .. } => Some(from),
+                Origin::Derived(_) => None,
+            });
+            // What a channel of the study's own holds may be whether a button was pressed.
+            file.cells.truths = bits.chain(channels.iter().map(|c| &c.from)).cloned().collect();
+        }
         let blake3 = hex_blake3(self.text.as_bytes());
         let (drop, simulated) = (shape.drop, shape.simulated);
         Some(Mapping { path: path.to_owned(), blake3, file, simulated, drop, content, name })
@@ -158,12 +167,16 @@ impl Check<'_> {
         FileForm {
             format: f.format,
             delimiter: f.delimiter.and_then(|c| self.ascii("file.delimiter", c)),
-            decimal_comma: f.decimal == ',',
+            cells: CellForm {
+                decimal_comma: f.decimal == ',',
+                missing: f.missing,
+                missing_words: f.missing_words.clone(),
+                truths: Vec::new(),
+            },
             header: f.header,
             comment: f.comment.and_then(|c| self.ascii("file.comment", c)),
             skip: f.skip,
             rows: f.rows,
-            missing: f.missing,
             part: f.matrix.clone(),
             encoding: f.encoding,
             bad_lines: f.bad_lines,

@@ -1,6 +1,7 @@
 //! Times that are written as clocks and durations are: `10:00:00.040`, `0 days 00:00:00.04`, `0.04 sec`,
 //! `2026-01-31 10:00:00.04`, `PT0.04S`.
 
+use super::mapping::CellForm;
 use super::recording::number;
 use super::table::{Cell, Cells};
 use arrow::array::Float64Array;
@@ -24,18 +25,20 @@ pub(super) enum Clock {
 /// The row (from 0) whose cell is written otherwise than the first.
 pub(super) fn clock(
     cells: &Cells,
-    decimal_comma: bool,
+    form: &CellForm,
     from_first: bool,
 ) -> Result<Option<Clock>, usize> {
     if !matches!(cells, Cells::Text(_)) {
         return Ok(None);
     }
     let cell = |row| match cells.cell(row) {
-        Cell::Text(text) if number(text, decimal_comma) != Ok(None) => Some(text),
-        _ => None,
+        Cell::Text(text) if number(text, form.decimal_comma) == Ok(None) => None,
+        cell if form.is_missing(&cell) => None,
+        Cell::Text(text) => Some(text),
+        Cell::Empty | Cell::Number(_) => None,
     };
     let Some(first) = (0..cells.len()).find_map(cell) else { return Ok(None) };
-    if number(first, decimal_comma).is_ok() {
+    if number(first, form.decimal_comma).is_ok() {
         let Some(origin) = first.parse::<i128>().ok().filter(|n| from_first && is_long(*n)) else {
             return Ok(None);
         };

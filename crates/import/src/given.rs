@@ -3,6 +3,7 @@
 use super::identity::{Identity, answer};
 use super::mapping::{Missing, Questionnaire};
 use super::recording::Recording;
+use super::spelling::find;
 use super::{Context, Errors};
 use zwidth_store::StoreError;
 use zwidth_study::{Given, QuestionId};
@@ -33,15 +34,17 @@ pub(super) fn read_given(
     place: Place,
 ) -> Result<Option<Given>, Errors> {
     let Place { row, answer: column, time } = place;
-    let is_empty = recording.number(column, row) == Ok(None);
-    if context.mapping.file.missing == Missing::Drop && is_empty {
+    let cell = recording.table.columns[column].cell(row).to_string();
+    let word = find(&asked.translate, cell.trim());
+    // A word of the scale comes first: "NA" may be an answer.
+    let is_missing = word.is_none() && recording.number(column, row) == Ok(None);
+    if context.mapping.file.cells.missing == Missing::Drop && is_missing {
         return Ok(None);
     }
-    let cell = recording.table.columns[column].cell(row).to_string();
     let remedy = "mend the cell; leave empty ones out with missing = \"drop\" in [file], and name words in \
                   [questions.translate]";
     let scale = context.study.question(question).map(|q| q.scale.clone()).unwrap_or_default();
-    let value = match asked.translate.get(cell.trim()) {
+    let value = match word {
         Some(value) => answer(&value.to_string(), &scale),
         None => answer(&cell, &scale),
     };

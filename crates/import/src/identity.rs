@@ -4,13 +4,16 @@ use super::label::Label;
 use super::limits::MOST_NUMBER;
 use super::mapping::{Content, Who};
 use super::recording::Recording;
+use super::report::FileReport;
+use super::spelling::{is_missing, plain, truth, uuid};
 use super::{Context, Errors, append};
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::{StoreError, readable_records};
 use zwidth_study::{
-    AnswerScale, EnvironmentId, IdError, Kind, ModeId, ParticipantId, PlannedTrial, SessionId,
-    Study,
+    AnswerScale, Environment, EnvironmentId, IdError, Kind, Mode, ModeId, ParticipantId,
+    PlannedTrial, SessionId, Study,
 };
 
 /// The labels of one trial. Numbers are there where the mapping gives them.
@@ -24,8 +27,19 @@ pub(super) struct Identity {
     pub(super) repeat: Option<u32>,
     pub(super) trial: Option<u32>,
     pub(super) likert: Option<i16>,
+    /// What a person should know of how its labels were read.
+    notes: Vec<Note>,
     /// Where it was found, for errors.
     pub(super) file: PathBuf,
+}
+
+/// What a person should know of how a label was read.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+enum Note {
+    /// It was a UUID, which is longer than an id.
+    Uuid(&'static str),
+    /// Other programs write this word for a missing value.
+    Mark(&'static str, String),
 }
 
 /// Resolves the labels of the trial that begins with `row`.
@@ -45,8 +59,19 @@ pub(super) fn identity(
         label.map(read).transpose()
     }
     let whole = |what: &'static str| {
-        move |label: &Label| label.value(what, recording, row, |t| number(what, t))
+        move |label: &Label| label.value(what, recording, row, |t| counted(what, t))
     };
+    let mut notes = Vec::new();
+    for (what, label) in [("participant", &who.participant), ("session", &who.session)] {
+        let word = label.word(recording, row)?;
+        if uuid(&word).is_some() {
+            notes.push(Note::Uuid(what));
+        }
+        // A word that the mapping itself has was chosen by a person.
+        if label.column().is_some() && label.translate.is_empty() && is_missing(&word) {
+            notes.push(Note::Mark(what, word));
+        }
+    }
     let participant = who.participant.value("participant", recording, row, id)?;
     let session = who.session.value("session", recording, row, id)?;
     let environment =
@@ -61,21 +86,38 @@ pub(super) fn identity(
             .unwrap_or(Kind::Trial),
         repeat: optional(who.repeat.as_ref(), whole("repeat"))?,
         trial: optional(who.trial.as_ref(), whole("trial"))?,
-        likert: optional(who.likert.as_ref(), |l| {
-            l.value("likert", recording, row, |text| answer(text, &scale))
-        })?,
+        likert: match &who.likert {
+            Some(label) if recording.lacks_answer(label, row)? => None,
+            Some(label) => {
+                Some(label.value("likert", recording, row, |text| answer(text, &scale))?)
+            }
+            None => None,
+        },
+        notes,
         file: recording.path.clone(),
     })
 }
 
+/// The id that a text spells. A UUID has more characters than an id, and as many as that without its
+/// hyphens.
 pub(super) fn id<T: std::str::FromStr<Err = IdError>>(text: &str) -> Result<T, String> {
+    let text = uuid(text).map_or_else(|| plain_number(text), Cow::Owned);
     text.parse().map_err(|e: IdError| e.to_string())
+}
+
+/// A whole number without the decimals that pandas gave it; any other text as it is.
+fn plain_number(text: &str) -> Cow<'_, str> {
+    if truth(text).is_some() { Cow::Borrowed(text) } else { plain(text) }
 }
 
 fn environment(study: &Study, text: &str) -> Result<EnvironmentId, String> {
     let id: EnvironmentId = id(text)?;
     if study.environment(&id).is_some() {
         return Ok(id);
+    }
+    let alike = |e: &&Environment| plain(e.id.as_str()) == plain(id.as_str());
+    if let Some(alike) = study.environments.iter().find(alike) {
+        return Ok(alike.id.clone());
     }
     let known: Vec<&str> = study.environments.iter().map(|e| e.id.as_str()).collect();
     Err(format!("environment '{id}' is not in study.toml, which has {}", known.join(", ")))
@@ -86,6 +128,10 @@ fn mode(study: &Study, text: &str) -> Result<ModeId, String> {
     if study.mode(&id).is_some() {
         return Ok(id);
     }
+    let alike = |mode: &&Mode| plain(mode.id.as_str()) == plain(id.as_str());
+    if let Some(alike) = study.modes.iter().find(alike) {
+        return Ok(alike.id.clone());
+    }
     let known: Vec<&str> = study.modes.iter().map(|m| m.id.as_str()).collect();
     Err(format!("mode '{id}' is not in study.toml, which has {}", known.join(", ")))
 }
@@ -95,12 +141,20 @@ fn kind(text: &str) -> Result<Kind, String> {
 }
 
 /// A number of a trial, a repeat or a sweep. Spreadsheets write it as `3.0` too.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub(super) fn number(what: &str, text: &str) -> Result<u32, String> {
-    let value = whole(text, f64::from(MOST_NUMBER));
+    let value = counted(what, text).ok().filter(|number| *number > 0);
+    value.ok_or_else(|| format!("{what} '{text}' must be a whole number from 1 to {MOST_NUMBER}"))
+}
+
+/// The same where others may count from 0.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn counted(what: &str, text: &str) -> Result<u32, String> {
+    let value: Option<f64> = plain(text).parse().ok();
+    let whole = |v: &f64| (0.0..=f64::from(MOST_NUMBER)).contains(v) && v.fract() == 0.0;
     value
+        .filter(whole)
         .map(|v| v as u32)
-        .ok_or_else(|| format!("{what} '{text}' must be a whole number from 1 to {MOST_NUMBER}"))
+        .ok_or_else(|| format!("{what} '{text}' must be a whole number from 0 to {MOST_NUMBER}"))
 }
 
 /// The scale of what is asked after an environment's trials.
@@ -111,16 +165,11 @@ fn scale_after(study: &Study, environment: &EnvironmentId) -> AnswerScale {
 
 /// An answer on a scale.
 pub(super) fn answer(text: &str, scale: &AnswerScale) -> Result<i16, String> {
-    let given = text.parse::<f64>().ok();
+    let given = plain(text).parse::<f64>().ok();
     let found =
         given.and_then(|given| scale.answers().into_iter().find(|a| f64::from(*a) - given == 0.0));
     found
         .ok_or_else(|| format!("the answer '{text}' must be a whole number from {}", scale.range()))
-}
-
-/// The whole number from 1 to `most` that `text` spells, where it spells one.
-fn whole(text: &str, most: f64) -> Option<f64> {
-    text.parse().ok().filter(|v: &f64| (1.0..=most).contains(v) && v.fract() == 0.0)
 }
 
 /// What a table says of the trials that it names by number, so that no row says something else.
@@ -163,8 +212,50 @@ impl Named {
     }
 }
 
+/// Which numbers of an import are counted from 0: those of which one is 0. All of them become one
+/// more, so that they are the same in all sessions.
+#[derive(Debug, Clone, Copy, Default)]
+struct FromZero {
+    trial: bool,
+    repeat: bool,
+}
+
+impl FromZero {
+    fn of(identities: &[Identity]) -> Self {
+        Self {
+            trial: identities.iter().any(|i| i.trial == Some(0)),
+            repeat: identities.iter().any(|i| i.repeat == Some(0)),
+        }
+    }
+}
+
+/// Adds to the report on a file what a person should know of its labels, which are `own` among all
+/// of the import.
+pub(super) fn tell_labels(report: &mut FileReport, own: &[&Identity], all: &[Identity]) {
+    let FromZero { trial, repeat } = FromZero::of(all);
+    for (what, is_from_zero) in [("trial", trial), ("repeat", repeat)] {
+        if is_from_zero {
+            let told =
+                format!("{what}s are counted from 0 there, and from 1 here: {what} 0 is {what} 1");
+            report.told.push(told);
+        }
+    }
+    let notes: BTreeSet<&Note> = own.iter().flat_map(|identity| &identity.notes).collect();
+    for note in notes {
+        match note {
+            Note::Uuid(what) => {
+                report.told.push(format!("a {what} is a UUID, which is kept without its hyphens"));
+            }
+            Note::Mark(what, word) => report.care.push(format!(
+                "{what} '{word}': this also stands for a missing value; if nobody has this code, leave such rows \
+                 out with missing_words = [\"{word}\"] and missing = \"drop\" in [file]"
+            )),
+        }
+    }
+}
+
 /// The trials in the order given, each with its number in the session and its repeat of the
-/// condition: as given, or counted up from 1.
+/// condition: as given, or counted up from 1. Numbers counted from 0 become one more.
 ///
 /// # Errors
 /// Two trials of one number, and a trial or session that lies on the disk already.
@@ -175,11 +266,14 @@ pub(super) fn number_trials(
 ) -> Result<Vec<PlannedTrial>, Errors> {
     let (mut trials, mut repeats) = (BTreeMap::new(), BTreeMap::new());
     let mut planned = Vec::new();
+    let from_zero = FromZero::of(identities);
     for i in identities {
         let session = (&i.participant, &i.session);
-        let trial = next(&mut trials, session, i.trial);
+        let [trial, repeat] = [(i.trial, from_zero.trial), (i.repeat, from_zero.repeat)]
+            .map(|(number, is_from_zero)| number.map(|n| n + u32::from(is_from_zero)));
+        let trial = next(&mut trials, session, trial);
         // Practice has repeats of its own: the first repeat that counts is 1.
-        let repeat = next(&mut repeats, (session, &i.environment, &i.mode, i.kind), i.repeat);
+        let repeat = next(&mut repeats, (session, &i.environment, &i.mode, i.kind), repeat);
         let (environment, mode) = (i.environment.clone(), i.mode.clone());
         planned.push(PlannedTrial { trial, repeat, kind: i.kind, environment, mode, samples });
     }
@@ -411,8 +505,90 @@ mode = { name = \"mode\", translate = { act = \"active\", pas = \"passive\" } }
             "mode",
         );
         check("trial", "test", "kind 'test' must be trial or familiarisation", "kind");
-        check(",1,trial", ",0,trial", "trial '0' must be a whole number from 1", "n");
+        check(",1,trial", ",-1,trial", "trial '-1' must be a whole number from 0", "n");
         check("3,0,1", "6,0,1", "the answer '6' must be a whole number from 1 to 5", "q");
+    }
+
+    #[test]
+    fn numbers_counted_from_0_become_one_more_in_every_session_and_the_report_says_so() {
+        let world = World::new();
+        let map = COLUMNS.replace("\nkind = {", "\nrepeat = { column = \"r\" }\nkind = {");
+        let rows = "P01,active,0,0,0,1\nP01,active,1,1,0,2\nP02,passive,1,1,0,3\n";
+        let file = world.file("a.csv", format!("who,mode,n,r,t,f\n{rows}"));
+        let map = map.replace("kind = { column = \"kind\" }\nlikert = { column = \"q\" }\n", "");
+        let report = world.import(&trials_map(&[&map, FORCE]), &[file]).unwrap();
+        let numbers = |participant, trial| {
+            let meta = world.trial(participant, "S01", trial).meta;
+            (meta.trial, meta.repeat)
+        };
+        assert_eq!([numbers("P01", 1), numbers("P01", 2)], [(1, 1), (2, 2)]);
+        assert_eq!(numbers("P02", 2), (2, 2));
+        let told = report.files[0].told.join("\n");
+        assert!(told.contains("trials are counted from 0 there, and from 1 here"), "{told}");
+        assert!(told.contains("repeat 0 is repeat 1"), "{told}");
+    }
+
+    #[test]
+    fn a_uuid_is_an_id_without_its_hyphens() {
+        let world = World::new();
+        let map = ONE.replace("\"S01\"", "{ column = \"s\" }");
+        let rows = "5bc8fbbc-bde5-4099-8164-d8399f767c45,0,1\n";
+        let file = world.file("a.csv", format!("s,t,f\n{rows}"));
+        let report = world.import(&trials_map(&[&map, FORCE]), &[file]).unwrap();
+        let trial = world.trial("P01", "5bc8fbbcbde540998164d8399f767c45", 1);
+        assert_eq!(trial.samples.len(), 1);
+        assert_eq!(
+            report.files[0].told,
+            ["a session is a UUID, which is kept without its hyphens"]
+        );
+    }
+
+    #[test]
+    fn a_participant_called_as_a_missing_value_is_kept_and_told() {
+        let world = World::new();
+        let map = ONE.replace("\"P01\"", "{ column = \"who\" }");
+        let map = trials_map(&["[file]\nmissing = \"drop\"\n", &map, FORCE]);
+        let text = "who,t,f\nNA,0,1\nP02,0,2\n";
+        let report = world.import(&map, &[world.file("a.csv", text)]).unwrap();
+        assert_eq!((report.trials, report.files[0].rows_kept), (2, 2));
+        assert!(report.files[0].care[0].contains("participant 'NA': this also stands"), "{report}");
+        let named = map.replace("missing =", "missing_words = [\"NA\"]\nmissing =");
+        let other = World::new();
+        let report = other.import(&named, &[other.file("a.csv", text)]).unwrap();
+        assert_eq!((report.trials, report.files[0].rows_dropped[0].rows), (1, 1));
+    }
+
+    #[test]
+    fn one_spelling_of_a_label_does_not_part_a_trial_from_another() {
+        let map = ONE.replace("\"P01\"", "{ column = \"who\", prefix = \"P\", digits = 2 }");
+        let modes = "{ column = \"on\", translate = { true = \"active\", false = \"passive\" } }";
+        let map = trials_map(&[&map.replace("\"hybrid\"", modes), FORCE]);
+        let text = "who,on,t,f\n1,True,0,1\n1.0,true,1,2\n1,TRUE,2,3\n1,False,0,4\n1.0,FALSE,1,5\n";
+        for is_long in [false, true] {
+            let world = World::new();
+            let file = [world.file("a.csv", text)];
+            let report = match is_long {
+                true => world.import_streamed(&map, &file),
+                false => world.import(&map, &file),
+            };
+            assert_eq!(report.unwrap().trials, 2);
+            assert_eq!(world.trial("P01", "S01", 1).samples.len(), 3);
+        }
+        let world = World::new();
+        let lines =
+            "{\"who\":1,\"on\":true,\"t\":0,\"f\":1}\n{\"who\":1,\"on\":1,\"t\":0,\"f\":2}\n";
+        world.import(&map, &[world.file("a.jsonl", lines)]).unwrap();
+        assert_eq!(world.trial("P01", "S01", 2).meta.mode.as_str(), "active");
+    }
+
+    #[test]
+    fn a_mode_of_the_study_is_known_in_any_spelling_of_a_truth_value() {
+        let toml = zwidth_study::template(&zwidth_study::StudyId::new("demo").unwrap());
+        let world = World::with(&toml.replace("id = \"hybrid\"", "id = \"True\""));
+        let map = ONE.replace("\"hybrid\"", "{ column = \"on\" }");
+        let file = world.file("a.csv", "on,t,f\nTRUE,0,1\n");
+        world.import(&trials_map(&[&map, FORCE]), &[file]).unwrap();
+        assert_eq!(world.trial("P01", "S01", 1).meta.mode.as_str(), "True");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Labels: where a participant, a session, a mode, … of a recording comes from.
 
 use super::recording::Recording;
+use super::spelling::{find, plain};
 use super::table::ColumnRef;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -113,11 +114,7 @@ impl Label {
         row: usize,
         parse: impl FnOnce(&str) -> Result<T, String>,
     ) -> Result<T, StoreError> {
-        let theirs = match &self.from {
-            From::Fixed(text) => text.clone(),
-            From::Name(group) => recording.group(group)?,
-            From::Column(column) => recording.cell(column, row)?.to_string(),
-        };
+        let theirs = self.word(recording, row)?;
         let ours = match theirs.as_str() {
             "" => Err(format!("there is no {what}")),
             theirs => self.ours(theirs),
@@ -131,16 +128,31 @@ impl Label {
         })
     }
 
+    /// Their word, as the recording has it.
+    ///
+    /// # Errors
+    /// No such column, or no such group in the path.
+    pub(super) fn word(&self, recording: &Recording, row: usize) -> Result<String, StoreError> {
+        match &self.from {
+            From::Fixed(text) => Ok(text.clone()),
+            From::Name(group) => recording.group(group),
+            From::Column(column) => Ok(recording.cell(column, row)?.to_string()),
+        }
+    }
+
     /// Their word as ours.
     fn ours(&self, theirs: &str) -> Result<String, String> {
         if !self.translate.is_empty() {
-            return self.translate.get(theirs).cloned().ok_or_else(|| {
+            return find(&self.translate, theirs).cloned().ok_or_else(|| {
                 let known =
                     self.translate.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
                 format!("'{theirs}' is not in the translation table, which has {known}")
             });
         }
-        let digits = theirs.bytes().all(|b| b.is_ascii_digit());
+        // Of a truth value the study may have the very spelling: its ids are compared later.
+        let whole = plain(theirs);
+        let digits = whole.bytes().all(|b| b.is_ascii_digit());
+        let theirs = if digits { whole.as_ref() } else { theirs };
         if self.digits > 0 && !digits {
             return Err(format!(
                 "'{theirs}' is not a whole number, which digits = {} asks for",
@@ -179,6 +191,15 @@ mod tests {
         check("x = { name = \"mode\", translate = { A = \"active\" } }", "A", Ok("active"));
         check("x = { name = \"mode\", translate = { A = \"active\" } }", "B", Err("which has A"));
         check("x = { column = 2, digits = 2 }", "x", Err("not a whole number"));
+    }
+
+    #[test]
+    fn a_whole_number_that_was_made_a_decimal_one_is_that_number() {
+        check("x = { column = \"p\", prefix = \"P\", digits = 2 }", "1.0", Ok("P01"));
+        check("x = { column = \"p\" }", "12.00", Ok("12"));
+        check("x = { column = \"p\" }", "3,0", Ok("3"));
+        check("x = { column = \"m\", translate = { 1 = \"active\" } }", "1.0", Ok("active"));
+        check("x = { column = \"p\", digits = 2 }", "1.5", Err("'1.5' is not a whole number"));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use super::guess_read::{Looked, look};
 use super::identity::{id, number};
+use super::mapping::CellForm;
 use super::recording::Recording;
 use super::table::Cell;
 use std::collections::BTreeMap;
@@ -75,8 +76,9 @@ impl LateAnswers {
     /// A file that cannot be read, a column that is missing, and each row in which a cell is wrong.
     pub fn read(path: &Path) -> Result<Self, FirstErrors> {
         let Looked { table, written, .. } = look(path)?;
-        let comma = written.is_some_and(|written| written.decimal_comma);
-        let recording = Recording::part(path, table, comma, BTreeMap::new());
+        let decimal_comma = written.is_some_and(|written| written.decimal_comma);
+        let cells = CellForm { decimal_comma, ..CellForm::default() };
+        let recording = Recording::part(path, table, cells, BTreeMap::new());
         let columns = Columns::of(&recording)?;
         let (mut rows, mut errors) = (Vec::new(), FirstErrors::default());
         let mut bad = recording.table.bad.iter().peekable();

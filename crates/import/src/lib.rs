@@ -56,6 +56,7 @@ mod report;
 mod shape;
 #[cfg(test)]
 mod skipped;
+mod spelling;
 mod stream;
 mod sweeps;
 mod table;

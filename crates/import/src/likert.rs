@@ -3,7 +3,7 @@
 
 use super::batch::Batch;
 use super::given::{Answered, Place, read_given};
-use super::identity::{Identity, Named, identity, number_trials};
+use super::identity::{Identity, Named, identity, number_trials, tell_labels};
 use super::limits::{Budget, Take};
 use super::mapping::{Asked, Questionnaire, Who};
 use super::recording::Recording;
@@ -42,12 +42,17 @@ pub(super) fn likert(
     }
     let mut batch = Batch::default();
     let (mut rows, mut sources) = (Vec::new(), Vec::new());
-    for Converted { blake3, made: (found, report), .. } in &converted {
-        batch.files.push(report.clone());
+    for Converted { blake3, made: (found, _), .. } in &converted {
         rows.extend(found);
         sources.resize(rows.len(), blake3.as_str());
     }
     let identities: Vec<Identity> = rows.iter().map(|r| r.identity.clone()).collect();
+    for Converted { made: (found, report), .. } in &converted {
+        let mut report = report.clone();
+        let own: Vec<&Identity> = found.iter().map(|r| &r.identity).collect();
+        tell_labels(&mut report, &own, &identities);
+        batch.files.push(report);
+    }
     let planned = number_trials(context, &identities, false)?;
     once::answers(context, &converted)?;
     let mut events: Vec<Vec<Event>> =
@@ -247,6 +252,30 @@ trial = { column = \"order\" }
         let report = world.import(&drop, &[file]).unwrap();
         assert_eq!(report.answers, 5);
         assert!(report.to_string().contains("5 answers; 1 empty answers left out"), "{report}");
+    }
+
+    #[test]
+    fn an_answer_that_others_mark_as_missing_is_empty_and_a_word_of_the_scale_is_none() {
+        let world = world();
+        let drop = MAP.replace("[trial]", "missing = \"drop\"\n[trial]");
+        let file = world.file("a.csv", TABLE.replace("5;1", "None;NA"));
+        world.refuses(MAP, &file, "the answer 'None' must be a whole number", Some(("Wall?", 1)));
+        let words = format!("{drop}[questions.translate]\nNA = 3\n");
+        let report = world.import(&words, &[file]).unwrap();
+        assert_eq!(report.answers, 5);
+    }
+
+    #[test]
+    fn a_word_of_a_scale_is_translated_in_any_of_its_spellings() {
+        let world = world();
+        let map = format!("{MAP}[questions.translate]\n1 = 5\n5 = 1\n");
+        world.import(&map, &[world.file("a.csv", TABLE.replace("5;1", "5.0;1.0"))]).unwrap();
+        let values = world.events("P01", "S01");
+        let first = |event: &Event| match event {
+            Event::Answer { trial: 2, value, .. } => Some(*value),
+            _ => None,
+        };
+        assert_eq!(values.iter().filter_map(first).collect::<Vec<_>>(), [5, 1]);
     }
 
     #[test]

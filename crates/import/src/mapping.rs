@@ -8,8 +8,9 @@ use super::format::Format;
 use super::label::Label;
 use super::limits::MOST_MAPPING;
 pub(super) use super::shape::{Equal, Missing, Reduce, Side, XdfClock};
+use super::spelling::plain;
 use super::sweeps::Pairs;
-use super::table::ColumnRef;
+use super::table::{Cell, ColumnRef};
 use super::text::Encoding;
 use super::unit::Unit;
 use super::wide::Wide;
@@ -91,12 +92,11 @@ impl Questionnaire {
 pub(super) struct FileForm {
     pub(super) format: Option<Format>,
     pub(super) delimiter: Option<u8>,
-    pub(super) decimal_comma: bool,
+    pub(super) cells: CellForm,
     pub(super) header: bool,
     pub(super) comment: Option<u8>,
     pub(super) skip: usize,
     pub(super) rows: Option<usize>,
-    pub(super) missing: Missing,
     pub(super) part: Option<String>,
     pub(super) encoding: Encoding,
     /// How many rows that cannot be read are passed by.
@@ -111,6 +111,30 @@ pub(super) struct FileForm {
     pub(super) clock: XdfClock,
     /// Whether the times of a steady XDF stream are put on a straight line.
     pub(super) dejitter: bool,
+}
+
+/// How the cells of a file are written.
+#[derive(Debug, Clone, Default)]
+pub(super) struct CellForm {
+    pub(super) decimal_comma: bool,
+    /// What becomes of rows without a value.
+    pub(super) missing: Missing,
+    /// What stands for a missing value besides the words that are known for one.
+    pub(super) missing_words: Vec<String>,
+    /// Columns in which `true` and `false` stand for 1 and 0.
+    pub(super) truths: Vec<ColumnRef>,
+}
+
+impl CellForm {
+    /// Whether the mapping names what stands in a cell as a word for a missing value: `-99` is `-99.0`
+    /// too.
+    pub(super) fn is_missing(&self, cell: &Cell) -> bool {
+        self.missing_words.iter().any(|word| match cell {
+            Cell::Empty => false,
+            Cell::Text(text) => plain(text) == plain(word),
+            Cell::Number(number) => word.parse() == Ok(*number),
+        })
+    }
 }
 
 impl FileForm {
@@ -132,7 +156,7 @@ impl FileForm {
     /// How delimited text of `format` is written. Where no delimiter is named: tabs in TSV; in CSV
     /// commas, or semicolons where the comma stands before decimals; elsewhere any white space.
     pub(super) fn dialect(&self, format: Format) -> Dialect {
-        let usual = match (format, self.decimal_comma) {
+        let usual = match (format, self.cells.decimal_comma) {
             (Format::Tsv, _) => b'\t',
             (Format::Txt, _) => WHITE_SPACE,
             (_, true) => b';',
@@ -167,8 +191,14 @@ pub(super) struct Who {
 impl Who {
     /// The columns that labels come from.
     pub(super) fn columns(&self) -> Vec<&ColumnRef> {
+        let answer = self.likert.as_ref().and_then(Label::column);
+        self.needed_columns().into_iter().chain(answer).collect()
+    }
+
+    /// Those of them without which nobody knows which trial it is; an answer may be missing.
+    pub(super) fn needed_columns(&self) -> Vec<&ColumnRef> {
         let fixed = [&self.participant, &self.session, &self.environment, &self.mode];
-        let optional = [&self.kind, &self.repeat, &self.trial, &self.likert];
+        let optional = [&self.kind, &self.repeat, &self.trial];
         fixed.into_iter().chain(optional.into_iter().flatten()).filter_map(Label::column).collect()
     }
 }

@@ -45,7 +45,7 @@ impl Recording {
         from_first: bool,
     ) -> Result<(), StoreError> {
         let column = self.find(time.from)?;
-        let read = clock(&self.table.columns[column], self.decimal_comma, from_first);
+        let read = clock(&self.table.columns[column], &self.cells, from_first);
         let read = read.map_err(|row| {
             let cell = self.table.columns[column].cell(row);
             let what = format!("'{cell}' is not a time as the first row has it");

@@ -2,8 +2,10 @@
 
 use super::convert::Linear;
 use super::format::FormatOptions;
+use super::label::Label;
 use super::limits::{MOST_FILE, MOST_WHOLE_ROWS, Take, shown, too_many_rows};
-use super::mapping::{FileForm, Missing};
+use super::mapping::{CellForm, FileForm, Missing};
+use super::spelling::{find, is_missing, truth};
 use super::table::{Cell, Cells, ColumnRef, Table};
 use super::text::check_readable;
 use regex::Regex;
@@ -18,7 +20,7 @@ pub(super) struct Recording {
     pub(super) table: Table,
     /// BLAKE3 of the file, hexadecimal.
     pub(super) blake3: String,
-    pub(super) decimal_comma: bool,
+    pub(super) cells: CellForm,
     /// Named groups of the pattern on the path.
     groups: BTreeMap<String, String>,
 }
@@ -116,17 +118,17 @@ impl Recording {
             dejitter: form.dejitter,
         };
         let table = format.read(path, bytes, options, take)?;
-        Ok(Self { path: path.to_owned(), table, blake3, decimal_comma: form.decimal_comma, groups })
+        Ok(Self { path: path.to_owned(), table, blake3, cells: form.cells.clone(), groups })
     }
 
     /// A part of a recording, read.
     pub(super) fn part(
         path: &Path,
         table: Table,
-        decimal_comma: bool,
+        cells: CellForm,
         groups: BTreeMap<String, String>,
     ) -> Self {
-        Self { path: path.to_owned(), table, blake3: String::new(), decimal_comma, groups }
+        Self { path: path.to_owned(), table, blake3: String::new(), cells, groups }
     }
 
     /// An error about the file.
@@ -184,13 +186,45 @@ impl Recording {
 
     /// The number in a cell, `None` where it is missing; `Err` says what stands there instead.
     pub(super) fn number(&self, column: usize, row: usize) -> Result<Option<f64>, String> {
-        match self.table.columns[column].cell(row) {
+        let cell = self.table.columns[column].cell(row);
+        if self.cells.is_missing(&cell) {
+            return Ok(None);
+        }
+        match cell {
             Cell::Empty => Ok(None),
             Cell::Number(value) if value.is_nan() => Ok(None),
             Cell::Number(value) if value.is_finite() => Ok(Some(value)),
             Cell::Number(value) => Err(format!("{value} is not a finite number")),
-            Cell::Text(text) => number(text, self.decimal_comma),
+            Cell::Text(text) => match truth(text).filter(|_| self.holds_truths(column)) {
+                Some(truth) => Ok(Some(f64::from(u8::from(truth)))),
+                None => number(text, self.cells.decimal_comma),
+            },
         }
+    }
+
+    /// Whether `true` and `false` may stand in a column for 1 and 0.
+    fn holds_truths(&self, column: usize) -> bool {
+        let name = self.table.names.as_ref().and_then(|names| names.get(column));
+        let name = name.map(String::as_str);
+        self.cells.truths.iter().any(|known| known.means(column, name))
+    }
+
+    /// Whether the answer that a label names is missing, in a recording whose missing values are left
+    /// out.
+    pub(super) fn lacks_answer(&self, label: &Label, row: usize) -> Result<bool, StoreError> {
+        let Some(column) = label.column().map(|column| self.find(column)).transpose()? else {
+            return Ok(false);
+        };
+        let cell = self.table.columns[column].cell(row).to_string();
+        let is_word = find(&label.translate, &cell).is_some();
+        Ok(self.cells.missing == Missing::Drop && !is_word && self.number(column, row) == Ok(None))
+    }
+
+    /// Whether nothing stands in a cell of a label. What other programs write for a missing value may
+    /// be a word of theirs here, such as a mode `None`, unless the mapping names it.
+    fn is_without_label(&self, column: usize, row: usize) -> bool {
+        let cell = self.table.columns[column].cell(row);
+        cell == Cell::Empty || self.cells.is_missing(&cell)
     }
 
     /// The numbers of a column in the rows given; the error names the first cell that is none.
@@ -223,10 +257,15 @@ impl Recording {
 
     fn missing(&self, column: usize, row: usize) -> StoreError {
         let cell = self.table.columns[column].cell(row);
-        let what = if cell == Cell::Empty {
-            "the cell is empty".to_owned()
-        } else {
-            format!("{cell} is not a number")
+        let what = match cell {
+            Cell::Empty => "the cell is empty".to_owned(),
+            cell if self.cells.is_missing(&cell) => {
+                format!("'{cell}' stands for a missing value (missing_words)")
+            }
+            Cell::Text(mark) if !mark.eq_ignore_ascii_case("nan") => {
+                format!("'{mark}' is not a number, and stands for a missing value")
+            }
+            cell => format!("{cell} is not a number"),
         };
         self.cell_error(
             column,
@@ -273,7 +312,7 @@ impl Recording {
         let limit = form.rows.unwrap_or(read).min(read);
         let bad = self.bad_rows(limit, numeric, form.bad_lines);
         let readable = (0..limit).filter(|row| !bad.contains_key(row));
-        let kept: Vec<usize> = match form.missing {
+        let kept: Vec<usize> = match form.cells.missing {
             Missing::Error => readable.collect(),
             Missing::Drop => readable.filter(|row| self.is_full(*row, numeric, text)).collect(),
         };
@@ -318,18 +357,18 @@ impl Recording {
     /// Whether a row has a value in all of these columns. What is no number is one, and an error
     /// of whoever reads it.
     fn is_full(&self, row: usize, numeric: &[usize], text: &[usize]) -> bool {
-        text.iter().all(|column| self.table.columns[*column].cell(row) != Cell::Empty)
+        text.iter().all(|column| !self.is_without_label(*column, row))
             && numeric.iter().all(|column| self.number(*column, row) != Ok(None))
     }
 
-    /// `rows` in stretches of equal labels: each is one trial or one sweep.
+    /// `rows` in stretches of labels that are alike: each is one trial or one sweep.
     pub(super) fn pieces<'a>(
         &self,
         rows: &'a [usize],
         labels: &[usize],
     ) -> impl Iterator<Item = &'a [usize]> {
         let cell = |column: &usize, row: &usize| self.table.columns[*column].cell(*row);
-        rows.chunk_by(move |a, b| labels.iter().all(|c| cell(c, a) == cell(c, b)))
+        rows.chunk_by(move |a, b| labels.iter().all(|c| cell(c, a).is_like(&cell(c, b))))
     }
 
     /// What of the recording could not be read, in words: of the rows that were passed by, those among
@@ -368,7 +407,10 @@ impl Recording {
     }
 
     /// How many rows the columns in use have.
-    fn height(&self, numeric: &[usize], text: &[usize]) -> Result<usize, StoreError> {
+    ///
+    /// # Errors
+    /// Columns of different lengths.
+    pub(super) fn height(&self, numeric: &[usize], text: &[usize]) -> Result<usize, StoreError> {
         let mut columns = numeric.iter().chain(text);
         let Some(first) = columns.next() else {
             let read = self.table.columns.iter().find(|column| !matches!(column, Cells::Unread));
@@ -409,7 +451,7 @@ pub(super) fn groups(path: &Path, pattern: &Regex) -> Result<BTreeMap<String, St
 
 /// The number that `text` spells, `None` where it spells a missing value.
 pub(super) fn number(text: &str, decimal_comma: bool) -> Result<Option<f64>, String> {
-    if text.eq_ignore_ascii_case("nan") {
+    if is_missing(text) {
         return Ok(None);
     }
     // The other sign may part thousands, or stand before decimals after all: nobody knows.
@@ -559,6 +601,76 @@ mod tests {
         check("t,f\n", "the file has 0 rows", None);
         check("", "the file is empty", None);
         check("\u{feff}\r\n", "the file is empty", None);
+    }
+
+    #[test]
+    fn what_others_write_for_a_missing_value_is_one_whatever_the_format() {
+        let map = trials_map(&["[file]\nmissing = \"drop\"\n", ONE, FORCE]);
+        for mark in ["NA", "n/a", "-nan(ind)", "1.#QNAN", "#N/A", "None", "null", ".", "NaN", ""] {
+            let lines = format!("t,f\n0,1\n1,{mark}\n2,3\n");
+            let json =
+                format!("{{\"t\":0,\"f\":1}}\n{{\"t\":1,\"f\":\"{mark}\"}}\n{{\"t\":2,\"f\":3}}\n");
+            for (name, text) in [("a.csv", &lines), ("a.jsonl", &json)] {
+                let world = World::new();
+                let file = world.file(name, text);
+                let strict = map.replace("missing = \"drop\"", "");
+                world.refuses(&strict, &file, "leave such rows out with missing", Some(("f", 2)));
+                let report = world.import(&map, &[file]).unwrap();
+                assert_eq!(report.files[0].rows_dropped[0].rows, 1, "{mark}");
+                assert_eq!(world.column(1, Signal::Time), [0.0, 2.0], "{mark}");
+            }
+            let world = World::new();
+            let report = world.import_streamed(&map, &[world.file("a.csv", lines)]).unwrap();
+            assert_eq!(report.files[0].rows_kept, 2, "{mark}");
+        }
+    }
+
+    #[test]
+    fn own_words_for_a_missing_value_are_named_in_the_mapping() {
+        let words = "[file]\nmissing = \"drop\"\nmissing_words = [\"-99\", \"x\"]\n";
+        let map = trials_map(&[words, ONE, FORCE]);
+        for (name, text) in [
+            ("a.csv", "t,f\n0,1\n1,-99\n2,x\n3,-99.0\n4,5\n"),
+            ("a.jsonl", "{\"t\":0,\"f\":1}\n{\"t\":1,\"f\":-99}\n{\"t\":4,\"f\":5}\n"),
+        ] {
+            let world = World::new();
+            world.import(&map, &[world.file(name, text)]).unwrap();
+            assert_eq!(world.column(1, Signal::Time), [0.0, 4.0], "{name}");
+        }
+        let world = World::new();
+        let strict = map.replace("missing = \"drop\"", "");
+        let file = world.file("a.csv", "t,f\n0,1\n1,-99\n");
+        world.refuses(&strict, &file, "'-99' stands for a missing value", Some(("f", 2)));
+    }
+
+    #[test]
+    fn truth_values_are_numbers_only_where_bits_or_a_channel_are_asked_for() {
+        let world = World::new();
+        let bits = "[[column]]\nto = \"state_bits\"\nfrom = \"on\"\nunit = \"bits\"\n";
+        let file = world.file("a.csv", "t,f,on\n0,1,True\n1,2,FALSE\n2,3,1\n");
+        world.import(&trials_map(&[ONE, FORCE, bits]), &[file]).unwrap();
+        assert_eq!(world.column(1, Signal::StateBits), [1.0, 0.0, 1.0]);
+        let world = World::new();
+        let file = world.file("a.csv", "t,f\n0,TRUE\n");
+        world.refuses(&trials_map(&[ONE, FORCE]), &file, "'TRUE' is not a number", Some(("f", 1)));
+    }
+
+    #[test]
+    fn a_trial_whose_answer_is_missing_is_a_trial_without_one() {
+        let map = format!("{ONE}likert = {{ column = \"q\" }}\n");
+        let map = trials_map(&["[file]\nmissing = \"drop\"\n", &map, FORCE]);
+        for mark in ["", "None"] {
+            for is_long in [false, true] {
+                let world = World::new();
+                let file = [world.file("a.csv", format!("t,f,q\n0,1,{mark}\n1,2,{mark}\n"))];
+                let report = match is_long {
+                    true => world.import_streamed(&map, &file),
+                    false => world.import(&map, &file),
+                };
+                let report = report.unwrap();
+                assert_eq!((report.trials, report.answers), (1, 0));
+            }
+        }
     }
 
     #[test]

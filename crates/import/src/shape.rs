@@ -61,6 +61,7 @@ pub(super) struct FileShape {
     pub(super) skip: usize,
     pub(super) rows: Option<usize>,
     pub(super) missing: Missing,
+    pub(super) missing_words: Vec<String>,
     #[serde(alias = "sheet", alias = "stream")]
     pub(super) matrix: Option<String>,
     pub(super) encoding: Encoding,
@@ -87,6 +88,7 @@ impl Default for FileShape {
             skip: 0,
             rows: None,
             missing: Missing::Error,
+            missing_words: Vec::new(),
             matrix: None,
             encoding: Encoding::Utf8,
             bad_lines: 0,

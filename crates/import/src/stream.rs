@@ -9,6 +9,7 @@ use super::limits::{Budget, Take, check_sizes, check_time, too_many_for_a_trial}
 use super::mapping::{FileForm, Rule, Who};
 use super::plan::{Plan, Taken, rate_times};
 use super::recording::{Gaps, Recording, Rows, Standing, empty_between, groups};
+use super::spelling::plain;
 use super::table::{Cell, ColumnRef};
 use super::{Context, Errors, all, csv};
 use rayon::prelude::*;
@@ -240,13 +241,14 @@ impl<'a> Source<'a> {
         let take = Take { columns, pattern: None, budget: &budget };
         let table = csv::read(self.path, &block.text, block.dialect, &take)?;
         let mut recording =
-            Recording::part(self.path, table, self.form.decimal_comma, self.groups.clone());
+            Recording::part(self.path, table, self.form.cells.clone(), self.groups.clone());
         if let Some(time) = self.plan.time {
             recording.read_clock(time, false)?;
         }
         let numeric = all(self.plan.columns().map(|column| recording.find(column)))?;
         let labels = all(self.who.columns().into_iter().map(|c| recording.find(c)))?;
-        let rows = recording.rows_in(&self.form, &numeric, &labels)?;
+        let needed = all(self.who.needed_columns().into_iter().map(|c| recording.find(c)))?;
+        let rows = recording.rows_in(&self.form, &numeric, &needed)?;
         let values = all(numeric.iter().map(|column| recording.numbers(*column, &rows.kept)))?;
         let mut stretches = Vec::new();
         let mut at = 0;
@@ -265,7 +267,9 @@ impl<'a> Source<'a> {
         let cells = |row: Option<&usize>| -> Vec<String> {
             let cell = |row: usize, column: &usize| recording.table.columns[*column].cell(row);
             // An empty cell and an empty text are not the same.
-            let text = |cell: Cell| format!("{}{cell}", u8::from(cell != Cell::Empty));
+            let text = |cell: Cell| {
+                format!("{}{}", u8::from(cell != Cell::Empty), plain(&cell.to_string()))
+            };
             row.map_or_else(Vec::new, |row| labels.iter().map(|c| text(cell(*row, c))).collect())
         };
         let ends = [cells(rows.kept.first()), cells(rows.kept.last())];

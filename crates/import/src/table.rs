@@ -1,6 +1,7 @@
 //! What every format becomes: a table of text or number columns, not yet interpreted.
 
 use super::limits::shown;
+use super::spelling::plain;
 use arrow::array::{Array, Float64Array, LargeStringArray, LargeStringBuilder};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -50,6 +51,16 @@ impl fmt::Display for Cell<'_> {
             Self::Empty => Ok(()),
             Self::Text(text) => f.write_str(text),
             Self::Number(number) => write!(f, "{number}"),
+        }
+    }
+}
+
+impl Cell<'_> {
+    /// Whether two cells of a label say the same, however it is spelled.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Text(text), Self::Text(other)) => text == other || plain(text) == plain(other),
+            _ => self == other,
         }
     }
 }

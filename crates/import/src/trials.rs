@@ -3,7 +3,7 @@
 use super::batch::{Batch, Output};
 use super::blocks::{blake3_of, is_long};
 use super::convert::{Linear, derivative, integral};
-use super::identity::{Identity, identity, number_trials};
+use super::identity::{Identity, identity, number_trials, tell_labels};
 use super::limits::{Budget, Take, check_sizes};
 use super::mapping::{ChannelFrom, Rule, SignalFrom, Time, Who};
 use super::mend::unwrap_angle;
@@ -95,6 +95,8 @@ pub(super) fn trials(
     let mut numbers = planned.iter();
     let mut done = Vec::new();
     for Converted { path, blake3, made: (pieces, report) } in converted {
+        let own: Vec<Identity> = pieces.iter().map(|piece| piece.identity.clone()).collect();
+        let own: Vec<&Identity> = own.iter().collect();
         let numbered: Vec<_> = pieces.into_iter().map(|piece| (piece, numbers.next())).collect();
         let numbered: Vec<(Piece, &PlannedTrial)> =
             numbered.into_iter().filter_map(|(piece, number)| Some((piece, number?))).collect();
@@ -106,6 +108,10 @@ pub(super) fn trials(
             .map(|encoded| (encoded, report)),
             None => streamed(context, (who, &plan), &path, numbered, &blake3),
         };
+        let encoded = encoded.map(|(encoded, mut report)| {
+            tell_labels(&mut report, &own, &identities);
+            (encoded, report)
+        });
         done.push(encoded);
         if done.last().is_some_and(Result::is_err) {
             break;
@@ -373,7 +379,9 @@ fn convert(
     }
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
-    let mut rows = recording.rows(&context.mapping.file, &numeric, &labels)?;
+    let needed = all(who.needed_columns().into_iter().map(|c| recording.find(c)))?;
+    recording.height(&numeric, &labels)?;
+    let mut rows = recording.rows(&context.mapping.file, &numeric, &needed)?;
     if let Some(time) = plan.time {
         recording.mend(time, &mut rows, &numeric, &labels)?;
     }

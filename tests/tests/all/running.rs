@@ -47,9 +47,8 @@ fn a_pipe_gets_plain_lines_one_a_stage_and_quiet_people_none() {
     let stages: Vec<&str> =
         run.err.lines().filter_map(|line| line.split_whitespace().next()).collect();
     // Without a calibration nothing can be replayed.
-    let expect = [
-        "metrics", "average", "trade", "trials", "figures", "report", "tables", "summary", "page",
-    ];
+    let expect =
+        ["metrics", "average", "trade", "trials", "figures", "report", "tables", "summary", "page"];
     assert_eq!(stages, expect);
     let quiet = zwidth(study.root(), &["--quiet", "run", "--fresh"]).exits(0);
     assert_eq!((quiet.err.as_str(), quiet.out.lines().count()), ("", 2), "{quiet:#?}");

@@ -4,6 +4,7 @@
 //! The table in `docs/mistakes.md` is this one; each row is a fixture, and what the program says of
 //! it.
 
+mod cells;
 mod motion;
 mod studies;
 mod texts;
@@ -87,6 +88,7 @@ fn rows() -> Vec<Row> {
         studies::clocks(),
         studies::zeros(),
         studies::plans(),
+        cells::cells_of_others(),
         motion::units(),
         motion::answers(),
     ]

@@ -1,0 +1,77 @@
+//! Cells as other programs write them: missing values, numbers, truth values, ids.
+
+use super::super::world::{FORCE, ONE, trials_map};
+use super::Becomes::{Flagged, Read, Refused};
+use super::{PLAIN, Row, mapped, plain};
+
+/// Cells as other programs write them.
+pub(super) fn cells_of_others() -> Vec<Row> {
+    let with = |key: &str, column: &str, keys: &str| {
+        let label = format!("{{ column = \"{column}\"{keys} }}");
+        trials_map(&[&ONE.replace(key, &label), FORCE])
+    };
+    let column = |name: &str, cell: &str| {
+        let mut lines = PLAIN.lines();
+        let header = lines.next().unwrap_or_default();
+        let rows: String = lines.map(|line| format!("{line},{cell}\n")).collect();
+        format!("{header},{name}\n{rows}")
+    };
+    vec![
+        plain(
+            "`None` for a missing value",
+            (Refused, "'None' is not a number, and stands for a missing value"),
+            "",
+            "-2",
+            "None",
+        ),
+        plain(
+            "a missing value as R, Excel or C write it, to be left out",
+            (Flagged, "a mapped cell is empty or NaN (missing = \"drop\")"),
+            "missing = \"drop\"",
+            "-2",
+            "-nan(ind)",
+        ),
+        plain(
+            "a number for a missing value, said",
+            (Flagged, "a mapped cell is empty or NaN (missing = \"drop\")"),
+            "missing = \"drop\"\nmissing_words = [\"-2\"]",
+            "-2",
+            "-2.0",
+        ),
+        mapped(
+            "a participant called as a missing value",
+            (Flagged, "participant 'NA': this also stands for a missing value"),
+            with("\"P01\"", "who", ""),
+            "a.csv",
+            column("who", "NA"),
+        ),
+        mapped(
+            "whole numbers that pandas made decimal ones",
+            (Read, ""),
+            with("\"P01\"", "who", ", prefix = \"P\", digits = 2"),
+            "a.csv",
+            column("who", "1.0"),
+        ),
+        mapped(
+            "`True` and `TRUE` for one mode",
+            (Read, ""),
+            with("\"hybrid\"", "on", ", translate = { true = \"active\" }"),
+            "a.csv",
+            column("on", "TRUE").replacen("TRUE", "True", 1),
+        ),
+        mapped(
+            "trials counted from 0",
+            (Flagged, "trials are counted from 0 there, and from 1 here"),
+            trials_map(&[ONE, "trial = { column = \"n\" }\n", FORCE]),
+            "a.csv",
+            column("n", "0"),
+        ),
+        mapped(
+            "a UUID as the id of a session",
+            (Flagged, "a session is a UUID, which is kept without its hyphens"),
+            with("\"S01\"", "run", ""),
+            "a.csv",
+            column("run", "5bc8fbbc-bde5-4099-8164-d8399f767c45"),
+        ),
+    ]
+}
