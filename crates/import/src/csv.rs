@@ -5,7 +5,7 @@ use super::limits::{
 };
 use super::plain::{is_labchart, labchart, spaced};
 use super::table::{Cells, EmptyRows, Table};
-use super::text::{Encoding, decode_from};
+use super::text::{Encoding, decode_from, told_of_latin_1};
 use arrow::array::LargeStringBuilder;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,6 +45,7 @@ pub(super) fn read(
     // Its comments and heads are empty lines here, and its times say where samples are missing.
     let has_empty_rows = !is_labchart(text);
     let (written, dialect, mut told) = as_delimited(text, dialect);
+    told.extend(told_of_latin_1(bytes, dialect.encoding));
     let text = written.as_deref().unwrap_or(text);
     check_records(path, text, dialect)?;
     let mut counter = Lines::new(text, dialect);

@@ -155,6 +155,7 @@ fn write_form(text: &mut String, written: Written) {
         Encoding::Utf8 => {}
         Encoding::Utf16 => text.push_str("encoding = \"utf-16\"\n"),
         Encoding::Latin1 => text.push_str("encoding = \"latin-1\"\n"),
+        Encoding::Windows1252 => text.push_str("encoding = \"windows-1252\"\n"),
     }
 }
 

@@ -8,7 +8,7 @@ use super::plain::is_labchart;
 use super::recording::number;
 use super::shape::XdfClock;
 use super::table::{ColumnRef, Table};
-use super::text::{Encoding, check_readable, decode};
+use super::text::{Encoding, check_readable, decode, is_windows_1252};
 use std::io::Read as _;
 use std::path::Path;
 use zwidth_store::{StoreError, open_named, read_named};
@@ -130,7 +130,8 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
     Ok(Looked { table, format, written })
 }
 
-/// UTF-8 where the bytes are, and else Latin-1, in which any bytes are text.
+/// UTF-8 where the bytes are, and else Windows-1252 where only that has letters for them, or Latin-1,
+/// in which any bytes are text.
 fn encoding(bytes: &[u8]) -> Encoding {
     let marked = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     // Half of the bytes of plain letters are 0 in UTF-16.
@@ -138,7 +139,11 @@ fn encoding(bytes: &[u8]) -> Encoding {
     if !marked && 4 * zeros > bytes.len().min(LOOKED_AT) {
         return Encoding::Utf16;
     }
-    if marked || std::str::from_utf8(bytes).is_ok() { Encoding::Utf8 } else { Encoding::Latin1 }
+    match bytes {
+        bytes if marked || std::str::from_utf8(bytes).is_ok() => Encoding::Utf8,
+        bytes if is_windows_1252(bytes) => Encoding::Windows1252,
+        _ => Encoding::Latin1,
+    }
 }
 
 /// How a delimited text is written. Lines of remarks are left out, unless the header is one.

@@ -266,6 +266,17 @@ trial = { column = \"order\" }
     }
 
     #[test]
+    fn questions_with_the_quotes_of_windows_are_found_by_their_text() {
+        let text = template(&StudyId::new("demo").unwrap());
+        let line = text.lines().find(|line| line.contains("such as a wall")).unwrap();
+        let world = World::with(&text.replace(line, "text = \"I can’t feel “it”\""));
+        let map = MAP.replace("[file]\n", "[file]\nencoding = \"windows-1252\"\n");
+        let map = format!("{map}[questions.columns]\nfelt_wall = \"I can’t feel “it”\"\n");
+        let table = b"who;mode;order;I can\x92t feel \x93it\x94\n1;active;1;4\n";
+        assert_eq!(world.import(&map, &[world.file("a.csv", table)]).unwrap().answers, 1);
+    }
+
+    #[test]
     fn a_word_of_a_scale_is_translated_in_any_of_its_spellings() {
         let world = world();
         let map = format!("{MAP}[questions.translate]\n1 = 5\n5 = 1\n");

@@ -19,6 +19,45 @@ pub(super) enum Encoding {
     /// Latin-1, ISO 8859-1: a byte a character.
     #[serde(rename = "latin-1")]
     Latin1,
+    /// Windows-1252, in which Excel and other programs of Windows write Western languages: Latin-1 with
+    /// quotes, dashes and € in place of the second row of control characters.
+    #[serde(rename = "windows-1252")]
+    Windows1252,
+}
+
+/// What the bytes from 0x80 to 0x9f are in Windows-1252; the replacement character where they are
+/// nothing (<https://encoding.spec.whatwg.org/index-windows-1252.txt> has control characters there).
+const WINDOWS_1252: [char; 32] = [
+    '€', '\u{fffd}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{fffd}', 'Ž',
+    '\u{fffd}', '\u{fffd}', '‘', '’', '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{fffd}',
+    'ž', 'Ÿ',
+];
+/// The first byte of that table, and the one behind it: control characters in Latin-1.
+const C1: std::ops::Range<u8> = 0x80..0xa0;
+
+/// The character that a byte is in Windows-1252.
+fn windows_1252(byte: u8) -> char {
+    match byte.checked_sub(C1.start) {
+        Some(place) if C1.contains(&byte) => WINDOWS_1252[usize::from(place)],
+        _ => char::from(byte),
+    }
+}
+
+/// Whether bytes that are not UTF-8 are rather Windows-1252 than Latin-1: some are control characters
+/// there, and all are characters here.
+pub(super) fn is_windows_1252(bytes: &[u8]) -> bool {
+    bytes.iter().any(|byte| C1.contains(byte))
+        && bytes.iter().all(|byte| windows_1252(*byte) != char::REPLACEMENT_CHARACTER)
+}
+
+/// What is to be told of a text that the mapping calls Latin-1.
+pub(super) fn told_of_latin_1(bytes: &[u8], encoding: Encoding) -> Option<String> {
+    let is_odd = encoding == Encoding::Latin1 && is_windows_1252(bytes);
+    is_odd.then(|| {
+        "as Latin-1 it has control characters among its letters; if ’ “ ” – € are missing, set encoding = \
+         \"windows-1252\" in [file]"
+            .to_owned()
+    })
 }
 
 /// What files begin with that nothing here reads, and what to do about one.
@@ -105,6 +144,17 @@ pub(super) fn decode_from<'a>(
             Encoding::Utf8 => Cow::Borrowed(utf_8(path, bytes, before)?),
             Encoding::Utf16 => Cow::Owned(utf_16(path, bytes, u16::from_le_bytes)?),
             Encoding::Latin1 => Cow::Owned(bytes.iter().map(|b| char::from(*b)).collect()),
+            Encoding::Windows1252 => {
+                let text: String = bytes.iter().map(|byte| windows_1252(*byte)).collect();
+                if let Some(at) = text.find(char::REPLACEMENT_CHARACTER) {
+                    let lines = text[..at].bytes().filter(|byte| *byte == b'\n').count() as u64;
+                    let line = 1 + before + lines;
+                    let what = format!("line {line} is not Windows-1252 text");
+                    let remedy = "set encoding = \"latin-1\" in [file], or save the file as UTF-8";
+                    return Err(StoreError::new(path, what, remedy));
+                }
+                Cow::Owned(text)
+            }
         },
     };
     if text.trim().is_empty() {
@@ -118,8 +168,11 @@ fn utf_8<'a>(path: &Path, bytes: &'a [u8], before: u64) -> Result<&'a str, Store
         let lines = bytes[..e.valid_up_to()].iter().filter(|b| **b == b'\n').count() as u64;
         let line = 1 + before + lines;
         let what = format!("line {line} is not UTF-8 text");
-        let remedy =
-            "set encoding = \"latin-1\" or \"utf-16\" in [file], or save the file as UTF-8";
+        let remedy = if is_windows_1252(bytes) {
+            "set encoding = \"windows-1252\" in [file], or save the file as UTF-8"
+        } else {
+            "set encoding = \"latin-1\" or \"utf-16\" in [file], or save the file as UTF-8"
+        };
         StoreError::new(path, what, remedy)
     })
 }
@@ -165,6 +218,20 @@ mod tests {
     }
 
     #[test]
+    fn bytes_that_windows_1252_lacks_are_refused_with_their_line() {
+        let read = |bytes: &[u8]| {
+            let text = decode(Path::new("x"), bytes, Encoding::Windows1252);
+            text.map(Cow::into_owned).map_err(|e| e.to_string())
+        };
+        assert_eq!(read(b"can\x92t \x93x\x94 \x80 \xe9"), Ok("can’t “x” € é".to_owned()));
+        for byte in [0x81, 0x8d, 0x8f, 0x90, 0x9d] {
+            let error = read(&[b'a', b'\n', byte]).unwrap_err();
+            assert!(error.contains("line 2 is not Windows-1252 text"), "{error}");
+        }
+        check(b"a\ncan\x92t\n", "line 2 is not UTF-8 text; set encoding = \"windows-1252\"");
+    }
+
+    #[test]
     fn every_encoding_gives_the_same_text() {
         let text = "Winkel (°);größe\n1;2\n";
         let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
@@ -176,6 +243,7 @@ mod tests {
         assert_eq!(read(&[b"\xfe\xff", big.as_slice()].concat(), Encoding::Utf8), text);
         assert_eq!(read(&little, Encoding::Utf16), text);
         assert_eq!(read(&latin, Encoding::Latin1), text);
+        assert_eq!(read(&latin, Encoding::Windows1252), text);
         assert_eq!(read(text.as_bytes(), Encoding::Utf8), text);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::world::{FORCE, ONE, trials_map};
 use super::Becomes::{Flagged, Read, Refused};
-use super::{PLAIN, Row, mapped, plain};
+use super::{PLAIN, Row, file, mapped, plain};
 
 /// Cells as other programs write them.
 pub(super) fn cells_of_others() -> Vec<Row> {
@@ -16,6 +16,7 @@ pub(super) fn cells_of_others() -> Vec<Row> {
         let rows: String = lines.map(|line| format!("{line},{cell}\n")).collect();
         format!("{header},{name}\n{rows}")
     };
+    let quotes = b"t,f,the lever\x92s\n0,1.5,1\n0.5,-2,1\n1,4,1\n";
     vec![
         plain(
             "`None` for a missing value",
@@ -37,6 +38,27 @@ pub(super) fn cells_of_others() -> Vec<Row> {
             "missing = \"drop\"\nmissing_words = [\"-2\"]",
             "-2",
             "-2.0",
+        ),
+        file(
+            "quotes of Windows-1252, not said",
+            (Refused, "line 1 is not UTF-8 text; set encoding = \"windows-1252\""),
+            "",
+            "a.csv",
+            quotes,
+        ),
+        file(
+            "quotes of Windows-1252, called Latin-1",
+            (Flagged, "as Latin-1 it has control characters among its letters"),
+            "encoding = \"latin-1\"",
+            "a.csv",
+            quotes,
+        ),
+        file(
+            "quotes of Windows-1252, said",
+            (Read, ""),
+            "encoding = \"windows-1252\"",
+            "a.csv",
+            quotes,
         ),
         mapped(
             "a participant called as a missing value",
