@@ -16,7 +16,7 @@ pub mod array {
 /// Types of columns, and the schema that lists them.
 pub mod datatypes {
     pub use arrow_array::types::*;
-    pub use arrow_schema::{DataType, Field, FieldRef, Fields, Schema, SchemaRef};
+    pub use arrow_schema::{DataType, Field, FieldRef, Fields, Schema, SchemaRef, TimeUnit};
 }
 
 /// What Arrow refuses.

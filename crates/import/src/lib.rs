@@ -17,6 +17,7 @@ mod clock;
 mod convert;
 mod counter;
 mod csv;
+mod declared;
 mod exclusions;
 mod feather;
 mod format;
@@ -38,6 +39,7 @@ mod limits;
 mod long;
 mod mapping;
 mod mat;
+mod matlab;
 mod mend;
 #[cfg(test)]
 mod mistakes;

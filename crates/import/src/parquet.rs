@@ -3,16 +3,20 @@
 use super::limits::{
     MOST_TEXT, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, shown, too_many_rows, too_much,
 };
-use super::table::{Cells, Table};
+use super::table::{Cells, Declared, Table};
 use ::parquet::arrow::ProjectionMask;
 use ::parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
 };
 use ::parquet::basic::Type as Physical;
 use ::parquet::errors::ParquetError;
-use arrow::array::{ArrayRef, AsArray, Float64Builder, LargeStringBuilder, StringArray};
+use arrow::array::{
+    ArrayRef, AsArray, Float64Builder, LargeStringBuilder, StringArray, make_array,
+};
 use arrow::compute::floats;
-use arrow::datatypes::{DataType, FieldRef, Fields, Int32Type, Schema};
+use arrow::datatypes::{
+    DataType, FieldRef, Fields, Int32Type, Int64Type, Schema, TimeUnit, UInt64Type,
+};
 use bytes::Bytes;
 use std::path::Path;
 use std::sync::Arc;
@@ -55,7 +59,11 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, take: &Take) -> Result<Table, St
     });
     let columns = columns.collect();
     let names = fields.iter().map(|f| f.name().clone()).collect();
-    Ok(Table { names: Some(names), columns, ..Table::default() })
+    let units = fields.iter().enumerate().filter_map(|(place, field)| {
+        let unit = unit(field.data_type())?.to_owned();
+        Some((place, Declared { unit, is_type: true }))
+    });
+    Ok(Table { names: Some(names), columns, units: units.collect(), ..Table::default() })
 }
 
 /// The number of rows, where it and that of the columns are ones that are read.
@@ -129,6 +137,8 @@ fn word() -> DataType {
 /// A column that grows batch by batch.
 enum Growing {
     Numbers(Float64Builder),
+    /// Numbers of which a double may not hold every digit.
+    Whole(Vec<Option<i128>>),
     Text(LargeStringBuilder),
 }
 
@@ -136,6 +146,7 @@ impl Growing {
     fn new(kind: Kind) -> Self {
         match kind {
             Kind::Number => Self::Numbers(Float64Builder::new()),
+            Kind::Whole => Self::Whole(Vec::new()),
             Kind::Text => Self::Text(LargeStringBuilder::new()),
         }
     }
@@ -145,6 +156,28 @@ impl Growing {
         match self {
             Self::Numbers(numbers) => {
                 numbers.extend(&floats(array)?);
+            }
+            Self::Whole(whole) => {
+                let data = array.to_data();
+                match array.data_type() {
+                    DataType::UInt64 => {
+                        let numbers = array.as_primitive::<UInt64Type>();
+                        whole.extend(numbers.iter().map(|number| number.map(i128::from)));
+                    }
+                    // Times and dates are whole numbers of eight bytes, or of four.
+                    kind if kind.primitive_width() == Some(size_of::<i64>()) => {
+                        let data = data.into_builder().data_type(DataType::Int64).build()?;
+                        let numbers = make_array(data);
+                        let numbers = numbers.as_primitive::<Int64Type>();
+                        whole.extend(numbers.iter().map(|number| number.map(i128::from)));
+                    }
+                    _ => {
+                        let data = data.into_builder().data_type(DataType::Int32).build()?;
+                        let numbers = make_array(data);
+                        let numbers = numbers.as_primitive::<Int32Type>();
+                        whole.extend(numbers.iter().map(|number| number.map(i128::from)));
+                    }
+                }
             }
             Self::Text(texts) => {
                 let words = array
@@ -173,6 +206,7 @@ impl Growing {
     fn finish(self) -> Cells {
         match self {
             Self::Numbers(mut numbers) => Cells::Numbers(numbers.finish()),
+            Self::Whole(whole) => Cells::whole(whole.into_iter()),
             Self::Text(mut texts) => Cells::Text(texts.finish()),
         }
     }
@@ -186,6 +220,8 @@ fn unreadable(path: &Path, why: &str) -> StoreError {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Number,
+    /// A number of eight bytes without decimals, or a time.
+    Whole,
     Text,
 }
 
@@ -204,15 +240,40 @@ fn kind(metadata: &ArrowReaderMetadata, root: usize) -> Option<Kind> {
     };
     match of_type(metadata.schema().field(root).data_type())? {
         Kind::Number => short.then_some(Kind::Number),
+        // Old programs have times in twelve bytes.
+        Kind::Whole => (short || leaf.physical_type() == Physical::INT96).then_some(Kind::Whole),
         Kind::Text => (leaf.physical_type() == Physical::BYTE_ARRAY).then_some(Kind::Text),
     }
 }
 
 fn of_type(data_type: &DataType) -> Option<Kind> {
     match data_type {
-        DataType::Dictionary(_, values) => of_type(values),
+        DataType::Dictionary(_, values) => of_type(values).map(|kind| match kind {
+            Kind::Text => Kind::Text,
+            Kind::Number | Kind::Whole => Kind::Number,
+        }),
         DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => Some(Kind::Text),
+        DataType::Int64 | DataType::UInt64 => Some(Kind::Whole),
+        time if unit(time).is_some() => Some(Kind::Whole),
         numeric if numeric.is_numeric() => Some(Kind::Number),
+        _ => None,
+    }
+}
+
+/// The unit of a type of times: a duration, a moment since 1970 or a time of day in it, a date in days.
+fn unit(data_type: &DataType) -> Option<&'static str> {
+    match data_type {
+        DataType::Duration(unit)
+        | DataType::Timestamp(unit, _)
+        | DataType::Time32(unit)
+        | DataType::Time64(unit) => Some(match unit {
+            TimeUnit::Second => "s",
+            TimeUnit::Millisecond => "ms",
+            TimeUnit::Microsecond => "us",
+            TimeUnit::Nanosecond => "ns",
+        }),
+        DataType::Date32 => Some("d"),
+        DataType::Date64 => Some("ms"),
         _ => None,
     }
 }

@@ -38,6 +38,8 @@ pub(super) struct Taken<'a> {
     pub(super) factor: f64,
     /// Where it starts over, in the unit named.
     pub(super) wrap: Option<f64>,
+    /// The unit named, and how the mapping spells it.
+    pub(super) unit: (&'static unit::Unit, &'a str),
 }
 
 /// Joins the mapping with the study.
@@ -152,7 +154,7 @@ impl<'a> Plan<'a> {
         context: &Context,
         to: Signal,
         from: &'a ColumnRef,
-        (unit, unit_text): (&'static unit::Unit, &str),
+        (unit, unit_text): (&'static unit::Unit, &'a str),
         line: Linear,
     ) -> Result<(), StoreError> {
         let (factor, length) = unit::factor(unit, to, context.study).map_err(|lacks| {
@@ -179,7 +181,7 @@ impl<'a> Plan<'a> {
                 self.computed.push(words);
             }
         }
-        self.taken.push(Taken { to, from, line, factor, wrap: None });
+        self.taken.push(Taken { to, from, line, factor, wrap: None, unit: (unit, unit_text) });
         Ok(())
     }
 }

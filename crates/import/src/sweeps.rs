@@ -11,7 +11,7 @@ use super::recording::{Gaps, Recording};
 use super::report::FileReport;
 use super::table::ColumnRef;
 use super::wide::wide;
-use super::{Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, all, identity, once};
+use super::{Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, all, identity, once, unit};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::{GAPS, LOST, StoreError, Sweep, hex_blake3, sweep_bytes};
@@ -152,10 +152,16 @@ fn pairs(
         }
         _ => None,
     };
+    let numeric = all(form.columns().into_iter().map(|c| recording.find(c)))?;
+    // The time is the last of the columns.
+    if let (Some(Time::Column { unit, unit_text, line, .. }), Some(place)) =
+        (&form.time, numeric.get(2))
+    {
+        recording.table.told.extend(recording.check_unit(*place, (unit, unit_text), line)?);
+    }
     if let Some(time) = time {
         recording.read_clock(time, time.from_first)?;
     }
-    let numeric = all(form.columns().into_iter().map(|c| recording.find(c)))?;
     let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
     let mut rows = recording.rows(&context.mapping.file, &numeric, &label_columns)?;
     if let Some(time) = time {
@@ -188,7 +194,15 @@ fn pairs(
         }
         None => report.null.push("t_s".to_owned()),
     }
-    for (side, (from, q)) in [("command", &form.command), ("response", &form.response)] {
+    let sides = [("command", &form.command), ("response", &form.response)];
+    for (place, (side, (from, q))) in numeric.iter().zip(sides) {
+        if let Some(unit) = unit::declared(q.quantity.unit.as_str()) {
+            report.told.extend(recording.check_unit(
+                *place,
+                (unit, q.quantity.unit.as_str()),
+                &q.line,
+            )?);
+        }
         note(&mut report, side, &from.to_string(), q);
     }
     Ok((pieces, report))

@@ -5,6 +5,7 @@ use super::spelling::plain;
 use arrow::array::{Array, Float64Array, LargeStringArray, LargeStringBuilder};
 use serde::Deserialize;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// A column, by its name or by its place (from 1).
@@ -81,6 +82,17 @@ impl Cells {
         built.map_or(Self::Unread, |mut built| Self::Text(built.finish()))
     }
 
+    /// Whole numbers: as numbers if a double holds each of them, else as texts, which lose no digit where
+    /// a time is taken from the first sample on.
+    #[allow(clippy::cast_precision_loss)] // Checked.
+    pub(super) fn whole(values: impl Iterator<Item = Option<i128>> + Clone) -> Self {
+        const MOST: u128 = 1 << f64::MANTISSA_DIGITS;
+        if values.clone().flatten().all(|value| value.unsigned_abs() <= MOST) {
+            return Self::Numbers(values.map(|value| value.map(|value| value as f64)).collect());
+        }
+        Self::Text(values.map(|value| value.map(|value| value.to_string())).collect())
+    }
+
     /// How many cells.
     pub(super) fn len(&self) -> usize {
         match self {
@@ -119,6 +131,18 @@ pub(super) struct Table {
     pub(super) lost: Option<String>,
     /// Why what is made of it is to be read with care.
     pub(super) doubts: Vec<String>,
+    /// The units that the file names, by the places of their columns.
+    pub(super) units: BTreeMap<usize, Declared>,
+}
+
+/// The unit that a file names of a column.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Declared {
+    /// As the file spells it.
+    pub(super) unit: String,
+    /// Whether it belongs to the type of the numbers, so that no other can be meant; else it is a word of
+    /// somebody who may have been wrong.
+    pub(super) is_type: bool,
 }
 
 /// Where a file has rows without any value. Each is a place at which no sample was taken.

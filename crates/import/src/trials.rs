@@ -14,7 +14,8 @@ use super::report::{FileReport, RowsDropped, null_columns};
 use super::stream::{Growing, Source as LongText};
 use super::table::ColumnRef;
 use super::{
-    Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, all, counter, once, outline, zero,
+    Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, all, counter, once, outline, unit,
+    zero,
 };
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -374,11 +375,23 @@ fn convert(
     budget: &Budget,
     recording: &mut Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
+    let numeric = all(plan.columns().map(|column| recording.find(column)))?;
+    let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
+    let mut other_units = all(plan
+        .taken
+        .iter()
+        .zip(&numeric)
+        .map(|(taken, place)| recording.check_unit(*place, taken.unit, &taken.line)))?;
+    other_units.extend(all(plan.channels.iter().zip(&numeric[plan.taken.len()..]).map(
+        |(channel, place)| match unit::declared(&channel.unit) {
+            Some(unit) => recording.check_unit(*place, (unit, &channel.unit), &channel.line),
+            None => Ok(None),
+        },
+    ))?);
+    let other_units: Vec<String> = other_units.into_iter().flatten().collect();
     if let Some(time) = plan.time {
         recording.read_clock(time, time.from_first)?;
     }
-    let numeric = all(plan.columns().map(|column| recording.find(column)))?;
-    let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let needed = all(who.needed_columns().into_iter().map(|c| recording.find(c)))?;
     recording.height(&numeric, &labels)?;
     let mut rows = recording.rows(&context.mapping.file, &numeric, &needed)?;
@@ -415,7 +428,8 @@ fn convert(
             }
             None => None,
         };
-        let doubts = recording.table.doubts.iter().cloned().chain(zeros.doubts).chain(missing);
+        let known = recording.table.doubts.iter().chain(&other_units).cloned();
+        let doubts = known.chain(zeros.doubts).chain(missing);
         let doubts = doubts.collect();
         let notes = Notes { gaps, lost, zeros: zeros.words, doubts };
         Ok::<_, Errors>(Piece { identity, samples, notes })

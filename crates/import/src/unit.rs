@@ -76,7 +76,7 @@ const MINUTE: f64 = 60.0;
 const DAY: f64 = 86_400.0;
 
 // Two letters look like µ, the sign of micro and the Greek letter: both are typed.
-const UNITS: [Unit; 45] = [
+const UNITS: [Unit; 46] = [
     unit(&["s", "sec"], Time, 1.0),
     unit(&["ms", "msec"], Time, 1e-3),
     unit(&["µs", "μs", "us"], Time, 1e-6),
@@ -121,6 +121,7 @@ const UNITS: [Unit; 45] = [
     unit(&["V"], Voltage, 1.0),
     unit(&["mV"], Voltage, 1e-3),
     unit(&["kV"], Voltage, 1e3),
+    unit(&["µV", "μV", "uV"], Voltage, 1e-6),
     unit(&["counts", "count"], Counts, 1.0),
     unit(&["bits"], Bits, 1.0),
 ];
@@ -128,6 +129,46 @@ const UNITS: [Unit; 45] = [
 /// The unit of that spelling, where it is one we know.
 pub(super) fn find(text: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|u| u.spellings.contains(&text))
+}
+
+/// Units in words, as files name them; each also with an s at its end.
+const WORDS: [(&str, &str); 25] = [
+    ("second", "s"),
+    ("millisecond", "ms"),
+    ("microsecond", "us"),
+    ("nanosecond", "ns"),
+    ("minute", "min"),
+    ("radian", "rad"),
+    ("revolution", "rev"),
+    ("meter", "m"),
+    ("metre", "m"),
+    ("centimeter", "cm"),
+    ("centimetre", "cm"),
+    ("millimeter", "mm"),
+    ("millimetre", "mm"),
+    ("micrometer", "um"),
+    ("inch", "in"),
+    ("newton", "N"),
+    ("millinewton", "mN"),
+    ("kilonewton", "kN"),
+    ("newton meter", "N·m"),
+    ("newton metre", "N·m"),
+    ("newton-meter", "N·m"),
+    ("volt", "V"),
+    ("millivolt", "mV"),
+    ("microvolt", "uV"),
+    ("kilovolt", "kV"),
+];
+
+/// The unit that a file names, as people spell units: `N`, `newtons`, `Volts`.
+pub(super) fn declared(text: &str) -> Option<&'static Unit> {
+    let small = text.trim().to_lowercase();
+    let word = small.strip_suffix('s').filter(|_| small.len() > 2).unwrap_or(&small);
+    let known = WORDS.iter().find(|(known, _)| *known == word || *known == small);
+    // Case matters where a letter is all that parts two units: mN is no MN.
+    find(text.trim())
+        .or_else(|| find(known?.1))
+        .or_else(|| find(&small).filter(|unit| unit.dimension != Force && small.len() > 2))
 }
 
 /// The spelling of the one unit of `signal` that is written so in other letters: `mn` of a force is

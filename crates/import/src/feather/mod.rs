@@ -13,7 +13,7 @@ mod values;
 use super::limits::{
     MOST_COLUMNS, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown, too_many_rows, too_much,
 };
-use super::table::{Cells, Table};
+use super::table::{Cells, Declared, Table};
 use arrow_ipc::{Block, Endianness, Field, Footer, root_as_footer};
 use batch::{Batch, Layout, Room, batch_of, dictionary_of};
 use std::collections::BTreeMap;
@@ -72,7 +72,11 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
         Ok(_) => Cells::Unread,
     });
     let columns = columns.collect();
-    Ok(Table { names: Some(names), columns, ..Table::default() })
+    let units = fields.iter().enumerate().filter_map(|(place, field)| {
+        let unit = values::unit(field)?.to_owned();
+        Some((place, Declared { unit, is_type: true }))
+    });
+    Ok(Table { names: Some(names), columns, units: units.collect(), ..Table::default() })
 }
 
 /// Adds the rows of a batch to the columns taken.

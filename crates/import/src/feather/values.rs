@@ -4,7 +4,7 @@ use super::super::limits::MOST_TEXT;
 use super::super::table::Cells;
 use super::batch::{Batch, Place, Room};
 use arrow::array::{Float64Builder, LargeStringBuilder};
-use arrow_ipc::{Field, Precision, Type};
+use arrow_ipc::{DateUnit, Field, Precision, TimeUnit, Type};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -40,6 +40,19 @@ impl Number {
     fn size(self) -> usize {
         match self {
             Self::Signed(size) | Self::Unsigned(size) | Self::Float(size) => size,
+        }
+    }
+
+    /// The number in bytes of its size, if it is a whole one.
+    fn whole(self, bytes: &[u8]) -> i128 {
+        let mut eight = [0; 8];
+        eight[..bytes.len()].copy_from_slice(bytes);
+        match self {
+            Self::Unsigned(_) => i128::from(u64::from_le_bytes(eight)),
+            _ => {
+                let unused = 64 - 8 * bytes.len();
+                i128::from(i64::from_le_bytes(eight) << unused >> unused)
+            }
         }
     }
 
@@ -86,12 +99,7 @@ pub(super) fn kind(field: &Field) -> Result<Kind, String> {
     };
     known.ok_or_else(|| {
         let name = field.type_type().variant_name().unwrap_or("unknown").trim_end_matches('_');
-        match field.type_type() {
-            Type::Timestamp | Type::Date | Type::Time | Type::Duration => {
-                format!("its type {name} is a date or a time of its own; write it as a number of seconds")
-            }
-            _ => format!("its type {name} is neither number nor text"),
-        }
+        format!("its type {name} is neither number nor text")
     })
 }
 
@@ -103,8 +111,35 @@ fn number(field: &Field) -> Option<Number> {
             Precision::DOUBLE => Some(Number::Float(8)),
             _ => None,
         },
+        Type::Timestamp | Type::Duration => Some(Number::Signed(8)),
+        Type::Time => int(field.type_as_time()?.bitWidth(), true),
+        Type::Date if field.type_as_date()?.unit() == DateUnit::DAY => Some(Number::Signed(4)),
+        Type::Date => Some(Number::Signed(8)),
         _ => None,
     }
+}
+
+/// The unit of a column of times: of a duration, a moment since 1970 or a time of day; of a date, days.
+pub(super) fn unit(field: &Field) -> Option<&'static str> {
+    if field.dictionary().is_some() {
+        return None;
+    }
+    let unit = match field.type_type() {
+        Type::Timestamp => field.type_as_timestamp()?.unit(),
+        Type::Duration => field.type_as_duration()?.unit(),
+        Type::Time => field.type_as_time()?.unit(),
+        Type::Date if field.type_as_date()?.unit() == DateUnit::DAY => return Some("d"),
+        Type::Date => TimeUnit::MILLISECOND,
+        _ => return None,
+    };
+    [
+        (TimeUnit::SECOND, "s"),
+        (TimeUnit::MILLISECOND, "ms"),
+        (TimeUnit::MICROSECOND, "us"),
+        (TimeUnit::NANOSECOND, "ns"),
+    ]
+    .into_iter()
+    .find_map(|(known, word)| (known == unit).then_some(word))
 }
 
 fn int(bits: i32, is_signed: bool) -> Option<Number> {
@@ -227,12 +262,15 @@ pub(super) struct Growing {
 
 enum Built {
     Numbers(Float64Builder),
+    /// Numbers of which a double may not hold every digit.
+    Whole(Vec<Option<i128>>),
     Texts(LargeStringBuilder),
 }
 
 impl Growing {
     pub(super) fn new(kind: Kind) -> Self {
         let built = match kind {
+            Kind::Number(Number::Signed(8) | Number::Unsigned(8)) => Built::Whole(Vec::new()),
             Kind::Number(_) => Built::Numbers(Float64Builder::new()),
             _ => Built::Texts(LargeStringBuilder::new()),
         };
@@ -251,6 +289,12 @@ impl Growing {
             (Built::Numbers(built), Kind::Number(number)) => {
                 numbers(batch, at.buffers, number, &mut |value| {
                     built.append_option(value.map(|value| number.read(value)));
+                    Ok(())
+                })
+            }
+            (Built::Whole(built), Kind::Number(number)) => {
+                numbers(batch, at.buffers, number, &mut |value| {
+                    built.push(value.map(|value| number.whole(value)));
                     Ok(())
                 })
             }
@@ -276,6 +320,7 @@ impl Growing {
     pub(super) fn finish(self) -> Cells {
         match self.built {
             Built::Numbers(mut built) => Cells::Numbers(built.finish()),
+            Built::Whole(built) => Cells::whole(built.into_iter()),
             Built::Texts(mut built) => Cells::Text(built.finish()),
         }
     }

@@ -3,7 +3,9 @@
 //! The library `hdf5-pure` reads the format. What a file claims is held against limits before the
 //! library takes memory for it, and a library that gives up on a damaged file is an error of ours.
 
+mod fields;
 mod links;
+mod packing;
 #[cfg(test)]
 pub(super) mod tests;
 
@@ -11,11 +13,14 @@ use super::limits::{
     MOST_COLUMNS, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown,
     too_many_rows, too_much,
 };
-use super::table::{Cells, ColumnRef, Table};
+use super::matlab::other_class;
+use super::table::{Cells, ColumnRef, Declared, Table};
 use super::text::HDF5;
 use arrow::array::Float64Array;
-use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
+use fields::{Fields, octave_range};
+use hdf5_pure::{AttrValue, DType, Dataset, Datatype, File, Group};
 use links::{Links, MOST_DEPTH};
+use packing::Packing;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -44,9 +49,12 @@ pub(super) fn read(
     (matrix, order): (Option<&str>, Order),
     take: &Take,
 ) -> Result<Table, StoreError> {
-    let read = || match matrix {
-        None => vectors(path, bytes, take),
-        Some(matrix) => columns(path, bytes, (matrix, order), take),
+    let read = || {
+        let file = Opened::new(path, bytes, order)?;
+        match matrix {
+            None => vectors(&file, None, take),
+            Some(matrix) => columns(&file, matrix, take),
+        }
     };
     catch_unwind(AssertUnwindSafe(read))
         .unwrap_or_else(|_| Err(unreadable(path, "the library gave up on it")))
@@ -60,39 +68,83 @@ fn open(path: &Path, bytes: Vec<u8>) -> Result<File, StoreError> {
     File::from_bytes(bytes).map_err(|e| unreadable(path, &e.to_string()))
 }
 
-fn vectors(path: &Path, mut bytes: Vec<u8>, take: &Take) -> Result<Table, StoreError> {
-    let of = (path, bytes.len() as u64);
-    let links = Links::take_out(&mut bytes);
-    let file = open(path, bytes)?;
+/// Reads the vectors of a file, those of one group alone if `within` names it.
+fn vectors(file: &Opened, within: Option<&str>, take: &Take) -> Result<Table, StoreError> {
+    let path = file.path;
     let mut table = Table { names: Some(Vec::new()), ..Table::default() };
-    for found in groups(path, &file)? {
+    for group in &file.groups {
+        let Some(before) = beginning(&group.before, within) else { continue };
         let first = table.columns.len();
-        check_columns(path, first + found.names.len())?;
-        let names: Vec<String> = found.names.iter().map(|name| found.full(name)).collect();
+        check_columns(path, first + group.names.len())?;
+        let names: Vec<String> =
+            group.names.iter().map(|name| spelled(format!("{before}{name}"), take)).collect();
         names.iter().try_for_each(|name| check_name(path, name))?;
         let wants: Vec<bool> = (first..).zip(&names).map(|(i, n)| take.wants(i, Some(n))).collect();
-        let opened = found.open(path, &wants)?;
-        for (name, data) in names.into_iter().zip(opened) {
-            table.columns.push(match data {
-                Some(data) => vector(of, &data, take)?,
-                None => Cells::Unread,
-            });
-            table.names.get_or_insert_default().push(name);
+        let opened = group.open(path, &wants)?;
+        for ((name, own_name), data) in names.into_iter().zip(&group.names).zip(opened) {
+            let column = match data {
+                Some(data) => file.vector(group, own_name, &data, take)?,
+                None => Column::from(Cells::Unread),
+            };
+            column.add_to(&mut table, name);
         }
     }
-    // A link is a column where it is asked for by its name.
+    // Links, columns of matrices and fields of tables are columns where they are asked for by name.
     for column in &take.columns {
         let ColumnRef::Name(name) = column else { continue };
-        let known = table.names.get_or_insert_default();
-        if known.contains(name) {
+        if table.names.iter().flatten().any(|known| known == name) {
             continue;
         }
-        if let Some(data) = linked(path, &file, &links, name)? {
-            known.push(name.clone());
-            table.columns.push(vector(of, &data, take)?);
+        if let Some(column) = file.asked_for(within, name, take)? {
+            column.add_to(&mut table, name.clone());
         }
     }
     Ok(table)
+}
+
+/// How the name of a data set begins that lies in this group: by its path from the group `within`, or
+/// from the root; nothing if it lies elsewhere.
+fn beginning<'a>(before: &'a str, within: Option<&str>) -> Option<&'a str> {
+    match within {
+        None => Some(before),
+        Some(within) => before.strip_prefix(within)?.strip_prefix('/'),
+    }
+}
+
+/// A path as the mapping spells it: MATLAB has points where HDF5 has strokes.
+fn spelled(full: String, take: &Take) -> String {
+    let dotted = take.columns.iter().find_map(|column| match column {
+        ColumnRef::Name(name) if name.contains('.') && name.replace('.', "/") == full => {
+            Some(name.clone())
+        }
+        _ => None,
+    });
+    dotted.unwrap_or(full)
+}
+
+/// A data set as a column, and what is said of it.
+struct Column {
+    cells: Cells,
+    told: Option<String>,
+    unit: Option<String>,
+}
+
+impl From<Cells> for Column {
+    fn from(cells: Cells) -> Self {
+        Self { cells, told: None, unit: None }
+    }
+}
+
+impl Column {
+    fn add_to(self, table: &mut Table, name: String) {
+        if let Some(unit) = self.unit {
+            let place = table.columns.len();
+            table.units.insert(place, Declared { unit, is_type: false });
+        }
+        table.told.extend(self.told.map(|told| format!("column {}: {told}", shown(&name))));
+        table.names.get_or_insert_default().push(name);
+        table.columns.push(self.cells);
+    }
 }
 
 /// The data set to which a link leads, if the name is that of a link or of something behind one.
@@ -122,6 +174,10 @@ struct Found {
     /// The path of the group, ending in a stroke, or nothing for the root.
     before: String,
     names: Vec<String>,
+    /// Whether Octave wrote it: a variable, of which `value` has the dimensions as MATLAB has them.
+    is_octave: bool,
+    /// What its data sets are where they are no numbers of their own.
+    class: Option<String>,
 }
 
 /// Data sets of a group that are opened by name: each is looked for among all of its links, while to
@@ -168,99 +224,331 @@ fn groups(path: &Path, file: &File) -> Result<Vec<Found>, StoreError> {
             }
             left.push((format!("{before}{name}/"), group, depth + 1));
         }
-        all.push(Found { group, before, names });
+        let attributes = group.attrs().map_err(failed)?;
+        let is_octave = attributes.contains_key("OCTAVE_NEW_FORMAT");
+        let class = if attributes.contains_key("MATLAB_sparse")
+            || ["ridx", "cidx"].iter().all(|part| names.iter().any(|name| name == part))
+        {
+            Some("part of a sparse matrix; save the full one".to_owned())
+        } else if attributes.contains_key("OCTAVE_EMPTY_MATRIX") {
+            Some("empty".to_owned())
+        } else if is_octave {
+            let kind = group.dataset("type").and_then(|kind| kind.read_string());
+            let kind = kind.ok().and_then(|mut all| all.pop()).unwrap_or_default();
+            kind.contains("string").then(|| "text".to_owned())
+        } else {
+            None
+        };
+        all.push(Found { group, before, names, is_octave, class });
     }
     Ok(all)
 }
 
-/// A data set as a column: its values if it is a vector of numbers, else why not.
-fn vector(of: (&Path, u64), data: &Dataset, take: &Take) -> Result<Cells, StoreError> {
-    let (path, _) = of;
-    let size = size(path, data)?;
-    if let Some(class) = class(data) {
-        return Ok(Cells::Other(format!("it is {class}; {HDF5}")));
-    }
-    if size.iter().filter(|n| **n != 1).count() > 1 {
-        let size = size.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
-        return Ok(Cells::Other(format!(
-            "it is a {size} matrix; name it as matrix in [file] to use its columns"
-        )));
-    }
-    let rows: usize = size.iter().product();
-    if rows > MOST_WHOLE_ROWS {
-        return Err(too_many_rows(path, &rows.to_string()));
-    }
-    if !take.budget.cells(rows) {
-        return Err(too_much(path));
-    }
-    Ok(Cells::Numbers(Float64Array::from(values(of, data, rows)?)))
+/// A file whose groups are known.
+struct Opened<'a> {
+    path: &'a Path,
+    /// Bytes of the file.
+    length: u64,
+    order: Order,
+    file: File,
+    links: Links,
+    groups: Vec<Found>,
 }
 
-/// A matrix' columns by position.
-fn columns(
-    path: &Path,
-    mut bytes: Vec<u8>,
-    (matrix, order): (&str, Order),
-    take: &Take,
-) -> Result<Table, StoreError> {
-    let of = (path, bytes.len() as u64);
-    let links = Links::take_out(&mut bytes);
-    let file = open(path, bytes)?;
-    let (mut names, mut found) = (Vec::new(), None);
-    for group in groups(path, &file)? {
-        check_columns(path, names.len() + group.names.len())?;
-        for name in &group.names {
-            let full = group.full(name);
-            check_name(path, &full)?;
-            if full == matrix {
+impl<'a> Opened<'a> {
+    fn new(path: &'a Path, mut bytes: Vec<u8>, order: Order) -> Result<Self, StoreError> {
+        let length = bytes.len() as u64;
+        let links = Links::take_out(&mut bytes);
+        let file = open(path, bytes)?;
+        let groups = groups(path, &file)?;
+        Ok(Self { path, length, order, file, links, groups })
+    }
+
+    /// The data set at a path, with its group and its own name.
+    fn find(&self, full: &str) -> Result<Option<(&Found, &str, Dataset)>, StoreError> {
+        for group in &self.groups {
+            let Some(name) = full.strip_prefix(&group.before) else { continue };
+            if let Some(name) = group.names.iter().find(|known| *known == name) {
                 let data = group.group.dataset(name);
-                found = Some(data.map_err(|e| unreadable(path, &e.to_string()))?);
+                let data = data.map_err(|e| unreadable(self.path, &e.to_string()))?;
+                return Ok(Some((group, name, data)));
             }
-            names.push(shown(&full).into_owned());
+        }
+        Ok(None)
+    }
+
+    /// A column that no vector of the file is: what a link leads to, a column of a matrix, `rig/data(2)`, or
+    /// the field of a table, `rig/data/force`.
+    fn asked_for(
+        &self,
+        within: Option<&str>,
+        name: &str,
+        take: &Take,
+    ) -> Result<Option<Column>, StoreError> {
+        let full = within.map_or_else(|| name.to_owned(), |within| format!("{within}/{name}"));
+        if let Some(data) = linked(self.path, &self.file, &self.links, &full)? {
+            // What a group says of its data sets is said of those that lie in it.
+            let Some(group) = self.groups.first() else { return Ok(None) };
+            return self.vector(group, "", &data, take).map(Some);
+        }
+        for full in [full.clone(), full.replace('.', "/")] {
+            if let Some((matrix, place)) = place_in_matrix(&full)
+                && let Some((group, own_name, data)) = self.find(matrix)?
+            {
+                let mut all =
+                    self.matrix(group, own_name, matrix, &data, &|at| at == place, take)?;
+                let wrong = || {
+                    let what = format!("it has {} columns", all.columns.len());
+                    StoreError::new(self.path, what, "name one of them, from 1").column(name)
+                };
+                if place >= all.columns.len() {
+                    return Err(wrong());
+                }
+                let unit = all.units.remove(&place).map(|declared| declared.unit);
+                let cells = all.columns.swap_remove(place);
+                return Ok(Some(Column { cells, told: all.told.pop(), unit }));
+            }
+            let Some((parent, field)) = full.rsplit_once('/') else { continue };
+            if let Some((_, _, data)) = self.find(parent)?
+                && let Some(fields) = Fields::new(&data)
+                && let Some(cells) = self.field(&data, &fields, field, take)?
+            {
+                return Ok(Some(Column::from(cells)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The values of a field of a table.
+    fn field(
+        &self,
+        data: &Dataset,
+        fields: &Fields,
+        name: &str,
+        take: &Take,
+    ) -> Result<Option<Cells>, StoreError> {
+        let path = self.path;
+        let rows: usize = size(path, data)?.iter().product();
+        check_size(path, data, rows, self.length)?;
+        if rows > MOST_WHOLE_ROWS {
+            return Err(too_many_rows(path, &rows.to_string()));
+        }
+        if !take.budget.cells(rows) {
+            return Err(too_much(path));
+        }
+        let bytes = data.read_raw().map_err(|e| unreadable(path, &e.to_string()))?;
+        Ok(fields.values(name, &bytes, rows))
+    }
+
+    /// A data set as a column: its values if it is a vector of numbers, else why not.
+    fn vector(
+        &self,
+        group: &Found,
+        own_name: &str,
+        data: &Dataset,
+        take: &Take,
+    ) -> Result<Column, StoreError> {
+        let path = self.path;
+        if let Some(range) = octave_range(data) {
+            let range = range.map_err(|what| unreadable(path, &what))?;
+            if range.len() > MOST_WHOLE_ROWS || !take.budget.cells(range.len()) {
+                return Err(too_much(path));
+            }
+            return Ok(Cells::Numbers(Float64Array::from(range)).into());
+        }
+        let size = size(path, data)?;
+        if let Some(fields) = Fields::new(data) {
+            let names = fields.names().take(MOST_LISTED).collect::<Vec<_>>().join(", ");
+            return Ok(Cells::Other(format!(
+                "it is a table of the fields {}; name one of them behind a stroke, as {own_name}/…, or name it as matrix \
+                 in [file]",
+                shown(&names)
+            ))
+            .into());
+        }
+        if let Some(class) = class(group, own_name, data) {
+            return Ok(Cells::Other(format!("it is {class}; {HDF5}")).into());
+        }
+        if size.iter().filter(|n| **n != 1).count() > 1 {
+            let size = size.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
+            return Ok(Cells::Other(format!(
+                "it is a {size} matrix; name it as matrix in [file] to use its columns, or one of them, as {own_name}(1)"
+            ))
+            .into());
+        }
+        let packing = match packing(group, own_name, data) {
+            Ok((packing, None)) => packing,
+            Ok((_, Some(_))) => {
+                let what = "it has a factor for each channel (channel_conversion) beside it; name it as matrix in [file]";
+                return Ok(Cells::Other(what.to_owned()).into());
+            }
+            Err(what) => return Ok(Cells::Other(what).into()),
+        };
+        let rows: usize = size.iter().product();
+        if rows > MOST_WHOLE_ROWS {
+            return Err(too_many_rows(path, &rows.to_string()));
+        }
+        if !take.budget.cells(rows) {
+            return Err(too_much(path));
+        }
+        let told = packing.words();
+        let cells = match data.dtype() {
+            Ok(DType::I64) if packing.is_plain() => {
+                check_size(path, data, rows, self.length)?;
+                let values = data.read_i64().map_err(|e| unreadable(path, &e.to_string()))?;
+                Cells::whole(values.iter().map(|value| Some(i128::from(*value))))
+            }
+            Ok(DType::U64) if packing.is_plain() => {
+                check_size(path, data, rows, self.length)?;
+                let values = data.read_u64().map_err(|e| unreadable(path, &e.to_string()))?;
+                Cells::whole(values.iter().map(|value| Some(i128::from(*value))))
+            }
+            _ => {
+                let stored = values(path, self.length, data, rows)?;
+                Cells::Numbers(packing.unpack(stored.into_iter(), 1.0))
+            }
+        };
+        if cells.len() != rows {
+            let what =
+                format!("a data set says that it has {rows} values, and has {}", cells.len());
+            return Err(unreadable(path, &what));
+        }
+        Ok(Column { cells, told, unit: packing.unit })
+    }
+
+    /// A matrix' columns by position, those that are wanted; a table's fields by name.
+    fn matrix(
+        &self,
+        group: &Found,
+        own_name: &str,
+        full: &str,
+        data: &Dataset,
+        wants: &dyn Fn(usize) -> bool,
+        take: &Take,
+    ) -> Result<Table, StoreError> {
+        let path = self.path;
+        let size = size(path, data)?;
+        if let Some(class) = class(group, own_name, data) {
+            return Err(StoreError::new(path, format!("it is {class}"), HDF5).column(full));
+        }
+        let order = if group.is_octave { Order::Columns } else { self.order };
+        let (rows, columns) = match (size.as_slice(), order) {
+            (&[rows], _) => (rows, 1),
+            (&[rows, columns], Order::Rows) | (&[columns, rows], Order::Columns) => (rows, columns),
+            _ => {
+                return Err(no_matrix(
+                    path,
+                    full,
+                    format!("it has {} dimensions where 2 belong", size.len()),
+                ));
+            }
+        };
+        check_columns(path, columns)?;
+        if rows > MOST_WHOLE_ROWS {
+            return Err(too_many_rows(path, &rows.to_string()));
+        }
+        let (packing, factors) =
+            packing(group, own_name, data).map_err(|what| no_matrix(path, full, what))?;
+        if factors.as_ref().is_some_and(|factors| factors.len() != columns) {
+            let what = format!(
+                "it has {columns} columns, and channel_conversion another number of factors"
+            );
+            return Err(no_matrix(path, full, what));
+        }
+        let all = values(path, self.length, data, rows.saturating_mul(columns))?;
+        let mut table = Table::default();
+        table.told.extend(packing.words());
+        for place in 0..columns {
+            table.columns.push(match wants(place) {
+                true if take.budget.cells(rows) => {
+                    let stored = (0..rows).map(|row| match order {
+                        Order::Rows => all[row * columns + place],
+                        Order::Columns => all[place * rows + row],
+                    });
+                    let factor = factors.as_ref().map_or(1.0, |factors| factors[place]);
+                    Cells::Numbers(packing.unpack(stored, factor))
+                }
+                true => return Err(too_much(path)),
+                false => Cells::Unread,
+            });
+            if let Some(unit) = packing.unit.clone() {
+                table.units.insert(place, Declared { unit, is_type: false });
+            }
+        }
+        Ok(table)
+    }
+}
+
+/// The matrix and the place (from 0) that a name such as `rig/data(2)` means.
+fn place_in_matrix(name: &str) -> Option<(&str, usize)> {
+    let (matrix, place) = name.strip_suffix(')')?.rsplit_once('(')?;
+    Some((matrix, place.parse::<usize>().ok()?.checked_sub(1)?))
+}
+
+/// What the attributes of a data set say of its numbers, and the factor of each of its channels where NWB has
+/// them in a data set beside it.
+fn packing(
+    group: &Found,
+    own_name: &str,
+    data: &Dataset,
+) -> Result<(Packing, Option<Vec<f64>>), String> {
+    const FACTORS: &str = "channel_conversion";
+    let packing = Packing::new(data)?;
+    if own_name != "data" || !group.names.iter().any(|name| name == FACTORS) {
+        return Ok((packing, None));
+    }
+    let factors = group.group.dataset(FACTORS).and_then(|factors| factors.read_f64());
+    let factors = factors.map_err(|e| format!("{FACTORS} beside it cannot be read: {e}"))?;
+    if factors.iter().all(|factor| factor.is_finite()) {
+        return Ok((packing, Some(factors)));
+    }
+    Err(format!("{FACTORS} beside it has factors that are not finite"))
+}
+
+fn no_matrix(path: &Path, matrix: &str, what: String) -> StoreError {
+    let remedy = "set matrix in [file] to a numeric matrix of the file";
+    StoreError::new(path, what, remedy).column(matrix)
+}
+
+/// A matrix' columns by position; the fields of a table and the vectors of a group by name.
+fn columns(file: &Opened, matrix: &str, take: &Take) -> Result<Table, StoreError> {
+    let path = file.path;
+    let slashed = matrix.replace('.', "/");
+    let found = match file.find(matrix)? {
+        None => file.find(&slashed)?,
+        found => found,
+    };
+    if let Some((group, own_name, data)) = found {
+        if let Some(fields) = Fields::new(&data) {
+            let mut table = Table::default();
+            for (place, name) in fields.names().enumerate() {
+                let cells = match take.wants(place, Some(name)) {
+                    true => file.field(&data, &fields, name, take)?,
+                    false => Some(Cells::Unread),
+                };
+                let other = || Cells::Other("it is a field without numbers of its own".to_owned());
+                Column::from(cells.unwrap_or_else(other)).add_to(&mut table, name.to_owned());
+            }
+            return Ok(table);
+        }
+        return file.matrix(group, own_name, matrix, &data, &|place| take.wants(place, None), take);
+    }
+    if let Some(data) = linked(path, &file.file, &file.links, matrix)? {
+        let Some(group) = file.groups.first() else { return Ok(Table::default()) };
+        return file.matrix(group, "", matrix, &data, &|place| take.wants(place, None), take);
+    }
+    for within in [matrix, &slashed] {
+        if file.groups.iter().any(|group| group.before.strip_suffix('/') == Some(within)) {
+            return vectors(file, Some(within), take);
         }
     }
-    if found.is_none() {
-        found = linked(path, &file, &links, matrix)?;
-    }
-    let wrong = |what: String| {
-        let remedy = "set matrix in [file] to a numeric matrix of the file";
-        StoreError::new(path, what, remedy).column(matrix)
-    };
-    let data = found.ok_or_else(|| {
-        let first = names.iter().take(MOST_LISTED).map(String::as_str);
-        let more = if names.len() > MOST_LISTED { ", …" } else { "" };
-        let list = first.collect::<Vec<_>>().join(", ");
-        wrong(format!("the data set is missing; the file has {list}{more}"))
-    })?;
-    let size = size(path, &data)?;
-    if let Some(class) = class(&data) {
-        return Err(StoreError::new(path, format!("it is {class}"), HDF5).column(matrix));
-    }
-    let (rows, columns) = match (size.as_slice(), order) {
-        (&[rows], _) => (rows, 1),
-        (&[rows, columns], Order::Rows) | (&[columns, rows], Order::Columns) => (rows, columns),
-        _ => return Err(wrong(format!("it has {} dimensions where 2 belong", size.len()))),
-    };
-    check_columns(path, columns)?;
-    if rows > MOST_WHOLE_ROWS {
-        return Err(too_many_rows(path, &rows.to_string()));
-    }
-    let all = values(of, &data, rows.saturating_mul(columns))?;
-    let at = |row: usize, place: usize| match order {
-        Order::Rows => row * columns + place,
-        Order::Columns => place * rows + row,
-    };
-    let mut table = Table::default();
-    for place in 0..columns {
-        table.columns.push(match take.wants(place, None) {
-            true if take.budget.cells(rows) => {
-                Cells::Numbers((0..rows).map(|row| Some(all[at(row, place)])).collect())
-            }
-            true => return Err(too_much(path)),
-            false => Cells::Unread,
-        });
-    }
-    Ok(table)
+    let names =
+        file.groups.iter().flat_map(|group| group.names.iter().map(|name| group.full(name)));
+    let names: Vec<String> = names.take(MOST_LISTED + 1).collect();
+    let first = names.iter().take(MOST_LISTED).map(|name| shown(name)).collect::<Vec<_>>();
+    let more = if names.len() > MOST_LISTED { ", …" } else { "" };
+    let what = format!("the data set is missing; the file has {}{more}", first.join(", "));
+    Err(no_matrix(path, matrix, what))
 }
 
 /// The dimensions of a data set; none of a single value.
@@ -270,31 +558,29 @@ fn size(path: &Path, data: &Dataset) -> Result<Vec<usize>, StoreError> {
 }
 
 /// What a data set is where it is not one of real numbers.
-fn class(data: &Dataset) -> Option<String> {
+fn class(group: &Found, own_name: &str, data: &Dataset) -> Option<String> {
     use DType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
     let attributes = data.attrs().unwrap_or_default();
-    let of_matlab = attributes.get("MATLAB_class").and_then(|value| match value {
-        AttrValue::String(text) | AttrValue::AsciiString(text) => Some(text.as_str()),
-        _ => None,
-    });
-    match (data.dtype(), of_matlab) {
-        _ if attributes.contains_key("MATLAB_empty") => Some("empty".to_owned()),
-        (_, Some(class @ ("char" | "cell" | "struct" | "function_handle"))) => {
-            Some(format!("a {class}"))
-        }
-        (Ok(F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64), _) => None,
-        (Ok(DType::Enum(_)), _) => None,
-        (Ok(DType::String | DType::VariableLengthString), _) => Some("text".to_owned()),
-        (Ok(DType::Compound(_)), _) => Some("a table of several fields, or complex".to_owned()),
-        (Ok(_), _) => Some("of a type that has no numbers".to_owned()),
-        (Err(error), _) => {
-            Some(format!("of a type that is not known: {}", shown(&error.to_string())))
-        }
+    if attributes.contains_key("MATLAB_empty") {
+        return Some("empty".to_owned());
+    }
+    let of_matlab = attributes.get("MATLAB_class").and_then(AttrValue::as_str);
+    let other = of_matlab.and_then(|class| other_class(class, own_name));
+    if let Some(class) = other.or_else(|| group.class.clone()) {
+        return Some(class);
+    }
+    match data.dtype() {
+        Ok(F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64 | DType::Enum(_)) => None,
+        Ok(DType::Other(kind)) if matches!(*kind, Datatype::FloatingPoint { size: 2, .. }) => None,
+        Ok(DType::String | DType::VariableLengthString) => Some("text".to_owned()),
+        Ok(DType::Compound(_)) => Some("a table of several fields, or complex".to_owned()),
+        Ok(_) => Some("of a type that has no numbers".to_owned()),
+        Err(error) => Some(format!("of a type that is not known: {}", shown(&error.to_string()))),
     }
 }
 
-/// The values of a data set, `n` of them, as they lie in a file of so many bytes.
-fn values((path, length): (&Path, u64), data: &Dataset, n: usize) -> Result<Vec<f64>, StoreError> {
+/// Checks what a data set of `n` values claims against what is read, in a file of so many bytes.
+fn check_size(path: &Path, data: &Dataset, n: usize, length: u64) -> Result<(), StoreError> {
     let failed = |e: hdf5_pure::Error| unreadable(path, &e.to_string());
     // A chunk that is not there is made of its fill value: the size claimed counts, of a chunk too.
     let chunk = data.chunk_shape().map_err(failed)?.unwrap_or_default();
@@ -311,7 +597,13 @@ fn values((path, length): (&Path, u64), data: &Dataset, n: usize) -> Result<Vec<
     if chunks.iter().any(|chunk| chunk.storage_size > length) {
         return Err(unreadable(path, "it is cut off or damaged: a chunk is longer than the file"));
     }
-    let values = data.read_f64().map_err(failed)?;
+    Ok(())
+}
+
+/// The values of a data set, `n` of them, as they lie in a file of so many bytes.
+fn values(path: &Path, length: u64, data: &Dataset, n: usize) -> Result<Vec<f64>, StoreError> {
+    check_size(path, data, n, length)?;
+    let values = data.read_f64().map_err(|e| unreadable(path, &e.to_string()))?;
     if values.len() == n {
         return Ok(values);
     }

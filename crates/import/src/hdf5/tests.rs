@@ -1,7 +1,7 @@
 use super::super::limits::Budget;
 use super::super::limits::tests::everything;
 use super::*;
-use hdf5_pure::FileBuilder;
+use hdf5_pure::{AttrValue, FileBuilder};
 
 /// Two vectors, one of them in a group and one as MATLAB has columns; a matrix, a text, and a
 /// whole number.
@@ -304,4 +304,68 @@ fn of_many_data_sets_in_a_group_few_and_many_are_read_alike() {
     let many = read_named(bytes.clone(), &names).unwrap();
     assert!(names.len() > MOST_BY_NAME && many.iter().all(|values| *values == [1.0, 2.0]));
     assert_eq!(read_named(bytes, &names[..3]).unwrap(), many[..3]);
+}
+
+/// A data set of whole numbers with these attributes, in a group.
+fn with_attributes(attributes: &[(&str, AttrValue)]) -> Vec<u8> {
+    let mut file = FileBuilder::new();
+    let mut rig = file.create_group("rig");
+    let data = rig.create_dataset("data").with_i16_data(&[1, -2, 3, 4, 5, 6]).with_shape(&[3, 2]);
+    for (name, value) in attributes {
+        data.set_attr(name, value.clone());
+    }
+    let one = rig.create_dataset("one").with_i16_data(&[1, -2, 300]).with_shape(&[3]);
+    for (name, value) in attributes {
+        one.set_attr(name, value.clone());
+    }
+    file.add_group(rig.finish());
+    file.finish().unwrap()
+}
+
+#[test]
+fn scales_and_offsets_of_attributes_are_applied_and_told_or_refused() {
+    let number = |name, value| (name, AttrValue::F64(value));
+    let all = |table: &Table| table.columns.iter().map(numbers).collect::<Vec<_>>();
+    for attributes in [
+        [number("scale_factor", 0.5), number("add_offset", 1.0)],
+        [number("conversion", 0.5), number("offset", 1.0)],
+        [("scale_factor", AttrValue::F32Array(vec![0.5])), ("add_offset", AttrValue::U8(1))],
+    ] {
+        let bytes = with_attributes(&attributes);
+        let table = read(bytes.clone(), Some("rig/data"), Order::Rows).unwrap();
+        assert_eq!(all(&table), [[1.5, 2.5, 3.5], [0.0, 3.0, 4.0]]);
+        assert_eq!(table.told.len(), 1, "{:?}", table.told);
+        let found = read_named(bytes, &["rig/one", "rig/data(2)"]).unwrap();
+        assert_eq!(found, [[1.5, 0.0, 151.0], [0.0, 3.0, 4.0]]);
+    }
+    let plain = [number("scale_factor", 1.0), number("add_offset", 0.0), number("conversion", 1.0)];
+    let table = read(with_attributes(&plain), Some("rig/data"), Order::Rows).unwrap();
+    assert_eq!((all(&table)[0].clone(), table.told.len()), (vec![1.0, 3.0, 5.0], 0));
+    for (attribute, words) in [
+        (number("scale_factor", 0.0), "'scale_factor' is 0"),
+        (number("scale_factor", f64::NAN), "not one finite number"),
+        (("conversion", AttrValue::F64Array(vec![1.0, 2.0])), "not one finite number"),
+        (("add_offset", AttrValue::String("1".to_owned())), "not one finite number"),
+        (("_FillValue", AttrValue::String("x".to_owned())), "'_FillValue' is not a number"),
+    ] {
+        let bytes = with_attributes(&[attribute]);
+        let error = read(bytes.clone(), Some("rig/data"), Order::Rows).unwrap_err();
+        assert!(error.what.contains(words), "{error}");
+        let table = take_named(bytes, &named(&["rig/one"])).unwrap();
+        let error = table.find(&named(&["rig/one"])[0]).unwrap_err();
+        assert!(error.contains(words) && error.contains("python -c"), "{error}");
+    }
+}
+
+#[test]
+fn numbers_that_stand_for_missing_ones_are_missing_and_signs_that_are_none_are_taken_away() {
+    let fill = ("_FillValue", AttrValue::I16(-2));
+    let unsigned = ("_Unsigned", AttrValue::String("true".to_owned()));
+    let one = |attributes: &[(&str, AttrValue)]| {
+        let table = take_named(with_attributes(attributes), &named(&["rig/one"])).unwrap();
+        let place = table.find(&named(&["rig/one"])[0]).unwrap();
+        (0..3).map(|row| table.columns[place].cell(row).to_string()).collect::<Vec<_>>()
+    };
+    assert_eq!(one(&[fill]), ["1", "", "300"]);
+    assert_eq!(one(&[unsigned]), ["1", "65534", "300"]);
 }

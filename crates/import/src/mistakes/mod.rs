@@ -5,6 +5,7 @@
 //! it.
 
 mod cells;
+mod containers;
 mod motion;
 mod studies;
 mod texts;
@@ -91,6 +92,7 @@ fn rows() -> Vec<Row> {
         cells::cells_of_others(),
         motion::units(),
         motion::answers(),
+        containers::containers(),
     ]
     .into_iter()
     .flatten()

@@ -1,0 +1,40 @@
+//! The units that files name of their columns, against those of the mapping.
+
+use super::convert::Linear;
+use super::recording::Recording;
+use super::unit::{Unit, declared};
+use zwidth_store::StoreError;
+
+impl Recording {
+    /// What is to be said of the unit that the file names of a column, where the mapping has another; a column
+    /// that the mapping scales has the unit of the result there.
+    ///
+    /// # Errors
+    /// The unit belongs to the type of the column, and the mapping has another.
+    pub(super) fn check_unit(
+        &self,
+        column: usize,
+        (unit, text): (&Unit, &str),
+        line: &Linear,
+    ) -> Result<Option<String>, StoreError> {
+        let is_scaled = line.scale.to_bits() != 1_f64.to_bits();
+        let Some(named) = self.table.units.get(&column).filter(|_| !is_scaled) else {
+            return Ok(None);
+        };
+        let Some(known) = declared(&named.unit) else { return Ok(None) };
+        #[allow(clippy::float_cmp)] // The constants of one table.
+        if known.dimension == unit.dimension && known.to_si == unit.to_si {
+            return Ok(None);
+        }
+        let name = self.table.name(column);
+        if named.is_type {
+            let what = format!("its type counts in {}, and the mapping says {text}", named.unit);
+            let remedy = format!("set unit = \"{}\"", named.unit);
+            return Err(self.error(what, remedy).column(name));
+        }
+        Ok(Some(format!(
+            "column {name}: the file says that its unit is '{}', and the mapping takes it for {text}",
+            super::limits::shown(&named.unit)
+        )))
+    }
+}

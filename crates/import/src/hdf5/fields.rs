@@ -1,0 +1,166 @@
+//! Data sets whose values have several fields: tables as h5py and PyTables write them, and the ranges of
+//! Octave, `0:0.001:1`, of which the file has the first, the last and the step.
+
+use super::super::table::Cells;
+use hdf5_pure::{
+    AttrValue, Dataset, Datatype, DatatypeByteOrder, FixedPointLayout, FloatingPointLayout,
+};
+
+/// The fields of a table.
+pub(super) struct Fields {
+    /// Bytes of a row.
+    row: usize,
+    all: Vec<Field>,
+}
+
+struct Field {
+    name: String,
+    from: usize,
+    size: usize,
+    /// How its number is written; nothing if it is none.
+    number: Option<Number>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Signed,
+    Unsigned,
+    Float,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Number {
+    kind: Kind,
+    big: bool,
+}
+
+impl Fields {
+    /// The fields of a data set; nothing if it is no table. A complex number is none, though it has two.
+    pub(super) fn new(data: &Dataset) -> Option<Self> {
+        let Ok(Datatype::Compound { size, members }) = data.datatype() else { return None };
+        let names: Vec<&str> = members.iter().map(|member| member.name.as_str()).collect();
+        if matches!(names[..], ["r", "i"] | ["real", "imag"]) {
+            return None;
+        }
+        let all = members.iter().map(|member| {
+            Some(Field {
+                name: member.name.clone(),
+                from: usize::try_from(member.byte_offset).ok()?,
+                size: usize::try_from(member.datatype.type_size()).ok()?,
+                number: number(&member.datatype),
+            })
+        });
+        Some(Self { row: usize::try_from(size).ok()?, all: all.collect::<Option<_>>()? })
+    }
+
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.all.iter().map(|field| field.name.as_str())
+    }
+
+    /// The values of a field in so many rows; nothing if there is no such field with numbers, or not so many
+    /// rows.
+    pub(super) fn values(&self, name: &str, bytes: &[u8], rows: usize) -> Option<Cells> {
+        let field = self.all.iter().find(|field| field.name == name)?;
+        let number = field.number?;
+        let end = field.from.checked_add(field.size).filter(|end| *end <= self.row)?;
+        if bytes.len() != rows.checked_mul(self.row)? {
+            return None;
+        }
+        let cells = bytes.chunks_exact(self.row).map(|row| &row[field.from..end]);
+        if number.kind == Kind::Float {
+            return Some(Cells::Numbers(cells.map(|cell| Some(number.float(cell))).collect()));
+        }
+        Some(Cells::whole(cells.map(|cell| Some(number.whole(cell)))))
+    }
+}
+
+/// How numbers of a type are written, if they are of the usual ones.
+fn number(kind: &Datatype) -> Option<Number> {
+    let (kind, order) = match kind {
+        Datatype::FixedPoint { size: 1 | 2 | 4 | 8, byte_order, layout } => {
+            let &FixedPointLayout { signed, bit_offset: 0, bit_precision } = layout else {
+                return None;
+            };
+            let is_whole = u32::from(bit_precision) == 8 * kind.type_size();
+            (if signed { Kind::Signed } else { Kind::Unsigned }, is_whole.then_some(*byte_order)?)
+        }
+        Datatype::FloatingPoint { size: 4, byte_order, layout }
+            if *layout == FloatingPointLayout::IEEE754_BINARY32 =>
+        {
+            (Kind::Float, *byte_order)
+        }
+        Datatype::FloatingPoint { size: 8, byte_order, layout }
+            if *layout == FloatingPointLayout::IEEE754_BINARY64 =>
+        {
+            (Kind::Float, *byte_order)
+        }
+        // What h5py has for true and false.
+        Datatype::Enumeration { base_type, .. } => return number(base_type),
+        _ => return None,
+    };
+    match order {
+        DatatypeByteOrder::LittleEndian => Some(Number { kind, big: false }),
+        DatatypeByteOrder::BigEndian => Some(Number { kind, big: true }),
+        _ => None,
+    }
+}
+
+impl Number {
+    /// The bits of a cell of at most eight bytes.
+    fn bits(self, cell: &[u8]) -> u64 {
+        let add = |bits: u64, byte: &u8| bits << 8 | u64::from(*byte);
+        if self.big { cell.iter().fold(0, add) } else { cell.iter().rev().fold(0, add) }
+    }
+
+    fn float(self, cell: &[u8]) -> f64 {
+        match u32::try_from(self.bits(cell)) {
+            Ok(bits) if cell.len() == 4 => f64::from(f32::from_bits(bits)),
+            _ => f64::from_bits(self.bits(cell)),
+        }
+    }
+
+    #[allow(clippy::cast_possible_wrap)] // The sign is in the highest bit.
+    fn whole(self, cell: &[u8]) -> i128 {
+        let bits = self.bits(cell);
+        let unused = 64 - 8 * cell.len();
+        match self.kind {
+            Kind::Signed => i128::from((bits << unused) as i64 >> unused),
+            _ => i128::from(bits),
+        }
+    }
+}
+
+/// The values of a range of Octave's; nothing if the data set is none.
+///
+/// Source: Octave 9, `ov-range.cc`: the compound's fields are `base`, `limit` and `increment`, and an attribute
+/// has the number of values. The last does not pass the limit.
+pub(super) fn octave_range(data: &Dataset) -> Option<Result<Vec<f64>, String>> {
+    const COUNT: &str = "OCTAVE_RANGE_NELEM";
+    let fields = Fields::new(data)?;
+    let names: Vec<&str> = fields.names().collect();
+    if names != ["base", "limit", "increment"] {
+        return None;
+    }
+    let Ok(bytes) = data.read_raw() else { return Some(Err("a range cannot be read".to_owned())) };
+    let part = |name| match fields.values(name, &bytes, 1)? {
+        Cells::Numbers(values) => values.iter().next().flatten(),
+        _ => None,
+    };
+    let (Some(base), Some(limit), Some(step)) = (part("base"), part("limit"), part("increment"))
+    else {
+        return Some(Err("a range has no numbers".to_owned()));
+    };
+    let named = data.attrs().ok().and_then(|all| all.get(COUNT).and_then(AttrValue::as_u64));
+    let counted = ((limit - base) / step * (1.0 + f64::EPSILON)).floor() + 1.0;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // What is no number is 0.
+    let count = named.unwrap_or(counted as u64).min(u64::from(u32::MAX));
+    if count > super::super::limits::MOST_WHOLE_ROWS as u64 {
+        return Some(Err(format!("a range has {count} values, and fewer are read")));
+    }
+    let value = |i: u64| {
+        #[allow(clippy::cast_precision_loss)] // Checked.
+        let value = base + i as f64 * step;
+        if step > 0.0 { value.min(limit) } else { value.max(limit) }
+    };
+    Some(Ok((0..count).map(value).collect()))
+}

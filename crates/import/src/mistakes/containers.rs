@@ -1,0 +1,137 @@
+//! Files of the field's containers: packed numbers, times of their own type, structures, objects.
+
+use super::super::feather::tests as feather;
+use super::super::parquet::tests as parquet;
+use super::super::world::{FORCE, ONE, trials_map};
+use super::Becomes::{Flagged, Read, Refused};
+use super::{Row, mapped};
+use arrow::array::{
+    ArrayRef, DurationMicrosecondArray, Float64Array, RecordBatch, Time64MicrosecondArray,
+    TimestampNanosecondArray,
+};
+use hdf5_pure::{AttrValue, FileBuilder};
+use std::sync::Arc;
+
+/// HDF5 of the usual times, and forces as whole numbers with these attributes.
+fn packed(stored: &[i16], attributes: &[(&str, AttrValue)]) -> Vec<u8> {
+    let mut file = FileBuilder::new();
+    file.create_dataset("t").with_f64_data(&[0.0, 0.5, 1.0]).with_shape(&[3]);
+    let force = file.create_dataset("f").with_i16_data(stored).with_shape(&[3]);
+    for (name, value) in attributes {
+        force.set_attr(name, value.clone());
+    }
+    file.finish().unwrap()
+}
+
+/// Columns of these times and the usual forces.
+fn timed(times: ArrayRef) -> RecordBatch {
+    let forces: ArrayRef = Arc::new(Float64Array::from(vec![1.5, -2.0, 4.0]));
+    RecordBatch::try_from_iter([("t", times), ("f", forces)]).unwrap()
+}
+
+pub(super) fn containers() -> Vec<Row> {
+    let usual = trials_map(&[ONE, FORCE]);
+    let in_unit = |unit: &str| usual.replace("unit = \"s\"", &format!("unit = \"{unit}\""));
+    let hundredths = ("scale_factor", AttrValue::F64(0.01));
+    let durations: ArrayRef = Arc::new(DurationMicrosecondArray::from(vec![0, 500_000, 1_000_000]));
+    let noon = 12 * 3_600_000_000_i64;
+    let of_day = [0, 500_000, 1_000_000].map(|us| noon + us);
+    let of_day: ArrayRef = Arc::new(Time64MicrosecondArray::from(of_day.to_vec()));
+    let epoch = 1_700_000_000_123_456_789_i64;
+    let moments = [0, 500_000_000, 1_000_000_000].map(|ns| epoch + ns);
+    let moments: ArrayRef = Arc::new(TimestampNanosecondArray::from(moments.to_vec()));
+    let from_first = |unit: &str| format!("unit = \"{unit}\"\nzero = \"first\"");
+    let from_first = |unit: &str| usual.replace("unit = \"s\"", &from_first(unit));
+    vec![
+        mapped(
+            "HDF5 of whole numbers with a scale_factor",
+            (Flagged, "column f: its numbers are those stored × 0.01 + 0, as its attributes say"),
+            usual.clone(),
+            "a.h5",
+            packed(&[150, -200, 400], std::slice::from_ref(&hundredths)),
+        ),
+        mapped(
+            "NWB with conversion and offset",
+            (Flagged, "those stored × 0.5 + -1, as its attributes say (conversion, offset)"),
+            usual.clone(),
+            "a.h5",
+            packed(
+                &[5, -2, 10],
+                &[("conversion", AttrValue::F32(0.5)), ("offset", AttrValue::I32(-1))],
+            ),
+        ),
+        mapped(
+            "HDF5 whose scale_factor is a text",
+            (Refused, "its attribute 'scale_factor' is not one finite number"),
+            usual.clone(),
+            "a.h5",
+            packed(&[150, -200, 400], &[("scale_factor", AttrValue::String("0.01".to_owned()))]),
+        ),
+        mapped(
+            "HDF5 with scale_factor and conversion",
+            (Refused, "'scale_factor' and 'conversion' beside each other"),
+            usual.clone(),
+            "a.h5",
+            packed(&[150, -200, 400], &[hundredths, ("conversion", AttrValue::F64(0.5))]),
+        ),
+        mapped(
+            "HDF5 with a number that stands for a missing one",
+            (Refused, "the cell is empty"),
+            usual.clone(),
+            "a.h5",
+            packed(&[150, -999, 400], &[("_FillValue", AttrValue::I16(-999))]),
+        ),
+        mapped(
+            "HDF5 whose unit is not that of the mapping",
+            (
+                Flagged,
+                "column f: the file says that its unit is 'millinewtons', and the mapping takes it for N",
+            ),
+            usual.clone(),
+            "a.h5",
+            packed(&[150, -200, 400], &[("units", AttrValue::String("millinewtons".to_owned()))]),
+        ),
+        mapped(
+            "durations of pandas in Parquet",
+            (Read, ""),
+            in_unit("us"),
+            "a.parquet",
+            parquet::encode(&timed(durations.clone())),
+        ),
+        mapped(
+            "durations in Parquet, in another unit",
+            (Refused, "its type counts in us, and the mapping says s; set unit = \"us\""),
+            usual.clone(),
+            "a.parquet",
+            parquet::encode(&timed(durations.clone())),
+        ),
+        mapped(
+            "durations in an Arrow file",
+            (Read, ""),
+            in_unit("us"),
+            "a.arrow",
+            feather::encode(&[timed(durations)]),
+        ),
+        mapped(
+            "times of day in Parquet",
+            (Read, ""),
+            from_first("us"),
+            "a.parquet",
+            parquet::encode(&timed(of_day)),
+        ),
+        mapped(
+            "moments to a nanosecond in Parquet",
+            (Read, ""),
+            from_first("ns"),
+            "a.parquet",
+            parquet::encode(&timed(moments.clone())),
+        ),
+        mapped(
+            "moments to a nanosecond in an Arrow file",
+            (Read, ""),
+            from_first("ns"),
+            "a.arrow",
+            feather::encode(&[timed(moments)]),
+        ),
+    ]
+}
