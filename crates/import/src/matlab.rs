@@ -3,22 +3,23 @@
 /// What a variable of a class of MATLAB's is, with the line that makes numbers of it; `None` where the class
 /// is one of real numbers.
 pub(super) fn other_class(class: &str, variable: &str) -> Option<String> {
-    // The last part of a path.
-    let x = variable.rsplit(['/', '.']).next().unwrap_or(variable);
+    // As it is typed there, and the last part of it, which is the name of what is saved.
+    let from = variable.replace('/', ".");
+    let x = from.rsplit('.').next().unwrap_or(&from);
     let save = "save('OUT.mat', '-struct', 's', '-v7')";
     let typed = match class {
         "double" | "single" | "logical" | "int8" | "int16" | "int32" | "int64" | "uint8"
         | "uint16" | "uint32" | "uint64" => return None,
-        "table" => format!("s = table2struct({x}, 'ToScalar', true); {save}"),
+        "table" => format!("s = table2struct({from}, 'ToScalar', true); {save}"),
         "timetable" => format!(
-            "T = timetable2table({x}); T.(1) = seconds(T.(1) - T.(1)(1)); s = table2struct(T, 'ToScalar', true); {save}"
+            "T = timetable2table({from}); T.(1) = seconds(T.(1) - T.(1)(1)); s = table2struct(T, 'ToScalar', true); {save}"
         ),
-        "timeseries" => format!("s = struct('time', {x}.Time, 'data', {x}.Data); {save}"),
-        "datetime" => format!("{x} = seconds({x} - {x}(1)); save('OUT.mat', '{x}', '-v7')"),
-        "duration" => format!("{x} = seconds({x}); save('OUT.mat', '{x}', '-v7')"),
-        "sparse" => format!("{x} = full({x}); save('OUT.mat', '{x}', '-v7')"),
-        "string" | "categorical" | "char" => format!("writetable(table({x}), 'OUT.csv')"),
-        "cell" => format!("{x} = cell2mat({x}); save('OUT.mat', '{x}', '-v7')"),
+        "timeseries" => format!("s = struct('time', {from}.Time, 'data', {from}.Data); {save}"),
+        "datetime" => format!("{x} = seconds({from} - {from}(1)); save('OUT.mat', '{x}', '-v7')"),
+        "duration" => format!("{x} = seconds({from}); save('OUT.mat', '{x}', '-v7')"),
+        "sparse" => format!("{x} = full({from}); save('OUT.mat', '{x}', '-v7')"),
+        "string" | "categorical" | "char" => format!("writetable(table({from}), 'OUT.csv')"),
+        "cell" => format!("{x} = cell2mat({from}); save('OUT.mat', '{x}', '-v7')"),
         "struct" => return Some("a struct; name its fields by their path".to_owned()),
         "function_handle" => {
             return Some("a function handle, which has no values; save what it returns".to_owned());
@@ -45,6 +46,11 @@ pub(super) fn other_class(class: &str, variable: &str) -> Option<String> {
     Some(format!("{what}; in MATLAB, type {typed}"))
 }
 
+/// Whether what [`other_class`] says is of an object, which may have columns of its own.
+pub(super) fn is_object(class: &str) -> bool {
+    class.starts_with("a MATLAB") || class.starts_with("an object")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,8 +59,8 @@ mod tests {
     fn numbers_are_numbers_and_the_rest_has_its_name_and_a_line() {
         assert_eq!(other_class("double", "x"), None);
         for (class, words) in [
-            ("table", "a MATLAB table; in MATLAB, type s = table2struct(x, 'ToScalar', true)"),
-            ("datetime", "x = seconds(x - x(1))"),
+            ("table", "a MATLAB table; in MATLAB, type s = table2struct(rig.x, 'ToScalar', true)"),
+            ("datetime", "x = seconds(rig.x - rig.x(1))"),
             ("function_handle", "a function handle"),
             ("Simulink.SimulationData.Dataset", "an object of the class Simulink."),
         ] {

@@ -131,6 +131,8 @@ pub(super) struct Table {
     pub(super) lost: Option<String>,
     /// Why what is made of it is to be read with care.
     pub(super) doubts: Vec<String>,
+    /// What the file holds whose columns cannot be seen, and what to do about it.
+    pub(super) hidden: Vec<String>,
     /// The units that the file names, by the places of their columns.
     pub(super) units: BTreeMap<usize, Declared>,
 }
@@ -213,8 +215,11 @@ impl Table {
                 names.iter().position(|n| n == name)
             }
         };
-        let index = found
-            .ok_or_else(|| format!("the column is missing; the file has {}", self.listing()))?;
+        let index = found.ok_or_else(|| {
+            let hidden = self.hidden.first().map(|hidden| format!("; {hidden}"));
+            let hidden = hidden.unwrap_or_default();
+            format!("the column is missing; the file has {}{hidden}", self.listing())
+        })?;
         match &self.columns[index] {
             Cells::Unread => Err("the column was not read".to_owned()),
             Cells::Other(why) => Err(format!("the column cannot be used: {why}")),

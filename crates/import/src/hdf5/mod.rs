@@ -13,7 +13,7 @@ use super::limits::{
     MOST_COLUMNS, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown,
     too_many_rows, too_much,
 };
-use super::matlab::other_class;
+use super::matlab::{is_object, other_class};
 use super::table::{Cells, ColumnRef, Declared, Table};
 use super::text::HDF5;
 use arrow::array::Float64Array;
@@ -98,6 +98,14 @@ fn vectors(file: &Opened, within: Option<&str>, take: &Take) -> Result<Table, St
         if let Some(column) = file.asked_for(within, name, take)? {
             column.add_to(&mut table, name.clone());
         }
+    }
+    let names = table.names.iter().flatten();
+    let is_missing = |column: &&ColumnRef| match column {
+        ColumnRef::Name(name) => !names.clone().any(|known| known == name),
+        ColumnRef::Position(_) => false,
+    };
+    if file.order == Order::Columns && take.columns.iter().any(is_missing) {
+        table.hidden = file.hidden()?;
     }
     Ok(table)
 }
@@ -229,7 +237,7 @@ fn groups(path: &Path, file: &File) -> Result<Vec<Found>, StoreError> {
         let class = if attributes.contains_key("MATLAB_sparse")
             || ["ridx", "cidx"].iter().all(|part| names.iter().any(|name| name == part))
         {
-            Some("part of a sparse matrix; save the full one".to_owned())
+            other_class("sparse", before.trim_end_matches('/'))
         } else if attributes.contains_key("OCTAVE_EMPTY_MATRIX") {
             Some("empty".to_owned())
         } else if is_octave {
@@ -262,6 +270,20 @@ impl<'a> Opened<'a> {
         let file = open(path, bytes)?;
         let groups = groups(path, &file)?;
         Ok(Self { path, length, order, file, links, groups })
+    }
+
+    /// The objects of MATLAB's among the variables: a table has columns that cannot be seen.
+    fn hidden(&self) -> Result<Vec<String>, StoreError> {
+        let mut hidden = Vec::new();
+        for group in self.groups.iter().filter(|group| group.before.is_empty()) {
+            for name in group.names.iter().take(MOST_LISTED) {
+                let data = group.group.dataset(name);
+                let data = data.map_err(|e| unreadable(self.path, &e.to_string()))?;
+                let class = class(group, name, &data).filter(|class| is_object(class));
+                hidden.extend(class.map(|class| format!("'{}' is {class}", shown(name))));
+            }
+        }
+        Ok(hidden)
     }
 
     /// The data set at a path, with its group and its own name.
@@ -367,7 +389,9 @@ impl<'a> Opened<'a> {
             .into());
         }
         if let Some(class) = class(group, own_name, data) {
-            return Ok(Cells::Other(format!("it is {class}; {HDF5}")).into());
+            let line =
+                if class.contains("in MATLAB") { String::new() } else { format!("; {HDF5}") };
+            return Ok(Cells::Other(format!("it is {class}{line}")).into());
         }
         if size.iter().filter(|n| **n != 1).count() > 1 {
             let size = size.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");

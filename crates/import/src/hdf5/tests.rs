@@ -1,7 +1,7 @@
 use super::super::limits::Budget;
 use super::super::limits::tests::everything;
 use super::*;
-use hdf5_pure::{AttrValue, FileBuilder};
+use hdf5_pure::{AttrValue, CharacterSet, CompoundTypeBuilder, FileBuilder, StringPadding};
 
 /// Two vectors, one of them in a group and one as MATLAB has columns; a matrix, a text, and a
 /// whole number.
@@ -368,4 +368,80 @@ fn numbers_that_stand_for_missing_ones_are_missing_and_signs_that_are_none_are_t
     };
     assert_eq!(one(&[fill]), ["1", "", "300"]);
     assert_eq!(one(&[unsigned]), ["1", "65534", "300"]);
+}
+
+/// As MATLAB writes a structure in version 7.3, and a table.
+pub(in super::super) fn matlab_7_3() -> Vec<u8> {
+    let mut file = FileBuilder::new();
+    file.with_userblock(512).with_userblock_content(b"MATLAB 7.3 MAT-file");
+    let class = |class: &str| AttrValue::AsciiString(class.to_owned());
+    let mut simout = file.create_group("simout");
+    let time = simout.create_dataset("time").with_f64_data(&[0.0, 0.5, 1.0]).with_shape(&[1, 3]);
+    time.set_attr("MATLAB_class", class("double"));
+    let mut signals = simout.create_group("signals");
+    let values = [7.0, 8.0, 9.0, 1.5, -2.0, 4.0];
+    let values = signals.create_dataset("values").with_f64_data(&values).with_shape(&[2, 3]);
+    values.set_attr("MATLAB_class", class("double"));
+    simout.add_group(signals.finish());
+    file.add_group(simout.finish());
+    let table = file.create_dataset("T").with_u32_data(&[1, 2, 3, 4, 5, 6]).with_shape(&[1, 6]);
+    table.set_attr("MATLAB_class", class("table"));
+    let mut sparse = file.create_group("sp");
+    sparse.set_attr("MATLAB_sparse", AttrValue::U64(3));
+    sparse.create_dataset("data").with_f64_data(&[1.0, 2.0]).with_shape(&[2]);
+    file.add_group(sparse.finish());
+    file.finish().unwrap()
+}
+
+#[test]
+fn structures_of_matlab_7_3_come_by_their_path_with_points_or_strokes_and_objects_are_named() {
+    let take = |names: &[&str], matrix| {
+        let columns = named(names);
+        let budget = Budget::default();
+        let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
+        let path = Path::new("a.mat");
+        let table = super::read(path, matlab_7_3(), (matrix, Order::Columns), &take).unwrap();
+        let all =
+            columns.iter().map(|column| table.find(column).map(|i| numbers(&table.columns[i])));
+        all.collect::<Result<Vec<_>, String>>()
+    };
+    let expect = Ok(vec![vec![0.0, 0.5, 1.0], vec![1.5, -2.0, 4.0]]);
+    assert_eq!(take(&["simout.time", "simout.signals.values(2)"], None), expect);
+    assert_eq!(take(&["simout/time", "simout/signals/values(2)"], None), expect);
+    assert_eq!(take(&["time", "signals.values(2)"], Some("simout")), expect);
+    for (name, words) in [
+        ("x", "'T' is a MATLAB table; in MATLAB, type s = table2struct(T, 'ToScalar', true)"),
+        ("T", "it is a MATLAB table"),
+        ("sp/data", "it is a sparse matrix; in MATLAB, type sp = full(sp)"),
+    ] {
+        let error = take(&[name], None).unwrap_err();
+        assert!(error.contains(words) && !error.contains("python"), "{error}");
+    }
+}
+
+/// A table of h5py: a short, a long and a text in each row.
+fn compound() -> Vec<u8> {
+    let text =
+        Datatype::String { size: 2, padding: StringPadding::NullPad, charset: CharacterSet::Ascii };
+    let kind = CompoundTypeBuilder::new().f64_field("t").i16_field("n").field("who", text);
+    let rows: Vec<u8> = [(0.0_f64, 5_i16), (0.5, -6), (1.0, 300)]
+        .into_iter()
+        .flat_map(|(t, n)| [&t.to_le_bytes()[..], &n.to_le_bytes(), b"ab"].concat())
+        .collect();
+    let mut file = FileBuilder::new();
+    file.create_dataset("data").with_raw_data(kind.build().unwrap(), rows, 3);
+    file.finish().unwrap()
+}
+
+#[test]
+fn the_fields_of_a_table_come_by_their_name() {
+    let found = read_named(compound(), &["data/t", "data.n"]).unwrap();
+    assert_eq!(found, [[0.0, 0.5, 1.0], [5.0, -6.0, 300.0]]);
+    let table = read(compound(), Some("data"), Order::Rows).unwrap();
+    assert_eq!(table.names.clone().unwrap(), ["t", "n", "who"]);
+    assert_eq!(numbers(&table.columns[1]), [5.0, -6.0, 300.0]);
+    assert!(table.find(&named(&["who"])[0]).unwrap_err().contains("without numbers"));
+    let table = read(compound(), None, Order::Rows).unwrap();
+    let error = table.find(&named(&["data"])[0]).unwrap_err();
+    assert!(error.contains("a table of the fields t, n, who; name one of them"), "{error}");
 }

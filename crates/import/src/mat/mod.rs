@@ -1,9 +1,11 @@
-//! MAT files of version 5 (MATLAB `-v6` and `-v7`; SciPy, Octave): real numeric variables.
+//! MAT files of version 5 (MATLAB `-v6` and `-v7`; SciPy, Octave): real numeric variables, and the fields
+//! of structures by their path, `simout.signals.values`.
 //!
 //! Source of the format: MathWorks, "MAT-File Format" (R2024b), "Level 5 MAT-File Format".
 
 use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED, Take, shown};
-use super::table::{Cells, Table};
+use super::matlab::{is_object, other_class};
+use super::table::{Cells, ColumnRef, Table};
 use arrow::array::Float64Array;
 use flate2::read::ZlibDecoder;
 use std::io::Read as _;
@@ -33,6 +35,12 @@ mod mi {
     pub(super) const COMPRESSED: u32 = 15;
 }
 
+/// Where the header has the place of what belongs to objects.
+const SUBSYSTEM: usize = 116;
+/// The array type of a structure, and that of an object of a class (a table, a datetime).
+const STRUCT: u32 = 2;
+const OPAQUE: u32 = 17;
+
 /// Flag of a complex array, in the array flags.
 const COMPLEX: u32 = 0x0800;
 
@@ -52,38 +60,55 @@ pub(super) fn read(
     let remedy =
         "the file may be cut off or damaged; save it again with -v7, without what is not needed";
     let cannot = |what| StoreError::new(path, format!("not a readable MAT file: {what}"), remedy);
-    let Some(matrix) = matrix else {
-        let mut table = Table { names: Some(Vec::new()), ..Table::default() };
-        variables(bytes, &mut |head, data| {
-            let place = table.columns.len();
-            let cells = if take.wants(place, Some(&head.name)) {
-                vector(head, data, take)
-            } else {
-                Ok(Cells::Unread)
-            };
-            table.columns.push(cells?);
-            table.names.get_or_insert_default().push(head.name.clone());
-            Ok(())
-        })
-        .map_err(cannot)?;
-        return Ok(table);
-    };
+    let mut table = Table { names: Some(Vec::new()), ..Table::default() };
     let (mut names, mut found) = (Vec::new(), None);
     variables(bytes, &mut |head, data| {
+        let within = match matrix {
+            None => Some(head.name.as_str()),
+            Some(matrix) => head.name.strip_prefix(matrix).and_then(|rest| rest.strip_prefix('.')),
+        };
         // The first of the name: nothing keeps a file from having two.
-        if head.name == matrix && found.is_none() {
+        if matrix == Some(head.name.as_str()) && !head.is_struct && found.is_none() {
             found = Some(columns(head, data, take)?);
         }
+        if let Some(class) = head.class.as_ref().filter(|class| is_object(class)) {
+            table.hidden.push(format!("'{}' is {class}", shown(&head.name)));
+        }
         names.push(shown(&head.name).into_owned());
+        let Some(name) = within else { return Ok(()) };
+        let cells = if take.wants(table.columns.len(), Some(name)) {
+            vector(head, data, take)?
+        } else {
+            Cells::Unread
+        };
+        table.columns.push(cells);
+        table.names.get_or_insert_default().push(name.to_owned());
+        // Columns of a matrix are columns where they are asked for by name.
+        for column in &take.columns {
+            if let ColumnRef::Name(column) = column
+                && let Some(place) = place_in(column, name)
+            {
+                table.columns.push(column_of(head, data, place, take)?);
+                table.names.get_or_insert_default().push(column.clone());
+            }
+        }
         Ok(())
     })
     .map_err(cannot)?;
+    let Some(matrix) = matrix else { return Ok(table) };
     let missing = || format!("the variable is missing; the file has {}", names.join(", "));
-    let table = found.unwrap_or_else(|| Err(missing()));
+    let fields = (!table.columns.is_empty()).then_some(Ok(table));
+    let table = found.or(fields).unwrap_or_else(|| Err(missing()));
     table.map_err(|what| {
-        StoreError::new(path, what, "set matrix in [file] to a numeric matrix of the file")
-            .column(matrix)
+        let remedy = "set matrix in [file] to a numeric matrix of the file, or to a structure";
+        StoreError::new(path, what, remedy).column(matrix)
     })
+}
+
+/// The place (from 0) of the column that a name such as `x(2)` means of the matrix `x`.
+fn place_in(column: &str, matrix: &str) -> Option<usize> {
+    let place = column.strip_prefix(matrix)?.strip_prefix('(')?.strip_suffix(')')?;
+    place.parse::<usize>().ok()?.checked_sub(1)
 }
 
 /// What a variable says of itself before its values.
@@ -91,7 +116,8 @@ struct Head {
     name: String,
     size: Vec<usize>,
     /// What it is where it is not a real numeric array.
-    class: Option<&'static str>,
+    class: Option<String>,
+    is_struct: bool,
 }
 
 /// The values of a variable, not decoded yet.
@@ -106,15 +132,14 @@ type Values<'a> = &'a dyn Fn(&mut dyn FnMut(Numbers) -> Option<()>) -> Result<()
 
 /// A variable as a column: its values if it is a vector of numbers, else why not.
 fn vector(head: &Head, values: Values, take: &Take) -> Result<Cells, String> {
-    if let Some(class) = head.class {
-        return Ok(Cells::Other(format!(
-            "it is {class}; save what is wanted of it as a numeric variable"
-        )));
+    if let Some(class) = &head.class {
+        return Ok(Cells::Other(format!("it is {class}")));
     }
     if head.size.iter().filter(|n| **n != 1).count() > 1 {
         let size = head.size.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
         return Ok(Cells::Other(format!(
-            "it is a {size} matrix; name it as matrix in [file] to use its columns"
+            "it is a {size} matrix; name it as matrix in [file] to use its columns, or one of them, as {}(1)",
+            shown(&head.name)
         )));
     }
     let mut cells = Cells::Unread;
@@ -131,9 +156,36 @@ fn vector(head: &Head, values: Values, take: &Take) -> Result<Cells, String> {
     if fits { Ok(cells) } else { Err(TOO_MUCH.to_owned()) }
 }
 
+/// A column of a matrix.
+fn column_of(head: &Head, values: Values, place: usize, take: &Take) -> Result<Cells, String> {
+    if let Some(class) = &head.class {
+        return Ok(Cells::Other(format!("it is {class}")));
+    }
+    let (rows, columns) = match head.size[..] {
+        [rows, columns] if place < columns => (rows, columns),
+        _ => {
+            let size = head.size.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ");
+            return Ok(Cells::Other(format!(
+                "its matrix is {size}, and has no column {}",
+                place + 1
+            )));
+        }
+    };
+    if !take.budget.cells(rows) {
+        return Err(TOO_MUCH.to_owned());
+    }
+    let mut cells = Cells::Unread;
+    values(&mut |numbers| {
+        (numbers.count()? == rows.checked_mul(columns)?).then_some(())?;
+        cells = Cells::Numbers(Float64Array::from(numbers.values(place.checked_mul(rows)?, rows)?));
+        Some(())
+    })?;
+    Ok(cells)
+}
+
 /// A matrix' columns by position, or why it has none.
 fn columns(head: &Head, values: Values, take: &Take) -> Result<Result<Table, String>, String> {
-    if let Some(class) = head.class {
+    if let Some(class) = &head.class {
         return Ok(Err(format!("the variable is {class}")));
     }
     let &[rows, columns] = head.size.as_slice() else {
@@ -185,9 +237,16 @@ fn variables(
         return Err("it is a version 7.3 (HDF5) file; save it with -v7".to_owned());
     }
     let mut elements = Elements { bytes: &bytes[HEADER..], big };
+    // Behind the variables lies what belongs to the objects among them.
+    let subsystem = header[SUBSYSTEM..SUBSYSTEM + 8].try_into().ok().map(|offset| match big {
+        true => u64::from_be_bytes(offset),
+        false => u64::from_le_bytes(offset),
+    });
     let mut last: Option<String> = None;
+    let mut fields = Visited(0);
     for count in 1.. {
-        if elements.bytes.is_empty() {
+        let place = (bytes.len() - elements.bytes.len()) as u64;
+        if elements.bytes.is_empty() || Some(place) == subsystem {
             break;
         }
         if count > MOST_COLUMNS {
@@ -208,15 +267,29 @@ fn variables(
             mi::MATRIX => (data.len() as u64, data),
             _ => matrix_tag(&beginning, big).ok_or_else(damaged)?,
         };
-        let (head, _) = head(plain, big).ok_or_else(damaged)?;
+        let (head, _) = head(plain, big, None).ok_or_else(damaged)?;
+        if head.is_struct {
+            if size > MOST_UNPACKED {
+                return Err(too_large(&head.name, size));
+            }
+            let unpacked;
+            let data = match kind {
+                mi::MATRIX => data,
+                _ => {
+                    unpacked = inflate(data, ALIGN as u64 + size).ok_or_else(damaged)?;
+                    Elements { bytes: &unpacked, big }.next().ok_or_else(damaged)?.1
+                }
+            };
+            let name = head.name;
+            fields.visit(&name, data, big, each)?;
+            last = Some(name);
+            continue;
+        }
         each(&head, &|take| match kind {
             mi::MATRIX => real_part(data, big).and_then(&mut *take).ok_or_else(damaged),
             _ => {
                 if size > MOST_UNPACKED {
-                    let name = shown(&head.name);
-                    return Err(format!(
-                        "variable '{name}' unpacks to {size} bytes, and at most {MOST_UNPACKED} are read"
-                    ));
+                    return Err(too_large(&head.name, size));
                 }
                 let plain = inflate(data, ALIGN as u64 + size).ok_or_else(damaged)?;
                 let matrix = Elements { bytes: &plain, big }.next().map(|(_, data)| data);
@@ -229,6 +302,83 @@ fn variables(
         last = Some(head.name);
     }
     Ok(())
+}
+
+fn too_large(name: &str, size: u64) -> String {
+    let name = shown(name);
+    format!("variable '{name}' unpacks to {size} bytes, and at most {MOST_UNPACKED} are read")
+}
+
+/// How many fields of structures were gone through.
+struct Visited(usize);
+
+impl Visited {
+    /// Goes through the fields of a structure, and those of structures in it: by the name of the structure, a
+    /// point and that of the field. Of several structures in an array each has its number, `s(2).x`.
+    fn visit(
+        &mut self,
+        name: &str,
+        data: &[u8],
+        big: bool,
+        each: &mut dyn FnMut(&Head, Values) -> Result<(), String>,
+    ) -> Result<(), String> {
+        let mut left = vec![(name.to_owned(), data)];
+        while let Some((name, data)) = left.pop() {
+            let damaged = || format!("the structure '{}' is cut off or damaged", shown(&name));
+            let (outer, mut parts) = head(data, big, Some(&name)).ok_or_else(damaged)?;
+            let (kind, length) = parts.next().ok_or_else(damaged)?;
+            let length = Numbers { kind, data: length, big }.values(0, 1).ok_or_else(damaged)?;
+            let length = whole(length[0]).filter(|n| (1..=MOST_NAME).contains(n));
+            let length = length.ok_or_else(damaged)?;
+            let (_, names) = parts.next().ok_or_else(damaged)?;
+            let names: Vec<String> = names
+                .chunks_exact(length)
+                .map(|name| {
+                    let end = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
+                    String::from_utf8_lossy(&name[..end]).into_owned()
+                })
+                .collect();
+            let structures = outer.count().ok_or_else(damaged)?;
+            each(&outer, &|_| Ok(()))?;
+            let mut within = Vec::new();
+            for structure in 0..structures {
+                for field in &names {
+                    self.0 += 1;
+                    let full = match structures {
+                        1 => format!("{name}.{field}"),
+                        _ => format!("{name}({}).{field}", structure + 1),
+                    };
+                    if self.0 > MOST_COLUMNS || full.len() > MOST_NAME {
+                        return Err(
+                            "its structures have more fields, or deeper ones, than are read"
+                                .to_owned(),
+                        );
+                    }
+                    let (kind, data) = parts.next().ok_or_else(damaged)?;
+                    if kind != mi::MATRIX {
+                        return Err(damaged());
+                    }
+                    // A field that was never set has nothing at all.
+                    if data.is_empty() {
+                        let class = Some("empty".to_owned());
+                        let head = Head { name: full, size: vec![0, 0], class, is_struct: false };
+                        each(&head, &|_| Ok(()))?;
+                        continue;
+                    }
+                    let (inner, _) = head(data, big, Some(&full)).ok_or_else(damaged)?;
+                    if inner.is_struct {
+                        within.push((full, data));
+                        continue;
+                    }
+                    each(&inner, &|take| {
+                        real_part(data, big).and_then(&mut *take).ok_or_else(damaged)
+                    })?;
+                }
+            }
+            left.extend(within.into_iter().rev());
+        }
+        Ok(())
+    }
 }
 
 /// The first bytes of a compressed element, at most `most`: what it claims of its size decides
@@ -278,22 +428,45 @@ fn matrix_tag(bytes: &[u8], big: bool) -> Option<(u64, &[u8])> {
 }
 
 /// What a matrix says of itself, and the elements behind.
-fn head(data: &[u8], big: bool) -> Option<(Head, Elements<'_>)> {
+/// A field of a structure has no name of its own: it is `known`.
+fn head<'a>(data: &'a [u8], big: bool, known: Option<&str>) -> Option<(Head, Elements<'a>)> {
+    let text = |bytes: &[u8]| {
+        String::from_utf8_lossy(bytes.get(..MOST_NAME).unwrap_or(bytes)).into_owned()
+    };
+    let name = |own: &[u8]| known.map_or_else(|| text(own), str::to_owned);
     let mut parts = Elements { bytes: data, big };
     let (_, flags) = parts.next()?;
     let flags = word(flags.get(..4)?.try_into().ok()?, big);
-    let (kind, size) = parts.next()?;
-    let size = Numbers { kind, data: size, big };
+    let kind = flags & 0xff;
+    if kind == OPAQUE {
+        // It has no size; behind its name stand the system of its type and its class.
+        let name = name(parts.next()?.1);
+        let _system = parts.next()?;
+        let class = text(parts.next()?.1);
+        let class = other_class(&class, &name).unwrap_or_else(|| "an object".to_owned());
+        let head = Head { name, size: vec![1, 1], class: Some(class), is_struct: false };
+        return Some((head, parts));
+    }
+    let (size_kind, size) = parts.next()?;
+    let size = Numbers { kind: size_kind, data: size, big };
     let dimensions = size.count().filter(|n| *n <= MOST_DIMENSIONS)?;
     let size = size.values(0, dimensions)?.into_iter().map(whole).collect::<Option<Vec<_>>>()?;
-    let (_, name) = parts.next()?;
-    let name = String::from_utf8_lossy(name.get(..MOST_NAME).unwrap_or(name)).into_owned();
-    Some((Head { name, size, class: not_numeric(flags) }, parts))
+    let name = name(parts.next()?.1);
+    let class = match kind {
+        // The class of an object of the old kind stands behind its name.
+        3 => other_class(&text(parts.next()?.1), &name).or(Some("an object".to_owned())),
+        6..=15 if flags & COMPLEX != 0 => Some(
+            "complex; save its real and its imaginary part as variables of their own".to_owned(),
+        ),
+        6..=15 => None,
+        kind => not_numeric(kind).and_then(|class| other_class(class, &name)),
+    };
+    Some((Head { name, size, class, is_struct: kind == STRUCT }, parts))
 }
 
 /// The values of a matrix, as they lie in the file.
 fn real_part(data: &[u8], big: bool) -> Option<Numbers<'_>> {
-    let (kind, data) = head(data, big)?.1.next()?;
+    let (kind, data) = head(data, big, None)?.1.next()?;
     Some(Numbers { kind, data, big })
 }
 
@@ -304,17 +477,16 @@ impl Head {
     }
 }
 
-/// What the array is where it is not a real numeric one (table "MATLAB Array Types").
-fn not_numeric(flags: u32) -> Option<&'static str> {
-    match flags & 0xff {
-        1 => Some("a cell array"),
-        2 => Some("a struct"),
-        4 => Some("text"),
-        5 => Some("a sparse matrix"),
-        6..=15 if flags & COMPLEX != 0 => Some("complex"),
-        6..=15 => None,
-        _ => Some("an object"),
-    }
+/// The class of an array that is not a numeric one (table "MATLAB Array Types").
+fn not_numeric(kind: u32) -> Option<&'static str> {
+    Some(match kind {
+        1 => "cell",
+        STRUCT => "struct",
+        4 => "char",
+        5 => "sparse",
+        16 => "function_handle",
+        _ => "unknown",
+    })
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]

@@ -1,6 +1,8 @@
 //! Files of the field's containers: packed numbers, times of their own type, structures, objects.
 
 use super::super::feather::tests as feather;
+use super::super::hdf5::tests as hdf5;
+use super::super::mat::tests as mat;
 use super::super::parquet::tests as parquet;
 use super::super::world::{FORCE, ONE, trials_map};
 use super::Becomes::{Flagged, Read, Refused};
@@ -132,6 +134,60 @@ pub(super) fn containers() -> Vec<Row> {
             from_first("ns"),
             "a.arrow",
             feather::encode(&[timed(moments)]),
+        ),
+        mapped(
+            "a structure with time of Simulink",
+            (Read, ""),
+            usual
+                .replace("\"t\"", "\"simout.time\"")
+                .replace("\"f\"", "\"simout.signals.values(2)\""),
+            "a.mat",
+            mat::simulink(),
+        ),
+        mapped(
+            "structures of Simulink in an array",
+            (Read, ""),
+            usual
+                .replace("\"t\"", "\"scope.time\"")
+                .replace("\"f\"", "\"scope.signals(2).values\""),
+            "a.mat",
+            mat::simulink(),
+        ),
+        mapped(
+            "a structure with time, saved with -v7.3",
+            (Read, ""),
+            usual
+                .replace("\"t\"", "\"simout.time\"")
+                .replace("\"f\"", "\"simout.signals.values(2)\""),
+            "a.mat",
+            hdf5::matlab_7_3(),
+        ),
+        mapped(
+            "a MATLAB table",
+            (
+                Refused,
+                "'x' is a MATLAB table; in MATLAB, type s = table2struct(x, 'ToScalar', true)",
+            ),
+            usual.clone(),
+            "a.mat",
+            mat::object("table"),
+        ),
+        mapped(
+            "a MATLAB timetable",
+            (Refused, "'x' is a MATLAB timetable; in MATLAB, type T = timetable2table(x)"),
+            usual.clone(),
+            "a.mat",
+            mat::object("timetable"),
+        ),
+        mapped(
+            "a MATLAB table, saved with -v7.3",
+            (
+                Refused,
+                "'T' is a MATLAB table; in MATLAB, type s = table2struct(T, 'ToScalar', true)",
+            ),
+            usual.clone(),
+            "a.mat",
+            hdf5::matlab_7_3(),
         ),
     ]
 }
