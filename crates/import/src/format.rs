@@ -154,6 +154,10 @@ impl Format {
             Self::Mat if bytes.starts_with(MATLAB_7_3) => {
                 hdf5::read(path, bytes, (options.part, hdf5::Order::Columns), take)
             }
+            // Of version 7.3 without the text that MATLAB puts first: what MATLAB wrote says so itself.
+            Self::Mat if hdf5::is_hdf5(&bytes) => {
+                hdf5::read(path, bytes, (options.part, hdf5::Order::Rows), take)
+            }
             Self::Mat => mat::read(path, &bytes, options.part, take),
             Self::Hdf5 => hdf5::read(path, bytes, (options.part, hdf5::Order::Rows), take),
             Self::Npy => npy::read(path, &bytes, take),

@@ -5,19 +5,18 @@
 //! 2⁶⁴ − 1, and refuses the group and all that is in it. So such links are taken out of their groups
 //! before it reads them, in memory, and are followed here where a column is asked for by their name.
 //!
-//! Source: HDF5 File Format Specification 3.0, II.A (superblock), III.A–D (groups), IV.A (headers).
+//! Source: HDF5 File Format Specification 3.0, III.A–D (groups).
 
 use super::super::limits::MOST_NAME;
+use super::raw::Raw;
 use std::collections::{BTreeMap, BTreeSet};
 
-const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 /// Groups within groups, at most.
 pub(super) const MOST_DEPTH: usize = 16;
 /// Links that lead to each other, at most.
 const MOST_HOPS: usize = 16;
 /// Types of messages of an object's header.
 const LINK: u16 = 0x06;
-const CONTINUATION: u16 = 0x10;
 const SYMBOL_TABLE: u16 = 0x11;
 /// What an entry of a symbol table says that it is where it is a soft link.
 const IS_SOFT: u64 = 2;
@@ -89,70 +88,6 @@ fn join(path: &str, name: &str) -> String {
     if path.is_empty() { name.to_owned() } else { format!("{path}/{name}") }
 }
 
-/// The bytes of a file, and how its addresses and lengths are written.
-struct Raw<'a> {
-    bytes: &'a [u8],
-    /// Where its superblock stands, from which addresses are counted.
-    base: usize,
-    address_size: usize,
-    length_size: usize,
-}
-
-impl<'a> Raw<'a> {
-    /// A file, and where the header of its root group stands.
-    fn open(bytes: &'a [u8]) -> Option<(Self, usize)> {
-        // At the beginning, or behind a block of the user's: 512 bytes, or a power of two of them.
-        let places = std::iter::successors(Some(512_usize), |place| place.checked_mul(2));
-        let base = std::iter::once(0)
-            .chain(places.take_while(|place| *place < bytes.len()))
-            .find(|place| bytes[*place..].starts_with(SIGNATURE))?;
-        let version = *bytes.get(base + 8)?;
-        let (sizes, root) = match version {
-            0 => (13, 24),
-            1 => (13, 28),
-            2 | 3 => (9, 12),
-            _ => return None,
-        };
-        let address_size = usize::from(*bytes.get(base + sizes)?);
-        let length_size = usize::from(*bytes.get(base + sizes + 1)?);
-        if !(1..=8).contains(&address_size) || !(1..=8).contains(&length_size) {
-            return None;
-        }
-        let raw = Self { bytes, base, address_size, length_size };
-        // Behind other addresses: those of the file's parts, in old files also that of the root's name.
-        let before = if version < 2 { 5 } else { 3 };
-        let root = raw.address(base + root + before * address_size)?;
-        Some((raw, root))
-    }
-
-    fn number(&self, at: usize, size: usize) -> Option<u64> {
-        let bytes = self.bytes.get(at..at.checked_add(size)?)?;
-        Some(bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
-    }
-
-    /// An address, as a place in the bytes; nothing if it is past their end.
-    fn address(&self, at: usize) -> Option<usize> {
-        let place = usize::try_from(self.number(at, self.address_size)?).ok()?;
-        place.checked_add(self.base).filter(|place| *place < self.bytes.len())
-    }
-
-    fn length(&self, at: usize) -> Option<usize> {
-        usize::try_from(self.number(at, self.length_size)?).ok()
-    }
-
-    fn has(&self, at: usize, signature: &[u8]) -> bool {
-        self.bytes.get(at..).is_some_and(|bytes| bytes.starts_with(signature))
-    }
-
-    /// The text up to a zero.
-    fn text(&self, at: usize) -> Option<String> {
-        let bytes = self.bytes.get(at..)?;
-        let bytes = &bytes[..bytes.len().min(MOST_NAME + 1)];
-        let end = bytes.iter().position(|byte| *byte == 0)?;
-        Some(String::from_utf8_lossy(&bytes[..end]).into_owned())
-    }
-}
-
 /// A symbol table, of whose entries some are soft links.
 struct SymbolTable {
     /// Where its first entry stands; the number of entries stands in the two bytes before.
@@ -196,61 +131,21 @@ impl Walk {
         self.groups.push(Group { header: root, path: String::new(), depth: 0 });
         while let Some(group) = self.groups.pop() {
             // What cannot be read has no links that are known.
-            let _: Option<()> = self.header(raw, &group);
+            self.header(raw, &group);
         }
     }
 
-    /// Goes through the messages of an object's header, and the blocks in which it goes on.
-    fn header(&mut self, raw: &Raw, group: &Group) -> Option<()> {
-        let at = group.header;
-        if group.depth > MOST_DEPTH || !self.seen.insert(at) {
-            return None;
+    fn header(&mut self, raw: &Raw, group: &Group) {
+        if group.depth > MOST_DEPTH {
+            return;
         }
-        let is_new = raw.has(at, b"OHDR");
-        // Of a header of the second version, whether messages have the order of their creation too.
-        let mut ordered = 0;
-        let mut blocks = Vec::new();
-        if is_new {
-            let flags = raw.number(at + 5, 1)?;
-            let times = if flags & 0x20 != 0 { 16 } else { 0 };
-            let attributes = if flags & 0x10 != 0 { 4 } else { 0 };
-            ordered = if flags & 0x04 != 0 { 2 } else { 0 };
-            let size_at = at + 6 + times + attributes;
-            let size_size = 1 << (flags & 3);
-            let from = size_at + size_size;
-            let size = usize::try_from(raw.number(size_at, size_size)?).ok()?;
-            blocks.push(from..from.checked_add(size)?);
-        } else if raw.number(at, 1)? == 1 {
-            let size = usize::try_from(raw.number(at + 8, 4)?).ok()?;
-            blocks.push(at + 16..(at + 16).checked_add(size)?);
-        }
-        let head = if is_new { 4 + ordered } else { 8 };
-        while let Some(block) = blocks.pop() {
-            let mut at = block.start;
-            while at.checked_add(head)? <= block.end {
-                let (kind, size) = match is_new {
-                    true => (raw.number(at, 1)?, raw.number(at + 1, 2)?),
-                    false => (raw.number(at, 2)?, raw.number(at + 2, 2)?),
-                };
-                let (from, kind) = (at + head, u16::try_from(kind).ok()?);
-                at = from + usize::try_from(size).ok()?;
-                match kind {
-                    LINK => _ = self.link(raw, group, from),
-                    SYMBOL_TABLE => _ = self.symbol_table(raw, group, from),
-                    CONTINUATION => {
-                        let place = raw.address(from)?;
-                        let end = place.checked_add(raw.length(from + raw.address_size)?)?;
-                        // Between its signature and its checksum.
-                        let around = if is_new { 4 } else { 0 };
-                        if self.seen.insert(place) {
-                            blocks.push(place + around..end.saturating_sub(around));
-                        }
-                    }
-                    _ => {}
-                }
+        for message in raw.messages(group.header, &mut self.seen) {
+            match message.kind {
+                LINK => _ = self.link(raw, group, message.from),
+                SYMBOL_TABLE => _ = self.symbol_table(raw, group, message.from),
+                _ => {}
             }
         }
-        Some(())
     }
 
     /// A link of a group of the new form.

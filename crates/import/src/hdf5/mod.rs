@@ -4,8 +4,10 @@
 //! library takes memory for it, and a library that gives up on a damaged file is an error of ours.
 
 mod fields;
+mod layout;
 mod links;
 mod packing;
+mod raw;
 #[cfg(test)]
 pub(super) mod tests;
 
@@ -18,7 +20,7 @@ use super::table::{Cells, ColumnRef, Declared, Table};
 use super::text::HDF5;
 use arrow::array::Float64Array;
 use fields::{Fields, octave_range};
-use hdf5_pure::{AttrValue, DType, Dataset, Datatype, File, Group};
+use hdf5_pure::{AttrValue, DType, Dataset, Datatype, DatatypeByteOrder, File, Group};
 use links::{Links, MOST_DEPTH};
 use packing::Packing;
 use std::collections::BTreeMap;
@@ -58,6 +60,11 @@ pub(super) fn read(
     };
     catch_unwind(AssertUnwindSafe(read))
         .unwrap_or_else(|_| Err(unreadable(path, "the library gave up on it")))
+}
+
+/// Whether a file is one of HDF5, by its signature: at its beginning or behind a block of the user's.
+pub(super) fn is_hdf5(bytes: &[u8]) -> bool {
+    raw::Raw::open(bytes).is_some()
 }
 
 fn unreadable(path: &Path, why: &str) -> StoreError {
@@ -104,7 +111,7 @@ fn vectors(file: &Opened, within: Option<&str>, take: &Take) -> Result<Table, St
         ColumnRef::Name(name) => !names.clone().any(|known| known == name),
         ColumnRef::Position(_) => false,
     };
-    if file.order == Order::Columns && take.columns.iter().any(is_missing) {
+    if take.columns.iter().any(is_missing) {
         table.hidden = file.hidden()?;
     }
     Ok(table)
@@ -267,6 +274,8 @@ impl<'a> Opened<'a> {
     fn new(path: &'a Path, mut bytes: Vec<u8>, order: Order) -> Result<Self, StoreError> {
         let length = bytes.len() as u64;
         let links = Links::take_out(&mut bytes);
+        layout::put_beginning(&mut bytes);
+        layout::make_older(&mut bytes);
         let file = open(path, bytes)?;
         let groups = groups(path, &file)?;
         Ok(Self { path, length, order, file, links, groups })
@@ -455,7 +464,8 @@ impl<'a> Opened<'a> {
         if let Some(class) = class(group, own_name, data) {
             return Err(StoreError::new(path, format!("it is {class}"), HDF5).column(full));
         }
-        let order = if group.is_octave { Order::Columns } else { self.order };
+        let of_matlab = data.attrs().is_ok_and(|all| all.contains_key("MATLAB_class"));
+        let order = if group.is_octave || of_matlab { Order::Columns } else { self.order };
         let (rows, columns) = match (size.as_slice(), order) {
             (&[rows], _) => (rows, 1),
             (&[rows, columns], Order::Rows) | (&[columns, rows], Order::Columns) => (rows, columns),
@@ -595,7 +605,7 @@ fn class(group: &Found, own_name: &str, data: &Dataset) -> Option<String> {
     }
     match data.dtype() {
         Ok(F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64 | DType::Enum(_)) => None,
-        Ok(DType::Other(kind)) if matches!(*kind, Datatype::FloatingPoint { size: 2, .. }) => None,
+        Ok(_) if half(data).is_some() => None,
         Ok(DType::String | DType::VariableLengthString) => Some("text".to_owned()),
         Ok(DType::Compound(_)) => Some("a table of several fields, or complex".to_owned()),
         Ok(_) => Some("of a type that has no numbers".to_owned()),
@@ -627,10 +637,47 @@ fn check_size(path: &Path, data: &Dataset, n: usize, length: u64) -> Result<(), 
 /// The values of a data set, `n` of them, as they lie in a file of so many bytes.
 fn values(path: &Path, length: u64, data: &Dataset, n: usize) -> Result<Vec<f64>, StoreError> {
     check_size(path, data, n, length)?;
-    let values = data.read_f64().map_err(|e| unreadable(path, &e.to_string()))?;
+    let failed = |e: hdf5_pure::Error| unreadable(path, &e.to_string());
+    let values = match half(data) {
+        Some(order) => {
+            let bytes = data.read_raw().map_err(failed)?;
+            let halves = bytes.chunks_exact(2).map(|half| match order {
+                DatatypeByteOrder::BigEndian => u16::from_be_bytes([half[0], half[1]]),
+                _ => u16::from_le_bytes([half[0], half[1]]),
+            });
+            halves.map(of_half).collect()
+        }
+        None => data.read_f64().map_err(failed)?,
+    };
     if values.len() == n {
         return Ok(values);
     }
     let what = format!("a data set says that it has {n} values, and has {}", values.len());
     Err(unreadable(path, &what))
+}
+
+/// The order of the bytes of numbers of two bytes (IEEE 754 binary16), which the library does not read;
+/// nothing if they are others.
+fn half(data: &Dataset) -> Option<DatatypeByteOrder> {
+    match data.datatype() {
+        Ok(Datatype::FloatingPoint { size: 2, byte_order, layout })
+            if (layout.exponent_size, layout.mantissa_size, layout.exponent_bias)
+                == (5, 10, 15) =>
+        {
+            Some(byte_order)
+        }
+        _ => None,
+    }
+}
+
+/// The number of these bits of binary16.
+fn of_half(bits: u16) -> f64 {
+    let fraction = f64::from(bits & 0x3ff) / 1024.0;
+    let value = match i32::from(bits >> 10 & 0x1f) {
+        0 => fraction * 2_f64.powi(-14),
+        31 if bits & 0x3ff == 0 => f64::INFINITY,
+        31 => f64::NAN,
+        exponent => (1.0 + fraction) * 2_f64.powi(exponent - 15),
+    };
+    if bits >> 15 == 1 { -value } else { value }
 }

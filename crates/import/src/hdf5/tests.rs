@@ -1,7 +1,9 @@
 use super::super::limits::Budget;
 use super::super::limits::tests::everything;
 use super::*;
-use hdf5_pure::{AttrValue, CharacterSet, CompoundTypeBuilder, FileBuilder, StringPadding};
+use hdf5_pure::{
+    AttrValue, CharacterSet, CompoundTypeBuilder, FileBuilder, FloatingPointLayout, StringPadding,
+};
 
 /// Two vectors, one of them in a group and one as MATLAB has columns; a matrix, a text, and a
 /// whole number.
@@ -420,7 +422,7 @@ fn structures_of_matlab_7_3_come_by_their_path_with_points_or_strokes_and_object
 }
 
 /// A table of h5py: a short, a long and a text in each row.
-fn compound() -> Vec<u8> {
+pub(in super::super) fn compound() -> Vec<u8> {
     let text =
         Datatype::String { size: 2, padding: StringPadding::NullPad, charset: CharacterSet::Ascii };
     let kind = CompoundTypeBuilder::new().f64_field("t").i16_field("n").field("who", text);
@@ -444,4 +446,67 @@ fn the_fields_of_a_table_come_by_their_name() {
     let table = read(compound(), None, Order::Rows).unwrap();
     let error = table.find(&named(&["data"])[0]).unwrap_err();
     assert!(error.contains("a table of the fields t, n, who; name one of them"), "{error}");
+}
+
+#[test]
+fn numbers_of_two_bytes_are_read() {
+    let kind = Datatype::FloatingPoint {
+        size: 2,
+        byte_order: DatatypeByteOrder::LittleEndian,
+        layout: FloatingPointLayout {
+            bit_offset: 0,
+            bit_precision: 16,
+            exponent_location: 10,
+            exponent_size: 5,
+            mantissa_location: 0,
+            mantissa_size: 10,
+            exponent_bias: 15,
+        },
+    };
+    let stored = [0x3e00_u16, 0xc000, 0x0001, 0x8000, 0x7bff].map(u16::to_le_bytes).concat();
+    let mut file = FileBuilder::new();
+    file.create_dataset("f").with_raw_data(kind, stored, 5);
+    let found = read_named(file.finish().unwrap(), &["f"]).unwrap();
+    assert_eq!(found[0], [1.5, -2.0, 2_f64.powi(-24), 0.0, 65504.0]);
+}
+
+/// A range of Octave's, a matrix and a text as its `save -hdf5` writes them.
+pub(in super::super) fn octave() -> Vec<u8> {
+    let mut file = FileBuilder::new();
+    let variable = |file: &mut FileBuilder, name: &str, kind: &str| {
+        let mut group = file.create_group(name);
+        group.set_attr("OCTAVE_NEW_FORMAT", AttrValue::U8(1));
+        let text = Datatype::String {
+            size: kind.len() as u32,
+            padding: StringPadding::NullPad,
+            charset: CharacterSet::Ascii,
+        };
+        group.create_dataset("type").with_raw_data(text, kind.as_bytes().to_vec(), 1);
+        group
+    };
+    let mut range = variable(&mut file, "t", "double_range");
+    let fields =
+        CompoundTypeBuilder::new().f64_field("base").f64_field("limit").f64_field("increment");
+    let parts = [0.0_f64, 1.0, 0.5].map(f64::to_le_bytes).concat();
+    let value = range.create_dataset("value").with_raw_data(fields.build().unwrap(), parts, 1);
+    value.set_attr("OCTAVE_RANGE_NELEM", AttrValue::I64(3));
+    file.add_group(range.finish());
+    let mut matrix = variable(&mut file, "f", "matrix");
+    let values = [7.0, 8.0, 9.0, 1.5, -2.0, 4.0];
+    matrix.create_dataset("value").with_f64_data(&values).with_shape(&[2, 3]);
+    file.add_group(matrix.finish());
+    let mut text = variable(&mut file, "who", "sq_string");
+    text.create_dataset("value").with_i8_data(&[97, 99]).with_shape(&[2]);
+    file.add_group(text.finish());
+    file.finish().unwrap()
+}
+
+#[test]
+fn variables_of_octave_are_read_as_it_means_them() {
+    let found = read_named(octave(), &["t/value", "f/value(2)"]).unwrap();
+    assert_eq!(found, [[0.0, 0.5, 1.0], [1.5, -2.0, 4.0]]);
+    let table = read(octave(), Some("f/value"), Order::Rows).unwrap();
+    assert_eq!(numbers(&table.columns[0]), [7.0, 8.0, 9.0]);
+    let table = take_named(octave(), &named(&["who/value"])).unwrap();
+    assert!(table.find(&named(&["who/value"])[0]).unwrap_err().contains("it is text"));
 }

@@ -163,6 +163,29 @@ pub(super) fn containers() -> Vec<Row> {
             hdf5::matlab_7_3(),
         ),
         mapped(
+            "a MAT file of version 7.3 without its first text",
+            (Read, ""),
+            usual
+                .replace("\"t\"", "\"simout.time\"")
+                .replace("\"f\"", "\"simout.signals.values(2)\""),
+            "a.mat",
+            &hdf5::matlab_7_3()[512..],
+        ),
+        mapped(
+            "a range of Octave",
+            (Read, ""),
+            usual.replace("\"t\"", "\"t/value\"").replace("\"f\"", "\"f/value(2)\""),
+            "a.h5",
+            hdf5::octave(),
+        ),
+        mapped(
+            "a table of HDF5 of several fields",
+            (Refused, "it is a table of the fields t, n, who; name one of them behind a stroke"),
+            usual.replace("\"t\"", "\"data/t\"").replace("\"f\"", "\"data\""),
+            "a.h5",
+            hdf5::compound(),
+        ),
+        mapped(
             "a MATLAB table",
             (
                 Refused,
