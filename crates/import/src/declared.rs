@@ -28,7 +28,7 @@ impl Recording {
         }
         let name = self.table.name(column);
         if named.is_type {
-            let what = format!("its type counts in {}, and the mapping says {text}", named.unit);
+            let what = format!("it counts in {}, and the mapping says {text}", named.unit);
             let remedy = format!("set unit = \"{}\"", named.unit);
             return Err(self.error(what, remedy).column(name));
         }

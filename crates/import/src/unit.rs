@@ -132,7 +132,7 @@ pub(super) fn find(text: &str) -> Option<&'static Unit> {
 }
 
 /// Units in words, as files name them; each also with an s at its end.
-const WORDS: [(&str, &str); 25] = [
+const WORDS: [(&str, &str); 26] = [
     ("second", "s"),
     ("millisecond", "ms"),
     ("microsecond", "us"),
@@ -148,6 +148,7 @@ const WORDS: [(&str, &str); 25] = [
     ("millimetre", "mm"),
     ("micrometer", "um"),
     ("inch", "in"),
+    ("inche", "in"),
     ("newton", "N"),
     ("millinewton", "mN"),
     ("kilonewton", "kN"),
@@ -245,6 +246,32 @@ mod tests {
         all.sort();
         all.dedup();
         assert_eq!(all.len(), n);
+    }
+
+    #[test]
+    fn units_that_files_name_are_known_by_letter_and_by_word() {
+        for (text, unit) in [
+            ("N", "N"),
+            ("newtons", "N"),
+            ("Newton", "N"),
+            ("mN", "mN"),
+            (" seconds ", "s"),
+            ("Milliseconds", "ms"),
+            ("microvolts", "uV"),
+            ("µV", "uV"),
+            ("Volts", "V"),
+            ("Degrees", "deg"),
+            ("inches", "in"),
+            ("Newton meters", "N·m"),
+        ] {
+            let found = declared(text).unwrap_or_else(|| panic!("{text}"));
+            let unit = find(unit).unwrap();
+            let same = found.to_si.to_bits() == unit.to_si.to_bits();
+            assert!(found.dimension == unit.dimension && same, "{text}");
+        }
+        for text in ["", "MN", "a.u.", "S", "none", "%"] {
+            assert!(declared(text).is_none(), "{text}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::super::hdf5::tests as hdf5;
 use super::super::mat::tests as mat;
 use super::super::parquet::tests as parquet;
 use super::super::world::{FORCE, ONE, trials_map};
+use super::super::xdf::tests as xdf;
 use super::Becomes::{Flagged, Read, Refused};
 use super::{Row, mapped};
 use arrow::array::{
@@ -35,6 +36,16 @@ pub(super) fn containers() -> Vec<Row> {
     let usual = trials_map(&[ONE, FORCE]);
     let in_unit = |unit: &str| usual.replace("unit = \"s\"", &format!("unit = \"{unit}\""));
     let hundredths = ("scale_factor", AttrValue::F64(0.01));
+    let from_xdf = |unit: &str| {
+        let force = FORCE.replace("\"t\"", "\"time_s\"").replace("\"f\"", "\"load\"");
+        let force = force.replace("\"N\"", &format!("\"{unit}\""));
+        trials_map(&[ONE, &force.replace("unit = \"s\"", "unit = \"s\"\nzero = \"first\"")])
+    };
+    let in_newtons = || {
+        let channel = "<channel><label>load</label><unit>newtons</unit></channel>";
+        let times = (0..300).map(|i| 0.01 * f64::from(i));
+        xdf::steady_of(channel, times, &[(0.0, 5.0), (1.0, 5.0), (2.0, 5.0)])
+    };
     let durations: ArrayRef = Arc::new(DurationMicrosecondArray::from(vec![0, 500_000, 1_000_000]));
     let noon = 12 * 3_600_000_000_i64;
     let of_day = [0, 500_000, 1_000_000].map(|us| noon + us);
@@ -102,7 +113,7 @@ pub(super) fn containers() -> Vec<Row> {
         ),
         mapped(
             "durations in Parquet, in another unit",
-            (Refused, "its type counts in us, and the mapping says s; set unit = \"us\""),
+            (Refused, "it counts in us, and the mapping says s; set unit = \"us\""),
             usual.clone(),
             "a.parquet",
             parquet::encode(&timed(durations.clone())),
@@ -170,6 +181,30 @@ pub(super) fn containers() -> Vec<Row> {
                 .replace("\"f\"", "\"simout.signals.values(2)\""),
             "a.mat",
             &hdf5::matlab_7_3()[512..],
+        ),
+        mapped(
+            "an XDF channel whose unit is that of the mapping, in words",
+            (Read, ""),
+            from_xdf("N"),
+            "a.xdf",
+            in_newtons(),
+        ),
+        mapped(
+            "an XDF channel whose unit is not that of the mapping",
+            (
+                Flagged,
+                "column load: the file says that its unit is 'newtons', and the mapping takes it for mN",
+            ),
+            from_xdf("mN"),
+            "a.xdf",
+            in_newtons(),
+        ),
+        mapped(
+            "times of XDF taken for milliseconds",
+            (Refused, "it counts in s, and the mapping says ms; set unit = \"s\""),
+            from_xdf("N").replace("unit = \"s\"", "unit = \"ms\""),
+            "a.xdf",
+            in_newtons(),
         ),
         mapped(
             "a range of Octave",

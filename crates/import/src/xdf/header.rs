@@ -66,6 +66,8 @@ pub(super) struct Header {
     pub(super) written: Written,
     /// The channels' labels, empty where there is none.
     pub(super) labels: Vec<String>,
+    /// The channels' units, empty where there is none.
+    pub(super) units: Vec<String>,
     /// Whether samples may be left out: then its times are not those of a steady clock.
     pub(super) may_drop: bool,
 }
@@ -73,13 +75,21 @@ pub(super) struct Header {
 /// The header in a text; `Err` says what it lacks.
 pub(super) fn header(xml: &str) -> Result<Header, String> {
     let (mut name, mut count, mut rate, mut format) = (None, None, None, None);
-    let (mut labels, mut may_drop) = (Vec::<String>::new(), false);
+    let (mut labels, mut units, mut may_drop) = (Vec::<String>::new(), Vec::<String>::new(), false);
     elements(xml, &mut |path, text| match (path, text) {
         (["info", "name"], Some(text)) => name = Some(text.into_owned()),
         (["info", "channel_count"], Some(text)) => count = text.parse::<usize>().ok(),
         (["info", "nominal_srate"], Some(text)) => rate = text.parse::<f64>().ok(),
         (["info", "channel_format"], Some(text)) => format = Written::of(&text),
-        (["info", "desc", "channels", "channel"], None) => labels.push(String::new()),
+        (["info", "desc", "channels", "channel"], None) => {
+            labels.push(String::new());
+            units.push(String::new());
+        }
+        (["info", "desc", "channels", "channel", "unit"], Some(text)) => {
+            if let Some(unit) = units.last_mut() {
+                unit.push_str(&text);
+            }
+        }
         (["info", "desc", "channels", "channel", "label"], Some(text)) => {
             if let Some(label) = labels.last_mut() {
                 label.push_str(&text);
@@ -92,6 +102,7 @@ pub(super) fn header(xml: &str) -> Result<Header, String> {
     })?;
     let channels = count.filter(|count| (1..=MOST_COLUMNS).contains(count));
     labels.resize(channels.unwrap_or(0), String::new());
+    units.resize(channels.unwrap_or(0), String::new());
     Ok(Header {
         name: name.unwrap_or_default(),
         channels: channels
@@ -101,6 +112,7 @@ pub(super) fn header(xml: &str) -> Result<Header, String> {
             .ok_or("its nominal_srate is not a rate")?,
         written: format.ok_or("its channel_format is not known")?,
         labels,
+        units,
         may_drop,
     })
 }

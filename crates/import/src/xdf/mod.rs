@@ -14,7 +14,7 @@ pub(super) mod tests;
 
 use super::limits::{MOST_COLUMNS, Take, shown};
 use super::shape::XdfClock;
-use super::table::{Cells, Table};
+use super::table::{Cells, Declared, Table};
 use arrow::array::Float64Array;
 use chunks::{Bytes, Lost, MAGIC, Tag, walk};
 use clock::{Offset, Synchronised, remove_jitter, synchronise, without_outliers};
@@ -100,6 +100,10 @@ pub(super) fn read(
         "" => format!("channel_{}", i + 1),
         label => label.to_owned(),
     });
+    let units = header.units.iter().enumerate().filter(|(_, unit)| !unit.is_empty());
+    let units = units.map(|(i, unit)| (i + 1, Declared { unit: unit.clone(), is_type: false }));
+    table.units = units.collect();
+    table.units.insert(0, Declared { unit: "s".to_owned(), is_type: true });
     table.names = Some(std::iter::once(TIME.to_owned()).chain(named).collect());
     let time = if take.wants(0, Some(TIME)) {
         Cells::Numbers(Float64Array::from(times))

@@ -77,14 +77,23 @@ pub(in super::super) fn steady(
     times: impl Iterator<Item = f64>,
     offsets: &[(f64, f64)],
 ) -> Vec<u8> {
+    steady_of("<channel><label>load</label></channel>", times, offsets)
+}
+
+/// The same with a channel that is described so.
+pub(in super::super) fn steady_of(
+    channel: &str,
+    times: impl Iterator<Item = f64>,
+    offsets: &[(f64, f64)],
+) -> Vec<u8> {
     let values: Vec<(f64, [f32; 1])> =
         times.enumerate().map(|(i, t)| (t, [(i as f32 * 0.1).sin()])).collect();
     let rows: Vec<(Option<f64>, &[f32])> =
         values.iter().map(|(t, value)| (Some(*t), value.as_slice())).collect();
-    let channels = "<channels><channel><label>load</label></channel></channels>";
+    let channels = format!("<channels>{channel}</channels>");
     let mut file =
         [b"XDF:".to_vec(), chunk(1, None, b"<info><version>1.0</version></info>")].concat();
-    file.extend(header(1, "rig", 1, 100.0, "float32", channels));
+    file.extend(header(1, "rig", 1, 100.0, "float32", &channels));
     file.extend(samples(1, &rows));
     offsets.iter().for_each(|(t, value)| file.extend(offset(1, *t, *value)));
     file
