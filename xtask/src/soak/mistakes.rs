@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use zwidth_import::{Mapping, import};
-use zwidth_store::{Layout, RealFiles, Signal, StudyData, hex_blake3};
+use zwidth_store::{Layout, Memory, Signal, StudyData, hex_blake3, read_trial_from};
 use zwidth_study::{Study, StudyId};
 
 const PEOPLE: usize = 3;
@@ -556,15 +556,16 @@ fn rows(
 
 /// Imports files into a study of their own; what was said, or the means.
 fn imported(folder: &Path, files: &Files) -> anyhow::Result<Outcome> {
-    let layout = Layout::new(folder, StudyId::new("theirs")?);
-    std::fs::create_dir_all(layout.raw())?;
-    std::fs::write(layout.study_toml(), &files.study)?;
-    let paths = files.write(&folder.join("recordings"))?;
+    // In memory: a disk would sync each of a million files.
+    let disk = Memory::new();
+    let layout = Layout::new(Path::new("/theirs"), StudyId::new("theirs")?);
+    disk.put(&layout.study_toml(), files.study.as_bytes());
+    let paths = files.write(folder)?;
     let study = Study::from_toml(&files.study).map_err(|e| anyhow::anyhow!("{e:?}"))?;
     let mapping = Mapping::from_toml(&files.map, Path::new("map.toml"));
     let mapping = mapping.map_err(|e| anyhow::anyhow!("{e:?}"))?;
     let said = ("2026-01-01T00:00:00Z", "zwidth mistakes");
-    let outcome = match import(&layout, &study, &mapping, &paths, said, &RealFiles, &|_| {}) {
+    let outcome = match import(&layout, &study, &mapping, &paths, said, &disk, &|_| {}) {
         Err(_) => Outcome::Refused,
         Ok(report) if report.is_doubtful() => {
             let text = report.to_string();
@@ -572,7 +573,7 @@ fn imported(folder: &Path, files: &Files) -> anyhow::Result<Outcome> {
                 text.lines().find(|line| line.contains("read with care")).unwrap_or_default();
             Outcome::Flagged(first.to_owned())
         }
-        Ok(_) => Outcome::Silent { means: means(&layout)?, is_off: false },
+        Ok(_) => Outcome::Silent { means: means(&disk, &layout)?, is_off: false },
     };
     std::fs::remove_dir_all(folder)?;
     Ok(outcome)
@@ -580,11 +581,12 @@ fn imported(folder: &Path, files: &Files) -> anyhow::Result<Outcome> {
 
 /// Of each mode the mean over people of duration, largest angle and largest force, and half of its interval at
 /// 95 %.
-fn means(layout: &Layout) -> anyhow::Result<Vec<(f64, f64)>> {
-    let data = StudyData::load(layout).map_err(|e| anyhow::anyhow!("{e:?}"))?;
+fn means(disk: &Memory, layout: &Layout) -> anyhow::Result<Vec<(f64, f64)>> {
+    let data = StudyData::load_from(disk, layout).map_err(|e| anyhow::anyhow!("{e:?}"))?;
     let mut of: BTreeMap<(String, usize), Vec<f64>> = BTreeMap::new();
     for entry in data.counting() {
-        let trial = entry.read([Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx])?;
+        let signals = [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx];
+        let trial = read_trial_from(disk, &entry.path, signals)?;
         let column = |signal| trial.samples.get(signal).unwrap_or_default();
         let t = column(Signal::Time);
         let moving: Vec<usize> =
