@@ -16,6 +16,7 @@ import pandas as pd
 import polars as pl
 import pyarrow as pa
 import pyxdf
+import scipy.io
 
 from checks import DONE_OR_WITH_CARE, check, equal, run
 
@@ -29,7 +30,7 @@ environment = "spring"
 mode = "active"
 [time]
 from = {time}
-unit = "s"
+unit = {unit}
 [[column]]
 to = "force_ex_n"
 from = {force}
@@ -49,7 +50,10 @@ def check_all(zwidth):
         xdf(world)
         workbooks(world)
         arrow(world)
+        times(world)
         hdf5(world)
+        packed(world)
+        matlab(world)
 
 
 class World:
@@ -58,12 +62,13 @@ class World:
     def __init__(self, zwidth, root):
         self.zwidth, self.root, self.sessions = zwidth, root, 0
 
-    def bring(self, path, file="", time="t", force="f"):
+    def bring(self, path, file="", time="t", force="f", unit='"s"'):
         """Imports one file; its times and forces, and what was printed."""
         self.sessions += 1
         session = f"S{self.sessions:02}"
         mapping = self.root / "map.toml"
-        mapping.write_text(MAP.format(file=f"[file]\n{file}\n", session=session, time=json.dumps(time), force=json.dumps(force)))
+        names = {"time": json.dumps(time), "force": json.dumps(force), "unit": unit}
+        mapping.write_text(MAP.format(file=f"[file]\n{file}\n", session=session, **names))
         said = run(self.zwidth, "--root", self.root, "import", "foreign", "--map", mapping, path, codes=DONE_OR_WITH_CARE)
         frame = pd.read_parquet(self.root / "raw/foreign/trials")
         frame = frame[frame["session"].astype(str) == session].sort_values("t_s")
@@ -76,7 +81,7 @@ class World:
     def refused(self, path, force="f"):
         """What is said of a file that is not read."""
         mapping = self.root / "map.toml"
-        mapping.write_text(MAP.format(file="", session="S99", time='"t"', force=json.dumps(force)))
+        mapping.write_text(MAP.format(file="", session="S99", time='"t"', unit='"s"', force=json.dumps(force)))
         given = [self.zwidth, "--root", self.root, "import", "foreign", "--map", mapping, path]
         done = subprocess.run([str(part) for part in given], capture_output=True, text=True, check=False)
         return done.returncode, done.stderr
@@ -249,6 +254,10 @@ def hdf5(world):
         ("that grows", {}, {"chunks": (16,), "maxshape": (None,)}),
         ("of the latest version", {"libver": "latest"}, {}),
         ("of the latest version, in chunks", {"libver": "latest"}, {"chunks": (16,), "maxshape": (None,)}),
+        ("of the latest version, packed", {"libver": "latest"}, {"chunks": (16,), "compression": "gzip"}),
+        ("of the latest version, packed, that grows", {"libver": "latest"}, {"chunks": (16,), "maxshape": (None,), "compression": "gzip"}),
+        ("of the latest version, packed, one chunk", {"libver": "latest"}, {"chunks": (200,), "compression": "gzip"}),
+        ("of the latest version, in pages of chunks", {"libver": "latest"}, {"chunks": (1,), "compression": "gzip", "fletcher32": True}),
     ]):
         path, f = world.root / f"{number}.h5", frame["f"].to_numpy() + number
         with h5py.File(path, "w", **file_options) as file:
@@ -299,13 +308,91 @@ def hdf5(world):
         file["t"], file["rig/f"] = frame["t"].to_numpy(), frame["f"].to_numpy().astype(complex)
     code, said = world.refused(path, force="rig/f")
     check("a complex column of hdf5 is refused with a line", code == 1 and "python -c" in said, said)
-    # The line itself, by a file of a version that is not read.
+    # The line itself, by a file that is not read: of a matrix of which both dimensions may grow.
     path = world.root / "latest.h5"
+    f, both = frame["f"].to_numpy(), {"maxshape": (None, None), "chunks": (16, 1), "compression": "gzip"}
     with h5py.File(path, "w", libver="latest") as file:
-        file.create_dataset("t", data=frame["t"].to_numpy(), chunks=(16,), compression="gzip")
-        file["rig/f"], file["name"] = frame["f"].to_numpy()[None, :] + 40, "rig 2"
-    converted = world.convert("packed hdf5 of the latest version", path, "npz")
-    t, f, _ = world.bring(converted, "", "t", "rig.f")
+        file.create_dataset("t", data=frame["t"].to_numpy()[:, None], **both)
+        file["rig/f"], file["name"] = f[None, :] + 40, "rig 2"
+        file["log"] = np.rec.fromarrays([np.arange(200), f], names="n,force")
+        file["z"] = f + 2j * f
+        file["counts"] = np.round(100 * f).astype("i2")
+        file["counts"].attrs.update({"scale_factor": 0.01, "_FillValue": np.int16(-5)})
+    converted = world.convert("a matrix of hdf5 that may grow both ways", path, "npz")
+    t, found, _ = world.bring(converted, "", "t", "rig.f")
     same("hdf5, converted by that line: times", t, frame["t"])
-    same("hdf5, converted by that line: values", f, frame["f"] + 40)
-    equal("hdf5, converted by that line: what is no number is left out", sorted(np.load(converted)), ["rig.f", "t"])
+    same("hdf5, converted by that line: values", found, f + 40)
+    arrays = np.load(converted)
+    expect = ["counts", "log.force", "log.n", "rig.f", "t", "z.imag", "z.real"]
+    equal("hdf5, converted by that line: what is no number is left out", sorted(arrays), expect)
+    same("hdf5, converted by that line: a field", arrays["log.force"], f)
+    same("hdf5, converted by that line: an imaginary part", arrays["z.imag"], 2 * f)
+    counts = np.round(100 * f)
+    same("hdf5, converted by that line: what is packed", arrays["counts"][counts != -5], counts[counts != -5] * 0.01)
+    equal("hdf5, converted by that line: what is missing", np.isnan(arrays["counts"]).sum(), (counts == -5).sum())
+
+
+def packed(world):
+    """Numbers that HDF5 packs, tables, and numbers of two bytes, against h5py."""
+    frame = table()
+    f = np.round(frame["f"].to_numpy(), 2)
+    path = world.root / "packed.h5"
+    with h5py.File(path, "w") as file:
+        file["t"] = frame["t"].to_numpy()
+        file["f"] = np.round((f + 1) * 100).astype("i2")
+        file["f"].attrs.update({"scale_factor": 0.01, "add_offset": -1.0})
+        file["log"] = np.rec.fromarrays([frame["t"], (f + 2).astype(">f4")], names="t,force")
+        file["half"] = (f + 3).astype("f2")
+        file["text"] = np.arange(200)
+        file["text"].attrs["scale_factor"] = "0.01"
+        read = [(file["f"][:] * 0.01 - 1, "f"), (file["log"]["force"], "log/force"), (file["half"][:], "half")]
+    for expect, name in read:
+        # Another file each time, for a recording counts once.
+        with h5py.File(path, "r+") as file:
+            file.attrs["read"] = name
+        t, found, _ = world.bring(path, "", "t", name)
+        same(f"hdf5, {name}: times", t, frame["t"])
+        same(f"hdf5, {name}: values", found, expect)
+    # The line that takes an attribute away, of a copy.
+    code, said = world.refused(path, force="text")
+    line = said[said.find("python -c") :].splitlines()[0]
+    check("an attribute that is a text is refused with a line", code == 1 and "COPY DATASET ATTRIBUTES" in line, said)
+    copy = world.root / "copy.h5"
+    copy.write_bytes(path.read_bytes())
+    subprocess.run([sys.executable, *shlex.split(line)[1:3], copy, "text", "scale_factor"], check=True)
+    _, found, _ = world.bring(copy, "", "t", "text")
+    same("hdf5 without that attribute: values", found, np.arange(200))
+
+
+def times(world):
+    """Durations and moments as pandas writes them, by the unit of their type."""
+    frame = table()
+    since = pd.to_timedelta(np.arange(200) * 10, unit="ms")
+    for number, (name, column, unit) in enumerate([
+        ("durations in us", since.as_unit("us"), "us"),
+        ("durations in ns", since.as_unit("ns"), "ns"),
+        ("moments in ns", pd.Timestamp("2026-01-31T23:59:59.123456789") + since.as_unit("ns"), "ns"),
+    ]):
+        for write, extension in [(pd.DataFrame.to_parquet, "parquet"), (pd.DataFrame.to_feather, "feather")]:
+            path = world.root / f"times-{number}.{extension}"
+            frame["f"] += 0.25
+            write(frame.assign(t=column), path)
+            t, f, _ = world.bring(path, unit=f'"{unit}"\nzero = "first"')
+            same(f"{extension}, {name}: times", t, table()["t"])
+            same(f"{extension}, {name}: values", f, frame["f"])
+    code, said = world.refused(path)
+    check("times in another unit than their type's are refused", code == 1 and 'set unit = "ns"' in said, said)
+
+
+def matlab(world):
+    """Structures as SciPy writes them in version 5."""
+    frame = table()
+    values = np.column_stack([np.zeros(200), frame["f"] + 50])
+    signals = {"values": values, "dimensions": 2.0, "label": "f"}
+    for packing in [False, True]:
+        path = world.root / f"simout-{packing}.mat"
+        scipy.io.savemat(path, {"simout": {"time": frame["t"].to_numpy()[:, None], "signals": signals}}, do_compression=packing)
+        t, f, _ = world.bring(path, "", "simout.time", "simout.signals.values(2)")
+        same(f"a structure with time, packed {packing}: times", t, frame["t"])
+        same(f"a structure with time, packed {packing}: values", f, values[:, 1])
+        values[:, 1] += 1

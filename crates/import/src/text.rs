@@ -75,10 +75,15 @@ const UNREAD: [(&[u8], &str, &str); 7] = [
     (b"%PDF", "a PDF", "ask for the numbers themselves"),
 ];
 /// The line that converts an HDF5 file that is not read: its numbers by their path, as arrays of an
-/// archive. `tests/interop/foreign.py` tries it.
+/// archive, fields of tables and parts of complex numbers each by itself, unpacked as its attributes say.
+/// `tests/interop/foreign.py` tries it.
 pub(super) const HDF5: &str = "save it from MATLAB with -v7, or convert it: python -c \"import sys, h5py, numpy as np; d = {}; \
-     h5py.File(sys.argv[1]).visititems(lambda n, o: d.update({n.replace('/', '.'): np.squeeze(o).astype(float)}) \
-     if hasattr(o, 'dtype') and o.dtype.kind in 'iuf' else None); np.savez(sys.argv[2], **d)\" IN OUT.npz";
+     f = lambda n, a, s: [f(n + '.' + k, a[k], s) for k in a.dtype.names] if a.dtype.names else \
+     [f(n + '.' + k, getattr(a, k), s) for k in ('real', 'imag')] if a.dtype.kind == 'c' else \
+     d.update({n: np.where(np.isin(a, s.get('_FillValue', [])), np.nan, a.astype(float) * s.get('scale_factor', s.get('conversion', 1)) \
+     + s.get('add_offset', s.get('offset', 0)))}) if a.dtype.kind in 'iufb' else None; \
+     h5py.File(sys.argv[1]).visititems(lambda n, o: [f(n.replace('/', '.'), np.squeeze(o[()]), o.attrs)] and None \
+     if hasattr(o, 'dtype') else None); np.savez(sys.argv[2], **d)\" IN OUT.npz";
 const PICKLED: &str = "a Python pickle";
 /// A pickle may run any program when it is opened.
 const PICKLE: &str = "where it was made, write it as CSV: frame.to_csv(\"OUT.csv\", index=False)";
