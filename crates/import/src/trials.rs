@@ -12,7 +12,7 @@ use super::plan::{Plan, Taken, plan, rate_times};
 use super::recording::{Gaps, Recording, Rows};
 use super::report::{FileReport, RowsDropped, null_columns};
 use super::stream::{Growing, Source as LongText};
-use super::table::ColumnRef;
+use super::table::{Cells, ColumnRef};
 use super::{
     Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, all, counter, once, outline, unit,
     zero,
@@ -375,6 +375,7 @@ fn convert(
     budget: &Budget,
     recording: &mut Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
+    check_turned(plan, recording)?;
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let mut other_units = all(plan
@@ -444,6 +445,26 @@ fn convert(
     };
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, why_empty(plan));
     Ok((pieces, report))
+}
+
+/// Whether a matrix has its samples in rows: Simulink's "To File" has its signals there.
+///
+/// # Errors
+/// It has a time, so few rows and so many columns that its rows are the signals.
+fn check_turned(plan: &Plan, recording: &Recording) -> Result<(), StoreError> {
+    const MOST_SIGNALS: usize = 16;
+    const FEWEST_SAMPLES: usize = 50;
+    let table = &recording.table;
+    // A matrix alone has neither names nor lines.
+    let is_matrix = table.names.is_none() && table.lines.is_empty();
+    let rows = table.columns.iter().map(Cells::len).max().unwrap_or(0);
+    let columns = table.columns.len();
+    if plan.time.is_none() || !is_matrix || rows > MOST_SIGNALS || columns < FEWEST_SAMPLES {
+        return Ok(());
+    }
+    let what =
+        format!("its matrix has {rows} rows and {columns} columns: its rows are the signals");
+    Err(recording.error(what, "save it turned: x = x.' in MATLAB, x.T in Python"))
 }
 
 /// What is said of samples that the counter which the time is from passes over.

@@ -46,6 +46,10 @@ pub(super) fn containers() -> Vec<Row> {
         let times = (0..300).map(|i| 0.01 * f64::from(i));
         xdf::steady_of(channel, times, &[(0.0, 5.0), (1.0, 5.0), (2.0, 5.0)])
     };
+    let mut turned = FileBuilder::new();
+    let values: Vec<f64> = (0..375).map(f64::from).collect();
+    turned.create_dataset("ans").with_f64_data(&values).with_shape(&[3, 125]);
+    let turned = turned.finish().unwrap();
     let durations: ArrayRef = Arc::new(DurationMicrosecondArray::from(vec![0, 500_000, 1_000_000]));
     let noon = 12 * 3_600_000_000_i64;
     let of_day = [0, 500_000, 1_000_000].map(|us| noon + us);
@@ -205,6 +209,20 @@ pub(super) fn containers() -> Vec<Row> {
             from_xdf("N").replace("unit = \"s\"", "unit = \"ms\""),
             "a.xdf",
             in_newtons(),
+        ),
+        mapped(
+            "a matrix whose rows are the signals",
+            (
+                Refused,
+                "its matrix has 3 rows and 125 columns: its rows are the signals; save it turned",
+            ),
+            trials_map(&[
+                "[file]\nmatrix = \"ans\"\n",
+                ONE,
+                &FORCE.replace("\"t\"", "1").replace("\"f\"", "2"),
+            ]),
+            "a.h5",
+            turned,
         ),
         mapped(
             "a range of Octave",
