@@ -1,5 +1,6 @@
 //! Delimited text: CSV, TSV and their relatives.
 
+use super::labview::has_comments;
 use super::limits::{
     MOST_COLUMNS, MOST_LINE, MOST_WHOLE_ROWS, Take, check_name, shown, too_many_rows, too_much,
 };
@@ -70,6 +71,7 @@ pub(super) fn read(
     if let Some(names) = names.as_mut().filter(|_| more) {
         told.extend(one_cell_short(names, &record));
     }
+    let has_comments = names.as_deref().is_some_and(has_comments);
     // Without a header the first record says how many columns there are.
     let width = names.as_ref().map_or(record.len(), Vec::len);
     let builder = |place: usize| {
@@ -81,6 +83,9 @@ pub(super) fn read(
     while more {
         let line = counter.line;
         empty.add(lines.len(), std::mem::take(&mut counter.empty));
+        if has_comments && record.len() + 1 == width {
+            record.push_field("");
+        }
         if record.len() != width {
             let what = format!("line {line} has {} cells where {width} belong", record.len());
             if bad.len() == dialect.bad_lines {

@@ -4,14 +4,17 @@
 //! Nothing is imported by a guess: the mapping is a text that a person reads, mends and names in
 //! `--map`. What could not be told stands in it as a line to fill in.
 
-use super::format::Format;
+use super::guess_answers::answers;
 use super::guess_apart::{Sorted, sort};
 use super::guess_names::{Names, names};
-use super::guess_read::{LOOKED_AT, Looked, MOST_GUESSED, Written, look};
+use super::guess_read::{LOOKED_AT, Looked, MOST_GUESSED, look};
 use super::guess_words::{ANSWERS, COMMANDED, CURRENTS, LABELS, Said, said, signal_of};
+use super::limits::shown;
 use super::recording::number;
 use super::table::{Cell, Cells, Table};
 use super::text::Encoding;
+use super::unit::{find, may_become, word_of};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_store::{Signal, StoreError};
@@ -35,19 +38,13 @@ pub fn guess(path: &Path, others: &[PathBuf]) -> Result<Guess, StoreError> {
     let files: Vec<PathBuf> = std::iter::once(path.to_owned()).chain(others.to_vec()).collect();
     let Sorted { alike, apart } = sort(&files);
     let first = alike.first().map_or(path, PathBuf::as_path);
-    let Looked { table, format, written } = look(first)?;
-    let text = mapping((first, &apart), &table, format, written, &names(&alike));
+    let looked = look(first)?;
+    let text = mapping((first, &apart), &looked, &names(&alike));
     Ok(Guess { mapping: text, apart })
 }
 
 /// The mapping's text.
-fn mapping(
-    (path, apart): (&Path, &[StoreError]),
-    table: &Table,
-    format: Option<Format>,
-    written: Option<Written>,
-    names: &Names,
-) -> String {
+fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names) -> String {
     let mut text = format!(
         "# Guessed from {}: check every line, fill in what stands at `TODO`, then\n# zwidth import STUDY --map THIS FILES…\n",
         file_name(path)
@@ -56,43 +53,53 @@ fn mapping(
         let told = format!("{what}; {remedy}").replace(char::is_control, " ");
         let _ = writeln!(text, "# Not for {}: {told}", file_name(path));
     }
-    text.push_str("kind = \"trials\"\n\n[file]\n");
-    if let Some(format) = format {
-        let _ = writeln!(text, "format = \"{}\"", format.word());
-    }
+    let Looked { table, written, .. } = looked;
     let comma = written.is_some_and(|written| written.decimal_comma);
-    if let Some(written) = written {
-        write_form(&mut text, written);
+    if let Some(answers) = answers(table, comma) {
+        text.push_str("kind = \"likert\"\n\n[file]\n");
+        write_file(&mut text, looked);
+        answers.write(&mut text, table, names);
+        return text;
     }
-    let columns = described(table, comma);
+    text.push_str("kind = \"trials\"\n\n[file]\n");
+    write_file(&mut text, looked);
+    let columns = described(looked, comma);
     let time = columns.iter().find(|c| c.to == Some(Signal::Time));
-    if time.is_some_and(|c| starts_over(&table.columns[c.place], comma)) {
+    let is_clock = time.is_some_and(|time| !time.is_number);
+    let times = time.map(|time| first_numbers(&table.columns[time.place], comma));
+    let times: Vec<f64> = times.into_iter().flatten().flatten().collect();
+    if times.windows(2).any(|t| t[1] < t[0]) {
         text.push_str(
             "split = \"time\"          # the time starts over: several trials in one file\n",
         );
     }
-    for told in &table.told {
-        let _ = writeln!(text, "# {told}");
-    }
-    if let Some((row, why)) = table.bad.first() {
-        let _ = writeln!(
-            text,
-            "bad_lines = {}           # the first: row {}: {why}",
-            table.bad.len(),
-            row + 1
-        );
-    }
+    let mapped = columns.iter().filter(|column| column.to.is_some() && column.is_number);
+    let mapped: Vec<&Cells> = mapped.map(|column| &table.columns[column.place]).collect();
+    write_bad_rows(&mut text, table, &mapped, comma);
     write_labels(&mut text, names);
-    match time {
-        Some(column) => {
+    match (time, looked.labview.as_ref().and_then(|heads| heads.step_s)) {
+        (Some(column), _) => {
+            let which = if is_clock {
+                "its cells are dates or times of a clock"
+            } else if are_days(&times) {
+                "s, ms or µs? Or days, as workbooks have them?"
+            } else {
+                "s, ms or µs?"
+            };
             let _ = writeln!(
                 text,
                 "[time]\nfrom = {}\nunit = {}",
                 column.from,
-                column.unit_line("s, ms or µs?")
+                column.unit_line(which)
             );
+            if times.first().is_some_and(|first| *first > LONG_BEFORE) {
+                text.push_str("zero = \"first\"          # the times count from long before\n");
+            }
         }
-        None => text.push_str(
+        (None, Some(step_s)) => {
+            let _ = writeln!(text, "[time]\nrate_hz = {:?}        # 1 / Delta_X", 1.0 / step_s);
+        }
+        (None, None) => text.push_str(
             "[time]\nrate_hz = \"TODO\"        # no column of time was found: samples per second\n",
         ),
     }
@@ -110,6 +117,49 @@ fn mapping(
         );
     }
     text
+}
+
+/// A first time beyond this is counted from the start of a computer or from 1970, whatever its unit.
+const LONG_BEFORE: f64 = 1e8;
+
+/// Whether the steps between times are those of samples if the unit is a day (10 µs to 1 s).
+fn are_days(times: &[f64]) -> bool {
+    let mut steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).is_some_and(|step| (1e-10..1.2e-5).contains(step))
+}
+
+/// Says how many rows cannot be read, and whether some lack a value in a column that is taken: as the
+/// importer counts them.
+fn write_bad_rows(text: &mut String, table: &Table, taken: &[&Cells], comma: bool) {
+    let mut bad: BTreeMap<usize, String> = table.bad.iter().cloned().collect();
+    let mut missing = 0;
+    for row in 0..taken.iter().map(|cells| cells.len()).min().unwrap_or(0) {
+        let read = |cells: &&Cells| match cells.cell(row) {
+            Cell::Text(text) => number(text, comma),
+            Cell::Number(value) => Ok(Some(value).filter(|value| !value.is_nan())),
+            Cell::Empty => Ok(None),
+        };
+        let cells: Vec<Result<Option<f64>, String>> = taken.iter().map(read).collect();
+        if let Some(why) = cells.iter().find_map(|cell| cell.as_ref().err()) {
+            bad.entry(row).or_insert_with(|| why.clone());
+        }
+        missing += usize::from(!bad.contains_key(&row) && cells.contains(&Ok(None)));
+    }
+    if let Some((row, why)) = bad.first_key_value() {
+        let place = table
+            .lines
+            .get(*row)
+            .map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"));
+        let why = shown(why).replace(char::is_control, " ");
+        let _ = writeln!(text, "bad_lines = {}           # the first: {place}: {why}", bad.len());
+    }
+    if missing > 0 {
+        let _ = writeln!(
+            text,
+            "missing = \"drop\"       # {missing} rows lack a value in a column below"
+        );
+    }
 }
 
 fn file_name(path: &Path) -> String {
@@ -137,25 +187,34 @@ fn write_labels(text: &mut String, names: &Names) {
     text.push('\n');
 }
 
-fn write_form(text: &mut String, written: Written) {
-    let delimiter = match written.delimiter {
-        b'\t' => "\\t".to_owned(),
-        other => char::from(other).to_string(),
-    };
-    let _ = writeln!(text, "delimiter = \"{delimiter}\"");
-    let _ = writeln!(text, "decimal = \"{}\"", if written.decimal_comma { ',' } else { '.' });
-    let _ = writeln!(text, "header = {}", written.header);
-    if let Some(mark) = written.comment {
-        let _ = writeln!(text, "comment = \"{}\"", char::from(mark));
+/// `[file]`, as far as it does not depend on the columns.
+fn write_file(text: &mut String, Looked { table, format, written, .. }: &Looked) {
+    if let Some(format) = format {
+        let _ = writeln!(text, "format = \"{}\"", format.word());
     }
-    if written.skip > 0 {
-        let _ = writeln!(text, "skip = {}", written.skip);
+    if let Some(written) = written {
+        let delimiter = match written.delimiter {
+            b'\t' => "\\t".to_owned(),
+            other => char::from(other).to_string(),
+        };
+        let _ = writeln!(text, "delimiter = \"{delimiter}\"");
+        let _ = writeln!(text, "decimal = \"{}\"", if written.decimal_comma { ',' } else { '.' });
+        let _ = writeln!(text, "header = {}", written.header);
+        if let Some(mark) = written.comment {
+            let _ = writeln!(text, "comment = \"{}\"", char::from(mark));
+        }
+        if written.skip > 0 {
+            let _ = writeln!(text, "skip = {}", written.skip);
+        }
+        match written.encoding {
+            Encoding::Utf8 => {}
+            Encoding::Utf16 => text.push_str("encoding = \"utf-16\"\n"),
+            Encoding::Latin1 => text.push_str("encoding = \"latin-1\"\n"),
+            Encoding::Windows1252 => text.push_str("encoding = \"windows-1252\"\n"),
+        }
     }
-    match written.encoding {
-        Encoding::Utf8 => {}
-        Encoding::Utf16 => text.push_str("encoding = \"utf-16\"\n"),
-        Encoding::Latin1 => text.push_str("encoding = \"latin-1\"\n"),
-        Encoding::Windows1252 => text.push_str("encoding = \"windows-1252\"\n"),
+    for told in &table.told {
+        let _ = writeln!(text, "# {told}");
     }
 }
 
@@ -245,23 +304,70 @@ impl Guessed {
 }
 
 /// Every column, each of ours at most once.
-fn described(table: &Table, decimal_comma: bool) -> Vec<Guessed> {
+fn described(Looked { table, labview, .. }: &Looked, decimal_comma: bool) -> Vec<Guessed> {
     let mut taken = Vec::new();
-    let one = |place: usize| {
+    let mut columns = Vec::new();
+    for (place, cells) in table.columns.iter().enumerate().take(MOST_GUESSED) {
         let name =
             table.names.as_ref().and_then(|names| names.get(place)).filter(|n| !n.is_empty());
-        let is_number = is_number(&table.columns[place], decimal_comma);
-        let Said { words, signal, unit } = name.map_or_else(Said::default, |name| said(name));
-        let to = signal.filter(|to| is_number && !taken.contains(to));
+        let is_number = is_number(cells, decimal_comma);
+        let Said { words, mut signal, mut unit } =
+            name.map_or_else(Said::default, |name| said(name));
+        if let Some(heads) = labview {
+            let is_x = place == 0 || (heads.has_many_times && place % 2 == 0);
+            match is_x {
+                true if place == 0 && heads.is_time == Some(true) => {
+                    (signal, unit) = (Some(Signal::Time), Some("s".to_owned()));
+                }
+                true => (signal, unit) = (None, None),
+                false => {
+                    let channel = if heads.has_many_times { place / 2 } else { place - 1 };
+                    unit = unit.or_else(|| unit_of(heads.units.get(channel)?, signal));
+                }
+            }
+        }
+        // Some programs write a row of units below the names.
+        if unit.is_none()
+            && is_number
+            && let Cell::Text(below) = cells.cell(0)
+        {
+            unit = unit_of(below, signal);
+        }
+        // A time may be written as that of a clock.
+        let is_clock = signal == Some(Signal::Time) && are_clock_times(cells);
+        let to = signal.filter(|to| (is_number || is_clock) && !taken.contains(to));
         taken.extend(to);
         let from = name.map_or_else(|| (place + 1).to_string(), |name| quoted(name));
-        Guessed { place, from, to, unit, is_number, words }
+        columns.push(Guessed { place, from, to, unit, is_number, words });
+    }
+    columns
+}
+
+/// The unit that a file names in a place of its own, as a mapping spells it.
+fn unit_of(named: &str, signal: Option<Signal>) -> Option<String> {
+    let singular = named.strip_suffix('s').unwrap_or(named);
+    let spellings = [named, singular].into_iter();
+    let fits = |text: &&str| {
+        find(text).is_some_and(|unit| signal.is_none_or(|signal| may_become(unit, signal)))
     };
-    (0..table.columns.len().min(MOST_GUESSED)).map(one).collect()
+    let found = spellings.chain(word_of(singular)).find(fits);
+    found.map(str::to_owned)
+}
+
+/// Whether most of a column's first cells are dates or times of a clock: `10:00:00.125`,
+/// `2026-01-31T10:00:00`.
+fn are_clock_times(cells: &Cells) -> bool {
+    let looked_at = cells.len().min(LOOKED_AT);
+    let is_clock = |row: &usize| {
+        let Cell::Text(text) = cells.cell(*row) else { return false };
+        let digits = text.bytes().filter(u8::is_ascii_digit).count();
+        text.contains(':') && digits >= 3 && text.starts_with(|first: char| first.is_ascii_digit())
+    };
+    2 * (0..looked_at).filter(is_clock).count() > looked_at
 }
 
 /// A text as TOML writes it.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for letter in text.chars() {
         match letter {
@@ -275,7 +381,7 @@ fn quoted(text: &str) -> String {
     quoted + "\""
 }
 
-fn first_numbers(cells: &Cells, decimal_comma: bool) -> Vec<Option<f64>> {
+pub(super) fn first_numbers(cells: &Cells, decimal_comma: bool) -> Vec<Option<f64>> {
     let value = |row: usize| match cells.cell(row) {
         Cell::Number(value) => Some(value),
         Cell::Text(text) => number(text, decimal_comma).ok().flatten(),
@@ -285,19 +391,16 @@ fn first_numbers(cells: &Cells, decimal_comma: bool) -> Vec<Option<f64>> {
 }
 
 /// Whether most of a column's first cells are numbers.
-fn is_number(cells: &Cells, decimal_comma: bool) -> bool {
+pub(super) fn is_number(cells: &Cells, decimal_comma: bool) -> bool {
     let looked_at = first_numbers(cells, decimal_comma);
     let looked_at = &looked_at[..looked_at.len().min(LOOKED_AT)];
     2 * looked_at.iter().flatten().count() > looked_at.len()
 }
 
-fn starts_over(cells: &Cells, decimal_comma: bool) -> bool {
-    let times: Vec<f64> = first_numbers(cells, decimal_comma).into_iter().flatten().collect();
-    times.windows(2).any(|t| t[1] < t[0])
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::labview;
+    use super::super::report::Report;
     use super::super::world::World;
     use super::*;
 
@@ -402,18 +505,169 @@ mod tests {
         }
     }
 
-    /// What is guessed imports, once what only a person knows is filled in.
+    /// A mapping that is guessed, with what only a person knows filled in.
+    fn filled(file: &Path) -> String {
+        guess(file, &[])
+            .unwrap()
+            .mapping
+            .replacen("participant = \"TODO\"", "participant = \"P01\"", 1)
+            .replace("environment = \"TODO\"", "environment = \"spring\"")
+            .replace("mode = \"TODO\"", "mode = \"hybrid\"")
+            .replace("unit = \"TODO\"", "unit = \"s\"")
+            .replace("slider_response =", "felt_spring =")
+            .replace("rating =", "felt_spring =")
+    }
+
+    /// What is guessed imports, once what only a person knows is filled in; the forces are these.
+    fn imports(name: &str, content: impl AsRef<[u8]>, force: &[f64]) -> (String, Report) {
+        let world = World::new();
+        let file = world.file(name, content);
+        let map = filled(&file);
+        let report = world.import(&map, &[file]).unwrap_or_else(|e| panic!("{e:#?}\n{map}"));
+        if !force.is_empty() {
+            assert_eq!(world.column(1, Signal::ForceEx), force, "{map}");
+        }
+        (map, report)
+    }
+
     #[test]
     fn a_guess_with_its_blanks_filled_in_imports() {
-        let world = World::new();
-        let file = world.file("a.csv", "Time (s)\tForce (N)\r\n0\t1,5\r\n0,5\t2,5\r\n");
-        let text = guess(&file, &[]).unwrap().mapping;
-        let filled = text
-            .replacen("\"TODO\"     # a code", "\"P01\"     # a code", 1)
-            .replace("environment = \"TODO\"", "environment = \"spring\"")
-            .replace("mode = \"TODO\"", "mode = \"hybrid\"");
-        world.import(&filled, &[file]).unwrap_or_else(|e| panic!("{e:#?}\n{filled}"));
-        assert_eq!(world.column(1, Signal::ForceEx), [1.5, 2.5]);
+        let text = "Time (s)\tForce (N)\r\n0\t1,5\r\n0,5\t2,5\r\n";
+        imports("a.csv", text, &[1.5, 2.5]);
+    }
+
+    fn says(map: &str, expect: &[&str]) {
+        for words in expect {
+            assert!(map.contains(words), "'{words}' is not in\n{map}");
+        }
+    }
+
+    #[test]
+    fn commas_in_quotes_stand_between_no_cells() {
+        let text = "t_s,F_N,gains\n0,1,\"[1.0, 0.5, 2.0]\"\n1,2,\"[1.0, 0.5, 2.0]\"\n";
+        let (map, _) = imports("a.csv", text, &[1.0, 2.0]);
+        says(&map, &["header = true", "from = \"t_s\"", "not recognised: \"gains\""]);
+        assert!(!map.contains("skip"), "{map}");
+        imports("a.csv", "note,t_s,F_N\n\"one\ntwo\",0,1\n\"a, b\",1,2\n", &[1.0, 2.0]);
+    }
+
+    #[test]
+    fn a_first_line_that_names_the_delimiter_is_passed_by() {
+        for text in [
+            "\u{feff}sep=;\nt_s;F_N\n0,5;1,5\n1;2\n",
+            "sep=;\r\nt_s;F_N\r\n0,5;1,5\r\n1;2\r\n",
+            "\"sep=;\"\nt_s;F_N\n0,5;1,5\n1;2\n",
+        ] {
+            let (map, _) = imports("a.csv", text, &[1.5, 2.0]);
+            says(&map, &["delimiter = \";\"", "decimal = \",\"", "skip = 1\n"]);
+        }
+    }
+
+    #[test]
+    fn a_file_of_labview_is_read_behind_its_two_heads_in_the_units_that_they_name() {
+        let names = "X_Value\tangle\tF\tComment";
+        let rows = "0,00\t1,0\t2,5\n0,05\t1,0\t3,5\tstart\n0,10\t1,0\t4,5\n";
+        let text = labview::tests::written("One", names, rows);
+        let (map, _) = imports("a.lvm", &text, &[2.5, 3.5, 4.5]);
+        says(
+            &map,
+            &[
+                "format = \"txt\"",
+                "decimal = \",\"",
+                "skip = 14\n",
+                "from = \"X_Value\"\nunit = \"s\"",
+                "from = \"angle\"\nunit = \"deg\"",
+                "from = \"F\"\nunit = \"N\"",
+            ],
+        );
+        assert!(!map.contains("bad_lines"), "{map}");
+        let many = "X_Value\tangle\tX_Value\tF\tComment";
+        let rows = "0,00\t1,0\t0,00\t2,5\n0,05\t1,0\t0,05\t3,5\n";
+        let map = check("a.lvm", labview::tests::written("Multi", many, rows).as_bytes(), &[]);
+        says(&map, &["header = false", "skip = 15\n", "[time]\nfrom = 1\nunit = \"s\""]);
+        let rows = "\t1,0\t2,5\n\t1,0\t3,5\n";
+        let (map, _) = imports("a.lvm", labview::tests::written("No", names, rows), &[2.5, 3.5]);
+        says(&map, &["rate_hz = 20.0"]);
+    }
+
+    #[test]
+    fn lines_that_the_importer_cannot_read_are_counted_as_it_counts_them() {
+        let block = "t_s\tF_N\n0.0\t1\n0.5\t2\n";
+        let (map, report) =
+            imports("a.txt", format!("{block}0\n{block}0\n{block}0\n"), &[1.0, 2.0]);
+        says(&map, &["bad_lines = 5 ", "split = \"time\""]);
+        assert_eq!(report.trials, 3);
+        let (map, _) = imports("a.csv", "t,F\ns,N\n0,1\n1,2\n", &[]);
+        says(&map, &["bad_lines = 1 ", "from = \"t\"\nunit = \"s\"", "from = \"F\"\nunit = \"N\""]);
+        let (map, _) = imports("a.csv", "t_s,F_N\n0,1\n1,NA\n2,3\n", &[1.0, 3.0]);
+        says(&map, &["missing = \"drop\""]);
+    }
+
+    #[test]
+    fn times_of_a_clock_and_days_are_told_and_times_since_1970_begin_at_0() {
+        let map = check("a.csv", b"time,F_N\n10:00:00.0,1\n10:00:00.5,2\n", &[]);
+        says(&map, &["[time]\nfrom = \"time\"\nunit = \"TODO\"", "times of a clock"]);
+        let map = check("a.csv", b"time,F_N\n0,1\n0.00000001,2\n0.00000002,3\n", &[]);
+        says(&map, &["Or days, as workbooks have them?"]);
+        let text = "t_s,F_N\n1785300900.00,1\n1785300900.10,2\n";
+        let (map, _) = imports("a.csv", text, &[1.0, 2.0]);
+        says(&map, &["zero = \"first\""]);
+    }
+
+    #[test]
+    fn letters_of_windows_are_no_control_characters() {
+        let (map, _) = imports("a.csv", b"t_s,F_N,\x93x\x94\n0,1,2\n1,2,3\n", &[1.0, 2.0]);
+        says(&map, &["encoding = \"windows-1252\""]);
+    }
+
+    #[test]
+    fn a_table_of_answers_is_no_recording() {
+        let psychopy = "\u{feff}mode,trials.thisN,key_resp.rt,slider.response,slider.rt,slider.history,mouse.x,participant,session,\n";
+        let rows = "active,0,0.512,4.0,1.5,\"[(3.0, 0.8), (4.0, 1.5)]\",\"[0.1, 0.2]\",P01,001,\n\
+                    passive,1,,None,1.5,\"[(3.0, 0.8)]\",\"[0.1, 0.2]\",P01,001,\n";
+        let again = rows.replace("P01", "P02");
+        let (map, report) = imports(
+            "a.csv",
+            format!("{psychopy}{rows}{psychopy}{again}").replacen("\n\u{feff}", "\n", 1),
+            &[],
+        );
+        says(
+            &map,
+            &[
+                "kind = \"likert\"",
+                "participant = { column = \"participant\" }",
+                "session = { column = \"session\" }",
+                "mode = { column = \"mode\" }",
+                "trial = { column = \"trials.thisN\" }",
+                "missing = \"drop\"",
+                "slider.response",
+                "time_unit = \"s\"",
+            ],
+        );
+        assert_eq!((report.sessions, report.answers), (2, 2));
+        let dropped = &report.files[0].rows_dropped[0];
+        assert_eq!((dropped.rows, dropped.why.as_str()), (1, "the header, which comes again"));
+
+        let wide = "Participant ID,condition,rating,age\n1,active,4,22\n1,passive,2,22\n";
+        let (map, report) = imports("a.csv", wide, &[]);
+        says(&map, &["kind = \"likert\"", "participant = { column = \"Participant ID\" }"]);
+        assert_eq!(report.answers, 2);
+
+        let long = "participant,mode,item,response\n1,active,felt_spring,4\n1,active,felt_wall,2\n";
+        let (map, report) = imports("a.csv", long, &[]);
+        says(&map, &["question = { column = \"item\" }\nanswer = \"response\""]);
+        assert_eq!(report.answers, 2);
+    }
+
+    #[test]
+    fn a_recording_with_a_column_of_answers_is_a_recording() {
+        for text in [
+            "participant,t_s,F_N,rating\n1,0,1,4\n1,1,2,4\n1,2,3,4\n",
+            "participant,mode,counts\n1,active,2048\n1,active,2050\n",
+            "participant,time,slider\n1,0.0,4\n1,0.5,4\n1,1.0,5\n",
+        ] {
+            check("a.csv", text.as_bytes(), &["kind = \"trials\""]);
+        }
     }
 
     #[test]

@@ -1,14 +1,16 @@
 //! Reading a recording of which nothing is known yet: how its text is written, and its first
 //! columns.
 
-use super::csv::{Dialect, WHITE_SPACE};
+use super::csv::{Dialect, WHITE_SPACE, record_ends};
 use super::format::{Format, FormatOptions};
+use super::labview::{self, LabView};
 use super::limits::{Budget, MOST_FILE, Take};
 use super::plain::is_labchart;
 use super::recording::number;
 use super::shape::XdfClock;
 use super::table::{ColumnRef, Table};
-use super::text::{Encoding, check_readable, decode, is_windows_1252};
+use super::text::{Encoding, check_is_text, check_readable, decode, is_windows_1252};
+use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
 use zwidth_store::{StoreError, open_named, read_named};
@@ -19,8 +21,6 @@ pub(super) const MOST_GUESSED: usize = 64;
 pub(super) const LOOKED_AT: usize = 200;
 /// Bytes of a text that tell its header (64 KiB).
 const HEAD: u64 = 1 << 16;
-/// Lines before the header, at most.
-const MOST_PREAMBLE: usize = 50;
 /// What stands between cells, the likeliest first.
 const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', WHITE_SPACE];
 
@@ -46,6 +46,8 @@ pub(super) struct Looked {
     pub(super) format: Option<Format>,
     /// How it is written, if it is delimited text.
     pub(super) written: Option<Written>,
+    /// What the heads of LabVIEW's format say, if it is of that.
+    pub(super) labview: Option<LabView>,
 }
 
 /// Reads a recording whole.
@@ -96,22 +98,26 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
     check_readable(path, &bytes)?;
     let (named, format) = format_of(path);
     let encoding = encoding(&bytes);
-    let written = match is_delimited(format) {
-        true => written(&decode(path, &bytes, encoding)?, encoding),
-        false => Written {
-            encoding,
-            delimiter: b',',
-            decimal_comma: false,
-            header: true,
-            skip: 0,
-            comment: None,
-        },
+    let mut labview = None;
+    let mut form = Written {
+        encoding,
+        delimiter: b',',
+        decimal_comma: false,
+        header: true,
+        skip: 0,
+        comment: None,
     };
+    if is_delimited(format) {
+        check_is_text(path, &bytes)?;
+        let text = decode(path, &bytes, encoding)?;
+        labview = labview::heads(&text);
+        form = written(&text, encoding);
+    }
     let dialect = Dialect {
-        delimiter: written.delimiter,
-        header: written.header,
-        comment: written.comment,
-        skip: written.skip,
+        delimiter: form.delimiter,
+        header: form.header,
+        comment: form.comment,
+        skip: form.skip,
         encoding,
         bad_lines: usize::MAX,
         before: 0,
@@ -126,8 +132,8 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
         &take,
     )?;
     let (format, written) =
-        (named.is_none().then_some(format), is_delimited(format).then_some(written));
-    Ok(Looked { table, format, written })
+        (named.is_none().then_some(format), is_delimited(format).then_some(form));
+    Ok(Looked { table, format, written, labview })
 }
 
 /// UTF-8 where the bytes are, and else Windows-1252 where only that has letters for them, or Latin-1,
@@ -148,46 +154,155 @@ fn encoding(bytes: &[u8]) -> Encoding {
 
 /// How a delimited text is written. Lines of remarks are left out, unless the header is one.
 fn written(text: &str, encoding: Encoding) -> Written {
-    let first = text.trim_start_matches('\u{feff}').as_bytes().first();
-    let whole = || form(text, encoding);
+    let text = text.trim_start_matches('\u{feff}');
+    if let Some(heads) = labview::heads(text) {
+        let begin: usize = text.split_inclusive('\n').take(heads.lines).map(str::len).sum();
+        let rest = form(&text[begin..], encoding, Some(heads.delimiter));
+        // Names that come twice name nothing.
+        let names = if heads.has_many_times { rest.skip + 1 } else { rest.skip };
+        return Written { header: !heads.has_many_times, skip: heads.lines + names, ..rest };
+    }
+    if let Some((delimiter, rest)) = named_delimiter(text) {
+        let rest = form(rest, encoding, Some(delimiter));
+        return Written { skip: 1 + rest.skip, ..rest };
+    }
+    let first = text.as_bytes().first();
+    let whole = || form(text, encoding, None);
     let Some(mark) = REMARKS.into_iter().find(|mark| first == Some(mark)) else { return whole() };
     let rest = text.lines().filter(|line| line.as_bytes().first() != Some(&mark));
-    let rest = form(&Vec::from_iter(rest).join("\n"), encoding);
+    let rest = form(&Vec::from_iter(rest).join("\n"), encoding, None);
     if rest.header { Written { comment: Some(mark), ..rest } } else { whole() }
 }
 
-/// The delimiter that parts most lines into the same number of cells, the most of them, and what
-/// follows from it.
-fn form(text: &str, encoding: Encoding) -> Written {
-    let lines: Vec<&str> =
-        text.lines().filter(|line| !line.trim().is_empty()).take(LOOKED_AT).collect();
-    let of = |delimiter: u8| {
-        let counts: Vec<usize> = lines.iter().map(|line| cells(line, delimiter).len()).collect();
-        let usual = counts.last().copied().unwrap_or(1);
-        (counts.iter().filter(|n| **n == usual && usual > 1).count(), delimiter)
-    };
-    let best = DELIMITERS
-        .into_iter()
-        .map(of)
-        .fold((0, b','), |best, next| if next.0 > best.0 { next } else { best });
-    let (delimiter, last) = (best.1, lines.last().copied().unwrap_or_default());
-    let width = cells(last, delimiter).len();
-    // A comma that is no delimiter and stands between digits is one before decimals.
-    let has_comma = |cell: &&str| number(cell, false).is_err() && number(cell, true).is_ok();
-    let decimal_comma = delimiter != b',' && cells(last, delimiter).iter().any(has_comma);
-    let mut all = text.lines();
-    let fits = |line: &str| !line.trim().is_empty() && cells(line, delimiter).len() + 1 >= width;
-    let skip = all.position(fits).filter(|skip| *skip <= MOST_PREAMBLE).unwrap_or(0);
-    let first = text.lines().nth(skip).unwrap_or_default();
-    let is_number = |cell: &&str| matches!(number(cell, decimal_comma), Ok(Some(_)));
-    let header = is_labchart(text) || !cells(first, delimiter).iter().any(is_number);
-    let skip = if is_labchart(text) { 0 } else { skip };
-    Written { encoding, delimiter, decimal_comma, header, skip, comment: None }
+/// A record of a text: its line, from 0, and its cells.
+struct Record {
+    line: usize,
+    cells: Vec<String>,
 }
 
-fn cells(line: &str, delimiter: u8) -> Vec<&str> {
-    match delimiter {
-        WHITE_SPACE => line.split_whitespace().collect(),
-        _ => line.split(char::from(delimiter)).map(str::trim).collect(),
+impl Record {
+    fn has_number(&self, decimal_comma: bool) -> bool {
+        self.cells.iter().any(|cell| matches!(number(cell, decimal_comma), Ok(Some(_))))
+    }
+
+    /// Whether it may name columns: most of its cells are filled, and none is a number.
+    fn may_be_header(&self, decimal_comma: bool) -> bool {
+        let filled = self.cells.iter().filter(|cell| !cell.is_empty()).count();
+        2 * filled > self.cells.len() && !self.has_number(decimal_comma)
+    }
+}
+
+/// The first records of a text, parted as the importer parts them: a delimiter in quotes is none.
+fn records(text: &str, delimiter: u8) -> Vec<Record> {
+    let dialect = Dialect {
+        delimiter,
+        header: false,
+        comment: None,
+        skip: 0,
+        encoding: Encoding::Utf8,
+        bad_lines: 0,
+        before: 0,
+    };
+    let (mut records, mut begin, mut line) = (Vec::new(), 0, 0);
+    for end in record_ends(text.as_bytes(), dialect).chain([text.len()]) {
+        let record = &text[begin..end];
+        if !record.trim().is_empty() {
+            records.push(Record { line, cells: cells(record, delimiter) });
+        }
+        if records.len() == LOOKED_AT {
+            break;
+        }
+        line += record.matches('\n').count();
+        begin = end;
+    }
+    records
+}
+
+/// The cells of a record.
+fn cells(record: &str, delimiter: u8) -> Vec<String> {
+    if delimiter == WHITE_SPACE {
+        return record.split_whitespace().map(str::to_owned).collect();
+    }
+    let mut reader = ::csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .has_headers(false)
+        .trim(::csv::Trim::All)
+        .from_reader(record.as_bytes());
+    let first = reader.records().next().and_then(Result::ok).unwrap_or_default();
+    first.iter().map(str::to_owned).collect()
+}
+
+/// How many cells most records have, of those with more than one; 1 where there are none.
+fn usual_width(records: &[Record]) -> usize {
+    let mut widths: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
+    for (place, record) in records.iter().enumerate().filter(|(_, record)| record.cells.len() > 1) {
+        let (count, last) = widths.entry(record.cells.len()).or_default();
+        (*count, *last) = (*count + 1, place);
+    }
+    // Of equally many, those that come last: what stands before a table is another width.
+    widths.into_iter().max_by_key(|(_, standing)| *standing).map_or(1, |(width, _)| width)
+}
+
+/// The delimiter that a first line names, as Excel reads and writes it (`sep=;`), and what follows it.
+fn named_delimiter(text: &str) -> Option<(u8, &str)> {
+    let (line, rest) = text.split_once('\n')?;
+    let line = line.trim_end_matches('\r').trim_matches('"');
+    let [delimiter] = line.strip_prefix("sep=")?.as_bytes() else { return None };
+    delimiter.is_ascii().then_some((*delimiter, rest))
+}
+
+/// The delimiter that is named, or that parts most records into the same number of cells, and what
+/// follows from it.
+fn form(text: &str, encoding: Encoding, named: Option<u8>) -> Written {
+    let of = |delimiter: u8| {
+        let records = records(text, delimiter);
+        let usual = usual_width(&records);
+        (records.iter().filter(|r| r.cells.len() == usual && usual > 1).count(), delimiter)
+    };
+    let delimiter = named.unwrap_or_else(|| {
+        let counts = DELIMITERS.into_iter().map(of);
+        counts.fold((0, b','), |best, next| if next.0 > best.0 { next } else { best }).1
+    });
+    let records = records(text, delimiter);
+    let width = usual_width(&records);
+    let rows = || records.iter().filter(|record| record.cells.len() == width);
+    // A comma that is no delimiter and stands between digits is one before decimals.
+    let is_comma = |cell: &&String| number(cell, false).is_err() && number(cell, true).is_ok();
+    let is_point =
+        |cell: &&String| cell.contains('.') && matches!(number(cell, false), Ok(Some(_)));
+    let all_cells = || rows().flat_map(|record| &record.cells);
+    let decimal_comma = delimiter != b','
+        && all_cells().filter(is_comma).count() > all_cells().filter(is_point).count();
+    // The names stand above the first row of numbers, with a row of units between them perhaps; a table
+    // without numbers begins with them.
+    let fits = |record: &Record| record.cells.len() + 1 >= width;
+    let header_above = |data: usize| {
+        let is_other = |r: &Record| !(fits(r) && r.may_be_header(decimal_comma));
+        let top = records[..data].iter().rposition(is_other).map_or(0, |other| other + 1);
+        (top < data).then_some(top)
+    };
+    let numbers = |is_wide: &dyn Fn(usize) -> bool| {
+        let is_row = |r: &Record| is_wide(r.cells.len()) && r.has_number(decimal_comma);
+        records.iter().position(is_row)
+    };
+    let data = numbers(&|cells| cells == width);
+    let header = match data {
+        // Rows may have a cell more than the header, all but the first of them perhaps.
+        Some(data) => header_above(data).or_else(|| {
+            let short = numbers(&|cells| cells > 2 && cells + 1 == width)?;
+            header_above(short).filter(|_| short < data)
+        }),
+        None => records.iter().position(fits),
+    };
+    let first = header.or(data).and_then(|place| records.get(place));
+    let skip = first.map_or(0, |record| record.line);
+    let is_labchart = is_labchart(text);
+    Written {
+        encoding,
+        delimiter,
+        decimal_comma,
+        header: is_labchart || header.is_some(),
+        skip: if is_labchart { 0 } else { skip },
+        comment: None,
     }
 }

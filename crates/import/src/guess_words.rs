@@ -20,7 +20,7 @@ const NAMES: [(Signal, &[&str]); 7] = [
 
 /// Words of a column that says which trial it is, and the key under `[trial]`.
 pub(super) const LABELS: [(&str, &[&str]); 5] = [
-    ("participant", &["participant", "subject", "subj", "vp", "proband", "user"]),
+    ("participant", &["participant", "subject", "subj", "vp", "proband", "user", "pid"]),
     ("session", &["session", "day", "visit"]),
     ("mode", &["controller", "condition", "mode", "group", "treatment", "regler"]),
     ("repeat", &["repetition", "repeat", "rep", "wdh"]),
@@ -48,7 +48,7 @@ pub(super) const COMMANDED: [&str; 11] = [
 ];
 
 /// Words of a column that names a question.
-const QUESTIONS: [&str; 5] = ["question", "item", "frage", "tlx", "sus"];
+pub(super) const QUESTIONS: [&str; 5] = ["question", "item", "frage", "tlx", "sus"];
 
 /// What a column's name says.
 #[derive(Debug, Default)]
@@ -121,6 +121,17 @@ pub(super) fn signal_of(words: &[String]) -> Option<Signal> {
         (true, Signal::ForceEx) => Some(Signal::ForceCmd),
         (true, _) => None,
     }
+}
+
+/// The key under `[trial]` of a label that a column's name says, by its words without the numbers at
+/// their ends: `Condition1` is a mode.
+pub(super) fn label_of(name: &str) -> Option<&'static str> {
+    let lower = name.to_lowercase();
+    let words = lower.split(|letter: char| !letter.is_alphabetic()).filter(|word| !word.is_empty());
+    let words: Vec<&str> = words.collect();
+    let (key, _) =
+        LABELS.iter().find(|(_, known)| words.iter().any(|word| known.contains(word)))?;
+    Some(key)
 }
 
 /// Whether columns of these names look like answers: some column is one, and none is a time or

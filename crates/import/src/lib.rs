@@ -23,6 +23,7 @@ mod feather;
 mod format;
 mod given;
 mod guess;
+mod guess_answers;
 mod guess_apart;
 mod guess_names;
 mod guess_read;
@@ -33,6 +34,7 @@ mod jsonl;
 #[cfg(test)]
 mod killed;
 mod label;
+mod labview;
 mod late;
 mod likert;
 mod limits;

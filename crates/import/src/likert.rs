@@ -145,7 +145,10 @@ fn convert(
     let times = all(questions
         .iter()
         .map(|(.., time)| time.as_ref().map(|column| recording.find(column)).transpose()))?;
-    let rows = recording.rows(&context.mapping.file, &[], &labels)?;
+    let used =
+        [labels.clone(), columns.clone(), times.iter().copied().flatten().collect()].concat();
+    let mut rows = recording.rows(&context.mapping.file, &[], &labels)?;
+    let headers = recording.leave_out_headers(&mut rows, &used);
     budget.trials(&recording.path, rows.kept.len())?;
     let mut named = Named::default();
     let read = rows.kept.iter().map(|row| {
@@ -163,9 +166,9 @@ fn convert(
         })
     });
     let found: Vec<Answered> = all(read)?;
-    let used = [labels, columns, times.into_iter().flatten().collect()].concat();
     let mut report = context.file_report(recording, (&rows, rows.kept.len()), &used)?;
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
+    report.add_headers(headers);
     let answers: usize = found.iter().map(|r| r.answers.len()).sum();
     report.converted.push(format!("answers, as given, of {} questions", questions.len()));
     let empty = match found.len() * questions.len() - answers {

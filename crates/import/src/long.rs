@@ -25,7 +25,9 @@ pub(super) fn convert(
     let labels = all(labels.map(|column| recording.find(column)))?;
     let answer = recording.find(&form.answer)?;
     let time = form.time.as_ref().map(|column| recording.find(column)).transpose()?;
-    let rows = recording.rows(&context.mapping.file, &[], &labels)?;
+    let used = [labels.clone(), vec![answer], time.into_iter().collect()].concat();
+    let mut rows = recording.rows(&context.mapping.file, &[], &labels)?;
+    let headers = recording.leave_out_headers(&mut rows, &used);
     let mut found: Vec<Answered> = Vec::new();
     let mut places: BTreeMap<String, usize> = BTreeMap::new();
     let (mut errors, mut named) = (Errors::default(), Named::default());
@@ -55,9 +57,9 @@ pub(super) fn convert(
     }
     errors.none()?;
     budget.trials(&recording.path, found.len())?;
-    let used = [labels, vec![answer], time.into_iter().collect()].concat();
     let mut report = context.file_report(recording, (&rows, rows.kept.len()), &used)?;
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
+    report.add_headers(headers);
     let timed = if time.is_some() { ", with the time that each took" } else { "" };
     report.converted.push(format!("answers, as given, one row each{timed}"));
     let empty = match rows.kept.len() - answers {

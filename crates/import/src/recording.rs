@@ -320,6 +320,22 @@ impl Recording {
         Ok(Rows { read, missing, past_limit: read - limit, kept, bad, joined: Vec::new() })
     }
 
+    /// Leaves out of the rows of a questionnaire those that are its header once more, as programs write it
+    /// that add to a file; how many.
+    pub(super) fn leave_out_headers(&self, rows: &mut Rows, columns: &[usize]) -> usize {
+        let before = rows.kept.len();
+        let is_header = |row: usize| {
+            let is_name = |column: usize| {
+                let name = self.table.names.as_ref().and_then(|names| names.get(column));
+                let cell = self.table.columns[column].cell(row);
+                name.is_some_and(|name| cell == Cell::Text(name))
+            };
+            !columns.is_empty() && columns.iter().all(|column| is_name(*column))
+        };
+        rows.kept.retain(|row| !is_header(*row));
+        before - rows.kept.len()
+    }
+
     /// Rows up to `limit` that cannot be read, at most as many as are allowed: what more there are
     /// is an error of whoever reads them.
     fn bad_rows(&self, limit: usize, numeric: &[usize], allowed: usize) -> BTreeMap<usize, String> {

@@ -201,6 +201,14 @@ impl FileReport {
         }
     }
 
+    /// Adds the rows of a questionnaire that are its header once more.
+    pub(super) fn add_headers(&mut self, rows: usize) {
+        if rows > 0 {
+            let why = "the header, which comes again".to_owned();
+            self.rows_dropped.push(RowsDropped { rows, why });
+        }
+    }
+
     /// What its report has in common with those of files of the same kind.
     fn form(&self) -> Vec<String> {
         let rest = Self { made: Vec::new(), care: Vec::new(), ..self.clone() };

@@ -61,7 +61,7 @@ pub(super) fn told_of_latin_1(bytes: &[u8], encoding: Encoding) -> Option<String
 }
 
 /// What files begin with that nothing here reads, and what to do about one.
-const UNREAD: [(&[u8], &str, &str); 7] = [
+const UNREAD: [(&[u8], &str, &str); 13] = [
     (
         b"\xd0\xcf\x11\xe0",
         "an old Excel workbook (.xls), or one that a password locks",
@@ -73,7 +73,23 @@ const UNREAD: [(&[u8], &str, &str); 7] = [
     (b"\x80\x05", PICKLED, PICKLE),
     (b"SQLite format 3", "an SQLite database", "write its table as CSV"),
     (b"%PDF", "a PDF", "ask for the numbers themselves"),
+    (b"TDSm", TDMS, AS_CSV),
+    (
+        b"TDSh",
+        "the index beside a TDMS file of LabVIEW",
+        "leave it out, and convert the .tdms file itself",
+    ),
+    (b"\x89MCAP0\r\n", "an MCAP file", AS_CSV),
+    (b"#ROSBAG V", "a ROS bag", AS_CSV),
+    (b"\xffBIOSEMI", "a BDF file of BioSemi", AS_CSV),
+    (b"0       ", EDF, AS_CSV),
 ];
+const TDMS: &str = "a TDMS file of LabVIEW";
+const EDF: &str = "an EDF file";
+const C3D: &str = "a C3D file of a motion capture system";
+const ACQKNOWLEDGE: &str = "a file of AcqKnowledge (BIOPAC)";
+const MAT_4: &str = "a MAT file of version 4";
+const AS_CSV: &str = "in the program that made it, or in Python, write its numbers as CSV (UTF-8)";
 /// The line that converts an HDF5 file that is not read: its numbers by their path, as arrays of an
 /// archive, fields of tables and parts of complex numbers each by itself, unpacked as its attributes say.
 /// `tests/interop/foreign.py` tries it.
@@ -109,11 +125,65 @@ const OTHER: [(&[u8], &str, &str); 8] = [
 /// # Errors
 /// It is one that nothing here reads; the remedy says how to convert it.
 pub(super) fn check_readable(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    match UNREAD.iter().find(|(begins, ..)| bytes.starts_with(begins)) {
-        Some((_, what, remedy)) => Err(StoreError::new(path, format!("this is {what}"), *remedy)),
-        None => Ok(()),
-    }
+    let named = |extension: &str| {
+        path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+    };
+    let known = UNREAD.iter().find(|(begins, what, _)| {
+        // Columns of text may begin with 0 and blanks too.
+        bytes.starts_with(begins) && (*what != EDF || is_edf(bytes))
+    });
+    let (what, remedy) = match (known, bytes) {
+        (Some((_, what, remedy)), _) => (*what, *remedy),
+        // The block in which parameters begin, and the key of the format.
+        (None, [1..=8, 0x50, ..]) => (C3D, AS_CSV),
+        (None, [0, ..]) if named("acq") => (ACQKNOWLEDGE, AS_CSV),
+        (None, _) if named("mat") && is_mat_4(bytes) => (MAT_4, "save it again with -v7"),
+        (None, _) => return Ok(()),
+    };
+    Err(StoreError::new(path, format!("this is {what}"), remedy))
 }
+
+/// Whether a text begins with the head of an EDF file: the date stands at its place, with dots.
+fn is_edf(bytes: &[u8]) -> bool {
+    matches!(bytes.get(168..176), Some([_, _, b'.', _, _, b'.', _, _]))
+}
+
+/// Whether this is a MAT file of version 4, which begins with its first variable: type, rows, columns,
+/// whether it is complex, and the length of its name (MathWorks, "MAT-File Format", "Level 4").
+fn is_mat_4(bytes: &[u8]) -> bool {
+    let words = |read: fn([u8; 4]) -> u32| -> Option<Vec<u32>> {
+        let head = bytes.get(..20)?;
+        Some(head.as_chunks::<4>().0.iter().map(|word| read(*word)).collect())
+    };
+    let is_head = |words: Vec<u32>, machine: u32| {
+        let [kind, _, _, complex, name] = words[..] else { return false };
+        // The last two digits of the type are the precision and whether it is a text or sparse.
+        kind / 1000 == machine && kind % 1000 <= 52 && complex <= 1 && (1..=64).contains(&name)
+    };
+    words(u32::from_le_bytes).is_some_and(|words| is_head(words, 0))
+        || words(u32::from_be_bytes).is_some_and(|words| is_head(words, 1))
+}
+
+/// What a file is told to be whose bytes are neither text nor a format that is known here.
+pub(super) fn check_is_text(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    let begins = &bytes[..bytes.len().min(LOOKED_AT_BYTES)];
+    let odd = |byte: &u8| *byte < b'\t' || (0x0e..0x20).contains(byte);
+    let utf_16 = begins.starts_with(b"\xff\xfe") || begins.starts_with(b"\xfe\xff");
+    // In UTF-16 of plain letters every second byte is 0, and no other is.
+    let zeros = [0, 1].map(|from| begins.iter().skip(from).step_by(2).filter(|b| **b == 0).count());
+    let may_be_utf_16 = utf_16 || (zeros.contains(&0) && 4 * (zeros[0] + zeros[1]) > begins.len());
+    let is_odd = begins.iter().filter(|byte| odd(byte)).count() * MOST_ODD > begins.len();
+    if may_be_utf_16 || !is_odd {
+        return Ok(());
+    }
+    let what = "this is neither text nor a format that is read here";
+    Err(StoreError::new(path, what, AS_CSV))
+}
+
+/// Bytes that tell whether a file is a text.
+const LOOKED_AT_BYTES: usize = 4096;
+/// One in so many bytes of a text is a control character, at most.
+const MOST_ODD: usize = 100;
 
 /// The text of a file, without a byte-order mark.
 ///
@@ -220,6 +290,45 @@ mod tests {
     fn a_workbook_and_other_files_that_are_no_text_are_called_by_their_name() {
         check(b"PK\x03\x04rest", "an .xlsx or .ods workbook, or a ZIP; set format = \"xlsx\"");
         check(b"\x89HDF\r\n\x1a\n", "an HDF5 file; set format = \"h5\" in [file]");
+    }
+
+    #[test]
+    fn files_of_other_programs_are_called_by_their_name() {
+        let edf = [b"0       ".as_slice(), &[b' '; 160], b"31.01.26", &[b' '; 80]].concat();
+        let mat_4: Vec<u8> = [0_u32, 3, 1, 0, 2].into_iter().flat_map(u32::to_le_bytes).collect();
+        let mat_4_big: Vec<u8> =
+            [1000_u32, 3, 1, 0, 2].into_iter().flat_map(u32::to_be_bytes).collect();
+        for (name, bytes, words) in [
+            ("a.tdms", b"TDSm\x0e\0\0\0".as_slice(), "a TDMS file of LabVIEW"),
+            ("a.c3d", b"\x02\x50\0\x01", "a C3D file"),
+            ("a.acq", b"\0\0\x54\0\0\0", "AcqKnowledge"),
+            ("a.mcap", b"\x89MCAP0\r\n\x01", "an MCAP file"),
+            ("a.bag", b"#ROSBAG V2.0\n", "a ROS bag"),
+            ("a.bdf", b"\xffBIOSEMI", "a BDF file"),
+            ("a.edf", &edf, "an EDF file"),
+            ("a.mat", &mat_4, "a MAT file of version 4; save it again with -v7"),
+            ("a.mat", &mat_4_big, "a MAT file of version 4"),
+        ] {
+            let error = check_readable(Path::new(name), bytes).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+        for (name, bytes) in
+            [("a.txt", b"0       1.5\n1       2.5\n".as_slice()), ("a.csv", b"2P,1\n")]
+        {
+            check_readable(Path::new(name), bytes).unwrap();
+        }
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_are_told_from_utf_16() {
+        let utf_16: Vec<u8> = "t,f\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        for text in [b"t,f\n0,1\n".as_slice(), &utf_16, b"\xff\xfet\0", b"caf\xe9\n", b""] {
+            check_is_text(Path::new("x"), text).unwrap();
+        }
+        let numbers: Vec<u8> =
+            [1.5_f32, 2.25, -3.0].into_iter().flat_map(f32::to_le_bytes).collect();
+        let error = check_is_text(Path::new("x"), &numbers).unwrap_err().to_string();
+        assert!(error.contains("neither text nor a format that is read here"), "{error}");
     }
 
     #[test]

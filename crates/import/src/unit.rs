@@ -126,6 +126,26 @@ const UNITS: [Unit; 46] = [
     unit(&["bits"], Bits, 1.0),
 ];
 
+/// Units by their names in full, in small letters and the singular.
+const IN_WORDS: [(&str, &str); 10] = [
+    ("second", "s"),
+    ("millisecond", "ms"),
+    ("radian", "rad"),
+    ("degree", "deg"),
+    ("meter", "m"),
+    ("metre", "m"),
+    ("millimeter", "mm"),
+    ("millimetre", "mm"),
+    ("newton", "N"),
+    ("volt", "V"),
+];
+
+/// The spelling of the unit of this name: `Newton` is N.
+pub(super) fn word_of(name: &str) -> Option<&'static str> {
+    let known = IN_WORDS.iter().find(|(word, _)| name.eq_ignore_ascii_case(word));
+    known.map(|(_, spelling)| *spelling)
+}
+
 /// The unit of that spelling, where it is one we know.
 pub(super) fn find(text: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|u| u.spellings.contains(&text))

@@ -95,5 +95,37 @@ pub(super) fn cells_of_others() -> Vec<Row> {
             "a.csv",
             column("run", "5bc8fbbc-bde5-4099-8164-d8399f767c45"),
         ),
+        mapped(
+            "a header that comes again in a table of answers",
+            (Flagged, "1 row: the header, which comes again"),
+            LIKERT.to_owned(),
+            "a.csv",
+            "who,mode,q\nP01,active,5\nwho,mode,q\nP02,active,4\n",
+        ),
+        file(
+            "a TDMS file",
+            (Refused, "this is a TDMS file of LabVIEW"),
+            "",
+            "a.tdms",
+            b"TDSm\x0e\0\0\0",
+        ),
+        file(
+            "a C3D file",
+            (Refused, "this is a C3D file of a motion capture system"),
+            "",
+            "a.c3d",
+            b"\x02\x50\0\x01",
+        ),
+        file(
+            "a MAT file of version 4",
+            (Refused, "this is a MAT file of version 4; save it again with -v7"),
+            "",
+            "a.mat",
+            b"\0\0\0\0\x03\0\0\0\x01\0\0\0\0\0\0\0\x02\0\0\0t\0",
+        ),
     ]
 }
+
+/// A mapping of a table with a column of answers.
+const LIKERT: &str = "kind = \"likert\"\n[trial]\nparticipant = { column = \"who\" }\nsession = \"S01\"\nenvironment = \"spring\"\n\
+                      mode = { column = \"mode\" }\n[questions.columns]\nfelt_spring = \"q\"\n";
