@@ -68,7 +68,8 @@ fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names
     let is_clock = time.is_some_and(|time| !time.is_number);
     let times = time.map(|time| first_numbers(&table.columns[time.place], comma));
     let times: Vec<f64> = times.into_iter().flatten().flatten().collect();
-    if times.windows(2).any(|t| t[1] < t[0]) {
+    let wrap = wrap_of(&times);
+    if wrap.is_none() && times.windows(2).any(|t| t[1] < t[0]) {
         text.push_str(
             "split = \"time\"          # the time starts over: several trials in one file\n",
         );
@@ -79,19 +80,24 @@ fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names
     write_labels(&mut text, names);
     match (time, looked.labview.as_ref().and_then(|heads| heads.step_s)) {
         (Some(column), _) => {
-            let which = if is_clock {
-                "its cells are dates or times of a clock"
+            let unit = if is_clock {
+                "\"s\"               # clock times and durations are read as seconds".to_owned()
             } else if are_days(&times) {
-                "s, ms or µs? Or days, as workbooks have them?"
+                "\"d\"               # days, as workbooks count them? Or s, ms or µs?".to_owned()
             } else {
-                "s, ms or µs?"
+                column.unit_line("s, ms or µs?")
             };
-            let _ = writeln!(
-                text,
-                "[time]\nfrom = {}\nunit = {}",
-                column.from,
-                column.unit_line(which)
-            );
+            let _ = writeln!(text, "[time]\nfrom = {}\nunit = {unit}", column.from);
+            if let Some(wrap) = wrap {
+                let _ = writeln!(text, "wrap = {wrap}      # the counter starts over there");
+            }
+            let doubled = times.windows(2).filter(|t| t[1].to_bits() == t[0].to_bits()).count();
+            if doubled > 0 {
+                let _ = writeln!(
+                    text,
+                    "equal = \"drop\"         # {doubled} rows have the time of the row before; \"mean\" joins them"
+                );
+            }
             if times.first().is_some_and(|first| *first > LONG_BEFORE) {
                 text.push_str("zero = \"first\"          # the times count from long before\n");
             }
@@ -121,6 +127,33 @@ fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names
 
 /// A first time beyond this is counted from the start of a computer or from 1970, whatever its unit.
 const LONG_BEFORE: f64 = 1e8;
+
+/// From where to where counters of boards and clocks of a day count.
+const COUNTERS: [[f64; 2]; 6] = [
+    [0.0, 65_536.0],
+    [-32_768.0, 32_768.0],
+    [0.0, 16_777_216.0],
+    [0.0, 4_294_967_296.0],
+    [-2_147_483_648.0, 2_147_483_648.0],
+    [0.0, 86_400.0],
+];
+
+/// Where a time starts over that falls from the end of a counter to its beginning: another trial would begin
+/// anywhere.
+fn wrap_of(times: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = times.windows(2).map(|t| (t[1] - t[0]).abs()).collect();
+    steps.sort_by(f64::total_cmp);
+    let near = 5.0 * steps.get(steps.len() / 2)?;
+    let falls: Vec<&[f64]> = times.windows(2).filter(|t| t[1] < t[0]).collect();
+    let fits = |[low, high]: &[f64; 2]| {
+        let is_end = |fall: &&[f64]| {
+            let (before, after) = (high - fall[0], fall[1] - low);
+            before >= 0.0 && after >= 0.0 && before + after <= near
+        };
+        !falls.is_empty() && falls.iter().all(is_end)
+    };
+    COUNTERS.iter().find(|ends| fits(ends)).map(|[low, high]| high - low)
+}
 
 /// Whether the steps between times are those of samples if the unit is a day (10 µs to 1 s).
 fn are_days(times: &[f64]) -> bool {
@@ -475,6 +508,23 @@ mod tests {
     }
 
     #[test]
+    fn a_counter_that_starts_over_rows_that_come_twice_and_clocks_are_guessed() {
+        let rows = |time: fn(u64) -> String| -> Vec<u8> {
+            let rows: String = (0..40).map(|i| format!("{},{i}\n", time(i))).collect();
+            format!("t,force_N\n{rows}").into_bytes()
+        };
+        let wraps = rows(|i| ((4_294_960_000 + 1000 * i) % (1 << 32)).to_string());
+        let map = check("a.csv", &wraps, &["wrap = 4294967296 "]);
+        assert!(!map.contains("split"), "{map}");
+        let restarts = rows(|i| (1000 * (i % 20)).to_string());
+        let map = check("b.csv", &restarts, &["split = \"time\""]);
+        assert!(!map.contains("wrap"), "{map}");
+        check("c.csv", &rows(|i| (i / 2).to_string()), &["equal = \"drop\"         # 20 rows"]);
+        check("d.csv", &rows(|i| format!("10:00:0{}.{}", i / 10, i % 10)), &["unit = \"s\""]);
+        check("e.csv", &rows(|i| format!("{i} sec")), &["unit = \"s\""]);
+    }
+
+    #[test]
     fn lines_of_remarks_before_the_header_are_comments() {
         check(
             "a.txt",
@@ -605,10 +655,10 @@ mod tests {
 
     #[test]
     fn times_of_a_clock_and_days_are_told_and_times_since_1970_begin_at_0() {
-        let map = check("a.csv", b"time,F_N\n10:00:00.0,1\n10:00:00.5,2\n", &[]);
-        says(&map, &["[time]\nfrom = \"time\"\nunit = \"TODO\"", "times of a clock"]);
+        let (map, _) = imports("a.csv", "time,F_N\n10:00:00.0,1\n10:00:00.5,2\n", &[1.0, 2.0]);
+        says(&map, &["[time]\nfrom = \"time\"\nunit = \"s\"", "clock times"]);
         let map = check("a.csv", b"time,F_N\n0,1\n0.00000001,2\n0.00000002,3\n", &[]);
-        says(&map, &["Or days, as workbooks have them?"]);
+        says(&map, &["unit = \"d\"", "days, as workbooks count them?"]);
         let text = "t_s,F_N\n1785300900.00,1\n1785300900.10,2\n";
         let (map, _) = imports("a.csv", text, &[1.0, 2.0]);
         says(&map, &["zero = \"first\""]);
