@@ -8,9 +8,10 @@ use super::limits::{LONG_FROM, MOST_ERRORS};
 use super::mapping::{CellForm, Content, FileForm, Mapping, Origin, Who};
 use super::shape::{
     Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, Shape, Split,
-    TimeShape, TrialShape, XdfClock, ZeroShape,
+    TimeShape, TrialShape, ZeroShape,
 };
 use super::table::ColumnRef;
+use super::xdf::XdfClock;
 use regex::Regex;
 use std::path::Path;
 use zwidth_store::{Signal, StoreError, hex_blake3};

@@ -2,8 +2,8 @@
 
 use super::csv::Dialect;
 use super::limits::{Take, shown};
-use super::shape::XdfClock;
 use super::table::Table;
+use super::xdf::XdfClock;
 use super::{csv, feather, hdf5, jsonl, mat, npy, parquet, workbook, xdf};
 use serde::Deserialize;
 use std::path::Path;

@@ -4,12 +4,14 @@
 //! Nothing is imported by a guess: the mapping is a text that a person reads, mends and names in
 //! `--map`. What could not be told stands in it as a line to fill in.
 
+use super::clock::{Clock, clock};
 use super::guess_answers::answers;
 use super::guess_apart::{Sorted, sort};
 use super::guess_names::{Names, names};
-use super::guess_read::{LOOKED_AT, Looked, MOST_GUESSED, look};
+use super::guess_read::{Looked, MOST_GUESSED, first_numbers, is_number, look, quoted};
 use super::guess_words::{ANSWERS, COMMANDED, CURRENTS, LABELS, Said, said, signal_of};
 use super::limits::shown;
+use super::mapping::CellForm;
 use super::recording::number;
 use super::table::{Cell, Cells, Table};
 use super::text::Encoding;
@@ -359,6 +361,8 @@ fn described(Looked { table, labview, .. }: &Looked, decimal_comma: bool) -> Vec
                 }
             }
         }
+        let declared = table.units.get(&place).map(|declared| declared.unit.as_str());
+        unit = unit.or_else(|| unit_of(declared?, signal));
         // Some programs write a row of units below the names.
         if unit.is_none()
             && is_number
@@ -367,13 +371,19 @@ fn described(Looked { table, labview, .. }: &Looked, decimal_comma: bool) -> Vec
             unit = unit_of(below, signal);
         }
         // A time may be written as that of a clock.
-        let is_clock = signal == Some(Signal::Time) && are_clock_times(cells);
+        let is_clock = signal == Some(Signal::Time) && is_clock(cells, decimal_comma);
         let to = signal.filter(|to| (is_number || is_clock) && !taken.contains(to));
         taken.extend(to);
         let from = name.map_or_else(|| (place + 1).to_string(), |name| quoted(name));
         columns.push(Guessed { place, from, to, unit, is_number, words });
     }
     columns
+}
+
+/// Whether a column holds clock times, dates or durations, as the importer reads them.
+fn is_clock(cells: &Cells, decimal_comma: bool) -> bool {
+    let form = CellForm { decimal_comma, ..CellForm::default() };
+    matches!(clock(cells, &form, false), Ok(Some(Clock::Seconds(_))))
 }
 
 /// The unit that a file names in a place of its own, as a mapping spells it.
@@ -385,49 +395,6 @@ fn unit_of(named: &str, signal: Option<Signal>) -> Option<String> {
     };
     let found = spellings.chain(word_of(singular)).find(fits);
     found.map(str::to_owned)
-}
-
-/// Whether most of a column's first cells are dates or times of a clock: `10:00:00.125`,
-/// `2026-01-31T10:00:00`.
-fn are_clock_times(cells: &Cells) -> bool {
-    let looked_at = cells.len().min(LOOKED_AT);
-    let is_clock = |row: &usize| {
-        let Cell::Text(text) = cells.cell(*row) else { return false };
-        let digits = text.bytes().filter(u8::is_ascii_digit).count();
-        text.contains(':') && digits >= 3 && text.starts_with(|first: char| first.is_ascii_digit())
-    };
-    2 * (0..looked_at).filter(is_clock).count() > looked_at
-}
-
-/// A text as TOML writes it.
-pub(super) fn quoted(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for letter in text.chars() {
-        match letter {
-            '"' | '\\' => quoted.extend(['\\', letter]),
-            letter if letter.is_control() => {
-                let _ = write!(quoted, "\\u{:04X}", u32::from(letter));
-            }
-            letter => quoted.push(letter),
-        }
-    }
-    quoted + "\""
-}
-
-pub(super) fn first_numbers(cells: &Cells, decimal_comma: bool) -> Vec<Option<f64>> {
-    let value = |row: usize| match cells.cell(row) {
-        Cell::Number(value) => Some(value),
-        Cell::Text(text) => number(text, decimal_comma).ok().flatten(),
-        Cell::Empty => None,
-    };
-    (0..cells.len()).map(value).collect()
-}
-
-/// Whether most of a column's first cells are numbers.
-pub(super) fn is_number(cells: &Cells, decimal_comma: bool) -> bool {
-    let looked_at = first_numbers(cells, decimal_comma);
-    let looked_at = &looked_at[..looked_at.len().min(LOOKED_AT)];
-    2 * looked_at.iter().flatten().count() > looked_at.len()
 }
 
 #[cfg(test)]

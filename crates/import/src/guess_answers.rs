@@ -1,8 +1,8 @@
 //! A table of answers, guessed: a mapping of `kind = "likert"` for a questionnaire, or for what PsychoPy
 //! writes.
 
-use super::guess::{first_numbers, is_number, quoted};
 use super::guess_names::Names;
+use super::guess_read::{first_numbers, is_number, quoted};
 use super::guess_words::{ANSWERS, QUESTIONS, are_answers, label_of, said};
 use super::spelling::is_missing;
 use super::table::{Cell, Table};

@@ -7,10 +7,11 @@ use super::labview::{self, LabView};
 use super::limits::{Budget, MOST_FILE, Take};
 use super::plain::is_labchart;
 use super::recording::number;
-use super::shape::XdfClock;
-use super::table::{ColumnRef, Table};
+use super::table::{Cell, Cells, ColumnRef, Table};
 use super::text::{Encoding, check_is_text, check_readable, decode, is_windows_1252};
+use super::xdf::XdfClock;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::io::Read as _;
 use std::path::Path;
 use zwidth_store::{StoreError, open_named, read_named};
@@ -305,4 +306,35 @@ fn form(text: &str, encoding: Encoding, named: Option<u8>) -> Written {
         skip: if is_labchart { 0 } else { skip },
         comment: None,
     }
+}
+
+/// A text as TOML writes it.
+pub(super) fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for letter in text.chars() {
+        match letter {
+            '"' | '\\' => quoted.extend(['\\', letter]),
+            letter if letter.is_control() => {
+                let _ = write!(quoted, "\\u{:04X}", u32::from(letter));
+            }
+            letter => quoted.push(letter),
+        }
+    }
+    quoted + "\""
+}
+
+pub(super) fn first_numbers(cells: &Cells, decimal_comma: bool) -> Vec<Option<f64>> {
+    let value = |row: usize| match cells.cell(row) {
+        Cell::Number(value) => Some(value),
+        Cell::Text(text) => number(text, decimal_comma).ok().flatten(),
+        Cell::Empty => None,
+    };
+    (0..cells.len()).map(value).collect()
+}
+
+/// Whether most of a column's first cells are numbers.
+pub(super) fn is_number(cells: &Cells, decimal_comma: bool) -> bool {
+    let looked_at = first_numbers(cells, decimal_comma);
+    let looked_at = &looked_at[..looked_at.len().min(LOOKED_AT)];
+    2 * looked_at.iter().flatten().count() > looked_at.len()
 }

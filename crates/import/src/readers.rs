@@ -3,9 +3,9 @@
 use super::csv::{Dialect, WHITE_SPACE};
 use super::format::{Format, FormatOptions};
 use super::limits::{Budget, Take};
-use super::shape::XdfClock;
 use super::table::ColumnRef;
 use super::text::Encoding;
+use super::xdf::XdfClock;
 use std::path::Path;
 use zwidth_store::StoreError;
 

@@ -4,6 +4,7 @@ use super::format::Format;
 use super::label::LabelShape;
 use super::table::ColumnRef;
 use super::text::Encoding;
+use super::xdf::XdfClock;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -159,19 +160,6 @@ pub(super) enum Equal {
 pub(super) enum Backwards {
     Refuse,
     Split,
-}
-
-/// Which times of an XDF stream are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum XdfClock {
-    /// Those of its samples as they stand in the file, on the stream's own clock.
-    Recorded,
-    /// The first of them, and from there on by the rate that the stream names.
-    Nominal,
-    /// Those on the recorder's clock.
-    #[default]
-    Corrected,
 }
 
 #[derive(Deserialize)]

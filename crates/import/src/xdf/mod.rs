@@ -13,16 +13,29 @@ mod samples;
 pub(super) mod tests;
 
 use super::limits::{MOST_COLUMNS, Take, shown};
-use super::shape::XdfClock;
 use super::table::{Cells, Declared, Table};
 use arrow::array::Float64Array;
 use chunks::{Bytes, Lost, MAGIC, Tag, walk};
 use clock::{Offset, Synchronised, remove_jitter, synchronise, without_outliers};
 use header::{Header, sample_count};
 use samples::Samples;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::StoreError;
+
+/// Which times of an XDF stream are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum XdfClock {
+    /// Those of its samples as they stand in the file, on the stream's own clock.
+    Recorded,
+    /// The first of them, and from there on by the rate that the stream names.
+    Nominal,
+    /// Those on the recorder's clock.
+    #[default]
+    Corrected,
+}
 
 const REMEDY: &str = "copy the file again, or record with LabRecorder";
 /// The column of times, before those of the channels.

@@ -1,5 +1,4 @@
 use super::super::limits::tests::everything;
-use super::super::shape::XdfClock;
 use super::super::table::Cell;
 use super::chunks::BOUNDARY;
 use super::*;
