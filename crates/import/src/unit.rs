@@ -126,69 +126,54 @@ const UNITS: [Unit; 46] = [
     unit(&["bits"], Bits, 1.0),
 ];
 
-/// Units by their names in full, in small letters and the singular.
-const IN_WORDS: [(&str, &str); 10] = [
-    ("second", "s"),
-    ("millisecond", "ms"),
-    ("radian", "rad"),
-    ("degree", "deg"),
-    ("meter", "m"),
-    ("metre", "m"),
-    ("millimeter", "mm"),
-    ("millimetre", "mm"),
-    ("newton", "N"),
-    ("volt", "V"),
-];
-
-/// The spelling of the unit of this name: `Newton` is N.
-pub(super) fn word_of(name: &str) -> Option<&'static str> {
-    let known = IN_WORDS.iter().find(|(word, _)| name.eq_ignore_ascii_case(word));
-    known.map(|(_, spelling)| *spelling)
-}
-
 /// The unit of that spelling, where it is one we know.
 pub(super) fn find(text: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|u| u.spellings.contains(&text))
 }
 
-/// Units in words, as files name them; each also with an s at its end.
-const WORDS: [(&str, &str); 26] = [
+/// Units in words, as files and people name them; each also with an s at its end.
+const WORDS: [(&str, &str); 22] = [
     ("second", "s"),
     ("millisecond", "ms"),
     ("microsecond", "us"),
     ("nanosecond", "ns"),
     ("minute", "min"),
     ("radian", "rad"),
+    ("degree", "deg"),
     ("revolution", "rev"),
-    ("meter", "m"),
     ("metre", "m"),
-    ("centimeter", "cm"),
     ("centimetre", "cm"),
-    ("millimeter", "mm"),
     ("millimetre", "mm"),
-    ("micrometer", "um"),
+    ("micrometre", "um"),
     ("inch", "in"),
     ("inche", "in"),
     ("newton", "N"),
     ("millinewton", "mN"),
     ("kilonewton", "kN"),
-    ("newton meter", "N·m"),
     ("newton metre", "N·m"),
-    ("newton-meter", "N·m"),
     ("volt", "V"),
     ("millivolt", "mV"),
     ("microvolt", "uV"),
     ("kilovolt", "kV"),
 ];
 
+/// The spelling of the unit of this name: `Newtons` is N.
+pub(super) fn word_of(name: &str) -> Option<&'static str> {
+    // Americans write the metre with the other ending.
+    let small = name.trim().to_lowercase().replace("meter", "metre").replace('-', " ");
+    let singular = small.strip_suffix('s').filter(|_| small.len() > 2).unwrap_or(&small);
+    WORDS
+        .iter()
+        .find(|(word, _)| *word == singular || *word == small)
+        .map(|(_, spelling)| *spelling)
+}
+
 /// The unit that a file names, as people spell units: `N`, `newtons`, `Volts`.
 pub(super) fn declared(text: &str) -> Option<&'static Unit> {
     let small = text.trim().to_lowercase();
-    let word = small.strip_suffix('s').filter(|_| small.len() > 2).unwrap_or(&small);
-    let known = WORDS.iter().find(|(known, _)| *known == word || *known == small);
     // Case matters where a letter is all that parts two units: mN is no MN.
     find(text.trim())
-        .or_else(|| find(known?.1))
+        .or_else(|| find(word_of(text)?))
         .or_else(|| find(&small).filter(|unit| unit.dimension != Force && small.len() > 2))
 }
 

@@ -34,6 +34,9 @@ enum Greeted {
     ByAStranger,
 }
 
+/// How long it takes at most to notice that a screen has gone.
+const A_MOMENT: Duration = Duration::from_millis(20);
+
 impl Guest {
     /// Asks to be let in at a port of this machine. Nothing of what comes from there is believed
     /// before whoever listens has proven that they know the secret.
@@ -42,12 +45,15 @@ impl Guest {
     /// Nobody listens there, or not a session of this program; another screen is open.
     pub fn enter(port: u16, secret: &Secret) -> Result<Self, AcquireError> {
         let nobody = |_| refused(NOBODY, START);
-        let mut greeted = Greeted::HungUp;
-        for _ in 0..ATTEMPTS {
+        let (mut greeted, mut hung_up) = (Greeted::HungUp, 0);
+        for _ in 0..2 * ATTEMPTS {
             let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).map_err(nobody)?;
             greeted = greet(stream, secret).map_err(nobody)?;
-            if !matches!(greeted, Greeted::HungUp) {
-                break;
+            match greeted {
+                Greeted::HungUp if hung_up + 1 < ATTEMPTS => hung_up += 1,
+                // Crowded out just after it was let in, this screen is the other one until its going is noticed.
+                Greeted::By(_, Said::Taken) if hung_up > 0 => std::thread::sleep(A_MOMENT),
+                _ => break,
             }
         }
         let (mut input, first) = match greeted {
