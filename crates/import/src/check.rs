@@ -2,7 +2,7 @@
 //! line.
 
 use super::Errors;
-use super::exclusions::{Exclusions, Of};
+use super::exclusions::{Exclusions, Labels, Of};
 use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS};
 use super::mapping::{CellForm, Content, FileForm, Mapping, Origin, Who};
@@ -246,11 +246,11 @@ impl Check<'_> {
                 let participant = self.required("exclude.participant", shape.participant);
                 let session = self.required("exclude.session", shape.session);
                 let trial = self.required("exclude.trial", shape.trial);
-                Of::Trial {
+                Of::Trial(Box::new(Labels {
                     participant: self.label("exclude.participant", participant?, groups)?,
                     session: self.label("exclude.session", session?, groups)?,
                     trial: self.label("exclude.trial", trial?, groups)?,
-                }
+                }))
             }
         };
         let reason = self.label("exclude.reason", shape.reason, groups)?;

@@ -31,18 +31,23 @@ pub(super) enum Of {
         column: ColumnRef,
         folder: PathBuf,
     },
-    Trial {
-        participant: Label,
-        session: Label,
-        trial: Label,
-    },
+    Trial(Box<Labels>),
+}
+
+/// The labels of a trial.
+#[derive(Debug, Clone)]
+pub(super) struct Labels {
+    pub(super) participant: Label,
+    pub(super) session: Label,
+    pub(super) trial: Label,
 }
 
 impl Exclusions {
     fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
         let named = match &self.of {
             Of::Recording { column, .. } => vec![column],
-            Of::Trial { participant, session, trial } => {
+            Of::Trial(labels) => {
+                let Labels { participant, session, trial } = &**labels;
                 [participant, session, trial].into_iter().filter_map(Label::column).collect()
             }
         };
@@ -143,10 +148,10 @@ fn read(
             Of::Recording { column, folder } => {
                 from_recording(recording, *row, column, folder, sources)?
             }
-            Of::Trial { participant, session, trial } => vec![(
-                participant.value("participant", recording, *row, id)?,
-                session.value("session", recording, *row, id)?,
-                trial.value("trial", recording, *row, |text| number("trial", text))?,
+            Of::Trial(labels) => vec![(
+                labels.participant.value("participant", recording, *row, id)?,
+                labels.session.value("session", recording, *row, id)?,
+                labels.trial.value("trial", recording, *row, |text| number("trial", text))?,
             )],
         };
         Ok::<_, Errors>(

@@ -152,10 +152,9 @@ fn one(folder: &Path, seed: u64) -> anyhow::Result<(usize, Outcome, Outcome)> {
         (&mut found, &mut other)
     {
         *is_off = means.len() != spoilt.len()
-            || means
-                .iter()
-                .zip(spoilt)
-                .any(|((mean, half), (found, _))| !((*mean - *found).abs() <= *half));
+            || means.iter().zip(spoilt).any(|((mean, half), (found, _))| {
+                (*mean - *found).abs() > *half || !found.is_finite()
+            });
     }
     Ok((mistake, found, other))
 }
@@ -257,14 +256,13 @@ impl Files {
                         move_s,
                         draw.between(0.1, 0.3),
                     ];
+                    let rows = rows(reach, (rate_hz, stiffness, noise_n), draw);
                     trials.push(Trial {
                         name: format!("P{person}_{mode}_{repeat}.csv"),
-                        mode: Vec::new(),
-                        rows: rows(reach, (rate_hz, stiffness, noise_n), draw),
+                        mode: vec![mode; rows.len()],
+                        rows,
                         words: BTreeMap::new(),
                     });
-                    let trial = trials.last_mut().expect("it was just added");
-                    trial.mode = vec![mode; trial.rows.len()];
                 }
             }
         }
