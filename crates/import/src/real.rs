@@ -48,7 +48,8 @@ fn ethz_gives_twelve_trials_of_torque_acceleration_and_velocity_at_200_hz() {
     let (world, report) = imported("ethz", "map-transparency.toml", &files);
     assert_eq!((report.trials, report.sessions), (12, 4));
     assert_eq!(report.files.iter().map(|f| f.rows_kept).sum::<usize>(), 56_121);
-    let trial = world.trial("P01", "S09", 1);
+    // The last of its session by the names of the files.
+    let trial = world.trial("P01", "S09", 3);
     assert_eq!((trial.meta.mode.as_str(), trial.samples.len()), ("uncontrolled", 5039));
     for lacking in [Signal::Theta, Signal::ForceEx] {
         assert_eq!(trial.samples.get(lacking), None);
