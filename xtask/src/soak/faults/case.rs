@@ -143,7 +143,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "acquire",
         kind: Kind::Session,
-        prepare: short,
+        prepare: empty,
         arguments: &[
             "acquire", STUDY, "-p", "P01", "-s", "S01", "--plain", "--auto", "--fast", "--seed",
             "1",
@@ -183,10 +183,11 @@ fn run(program: &Path, root: &Path, arguments: &[&str]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A study without a recording, its text changed so, and the files to import.
+/// A study without a recording that plans one trial of each condition and one to get used to it, its
+/// text changed so, and the files to import.
 fn laid_down(root: &Path, changes: &[(&str, &str)]) -> anyhow::Result<()> {
     let mut text = template(&StudyId::new(STUDY)?);
-    for (from, to) in changes {
+    for (from, to) in SHORT.iter().chain(changes) {
         ensure!(text.contains(from), "the template of a study lost '{from}'");
         text = text.replace(from, to);
     }
@@ -241,19 +242,14 @@ fn changed(program: &Path, root: &Path) -> anyhow::Result<()> {
     Ok(std::fs::write(path, text.replace("pause_s = 5.0", "pause_s = 4.0"))?)
 }
 
-/// A design of three trials and one to get used to it.
+/// One trial of each condition and one to get used to it.
 const SHORT: [(&str, &str); 2] = [
     ("\nrepeats = 6\n", "\nrepeats = 1\n"),
     ("\nfamiliarisation = 3\n", "\nfamiliarisation = 1\n"),
 ];
 
-fn short(_program: &Path, root: &Path) -> anyhow::Result<()> {
-    laid_down(root, &SHORT)
-}
-
 fn blinded(_program: &Path, root: &Path) -> anyhow::Result<()> {
-    let blinded = ("\nblinded = false\n", "\nblinded = true\n");
-    laid_down(root, &[SHORT[0], SHORT[1], blinded])
+    laid_down(root, &[("\nblinded = false\n", "\nblinded = true\n")])
 }
 
 /// A blinded session that was recorded.
