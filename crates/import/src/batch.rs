@@ -18,6 +18,10 @@ pub(super) struct Batch {
     pub(super) outputs: Vec<(PathBuf, Output)>,
     /// New event logs.
     pub(super) logs: Vec<(PathBuf, Vec<Event>)>,
+    /// What logs that are there are to say besides.
+    pub(super) added: BTreeMap<PathBuf, Vec<Event>>,
+    /// The columns (from 1) of a questionnaire whose answers new sessions have.
+    pub(super) answer_columns: Vec<usize>,
     /// What the log of the study's sweeps is to say of new ones.
     pub(super) sweeps: Vec<(ActuatorId, u32, String)>,
     /// The report on every file read.
@@ -93,6 +97,7 @@ impl Batch {
             let imported_from = imported_from.remove(&(participant, session)).unwrap_or_default();
             let record = SessionRecord {
                 imported_from: imported_from.into_iter().collect(),
+                answer_columns: self.answer_columns.clone(),
                 ..SessionRecord::new(
                     participant.clone(),
                     session.clone(),
@@ -122,7 +127,8 @@ impl Batch {
         let below = |folder: PathBuf| {
             self.outputs.iter().filter(|(path, _)| path.starts_with(&folder)).count()
         };
-        let events = self.logs.iter().flat_map(|(_, events)| events);
+        let new = self.logs.iter().map(|(_, events)| events);
+        let events = new.chain(self.added.values()).flatten();
         Report {
             study: layout.study().clone(),
             trials: below(layout.trials()),
@@ -142,7 +148,7 @@ impl Batch {
     /// # Errors
     /// The write that failed, saying what was removed, and any file that could not be removed.
     pub(super) fn write(&self, disk: &dyn Files, layout: &Layout, utc: &str) -> Result<(), Errors> {
-        if self.outputs.is_empty() && self.sweeps.is_empty() {
+        if self.outputs.is_empty() && self.sweeps.is_empty() && self.added.is_empty() {
             return Ok(());
         }
         let mut logs: Vec<(PathBuf, Output)> = Vec::new();
@@ -164,7 +170,10 @@ impl Batch {
             .map(|(actuator, sweep, blake3)| Event::SweepRecorded { actuator, sweep, blake3 })
             .collect();
         let log = layout.sweep_events();
-        let written = Change::of(disk, layout, utc.into(), &hashes, &[(&log, &sweeps)])
+        let added = self.added.iter().map(|(log, events)| (log.as_path(), events.as_slice()));
+        let appended: Vec<(&Path, &[Event])> =
+            added.chain([(log.as_path(), sweeps.as_slice())]).collect();
+        let written = Change::of(disk, layout, utc.into(), &hashes, &appended)
             .map_err(|error| vec![error])
             .and_then(|change| {
                 change.make("imported", || {

@@ -98,7 +98,8 @@ impl Check<'_> {
                 self.sweeps(shape.sweep, shape.time, quantities, shape.wide, &groups)
             }
             KindShape::Likert => {
-                self.likert(shape.trial, shape.questions.unwrap_or_default(), &groups)
+                let questions = shape.questions.unwrap_or_default();
+                self.likert(shape.trial, questions, shape.condition, &groups)
             }
             KindShape::Exclusions => self.exclusions(shape.exclude, &groups),
         }?;
@@ -130,6 +131,7 @@ impl Check<'_> {
             ("response", shape.response.is_some(), kind == Sweeps),
             ("wide", shape.wide.is_some(), kind == Sweeps),
             ("questions", shape.questions.is_some(), kind == Likert),
+            ("condition", !shape.condition.is_empty(), kind == Likert),
             ("exclude", shape.exclude.is_some(), kind == Exclusions),
         ] {
             if given && !used {
@@ -212,8 +214,10 @@ impl Check<'_> {
         // All labels before the first `?`, so that every problem is told at once.
         let participant = self.label("trial.participant", shape.participant, groups);
         let session = self.label("trial.session", shape.session, groups);
-        let environment = self.label("trial.environment", shape.environment, groups);
-        let mode = self.label("trial.mode", shape.mode, groups);
+        let environment = self.required("trial.environment", shape.environment);
+        let environment = environment.and_then(|e| self.label("trial.environment", e, groups));
+        let mode = self.required("trial.mode", shape.mode);
+        let mode = mode.and_then(|mode| self.label("trial.mode", mode, groups));
         Some(Who {
             kind: self.optional("trial.kind", shape.kind, groups),
             repeat: self.optional("trial.repeat", shape.repeat, groups),
@@ -316,7 +320,7 @@ pub(super) mod tests {
         check(&good, "[time]", "[times]", 9, "unknown field `times`");
         check(&good, "\"trials\"", "\"trial\"", 1, "unknown variant `trial`");
         check(&good, "mode = \"hybrid\"", "mode = { colum = 1 }", 7, "expected a fixed value");
-        check(&good, "mode = \"hybrid\"", "", 3, "missing field `mode`");
+        check(&good, "mode = \"hybrid\"", "", 3, "trial.mode: is missing");
         check(&good, "from = \"f\"", "from = -1", 14, "expected a column's name");
         check(&good, "= \"N\"", "= ", 15, "string values must be quoted");
     }

@@ -1,9 +1,8 @@
 //! Checks a mapping of a questionnaire: where its answers stand.
 
 use super::check::Check;
-use super::mapping::{Asked, Content, LongForm, Questionnaire};
-use super::shape::{QuestionsShape, TrialShape};
-use super::table::ColumnRef;
+use super::mapping::{Asked, Content, LongForm, OfRow, Questionnaire};
+use super::shape::{ConditionShape, QuestionsShape, TrialShape};
 use super::unit::{self, Dimension, Unit};
 use std::collections::BTreeMap;
 use zwidth_study::QuestionId;
@@ -13,44 +12,113 @@ impl Check<'_> {
         &mut self,
         trial: Option<TrialShape>,
         shape: QuestionsShape,
+        conditions: Vec<ConditionShape>,
         groups: &[&str],
     ) -> Option<Content> {
-        let who = self.who(trial, groups);
-        if who.as_ref().is_some_and(|w| w.likert.is_some()) {
+        if trial.as_ref().is_some_and(|trial| trial.likert.is_some()) {
             self.error("trial.likert", "is not used in a mapping of this kind; remove it");
         }
-        let is_timed = shape.time.is_some() || !shape.times.is_empty();
+        let timed = conditions.iter().any(|condition| !condition.times.is_empty());
+        let is_timed = timed || shape.time.is_some() || !shape.times.is_empty();
         let time_unit = self.time_unit(shape.time_unit.as_deref(), is_timed);
-        let translate = shape.translate.clone();
-        let form = match (shape.question.is_some(), shape.answer.is_some()) {
-            (false, false) => self.wide_form(shape),
-            _ => self.long_form(shape, groups),
+        let (translate, lowest) = (shape.translate.clone(), shape.lowest);
+        let form = match (shape.question.is_some() || shape.answer.is_some(), conditions) {
+            (false, conditions) if conditions.is_empty() => self.wide_form(trial, shape, groups),
+            (false, conditions) => self.conditions(trial, &shape, conditions, groups),
+            (true, conditions) => {
+                if !conditions.is_empty() {
+                    let what = "is not used beside question and answer, which mean one row per answer; remove it";
+                    self.error("condition", what);
+                }
+                self.long_form(trial, shape, groups)
+            }
         };
-        Some(Content::Likert {
-            who: who?,
-            asked: Questionnaire { form: form?, translate, time_unit },
-        })
+        Some(Content::Likert(Questionnaire { form: form?, translate, lowest, time_unit }))
     }
 
     /// A column a question.
-    fn wide_form(&mut self, shape: QuestionsShape) -> Option<Asked> {
+    fn wide_form(
+        &mut self,
+        trial: Option<TrialShape>,
+        shape: QuestionsShape,
+        groups: &[&str],
+    ) -> Option<Asked> {
         if shape.time.is_some() {
             let what = "belongs to a table with one row per answer; list the columns of times by question in \
                         [questions.times]";
             self.error("questions.time", what);
         }
-        let columns = self.by_question("columns", shape.columns);
-        Some(Asked::Wide { columns, times: self.by_question("times", shape.times) })
+        let who = self.who(trial, groups);
+        let columns = self.by_question("questions.columns", shape.columns);
+        let times = self.by_question("questions.times", shape.times);
+        Some(Asked::Wide(vec![OfRow { who: who?, columns, times }]))
     }
 
-    fn by_question(
+    /// Several conditions in a row: each has columns of its own, and the labels of `[trial]` where it
+    /// has none.
+    fn conditions(
+        &mut self,
+        trial: Option<TrialShape>,
+        shape: &QuestionsShape,
+        conditions: Vec<ConditionShape>,
+        groups: &[&str],
+    ) -> Option<Asked> {
+        for (key, is_given) in [
+            ("columns", !shape.columns.is_empty()),
+            ("times", !shape.times.is_empty()),
+            ("time", shape.time.is_some()),
+        ] {
+            if is_given {
+                let what =
+                    "is not used beside [[condition]]; list the columns of each condition there";
+                self.error(&format!("questions.{key}"), what);
+            }
+        }
+        let trial = self.required("trial", trial)?;
+        let mut of_rows = Vec::new();
+        for (i, condition) in conditions.into_iter().enumerate() {
+            let key = format!("condition[{i}]");
+            let at = |name: &str| format!("{key}.{name}");
+            let own = [
+                ("environment", &condition.environment),
+                ("mode", &condition.mode),
+                ("repeat", &condition.repeat),
+                ("trial", &condition.trial),
+            ];
+            // Told at its own key, and not as one of [trial].
+            let wrong = self.errors.len();
+            for (name, label) in own {
+                self.optional(&at(name), label.clone(), groups);
+            }
+            if self.errors.len() > wrong {
+                return None;
+            }
+            if condition.columns.is_empty() {
+                self.error(&at("columns"), "lists no column");
+            }
+            let columns = self.by_question(&at("columns"), condition.columns);
+            let times = self.by_question(&at("times"), condition.times);
+            let labels = TrialShape {
+                environment: condition.environment.or_else(|| trial.environment.clone()),
+                mode: condition.mode.or_else(|| trial.mode.clone()),
+                repeat: condition.repeat.or_else(|| trial.repeat.clone()),
+                trial: condition.trial.or_else(|| trial.trial.clone()),
+                ..trial.clone()
+            };
+            let who = self.who(Some(labels), groups)?;
+            of_rows.push(OfRow { who, columns, times });
+        }
+        Some(Asked::Wide(of_rows))
+    }
+
+    fn by_question<T>(
         &mut self,
         table: &str,
-        columns: BTreeMap<String, ColumnRef>,
-    ) -> BTreeMap<QuestionId, ColumnRef> {
+        columns: BTreeMap<String, T>,
+    ) -> BTreeMap<QuestionId, T> {
         let mut checked = BTreeMap::new();
         for (id, column) in columns {
-            let key = format!("questions.{table}.{id}");
+            let key = format!("{table}.{id}");
             if let Some(id) = self.keep(&key, QuestionId::new(id).map_err(|e| e.to_string())) {
                 checked.insert(id, column);
             }
@@ -59,7 +127,13 @@ impl Check<'_> {
     }
 
     /// A row an answer.
-    fn long_form(&mut self, shape: QuestionsShape, groups: &[&str]) -> Option<Asked> {
+    fn long_form(
+        &mut self,
+        trial: Option<TrialShape>,
+        shape: QuestionsShape,
+        groups: &[&str],
+    ) -> Option<Asked> {
+        let who = self.who(trial, groups);
         for (key, is_given) in
             [("columns", !shape.columns.is_empty()), ("times", !shape.times.is_empty())]
         {
@@ -71,7 +145,8 @@ impl Check<'_> {
         let question = self.required("questions.question", shape.question);
         let question = question.and_then(|q| self.keep("questions.question", q.check(groups)));
         let answer = self.required("questions.answer", shape.answer);
-        Some(Asked::Long(LongForm { question: question?, answer: answer?, time: shape.time }))
+        let form = LongForm { question: question?, answer: answer?, time: shape.time };
+        Some(Asked::Long(who?, form))
     }
 
     /// The unit of the times that answers took; never guessed.
@@ -90,5 +165,42 @@ impl Check<'_> {
             key,
             found.ok_or_else(|| format!("'{text}' is not a unit of time: s, ms, µs, ns or min")),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check::tests::check;
+
+    #[test]
+    fn conditions_have_columns_and_a_mode_each() {
+        let good = "kind = \"likert\"\n[trial]\nparticipant = \"P01\"\nsession = \"S01\"\nenvironment = \"spring\"\n\
+            [[condition]]\nmode = \"active\"\ncolumns = { a = 1 }\n";
+        check(good, "mode = \"active\"\n", "", 2, "trial.mode: is missing");
+        check(good, "{ a = 1 }", "{ }", 8, "lists no column");
+        check(
+            good,
+            "\"active\"",
+            "{ name = \"m\" }",
+            7,
+            "condition[0].mode: 'm' is not a named group",
+        );
+        check(
+            good,
+            "[[cond",
+            "[questions.columns]\nb = 2\n[[cond",
+            6,
+            "is not used beside [[condition]]",
+        );
+        let long = "[questions]\nquestion = { column = \"q\" }\nanswer = \"a\"\n[[cond";
+        check(good, "[[cond", long, 9, "mean one row per answer");
+        check(
+            good,
+            "\"likert\"",
+            "\"sweeps\"",
+            6,
+            "condition: is not used in a mapping of this kind",
+        );
+        check(good, "a = 1", "a = { column = 1, path = \"x\" }", 8, "for JSON in its cells");
     }
 }

@@ -3,10 +3,11 @@
 use super::identity::{Identity, answer};
 use super::mapping::{Missing, Questionnaire};
 use super::recording::Recording;
-use super::spelling::find;
+use super::spelling::{find, plain};
 use super::{Context, Errors};
+use std::borrow::Cow;
 use zwidth_store::StoreError;
-use zwidth_study::{Given, QuestionId};
+use zwidth_study::{AnswerScale, Given, QuestionId};
 
 /// No answer takes longer, s: a day.
 const LONGEST_S: f64 = 86_400.0;
@@ -17,11 +18,13 @@ pub(super) struct Answered {
     pub(super) answers: Vec<(QuestionId, Given)>,
 }
 
-/// Where an answer stands: its row, its column, and the column of the time that it took.
+/// Where an answer stands: its row, its column, the key of the object in that cell if it is JSON, and the
+/// column of the time that it took.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct Place<'a> {
     pub(super) row: usize,
     pub(super) answer: usize,
+    pub(super) key: Option<&'a str>,
     pub(super) time: Option<usize>,
 }
 
@@ -33,27 +36,63 @@ pub(super) fn read_given(
     question: &QuestionId,
     place: Place,
 ) -> Result<Option<Given>, Errors> {
-    let Place { row, answer: column, time } = place;
-    let cell = recording.table.columns[column].cell(row).to_string();
-    let word = find(&asked.translate, cell.trim());
-    // A word of the scale comes first: "NA" may be an answer.
-    let is_missing = word.is_none() && recording.number(column, row) == Ok(None);
-    if context.mapping.file.cells.missing == Missing::Drop && is_missing {
-        return Ok(None);
-    }
+    let Place { row, answer: column, key, time } = place;
     let remedy = "mend the cell; leave empty ones out with missing = \"drop\" in [file], and name words in \
                   [questions.translate]";
-    let scale = context.study.question(question).map(|q| q.scale.clone()).unwrap_or_default();
-    let value = match word {
-        Some(value) => answer(&value.to_string(), &scale),
-        None => answer(&cell, &scale),
+    let wrong = |what: String| recording.cell_error(column, row, &what, remedy);
+    let cell = recording.table.columns[column].cell(row).to_string();
+    let (cell, is_empty) = match key {
+        Some(key) if !cell.trim().is_empty() => {
+            let found = value_of(&cell, key).map_err(wrong)?;
+            let is_empty = found.is_none();
+            (found.unwrap_or_default(), is_empty)
+        }
+        _ => (cell, recording.number(column, row) == Ok(None)),
     };
-    let value = value.map_err(|what| recording.cell_error(column, row, &what, remedy))?;
+    let word = find(&asked.translate, cell.trim());
+    // A word of the scale comes first: "NA" may be an answer.
+    if context.mapping.file.cells.missing == Missing::Drop && word.is_none() && is_empty {
+        return Ok(None);
+    }
+    let scale = context.study.question(question).map(|q| q.scale.clone()).unwrap_or_default();
+    let value = match (word, asked.lowest) {
+        (Some(value), _) => answer(&value.to_string(), &scale),
+        (None, Some(lowest)) => answer_from(lowest, &cell, &scale),
+        (None, None) => answer(&cell, &scale),
+    };
+    let value = value.map_err(wrong)?;
     let time_ms = match time {
         Some(time) => read_time(asked, recording, time, row)?,
         None => None,
     };
     Ok(Some(Given { value, time_ms }))
+}
+
+/// What stands under a key of the JSON object in a cell; `None` if nothing does.
+fn value_of(cell: &str, key: &str) -> Result<Option<String>, String> {
+    let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(cell)
+        .map_err(|why| format!("'{cell}' is not a JSON object: {why}"))?;
+    match object.get(key) {
+        None => {
+            let known: Vec<&str> = object.keys().map(String::as_str).collect();
+            Err(format!("the object has no key '{key}': it has {}", known.join(", ")))
+        }
+        Some(serde_json::Value::Null) => Ok(None),
+        Some(serde_json::Value::String(text)) => Ok(Some(text.clone()).filter(|t| !t.is_empty())),
+        Some(value) => Ok(Some(value.to_string())),
+    }
+}
+
+/// The answer of a number that counts the places of the scale from `lowest` on.
+fn answer_from(lowest: i64, text: &str, scale: &AnswerScale) -> Result<i16, String> {
+    let spelled: Cow<'_, str> = plain(text);
+    let counted = spelled.parse::<f64>().ok().filter(|number| number.fract() == 0.0);
+    let place = counted.map(|number| number - lowest as f64 + 1.0);
+    let place = place.filter(|place| (1.0..=f64::from(scale.points())).contains(place));
+    place.map(|place| scale.answer_at(place as u8)).ok_or_else(|| {
+        let highest = lowest + i64::from(scale.points()) - 1;
+        format!("the answer '{text}' must be a whole number from {lowest} to {highest} (lowest = {lowest})")
+    })
 }
 
 /// What an answer took, ms; `None` where the cell is empty.

@@ -670,6 +670,19 @@ mod tests {
         says(&map, &["kind = \"likert\"", "participant = { column = \"Participant ID\" }"]);
         assert_eq!(report.answers, 2);
 
+        // A row for each screen, of which one asks.
+        let jspsych = "rt,trial_type,trial_index,response,participant,mode\n\
+            900,html-button-response,0,0,P01,active\n\
+            4100,survey-likert,1,\"{\"\"felt_spring\"\":3,\"\"felt_wall\"\":0}\",P01,active\n";
+        let (map, report) = imports("a.csv", jspsych, &[]);
+        says(
+            &map,
+            &["lowest = 0", "felt_spring = { column = \"response\", key = \"felt_spring\" }"],
+        );
+        assert_eq!((report.sessions, report.answers), (1, 2));
+        let dropped = &report.files[0].rows_dropped[0];
+        assert_eq!(dropped.rows, 1, "{}", dropped.why);
+
         let long = "participant,mode,item,response\n1,active,felt_spring,4\n1,active,felt_wall,2\n";
         let (map, report) = imports("a.csv", long, &[]);
         says(&map, &["question = { column = \"item\" }\nanswer = \"response\""]);

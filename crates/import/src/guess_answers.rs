@@ -2,10 +2,10 @@
 //! writes.
 
 use super::guess_names::Names;
-use super::guess_read::{first_numbers, is_number, quoted};
+use super::guess_read::{LOOKED_AT, first_numbers, is_number, quoted};
 use super::guess_words::{ANSWERS, QUESTIONS, are_answers, label_of, said};
 use super::spelling::is_missing;
-use super::table::{Cell, Table};
+use super::table::{Cell, Cells, Table};
 use std::fmt::Write as _;
 use zwidth_store::Signal;
 
@@ -47,6 +47,9 @@ pub(super) struct Answers {
 enum Form {
     /// A column a question, with that of the times that its answers took.
     Wide(Vec<(usize, Option<usize>)>),
+    /// A column of JSON objects, a key a question, as jsPsych writes them; whether a 0 is among their
+    /// values.
+    Json { place: usize, keys: Vec<String>, from_zero: bool },
     /// A row an answer: the columns of the questions and of the answers.
     Long { question: usize, answer: usize },
 }
@@ -63,6 +66,8 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
             // The loops of PsychoPy are called as their author likes.
             Some(_) if is_psychopy && name.contains('.') => name.ends_with(LOOP).then_some("trial"),
             None if is_psychopy && name.ends_with(LOOP) => Some("trial"),
+            // jsPsych's kind of screen.
+            Some(_) if name == "trial_type" => None,
             key => key,
         };
         let Some(key) = key else { continue };
@@ -107,8 +112,10 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
             return None;
         }
     }
-    let form = match (question, asked.as_slice()) {
-        (Some(question), [answer]) => Form::Long { question, answer: *answer },
+    let objects = free().find_map(|place| objects(&table.columns[place], place));
+    let form = match (question, asked.as_slice(), objects) {
+        (_, [], Some(objects)) => objects,
+        (Some(question), [answer], _) => Form::Long { question, answer: *answer },
         _ => {
             if asked.is_empty() {
                 asked = free().filter(is_scale).collect();
@@ -122,6 +129,22 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
     };
     let is_empty = matches!(&form, Form::Wide(columns) if columns.is_empty());
     (!is_empty).then_some(Answers { labels, others, form })
+}
+
+/// The keys of the JSON objects in a column, if one of its first cells holds one.
+fn objects(cells: &Cells, place: usize) -> Option<Form> {
+    let (mut keys, mut from_zero) = (Vec::new(), false);
+    for row in 0..cells.len().min(LOOKED_AT) {
+        let Cell::Text(text) = cells.cell(row) else { continue };
+        let Ok(object) = serde_json::from_str::<serde_json::Map<_, _>>(text) else { continue };
+        for (key, value) in object {
+            from_zero |= value == serde_json::json!(0);
+            if !keys.contains(&key) {
+                keys.push(key);
+            }
+        }
+    }
+    (!keys.is_empty()).then_some(Form::Json { place, keys, from_zero })
 }
 
 impl Answers {
@@ -163,7 +186,7 @@ impl Answers {
             let from = column(*place);
             let _ = writeln!(
                 text,
-                "# another {key}: {from}. If a row holds several conditions, write a mapping for each"
+                "# another {key}: {from}. If a row holds several conditions, write a [[condition]] for each"
             );
         }
         match &self.form {
@@ -176,13 +199,29 @@ impl Answers {
                     column(*answer)
                 );
             }
+            Form::Json { place, keys, from_zero } => {
+                if *from_zero {
+                    text.push_str("\n[questions]\nlowest = 0           # their number for the lowest answer\n");
+                }
+                text.push_str(QUESTIONS_TO_DO);
+                for key in keys {
+                    let (column, named) = (column(*place), quoted(key));
+                    let _ =
+                        writeln!(text, "{} = {{ column = {column}, key = {named} }}", id(key, 0));
+                }
+            }
             Form::Wide(columns) => {
                 if columns.iter().any(|(_, time)| time.is_some()) {
                     text.push_str("\n[questions]\ntime_unit = \"s\"\n");
                 }
-                text.push_str("\n[questions.columns]\n# TODO: on the left, the ids of the questions in study.toml\n");
+                text.push_str(QUESTIONS_TO_DO);
                 for (place, _) in columns {
-                    let _ = writeln!(text, "{} = {}", id(table, *place), column(*place));
+                    let _ = writeln!(
+                        text,
+                        "{} = {}",
+                        id(&table.full_name(*place), *place),
+                        column(*place)
+                    );
                 }
                 let times: Vec<_> =
                     columns.iter().filter_map(|(place, time)| Some((*place, (*time)?))).collect();
@@ -190,7 +229,8 @@ impl Answers {
                     text.push_str("\n[questions.times]\n");
                 }
                 for (place, time) in times {
-                    let _ = writeln!(text, "{} = {}", id(table, place), column(time));
+                    let _ =
+                        writeln!(text, "{} = {}", id(&table.full_name(place), place), column(time));
                 }
             }
         }
@@ -200,6 +240,8 @@ impl Answers {
     fn has_gaps(&self, table: &Table) -> bool {
         let answers: Vec<usize> = match &self.form {
             Form::Wide(columns) => columns.iter().map(|(place, _)| *place).collect(),
+            // jsPsych has a row for each screen.
+            Form::Json { .. } => return true,
             Form::Long { question, answer } => vec![*question, *answer],
         };
         let lacks = |place: usize, is_answer: bool| {
@@ -215,9 +257,13 @@ impl Answers {
     }
 }
 
+/// What the questions' columns begin with.
+const QUESTIONS_TO_DO: &str =
+    "\n[questions.columns]\n# TODO: on the left, the ids of the questions in study.toml\n";
+
 /// An id for the question of a column: its name in small letters, as far as an id holds it.
-fn id(table: &Table, place: usize) -> String {
-    let name = table.full_name(place).to_lowercase();
+fn id(name: &str, place: usize) -> String {
+    let name = name.to_lowercase();
     let is_plain = |letter: char| letter.is_ascii_alphanumeric();
     let words: Vec<&str> =
         name.split(|l: char| !is_plain(l)).filter(|word| !word.is_empty()).collect();

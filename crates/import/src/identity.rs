@@ -2,7 +2,7 @@
 
 use super::label::Label;
 use super::limits::MOST_NUMBER;
-use super::mapping::{Content, Who};
+use super::mapping::Who;
 use super::recording::Recording;
 use super::report::FileReport;
 use super::spelling::{is_missing, plain, truth, uuid};
@@ -215,17 +215,23 @@ impl Named {
 /// Which numbers of an import are counted from 0: those of which one is 0. All of them become one
 /// more, so that they are the same in all sessions.
 #[derive(Debug, Clone, Copy, Default)]
-struct FromZero {
+pub(super) struct FromZero {
     trial: bool,
     repeat: bool,
 }
 
 impl FromZero {
-    fn of(identities: &[Identity]) -> Self {
+    pub(super) fn of(identities: &[Identity]) -> Self {
         Self {
             trial: identities.iter().any(|i| i.trial == Some(0)),
             repeat: identities.iter().any(|i| i.repeat == Some(0)),
         }
+    }
+
+    /// The number of the trial and that of the repeat, as far as they are given, from 1.
+    pub(super) fn numbers(self, i: &Identity) -> [Option<u32>; 2] {
+        [(i.trial, self.trial), (i.repeat, self.repeat)]
+            .map(|(number, is_from_zero)| number.map(|n| n + u32::from(is_from_zero)))
     }
 }
 
@@ -269,8 +275,7 @@ pub(super) fn number_trials(
     let from_zero = FromZero::of(identities);
     for i in identities {
         let session = (&i.participant, &i.session);
-        let [trial, repeat] = [(i.trial, from_zero.trial), (i.repeat, from_zero.repeat)]
-            .map(|(number, is_from_zero)| number.map(|n| n + u32::from(is_from_zero)));
+        let [trial, repeat] = from_zero.numbers(i);
         let trial = next(&mut trials, session, trial);
         // Practice has repeats of its own: the first repeat that counts is 1.
         let repeat = next(&mut repeats, (session, &i.environment, &i.mode, i.kind), repeat);
@@ -296,13 +301,9 @@ fn again(context: &Context, participant: &ParticipantId, session: &SessionId) ->
     let trial = context.layout.trial(participant, session, 1);
     let trials = trial.parent().unwrap_or(&trial);
     let files = context.layout.session(participant, session).with_extension("*");
-    let answers = match context.mapping.content {
-        Content::Likert { .. } => "; answers to trials that are there: `zwidth answer`",
-        _ => "",
-    };
     format!(
         "sessions are imported whole, all files in one command: choose another session id, or, to \
-         import it again, first remove {} and {}{answers}",
+         import it again, first remove {} and {}",
         context.layout.shown(trials).display(),
         context.layout.shown(&files).display()
     )

@@ -36,7 +36,7 @@ impl Default for From {
 }
 
 /// A label as it stands in a mapping file: `"P01"`, `3`, `{ column = "mode", translate = {…} }`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Clone, Deserialize)]
 #[serde(
     untagged,
     expecting = "expected a fixed value, or { column = … } or { name = … }, with translate, prefix, digits"
@@ -47,7 +47,7 @@ pub(super) enum LabelShape {
     From(FromShape),
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FromShape {
     column: Option<ColumnRef>,

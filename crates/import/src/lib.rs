@@ -7,6 +7,7 @@
 //! A file goes through: `recording` (its format becomes a `table` of text and number columns) →
 //! `trials`, `sweeps` or `likert` (labels resolved, units converted) → `batch` (bytes, written).
 
+mod added;
 mod batch;
 mod blocks;
 mod check;
@@ -141,7 +142,7 @@ pub fn import(
             trials::trials(&context, (who, time, columns, channels), files)?
         }
         Content::Sweeps { labels, form } => sweeps::sweeps(&context, (labels, form), files)?,
-        Content::Likert { who, asked } => likert::likert(&context, (who, asked), files)?,
+        Content::Likert(asked) => likert::likert(&context, asked, files)?,
         // They add to logs that are there.
         Content::Exclusions(form) => return exclusions::import(&context, form, files, utc),
     };

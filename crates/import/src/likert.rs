@@ -1,81 +1,153 @@
 //! Questionnaire tables → trials without samples, and answers as events. Here: wide ones, a row a
 //! trial; `long` has the others.
 
+use super::added::There;
 use super::batch::Batch;
 use super::given::{Answered, Place, read_given};
 use super::identity::{Identity, Named, identity, number_trials, tell_labels};
 use super::limits::{Budget, Take};
-use super::mapping::{Asked, Questionnaire, Who};
+use super::mapping::{Asked, Missing, OfRow, Questionnaire, Who};
 use super::recording::Recording;
-use super::report::FileReport;
-use super::table::ColumnRef;
-use super::{Context, Converted, EMPTY, Errors, all, long, once};
-use std::collections::{BTreeMap, BTreeSet};
+use super::report::{FileReport, RowsDropped};
+use super::shape::{AnswerFrom, JsonKey};
+use super::table::{Cell, ColumnRef};
+use super::{Context, Converted, EMPTY, Errors, all, append, long, once};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_store::StoreError;
 use zwidth_study::{Event, PlannedTrial, QuestionId, Study};
 
-/// A question, the column of its answers, and that of the times that they took.
-type WideColumn = (QuestionId, ColumnRef, Option<ColumnRef>);
+/// What is one trial of each row: its labels, and of each question the column of its answers and that of
+/// the times that they took.
+struct Wide<'a> {
+    who: &'a Who,
+    questions: Vec<(QuestionId, AnswerFrom, Option<ColumnRef>)>,
+}
 
-/// Reads every file, numbers the trials over all of them, and turns the answers into events.
+/// What was read of a table.
+pub(super) struct Read {
+    pub(super) found: Vec<Answered>,
+    pub(super) report: FileReport,
+    /// The columns of its answers, counted from 1.
+    pub(super) columns: BTreeSet<usize>,
+    /// Answers that are missing.
+    pub(super) empty: usize,
+}
+
+/// Reads every file, numbers the trials over all of them, and turns the answers into events. Of a
+/// session that is there its trials are answered.
 pub(super) fn likert(
     context: &Context,
-    (who, asked): (&Who, &Questionnaire),
+    asked: &Questionnaire,
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
     let budget = Budget::default();
     let wide = match &asked.form {
-        Asked::Wide { columns, times } => question_columns(columns, times, context)?,
-        Asked::Long(_) => Vec::new(),
+        Asked::Wide(of_rows) => all(of_rows.iter().map(|of_row| wide(context, of_row)))?,
+        Asked::Long(..) => Vec::new(),
     };
-    let columns = who.columns().into_iter().chain(asked.columns());
-    let columns = columns.chain(wide.iter().map(|(_, answer, _)| answer)).collect();
+    let of_wide = wide.iter().flat_map(|w| &w.questions).map(|(_, from, _)| from.column());
+    let columns = asked.columns().into_iter().chain(of_wide).collect();
     let take = Take { columns, pattern: None, budget: &budget };
     let converted = context.convert(files, &take, |recording| match &asked.form {
-        Asked::Wide { .. } => convert(context, (who, asked), &wide, &budget, recording),
-        Asked::Long(form) => long::convert(context, (who, asked, form), &budget, recording),
+        Asked::Wide(_) => convert(context, asked, &wide, &budget, recording),
+        Asked::Long(who, form) => long::convert(context, asked, (who, form), &budget, recording),
     })?;
-    if matches!(asked.form, Asked::Long(_)) {
-        let found: Vec<&[Answered]> = converted.iter().map(|c| c.made.0.as_slice()).collect();
+    if matches!(asked.form, Asked::Long(..)) {
+        let found: Vec<&[Answered]> = converted.iter().map(|c| c.made.found.as_slice()).collect();
         long::apart(&found)?;
     }
+    let rows =
+        || converted.iter().flat_map(|file| file.made.found.iter().map(move |row| (file, row)));
+    let identities: Vec<Identity> = rows().map(|(_, row)| row.identity.clone()).collect();
+    let is_there = |row: &Answered| {
+        let Identity { participant, session, .. } = &row.identity;
+        context.files.kind(&context.layout.session(participant, session)).is_some()
+    };
     let mut batch = Batch::default();
-    let (mut rows, mut sources) = (Vec::new(), Vec::new());
-    for Converted { blake3, made: (found, _), .. } in &converted {
-        rows.extend(found);
-        sources.resize(rows.len(), blake3.as_str());
+    let mut there = match rows().any(|(_, row)| is_there(row)) {
+        true => Some(There::load(context, &identities)?),
+        false => None,
+    };
+    for file in &converted {
+        batch.files.push(made_of(context, file, &identities, there.as_mut())?);
     }
-    let identities: Vec<Identity> = rows.iter().map(|r| r.identity.clone()).collect();
-    for Converted { made: (found, report), .. } in &converted {
-        let mut report = report.clone();
-        let own: Vec<&Identity> = found.iter().map(|r| &r.identity).collect();
-        tell_labels(&mut report, &own, &identities);
-        batch.files.push(report);
-    }
+    batch.added = there.map(|there| there.events).unwrap_or_default();
+    let new: Vec<(&Converted<Read>, &Answered)> =
+        rows().filter(|(_, row)| !is_there(row)).collect();
+    let identities: Vec<Identity> = new.iter().map(|(_, row)| row.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
-    once::answers(context, &converted)?;
+    once::answers(context, new.iter().map(|(file, _)| *file))?;
     let mut events: Vec<Vec<Event>> =
-        rows.into_iter().zip(&planned).map(|(row, number)| events(row, number)).collect();
-    note_losses(&converted, &mut events);
+        new.iter().zip(&planned).map(|((_, row), number)| events(row, number)).collect();
+    note_losses(&new, &mut events);
+    let sources: Vec<&str> = new.iter().map(|(file, _)| file.blake3.as_str()).collect();
+    let columns: BTreeSet<usize> =
+        new.iter().flat_map(|(file, _)| &file.made.columns).copied().collect();
+    batch.answer_columns = columns.into_iter().collect();
     batch.add_sessions(context, &identities, &planned, events, &sources)?;
     Ok(batch)
 }
 
+/// The report on a file: which trials its rows make, and which that are there they answer.
+fn made_of(
+    context: &Context,
+    file: &Converted<Read>,
+    all: &[Identity],
+    mut there: Option<&mut There>,
+) -> Result<FileReport, Errors> {
+    let Read { found, report, empty, .. } = &file.made;
+    let (mut new, mut answered, mut answers, mut known) = (0, 0, 0, BTreeSet::new());
+    let mut errors = Errors::default();
+    for row in found {
+        let Identity { participant, session, .. } = &row.identity;
+        let is_there = context.files.kind(&context.layout.session(participant, session)).is_some();
+        match there.as_mut().filter(|_| is_there).map(|there| there.answer(context, row)) {
+            None => {
+                new += 1;
+                answers += row.answers.len();
+            }
+            Some(Ok(0)) => _ = known.insert(format!("{participant} {session}")),
+            Some(Ok(given)) => {
+                answered += 1;
+                answers += given;
+            }
+            Some(Err(error)) => errors.push(error),
+        }
+    }
+    errors.none()?;
+    let known: Vec<String> = known.into_iter().collect();
+    if new + answered == 0 {
+        return Ok(FileReport::there_already(&file.path, &known.join(", ")));
+    }
+    let mut report = report.clone();
+    let own: Vec<&Identity> = found.iter().map(|row| &row.identity).collect();
+    tell_labels(&mut report, &own, all);
+    let empty = match empty {
+        0 => String::new(),
+        n => format!("; {n} empty answers left out"),
+    };
+    report.made.push(match answered {
+        0 => format!("{new} trials without samples, {answers} answers{empty}"),
+        n => format!("{new} trials without samples, {answers} answers, {n} trials that are there answered{empty}"),
+    });
+    if !known.is_empty() {
+        report.told.push(format!("in the study already, and left out: {}", known.join(", ")));
+    }
+    Ok(report)
+}
+
 /// Has the log of each session say, with its first trial in the table, what of the table could not be
 /// read.
-fn note_losses(converted: &[Converted<(Vec<Answered>, FileReport)>], events: &mut [Vec<Event>]) {
-    let mut events = events.iter_mut();
-    for Converted { made: (found, report), .. } in converted {
-        let mut told = BTreeSet::new();
-        for (Answered { identity, .. }, events) in found.iter().zip(&mut events) {
-            let is_first = told.insert((&identity.participant, &identity.session));
-            let lost = report.lost.as_ref().filter(|_| is_first);
-            events.extend(lost.map(|lost| Event::Note {
-                trial: None,
-                text: format!("of the table of answers, {lost}"),
-            }));
-        }
+fn note_losses(rows: &[(&Converted<Read>, &Answered)], events: &mut [Vec<Event>]) {
+    let mut told = BTreeSet::new();
+    for ((file, Answered { identity, .. }), events) in rows.iter().zip(events) {
+        let is_first = told.insert((&file.path, &identity.participant, &identity.session));
+        let lost = file.made.report.lost.as_ref().filter(|_| is_first);
+        events.extend(lost.map(|lost| Event::Note {
+            trial: None,
+            text: format!("of the table of answers, {lost}"),
+        }));
     }
 }
 
@@ -90,25 +162,24 @@ fn events(row: &Answered, PlannedTrial { trial, .. }: &PlannedTrial) -> Vec<Even
     row.answers.iter().map(event).collect()
 }
 
-/// The column of every question: as listed in the mapping, or the one whose header is its text.
-fn question_columns(
-    listed: &BTreeMap<QuestionId, ColumnRef>,
-    times: &BTreeMap<QuestionId, ColumnRef>,
-    context: &Context,
-) -> Result<Vec<WideColumn>, StoreError> {
+/// The columns of what is one trial of a row: as listed in the mapping, or those whose header is a
+/// question's text.
+fn wide<'a>(context: &Context, of_row: &'a OfRow) -> Result<Wide<'a>, StoreError> {
+    let OfRow { who, columns, times } = of_row;
     let study = context.study;
     let error = |what: String, remedy: &str| StoreError::new(&context.mapping.path, what, remedy);
-    if let Some(id) = listed.keys().find(|id| study.question(id).is_none()) {
-        let what = format!("[questions.columns] has '{id}', which is not a question of study.toml");
-        return Err(error(what, "add it to study.toml, or remove it from the mapping"));
+    let of_columns = columns.keys().map(|id| (id, "columns"));
+    for (id, table) in of_columns.chain(times.keys().map(|id| (id, "times"))) {
+        if study.question(id).is_none() {
+            let what =
+                format!("[questions.{table}] has '{id}', which is not a question of study.toml");
+            return Err(error(what, "add it to study.toml, or remove it from the mapping"));
+        }
     }
-    if let Some(id) = times.keys().find(|id| study.question(id).is_none()) {
-        let what = format!("[questions.times] has '{id}', which is not a question of study.toml");
-        return Err(error(what, "add it to study.toml, or remove it from the mapping"));
-    }
-    let with_time = |id: &QuestionId, column| (id.clone(), column, times.get(id).cloned());
-    if !listed.is_empty() {
-        return Ok(listed.iter().map(|(id, column)| with_time(id, column.clone())).collect());
+    let with_time = |id: &QuestionId, from| (id.clone(), from, times.get(id).cloned());
+    if !columns.is_empty() {
+        let questions = columns.iter().map(|(id, from)| with_time(id, from.clone())).collect();
+        return Ok(Wide { who, questions });
     }
     if study.questions.is_empty() {
         return Err(error(
@@ -120,11 +191,9 @@ fn question_columns(
         let what = format!("question '{id}' of study.toml has the text of another one");
         return Err(error(what, "list the columns in [questions.columns]"));
     }
-    Ok(study
-        .questions
-        .iter()
-        .map(|q| with_time(&q.id, ColumnRef::Name(q.text.trim().to_owned())))
-        .collect())
+    let by_text = |text: &str| AnswerFrom::Cell(ColumnRef::Name(text.trim().to_owned()));
+    let questions = study.questions.iter().map(|q| with_time(&q.id, by_text(&q.text))).collect();
+    Ok(Wide { who, questions })
 }
 
 fn repeated_text(study: &Study) -> Option<&QuestionId> {
@@ -135,48 +204,111 @@ fn repeated_text(study: &Study) -> Option<&QuestionId> {
 
 fn convert(
     context: &Context,
-    (who, asked): (&Who, &Questionnaire),
-    questions: &[WideColumn],
+    asked: &Questionnaire,
+    wide: &[Wide],
     budget: &Budget,
     recording: &Recording,
-) -> Result<(Vec<Answered>, FileReport), Errors> {
-    let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
-    let columns = all(questions.iter().map(|(_, column, _)| recording.find(column)))?;
-    let times = all(questions
-        .iter()
-        .map(|(.., time)| time.as_ref().map(|column| recording.find(column)).transpose()))?;
-    let used =
-        [labels.clone(), columns.clone(), times.iter().copied().flatten().collect()].concat();
-    let mut rows = recording.rows(&context.mapping.file, &[], &labels)?;
+) -> Result<Read, Errors> {
+    let find = |column: &ColumnRef| recording.find(column);
+    let labels = |of: &Wide| all(of.who.columns().into_iter().map(find));
+    let labels = all(wide.iter().map(labels))?;
+    let of_questions = |of: &Wide| {
+        all(of.questions.iter().map(|(_, from, time)| {
+            let time = time.as_ref().map(find).transpose()?;
+            Ok::<_, StoreError>((find(from.column())?, time))
+        }))
+    };
+    let places = all(wide.iter().map(of_questions))?;
+    let columns: BTreeSet<usize> = places.iter().flatten().map(|(answer, _)| *answer).collect();
+    let times = places.iter().flatten().filter_map(|(_, time)| *time);
+    let used = labels.iter().flatten().chain(&columns).copied().chain(times);
+    let used: BTreeSet<usize> = used.collect();
+    let used: Vec<usize> = used.into_iter().collect();
+    // Without what all conditions have in common nobody knows whose row it is.
+    let shared = labels[0].iter().filter(|at| labels.iter().all(|of| of.contains(at)));
+    let shared: Vec<usize> = shared.copied().collect();
+    let mut rows = recording.rows(&context.mapping.file, &[], &shared)?;
     let headers = recording.leave_out_headers(&mut rows, &used);
-    budget.trials(&recording.path, rows.kept.len())?;
-    let mut named = Named::default();
-    let read = rows.kept.iter().map(|row| {
-        let identity = identity(who, recording, *row, context.study)?;
-        named.add(recording, *row, &identity)?;
-        let places = columns.iter().zip(&times);
-        let places = places.map(|(answer, time)| Place { row: *row, answer: *answer, time: *time });
-        let answers = questions.iter().zip(places).map(|((id, ..), place)| {
-            let given = read_given(context, asked, recording, id, place)?;
-            Ok::<_, Errors>(given.map(|given| (id.clone(), given)))
+    let drops = context.mapping.file.cells.missing == Missing::Drop;
+    let before = rows.kept.len();
+    if drops {
+        // A program that writes its answers so has rows for its other screens too.
+        let json =
+            wide.iter().zip(&places).flat_map(|(of, places)| of.questions.iter().zip(places));
+        let json = json.filter(|((_, from, _), _)| matches!(from, AnswerFrom::Json(_)));
+        let json: Vec<usize> = json.map(|(_, (answer, _))| *answer).collect();
+        rows.kept.retain(|row| {
+            json.iter().all(|at| is_object(&recording.table.columns[*at].cell(*row)))
         });
-        Ok::<_, Errors>(Answered {
-            identity,
-            answers: all(answers)?.into_iter().flatten().collect(),
-        })
-    });
-    let found: Vec<Answered> = all(read)?;
+    }
+    let others = before - rows.kept.len();
+    budget.trials(&recording.path, rows.kept.len() * wide.len())?;
+    let (mut found, mut errors, mut named) = (Vec::new(), Errors::default(), Named::default());
+    let (mut empty, mut absent) = (0, 0);
+    for row in &rows.kept {
+        for (of, (labels, places)) in wide.iter().zip(labels.iter().zip(&places)) {
+            // A person who did not do this condition.
+            let is_absent =
+                drops && labels.iter().any(|label| recording.is_without_label(*label, *row));
+            if is_absent {
+                absent += 1;
+                continue;
+            }
+            match read_row(context, asked, (of, places), recording, *row, &mut named) {
+                Ok(read) => {
+                    empty += of.questions.len() - read.answers.len();
+                    found.push(read);
+                }
+                Err(wrong) => append(&mut errors, wrong),
+            }
+        }
+    }
+    errors.none()?;
     let mut report = context.file_report(recording, (&rows, rows.kept.len()), &used)?;
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
     report.add_headers(headers);
-    let answers: usize = found.iter().map(|r| r.answers.len()).sum();
-    report.converted.push(format!("answers, as given, of {} questions", questions.len()));
-    let empty = match found.len() * questions.len() - answers {
-        0 => String::new(),
-        n => format!("; {n} empty answers left out"),
-    };
-    report.made.push(format!("{} trials without samples, {answers} answers{empty}", found.len()));
-    Ok((found, report))
+    if others > 0 {
+        let why = "they hold no JSON object where the answers are".to_owned();
+        report.rows_dropped.push(RowsDropped { rows: others, why });
+    }
+    report.converted.push(format!("answers, as given, of {} questions", wide[0].questions.len()));
+    if absent > 0 {
+        report.told.push(format!("{absent} conditions of rows have no label, and are left out"));
+    }
+    Ok(Read { found, report, columns: from_one(columns), empty })
+}
+
+/// Whether a cell holds a JSON object, or the beginning of one that is told.
+fn is_object(cell: &Cell) -> bool {
+    matches!(cell, Cell::Text(text) if text.trim_start().starts_with('{'))
+}
+
+/// The labels and the answers of one trial of a row.
+fn read_row(
+    context: &Context,
+    asked: &Questionnaire,
+    (of, places): (&Wide, &[(usize, Option<usize>)]),
+    recording: &Recording,
+    row: usize,
+    named: &mut Named,
+) -> Result<Answered, Errors> {
+    let identity = identity(of.who, recording, row, context.study)?;
+    named.add(recording, row, &identity)?;
+    let answers = of.questions.iter().zip(places).map(|((id, from, _), (answer, time))| {
+        let key = match from {
+            AnswerFrom::Cell(_) => None,
+            AnswerFrom::Json(JsonKey { key, .. }) => Some(key.as_str()),
+        };
+        let place = Place { row, answer: *answer, key, time: *time };
+        let given = read_given(context, asked, recording, id, place)?;
+        Ok::<_, Errors>(given.map(|given| (id.clone(), given)))
+    });
+    Ok(Answered { identity, answers: all(answers)?.into_iter().flatten().collect() })
+}
+
+/// Places counted from 1.
+pub(super) fn from_one(places: BTreeSet<usize>) -> BTreeSet<usize> {
+    places.into_iter().map(|place| place + 1).collect()
 }
 
 #[cfg(test)]
@@ -310,6 +442,149 @@ trial = { column = \"order\" }
         let text = format!("who;mode;order;again;item;response\n{rows}");
         let words = "is spring, active, repeat 1 in line 2, and spring, active, repeat 2 here";
         check(&long, &text, words, 2);
+    }
+
+    const TWO: &str = "
+kind = \"likert\"
+[trial]
+participant = { column = \"who\" }
+session = \"S01\"
+environment = \"spring\"
+[[condition]]
+mode = { column = \"first\" }
+columns = { felt_spring = \"s1\", felt_wall = \"w1\" }
+[[condition]]
+mode = { column = \"second\" }
+columns = { felt_spring = \"s2\" }
+";
+
+    #[test]
+    fn a_row_with_several_conditions_is_a_trial_of_each() {
+        let world = world();
+        let table = "who,first,s1,w1,second,s2\nA,active,1,2,passive,3\nB,passive,4,5,active,1\n";
+        let report = world.import(TWO, &[world.file("a.csv", table)]).unwrap();
+        assert_eq!((report.sessions, report.answers), (2, 6));
+        let said = |of: &str| {
+            let data = world.load();
+            let of_them = data.answers.iter().filter(|a| a.participant.as_str() == of);
+            of_them
+                .map(|a| format!("{} {} {}", a.condition.mode, a.question, a.value))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            said("A"),
+            ["active felt_spring 1", "active felt_wall 2", "passive felt_spring 3"]
+        );
+        assert_eq!(
+            said("B"),
+            ["passive felt_spring 4", "passive felt_wall 5", "active felt_spring 1"]
+        );
+        // Somebody who did one of them.
+        let table = "who,first,s1,w1,second,s2\nC,active,1,2,,\n";
+        let file = world.file("b.csv", table);
+        world.refuses(TWO, &file, "there is no mode", Some(("second", 1)));
+        let drop = TWO.replace("[trial]", "[file]\nmissing = \"drop\"\n[trial]");
+        let report = world.import(&drop, &[file]).unwrap();
+        assert_eq!((report.sessions, report.answers), (1, 2));
+        assert!(report.to_string().contains("1 conditions of rows have no label"), "{report}");
+    }
+
+    #[test]
+    fn other_columns_of_a_table_are_another_session_and_the_same_ones_are_not() {
+        let world = world();
+        let file =
+            world.file("a.csv", "who,m1,s1,m2,s2\nA,active,1,passive,3\nB,passive,4,active,1\n");
+        let map = |session: &str, n: u32| {
+            let trial = "participant = { column = \"who\" }\nenvironment = \"spring\"";
+            format!(
+                "kind = \"likert\"\n[trial]\n{trial}\nsession = \"{session}\"\nmode = {{ column = \"m{n}\" }}\n\
+                 [questions.columns]\nfelt_spring = \"s{n}\"\n"
+            )
+        };
+        world.import(&map("S01", 1), std::slice::from_ref(&file)).unwrap();
+        world.import(&map("S02", 2), std::slice::from_ref(&file)).unwrap();
+        assert_eq!(world.load().answers.len(), 4);
+        world.refuses(&map("S03", 2), &file, "imported before, as A S02", None);
+    }
+
+    #[test]
+    fn another_questionnaire_of_a_session_answers_its_trials() {
+        let world = world();
+        let wall = format!("{MAP}[questions.columns]\nfelt_wall = \"Wall?\"\n");
+        let spring = format!("{MAP}[questions.columns]\nfelt_spring = \"Spring?\"\n");
+        let file = world.file("a.csv", TABLE);
+        world.import(&wall, std::slice::from_ref(&file)).unwrap();
+        let report = world.import(&spring, std::slice::from_ref(&file)).unwrap();
+        assert_eq!((report.sessions, report.answers), (0, 3));
+        assert!(report.to_string().contains("3 trials that are there answered"), "{report}");
+        assert_eq!(world.load().answers.len(), 6);
+        let before = world.written();
+        let report = world.import(&spring, &[file]).unwrap();
+        assert!(
+            report.to_string().contains("in the study already, as P01 S01, P12 S01"),
+            "{report}"
+        );
+        let check = |from: &str, to: &str, words: &str| {
+            let file = world.file("b.csv", TABLE.replace(from, to));
+            world.refuses(&spring, &file, words, None);
+        };
+        check(
+            "5;1",
+            "5;2",
+            "trial 2 of P01 S01 has the answer 1 to 'felt_spring' already, and here 2",
+        );
+        check("active;2;", "passive;2;", "has no trial of spring, passive, trial 2");
+        assert_eq!(world.written(), before);
+    }
+
+    #[test]
+    fn a_table_that_grew_adds_its_new_people() {
+        let world = world();
+        world.import(MAP, &[world.file("a.csv", TABLE)]).unwrap();
+        let file = world.file("a.csv", format!("{TABLE}x;13;active;1;4;4\n"));
+        let report = world.import(MAP, &[file]).unwrap();
+        assert_eq!((report.sessions, report.answers), (1, 2));
+        assert!(report.to_string().contains("left out: P01 S01, P12 S01"), "{report}");
+        assert_eq!(world.load().answers.len(), 8);
+    }
+
+    #[test]
+    fn which_of_several_repeats_is_answered_must_be_said() {
+        let world = world();
+        let wall = format!("{MAP}[questions.columns]\nfelt_wall = \"Wall?\"\n");
+        let table = "who;mode;order;Wall?;Spring?\n1;active;1;4;2\n1;active;2;5;1\n";
+        let file = world.file("a.csv", table);
+        world.import(&wall, std::slice::from_ref(&file)).unwrap();
+        let spring = format!("{MAP}[questions.columns]\nfelt_spring = \"Spring?\"\n");
+        let blind = spring.replace("trial = { column = \"order\" }\n", "");
+        world.refuses(&blind, &file, "P01 S01 has 2 trials of spring, active", None);
+        world.import(&spring, &[file]).unwrap();
+        assert_eq!(world.load().answers.len(), 4);
+    }
+
+    #[test]
+    fn answers_in_json_are_read_by_their_keys_and_counted_from_any_number() {
+        let world = world();
+        let map = format!(
+            "{}[questions]\nlowest = 0\n[questions.columns]\nfelt_wall = {{ column = \"response\", key = \"Q0\" }}\n\
+             felt_spring = {{ column = \"response\", key = \"Q1\" }}\n",
+            MAP.replace("\";\"", "\",\"")
+        );
+        let table = "who,mode,order,response\n1,active,1,\"{\"\"Q0\"\":0,\"\"Q1\"\":\"\"4\"\"}\"\n";
+        world.import(&map, &[world.file("a.csv", table)]).unwrap();
+        let values: Vec<i16> = world.load().answers.iter().map(|a| a.value).collect();
+        assert_eq!(values, [5, 1]);
+        let check = |cell: &str, words: &str| {
+            let text = format!("who,mode,order,response\n2,active,1,\"{cell}\"\n");
+            world.refuses(&map, &world.file("b.csv", text), words, Some(("response", 1)));
+        };
+        check("{\"\"Q0\"\":5,\"\"Q1\"\":1}", "the answer '5' must be a whole number from 0 to 4");
+        check("{\"\"Q0\"\":1}", "has no key 'Q1': it has Q0");
+        check("[1,2]", "is not a JSON object");
+        check("{\"\"Q0\"\":null,\"\"Q1\"\":1}", "must be a whole number from 0 to 4");
+        let drop = map.replace("[trial]", "missing = \"drop\"\n[trial]");
+        let text = "who,mode,order,response\n2,active,1,\"{\"\"Q0\"\":null,\"\"Q1\"\":1}\"\n";
+        assert_eq!(world.import(&drop, &[world.file("c.csv", text)]).unwrap().answers, 1);
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use super::given::{Answered, Place, read_given};
 use super::identity::{Identity, Named, identity};
 use super::label::Label;
+use super::likert::Read;
 use super::limits::Budget;
 use super::mapping::{LongForm, Questionnaire, Who};
 use super::recording::Recording;
-use super::report::FileReport;
 use super::{Context, EMPTY, Errors, all, append};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zwidth_store::StoreError;
 use zwidth_study::QuestionId;
@@ -17,10 +17,11 @@ use zwidth_study::QuestionId;
 /// labels are one trial, wherever they stand.
 pub(super) fn convert(
     context: &Context,
-    (who, asked, form): (&Who, &Questionnaire, &LongForm),
+    asked: &Questionnaire,
+    (who, form): (&Who, &LongForm),
     budget: &Budget,
     recording: &Recording,
-) -> Result<(Vec<Answered>, FileReport), Errors> {
+) -> Result<Read, Errors> {
     let labels = who.columns().into_iter().chain(form.question.column());
     let labels = all(labels.map(|column| recording.find(column)))?;
     let answer = recording.find(&form.answer)?;
@@ -33,7 +34,7 @@ pub(super) fn convert(
     let (mut errors, mut named) = (Errors::default(), Named::default());
     let mut answers = 0;
     for row in &rows.kept {
-        let place = Place { row: *row, answer, time };
+        let place = Place { row: *row, answer, key: None, time };
         match read_row(context, (who, asked, &form.question), recording, place) {
             Ok((identity, Some((question, given)))) => {
                 if let Err(other) = named.add(recording, *row, &identity) {
@@ -62,12 +63,8 @@ pub(super) fn convert(
     report.add_headers(headers);
     let timed = if time.is_some() { ", with the time that each took" } else { "" };
     report.converted.push(format!("answers, as given, one row each{timed}"));
-    let empty = match rows.kept.len() - answers {
-        0 => String::new(),
-        n => format!("; {n} empty answers left out"),
-    };
-    report.made.push(format!("{} trials without samples, {answers} answers{empty}", found.len()));
-    Ok((found, report))
+    let columns = BTreeSet::from([answer + 1]);
+    Ok(Read { found, report, columns, empty: rows.kept.len() - answers })
 }
 
 type Row = (Identity, Option<(QuestionId, zwidth_study::Given)>);

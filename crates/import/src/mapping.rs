@@ -7,6 +7,7 @@ use super::exclusions::Exclusions;
 use super::format::Format;
 use super::label::Label;
 use super::limits::MOST_MAPPING;
+use super::shape::AnswerFrom;
 pub(super) use super::shape::{Equal, Missing, Reduce, Side};
 use super::spelling::plain;
 use super::sweeps::Pairs;
@@ -43,7 +44,7 @@ pub struct Mapping {
 pub(super) enum Content {
     Trials { who: Who, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
     Sweeps { labels: SweepLabels, form: SweepForm },
-    Likert { who: Who, asked: Questionnaire },
+    Likert(Questionnaire),
     Exclusions(Exclusions),
 }
 
@@ -53,6 +54,8 @@ pub(super) struct Questionnaire {
     pub(super) form: Asked,
     /// Their word → the number of the scale. What is no such word is a number.
     pub(super) translate: BTreeMap<String, i16>,
+    /// Their number for the lowest answer, if they number the answers otherwise than the scale.
+    pub(super) lowest: Option<i64>,
     /// The unit of the times that answers took.
     pub(super) time_unit: Option<&'static Unit>,
 }
@@ -60,11 +63,19 @@ pub(super) struct Questionnaire {
 /// Where answers stand.
 #[derive(Debug, Clone)]
 pub(super) enum Asked {
-    /// A row a trial, a column a question. No column listed: those whose header is a question's
-    /// text.
-    Wide { columns: BTreeMap<QuestionId, ColumnRef>, times: BTreeMap<QuestionId, ColumnRef> },
+    /// A column a question, and a row a trial, or a trial of each of several conditions.
+    Wide(Vec<OfRow>),
     /// A row an answer.
-    Long(LongForm),
+    Long(Who, LongForm),
+}
+
+/// What of a row is one trial.
+#[derive(Debug, Clone)]
+pub(super) struct OfRow {
+    pub(super) who: Who,
+    /// No column listed: those whose header is a question's text.
+    pub(super) columns: BTreeMap<QuestionId, AnswerFrom>,
+    pub(super) times: BTreeMap<QuestionId, ColumnRef>,
 }
 
 /// The columns of a table with a row an answer.
@@ -75,14 +86,21 @@ pub(super) struct LongForm {
     pub(super) time: Option<ColumnRef>,
 }
 
+impl OfRow {
+    fn columns(&self) -> Vec<&ColumnRef> {
+        let answers = self.columns.values().map(AnswerFrom::column);
+        self.who.columns().into_iter().chain(answers).chain(self.times.values()).collect()
+    }
+}
+
 impl Questionnaire {
     /// The columns that the mapping names.
     pub(super) fn columns(&self) -> Vec<&ColumnRef> {
         match &self.form {
-            Asked::Wide { columns, times } => columns.values().chain(times.values()).collect(),
-            Asked::Long(form) => {
-                let LongForm { question, answer, time } = form;
-                question.column().into_iter().chain([answer]).chain(time).collect()
+            Asked::Wide(of_rows) => of_rows.iter().flat_map(OfRow::columns).collect(),
+            Asked::Long(who, LongForm { question, answer, time }) => {
+                let labels = who.columns().into_iter().chain(question.column());
+                labels.chain([answer]).chain(time).collect()
             }
         }
     }

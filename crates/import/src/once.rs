@@ -1,11 +1,13 @@
 //! The same recording counts once: by its content, within an import and in the whole study.
 
 use super::identity::{Cases, Identity};
+use super::likert::Read;
 use super::report::FileReport;
 use super::{Context, Converted, Errors, all};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zwidth_store::{StoreError, files_below, readable_records, sweep_sources, trial_sources};
+use zwidth_study::SessionRecord;
 
 /// Whether no recording is there twice, under whatever names.
 pub(super) fn given_once<T>(files: &[Converted<T>]) -> Result<(), Errors> {
@@ -48,11 +50,7 @@ pub(super) fn new_trials<T>(
         if here == sessions {
             there.push(FileReport::there_already(&file.path, &words));
         } else {
-            errors.push(StoreError::new(
-                &file.path,
-                format!("this recording was imported before, as {words}"),
-                "leave the file out; a recording must not count twice",
-            ));
+            errors.push(imported_before(&file.path, &words));
         }
     }
     errors.none().map(|()| (new, there))
@@ -63,26 +61,41 @@ pub(super) fn sweeps<T>(context: &Context, files: &[Converted<T>]) -> Result<(),
     new_here(files, sweep_sources(context.files, context.layout)?)
 }
 
-/// Whether no questionnaire of the study was imported from one of these files.
-pub(super) fn answers<T>(context: &Context, files: &[Converted<T>]) -> Result<(), Errors> {
-    let mut known = BTreeMap::new();
-    for record in readable_records(context.files, context.layout)? {
-        let named = format!("{} {}", record.participant, record.session);
-        known.extend(record.imported_from.into_iter().map(|source| (source, named.clone())));
-    }
-    new_here(files, known)
+/// Whether no session of the study has answers from the same columns of one of these tables.
+pub(super) fn answers<'a>(
+    context: &Context,
+    tables: impl Iterator<Item = &'a Converted<Read>>,
+) -> Result<(), Errors> {
+    let records = readable_records(context.files, context.layout)?;
+    let mut told = BTreeSet::new();
+    let checked = tables.filter(|table| told.insert(&table.path)).map(|table| {
+        let has_them = |record: &&SessionRecord| {
+            let taken = &record.answer_columns;
+            record.imported_from.contains(&table.blake3)
+                && (taken.is_empty() || taken.iter().any(|at| table.made.columns.contains(at)))
+        };
+        match records.iter().find(has_them) {
+            None => Ok(()),
+            Some(record) => {
+                let first = format!("{} {}", record.participant, record.session);
+                Err(imported_before(&table.path, &first))
+            }
+        }
+    });
+    all(checked).map(drop)
 }
 
 fn new_here<T>(files: &[Converted<T>], known: BTreeMap<String, String>) -> Result<(), Errors> {
     let checked = files.iter().map(|file| match known.get(&file.blake3) {
         None => Ok(()),
-        Some(first) => {
-            let what = format!("this recording was imported before, as {first}");
-            let remedy = "leave the file out; a recording must not count twice";
-            Err(StoreError::new(&file.path, what, remedy))
-        }
+        Some(first) => Err(imported_before(&file.path, first)),
     });
     all(checked).map(drop)
+}
+
+fn imported_before(path: &Path, first: &str) -> StoreError {
+    let what = format!("this recording was imported before, as {first}");
+    StoreError::new(path, what, "leave the file out; a recording must not count twice")
 }
 
 /// The actuators that have sweeps.

@@ -222,7 +222,7 @@ impl Recording {
 
     /// Whether nothing stands in a cell of a label. What other programs write for a missing value may
     /// be a word of theirs here, such as a mode `None`, unless the mapping names it.
-    fn is_without_label(&self, column: usize, row: usize) -> bool {
+    pub(super) fn is_without_label(&self, column: usize, row: usize) -> bool {
         let cell = self.table.columns[column].cell(row);
         cell == Cell::Empty || self.cells.is_missing(&cell)
     }

@@ -39,6 +39,8 @@ pub(super) struct Shape {
     pub(super) response: Option<QuantityShape>,
     pub(super) wide: Option<WideShape>,
     pub(super) questions: Option<QuestionsShape>,
+    #[serde(default)]
+    pub(super) condition: Vec<ConditionShape>,
     pub(super) exclude: Option<ExcludeShape>,
 }
 
@@ -104,13 +106,13 @@ pub(super) struct NameShape {
     pub(super) pattern: String,
 }
 
-#[derive(Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TrialShape {
     pub(super) participant: LabelShape,
     pub(super) session: LabelShape,
-    pub(super) environment: LabelShape,
-    pub(super) mode: LabelShape,
+    pub(super) environment: Option<LabelShape>,
+    pub(super) mode: Option<LabelShape>,
     pub(super) kind: Option<LabelShape>,
     pub(super) repeat: Option<LabelShape>,
     pub(super) trial: Option<LabelShape>,
@@ -251,15 +253,57 @@ pub(super) struct WideShape {
 #[serde(deny_unknown_fields)]
 pub(super) struct QuestionsShape {
     #[serde(default)]
-    pub(super) columns: BTreeMap<String, ColumnRef>,
+    pub(super) columns: BTreeMap<String, AnswerFrom>,
     #[serde(default)]
     pub(super) times: BTreeMap<String, ColumnRef>,
     pub(super) question: Option<LabelShape>,
     pub(super) answer: Option<ColumnRef>,
     pub(super) time: Option<ColumnRef>,
     pub(super) time_unit: Option<String>,
+    pub(super) lowest: Option<i64>,
     #[serde(default)]
     pub(super) translate: BTreeMap<String, i16>,
+}
+
+/// One of the conditions that a row of a questionnaire has answers about.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ConditionShape {
+    pub(super) environment: Option<LabelShape>,
+    pub(super) mode: Option<LabelShape>,
+    pub(super) repeat: Option<LabelShape>,
+    pub(super) trial: Option<LabelShape>,
+    pub(super) columns: BTreeMap<String, AnswerFrom>,
+    #[serde(default)]
+    pub(super) times: BTreeMap<String, ColumnRef>,
+}
+
+/// Where an answer stands.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a column, or { column = …, key = … } for JSON in its cells"
+)]
+pub(super) enum AnswerFrom {
+    Cell(ColumnRef),
+    Json(JsonKey),
+}
+
+/// A key of the JSON object in each cell of a column.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct JsonKey {
+    pub(super) column: ColumnRef,
+    pub(super) key: String,
+}
+
+impl AnswerFrom {
+    /// The column that it is in.
+    pub(super) fn column(&self) -> &ColumnRef {
+        match self {
+            Self::Cell(column) | Self::Json(JsonKey { column, .. }) => column,
+        }
+    }
 }
 
 #[derive(Deserialize)]

@@ -110,6 +110,7 @@ impl World {
         words: &str,
         at: Option<(&str, usize)>,
     ) {
+        let before = self.written();
         let errors = self.import(map, std::slice::from_ref(file)).unwrap_err();
         let shown = errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
         assert!(shown.contains(words), "{shown}");
@@ -117,7 +118,7 @@ impl World {
         if let Some((column, row)) = at {
             assert_eq!((found.column.as_deref(), found.row), (Some(column), Some(row)), "{shown}");
         }
-        assert_eq!(self.written(), ["study.toml"], "{shown}");
+        assert_eq!(self.written(), before, "{shown}");
     }
 
     /// Every file and folder under `raw/demo`, sorted.

@@ -54,6 +54,10 @@ pub struct SessionRecord {
     /// sorted. Files of samples say it themselves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub imported_from: Vec<String>,
+    /// The columns of these recordings, counted from 1, whose answers the session has: another session
+    /// may have others of them. Empty: all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub answer_columns: Vec<usize>,
 }
 
 /// How a session's order was drawn: with the seed, all that [`crate::order::draw`] needs besides
@@ -141,6 +145,7 @@ impl SessionRecord {
             commitment: None,
             checks: Vec::new(),
             imported_from: Vec::new(),
+            answer_columns: Vec::new(),
         }
     }
 
