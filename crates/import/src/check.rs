@@ -7,8 +7,8 @@ use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS};
 use super::mapping::{CellForm, Content, FileForm, Mapping, Origin, Who};
 use super::shape::{
-    Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, Shape, Split,
-    TimeShape, TrialShape, ZeroShape,
+    Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, Shape, SignalsIn,
+    Split, TimeShape, TrialShape, ZeroShape,
 };
 use super::table::ColumnRef;
 use super::xdf::XdfClock;
@@ -181,6 +181,7 @@ impl Check<'_> {
             skip: f.skip,
             rows: f.rows,
             part: f.matrix.clone(),
+            turned: f.signals == SignalsIn::Rows,
             encoding: f.encoding,
             bad_lines: f.bad_lines,
             splits_at_time: f.split == Some(Split::Time),

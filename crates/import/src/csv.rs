@@ -436,7 +436,7 @@ mod tests {
     fn only_the_columns_that_are_taken_are_kept() {
         let budget = Budget::default();
         let f = ColumnRef::Name("f".to_owned());
-        let take = Take { columns: vec![&f], pattern: None, budget: &budget };
+        let take = Take::of(vec![&f], &budget);
         let table = super::read(Path::new("a.csv"), b"t,f,x\n1,2,3\n", COMMA, &take).unwrap();
         assert!(matches!(table.columns[..], [Cells::Unread, Cells::Text(_), Cells::Unread]));
     }

@@ -70,7 +70,7 @@ pub(super) fn import(
     let data = data.map_err(|found| found.into_iter().collect::<Errors>())?;
     let sources = trial_sources(context.files, context.layout)?;
     let budget = Budget::default();
-    let take = Take { columns: form.columns().collect(), pattern: None, budget: &budget };
+    let take = Take::of(form.columns().collect(), &budget);
     let converted =
         context.convert(files, &take, |recording| read(context, form, recording, &sources))?;
     let (mut events, mut reports) = (BTreeMap::<_, Vec<Event>>::new(), Vec::new());

@@ -146,6 +146,14 @@ impl Format {
             let what = format!("'{}' is named, and {} has no parts", shown(part), self.name());
             return Err(StoreError::new(path, what, "remove matrix, sheet or stream from [file]"));
         }
+        if take.turned && options.part.is_none() && self != Self::Npy {
+            let what = "signals = \"rows\" is of a matrix, and none is named";
+            let remedy = match self.part_key() {
+                Some("matrix") => "name it as matrix in [file]",
+                _ => "remove it from [file]",
+            };
+            return Err(StoreError::new(path, what, remedy));
+        }
         match self {
             Self::Csv | Self::Tsv | Self::Txt => csv::read(path, &bytes, options.dialect, take),
             Self::Jsonl => jsonl::read(path, &bytes, options.dialect.encoding, take),

@@ -223,7 +223,7 @@ fn write_labels(text: &mut String, names: &Names) {
 }
 
 /// `[file]`, as far as it does not depend on the columns.
-fn write_file(text: &mut String, Looked { table, format, written, .. }: &Looked) {
+fn write_file(text: &mut String, Looked { table, format, written, turned, .. }: &Looked) {
     if let Some(format) = format {
         let _ = writeln!(text, "format = \"{}\"", format.word());
     }
@@ -247,6 +247,9 @@ fn write_file(text: &mut String, Looked { table, format, written, .. }: &Looked)
             Encoding::Latin1 => text.push_str("encoding = \"latin-1\"\n"),
             Encoding::Windows1252 => text.push_str("encoding = \"windows-1252\"\n"),
         }
+    }
+    if *turned {
+        text.push_str("signals = \"rows\"       # the matrix has more columns than rows\n");
     }
     for told in &table.told {
         let _ = writeln!(text, "# {told}");

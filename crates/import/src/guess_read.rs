@@ -47,6 +47,8 @@ pub(super) struct Looked {
     pub(super) format: Option<Format>,
     /// How it is written, if it is delimited text.
     pub(super) written: Option<Written>,
+    /// Whether the rows of its matrix are the signals.
+    pub(super) turned: bool,
     /// What the heads of LabVIEW's format say, if it is of that.
     pub(super) labview: Option<LabView>,
 }
@@ -125,16 +127,17 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
     };
     let columns: Vec<ColumnRef> = (1..=MOST_GUESSED).map(ColumnRef::Position).collect();
     let budget = Budget::default();
-    let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
-    let table = format.read(
-        path,
-        bytes,
-        FormatOptions { dialect, part: None, clock: XdfClock::Corrected, dejitter: true },
-        &take,
-    )?;
+    let take = Take::of(columns.iter().collect(), &budget);
+    let options = FormatOptions { dialect, part: None, clock: XdfClock::Corrected, dejitter: true };
+    let (mut table, mut turned) = (format.read(path, bytes, options, &take)?, false);
+    if table.is_turned() {
+        let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
+        table = format.read(path, bytes, options, &Take { turned: true, ..take })?;
+        turned = true;
+    }
     let (format, written) =
         (named.is_none().then_some(format), is_delimited(format).then_some(form));
-    Ok(Looked { table, format, written, labview })
+    Ok(Looked { table, format, written, turned, labview })
 }
 
 /// UTF-8 where the bytes are, and else Windows-1252 where only that has letters for them, or Latin-1,

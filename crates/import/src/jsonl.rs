@@ -213,7 +213,7 @@ mod tests {
         let deep = format!("{{\"t\": 1, \"x\": {}{}}}", "[".repeat(500_000), "]".repeat(500_000));
         let t = ColumnRef::Name("t".to_owned());
         let budget = Budget::default();
-        let take = Take { columns: vec![&t], pattern: None, budget: &budget };
+        let take = Take::of(vec![&t], &budget);
         let table =
             super::read(Path::new("a.jsonl"), deep.as_bytes(), Encoding::Utf8, &take).unwrap();
         assert_eq!(table.columns[0].cell(0), Cell::Text("1"));

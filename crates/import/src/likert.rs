@@ -48,7 +48,7 @@ pub(super) fn likert(
     };
     let of_wide = wide.iter().flat_map(|w| &w.questions).map(|(_, from, _)| from.column());
     let columns = asked.columns().into_iter().chain(of_wide).collect();
-    let take = Take { columns, pattern: None, budget: &budget };
+    let take = Take::of(columns, &budget);
     let converted = context.convert(files, &take, |recording| match &asked.form {
         Asked::Wide(_) => convert(context, asked, &wide, &budget, recording),
         Asked::Long(who, form) => long::convert(context, asked, (who, form), &budget, recording),

@@ -186,10 +186,17 @@ pub(super) struct Take<'a> {
     pub(super) columns: Vec<&'a ColumnRef>,
     /// Columns whose names match are taken too.
     pub(super) pattern: Option<&'a Regex>,
+    /// Whether the columns of a matrix are its rows.
+    pub(super) turned: bool,
     pub(super) budget: &'a Budget,
 }
 
-impl Take<'_> {
+impl<'a> Take<'a> {
+    /// These columns.
+    pub(super) fn of(columns: Vec<&'a ColumnRef>, budget: &'a Budget) -> Self {
+        Self { columns, pattern: None, turned: false, budget }
+    }
+
     /// Whether the column at `place` (from 0) is taken; `name` is its name where it has one.
     pub(super) fn wants(&self, place: usize, name: Option<&str>) -> bool {
         self.columns.iter().any(|column| column.means(place, name))
@@ -239,7 +246,14 @@ pub(super) mod tests {
     pub(in super::super) fn everything<T>(read: impl FnOnce(&Take) -> T) -> T {
         let columns: Vec<ColumnRef> = (1..=64).map(ColumnRef::Position).collect();
         let budget = Budget::default();
-        read(&Take { columns: columns.iter().collect(), pattern: None, budget: &budget })
+        read(&Take::of(columns.iter().collect(), &budget))
+    }
+
+    /// The same of a matrix whose rows are the signals.
+    pub(in super::super) fn everything_turned<T>(read: impl FnOnce(&Take) -> T) -> T {
+        everything(|take| {
+            read(&Take { turned: true, ..Take::of(take.columns.clone(), take.budget) })
+        })
     }
 
     #[test]

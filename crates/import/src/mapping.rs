@@ -117,6 +117,8 @@ pub(super) struct FileForm {
     pub(super) skip: usize,
     pub(super) rows: Option<usize>,
     pub(super) part: Option<String>,
+    /// Whether a matrix has its signals in its rows.
+    pub(super) turned: bool,
     pub(super) encoding: Encoding,
     /// How many rows that cannot be read are passed by.
     pub(super) bad_lines: usize,

@@ -432,7 +432,7 @@ pub(super) mod tests {
         assert!(error.contains("column note unpacks to more than 67108864 bytes"), "{error}");
         let t = ColumnRef::Name("t".to_owned());
         let budget = Budget::default();
-        let take = Take { columns: vec![&t], pattern: None, budget: &budget };
+        let take = Take::of(vec![&t], &budget);
         let table = super::read(Path::new("a.parquet"), bytes, &take).unwrap();
         assert_eq!((table.columns[0].len(), table.columns[1].len()), (1 << 17, 0));
     }

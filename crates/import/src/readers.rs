@@ -56,7 +56,7 @@ impl FormatReader {
         };
         let read = |part| {
             let budget = Budget::default();
-            let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
+            let take = Take::of(columns.iter().collect(), &budget);
             let options =
                 FormatOptions { dialect, part, clock: XdfClock::Corrected, dejitter: true };
             let table = self.0.read(Path::new("input"), bytes.to_vec(), options, &take)?;

@@ -67,9 +67,19 @@ pub(super) struct FileShape {
     pub(super) missing_words: Vec<String>,
     #[serde(alias = "sheet", alias = "stream")]
     pub(super) matrix: Option<String>,
+    pub(super) signals: SignalsIn,
     pub(super) encoding: Encoding,
     pub(super) bad_lines: usize,
     pub(super) split: Option<Split>,
+}
+
+/// Where a matrix has its signals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum SignalsIn {
+    Columns,
+    /// As Simulink writes them.
+    Rows,
 }
 
 /// Where one file's rows are parted into trials besides by their labels.
@@ -93,6 +103,7 @@ impl Default for FileShape {
             missing: Missing::Error,
             missing_words: Vec::new(),
             matrix: None,
+            signals: SignalsIn::Columns,
             encoding: Encoding::Utf8,
             bad_lines: 0,
             split: None,

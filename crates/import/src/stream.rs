@@ -238,7 +238,7 @@ impl<'a> Source<'a> {
     fn parse(&self, block: &Block) -> Result<Parsed, Errors> {
         let columns: Vec<&ColumnRef> = self.plan.columns().chain(self.who.columns()).collect();
         let budget = Budget::default();
-        let take = Take { columns, pattern: None, budget: &budget };
+        let take = Take::of(columns, &budget);
         let table = csv::read(self.path, &block.text, block.dialect, &take)?;
         let mut recording =
             Recording::part(self.path, table, self.form.cells.clone(), self.groups.clone());

@@ -39,11 +39,9 @@ pub(super) fn sweeps(
         SweepForm::Pairs(form) => (form.columns(), None),
         SweepForm::Wide(form) => (Vec::new(), Some(&form.pattern)),
     };
-    let take = Take {
-        columns: columns.into_iter().chain(labels.columns()).collect(),
-        pattern,
-        budget: &budget,
-    };
+    let columns = columns.into_iter().chain(labels.columns()).collect();
+    let turned = context.mapping.file.turned;
+    let take = Take { pattern, turned, ..Take::of(columns, &budget) };
     let converted = context.convert(files, &take, |recording| match form {
         SweepForm::Pairs(form) => pairs(context, labels, form, &budget, recording),
         SweepForm::Wide(form) => wide(context, labels, form, recording),

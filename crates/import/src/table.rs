@@ -196,6 +196,16 @@ impl Table {
         row.saturating_add(self.empty.before(row))
     }
 
+    /// Whether it is of a matrix with so few rows and so many columns that its rows are the signals. A
+    /// matrix alone has neither names nor lines.
+    pub(super) fn is_turned(&self) -> bool {
+        const MOST_SIGNALS: usize = 16;
+        const FEWEST_SAMPLES: usize = 50;
+        let is_matrix = self.names.is_none() && self.lines.is_empty();
+        let rows = self.columns.iter().map(Cells::len).max().unwrap_or(0);
+        is_matrix && rows <= MOST_SIGNALS && self.columns.len() >= FEWEST_SAMPLES
+    }
+
     /// The place (from 0) of the column meant; `Err` says what there is instead.
     pub(super) fn find(&self, column: &ColumnRef) -> Result<usize, String> {
         let found = match (column, &self.names) {

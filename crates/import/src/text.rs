@@ -16,7 +16,8 @@ pub(super) enum Encoding {
     /// UTF-16; without a byte-order mark the low byte comes first, as Windows writes it.
     #[serde(rename = "utf-16")]
     Utf16,
-    /// Latin-1, ISO 8859-1: a byte a character.
+    /// Latin-1, ISO 8859-1: a byte a character. People mean Windows-1252 by it where that has a letter for
+    /// a control character of Latin-1 (<https://encoding.spec.whatwg.org> takes each for the other).
     #[serde(rename = "latin-1")]
     Latin1,
     /// Windows-1252, in which Excel and other programs of Windows write Western languages: Latin-1 with
@@ -54,9 +55,7 @@ pub(super) fn is_windows_1252(bytes: &[u8]) -> bool {
 pub(super) fn told_of_latin_1(bytes: &[u8], encoding: Encoding) -> Option<String> {
     let is_odd = encoding == Encoding::Latin1 && is_windows_1252(bytes);
     is_odd.then(|| {
-        "as Latin-1 it has control characters among its letters; if ’ “ ” – € are missing, set encoding = \
-         \"windows-1252\" in [file]"
-            .to_owned()
+        "it is read as Windows-1252: as Latin-1 it has control characters where that has ’ “ ” – €".to_owned()
     })
 }
 
@@ -218,8 +217,10 @@ pub(super) fn decode_from<'a>(
         bytes => match encoding {
             Encoding::Utf8 => Cow::Borrowed(utf_8(path, bytes, before)?),
             Encoding::Utf16 => Cow::Owned(utf_16(path, bytes, u16::from_le_bytes)?),
-            Encoding::Latin1 => Cow::Owned(bytes.iter().map(|b| char::from(*b)).collect()),
-            Encoding::Windows1252 => {
+            Encoding::Latin1 if !is_windows_1252(bytes) => {
+                Cow::Owned(bytes.iter().map(|b| char::from(*b)).collect())
+            }
+            Encoding::Latin1 | Encoding::Windows1252 => {
                 let text: String = bytes.iter().map(|byte| windows_1252(*byte)).collect();
                 if let Some(at) = text.find(char::REPLACEMENT_CHARACTER) {
                     let lines = text[..at].bytes().filter(|byte| *byte == b'\n').count() as u64;

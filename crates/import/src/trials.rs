@@ -173,7 +173,7 @@ fn converted(
         None => Vec::new(),
     };
     let taken = plan.columns().chain(who.columns()).chain(&looked_at).collect();
-    let take = Take { columns: taken, pattern: None, budget };
+    let take = Take { turned: context.mapping.file.turned, ..Take::of(taken, budget) };
     let convert = |recording: &mut Recording| {
         let (pieces, report) = convert(context, who, plan, budget, recording)?;
         Ok((pieces, Some(report)))
@@ -375,7 +375,7 @@ fn convert(
     budget: &Budget,
     recording: &mut Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
-    check_turned(plan, recording)?;
+    check_turned(plan, context.mapping.file.turned, recording)?;
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let mut other_units = all(plan
@@ -451,20 +451,26 @@ fn convert(
 ///
 /// # Errors
 /// It has a time, so few rows and so many columns that its rows are the signals.
-fn check_turned(plan: &Plan, recording: &Recording) -> Result<(), StoreError> {
-    const MOST_SIGNALS: usize = 16;
-    const FEWEST_SAMPLES: usize = 50;
+fn check_turned(plan: &Plan, turned: bool, recording: &Recording) -> Result<(), StoreError> {
     let table = &recording.table;
-    // A matrix alone has neither names nor lines.
-    let is_matrix = table.names.is_none() && table.lines.is_empty();
-    let rows = table.columns.iter().map(Cells::len).max().unwrap_or(0);
-    let columns = table.columns.len();
-    if plan.time.is_none() || !is_matrix || rows > MOST_SIGNALS || columns < FEWEST_SAMPLES {
+    if plan.time.is_none() || !table.is_turned() {
         return Ok(());
     }
-    let what =
-        format!("its matrix has {rows} rows and {columns} columns: its rows are the signals");
-    Err(recording.error(what, "save it turned: x = x.' in MATLAB, x.T in Python"))
+    let (rows, columns) =
+        (table.columns.iter().map(Cells::len).max().unwrap_or(0), table.columns.len());
+    let (what, remedy) = match turned {
+        false => (
+            format!("its matrix has {rows} rows and {columns} columns: its rows are the signals"),
+            "set signals = \"rows\" in [file]",
+        ),
+        true => (
+            format!(
+                "its matrix has {columns} rows and {rows} columns: its columns are the signals"
+            ),
+            "remove signals = \"rows\" from [file]",
+        ),
+    };
+    Err(recording.error(what, remedy))
 }
 
 /// What is said of samples that the counter which the time is from passes over.

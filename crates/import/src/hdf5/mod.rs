@@ -465,7 +465,8 @@ impl<'a> Opened<'a> {
             return Err(StoreError::new(path, format!("it is {class}"), HDF5).column(full));
         }
         let of_matlab = data.attrs().is_ok_and(|all| all.contains_key("MATLAB_class"));
-        let order = if group.is_octave || of_matlab { Order::Columns } else { self.order };
+        let by_columns = group.is_octave || of_matlab || self.order == Order::Columns;
+        let order = if by_columns == take.turned { Order::Rows } else { Order::Columns };
         let (rows, columns) = match (size.as_slice(), order) {
             (&[rows], _) => (rows, 1),
             (&[rows, columns], Order::Rows) | (&[columns, rows], Order::Columns) => (rows, columns),

@@ -1,5 +1,5 @@
 use super::super::limits::Budget;
-use super::super::limits::tests::everything;
+use super::super::limits::tests::{everything, everything_turned};
 use super::*;
 use hdf5_pure::{
     AttrValue, CharacterSet, CompoundTypeBuilder, FileBuilder, FloatingPointLayout, StringPadding,
@@ -52,6 +52,11 @@ fn a_matrix_has_its_columns_by_the_order_of_who_wrote_it() {
     assert_eq!(found, [[1.0, 4.0], [2.0, 5.0], [3.0, 6.0]]);
     let by_columns = read(written(b""), Some("m"), Order::Columns).unwrap();
     let found: Vec<_> = by_columns.columns.iter().map(numbers).collect();
+    assert_eq!(found, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+    let turned =
+        |take: &Take| super::read(Path::new("a.h5"), written(b""), (Some("m"), Order::Rows), take);
+    let turned = everything_turned(turned).unwrap();
+    let found: Vec<_> = turned.columns.iter().map(numbers).collect();
     assert_eq!(found, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
     let error = read(written(b""), Some("x"), Order::Rows).unwrap_err();
     assert!(error.what.contains("the file has") && error.what.contains("rig/f"), "{error}");
@@ -228,7 +233,7 @@ pub(in super::super) fn with_links() -> Vec<u8> {
 /// A file of which the columns of these names are taken.
 fn take_named(bytes: Vec<u8>, columns: &[ColumnRef]) -> Result<Table, StoreError> {
     let budget = Budget::default();
-    let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
+    let take = Take::of(columns.iter().collect(), &budget);
     super::read(Path::new("a.h5"), bytes, (None, Order::Rows), &take)
 }
 
@@ -400,7 +405,7 @@ fn structures_of_matlab_7_3_come_by_their_path_with_points_or_strokes_and_object
     let take = |names: &[&str], matrix| {
         let columns = named(names);
         let budget = Budget::default();
-        let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
+        let take = Take::of(columns.iter().collect(), &budget);
         let path = Path::new("a.mat");
         let table = super::read(path, matlab_7_3(), (matrix, Order::Columns), &take).unwrap();
         let all =

@@ -188,8 +188,13 @@ fn columns(head: &Head, values: Values, take: &Take) -> Result<Result<Table, Str
     if let Some(class) = &head.class {
         return Ok(Err(format!("the variable is {class}")));
     }
-    let &[rows, columns] = head.size.as_slice() else {
-        return Ok(Err(format!("the variable has {} dimensions where 2 belong", head.size.len())));
+    let (rows, columns) = match head.size[..] {
+        [columns, rows] if take.turned => (rows, columns),
+        [rows, columns] => (rows, columns),
+        _ => {
+            let n = head.size.len();
+            return Ok(Err(format!("the variable has {n} dimensions where 2 belong")));
+        }
     };
     if columns > MOST_COLUMNS {
         return Err(format!(
@@ -204,6 +209,10 @@ fn columns(head: &Head, values: Values, take: &Take) -> Result<Result<Table, Str
             let wanted = take.wants(place, None);
             fits = fits && (!wanted || take.budget.cells(rows));
             table.columns.push(match wanted && fits {
+                true if take.turned => {
+                    let all = numbers.values(0, rows * columns)?;
+                    Cells::Numbers(all.into_iter().skip(place).step_by(columns).map(Some).collect())
+                }
                 true => Cells::Numbers(Float64Array::from(numbers.values(place * rows, rows)?)),
                 false => Cells::Unread,
             });

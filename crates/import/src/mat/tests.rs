@@ -1,6 +1,9 @@
 //! MAT files: those that SciPy wrote, cut ones, and ones that claim too much.
 
-use super::super::limits::{Budget, tests::everything};
+use super::super::limits::{
+    Budget,
+    tests::{everything, everything_turned},
+};
 use super::super::table::{Cell, ColumnRef};
 use super::*;
 use flate2::{Compression, write::ZlibEncoder};
@@ -74,6 +77,13 @@ fn the_columns_of_a_matrix_come_by_position() {
     let table = read(Path::new("a.mat"), &file(COMPRESSED), Some("m")).unwrap();
     assert_eq!(table.columns.len(), 2);
     assert_eq!(table.columns[1].cell(2), Cell::Number(5.0));
+    let bytes = file(COMPRESSED);
+    let turned = |take: &Take| super::read(Path::new("a.mat"), &bytes, Some("m"), take);
+    let turned = everything_turned(turned).unwrap();
+    assert_eq!(turned.columns.len(), 3);
+    for (row, place) in [(0, 2), (1, 0)] {
+        assert_eq!(turned.columns[place].cell(row), table.columns[row].cell(place));
+    }
     let error = read(Path::new("a.mat"), &file(COMPRESSED), Some("q")).unwrap_err();
     assert!(error.what.contains("the file has t, n, m, s, s.a, c, w"), "{error}");
     let table = read(Path::new("a.mat"), &file(COMPRESSED), Some("s")).unwrap();
@@ -152,7 +162,7 @@ fn the_fields_of_structures_come_by_their_path_and_columns_of_a_matrix_by_their_
     let names = ["simout.time", "simout.signals.values(2)", "scope.signals(2).values"];
     let columns = names.map(|name| ColumnRef::Name(name.to_owned()));
     let budget = Budget::default();
-    let take = Take { columns: columns.iter().collect(), pattern: None, budget: &budget };
+    let take = Take::of(columns.iter().collect(), &budget);
     let plain = simulink();
     let table = super::read(Path::new("a.mat"), &plain, None, &take).unwrap();
     for (name, expect) in
@@ -318,7 +328,7 @@ fn a_size_that_is_not_that_of_the_values_is_damage_however_large_it_is() {
 fn a_variable_that_is_not_mapped_is_not_unpacked() {
     let y = ColumnRef::Name("y".to_owned());
     let budget = Budget::default();
-    let take = Take { columns: vec![&y], pattern: None, budget: &budget };
+    let take = Take::of(vec![&y], &budget);
     let table = super::read(Path::new("a.mat"), &bomb(1 << 20, 1 << 31), None, &take).unwrap();
     assert!(matches!(table.columns[..], [Cells::Unread]));
 }

@@ -48,7 +48,7 @@ pub(super) fn cells_of_others() -> Vec<Row> {
         ),
         file(
             "quotes of Windows-1252, called Latin-1",
-            (Flagged, "as Latin-1 it has control characters among its letters"),
+            (Flagged, "it is read as Windows-1252: as Latin-1 it has control characters"),
             "encoding = \"latin-1\"",
             "a.csv",
             quotes,
@@ -96,6 +96,22 @@ pub(super) fn cells_of_others() -> Vec<Row> {
             column("run", "5bc8fbbc-bde5-4099-8164-d8399f767c45"),
         ),
         mapped(
+            "two conditions in a row of a table of answers",
+            (Read, "2 trials without samples, 2 answers"),
+            TWO.to_owned(),
+            "a.csv",
+            "who,m1,q1,m2,q2\nP01,active,5,passive,3\n",
+        ),
+        mapped(
+            "answers as JSON in a cell, counted from 0",
+            (Read, "1 trials without samples, 1 answers"),
+            LIKERT
+                .replace("\"q\"", "{ column = \"q\", key = \"Q0\" }")
+                .replace("[questions.", "[questions]\nlowest = 0\n[questions."),
+            "a.csv",
+            "who,mode,q\nP01,active,\"{\"\"Q0\"\":4}\"\n",
+        ),
+        mapped(
             "a header that comes again in a table of answers",
             (Flagged, "1 row: the header, which comes again"),
             LIKERT.to_owned(),
@@ -126,6 +142,10 @@ pub(super) fn cells_of_others() -> Vec<Row> {
     ]
 }
 
+/// A mapping of a table with two conditions in a row.
+const TWO: &str = "kind = \"likert\"\n[trial]\nparticipant = { column = \"who\" }\nsession = \"S01\"\nenvironment = \"spring\"\n\
+                   [[condition]]\nmode = { column = \"m1\" }\ncolumns = { felt_spring = \"q1\" }\n\
+                   [[condition]]\nmode = { column = \"m2\" }\ncolumns = { felt_spring = \"q2\" }\n";
 /// A mapping of a table with a column of answers.
 const LIKERT: &str = "kind = \"likert\"\n[trial]\nparticipant = { column = \"who\" }\nsession = \"S01\"\nenvironment = \"spring\"\n\
                       mode = { column = \"mode\" }\n[questions.columns]\nfelt_spring = \"q\"\n";

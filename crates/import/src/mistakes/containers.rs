@@ -7,7 +7,7 @@ use super::super::parquet::tests as parquet;
 use super::super::world::{FORCE, ONE, trials_map};
 use super::super::xdf::tests as xdf;
 use super::Becomes::{Flagged, Read, Refused};
-use super::{Row, mapped};
+use super::{PLAIN, Row, mapped};
 use arrow::array::{
     ArrayRef, DurationMicrosecondArray, Float64Array, RecordBatch, Time64MicrosecondArray,
     TimestampNanosecondArray,
@@ -50,6 +50,10 @@ pub(super) fn containers() -> Vec<Row> {
     let values: Vec<f64> = (0..375).map(f64::from).collect();
     turned.create_dataset("ans").with_f64_data(&values).with_shape(&[3, 125]);
     let turned = turned.finish().unwrap();
+    let mut rows = FileBuilder::new();
+    rows.create_dataset("ans").with_f64_data(&[0.0, 0.5, 1.0, 1.5, -2.0, 4.0]).with_shape(&[2, 3]);
+    let rows = rows.finish().unwrap();
+    let by_place = FORCE.replace("\"t\"", "1").replace("\"f\"", "2");
     let durations: ArrayRef = Arc::new(DurationMicrosecondArray::from(vec![0, 500_000, 1_000_000]));
     let noon = 12 * 3_600_000_000_i64;
     let of_day = [0, 500_000, 1_000_000].map(|us| noon + us);
@@ -212,17 +216,27 @@ pub(super) fn containers() -> Vec<Row> {
         ),
         mapped(
             "a matrix whose rows are the signals",
-            (
-                Refused,
-                "its matrix has 3 rows and 125 columns: its rows are the signals; save it turned",
-            ),
-            trials_map(&[
-                "[file]\nmatrix = \"ans\"\n",
-                ONE,
-                &FORCE.replace("\"t\"", "1").replace("\"f\"", "2"),
-            ]),
+            (Refused, "its rows are the signals; set signals = \"rows\" in [file]"),
+            trials_map(&["[file]\nmatrix = \"ans\"\n", ONE, &by_place]),
             "a.h5",
             turned,
+        ),
+        mapped(
+            "a matrix whose rows are the signals, said",
+            (Read, ""),
+            trials_map(&["[file]\nmatrix = \"ans\"\nsignals = \"rows\"\n", ONE, &by_place]),
+            "a.h5",
+            rows,
+        ),
+        mapped(
+            "columns of a text that are said to be rows of a matrix",
+            (
+                Refused,
+                "signals = \"rows\" is of a matrix, and none is named; remove it from [file]",
+            ),
+            trials_map(&["[file]\nsignals = \"rows\"\n", ONE, FORCE]),
+            "a.csv",
+            PLAIN,
         ),
         mapped(
             "a range of Octave",

@@ -95,6 +95,7 @@ impl<'a> Array<'a> {
     fn columns(&self, path: &Path, take: &Take) -> Result<Table, StoreError> {
         let (rows, columns) = match self.header.shape.as_slice() {
             [rows] => (*rows, self.header.members.len()),
+            [rows, columns] if self.header.members.len() == 1 && take.turned => (*columns, *rows),
             [rows, columns] if self.header.members.len() == 1 => (*rows, *columns),
             shape => {
                 let what = format!("it is {}", words(shape));
@@ -112,7 +113,7 @@ impl<'a> Array<'a> {
                 cells.push(Cells::Unread);
                 continue;
             }
-            let at = |row: usize| match (is_matrix, self.header.by_columns) {
+            let at = |row: usize| match (is_matrix, self.header.by_columns != take.turned) {
                 (false, _) => row,
                 (true, false) => row * columns + place,
                 (true, true) => place * rows + row,

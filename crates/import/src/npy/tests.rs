@@ -1,6 +1,6 @@
 //! Arrays and archives as NumPy writes them, cut ones, and ones that claim too much.
 
-use super::super::limits::tests::everything;
+use super::super::limits::tests::{everything, everything_turned};
 use super::super::table::{Cell, ColumnRef};
 use super::*;
 use flate2::write::DeflateEncoder;
@@ -87,6 +87,10 @@ fn a_matrix_is_read_by_its_columns_whichever_way_it_lies() {
         let table = read(&bytes).unwrap();
         assert_eq!(table.columns.len(), 3);
         assert_eq!(column(&table, &ColumnRef::Position(2)), numbers(&[1.0, 4.0]));
+        let read = |take: &Take| super::read(Path::new("a.npy"), &bytes, take);
+        let turned = everything_turned(read).unwrap();
+        assert_eq!(turned.columns.len(), 2);
+        assert_eq!(column(&turned, &ColumnRef::Position(2)), numbers(&[3.0, 4.0, 5.0]));
     }
 }
 
