@@ -292,7 +292,7 @@ impl Check<'_> {
                 channels.push(channel);
             }
         }
-        Some(Content::Trials { who: who?, time: time?, columns: known, channels })
+        Some(Content::Trials { who: Box::new(who?), time: time?, columns: known, channels })
     }
 }
 

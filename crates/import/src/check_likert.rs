@@ -146,7 +146,7 @@ impl Check<'_> {
         let question = question.and_then(|q| self.keep("questions.question", q.check(groups)));
         let answer = self.required("questions.answer", shape.answer);
         let form = LongForm { question: question?, answer: answer?, time: shape.time };
-        Some(Asked::Long(who?, form))
+        Some(Asked::Long(Box::new((who?, form))))
     }
 
     /// The unit of the times that answers took; never guessed.

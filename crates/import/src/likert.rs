@@ -51,7 +51,7 @@ pub(super) fn likert(
     let take = Take::of(columns, &budget);
     let converted = context.convert(files, &take, |recording| match &asked.form {
         Asked::Wide(_) => convert(context, asked, &wide, &budget, recording),
-        Asked::Long(who, form) => long::convert(context, asked, (who, form), &budget, recording),
+        Asked::Long(long) => long::convert(context, asked, long, &budget, recording),
     })?;
     if matches!(asked.form, Asked::Long(..)) {
         let found: Vec<&[Answered]> = converted.iter().map(|c| c.made.found.as_slice()).collect();

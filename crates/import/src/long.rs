@@ -18,7 +18,7 @@ use zwidth_study::QuestionId;
 pub(super) fn convert(
     context: &Context,
     asked: &Questionnaire,
-    (who, form): (&Who, &LongForm),
+    (who, form): &(Who, LongForm),
     budget: &Budget,
     recording: &Recording,
 ) -> Result<Read, Errors> {

@@ -42,7 +42,7 @@ pub struct Mapping {
 /// What the files hold.
 #[derive(Debug, Clone)]
 pub(super) enum Content {
-    Trials { who: Who, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
+    Trials { who: Box<Who>, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
     Sweeps { labels: SweepLabels, form: SweepForm },
     Likert(Questionnaire),
     Exclusions(Exclusions),
@@ -66,7 +66,7 @@ pub(super) enum Asked {
     /// A column a question, and a row a trial, or a trial of each of several conditions.
     Wide(Vec<OfRow>),
     /// A row an answer.
-    Long(Who, LongForm),
+    Long(Box<(Who, LongForm)>),
 }
 
 /// What of a row is one trial.
@@ -98,7 +98,8 @@ impl Questionnaire {
     pub(super) fn columns(&self) -> Vec<&ColumnRef> {
         match &self.form {
             Asked::Wide(of_rows) => of_rows.iter().flat_map(OfRow::columns).collect(),
-            Asked::Long(who, LongForm { question, answer, time }) => {
+            Asked::Long(long) => {
+                let (who, LongForm { question, answer, time }) = &**long;
                 let labels = who.columns().into_iter().chain(question.column());
                 labels.chain([answer]).chain(time).collect()
             }

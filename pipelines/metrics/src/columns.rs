@@ -68,8 +68,8 @@ const fn word<R>(
 
 /// Every metric, in the order of the table; `docs/analysis.md` defines each by its name. Below, one
 /// line is one column.
-pub(crate) const GROUPS: [&[Spec]; 8] =
-    [MOVEMENT, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY, ELECTRICITY, STEP];
+pub(crate) const GROUPS: [&[Spec]; 9] =
+    [MOVEMENT, FORCE, COMPLIANCE, DISCREPANCY, SPRING, WALL, STABILITY, ELECTRICITY, STEP];
 
 /// Those that rest on the plant, likewise.
 pub(crate) const PLANT_GROUPS: [&[Spec<PlantMetrics>]; 2] = [ACTUATORS, ENERGY];
@@ -141,6 +141,8 @@ pub fn is_possible(metric: &str, scene: &Scene, signals: &[Signal], channels: &[
         let current = channels.iter().any(|channel| currents.contains(&channel.id.as_str()));
         let voltage = has(&[Signal::VoltageMotor]) || has(&[Signal::VoltageBrake]);
         voltage && (current || !OF_CURRENTS.contains(&metric))
+    } else if is_in(FORCE) {
+        has(&[Signal::ForceEx])
     } else if is_in(STEP) {
         has(&[Signal::Theta]) && channels.iter().any(|channel| channel.id.as_str() == REFERENCE)
     } else if metric == "force_rms_error_n" {
@@ -169,6 +171,12 @@ const MOVEMENT: &[Spec] = &[
     averaged("sparc_backward", "1", "smoothness (spectral arc length) of the speed, reversal to end", |r| r.movement.sparc_backward),
     count("work_space_hits_low", "arrivals at the work space's lower end", |r| r.movement.work_space_hits_low),
     count("work_space_hits_high", "arrivals at the work space's upper end", |r| r.movement.work_space_hits_high),
+];
+
+#[rustfmt::skip]
+const FORCE: &[Spec] = &[
+    averaged("force_mean_n", "N", "the user's force, mean over the recording", |r| r.force.mean_n),
+    averaged("force_largest_n", "N", "the user's force of the largest magnitude in the recording", |r| r.force.largest_n),
 ];
 
 #[rustfmt::skip]

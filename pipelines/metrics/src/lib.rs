@@ -21,7 +21,7 @@
 //! * A metric is null (`None`) where the recording lacks what it needs, or where it does not apply;
 //!   it is never 0 for want of data.
 //!
-//! The definitions stand at the fields of [`Movement`], [`Discrepancy`], [`SpringRendering`],
+//! The definitions stand at the fields of [`Movement`], [`UserForce`], [`Discrepancy`], [`SpringRendering`],
 //! [`WallContact`], [`Stability`], [`ElectricalEnergy`], [`StepResponse`], [`Compliance`],
 //! [`ActuatorDiscrepancy`] and [`EnergyObserver`].
 
@@ -36,6 +36,7 @@ mod electricity;
 mod energy;
 mod error;
 mod events;
+mod force;
 mod gap;
 mod movement;
 mod oscillation;
@@ -64,6 +65,7 @@ pub use electricity::ElectricalEnergy;
 pub use energy::EnergyObserver;
 pub use error::MetricsError;
 pub use events::{EventKind, TrialEvent, events_table};
+pub use force::UserForce;
 pub use movement::Movement;
 pub use oscillation::{RecordedStability, Swings};
 pub use parameters::{Parameters, Plant};
@@ -79,7 +81,7 @@ use zwidth_store::{Recorded, Signal};
 use zwidth_study::TrialMeta;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 19;
+pub const VERSION: u32 = 20;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +90,8 @@ pub struct TrialMetrics {
     pub meta: TrialMeta,
     /// When and how fast it moved.
     pub movement: Movement,
+    /// What the user's force comes to, with or without a movement.
+    pub force: UserForce,
     /// How far compression and decompression differ in the user's force; all null where the
     /// environment has no spring.
     pub discrepancy: Discrepancy,
@@ -142,6 +146,7 @@ pub fn trial_metrics<'a>(
         meta: meta.clone(),
         events: events::trial_events(&signals, &movement, wall_rad)?,
         movement,
+        force: force::user_force(&signals)?,
         discrepancy: discrepancy.transpose()?.unwrap_or_default(),
         spring: rendering.transpose()?.unwrap_or_default(),
         wall: wall.transpose()?.unwrap_or_default(),
