@@ -43,7 +43,7 @@ pub struct Mapping {
 #[derive(Debug, Clone)]
 pub(super) enum Content {
     Trials { who: Box<Who>, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
-    Sweeps { labels: SweepLabels, form: SweepForm },
+    Sweeps(Box<(SweepLabels, SweepForm)>),
     Likert(Questionnaire),
     Exclusions(Exclusions),
 }
