@@ -12,7 +12,7 @@ use super::plan::{Plan, Taken, plan, rate_times};
 use super::recording::{Gaps, Recording, Rows};
 use super::report::{FileReport, RowsDropped, null_columns};
 use super::stream::{Growing, Source as LongText};
-use super::table::{Cells, ColumnRef};
+use super::table::Cells;
 use super::{
     Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, all, counter, once, outline, unit,
     zero,
@@ -151,9 +151,6 @@ pub(super) fn trials(
     Ok(batch)
 }
 
-/// Columns that are looked at for what they count.
-const MOST_LOOKED_AT: usize = 16;
-
 /// The trials of a file, and the report on it; of a long text whose its trials are, and no report
 /// yet.
 type FileTrials = (Vec<Piece>, Option<FileReport>);
@@ -167,13 +164,13 @@ fn converted(
 ) -> Result<Vec<Converted<FileTrials>>, Errors> {
     let long = |path: &PathBuf| is_long(path, &context.mapping.file);
     let (long, short): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(long);
-    // Where no column of the mapping says the time, another one may show that samples are missing.
-    let looked_at: Vec<ColumnRef> = match plan.rate_hz {
-        Some(_) => (1..=MOST_LOOKED_AT).map(ColumnRef::Position).collect(),
-        None => Vec::new(),
-    };
+    let looked_at = counter::looked_at(plan);
     let taken = plan.columns().chain(who.columns()).chain(&looked_at).collect();
-    let take = Take { turned: context.mapping.file.turned, ..Take::of(taken, budget) };
+    let take = Take {
+        turned: context.mapping.file.turned,
+        pattern: Some(counter::names()),
+        ..Take::of(taken, budget)
+    };
     let convert = |recording: &mut Recording| {
         let (pieces, report) = convert(context, who, plan, budget, recording)?;
         Ok((pieces, Some(report)))
@@ -318,6 +315,10 @@ impl<'a> Open<'a> {
         if let Some(gaps) = gaps {
             self.writer.note(GAPS, gaps);
         }
+        let hidden = self.growing.hidden();
+        if let Some(hidden) = &hidden {
+            self.writer.note(DOUBTS, hidden.clone());
+        }
         if let Err(errors) = self.growing.end(&mut self.writer) {
             self.writer.discard(context.files);
             return Err(errors);
@@ -327,9 +328,11 @@ impl<'a> Open<'a> {
         let found = staged.check(context.files, &asked);
         let found = found.inspect_err(|_| staged.discard(context.files))?;
         let samples = self.growing.rows;
+        let mut care = care(&found, self.number, samples);
+        care.extend(hidden.map(|hidden| format!("trial {}, {hidden}", self.number.trial)));
         Ok(Encoded {
             words: words(&self.identity, self.number, samples),
-            care: care(&found, self.number, samples),
+            care,
             path: self.path,
             output: Output::Staged(staged),
             // What cannot be read of a long text is an error.
@@ -375,7 +378,7 @@ fn convert(
     budget: &Budget,
     recording: &mut Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
-    check_turned(plan, context.mapping.file.turned, recording)?;
+    check_turned(context.mapping.file.turned, recording)?;
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let mut other_units = all(plan
@@ -424,10 +427,12 @@ fn convert(
         });
         let missing = match plan.time.and_then(|time| time.mend.counts_at_hz) {
             Some(rate_hz) => passed_over(samples.get(Signal::Time).unwrap_or_default(), rate_hz),
-            None if plan.rate_hz.is_some() => {
-                passed_over_elsewhere(recording, &numeric, &labels, stretch)
+            None => {
+                let t_s = samples.get(Signal::Time).unwrap_or_default();
+                let found =
+                    counter::elsewhere(recording, (&numeric, plan), &labels, (stretch, t_s));
+                counter::told(recording, plan, &found)
             }
-            None => None,
         };
         let known = recording.table.doubts.iter().chain(&other_units).cloned();
         let doubts = known.chain(zeros.doubts).chain(missing);
@@ -451,13 +456,17 @@ fn convert(
 ///
 /// # Errors
 /// It has a time, so few rows and so many columns that its rows are the signals.
-fn check_turned(plan: &Plan, turned: bool, recording: &Recording) -> Result<(), StoreError> {
+fn check_turned(turned: bool, recording: &Recording) -> Result<(), StoreError> {
     let table = &recording.table;
-    if plan.time.is_none() || !table.is_turned() {
+    if !table.is_turned() {
         return Ok(());
     }
     let (rows, columns) =
         (table.columns.iter().map(Cells::len).max().unwrap_or(0), table.columns.len());
+    if table.names.is_some() || !table.lines.is_empty() {
+        let what = format!("it has {rows} rows and {columns} columns: are its rows the signals?");
+        return Err(recording.error(what, "turn the table, so that each signal has a column"));
+    }
     let (what, remedy) = match turned {
         false => (
             format!("its matrix has {rows} rows and {columns} columns: its rows are the signals"),
@@ -481,29 +490,6 @@ fn passed_over(t_s: &[f64], rate_hz: f64) -> Option<String> {
             "t_s: its counter passes over {} samples in {} places, or over more if a gap is longer than it counts",
             found.samples, found.places
         )
-    })
-}
-
-/// What is said where the time is a row's number, and a column that is not mapped shows that samples are
-/// missing.
-fn passed_over_elsewhere(
-    recording: &Recording,
-    numeric: &[usize],
-    labels: &[usize],
-    rows: &[usize],
-) -> Option<String> {
-    let others = (0..recording.table.columns.len().min(MOST_LOOKED_AT))
-        .filter(|column| !numeric.contains(column) && !labels.contains(column));
-    others.into_iter().find_map(|column| {
-        let values = recording.numbers(column, rows).ok()?;
-        let found = counter::counted(&values).filter(|found| found.matter())?;
-        Some(format!(
-            "t_s: rate_hz takes the rows for evenly spaced, but column {} passes over {} samples in {} places: take the time \
-             from it (`from`), or the number of each sample (`counter`, with rate_hz and wrap)",
-            recording.table.name(column),
-            found.samples,
-            found.places
-        ))
     })
 }
 
