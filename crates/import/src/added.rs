@@ -97,7 +97,9 @@ fn trial_of(log: &SessionLog, i: &Identity, from_zero: FromZero) -> Result<u32, 
             "give its answers by the numbers of its trials: `zwidth answer --from`",
         );
     }
-    let [number, repeat] = from_zero.numbers(i);
+    // Their numbers are what they were when the session was imported.
+    let trial = from_zero.trial || log.record.counted_from_zero;
+    let [number, repeat] = FromZero { trial, ..from_zero }.numbers(i);
     let has = |is: &dyn Fn(&Event) -> bool| log.events.iter().any(is);
     let is_meant = |t: &&PlannedTrial| {
         (&t.environment, &t.mode, t.kind) == (environment, mode, i.kind)

@@ -8,9 +8,7 @@ use super::recording::Recording;
 use super::table::ColumnRef;
 use super::unit;
 use arrow::array::Array as _;
-use regex::Regex;
 use std::collections::BTreeMap;
-use std::sync::LazyLock;
 use zwidth_numerics::series::ends;
 use zwidth_store::Signal;
 
@@ -72,22 +70,12 @@ pub(super) fn gaps(counts: &[f64], step: f64) -> Gaps {
     Gaps::of(steps.filter(|missing| *missing > 0.0), counts.len())
 }
 
-/// Columns that are looked at for what they count, where the time is a row's number.
+/// Columns that are looked at for what they count, besides those of the mapping.
 const MOST_LOOKED_AT: usize = 16;
 
-/// The columns that are looked at beside those of a mapping that takes the time from none.
-pub(super) fn looked_at(plan: &Plan) -> Vec<ColumnRef> {
-    match plan.rate_hz {
-        Some(_) => (1..=MOST_LOOKED_AT).map(ColumnRef::Position).collect(),
-        None => Vec::new(),
-    }
-}
-
-/// The names of columns that count: they are looked at beside a column of times too.
-pub(super) fn names() -> &'static Regex {
-    const NAMES: &str = "(?i)counter|(^|[^a-z])(cnt|seq|sequence|packet|sample|frame)s?(_?n(o|r|um|umber)?)?([^a-z]|$)";
-    static OF: LazyLock<Regex> = LazyLock::new(|| Regex::new(NAMES).expect("a test compiles it"));
-    &OF
+/// The columns that are looked at.
+pub(super) fn looked_at() -> impl Iterator<Item = ColumnRef> {
+    (1..=MOST_LOOKED_AT).map(ColumnRef::Position)
 }
 
 /// What the columns of a recording say that the mapping does not take the time from.

@@ -148,7 +148,7 @@ pub(super) fn number(what: &str, text: &str) -> Result<u32, String> {
 
 /// The same where others may count from 0.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn counted(what: &str, text: &str) -> Result<u32, String> {
+pub(super) fn counted(what: &str, text: &str) -> Result<u32, String> {
     let value: Option<f64> = plain(text).parse().ok();
     let whole = |v: &f64| (0.0..=f64::from(MOST_NUMBER)).contains(v) && v.fract() == 0.0;
     value
@@ -216,8 +216,8 @@ impl Named {
 /// more, so that they are the same in all sessions.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct FromZero {
-    trial: bool,
-    repeat: bool,
+    pub(super) trial: bool,
+    pub(super) repeat: bool,
 }
 
 impl FromZero {

@@ -60,6 +60,13 @@ pub struct LateAnswer {
     row: usize,
 }
 
+impl LateAnswer {
+    /// Whether the trial's number is all that says which one is meant.
+    pub fn is_number_alone(&self) -> bool {
+        matches!(self.trial, TrialMeant::Number(_)) && self.claims == Claims::default()
+    }
+}
+
 /// A table of answers, read.
 pub struct LateAnswers {
     recording: Recording,

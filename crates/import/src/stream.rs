@@ -11,7 +11,7 @@ use super::mapping::{FileForm, Rule, Who};
 use super::plan::{Plan, Taken, rate_times};
 use super::recording::{Gaps, Recording, Rows, Standing, empty_between, groups};
 use super::spelling::plain;
-use super::table::Cell;
+use super::table::{Cell, ColumnRef};
 use super::{Context, Errors, all, csv};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -237,7 +237,11 @@ impl<'a> Source<'a> {
     }
 
     fn parse(&self, block: &Block) -> Result<Parsed, Errors> {
-        let looked_at = counter::looked_at(self.plan);
+        // Columns that are not mapped cost time: where times are recorded they are not read.
+        let looked_at: Vec<ColumnRef> = match self.plan.rate_hz {
+            Some(_) => counter::looked_at().collect(),
+            None => Vec::new(),
+        };
         let columns = self.plan.columns().chain(self.who.columns()).chain(&looked_at).collect();
         let budget = Budget::default();
         let take = Take::of(columns, &budget);

@@ -12,7 +12,7 @@ use super::plan::{Plan, Taken, plan, rate_times};
 use super::recording::{Gaps, Recording, Rows};
 use super::report::{FileReport, RowsDropped, null_columns};
 use super::stream::{Growing, Source as LongText};
-use super::table::Cells;
+use super::table::{Cells, ColumnRef};
 use super::{
     Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, all, counter, once, outline, unit,
     zero,
@@ -164,13 +164,9 @@ fn converted(
 ) -> Result<Vec<Converted<FileTrials>>, Errors> {
     let long = |path: &PathBuf| is_long(path, &context.mapping.file);
     let (long, short): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(long);
-    let looked_at = counter::looked_at(plan);
+    let looked_at: Vec<ColumnRef> = counter::looked_at().collect();
     let taken = plan.columns().chain(who.columns()).chain(&looked_at).collect();
-    let take = Take {
-        turned: context.mapping.file.turned,
-        pattern: Some(counter::names()),
-        ..Take::of(taken, budget)
-    };
+    let take = Take { turned: context.mapping.file.turned, ..Take::of(taken, budget) };
     let convert = |recording: &mut Recording| {
         let (pieces, report) = convert(context, who, plan, budget, recording)?;
         Ok((pieces, Some(report)))
@@ -446,9 +442,18 @@ fn convert(
         converted: plan.converted.clone(),
         computed: plan.computed.clone(),
         null: null_columns(&made),
-        ..context.file_report(recording, (&rows, rows.kept.len()), &[numeric, labels].concat())?
+        ..context.file_report(
+            recording,
+            (&rows, rows.kept.len()),
+            &[numeric.as_slice(), &labels].concat(),
+        )?
     };
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, why_empty(plan));
+    // What was only looked at is not kept.
+    let looked_at = recording.table.columns.iter().enumerate();
+    let looked_at =
+        looked_at.filter(|(place, _)| !numeric.contains(place) && !labels.contains(place));
+    budget.give_back(looked_at.map(|(_, cells)| cells.len()).sum());
     Ok((pieces, report))
 }
 
