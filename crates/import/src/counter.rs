@@ -237,7 +237,8 @@ mod tests {
         let told: Vec<f64> =
             (0..300).filter(|n| !(100..110).contains(n)).map(|n| 0.01 * f64::from(n)).collect();
         assert_eq!(hidden(&counter(100..110), &told).unwrap().places, 0, "its times have the gap");
-        let packets: Vec<f64> = (0..320).map(|n| f64::from(n / 8)).filter(|n| *n != 20.0).collect();
+        let packets: Vec<f64> =
+            (0..320).map(|n| n / 8).filter(|n| *n != 20).map(f64::from).collect();
         let found = counted(&packets).unwrap();
         assert!((found.places, found.samples) == (1, 8.0) && found.matter());
         let clock: Vec<f64> = counter(0..0)

@@ -366,6 +366,9 @@ fn care(found: &[StoreError], number: &PlannedTrial, samples: usize) -> Vec<Stri
     found.iter().map(line).chain(alone).collect()
 }
 
+/// A clock is too coarse if more than this share of the rows have the time of one before them.
+const COARSE: f64 = 0.05;
+
 /// One file's trials: consecutive rows with equal labels are one trial.
 fn convert(
     context: &Context,
@@ -407,6 +410,20 @@ fn convert(
             None => vec![rows],
         })
     };
+    // A row that comes twice is one sample; other rows of one time are several.
+    let differs = |row: &&usize| {
+        numeric
+            .iter()
+            .any(|column| recording.number(*column, **row) != recording.number(*column, **row - 1))
+    };
+    let joined = rows.joined.iter().filter(differs).count();
+    let coarse = (joined as f64 > COARSE * rows.read as f64).then(|| {
+        format!(
+            "t_s: {joined} of {} rows have the time of a row before them, and other values: its clock is too coarse for \
+             them; take the time from a counter, or from rate_hz",
+            rows.read
+        )
+    });
     // Counted before anything is made of them.
     budget.trials(&recording.path, pieces().count())?;
     let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
@@ -430,7 +447,7 @@ fn convert(
                 counter::told(recording, plan, &found)
             }
         };
-        let known = recording.table.doubts.iter().chain(&other_units).cloned();
+        let known = recording.table.doubts.iter().chain(&other_units).chain(&coarse).cloned();
         let doubts = known.chain(zeros.doubts).chain(missing);
         let doubts = doubts.collect();
         let notes = Notes { gaps, lost, zeros: zeros.words, doubts };
