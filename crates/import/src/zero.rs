@@ -91,7 +91,7 @@ fn settles(t_s: &[f64], x: &[f64]) -> Option<String> {
     let went = (middles.last()? - x.first()?).abs();
     (is_slowing && has_slowed && went > SHARE * range(x)).then(|| {
         format!(
-            "its first value, {}, is taken for its zero, from which it settles as a filter does, to {} within {:.1} s: give a \
+            "its first value, {}, is taken for its zero, from which it settles as a filter does, to {:.4} within {:.1} s: give a \
              stretch at rest, zero = {{ from_s = …, to_s = … }}",
             x[0],
             middles[middles.len() - 1],

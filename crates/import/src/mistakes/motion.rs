@@ -34,6 +34,16 @@ fn motion(what: &'static str, said: &'static str, change: fn(usize, [f64; 5]) ->
     mapped(what, (if said.is_empty() { Read } else { Flagged }, said), map, "a.csv", text)
 }
 
+/// A recording without its first half second.
+fn begun(row: Row) -> Row {
+    let shorter = |(name, bytes): (&'static str, Vec<u8>)| {
+        let lines = bytes.split_inclusive(|byte| *byte == b'\n').enumerate();
+        let kept = lines.filter(|(i, _)| *i == 0 || *i > 250).flat_map(|(_, line)| line);
+        (name, kept.copied().collect())
+    };
+    Row { files: row.files.into_iter().map(shorter).collect(), ..row }
+}
+
 /// What cannot be what it says.
 pub(super) fn units() -> Vec<Row> {
     vec![
@@ -102,6 +112,24 @@ pub(super) fn units() -> Vec<Row> {
             "it stands at its largest value",
             |_, [t, x, v, f, d]| [t, x, v, f.min(4.5), d],
         ),
+        motion("a force in steps of 0.1 N", "", |_, [t, x, v, f, d]| {
+            [t, x, v, (10.0 * f).round() / 10.0, d]
+        }),
+        motion(
+            "a number for a missing angle, not said",
+            "where its neighbours are",
+            |i, [t, x, v, f, d]| [t, if i == 40 { -1.73 } else { x }, v, f, d],
+        ),
+        motion(
+            "a number for missing forces, not said",
+            "it is -999.0000 in 20 samples, far from all others",
+            |i, [t, x, v, f, d]| [t, x, v, if (900..920).contains(&i) { -999.0 } else { f }, d],
+        ),
+        begun(motion(
+            "a recording that begins within its movement",
+            "of its largest speed when the recording begins",
+            |_, row| row,
+        )),
     ]
 }
 

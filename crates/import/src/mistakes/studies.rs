@@ -32,6 +32,12 @@ pub(super) fn clocks() -> Vec<Row> {
     for n in (0..60).filter(|n| !(30..40).contains(n)) {
         let _ = writeln!(counter, "{},{}", n % 16, n % 7);
     }
+    let rows = |header: &str, first: &dyn Fn(u32) -> u32| {
+        (0..100).fold(header.to_owned(), |text, i| format!("{text}{},{}\n", first(i), i % 7))
+    };
+    let packets = rows("n,f\n", &|i| i / 4 + u32::from(i >= 60));
+    let of_8_ms = rows("time_ms,f\n", &|i| 8 * i);
+    let coarse = rows("t,f\n", &|i| i / 25);
     let xdf = |times: &dyn Fn(u32) -> f64, samples, offsets: &[(f64, f64)]| {
         steady((0..samples).map(times), offsets)
     };
@@ -91,6 +97,27 @@ pub(super) fn clocks() -> Vec<Row> {
             timed("rate_hz = 100.0"),
             "a.csv",
             &counter,
+        ),
+        mapped(
+            "packets of four samples of which one is missing, beside rate_hz",
+            (Flagged, "column n passes over 4 samples in 1 places"),
+            timed("rate_hz = 100.0"),
+            "a.csv",
+            packets,
+        ),
+        mapped(
+            "a column of times that contradicts rate_hz",
+            (Flagged, "rate_hz is 100, and column time_ms has 125.0 samples a second"),
+            timed("rate_hz = 100.0"),
+            "a.csv",
+            of_8_ms,
+        ),
+        mapped(
+            "a clock of whole seconds, made one sample of each",
+            (Flagged, "rows have the time of a row before them, and other values"),
+            timed(&format!("{seconds}\nequal = \"drop\"")),
+            "a.csv",
+            coarse,
         ),
         mapped(
             "an XDF stream as it should be",
