@@ -196,6 +196,33 @@ fn usual(steps: &[f64], share: f64) -> Option<f64> {
     (middle > 0.0 && is_steady && steps.iter().all(|step| *step > 0.0)).then_some(middle)
 }
 
+/// From where to where counters of boards and clocks of a day count.
+const COUNTERS: [[f64; 2]; 6] = [
+    [0.0, 65_536.0],
+    [-32_768.0, 32_768.0],
+    [0.0, 16_777_216.0],
+    [0.0, 4_294_967_296.0],
+    [-2_147_483_648.0, 2_147_483_648.0],
+    [0.0, 86_400.0],
+];
+
+/// Where a time starts over that falls from the end of a counter to its beginning: another trial would begin
+/// anywhere.
+pub(super) fn wrap_of(times: &[f64]) -> Option<f64> {
+    let mut steps: Vec<f64> = times.windows(2).map(|t| (t[1] - t[0]).abs()).collect();
+    steps.sort_by(f64::total_cmp);
+    let near = 5.0 * steps.get(steps.len() / 2)?;
+    let falls: Vec<&[f64]> = times.windows(2).filter(|t| t[1] < t[0]).collect();
+    let fits = |[low, high]: &[f64; 2]| {
+        let is_end = |fall: &&[f64]| {
+            let (before, after) = (high - fall[0], fall[1] - low);
+            before >= 0.0 && after >= 0.0 && before + after <= near
+        };
+        !falls.is_empty() && falls.iter().all(is_end)
+    };
+    COUNTERS.iter().find(|ends| fits(ends)).map(|[low, high]| high - low)
+}
+
 /// A column that only grows, or starts over at 0 after a power of two.
 fn unwrapped(values: &[f64]) -> Option<Vec<f64>> {
     let falls = values.windows(2).filter(|pair| pair[1] < pair[0]).count();

@@ -5,6 +5,7 @@
 //! `--map`. What could not be told stands in it as a line to fill in.
 
 use super::clock::{Clock, clock};
+use super::counter::wrap_of;
 use super::guess_answers::answers;
 use super::guess_apart::{Sorted, sort};
 use super::guess_names::{Names, names};
@@ -100,7 +101,9 @@ fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names
                     "equal = \"drop\"         # {doubled} rows have the time of the row before; \"mean\" joins them"
                 );
             }
-            if times.first().is_some_and(|first| *first > LONG_BEFORE) {
+            if is_clock {
+                text.push_str("zero = \"first\"          # the times are those of a clock\n");
+            } else if times.first().is_some_and(|first| *first > LONG_BEFORE) {
                 text.push_str("zero = \"first\"          # the times count from long before\n");
             }
         }
@@ -129,33 +132,6 @@ fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names
 
 /// A first time beyond this is counted from the start of a computer or from 1970, whatever its unit.
 const LONG_BEFORE: f64 = 1e8;
-
-/// From where to where counters of boards and clocks of a day count.
-const COUNTERS: [[f64; 2]; 6] = [
-    [0.0, 65_536.0],
-    [-32_768.0, 32_768.0],
-    [0.0, 16_777_216.0],
-    [0.0, 4_294_967_296.0],
-    [-2_147_483_648.0, 2_147_483_648.0],
-    [0.0, 86_400.0],
-];
-
-/// Where a time starts over that falls from the end of a counter to its beginning: another trial would begin
-/// anywhere.
-fn wrap_of(times: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = times.windows(2).map(|t| (t[1] - t[0]).abs()).collect();
-    steps.sort_by(f64::total_cmp);
-    let near = 5.0 * steps.get(steps.len() / 2)?;
-    let falls: Vec<&[f64]> = times.windows(2).filter(|t| t[1] < t[0]).collect();
-    let fits = |[low, high]: &[f64; 2]| {
-        let is_end = |fall: &&[f64]| {
-            let (before, after) = (high - fall[0], fall[1] - low);
-            before >= 0.0 && after >= 0.0 && before + after <= near
-        };
-        !falls.is_empty() && falls.iter().all(is_end)
-    };
-    COUNTERS.iter().find(|ends| fits(ends)).map(|[low, high]| high - low)
-}
 
 /// Whether the steps between times are those of samples if the unit is a day (10 µs to 1 s).
 fn are_days(times: &[f64]) -> bool {
@@ -264,6 +240,8 @@ struct Guessed {
     to: Option<Signal>,
     unit: Option<String>,
     is_number: bool,
+    /// What it is, if it is no column.
+    other: Option<String>,
     /// The words of its name, in small letters.
     words: Vec<String>,
 }
@@ -333,10 +311,13 @@ impl Guessed {
                 self.channel(),
                 self.unit.as_deref().unwrap_or("TODO")
             ),
-            None => writeln!(
-                text,
-                "\n# not recognised: {from}, a column of texts: a label of the trial, perhaps"
-            ),
+            None => match &self.other {
+                Some(why) => writeln!(text, "\n# not read: {from}, {why}"),
+                None => writeln!(
+                    text,
+                    "\n# not recognised: {from}, a column of texts: a label of the trial, perhaps"
+                ),
+            },
         };
     }
 }
@@ -378,7 +359,11 @@ fn described(Looked { table, labview, .. }: &Looked, decimal_comma: bool) -> Vec
         let to = signal.filter(|to| (is_number || is_clock) && !taken.contains(to));
         taken.extend(to);
         let from = name.map_or_else(|| (place + 1).to_string(), |name| quoted(name));
-        columns.push(Guessed { place, from, to, unit, is_number, words });
+        let other = match cells {
+            Cells::Other(why) => Some(why.clone()),
+            _ => None,
+        };
+        columns.push(Guessed { place, from, to, unit, is_number, other, words });
     }
     columns
 }
@@ -626,7 +611,7 @@ mod tests {
     #[test]
     fn times_of_a_clock_and_days_are_told_and_times_since_1970_begin_at_0() {
         let (map, _) = imports("a.csv", "time,F_N\n10:00:00.0,1\n10:00:00.5,2\n", &[1.0, 2.0]);
-        says(&map, &["[time]\nfrom = \"time\"\nunit = \"s\"", "clock times"]);
+        says(&map, &["[time]\nfrom = \"time\"\nunit = \"s\"", "clock times", "zero = \"first\""]);
         let map = check("a.csv", b"time,F_N\n0,1\n0.00000001,2\n0.00000002,3\n", &[]);
         says(&map, &["unit = \"d\"", "days, as workbooks count them?"]);
         let text = "t_s,F_N\n1785300900.00,1\n1785300900.10,2\n";

@@ -61,10 +61,20 @@ pub(super) struct Said {
     pub(super) unit: Option<String>,
 }
 
+/// The name of a column within groups (`rig/force_n`) or structures (`rig.force_n`).
+fn own_name(name: &str) -> &str {
+    let is_letter = |letter: char| letter.is_alphanumeric() || "_./".contains(letter);
+    let own = name.rsplit(['/', '.']).next().unwrap_or(name);
+    // A dot may be that of a unit, or of a number.
+    let is_path = name.chars().all(is_letter) && own.starts_with(char::is_alphabetic);
+    if is_path { own } else { name }
+}
+
 /// The words of a name, what they mean, and the unit among them: `Force (mN)` → `force`, `mN`;
 /// `velocity_m_s` → `velocity`, `m/s`. Of several units the longest, and of these the last, that
 /// fits what the words mean; a unit in other letters (`force_mn`) is one only where it fits.
 pub(super) fn said(name: &str) -> Said {
+    let name = own_name(name);
     let parts = name.split([' ', '_', '(', ')', '[', ']', ',', ':']);
     let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
     // The first part is the quantity.
@@ -186,6 +196,16 @@ mod tests {
     #[test]
     fn answers_are_told_from_recordings_by_their_names() {
         let names = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
+        for (name, own) in [
+            ("rig/force_n", "force_n"),
+            ("rig.t", "t"),
+            ("simout.signals.values", "values"),
+            ("F (m.s-1)", "F (m.s-1)"),
+            ("v0.1", "v0.1"),
+        ] {
+            assert_eq!(own_name(name), own);
+        }
+        assert_eq!(said("rig.t").signal, Some(Signal::Time));
         assert!(are_answers(&names(&["Timestamp", "participant", "rating"])));
         assert!(!are_answers(&names(&["t_s", "theta_rad", "rating"])));
         assert!(!are_answers(&names(&["participant", "age"])));

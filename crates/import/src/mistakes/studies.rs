@@ -49,6 +49,12 @@ pub(super) fn clocks() -> Vec<Row> {
     vec![
         three("a counter of microseconds that starts over", (Refused, backwards), micros, wraps),
         three("the same, said", (Read, ""), &format!("{micros}\nwrap = 4294967296"), wraps),
+        three(
+            "the same, parted into trials there",
+            (Refused, "a movement would become two; set wrap = 4294967296 in [time]"),
+            &format!("{micros}\nbackwards = \"split\""),
+            ["4294967290", "4294967295", "4"],
+        ),
         three("clock times", (Read, ""), seconds, ["10:00:00.0", "10:00:00.5", "10:00:01.0"]),
         three(
             "dates with times",

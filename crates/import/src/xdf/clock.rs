@@ -20,11 +20,22 @@ const STEPS: usize = 1000;
 /// deviations and so many seconds, and the offset too.
 const TIME_RESET: (f64, f64) = (5.0, 5.0);
 const OFFSET_RESET: (f64, f64) = (10.0, 1.0);
-/// Offsets that differ by more than this, s, are not of one setting of the clocks: networks delay less.
-const STEP_S: f64 = 0.5;
-/// A break in a regular stream: a step from one sample to the next of more than so many intervals …
+/// Offsets of one setting of the clocks differ by this, s, at most: networks delay less …
+const STEP_S: f64 = 0.05;
+/// … and by so many times what one usually differs from the next.
+const STEP_DIFFERENCES: f64 = 10.0;
+/// No clock gains or loses more than this share of its time.
+const MOST_DRIFT: f64 = 1e-3;
+/// A sample is missing where the next one comes later by more than this part of an interval, …
+const MISSING_INTERVALS: f64 = 0.5;
+/// … and by more than this share of the samples are delayed by, …
+const USUAL: f64 = 0.95;
+/// … near the end, for the last so many samples, by so many times that.
+const AT_THE_END: usize = LASTS;
+const FAR_DELAYS: f64 = 3.0;
+/// A clock was set back by more than so many intervals …
 const BREAK_INTERVALS: f64 = 3.0;
-/// … that lasts for so many samples, because one that comes late is followed by one in time.
+/// … and stays so for so many samples. In so many, one comes in time.
 const LASTS: usize = 50;
 /// How far, as a part, the rate of the samples may lie from the one that the stream names.
 const RATE_OFF: f64 = 0.05;
@@ -37,29 +48,46 @@ pub(super) struct Synchronised {
     pub(super) doubts: Vec<String>,
 }
 
-/// The offsets without those that are off by themselves, and which these are.
-pub(super) fn without_outliers(offsets: &[Offset]) -> (Vec<Offset>, Vec<String>) {
-    let differ = |a: usize, b: usize| (offsets[a].1 - offsets[b].1).abs() > STEP_S;
-    let is_alone = |i: usize| match i {
-        _ if offsets.len() < 3 => false,
-        0 => differ(0, 1) && !differ(1, 2),
-        _ if i + 1 == offsets.len() => differ(i, i - 1) && !differ(i - 1, i - 2),
-        _ => differ(i, i - 1) && differ(i, i + 1) && !differ(i - 1, i + 1),
+/// The offsets without those that are no numbers, or off by themselves, and which these are.
+pub(super) fn without_outliers(all: &[Offset]) -> (Vec<Offset>, Vec<String>) {
+    let is_number = |offset: &&Offset| offset.0.is_finite() && offset.1.is_finite();
+    let offsets: Vec<Offset> = all.iter().filter(is_number).copied().collect();
+    let mut doubts = Vec::new();
+    if offsets.len() < all.len() {
+        doubts.push(format!(
+            "{} of {} clock offsets are no numbers, and are left out",
+            all.len() - offsets.len(),
+            all.len()
+        ));
+    }
+    let step_s = step_s(&offsets);
+    // Two of five that are wrong leave the middle to the others, and so does the end of a stretch.
+    let usual = |i: usize| {
+        let near = &offsets[i.saturating_sub(2)..(i + 3).min(offsets.len())];
+        median(near.iter().map(|offset| offset.1).collect())
     };
-    let (mut kept, mut doubts) = (Vec::new(), Vec::new());
+    let mut kept = Vec::new();
     for (i, offset) in offsets.iter().enumerate() {
-        if !is_alone(i) {
+        let by_s = offset.1 - usual(i);
+        if offsets.len() < 3 || by_s.abs() <= step_s {
             kept.push(*offset);
             continue;
         }
-        let (n, of) = (i + 1, offsets.len());
-        let by_s = offset.1 - offsets[if i == 0 { 1 } else { i - 1 }].1;
         doubts.push(format!(
-            "clock offset {n} of {of} lies {by_s:.3} s off those beside it, and is left out: was a clock set while this was \
-             recorded?"
+            "clock offset {} of {} lies {by_s:.3} s off those beside it, and is left out: was a clock set while this was \
+             recorded?",
+            i + 1,
+            offsets.len()
         ));
     }
     (kept, doubts)
+}
+
+/// Offsets that differ by more than this are not of one setting of the clocks, s: by far more than one
+/// differs from the next, and by more than networks delay.
+fn step_s(offsets: &[Offset]) -> f64 {
+    let differences = offsets.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).collect();
+    STEP_S.max(STEP_DIFFERENCES * median(differences))
 }
 
 /// Adds to each time what the offsets say: a line through those between two resets of the clock.
@@ -68,9 +96,21 @@ pub(super) fn synchronise(times: &mut [f64], offsets: &[Offset]) -> Synchronised
     let mut rest = times;
     let (mut all_used, mut doubts) = (true, Vec::new());
     for (i, stretch) in stretches.iter().enumerate() {
-        let line = line(&offsets[stretch.clone()]);
+        let here = &offsets[stretch.clone()];
+        let line = line(here);
         all_used &= line.is_some();
-        let (start, slope) = line.unwrap_or((0.0, 0.0));
+        let (start, slope) = match line {
+            Some((_, slope)) if slope.abs() > MOST_DRIFT => {
+                doubts.push(format!(
+                    "by {} clock offsets the clocks run apart by {:.2} %, which no clock does: one of them is wrong, and the times \
+                     are shifted by their middle alone",
+                    here.len(),
+                    100.0 * slope.abs()
+                ));
+                (median(here.iter().map(|offset| offset.1).collect()), 0.0)
+            }
+            line => line.unwrap_or((0.0, 0.0)),
+        };
         let here = match offsets.get(stretch.end).filter(|_| i + 1 < stretches.len()) {
             Some(next) => {
                 let last = offsets[stretch.end - 1];
@@ -103,7 +143,8 @@ fn stretches(offsets: &[Offset]) -> Vec<Range<usize>> {
     let times = difference(|offset| offset.0);
     let (late, off) = (glitches(&times, TIME_RESET), glitches(&difference(|o| o.1), OFFSET_RESET));
     // pyxdf lets a line run through a step that took no time, which is wrong on both sides of it.
-    let near = |a: usize, b: usize| (offsets[a].1 - offsets[b].1).abs() <= STEP_S;
+    let step_s = step_s(offsets);
+    let near = |a: usize, b: usize| (offsets[a].1 - offsets[b].1).abs() <= step_s;
     let steps = |i: usize| {
         !near(i, i + 1)
             && offsets.len() > 2
@@ -194,31 +235,17 @@ fn shrunk(d: f64) -> f64 {
 /// pyxdf breaks the line at gaps of more than a second and 500 samples alone, and spreads shorter ones over
 /// the whole recording.
 pub(super) fn remove_jitter(times: &mut [f64], rate_hz: f64) -> Vec<String> {
-    let interval_s = 1.0 / rate_hz;
-    // How late a sample is against the first at this rate; the least of many, because some are late.
-    let late = |i: usize| times[i] - i as f64 * interval_s;
-    let least = |range: Range<usize>| range.map(late).fold(f64::INFINITY, f64::min);
-    let steps = |i: usize| {
-        let (before, after) =
-            (i.saturating_sub(LASTS - 1)..i + 1, i + 1..(i + 1 + LASTS).min(times.len()));
-        least(after) - least(before)
-    };
-    let limit_s = BREAK_INTERVALS * interval_s;
-    let breaks: Vec<(usize, f64)> = (0..times.len().saturating_sub(1))
-        .filter(|i| (times[i + 1] - times[*i]).abs() > limit_s)
-        .map(|i| (i, steps(i)))
-        .filter(|(_, step_s)| step_s.abs() > limit_s)
-        .collect();
+    let breaks = breaks(times, 1.0 / rate_hz);
     let mut doubts = Vec::new();
-    if let Some((first, step_s)) = breaks.first() {
-        let all_s: f64 = breaks.iter().map(|(_, step_s)| step_s).sum();
+    if let Some((first, gap_s)) = breaks.first() {
+        let all_s: f64 = breaks.iter().map(|(_, gap_s)| gap_s).sum();
         let others = match breaks.len() {
             1 => String::new(),
             n => format!(", and {} more gaps: {all_s:.2} s in all", n - 1),
         };
         doubts.push(format!(
-            "{step_s:.2} s ({:.0} samples at {rate_hz} Hz) are missing behind sample {}{others}",
-            step_s * rate_hz,
+            "{gap_s:.2} s ({:.0} samples at {rate_hz} Hz) are missing behind sample {}{others}",
+            gap_s * rate_hz,
             first + 1
         ));
     }
@@ -238,6 +265,77 @@ pub(super) fn remove_jitter(times: &mut [f64], rate_hz: f64) -> Vec<String> {
         ));
     }
     doubts
+}
+
+/// Where samples of a regular stream are missing: behind which, and for how long, s.
+///
+/// Each sample comes late against its place, by what was missing before it and by a delay of its own. A
+/// delay passes: some later sample comes in time, also after a stall that is made up for, or behind the
+/// chunk that was sent late. What is missing stays: no later sample comes earlier than by that.
+fn breaks(times: &[f64], interval_s: f64) -> Vec<(usize, f64)> {
+    let n = times.len();
+    let late = lateness(times, interval_s);
+    // The least of what comes later, and what delays usually are.
+    let mut least_later = late.clone();
+    for i in (1..n).rev() {
+        least_later[i - 1] = least_later[i - 1].min(least_later[i]);
+    }
+    let usual_s = usual_delay(&late);
+    let limit_s = (MISSING_INTERVALS * interval_s).max(usual_s);
+    let mut found = Vec::new();
+    let mut least = f64::INFINITY;
+    for i in 0..n.saturating_sub(1) {
+        least = least.min(late[i]);
+        let step_s = times[i + 1] - times[i];
+        let gap_s = least_later[i + 1] - least;
+        let is_gap = step_s - interval_s > MISSING_INTERVALS * interval_s && gap_s > limit_s;
+        // A clock that was set back is no delay either: nothing before it is as early as what follows.
+        let back_s = least_later[i + 1] - late[i];
+        let is_back = step_s < -BREAK_INTERVALS * interval_s
+            && n - i > LASTS
+            && back_s < -BREAK_INTERVALS * interval_s
+            && late[i + 1..(i + 1 + LASTS).min(n)].iter().all(|late| *late < least);
+        // Of the last samples of all nobody knows whether one in time would have followed.
+        let is_told = n - i > AT_THE_END || gap_s > FAR_DELAYS * usual_s;
+        if is_gap && is_told {
+            found.push((i, gap_s));
+            least = f64::INFINITY;
+        } else if is_back {
+            found.push((i, late[i + 1] - least));
+            least = f64::INFINITY;
+        }
+    }
+    found
+}
+
+/// How late each sample comes against its place at the rate, s, less what the true rate differs by: the
+/// middle of how much later the samples of one stretch come than those of the stretch before.
+fn lateness(times: &[f64], interval_s: f64) -> Vec<f64> {
+    let late = |i: usize| times[i] - i as f64 * interval_s;
+    let least = |from: usize| {
+        let to = (from + LASTS).min(times.len());
+        (from..to).map(late).fold(f64::INFINITY, f64::min)
+    };
+    let stretches: Vec<f64> = (0..times.len()).step_by(LASTS).map(least).collect();
+    let drifts = stretches.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let drift = median(drifts) / LASTS as f64;
+    // A stretch at which samples are missing comes later by whole intervals, a true rate by parts of one.
+    let drift = if drift.abs() < RATE_OFF * interval_s { drift } else { 0.0 };
+    (0..times.len()).map(|i| late(i) - drift * i as f64).collect()
+}
+
+/// What a sample of a hundred or so comes late by against those around it, s.
+fn usual_delay(late: &[f64]) -> f64 {
+    let least = |chunk: &[f64]| chunk.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut delays: Vec<f64> = late
+        .chunks(LASTS)
+        .flat_map(|chunk| {
+            let least = least(chunk);
+            chunk.iter().map(move |late| late - least)
+        })
+        .collect();
+    let place = (USUAL * delays.len() as f64) as usize;
+    if delays.is_empty() { 0.0 } else { *delays.select_nth_unstable_by(place, f64::total_cmp).1 }
 }
 
 /// Replaces values by those of the least-squares line over their places.
@@ -310,5 +408,50 @@ mod tests {
         let mut alone = [5.0];
         remove_jitter(&mut alone, 100.0);
         near(&alone, &[5.0]);
+    }
+
+    #[test]
+    fn single_samples_that_are_missing_are_gaps() {
+        let lost = |i: &u32| (1000..1160).contains(i) && i % 2 == 1;
+        let stamp = |i: u32| 5.0 + 0.01 * f64::from(i) + 1e-4 * f64::from(i % 3);
+        let mut times: Vec<f64> = (0..2500).filter(|i| !lost(i)).map(stamp).collect();
+        let expect = times.clone();
+        let doubts = remove_jitter(&mut times, 100.0);
+        assert!(doubts[0].contains("and 79 more gaps: 0.80 s in all"), "{doubts:?}");
+        let off = times.iter().zip(&expect).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 2e-3, "{off}");
+    }
+
+    /// Chunks of ten samples, each sent late by up to 15 ms; and a stall of 1.5 s that is made up for.
+    #[test]
+    fn samples_that_only_come_late_are_not_missing() {
+        let late = |chunk: u32| 1e-3 * f64::from(chunk.wrapping_mul(2_654_435_761) >> 28);
+        let mut chunks: Vec<f64> = (0..2000).map(|i| 0.01 * f64::from(i) + late(i / 10)).collect();
+        assert_eq!(remove_jitter(&mut chunks, 100.0), [""; 0]);
+        let mut stalled: Vec<f64> = (0..2000)
+            .map(|i| 0.01 * f64::from(i))
+            .map(|t| if (8.0..9.5).contains(&t) { 9.5 + 1e-3 * (t - 8.0) } else { t })
+            .collect();
+        assert_eq!(remove_jitter(&mut stalled, 100.0), [""; 0]);
+    }
+
+    #[test]
+    fn offsets_that_step_a_little_lie_alone_or_are_no_numbers_are_told() {
+        let at = |i: u32| 5.0 * f64::from(i);
+        let scatter = |i: u32| 1e-3 * f64::from(i * 7 % 5);
+        let steady: Vec<Offset> = (0..20).map(|i| (at(i), 3.0 + scatter(i))).collect();
+        assert!(without_outliers(&steady).1.is_empty());
+        let mut found = steady.clone();
+        (found[4].1, found[5].1, found[12].1) = (3.44, 3.4, f64::NAN);
+        let (kept, doubts) = without_outliers(&found);
+        assert_eq!((kept.len(), doubts.len()), (17, 3), "{doubts:?}");
+        assert!(doubts[0].contains("1 of 20 clock offsets are no numbers"), "{doubts:?}");
+        let stepped: Vec<Offset> =
+            steady.iter().map(|(t, o)| (*t, if *t < 50.0 { *o } else { o + 0.2 })).collect();
+        let mut times = [10.0, 90.0];
+        let told = synchronise(&mut times, &without_outliers(&stepped).0).doubts;
+        assert!(told[0].contains("a clock was set anew by 0.197 s"), "{told:?}");
+        let told = synchronise(&mut times, &[(0.0, 3.0), (10.0, 9.0)]).doubts;
+        assert!(told[0].contains("run apart by 60.00 %"), "{told:?}");
     }
 }
