@@ -85,16 +85,6 @@ fn describe(scene: &EnvironmentData, words: Words) -> String {
     )
 }
 
-/// How the means are aligned, in words: once where all are alike.
-fn how_aligned(scene: &EnvironmentData) -> String {
-    let has_wall = scene.environment.scene.wall_rad().is_some();
-    let position = Words::new(scene.about.coordinate).position_word();
-    format!(
-        "against time {}; force against {position} {AT_THE_ANGLE}",
-        aligned(scene.alignment, has_wall)
-    )
-}
-
 /// What a thick line is: a mean, or the only repeat there is to draw one of.
 fn thick(scene: &EnvironmentData) -> &'static str {
     match scene.modes.iter().filter_map(ModeData::averaged).max() {
@@ -107,17 +97,21 @@ fn thick(scene: &EnvironmentData) -> &'static str {
 fn footnotes(scene: &EnvironmentData) -> Vec<String> {
     let mut legend = String::new();
     if scene.modes.iter().any(|m| m.average.is_some()) {
-        legend += &format!("Thick: {}, {}", thick(scene), how_aligned(scene));
+        let has_wall = scene.environment.scene.wall_rad().is_some();
+        let how = aligned(scene.alignment, has_wall);
+        legend += &format!("Thick: {}; against time {how}", thick(scene));
         if scene.modes.iter().any(|m| m.average.is_some() && m.repeats.len() > 1) {
             legend += &format!(", with its pointwise {} band", scene.level());
         }
+        let position = Words::new(scene.about.coordinate).position_word();
+        legend += &format!("; force against {position} {AT_THE_ANGLE}");
         legend += match scene.alignment {
             Alignment::Onset => "; thin: every repeat",
             Alignment::Landmarks => {
                 "; thin: every repeat, stretched so that its landmarks stand at theirs"
             }
         };
-        if scene.environment.scene.wall_rad().is_some() {
+        if has_wall {
             let past = rhythms(scene);
             legend += &format!(
                 "; dotted{past}: at the wall or past it, but where the wall fills a panel"
