@@ -78,7 +78,7 @@ pub use compared::{
     ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
     modes_compared, participants_compared, repeats_compared, sessions_compared,
 };
-pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns};
+pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns, loop_columns};
 pub use environment::{ENVIRONMENT, Placement, environment};
 pub use export::data_table;
 pub use finding::{Felt, finding};
