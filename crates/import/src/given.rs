@@ -6,10 +6,17 @@ use super::recording::Recording;
 use super::spelling::find;
 use super::{Context, Errors};
 use zwidth_store::StoreError;
-use zwidth_study::{Given, QuestionId};
+use zwidth_study::{AnswerValue, QuestionId};
 
 /// No answer takes longer, s: a day.
 const LONGEST_S: f64 = 86_400.0;
+
+/// An answer as a table has it, and what it took, ms, where that was measured.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given {
+    pub(super) value: AnswerValue,
+    pub(super) time_ms: Option<u32>,
+}
 
 /// A trial without samples, and what was answered.
 pub(super) struct Answered {
@@ -34,8 +41,9 @@ pub(super) fn read_given(
     place: Place,
 ) -> Result<Option<Given>, Errors> {
     let Place { row, answer: column, time } = place;
-    let cell = recording.table.columns[column].cell(row).to_string();
-    let word = find(&asked.translate, cell.trim());
+    let cell = recording.table.columns[column].cell(row);
+    let text = cell.to_string();
+    let word = find(&asked.translate, text.trim());
     // A word of the scale comes first: "NA" may be an answer.
     let is_missing = word.is_none() && recording.number(column, row) == Ok(None);
     if context.mapping.file.cells.missing == Missing::Drop && is_missing {
@@ -45,8 +53,8 @@ pub(super) fn read_given(
                   [questions.translate]";
     let scale = context.study.question(question).map(|q| q.scale.clone()).unwrap_or_default();
     let value = match word {
-        Some(value) => answer(&value.to_string(), &scale),
-        None => answer(&cell, &scale),
+        Some(value) => answer(&value.to_string(), false, &scale),
+        None => answer(&text, recording.has_decimal_comma(&cell), &scale),
     };
     let value = value.map_err(|what| recording.cell_error(column, row, &what, remedy))?;
     let time_ms = match time {

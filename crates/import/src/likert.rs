@@ -2,7 +2,7 @@
 //! trial; `long` has the others.
 
 use super::batch::Batch;
-use super::given::{Answered, Place, read_given};
+use super::given::{Answered, Given, Place, read_given};
 use super::identity::{Identity, Named, identity, number_trials, tell_labels};
 use super::limits::{Budget, Take};
 use super::mapping::{Asked, Questionnaire, Who};
@@ -81,7 +81,7 @@ fn note_losses(converted: &[Converted<(Vec<Answered>, FileReport)>], events: &mu
 
 /// The answers after a trial as events of it.
 fn events(row: &Answered, PlannedTrial { trial, .. }: &PlannedTrial) -> Vec<Event> {
-    let event = |(question, given): &(QuestionId, zwidth_study::Given)| Event::Answer {
+    let event = |(question, given): &(QuestionId, Given)| Event::Answer {
         trial: *trial,
         question: question.clone(),
         value: given.value,
@@ -220,10 +220,10 @@ trial = { column = \"order\" }
         assert_eq!((report.trials, report.sessions, report.answers), (0, 2, 6));
         assert_eq!(report.files[0].columns_dropped[0].column, "Timestamp");
         let events = world.events("P01", "S01");
-        let answer = |trial, question: &str, value| Event::Answer {
+        let answer = |trial, question: &str, value: i16| Event::Answer {
             trial,
             question: question.parse().unwrap(),
-            value,
+            value: value.into(),
             time_ms: None,
         };
         assert_eq!(events[..2], [answer(1, "felt_spring", 2), answer(1, "felt_wall", 4)]);
@@ -286,7 +286,7 @@ trial = { column = \"order\" }
         world.import(&map, &[world.file("a.csv", TABLE.replace("5;1", "5.0;1.0"))]).unwrap();
         let values = world.events("P01", "S01");
         let first = |event: &Event| match event {
-            Event::Answer { trial: 2, value, .. } => Some(*value),
+            Event::Answer { trial: 2, value, .. } => value.whole(),
             _ => None,
         };
         assert_eq!(values.iter().filter_map(first).collect::<Vec<_>>(), [5, 1]);
