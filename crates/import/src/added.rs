@@ -7,7 +7,7 @@ use super::{Context, Errors};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_store::{SessionLog, StoreError, StudyData};
-use zwidth_study::{Event, PlannedTrial, QuestionId};
+use zwidth_study::{AnswerValue, Event, PlannedTrial, QuestionId};
 
 /// The study as it is, and what its trials are answered with.
 pub(super) struct There {
@@ -15,7 +15,7 @@ pub(super) struct There {
     from_zero: FromZero,
     /// Each answer so far, of the study and of this import: the log of its session, its trial, its
     /// question.
-    answers: BTreeMap<(PathBuf, u32, QuestionId), i16>,
+    answers: BTreeMap<(PathBuf, u32, QuestionId), AnswerValue>,
     /// What the logs are to say.
     pub(super) events: BTreeMap<PathBuf, Vec<Event>>,
 }
@@ -39,7 +39,7 @@ impl There {
             let asked = data.study.environment(&meta.environment).and_then(|e| e.question.as_ref());
             if let (Some(question), Some(value)) = (asked, meta.likert) {
                 let log = context.layout.events(&meta.participant, &meta.session);
-                answers.entry((log, meta.trial, question.clone())).or_insert(value);
+                answers.entry((log, meta.trial, question.clone())).or_insert(value.into());
             }
         }
         let from_zero = FromZero::of(identities);
@@ -141,7 +141,7 @@ fn differs(
     row: &Answered,
     trial: u32,
     question: &QuestionId,
-    [known, given]: [i16; 2],
+    [known, given]: [AnswerValue; 2],
 ) -> StoreError {
     let Identity { participant, session, file, .. } = &row.identity;
     let what = format!(

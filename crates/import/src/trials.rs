@@ -23,7 +23,7 @@ use zwidth_store::{
     Asked, DOUBTS, GAPS, LOST, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, ZEROS,
     check_form, check_samples, trial_bytes,
 };
-use zwidth_study::{Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
+use zwidth_study::{AnswerValue, Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
 
 /// One trial of a file.
 struct Piece {
@@ -692,7 +692,8 @@ fn meta(identity: &Identity, number: &PlannedTrial, source: Source) -> TrialMeta
         status: Status::Complete,
         environment: i.environment,
         mode: i.mode,
-        likert: i.likert,
+        // The file has answers on five points alone; any other answer is an event.
+        likert: i.likert.and_then(AnswerValue::whole),
         source,
     }
 }
@@ -706,7 +707,7 @@ fn file(context: &Context, plan: &Plan, blake3: &str) -> TrialFile {
 
 #[cfg(test)]
 mod tests {
-    use super::super::world::{COLUMNS, FORCE, ONE, World, close, trials_map};
+    use super::super::world::{COLUMNS, FORCE, ONE, World, close, template_once, trials_map};
     use zwidth_store::{Signal, file_blake3, read_channels};
     use zwidth_study::{Event, Kind, Source};
 
@@ -926,9 +927,26 @@ derive = \"integral of theta_dot_rad_s\"
         let meta = world.trial("P01", "S01", 2).meta;
         assert_eq!((meta.likert, meta.repeat, meta.kind), (None, 1, Kind::Trial));
         let question = "felt_spring".parse().unwrap();
-        let answer = Event::Answer { trial: 2, question, value: 5, time_ms: None };
+        let answer = Event::Answer { trial: 2, question, value: 5.into(), time_ms: None };
         assert!(world.events("P01", "S01").contains(&answer));
         assert_eq!(world.trial("P01", "S01", 1).meta.kind, Kind::Familiarisation);
         assert_eq!(world.load().counting().count(), 2, "familiarisation does not count");
+    }
+
+    #[test]
+    fn an_answer_beside_the_samples_may_lie_on_a_line_and_is_an_event_then() {
+        let line = "id = \"felt_spring\"\npoints = 101\nfrom = 0\n";
+        let world = World::with(&template_once().replace("id = \"felt_spring\"\n", line));
+        let map = format!("{ONE}likert = {{ column = \"q\" }}\n");
+        let map = trials_map(&["[file]\ndecimal = \",\"\n", &map, FORCE]);
+        let file = world.file("a.csv", "t;f;q\n0;1,5;47,273\n0,5;2;47,273\n");
+        world.import(&map, &[file]).unwrap();
+        assert_eq!(world.trial("P01", "S01", 1).meta.likert, None);
+        let value = |event: &Event| match event {
+            Event::Answer { value, .. } => Some(value.get()),
+            _ => None,
+        };
+        let answers: Vec<f64> = world.events("P01", "S01").iter().filter_map(value).collect();
+        assert_eq!(answers, [47.273]);
     }
 }

@@ -4,6 +4,7 @@
 //! Angles are radians and everything else is SI in memory; `study.toml` speaks degrees and
 //! millimetres where people do, and its keys end in their unit.
 
+mod answer;
 mod calibration;
 mod changes;
 mod compare;
@@ -32,6 +33,7 @@ mod setup;
 mod template;
 mod trial;
 
+pub use answer::{AnswerValue, NoAnswer};
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{Bound, Compare, Contrast, Families};

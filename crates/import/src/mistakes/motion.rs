@@ -140,6 +140,8 @@ pub(super) fn answers() -> Vec<Row> {
     let likert = |what, becomes, said, answers: &str| {
         mapped(what, (becomes, said), map.to_owned(), "a.csv", format!("who,mode,q\n{answers}"))
     };
+    let slider = map.replace("felt_spring", "line");
+    let decimals = "who,mode,q\nP01,active,47.273\nP01,passive,100\n";
     vec![
         likert("answers on the scale", Read, "", "P01,active,5\nP01,passive,1\n"),
         likert(
@@ -159,6 +161,14 @@ pub(super) fn answers() -> Vec<Row> {
             Refused,
             "the answer '2.5' must be a whole number",
             "P01,active,2.5\n",
+        ),
+        mapped("decimals of a slider, on a line", (Read, ""), slider.clone(), "a.csv", decimals),
+        mapped(
+            "an answer off a line",
+            (Refused, "the answer '100.5' must be a number from 0 to 100"),
+            slider,
+            "a.csv",
+            decimals.replace("47.273", "100.5"),
         ),
         likert("no answer", Refused, "the answer '' must be a whole number", "P01,active,\n"),
     ]
