@@ -115,8 +115,8 @@ fn trial_of(log: &SessionLog, i: &Identity, from_zero: FromZero) -> Result<u32, 
         return match meant.len() {
             0 => error(
                 format!(
-                    "{session} is there, and has no trial of {environment}, {mode}{named}: the trials of a session \
-                     are laid down once"
+                    "{session} is there, and has no trial of {environment}, {mode}{named}: a session keeps the trials \
+                     that it began with"
                 ),
                 "give all conditions of a row in one mapping, with [[condition]], or name another session",
             ),
