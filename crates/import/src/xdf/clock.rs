@@ -23,7 +23,7 @@ const OFFSET_RESET: (f64, f64) = (10.0, 1.0);
 /// Offsets jump where one differs from the one before by so many times what they usually do …
 const JUMP_SCATTERS: f64 = 10.0;
 /// … but not by less than this, s, because comparisons over a bad network scatter by some 0.01 s …
-const LEAST_JUMP_S: f64 = 0.05;
+const LEAST_JUMP_S: f64 = 0.06;
 /// … and by this, s, in any case: networks delay less.
 const LARGEST_SCATTER_S: f64 = 0.5;
 /// Clocks that run do not drift faster than this, s per s.
