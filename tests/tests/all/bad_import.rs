@@ -166,14 +166,8 @@ fn time_that_runs_backwards_or_stands_still_is_refused_with_its_row() {
         ("0.005", "0.005 s after 0.01 s", "else mend the recording"),
         ("0.01", "0.01 s after 0.01 s", "set equal = \"drop\" in [time] if rows come twice"),
     ] {
-        let words = [
-            "bad.csv",
-            "column t",
-            "row 3",
-            "time runs backwards or stands still",
-            what,
-            remedy,
-        ];
+        let words =
+            ["bad.csv", "column t", "row 3", "time runs backwards or stands still", what, remedy];
         World::new().refuses_text(good_but("0.02", time), &words);
     }
 }

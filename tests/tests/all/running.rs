@@ -148,7 +148,11 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
     let traced = only(root.path(), &["trace", FIGURE]);
     let inputs = traced["jobs"][0]["inputs"].as_object().unwrap();
     let of = |kind: &str| inputs.keys().filter(|path| path.ends_with(kind)).count();
-    assert_eq!((of(".landmarks.parquet"), of(".loop.parquet")), (3, 3), "force stands at the angle");
+    assert_eq!(
+        (of(".landmarks.parquet"), of(".loop.parquet")),
+        (3, 3),
+        "force stands at the angle"
+    );
     // At onset is the default, and the same bytes as without a choice.
     for choice in ["modes.alignment = \"onset\"", ""] {
         choose(choice);

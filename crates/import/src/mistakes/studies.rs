@@ -44,6 +44,10 @@ pub(super) fn clocks() -> Vec<Row> {
     let usual = [(0.0, 5.0), (1.0, 5.0), (2.0, 5.0)];
     let even = |i: u32| 0.01 * f64::from(i);
     let gap = |i: u32| 0.01 * f64::from(i) + if i >= 150 { 0.6 } else { 0.0 };
+    let single = |i: u32| 0.01 * f64::from(if i < 150 { i } else { (2 * i - 150).min(i + 40) });
+    let stalled = |i: u32| even(i).max(if i >= 90 { 1.7 + 1e-5 * f64::from(i) } else { 0.0 });
+    // Chunks of ten, late by up to 40 ms.
+    let in_chunks = |i: u32| even(i) + 0.01 * f64::from((i / 10 * 7 + i / 50) % 5);
     let stepped = |i: u32| 0.01 * f64::from(i) - if i >= 150 { 10.0 } else { 0.0 };
     let from_xdf = || timed(&seconds.replace("\"t\"", "\"time_s\"")).replace("\"f\"", "\"load\"");
     vec![
@@ -140,6 +144,30 @@ pub(super) fn clocks() -> Vec<Row> {
             xdf(&gap, 300, &usual),
         ),
         mapped(
+            "an XDF stream of which every second sample is missing for a while",
+            (
+                Flagged,
+                "0.40 s (40 samples at 100 Hz) are missing in 40 gaps, the first behind sample 151",
+            ),
+            from_xdf(),
+            "a.xdf",
+            xdf(&single, 400, &usual),
+        ),
+        mapped(
+            "an XDF stream whose samples were held up, and all came then",
+            (Read, ""),
+            from_xdf(),
+            "a.xdf",
+            xdf(&stalled, 400, &usual),
+        ),
+        mapped(
+            "an XDF stream whose chunks come late, each by another time",
+            (Read, ""),
+            from_xdf(),
+            "a.xdf",
+            xdf(&in_chunks, 400, &usual),
+        ),
+        mapped(
             "an XDF stream of another rate than it says",
             (Flagged, "the stream says 100 Hz, and 90.9 samples per second were recorded"),
             from_xdf(),
@@ -152,6 +180,20 @@ pub(super) fn clocks() -> Vec<Row> {
             from_xdf(),
             "a.xdf",
             xdf(&even, 300, &[usual[0], usual[1], usual[2], (3.0, 200_005.0)]),
+        ),
+        mapped(
+            "an XDF file whose clock offsets step by 0.2 s, and its samples do not",
+            (Flagged, "clock offset 4 of 4 lies 0.200 s off those beside it, and is left out"),
+            from_xdf(),
+            "a.xdf",
+            xdf(&even, 300, &[usual[0], usual[1], usual[2], (3.0, 5.2)]),
+        ),
+        mapped(
+            "an XDF file with a clock offset that is no number",
+            (Flagged, "clock offset 2 of 3 is not a number, and is left out"),
+            from_xdf(),
+            "a.xdf",
+            xdf(&even, 300, &[usual[0], (1.0, f64::NAN), usual[2]]),
         ),
         mapped(
             "an XDF file recorded while the clock was set back by 10 s",
