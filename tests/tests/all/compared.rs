@@ -160,14 +160,14 @@ fn a_plan_for_another_study_toml_says_what_differs_even_if_it_is_a_comment() {
     planned(root.path());
     let path = root.path().join("raw/thesis-twin/study.toml");
     let text = fs::read_to_string(&path).unwrap();
-    for (edited, says) in [
-        (format!("# A comment.\n{text}"), "they differ in comments and form alone"),
-        (text.replacen("pause_s = 5.0", "pause_s = 4.0", 1), "s was 5.0, is 4.0"),
+    // A session that was recorded under another design is a finding.
+    for (edited, says, code) in [
+        (format!("# A comment.\n{text}"), "they differ in comments and form alone", 0),
+        (text.replacen("pause_s = 5.0", "pause_s = 4.0", 1), "s was 5.0, is 4.0", 3),
     ] {
         assert_ne!(edited, text);
         fs::write(&path, edited).unwrap();
-        // The session was recorded under another study.toml: that is a finding.
-        let compared = zwidth(root.path(), &["compare", "thesis-twin"]).exits(3);
+        let compared = zwidth(root.path(), &["compare", "thesis-twin"]).exits(code);
         prints(&compared, &["Not as planned (plan.json", says]);
         let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0);
         prints(&methods, &["Not as planned", says]);
