@@ -37,12 +37,13 @@ pub(super) struct Gaps {
 }
 
 impl Gaps {
+    /// Of so many missing samples in each place; fewer than none where a count that came late is made up
+    /// for.
     fn of(missing: impl Iterator<Item = f64>, rows: usize) -> Self {
         let mut gaps = Self { all: rows as f64, ..Self::default() };
         for missing in missing {
-            gaps.places += 1;
+            gaps.places += usize::from(missing > 0.0);
             gaps.samples += missing;
-            gaps.all += missing;
             gaps.longest = gaps.longest.max(missing);
         }
         gaps
@@ -60,7 +61,8 @@ impl Gaps {
 
     /// Whether there are so many that a result may depend on it.
     pub(super) fn matter(self) -> bool {
-        self.longest >= LEAST_GAP || self.samples >= LEAST_SHARE * self.all.max(1.0)
+        let is_long = self.longest >= LEAST_GAP && self.samples >= LEAST_GAP;
+        is_long || self.samples >= LEAST_SHARE * (self.all + self.samples).max(1.0)
     }
 }
 
@@ -179,10 +181,14 @@ pub(super) fn hidden(values: &[f64], t_s: &[f64]) -> Option<Gaps> {
     let steps: Vec<f64> = begins.windows(2).map(|pair| counts[pair[1]] - counts[pair[0]]).collect();
     let step = usual(&steps, JITTER)?;
     let step_s = median(t_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
-    let passed_over = begins.iter().skip(1).zip(&steps).filter_map(|(row, counted)| {
-        let missing = ((counted / step).round() - 1.0) * length;
-        let told_s = t_s[*row] - t_s[*row - 1];
-        (missing > 0.0 && told_s < (1.0 + missing / 2.0) * step_s).then_some(missing)
+    // The first packet may have begun before, and the last go on: only between others is told what a
+    // number stood for. A number that is held until the next one, as that of a camera's picture, stands for
+    // as many rows.
+    let passed_over = (1..steps.len()).filter_map(|i| {
+        let missing = (steps[i] / step).round() * length - lengths[i];
+        let row = begins[i + 1];
+        let told_s = t_s[row] - t_s[row - 1];
+        (told_s < (1.0 + missing / 2.0) * step_s || missing < 0.0).then_some(missing)
     });
     Some(Gaps::of(passed_over, values.len()))
 }
@@ -268,6 +274,14 @@ mod tests {
             (0..320).map(|n| n / 8).filter(|n| *n != 20).map(f64::from).collect();
         let found = counted(&packets).unwrap();
         assert!((found.places, found.samples) == (1, 8.0) && found.matter());
+        // A camera that skips a picture, beside samples of which none is missing.
+        let pictures: Vec<f64> =
+            (0..400).map(|n| n / 20).map(|n| if n == 7 { 6 } else { n }).map(f64::from).collect();
+        assert!(!counted(&pictures).is_some_and(Gaps::matter));
+        // A host's clock that comes late now and then, and is in time again.
+        let late: Vec<f64> =
+            (0..300).map(|n| f64::from(n) + if n % 20 == 7 { 0.9 } else { 0.0 }).collect();
+        assert!(!counted(&late).is_some_and(Gaps::matter));
         let clock: Vec<f64> = counter(0..0)
             .iter()
             .enumerate()

@@ -4,7 +4,7 @@
 use super::blocks::blake3_of;
 use super::identity::{counted, id};
 use super::label::Label;
-use super::limits::{Budget, Take};
+use super::limits::Budget;
 use super::recording::Recording;
 use super::report::{FileReport, Report};
 use super::table::ColumnRef;
@@ -70,7 +70,7 @@ pub(super) fn import(
     let data = data.map_err(|found| found.into_iter().collect::<Errors>())?;
     let sources = trial_sources(context.files, context.layout)?;
     let budget = Budget::default();
-    let take = Take::of(form.columns().collect(), &budget);
+    let take = context.take(form.columns().collect(), &budget);
     let converted =
         context.convert(files, &take, |recording| read(context, form, recording, &sources))?;
     let (mut events, mut reports) = (BTreeMap::<_, Vec<Event>>::new(), Vec::new());

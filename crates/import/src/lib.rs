@@ -84,13 +84,14 @@ pub use report::{ColumnDropped, FileReport, Report, RowsDropped, Unplanned};
 
 use batch::Batch;
 use format::Format;
-use limits::{MOST_FILE, Take, shown};
+use limits::{Budget, MOST_FILE, Take, shown};
 use mapping::Content;
 use order::in_order;
 use rayon::prelude::*;
 use recording::{Recording, Rows};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use table::ColumnRef;
 use zwidth_store::commit::settle;
 use zwidth_store::{
     Files, FirstErrors, Layout, MOST_STUDY, SOURCE, StoreError, StudyData, against_plan, hex_blake3,
@@ -229,6 +230,11 @@ struct Context<'a> {
 }
 
 impl Context<'_> {
+    /// These columns, of matrices as the mapping says that they lie.
+    fn take<'t>(&self, columns: Vec<&'t ColumnRef>, budget: &'t Budget) -> Take<'t> {
+        Take { turned: self.mapping.file.turned, ..Take::of(columns, budget) }
+    }
+
     /// Reads every file and converts it, side by side as far as they fit into memory together.
     ///
     /// # Errors

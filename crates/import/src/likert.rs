@@ -5,7 +5,7 @@ use super::added::There;
 use super::batch::Batch;
 use super::given::{Answered, Given, Place, read_given};
 use super::identity::{Identity, Named, identity, number_trials, tell_labels};
-use super::limits::{Budget, Take};
+use super::limits::Budget;
 use super::mapping::{Asked, Missing, OfRow, Questionnaire, Who};
 use super::recording::Recording;
 use super::report::{FileReport, RowsDropped};
@@ -48,7 +48,7 @@ pub(super) fn likert(
     };
     let of_wide = wide.iter().flat_map(|w| &w.questions).map(|(_, from, _)| from.column());
     let columns = asked.columns().into_iter().chain(of_wide).collect();
-    let take = Take::of(columns, &budget);
+    let take = context.take(columns, &budget);
     let converted = context.convert(files, &take, |recording| match &asked.form {
         Asked::Wide(_) => convert(context, asked, &wide, &budget, recording),
         Asked::Long(long) => long::convert(context, asked, long, &budget, recording),
@@ -98,7 +98,7 @@ fn made_of(
 ) -> Result<FileReport, Errors> {
     let Read { found, report, empty, .. } = &file.made;
     let (mut new, mut answered, mut answers, mut known) = (0, 0, 0, BTreeSet::new());
-    let mut errors = Errors::default();
+    let (mut errors, mut logs) = (Errors::default(), BTreeSet::new());
     for row in found {
         let Identity { participant, session, .. } = &row.identity;
         let is_there = context.files.kind(&context.layout.session(participant, session)).is_some();
@@ -111,11 +111,17 @@ fn made_of(
             Some(Ok(given)) => {
                 answered += 1;
                 answers += given;
+                logs.insert(context.layout.events(participant, session));
             }
             Some(Err(error)) => errors.push(error),
         }
     }
     errors.none()?;
+    if let (Some(there), Some(lost)) = (there, &report.lost) {
+        for log in logs {
+            there.events.entry(log).or_default().push(loss(lost));
+        }
+    }
     let known: Vec<String> = known.into_iter().collect();
     if new + answered == 0 {
         return Ok(FileReport::there_already(&file.path, &known.join(", ")));
@@ -143,12 +149,14 @@ fn note_losses(rows: &[(&Converted<Read>, &Answered)], events: &mut [Vec<Event>]
     let mut told = BTreeSet::new();
     for ((file, Answered { identity, .. }), events) in rows.iter().zip(events) {
         let is_first = told.insert((&file.path, &identity.participant, &identity.session));
-        let lost = file.made.report.lost.as_ref().filter(|_| is_first);
-        events.extend(lost.map(|lost| Event::Note {
-            trial: None,
-            text: format!("of the table of answers, {lost}"),
-        }));
+        let lost = file.made.report.lost.as_deref().filter(|_| is_first);
+        events.extend(lost.map(loss));
     }
+}
+
+/// What the log of a session says of a table of which something could not be read.
+fn loss(lost: &str) -> Event {
+    Event::Note { trial: None, text: format!("of the table of answers, {lost}") }
 }
 
 /// The answers after a trial as events of it.
@@ -514,8 +522,13 @@ columns = { felt_spring = \"s2\" }
         let spring = format!("{MAP}[questions.columns]\nfelt_spring = \"Spring?\"\n");
         let file = world.file("a.csv", TABLE);
         world.import(&wall, std::slice::from_ref(&file)).unwrap();
-        let report = world.import(&spring, std::slice::from_ref(&file)).unwrap();
+        // A line of it that cannot be read stands in the logs that it adds to.
+        let damaged = world.file("c.csv", format!("{TABLE}x;1\n"));
+        let careless = spring.replace("[file]", "[file]\nbad_lines = 1");
+        let report = world.import(&careless, &[damaged]).unwrap();
         assert_eq!((report.sessions, report.answers), (0, 3));
+        let noted = |e: &Event| matches!(e, Event::Note { text, .. } if text.contains("of the table of answers"));
+        assert_eq!(world.events("P01", "S01").iter().filter(|e| noted(e)).count(), 1);
         assert!(report.to_string().contains("3 trials that are there answered"), "{report}");
         assert_eq!(world.load().answers.len(), 6);
         let before = world.written();

@@ -40,8 +40,7 @@ pub(super) fn sweeps(
         SweepForm::Wide(form) => (Vec::new(), Some(&form.pattern)),
     };
     let columns = columns.into_iter().chain(labels.columns()).collect();
-    let turned = context.mapping.file.turned;
-    let take = Take { pattern, turned, ..Take::of(columns, &budget) };
+    let take = Take { pattern, ..context.take(columns, &budget) };
     let converted = context.convert(files, &take, |recording| match form {
         SweepForm::Pairs(form) => pairs(context, labels, form, &budget, recording),
         SweepForm::Wide(form) => wide(context, labels, form, recording),

@@ -4,7 +4,7 @@ use super::batch::{Batch, Output};
 use super::blocks::{blake3_of, is_long};
 use super::convert::{Linear, derivative, integral};
 use super::identity::{Identity, identity, number_trials, tell_labels};
-use super::limits::{Budget, Take, check_sizes};
+use super::limits::{Budget, check_sizes};
 use super::mapping::{ChannelFrom, Rule, SignalFrom, Time, Who};
 use super::mend::unwrap_angle;
 use super::outline::Outline;
@@ -166,7 +166,7 @@ fn converted(
     let (long, short): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(long);
     let looked_at: Vec<ColumnRef> = counter::looked_at().collect();
     let taken = plan.columns().chain(who.columns()).chain(&looked_at).collect();
-    let take = Take { turned: context.mapping.file.turned, ..Take::of(taken, budget) };
+    let take = context.take(taken, budget);
     let convert = |recording: &mut Recording| {
         let (pieces, report) = convert(context, who, plan, budget, recording)?;
         Ok((pieces, Some(report)))
