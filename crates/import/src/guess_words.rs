@@ -89,6 +89,17 @@ pub(super) fn said(name: &str) -> Said {
     known.into_iter().chain(unknown).next().unwrap_or_else(|| without_unit(&parts))
 }
 
+/// What a column is called whose name is a path: the last part of `rig.t` and `rig/t`, and of `t/value` and
+/// `simout.Data` the part before.
+pub(super) fn own_name(path: &str) -> &str {
+    let mut parts = path.rsplit(['.', '/']);
+    let last = parts.next().unwrap_or(path);
+    match last {
+        "value" | "values" | "data" | "Data" => parts.next().unwrap_or(last),
+        _ => last,
+    }
+}
+
 /// Parts of a name that a unit has at most: `m`, `per`, `s`.
 const MOST_PARTS: usize = 3;
 
@@ -172,6 +183,19 @@ mod tests {
         check("torque_N_m", Some(Signal::TorqueEx), Some("N m"));
         check("torque_nm", Some(Signal::TorqueEx), Some("Nm"));
         check("voltage_v", Some(Signal::VoltageMotor), Some("V"));
+    }
+
+    #[test]
+    fn the_part_of_a_path_that_names_a_column_is_found() {
+        for (path, name) in [
+            ("rig.t", "t"),
+            ("rig/F_N", "F_N"),
+            ("t/value", "t"),
+            ("scope.signals(2).values", "signals(2)"),
+            ("data", "data"),
+        ] {
+            assert_eq!(own_name(path), name);
+        }
     }
 
     #[test]
