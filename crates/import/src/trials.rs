@@ -411,6 +411,17 @@ fn convert(
     // Counted before anything is made of them.
     budget.trials(&recording.path, pieces().count())?;
     let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
+    // Where each trial's times start over, if that is where a counter does.
+    let wraps: Vec<Option<f64>> = match time {
+        Some(time) => {
+            let wraps = recording.pieces(&rows.kept, &labels).flat_map(|stretch| {
+                let wrap = recording.numbers(time, stretch).ok().and_then(|t| counter::wrap_of(&t));
+                recording.restarts(stretch, time).map(move |_| wrap)
+            });
+            wraps.collect()
+        }
+        None => vec![None; begins.len()],
+    };
     let pieces = all(pieces().enumerate().map(|(i, stretch)| {
         let identity = identity(who, recording, stretch[0], context.study)?;
         let (samples, zeros) = samples(plan, recording, &numeric, stretch)?;
@@ -430,7 +441,13 @@ fn convert(
             None => None,
         };
         let known = recording.table.doubts.iter().chain(&other_units).cloned();
-        let doubts = known.chain(zeros.doubts).chain(missing);
+        let wrap = wraps[i].map(|wrap| {
+            format!(
+                "t_s: it is parted from another trial where its times start over, at {wrap}: is it a counter that wraps? Then \
+                 set wrap = {wrap} in [time], and remove split"
+            )
+        });
+        let doubts = known.chain(zeros.doubts).chain(missing).chain(wrap);
         let doubts = doubts.collect();
         let notes = Notes { gaps, lost, zeros: zeros.words, doubts };
         Ok::<_, Errors>(Piece { identity, samples, notes })
@@ -606,8 +623,11 @@ fn in_their_words(
     let mut ours = plan.taken.iter().map(|t| t.to.name()).chain(channels);
     match (ours.position(|name| Some(name) == error.column.as_deref()), error.row) {
         (Some(i), Some(row)) => {
-            // An error counts rows from 1.
-            recording.cell_error(numeric[i], rows[row - 1], &error.what, &error.remedy)
+            // An error counts rows from 1. The time comes first.
+            let is_time = i == 0 && plan.time.is_some();
+            let key = is_time.then(|| recording.time_remedy(numeric[i], rows, row - 1)).flatten();
+            let remedy = key.unwrap_or(error.remedy);
+            recording.cell_error(numeric[i], rows[row - 1], &error.what, &remedy)
         }
         _ => error,
     }
