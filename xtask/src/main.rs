@@ -45,6 +45,7 @@ cargo xtask sheet [FOLDER]             every figure at print size, in grey and a
 cargo xtask pictures [renew]           the figures in README and docs are what the program makes of the study that comes along; or makes them anew
 cargo xtask stale [ONE_IN]             each field of study.toml (or one in so many), a session and each stage's parameters changed: no stale result
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]
+cargo xtask soak loops [SESSIONS]      every mean of force against position lies between its repeats [1000]
 cargo xtask soak thesis [SEEDS]        how often the thesis' statements hold for the twin over its ranges; writes docs/twin.md [200]
 cargo xtask soak compared [SEEDS [PEOPLE|FILE]] how often comparisons of studies drawn from simulated people (or from their metrics in FILE) are right [1000, of 1000]
 cargo xtask soak simulate [SEEDS [FIRST]] whole sessions in memory with faults drawn from a seed each [100000, from 0]
@@ -126,6 +127,9 @@ fn main() -> anyhow::Result<()> {
             &scratch("coverage"),
             number(rest.first(), 400)?,
         ),
+        ["soak", "loops", rest @ ..] => {
+            soak::loops::loops(&soak::program()?, &scratch("loops"), number(rest.first(), 1000)?)
+        }
         ["soak", "thesis", rest @ ..] => soak::thesis::thesis(
             &soak::program()?,
             &scratch("thesis"),

@@ -7,7 +7,7 @@ use super::{Context, Errors};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_store::{SessionLog, StoreError, StudyData};
-use zwidth_study::{Event, PlannedTrial, QuestionId};
+use zwidth_study::{AnswerValue, Event, PlannedTrial, QuestionId};
 
 /// The study as it is, and what its trials are answered with.
 pub(super) struct There {
@@ -15,7 +15,7 @@ pub(super) struct There {
     from_zero: FromZero,
     /// Each answer so far, of the study and of this import: the log of its session, its trial, its
     /// question.
-    answers: BTreeMap<(PathBuf, u32, QuestionId), i16>,
+    answers: BTreeMap<(PathBuf, u32, QuestionId), AnswerValue>,
     /// What the logs are to say.
     pub(super) events: BTreeMap<PathBuf, Vec<Event>>,
 }
@@ -39,7 +39,7 @@ impl There {
             let asked = data.study.environment(&meta.environment).and_then(|e| e.question.as_ref());
             if let (Some(question), Some(value)) = (asked, meta.likert) {
                 let log = context.layout.events(&meta.participant, &meta.session);
-                answers.entry((log, meta.trial, question.clone())).or_insert(value);
+                answers.entry((log, meta.trial, question.clone())).or_insert(value.into());
             }
         }
         let from_zero = FromZero::of(identities);
@@ -97,7 +97,9 @@ fn trial_of(log: &SessionLog, i: &Identity, from_zero: FromZero) -> Result<u32, 
             "give its answers by the numbers of its trials: `zwidth answer --from`",
         );
     }
-    let [number, repeat] = from_zero.numbers(i);
+    // Their numbers are what they were when the session was imported.
+    let trial = from_zero.trial || log.record.counted_from_zero;
+    let [number, repeat] = FromZero { trial, ..from_zero }.numbers(i);
     let has = |is: &dyn Fn(&Event) -> bool| log.events.iter().any(is);
     let is_meant = |t: &&PlannedTrial| {
         (&t.environment, &t.mode, t.kind) == (environment, mode, i.kind)
@@ -113,8 +115,8 @@ fn trial_of(log: &SessionLog, i: &Identity, from_zero: FromZero) -> Result<u32, 
         return match meant.len() {
             0 => error(
                 format!(
-                    "{session} is there, and has no trial of {environment}, {mode}{named}: the trials of a session \
-                     are laid down once"
+                    "{session} is there, and has no trial of {environment}, {mode}{named}: a session keeps the trials \
+                     that it began with"
                 ),
                 "give all conditions of a row in one mapping, with [[condition]], or name another session",
             ),
@@ -139,7 +141,7 @@ fn differs(
     row: &Answered,
     trial: u32,
     question: &QuestionId,
-    [known, given]: [i16; 2],
+    [known, given]: [AnswerValue; 2],
 ) -> StoreError {
     let Identity { participant, session, file, .. } = &row.identity;
     let what = format!(

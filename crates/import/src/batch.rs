@@ -1,6 +1,6 @@
 //! Everything an import makes, as bytes; and writing it, all or nothing.
 
-use super::identity::Identity;
+use super::identity::{FromZero, Identity};
 use super::report::{FileReport, Report, Unplanned};
 use super::{Context, Errors};
 use std::collections::{BTreeMap, BTreeSet};
@@ -92,12 +92,14 @@ impl Batch {
                 .or_default()
                 .insert((*source).to_owned());
         }
+        let counted_from_zero = FromZero::of(identities).trial;
         for ((participant, session), mut trials) in sessions {
             trials.sort_by_key(|(t, _)| t.trial);
             let imported_from = imported_from.remove(&(participant, session)).unwrap_or_default();
             let record = SessionRecord {
                 imported_from: imported_from.into_iter().collect(),
                 answer_columns: self.answer_columns.clone(),
+                counted_from_zero,
                 ..SessionRecord::new(
                     participant.clone(),
                     session.clone(),

@@ -47,7 +47,7 @@ impl Check<'_> {
                 SweepForm::Pairs(Pairs { time: time.flatten(), command, response })
             }
         };
-        Some(Content::Sweeps { labels, form })
+        Some(Content::Sweeps(Box::new((labels, form))))
     }
 
     fn quantity(

@@ -1,7 +1,16 @@
 //! Columns that count samples or time, and the samples that they pass over.
 
+use super::clock::{Clock, clock};
 use super::convert::median;
+use super::guess_words::said;
+use super::plan::Plan;
+use super::recording::Recording;
+use super::table::ColumnRef;
+use super::unit;
+use arrow::array::Array as _;
+use std::collections::BTreeMap;
 use zwidth_numerics::series::ends;
+use zwidth_store::Signal;
 
 /// Fewest rows that show what a column counts.
 const LEAST: usize = 20;
@@ -9,6 +18,8 @@ const LEAST: usize = 20;
 const STEADY: f64 = 0.8;
 /// Times are steady within this share of their step.
 const JITTER: f64 = 0.5;
+/// A column of times contradicts the rate if it differs by more than this share.
+const OTHER_RATE: f64 = 0.02;
 /// A gap is told of so many samples, …
 const LEAST_GAP: f64 = 5.0;
 /// … or where this share of all samples is missing.
@@ -45,7 +56,7 @@ pub(super) fn wrap_of(times: &[f64]) -> Option<f64> {
 }
 
 /// Samples that a counter passes over.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Gaps {
     /// In how many places.
     pub(super) places: usize,
@@ -56,36 +67,163 @@ pub(super) struct Gaps {
 }
 
 impl Gaps {
+    fn of(missing: impl Iterator<Item = f64>, rows: usize) -> Self {
+        let mut gaps = Self { all: rows as f64, ..Self::default() };
+        for missing in missing {
+            gaps.places += 1;
+            gaps.samples += missing;
+            gaps.all += missing;
+            gaps.longest = gaps.longest.max(missing);
+        }
+        gaps
+    }
+
+    /// Those of the rows after them too.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            places: self.places + other.places,
+            samples: self.samples + other.samples,
+            longest: self.longest.max(other.longest),
+            all: self.all + other.all,
+        }
+    }
+
     /// Whether there are so many that a result may depend on it.
     pub(super) fn matter(self) -> bool {
-        self.longest >= LEAST_GAP || self.samples >= LEAST_SHARE * self.all
+        self.longest >= LEAST_GAP || self.samples >= LEAST_SHARE * self.all.max(1.0)
     }
 }
 
 /// The samples that unwrapped counts pass over, where one is `step`.
 pub(super) fn gaps(counts: &[f64], step: f64) -> Gaps {
     let steps = counts.windows(2).map(|pair| ((pair[1] - pair[0]) / step).round() - 1.0);
-    let missing: Vec<f64> = steps.filter(|missing| *missing > 0.0).collect();
-    let samples: f64 = missing.iter().sum();
-    let longest = missing.iter().copied().fold(0.0, f64::max);
-    Gaps { places: missing.len(), samples, longest, all: counts.len() as f64 + samples }
+    Gaps::of(steps.filter(|missing| *missing > 0.0), counts.len())
 }
 
-/// What a column counts that the mapping does not take the time from: the samples it passes over, if it
-/// counts samples or time at all.
-pub(super) fn counted(values: &[f64]) -> Option<Gaps> {
+/// Columns that are looked at for what they count, besides those of the mapping.
+const MOST_LOOKED_AT: usize = 16;
+
+/// The columns that are looked at.
+pub(super) fn looked_at() -> impl Iterator<Item = ColumnRef> {
+    (1..=MOST_LOOKED_AT).map(ColumnRef::Position)
+}
+
+/// What the columns of a recording say that the mapping does not take the time from.
+#[derive(Debug, Default)]
+pub(super) struct Elsewhere {
+    /// The samples that each passes over, by its place.
+    gaps: BTreeMap<usize, Gaps>,
+    /// Columns of times whose rate is another one, Hz.
+    rates: BTreeMap<usize, f64>,
+}
+
+impl Elsewhere {
+    /// Adds what the next rows say.
+    pub(super) fn add(&mut self, next: Self) {
+        for (column, gaps) in next.gaps {
+            let before = self.gaps.entry(column).or_default();
+            *before = before.and(gaps);
+        }
+        self.rates.extend(next.rates);
+    }
+}
+
+/// What other columns say of these rows, whose times are `t_s`. Channels of the study's own may count
+/// too; `numeric` are the places of signals and channels.
+pub(super) fn elsewhere(
+    recording: &Recording,
+    (numeric, plan): (&[usize], &Plan),
+    labels: &[usize],
+    (rows, t_s): (&[usize], &[f64]),
+) -> Elsewhere {
+    let signals = &numeric[..plan.taken.len()];
+    let mut found = Elsewhere::default();
+    for column in 0..recording.table.columns.len() {
+        if signals.contains(&column) || labels.contains(&column) {
+            continue;
+        }
+        let Some(values) = numbers(recording, column, rows) else { continue };
+        found.gaps.extend(hidden(&values, t_s).map(|gaps| (column, gaps)));
+        let rate_hz = plan.rate_hz.zip(rate_hz(&recording.table.name(column), &values));
+        let other = rate_hz.filter(|(said, found)| (found / said - 1.0).abs() > OTHER_RATE);
+        found.rates.extend(other.map(|(_, rate_hz)| (column, rate_hz)));
+    }
+    found
+}
+
+/// A column's numbers, or its times where they are written as those of a clock.
+fn numbers(recording: &Recording, column: usize, rows: &[usize]) -> Option<Vec<f64>> {
+    if let Ok(values) = recording.numbers(column, rows) {
+        return Some(values);
+    }
+    let read = clock(&recording.table.columns[column], &recording.cells, false);
+    let Ok(Some(Clock::Seconds(values))) = read else { return None };
+    rows.iter().map(|row| values.is_valid(*row).then(|| values.value(*row))).collect()
+}
+
+/// The rate of a column that says by its name that it holds times, and in what unit.
+fn rate_hz(name: &str, values: &[f64]) -> Option<f64> {
+    let said = said(name);
+    let unit = said.unit.filter(|_| said.signal == Some(Signal::Time))?;
+    let step = median(values.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let step_s = step * unit::find(&unit)?.to_si;
+    (values.len() >= LEAST && step_s > 0.0).then(|| 1.0 / step_s)
+}
+
+/// What is told of what other columns say, if it matters.
+pub(super) fn told(recording: &Recording, plan: &Plan, found: &Elsewhere) -> Option<String> {
+    if let Some((column, gaps)) = found.gaps.iter().find(|(_, gaps)| gaps.matter()) {
+        let name = recording.table.name(*column);
+        let Gaps { places, samples, .. } = gaps;
+        let taken = match plan.rate_hz {
+            Some(_) => "rate_hz takes the rows for evenly spaced",
+            None => "its times have no gap",
+        };
+        return Some(format!(
+            "t_s: {taken}, but column {name} passes over {samples} samples in {places} places: take the time from it \
+             (`from`), or the number of each sample (`counter`, with rate_hz and wrap)"
+        ));
+    }
+    let (column, rate_hz) = found.rates.iter().next()?;
+    let name = recording.table.name(*column);
+    Some(format!(
+        "t_s: rate_hz is {}, and column {name} has {rate_hz:.1} samples a second: take the time from it (`from`), or \
+         mend rate_hz",
+        plan.rate_hz.unwrap_or_default()
+    ))
+}
+
+/// What a column counts that the mapping does not take the time from: the samples it passes over without
+/// a gap of the times `t_s`, if it counts samples, packets of them, or time at all.
+pub(super) fn hidden(values: &[f64], t_s: &[f64]) -> Option<Gaps> {
     if values.len() < LEAST {
         return None;
     }
-    let unwrapped = unwrapped(values)?;
-    let mut steps: Vec<f64> = unwrapped.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let is_steady = |s: &&f64| (**s - step).abs() <= JITTER * step;
-    let steady = steps.iter().filter(is_steady).count() as f64;
-    let counts =
-        step > 0.0 && steps.iter().all(|s| *s > 0.0) && steady >= STEADY * steps.len() as f64;
-    counts.then(|| gaps(&unwrapped, step))
+    let counts = unwrapped(values)?;
+    // The first rows of its packets, which all have one number.
+    let begins = |row: &usize| *row == 0 || counts[*row] > counts[*row - 1];
+    let begins: Vec<usize> = (0..counts.len()).filter(begins).collect();
+    let lengths: Vec<f64> = begins.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
+    // The first packet may have begun before.
+    let length = usual(lengths.get(1..)?, 0.0)?;
+    let steps: Vec<f64> = begins.windows(2).map(|pair| counts[pair[1]] - counts[pair[0]]).collect();
+    let step = usual(&steps, JITTER)?;
+    let step_s = median(t_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let passed_over = begins.iter().skip(1).zip(&steps).filter_map(|(row, counted)| {
+        let missing = ((counted / step).round() - 1.0) * length;
+        let told_s = t_s[*row] - t_s[*row - 1];
+        (missing > 0.0 && told_s < (1.0 + missing / 2.0) * step_s).then_some(missing)
+    });
+    Some(Gaps::of(passed_over, values.len()))
+}
+
+/// The middle of positive steps, if most are within this share of it.
+fn usual(steps: &[f64], share: f64) -> Option<f64> {
+    let middle = median(steps.to_vec());
+    let steady =
+        steps.iter().filter(|step| (**step - middle).abs() <= share * middle).count() as f64;
+    let is_steady = steps.len() + 2 >= LEAST && steady >= STEADY * steps.len() as f64;
+    (middle > 0.0 && is_steady && steps.iter().all(|step| *step > 0.0)).then_some(middle)
 }
 
 /// A column that only grows, or starts over at 0 after a power of two.
@@ -121,9 +259,18 @@ mod tests {
         let counter = |lost: std::ops::Range<u32>| -> Vec<f64> {
             (0..300).filter(|n| !lost.contains(n)).map(|n| f64::from(n % 16)).collect()
         };
+        let even: Vec<f64> = (0..400).map(|i| 0.01 * f64::from(i)).collect();
+        let counted = |values: &[f64]| hidden(values, &even[..values.len()]);
         let found = counted(&counter(100..110)).unwrap();
         assert!((found.places, found.samples) == (1, 10.0) && found.matter());
         assert!(!counted(&counter(100..101)).unwrap().matter());
+        let told: Vec<f64> =
+            (0..300).filter(|n| !(100..110).contains(n)).map(|n| 0.01 * f64::from(n)).collect();
+        assert_eq!(hidden(&counter(100..110), &told).unwrap().places, 0, "its times have the gap");
+        let packets: Vec<f64> =
+            (0..320).map(|n| n / 8).filter(|n| *n != 20).map(f64::from).collect();
+        let found = counted(&packets).unwrap();
+        assert!((found.places, found.samples) == (1, 8.0) && found.matter());
         let clock: Vec<f64> = counter(0..0)
             .iter()
             .enumerate()

@@ -2,7 +2,7 @@
 //! logs.
 
 use super::blocks::blake3_of;
-use super::identity::{id, number};
+use super::identity::{counted, id};
 use super::label::Label;
 use super::limits::{Budget, Take};
 use super::recording::Recording;
@@ -77,17 +77,22 @@ pub(super) fn import(
     let mut told = BTreeSet::new();
     for table in converted {
         let (rows, mut report) = table.made;
-        let (mut new, mut before) = (0, 0);
-        for (row, (participant, session, trial), reason) in rows {
+        let (mut new, mut before, mut shifted) = (0, 0, false);
+        for (row, (participant, session, number), reason) in rows {
+            let log = data.sessions.iter().find(|log| {
+                (&log.record.participant, &log.record.session) == (&participant, &session)
+            });
+            // Those of recordings are the study's.
+            let is_theirs = matches!(form.of, Of::Trial(_));
+            let one_more = is_theirs && log.is_some_and(|log| log.record.counted_from_zero);
+            let trial = number + u32::from(one_more);
+            shifted |= one_more;
             let entry = data.trials.iter().find(|entry| {
                 let meta = &entry.meta;
                 (&meta.participant, &meta.session, meta.trial) == (&participant, &session, trial)
             });
-            let log = data.sessions.iter().find(|log| {
-                (&log.record.participant, &log.record.session) == (&participant, &session)
-            });
             let (Some(entry), Some(log)) = (entry, log) else {
-                let what = format!("{participant} {session} has no trial {trial}");
+                let what = format!("{participant} {session} has no trial {number}");
                 let error =
                     StoreError::new(&table.path, what, "mend the row, or leave it out with when");
                 return Err(error.row0(row).into());
@@ -100,6 +105,10 @@ pub(super) fn import(
             }
         }
         report.made.push(format!("{new} trials excluded"));
+        if shifted {
+            let told = "trials are counted from 0 in the recordings, and so in this table: trial 0 is trial 1 here";
+            report.told.push(told.to_owned());
+        }
         if before > 0 {
             report.told.push(format!("{before} rows are about trials that are excluded already"));
         }
@@ -151,7 +160,7 @@ fn read(
             Of::Trial(labels) => vec![(
                 labels.participant.value("participant", recording, *row, id)?,
                 labels.session.value("session", recording, *row, id)?,
-                labels.trial.value("trial", recording, *row, |text| number("trial", text))?,
+                labels.trial.value("trial", recording, *row, |text| counted("trial", text))?,
             )],
         };
         Ok::<_, Errors>(
@@ -251,5 +260,21 @@ mod tests {
             "{errors:?}"
         );
         assert_eq!(world.import(map, &[world.file("b.csv", TABLE)]).unwrap().exclusions, 3);
+    }
+
+    /// A table of theirs need not have a row with a 0.
+    #[test]
+    fn numbers_that_recordings_count_from_0_are_theirs_in_a_table_too() {
+        let world = World::new();
+        let map = trials_map(&[ONE, "trial = { column = \"n\" }\n", FORCE]);
+        let rows: String = (0..4).map(|n| format!("0,{n},{n}\n1,2,{n}\n")).collect();
+        world.import(&map, &[world.file("a.csv", format!("t,f,n\n{rows}"))]).unwrap();
+        let map = "kind = \"exclusions\"\n[exclude]\nparticipant = \"P01\"\nsession = \"S01\"\n\
+                   trial = { column = \"n\" }\nreason = \"aborted\"\n";
+        let report = world.import(map, &[world.file("b.csv", "n\n2\n")]).unwrap();
+        assert!(report.to_string().contains("trial 0 is trial 1 here"), "{report}");
+        let excluded = Event::Excluded { trial: 3, reason: "aborted".to_owned() };
+        assert_eq!(world.events("P01", "S01").last(), Some(&excluded));
+        world.refuses(map, &world.file("c.csv", "n\n4\n"), "P01 S01 has no trial 4", None);
     }
 }

@@ -5,12 +5,18 @@ use super::mapping::{Missing, Questionnaire};
 use super::recording::Recording;
 use super::spelling::{find, plain};
 use super::{Context, Errors};
-use std::borrow::Cow;
 use zwidth_store::StoreError;
-use zwidth_study::{AnswerScale, Given, QuestionId};
+use zwidth_study::{AnswerScale, AnswerValue, QuestionId};
 
 /// No answer takes longer, s: a day.
 const LONGEST_S: f64 = 86_400.0;
+
+/// An answer as a table has it, and what it took, ms, where that was measured.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given {
+    pub(super) value: AnswerValue,
+    pub(super) time_ms: Option<u32>,
+}
 
 /// A trial without samples, and what was answered.
 pub(super) struct Answered {
@@ -40,7 +46,8 @@ pub(super) fn read_given(
     let remedy = "mend the cell; leave empty ones out with missing = \"drop\" in [file], and name words in \
                   [questions.translate]";
     let wrong = |what: String| recording.cell_error(column, row, &what, remedy);
-    let cell = recording.table.columns[column].cell(row).to_string();
+    let there = recording.table.columns[column].cell(row);
+    let (cell, decimal_comma) = (there.to_string(), recording.has_decimal_comma(&there));
     let (cell, is_empty) = match key {
         Some(key) if !cell.trim().is_empty() => {
             let found = value_of(&cell, key).map_err(wrong)?;
@@ -56,9 +63,10 @@ pub(super) fn read_given(
     }
     let scale = context.study.question(question).map(|q| q.scale.clone()).unwrap_or_default();
     let value = match (word, asked.lowest) {
-        (Some(value), _) => answer(&value.to_string(), &scale),
+        (Some(value), _) => answer(&value.to_string(), false, &scale),
         (None, Some(lowest)) => answer_from(lowest, &cell, &scale),
-        (None, None) => answer(&cell, &scale),
+        // JSON writes a dot.
+        (None, None) => answer(&cell, decimal_comma && key.is_none(), &scale),
     };
     let value = value.map_err(wrong)?;
     let time_ms = match time {
@@ -83,15 +91,19 @@ fn value_of(cell: &str, key: &str) -> Result<Option<String>, String> {
     }
 }
 
-/// The answer of a number that counts the places of the scale from `lowest` on.
-fn answer_from(lowest: i64, text: &str, scale: &AnswerScale) -> Result<i16, String> {
-    let spelled: Cow<'_, str> = plain(text);
-    let counted = spelled.parse::<f64>().ok().filter(|number| number.fract() == 0.0);
-    let place = counted.map(|number| number - lowest as f64 + 1.0);
-    let place = place.filter(|place| (1.0..=f64::from(scale.points())).contains(place));
-    place.map(|place| scale.answer_at(place as u8)).ok_or_else(|| {
+/// The answer of a number that counts the places of the scale from `lowest` on; on a line also between
+/// them.
+fn answer_from(lowest: i64, text: &str, scale: &AnswerScale) -> Result<AnswerValue, String> {
+    let above = plain(text).parse::<f64>().ok().map(|number| number - lowest as f64);
+    let answer = above.and_then(|above| {
+        AnswerValue::new(f64::from(scale.lowest()) + above * f64::from(scale.step())).ok()
+    });
+    answer.filter(|answer| scale.has(*answer)).ok_or_else(|| {
+        let number = if scale.is_line() { "a number" } else { "a whole number" };
         let highest = lowest + i64::from(scale.points()) - 1;
-        format!("the answer '{text}' must be a whole number from {lowest} to {highest} (lowest = {lowest})")
+        format!(
+            "the answer '{text}' must be {number} from {lowest} to {highest} (lowest = {lowest})"
+        )
     })
 }
 

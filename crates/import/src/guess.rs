@@ -10,7 +10,7 @@ use super::guess_answers::answers;
 use super::guess_apart::{Sorted, sort};
 use super::guess_names::{Names, names};
 use super::guess_read::{Looked, MOST_GUESSED, first_numbers, is_number, look, quoted};
-use super::guess_words::{ANSWERS, COMMANDED, CURRENTS, LABELS, Said, own_name, said, signal_of};
+use super::guess_words::{ANSWERS, COMMANDED, CURRENTS, LABELS, Said, said, signal_of};
 use super::limits::shown;
 use super::mapping::CellForm;
 use super::recording::number;
@@ -59,7 +59,7 @@ fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names
     }
     let Looked { table, written, .. } = looked;
     let comma = written.is_some_and(|written| written.decimal_comma);
-    if let Some(answers) = answers(looked, comma) {
+    if let Some(answers) = answers(table, comma) {
         text.push_str("kind = \"likert\"\n\n[file]\n");
         write_file(&mut text, looked);
         answers.write(&mut text, table, names);
@@ -306,7 +306,7 @@ impl Guessed {
                 )
             }
             None if let Some(why) = &self.why_not => {
-                writeln!(text, "\n# {from}: {why}")
+                writeln!(text, "\n# not read: {from}, {why}")
             }
             None if LABELS.iter().any(|(_, known)| self.says(known)) => {
                 let (key, _) =
@@ -341,7 +341,7 @@ impl Guessed {
 
 /// Every column, each of ours at most once.
 fn described(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
-    let Looked { table, labview, has_paths, labels, .. } = looked;
+    let Looked { table, labview, labels, .. } = looked;
     let (mut taken, mut columns) = (Vec::new(), Vec::new());
     let usual = usual_length(table);
     let names = table.names.as_deref().unwrap_or_default();
@@ -351,9 +351,9 @@ fn described(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
             continue;
         }
         let label = name.or_else(|| labels.get(place).filter(|label| !label.is_empty()));
-        let own = label.map(|label| if *has_paths { own_name(label) } else { label.as_str() });
         let is_number = is_number(cells, decimal_comma);
-        let Said { words, mut signal, mut unit } = own.map_or_else(Said::default, said);
+        let Said { words, mut signal, mut unit } =
+            label.map_or_else(Said::default, |label| said(label));
         let mut why_not = why_not(cells, usual);
         if let Some(heads) = labview {
             let is_x = place == 0 || (heads.has_many_times && place % 2 == 0);
@@ -711,11 +711,15 @@ mod tests {
                 "header = false\nskip = 15\n",
                 "[time]\nfrom = 1\nunit = \"s\"",
                 "to = \"theta_rad\"\nfrom = 2      # angle\nunit = \"deg\"",
-                "# 3: the times of column 1 once more",
+                "# not read: 3, the times of column 1 once more",
             ],
         );
         let other = text.replace("0,05\t3,5", "0,06\t3,5");
-        check("b.lvm", other.as_bytes(), &["# 3: the times of the next channel, which are not"]);
+        check(
+            "b.lvm",
+            other.as_bytes(),
+            &["# not read: 3, the times of the next channel, which are not"],
+        );
         let rows = "\t1,0\t2,5\n\t1,0\t3,5\n";
         let (map, _) = imports("a.lvm", labview::tests::written("No", names, rows), &[2.5, 3.5]);
         says(&map, &["rate_hz = 20.0"]);
@@ -851,7 +855,7 @@ mod tests {
             &[
                 "[time]\nfrom = \"t\"\n",
                 "to = \"force_ex_n\"\nfrom = \"rig/f\"\n",
-                "# \"m\": it is a 2 × 3 matrix; name it as matrix in [file]",
+                "# not read: \"m\", it is a 2 × 3 matrix; name it as matrix in [file]",
             ],
         );
         check(
@@ -862,7 +866,7 @@ mod tests {
         check(
             "b.h5",
             &hdf5::tests::octave(),
-            &["from = \"t/value\"", "# \"who/value\": it is text"],
+            &["from = \"t/value\"", "# not read: \"who/value\", it is text"],
         );
     }
 

@@ -2,8 +2,8 @@
 //! writes.
 
 use super::guess_names::Names;
-use super::guess_read::{LOOKED_AT, Looked, first_numbers, is_number, quoted};
-use super::guess_words::{ANSWERS, QUESTIONS, are_answers, label_of, own_name, said};
+use super::guess_read::{LOOKED_AT, first_numbers, is_number, quoted};
+use super::guess_words::{ANSWERS, QUESTIONS, are_answers, label_of, said};
 use super::spelling::is_missing;
 use super::table::{Cell, Cells, Table};
 use std::collections::BTreeSet;
@@ -58,8 +58,7 @@ enum Form {
 }
 
 /// What is where, if a table is one of answers and no recording.
-pub(super) fn answers(looked: &Looked, decimal_comma: bool) -> Option<Answers> {
-    let Looked { table, has_paths, .. } = looked;
+pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
     let names = table.names.as_ref()?;
     let is_numbers = |place: &usize| is_number(&table.columns[*place], decimal_comma);
     let is_psychopy =
@@ -107,7 +106,7 @@ pub(super) fn answers(looked: &Looked, decimal_comma: bool) -> Option<Answers> {
     let has_participant = labels.iter().any(|(key, _)| *key == "participant");
     if !is_psychopy {
         let is_measured = |place: &usize| {
-            let said = said(if *has_paths { own_name(&names[*place]) } else { &names[*place] });
+            let said = said(&names[*place]);
             let is_measured = said.signal.is_some_and(|signal| signal != Signal::Time);
             is_measured && is_numbers(place) && (said.unit.is_some() || !is_scale(place))
         };
@@ -115,8 +114,7 @@ pub(super) fn answers(looked: &Looked, decimal_comma: bool) -> Option<Answers> {
             let numbers = first_numbers(&table.columns[*place], decimal_comma);
             let times: Vec<f64> = numbers.into_iter().flatten().collect();
             let rises = times.windows(2).filter(|t| t[1] > t[0]).count();
-            let name = if *has_paths { own_name(&names[*place]) } else { &names[*place] };
-            said(name).signal == Some(Signal::Time) && 2 * rises > times.len().max(2)
+            said(&names[*place]).signal == Some(Signal::Time) && 2 * rises > times.len().max(2)
         };
         let is_recording = free().any(|place| is_measured(&place) || is_clock(&place));
         if is_recording || !(has_participant || are_answers(names)) {

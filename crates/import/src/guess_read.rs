@@ -45,8 +45,6 @@ pub(super) struct Looked {
     pub(super) table: Table,
     /// The matrix or the table of fields that the columns are of, if it is all that the file has.
     pub(super) part: Option<String>,
-    /// Whether the names of its columns are paths, `rig.t` or `rig/t`.
-    pub(super) has_paths: bool,
     /// What its columns are called where the line above them is no header that is read.
     pub(super) labels: Vec<String>,
     /// Its format, where its name does not tell.
@@ -153,10 +151,9 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
     if turned {
         table = again(part.as_deref(), true)?;
     }
-    let has_paths = matches!(format, Format::Mat | Format::Hdf5 | Format::Npz);
     let (format, written) =
         (named.is_none().then_some(format), is_delimited(format).then_some(form));
-    Ok(Looked { table, part, has_paths, labels, format, written, turned, labview })
+    Ok(Looked { table, part, labels, format, written, turned, labview })
 }
 
 /// Columns that are no vectors, and that are read as matrices or as tables of fields.

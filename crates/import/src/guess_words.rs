@@ -61,10 +61,26 @@ pub(super) struct Said {
     pub(super) unit: Option<String>,
 }
 
+/// The name of a column within groups (`rig/force_n`) or structures (`rig.force_n`), and of one within a
+/// variable of Octave's (`t/value`).
+fn own_name(name: &str) -> &str {
+    let is_letter = |letter: char| letter.is_alphanumeric() || "_./".contains(letter);
+    let mut parts = name.rsplit(['/', '.']);
+    let last = parts.next().unwrap_or(name);
+    let own = match last {
+        "value" | "values" | "data" | "Data" => parts.next().unwrap_or(last),
+        _ => last,
+    };
+    // A dot may be that of a unit, or of a number.
+    let is_path = name.chars().all(is_letter) && own.starts_with(char::is_alphabetic);
+    if is_path { own } else { name }
+}
+
 /// The words of a name, what they mean, and the unit among them: `Force (mN)` → `force`, `mN`;
 /// `velocity_m_s` → `velocity`, `m/s`. Of several units the longest, and of these the last, that
 /// fits what the words mean; a unit in other letters (`force_mn`) is one only where it fits.
 pub(super) fn said(name: &str) -> Said {
+    let name = own_name(name);
     let parts = name.split([' ', '_', '(', ')', '[', ']', ',', ':']);
     let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
     // The first part is the quantity.
@@ -87,17 +103,6 @@ pub(super) fn said(name: &str) -> Said {
     // A unit of no known quantity may be a part of its name: only where nothing else fits.
     let (known, unknown): (Vec<Said>, Vec<Said>) = told.partition(|said| said.signal.is_some());
     known.into_iter().chain(unknown).next().unwrap_or_else(|| without_unit(&parts))
-}
-
-/// What a column is called whose name is a path: the last part of `rig.t` and `rig/t`, and of `t/value` and
-/// `simout.Data` the part before.
-pub(super) fn own_name(path: &str) -> &str {
-    let mut parts = path.rsplit(['.', '/']);
-    let last = parts.next().unwrap_or(path);
-    match last {
-        "value" | "values" | "data" | "Data" => parts.next().unwrap_or(last),
-        _ => last,
-    }
 }
 
 /// Parts of a name that a unit has at most: `m`, `per`, `s`.
@@ -186,19 +191,6 @@ mod tests {
     }
 
     #[test]
-    fn the_part_of_a_path_that_names_a_column_is_found() {
-        for (path, name) in [
-            ("rig.t", "t"),
-            ("rig/F_N", "F_N"),
-            ("t/value", "t"),
-            ("scope.signals(2).values", "signals(2)"),
-            ("data", "data"),
-        ] {
-            assert_eq!(own_name(path), name);
-        }
-    }
-
-    #[test]
     fn a_unit_that_does_not_fit_its_quantity_is_none() {
         check("velocity_s", Some(Signal::ThetaDot), None);
         check("force_ms", Some(Signal::ForceEx), None);
@@ -210,6 +202,17 @@ mod tests {
     #[test]
     fn answers_are_told_from_recordings_by_their_names() {
         let names = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
+        for (name, own) in [
+            ("rig/force_n", "force_n"),
+            ("rig.t", "t"),
+            ("simout.signals.values", "signals"),
+            ("t/value", "t"),
+            ("F (m.s-1)", "F (m.s-1)"),
+            ("v0.1", "v0.1"),
+        ] {
+            assert_eq!(own_name(name), own);
+        }
+        assert_eq!(said("rig.t").signal, Some(Signal::Time));
         assert!(are_answers(&names(&["Timestamp", "participant", "rating"])));
         assert!(!are_answers(&names(&["t_s", "theta_rad", "rating"])));
         assert!(!are_answers(&names(&["participant", "age"])));

@@ -3,7 +3,7 @@
 use super::label::Label;
 use super::limits::MOST_NUMBER;
 use super::mapping::Who;
-use super::recording::Recording;
+use super::recording::{self, Recording};
 use super::report::FileReport;
 use super::spelling::{is_missing, plain, truth, uuid};
 use super::{Context, Errors, append};
@@ -12,8 +12,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::{StoreError, readable_records};
 use zwidth_study::{
-    AnswerScale, Environment, EnvironmentId, IdError, Kind, Mode, ModeId, ParticipantId,
-    PlannedTrial, SessionId, Study,
+    AnswerScale, AnswerValue, Environment, EnvironmentId, IdError, Kind, Mode, ModeId,
+    ParticipantId, PlannedTrial, SessionId, Study,
 };
 
 /// The labels of one trial. Numbers are there where the mapping gives them.
@@ -26,7 +26,7 @@ pub(super) struct Identity {
     pub(super) kind: Kind,
     pub(super) repeat: Option<u32>,
     pub(super) trial: Option<u32>,
-    pub(super) likert: Option<i16>,
+    pub(super) likert: Option<AnswerValue>,
     /// What a person should know of how its labels were read.
     notes: Vec<Note>,
     /// Where it was found, for errors.
@@ -89,7 +89,8 @@ pub(super) fn identity(
         likert: match &who.likert {
             Some(label) if recording.lacks_answer(label, row)? => None,
             Some(label) => {
-                Some(label.value("likert", recording, row, |text| answer(text, &scale))?)
+                let decimal_comma = label.has_decimal_comma(recording, row)?;
+                Some(label.value("likert", recording, row, |t| answer(t, decimal_comma, &scale))?)
             }
             None => None,
         },
@@ -148,7 +149,7 @@ pub(super) fn number(what: &str, text: &str) -> Result<u32, String> {
 
 /// The same where others may count from 0.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn counted(what: &str, text: &str) -> Result<u32, String> {
+pub(super) fn counted(what: &str, text: &str) -> Result<u32, String> {
     let value: Option<f64> = plain(text).parse().ok();
     let whole = |v: &f64| (0.0..=f64::from(MOST_NUMBER)).contains(v) && v.fract() == 0.0;
     value
@@ -164,12 +165,19 @@ fn scale_after(study: &Study, environment: &EnvironmentId) -> AnswerScale {
 }
 
 /// An answer on a scale.
-pub(super) fn answer(text: &str, scale: &AnswerScale) -> Result<i16, String> {
-    let given = plain(text).parse::<f64>().ok();
-    let found =
-        given.and_then(|given| scale.answers().into_iter().find(|a| f64::from(*a) - given == 0.0));
-    found
-        .ok_or_else(|| format!("the answer '{text}' must be a whole number from {}", scale.range()))
+pub(super) fn answer(
+    text: &str,
+    decimal_comma: bool,
+    scale: &AnswerScale,
+) -> Result<AnswerValue, String> {
+    let given = written(text, decimal_comma).filter(|given| scale.has(*given));
+    given.ok_or_else(|| format!("the answer '{text}' must be {}", scale.must_be()))
+}
+
+/// The number that a text is; a whole one may be written `4,0` in any file.
+pub(super) fn written(text: &str, decimal_comma: bool) -> Option<AnswerValue> {
+    let number = recording::number(&plain(text), decimal_comma).ok()??;
+    AnswerValue::new(number).ok()
 }
 
 /// What a table says of the trials that it names by number, so that no row says something else.
@@ -216,8 +224,8 @@ impl Named {
 /// more, so that they are the same in all sessions.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct FromZero {
-    trial: bool,
-    repeat: bool,
+    pub(super) trial: bool,
+    pub(super) repeat: bool,
 }
 
 impl FromZero {
@@ -393,6 +401,7 @@ impl Cases {
 mod tests {
     use super::super::world::{COLUMNS, FORCE, ONE, World, trials_map};
     use super::*;
+    use zwidth_study::NumberScale;
 
     #[test]
     fn numbers_not_given_follow_the_highest_so_far() {
@@ -404,15 +413,34 @@ mod tests {
 
     #[test]
     fn an_answer_is_a_whole_number_from_1_to_5() {
-        assert_eq!(
-            (answer("1", &AnswerScale::FivePoint), answer("5.0", &AnswerScale::FivePoint)),
-            (Ok(1), Ok(5))
-        );
+        let answer = |text: &str| answer(text, false, &AnswerScale::FivePoint);
+        assert_eq!((answer("1"), answer("5.0")), (Ok(1.into()), Ok(5.into())));
         for bad in ["0", "6", "2.5", "", "NaN", "agree"] {
-            assert!(
-                answer(bad, &AnswerScale::FivePoint).unwrap_err().contains("from 1 to 5"),
-                "{bad}"
-            );
+            let error = answer(bad).unwrap_err();
+            assert!(error.contains("must be a whole number from 1 to 5"), "{bad}: {error}");
+        }
+    }
+
+    #[test]
+    fn an_answer_on_a_line_may_have_decimals_behind_the_sign_of_its_file() {
+        let scale = NumberScale { points: 101, from: 0, step: 1, labels: Vec::new() };
+        let scale = AnswerScale::Numbers(scale);
+        for (text, decimal_comma, expect) in [
+            ("47.273", false, Some(47.273)),
+            ("47,273", true, Some(47.273)),
+            ("47.0", true, Some(47.0)),
+            ("47,0", false, Some(47.0)),
+            ("1e1", false, Some(10.0)),
+            ("47,273", false, None),
+            ("47.273", true, None),
+            ("100.001", false, None),
+            ("-0.5", false, None),
+            ("inf", false, None),
+            ("", false, None),
+        ] {
+            let wrong = format!("the answer '{text}' must be a number from 0 to 100");
+            let given = answer(text, decimal_comma, &scale).map(AnswerValue::get);
+            assert_eq!(given, expect.ok_or(wrong));
         }
     }
 

@@ -140,6 +140,22 @@ impl Label {
         }
     }
 
+    /// Whether the comma stands before decimals in their word: not in a number of a workbook, nor in
+    /// a word of the mapping.
+    ///
+    /// # Errors
+    /// No such column.
+    pub(super) fn has_decimal_comma(
+        &self,
+        recording: &Recording,
+        row: usize,
+    ) -> Result<bool, StoreError> {
+        let Some(column) = self.column().filter(|_| self.translate.is_empty()) else {
+            return Ok(false);
+        };
+        Ok(recording.has_decimal_comma(&recording.cell(column, row)?))
+    }
+
     /// Their word as ours.
     fn ours(&self, theirs: &str) -> Result<String, String> {
         if !self.translate.is_empty() {

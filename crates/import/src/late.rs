@@ -2,14 +2,14 @@
 //! row per answer, without a mapping file. Its columns have fixed names.
 
 use super::guess_read::{Looked, look};
-use super::identity::{id, number};
+use super::identity::{id, number, written};
 use super::mapping::CellForm;
 use super::recording::Recording;
 use super::table::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::{FirstErrors, StoreError};
-use zwidth_study::{EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId};
+use zwidth_study::{AnswerValue, EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId};
 
 /// What to do about a row that is wrong.
 const MEND: &str = "mend the row, or remove it; nothing was written";
@@ -56,8 +56,15 @@ pub struct LateAnswer {
     /// To which question; `None` where the table has no such column.
     pub question: Option<QuestionId>,
     /// The answer.
-    pub value: i16,
+    pub value: AnswerValue,
     row: usize,
+}
+
+impl LateAnswer {
+    /// Whether the trial's number is all that says which one is meant.
+    pub fn is_number_alone(&self) -> bool {
+        matches!(self.trial, TrialMeant::Number(_)) && self.claims == Claims::default()
+    }
 }
 
 /// A table of answers, read.
@@ -207,14 +214,16 @@ impl Columns {
         let question = self
             .question
             .map(|column| id(&cell(column)?).map_err(|why| at(recording, column, row, &why)));
+        let given = recording.table.columns[self.answer].cell(row);
+        let value = value(&cell(self.answer)?, recording.has_decimal_comma(&given))
+            .map_err(|why| at(recording, self.answer, row, &why))?;
         Ok(LateAnswer {
             participant: id(&code).map_err(|why| at(recording, self.participant, row, &why))?,
             session: session.transpose()?,
             trial,
             claims,
             question: question.transpose()?,
-            value: value(&cell(self.answer)?)
-                .map_err(|why| at(recording, self.answer, row, &why))?,
+            value,
             row,
         })
     }
@@ -224,12 +233,9 @@ fn at(recording: &Recording, column: usize, row: usize, what: &str) -> StoreErro
     recording.cell_error(column, row, what, MEND)
 }
 
-/// A whole number, which spreadsheets write as `4.0` too.
-#[allow(clippy::cast_possible_truncation)]
-fn value(text: &str) -> Result<i16, String> {
-    let number = text.parse::<f64>().ok().filter(|n| n.fract() == 0.0);
-    let number = number.filter(|n| (f64::from(i16::MIN)..=f64::from(i16::MAX)).contains(n));
-    number.map(|n| n as i16).ok_or_else(|| format!("the answer '{text}' must be a whole number"))
+/// A number; which numbers its scale has is not known here.
+fn value(text: &str, decimal_comma: bool) -> Result<AnswerValue, String> {
+    written(text, decimal_comma).ok_or_else(|| format!("the answer '{text}' must be a number"))
 }
 
 #[cfg(test)]
@@ -247,10 +253,22 @@ mod tests {
             read("Answer;remark;Participant;TRIAL;session\n4;ok;P01;7;S02\n-1.0;;P02;8;S01\n");
         let found = found.unwrap_or_else(|e| panic!("{e:#?}"));
         let [first, second] = &found.rows[..] else { panic!("{:?}", found.rows) };
-        assert_eq!((first.participant.as_str(), first.value), ("P01", 4));
+        assert_eq!((first.participant.as_str(), first.value), ("P01", 4.into()));
         assert_eq!(first.session.as_ref().map(SessionId::as_str), Some("S02"));
         assert_eq!((&first.trial, &first.question), (&TrialMeant::Number(7), &None));
-        assert_eq!((second.value, found.place(second)), (-1, "line 3".to_owned()));
+        assert_eq!((second.value, found.place(second)), ((-1).into(), "line 3".to_owned()));
+    }
+
+    #[test]
+    fn answers_may_have_decimals_behind_the_sign_of_the_table() {
+        for text in [
+            "participant,trial,answer\nP01,1,47.273\nP01,2,0.5\n",
+            "participant;trial;answer\nP01;1;47,273\nP01;2;0,5\n",
+        ] {
+            let found = read(text).unwrap_or_else(|e| panic!("{e:#?}"));
+            let values: Vec<f64> = found.rows.iter().map(|row| row.value.get()).collect();
+            assert_eq!(values, [47.273, 0.5]);
+        }
     }
 
     #[test]
@@ -306,7 +324,7 @@ mod tests {
         let expect = [
             ("participant", "(line 3)"),
             ("trial", "trial '0' must be a whole number from 1 to 1000000 (line 4)"),
-            ("answer", "the answer 'agree' must be a whole number (line 5)"),
+            ("answer", "the answer 'agree' must be a number (line 5)"),
             ("answer", "the cell is empty (line 6)"),
         ];
         assert_eq!(told.len(), expect.len(), "{told:#?}");

@@ -141,7 +141,7 @@ pub fn import(
         Content::Trials { who, time, columns, channels } => {
             trials::trials(&context, (who, time, columns, channels), files)?
         }
-        Content::Sweeps { labels, form } => sweeps::sweeps(&context, (labels, form), files)?,
+        Content::Sweeps(sweep) => sweeps::sweeps(&context, sweep, files)?,
         Content::Likert(asked) => likert::likert(&context, asked, files)?,
         // They add to logs that are there.
         Content::Exclusions(form) => return exclusions::import(&context, form, files, utc),

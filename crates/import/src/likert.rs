@@ -3,7 +3,7 @@
 
 use super::added::There;
 use super::batch::Batch;
-use super::given::{Answered, Place, read_given};
+use super::given::{Answered, Given, Place, read_given};
 use super::identity::{Identity, Named, identity, number_trials, tell_labels};
 use super::limits::{Budget, Take};
 use super::mapping::{Asked, Missing, OfRow, Questionnaire, Who};
@@ -153,7 +153,7 @@ fn note_losses(rows: &[(&Converted<Read>, &Answered)], events: &mut [Vec<Event>]
 
 /// The answers after a trial as events of it.
 fn events(row: &Answered, PlannedTrial { trial, .. }: &PlannedTrial) -> Vec<Event> {
-    let event = |(question, given): &(QuestionId, zwidth_study::Given)| Event::Answer {
+    let event = |(question, given): &(QuestionId, Given)| Event::Answer {
         trial: *trial,
         question: question.clone(),
         value: given.value,
@@ -352,10 +352,10 @@ trial = { column = \"order\" }
         assert_eq!((report.trials, report.sessions, report.answers), (0, 2, 6));
         assert_eq!(report.files[0].columns_dropped[0].column, "Timestamp");
         let events = world.events("P01", "S01");
-        let answer = |trial, question: &str, value| Event::Answer {
+        let answer = |trial, question: &str, value: i16| Event::Answer {
             trial,
             question: question.parse().unwrap(),
-            value,
+            value: value.into(),
             time_ms: None,
         };
         assert_eq!(events[..2], [answer(1, "felt_spring", 2), answer(1, "felt_wall", 4)]);
@@ -418,7 +418,7 @@ trial = { column = \"order\" }
         world.import(&map, &[world.file("a.csv", TABLE.replace("5;1", "5.0;1.0"))]).unwrap();
         let values = world.events("P01", "S01");
         let first = |event: &Event| match event {
-            Event::Answer { trial: 2, value, .. } => Some(*value),
+            Event::Answer { trial: 2, value, .. } => value.whole(),
             _ => None,
         };
         assert_eq!(values.iter().filter_map(first).collect::<Vec<_>>(), [5, 1]);
@@ -572,7 +572,8 @@ columns = { felt_spring = \"s2\" }
         );
         let table = "who,mode,order,response\n1,active,1,\"{\"\"Q0\"\":0,\"\"Q1\"\":\"\"4\"\"}\"\n";
         world.import(&map, &[world.file("a.csv", table)]).unwrap();
-        let values: Vec<i16> = world.load().answers.iter().map(|a| a.value).collect();
+        let values: Vec<i16> =
+            world.load().answers.iter().filter_map(|a| a.value.whole()).collect();
         assert_eq!(values, [5, 1]);
         let check = |cell: &str, words: &str| {
             let text = format!("who,mode,order,response\n2,active,1,\"{cell}\"\n");

@@ -64,6 +64,13 @@ impl Budget {
         spend(&self.cells, n, MOST_CELLS)
     }
 
+    /// Gives back the room of cells that are not kept.
+    pub(super) fn give_back(&self, n: usize) {
+        let _ = self.cells.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |spent| {
+            Some(spent.saturating_sub(n))
+        });
+    }
+
     /// Takes room for trials.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Long questionnaire tables, a row an answer → trials without samples, each with its answers.
 
-use super::given::{Answered, Place, read_given};
+use super::given::{Answered, Given, Place, read_given};
 use super::identity::{Identity, Named, identity};
 use super::label::Label;
 use super::likert::Read;
@@ -67,7 +67,7 @@ pub(super) fn convert(
     Ok(Read { found, report, columns, empty: rows.kept.len() - answers })
 }
 
-type Row = (Identity, Option<(QuestionId, zwidth_study::Given)>);
+type Row = (Identity, Option<(QuestionId, Given)>);
 
 /// Whose answer a row is, to what, and what it is; no answer where the cell is empty.
 fn read_row(

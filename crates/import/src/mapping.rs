@@ -43,7 +43,7 @@ pub struct Mapping {
 #[derive(Debug, Clone)]
 pub(super) enum Content {
     Trials { who: Box<Who>, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
-    Sweeps { labels: SweepLabels, form: SweepForm },
+    Sweeps(Box<(SweepLabels, SweepForm)>),
     Likert(Questionnaire),
     Exclusions(Exclusions),
 }
@@ -153,10 +153,18 @@ impl CellForm {
     pub(super) fn is_missing(&self, cell: &Cell) -> bool {
         self.missing_words.iter().any(|word| match cell {
             Cell::Empty => false,
-            Cell::Text(text) => plain(text) == plain(word),
-            Cell::Number(number) => word.parse() == Ok(*number),
+            Cell::Text(text) => plain(text) == plain(word) || is_number(text.parse().ok(), word),
+            Cell::Number(number) => is_number(Some(*number), word),
         })
     }
+}
+
+/// Whether a number is that of a word, in whatever way it is written, or as a float of four bytes holds it.
+fn is_number(number: Option<f64>, word: &str) -> bool {
+    let meant: Option<f64> = word.parse().ok();
+    #[allow(clippy::cast_possible_truncation)] // That is the question.
+    let of_four_bytes = meant.map(|meant| f64::from(meant as f32));
+    number.is_some() && (number == meant || number == of_four_bytes)
 }
 
 impl FileForm {

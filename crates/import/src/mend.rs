@@ -84,13 +84,16 @@ impl Recording {
             return None;
         }
         Some(match wrap_of(&times) {
-            _ if after.to_bits() == before.to_bits() => {
-                "set equal = \"drop\" in [time] to keep the first row of each time, or \"mean\" to join them".to_owned()
+            Some(wrap) => format!("a counter that starts over? set wrap = {wrap} in [time]"),
+            None if after < before => {
+                "if another recording begins there, set backwards = \"split\" in [time]; if a counter starts over, wrap; else \
+                 mend the recording"
+                    .to_owned()
             }
-            Some(wrap) => format!("set wrap = {wrap} in [time]: a counter starts over there"),
-            None => "set backwards = \"split\" in [time] if another trial begins there, or wrap if it is a counter that starts \
-                     over; else sort or mend the recording"
-                .to_owned(),
+            None => {
+                "set equal = \"drop\" in [time] if rows come twice, or \"mean\"; or take the time from rate_hz or a counter"
+                    .to_owned()
+            }
         })
     }
 
@@ -230,24 +233,6 @@ mod tests {
             let errors = world.import_streamed(&map, &[file]).unwrap_err();
             assert!(errors[0].remedy.contains(remedy), "{errors:?}");
         }
-    }
-
-    #[test]
-    fn trials_that_are_parted_where_a_counter_starts_over_are_to_be_read_with_care() {
-        let world = World::new();
-        let map =
-            map("[file]\nsplit = \"time\"\n", "from = \"t\"\nunit = \"us\"\nzero = \"first\"\n");
-        let care = |name: &str, rows: &str| {
-            let map = map.replace("P01", name);
-            let file = world.file(&format!("{name}.csv"), format!("t,f\n{rows}"));
-            world.import(&map, &[file]).unwrap().files[0].care.join("\n")
-        };
-        let wraps = care("P01", "4294967100,1\n4294967200,2\n4,3\n104,4\n");
-        assert!(
-            wraps.contains("is it a counter that wraps? Then set wrap = 4294967296"),
-            "{wraps}"
-        );
-        assert_eq!(care("P02", "0,1\n100,2\n1,3\n101,4\n"), "");
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use super::convert::median;
 use super::identity::Identity;
 use std::path::PathBuf;
-use zwidth_store::{Samples, Signal};
+use zwidth_numerics::series::ends;
+use zwidth_store::{Plateau, Samples, Signal, plateau};
 use zwidth_study::{EnvironmentId, Kind};
 
 /// So many others tell what is usual.
@@ -24,6 +25,8 @@ pub(super) struct Outline {
     rate_hz: f64,
     /// Whether its angle changes, if it has one.
     moves: Option<bool>,
+    /// The largest magnitude of its force, and where it stands there for long.
+    largest: Option<(f64, Option<Plateau>)>,
 }
 
 impl Outline {
@@ -42,6 +45,10 @@ impl Outline {
             span_s,
             rate_hz: 1.0 / median(steps),
             moves,
+            largest: samples.get(Signal::ForceEx).map(|force| {
+                let (low, high) = ends(force);
+                (low.abs().max(high.abs()), plateau(force))
+            }),
         }
     }
 
@@ -70,6 +77,25 @@ fn against_others(trial: &Outline, trials: &[Outline]) -> Vec<String> {
     }
     if others.len() <= LEAST_OTHERS {
         return doubts;
+    }
+    // A single load that is held looks like a sensor at its end; several loads differ.
+    let stands = |other: &&&Outline| match (trial.largest, other.largest) {
+        (Some((_, Some(own))), Some((_, Some(theirs)))) => {
+            own.value.to_bits() == theirs.value.to_bits()
+        }
+        _ => false,
+    };
+    let goes_on =
+        |other: &&Outline| other.largest.zip(trial.largest).is_some_and(|(o, own)| o.0 > own.0);
+    let at_an_end =
+        others.iter().filter(stands).count() >= LEAST_OTHERS && !others.iter().any(goes_on);
+    if let Some((_, Some(Plateau { value, .. }))) =
+        trial.largest.filter(|_| trial.moves != Some(true) && at_an_end)
+    {
+        doubts.push(format!(
+            "force_ex_n: it stands at {value}, its largest value, as other trials do, and none goes farther: is the sensor, or \
+             its converter, at the end of its range?"
+        ));
     }
     let usual = |of: fn(&Outline) -> f64| median(others.iter().map(|other| of(other)).collect());
     let span_s = usual(|other| other.span_s);

@@ -144,6 +144,6 @@ fn likert_vr_shoes_gives_3600_answers_in_80_trials_without_samples() {
     assert_eq!(answers.len(), 3600);
     // The file's first row: participant 1, STF first; 5 to the first item, 1 to the second.
     let first = answers.iter().find(|a| a.question.as_str() == "q01").unwrap();
-    assert_eq!((first.participant.as_str(), first.trial, first.value), ("P01", 1, 5));
+    assert_eq!((first.participant.as_str(), first.trial, first.value), ("P01", 1, 5.into()));
     assert_eq!(first.condition.mode.as_str(), "STF");
 }

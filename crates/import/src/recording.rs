@@ -202,6 +202,11 @@ impl Recording {
         }
     }
 
+    /// Whether the comma stands before decimals in a cell: a number of a workbook has neither sign.
+    pub(super) fn has_decimal_comma(&self, cell: &Cell) -> bool {
+        self.cells.decimal_comma && matches!(cell, Cell::Text(_))
+    }
+
     /// Whether `true` and `false` may stand in a column for 1 and 0.
     fn holds_truths(&self, column: usize) -> bool {
         let name = self.table.names.as_ref().and_then(|names| names.get(column));

@@ -4,6 +4,7 @@
 
 use super::blocks::{Block, Blocks, is_long};
 use super::convert::{Linear, Zero, central, slope};
+use super::counter::{self, Elsewhere};
 use super::identity::{Identity, identity};
 use super::limits::{Budget, Take, check_sizes, check_time, too_many_for_a_trial};
 use super::mapping::{FileForm, Rule, Who};
@@ -236,7 +237,12 @@ impl<'a> Source<'a> {
     }
 
     fn parse(&self, block: &Block) -> Result<Parsed, Errors> {
-        let columns: Vec<&ColumnRef> = self.plan.columns().chain(self.who.columns()).collect();
+        // Columns that are not mapped cost time: where times are recorded they are not read.
+        let looked_at: Vec<ColumnRef> = match self.plan.rate_hz {
+            Some(_) => counter::looked_at().collect(),
+            None => Vec::new(),
+        };
+        let columns = self.plan.columns().chain(self.who.columns()).chain(&looked_at).collect();
         let budget = Budget::default();
         let take = Take::of(columns, &budget);
         let table = csv::read(self.path, &block.text, block.dialect, &take)?;
@@ -307,6 +313,8 @@ pub(super) struct Growing<'a> {
     firsts: Vec<f64>,
     /// Where its first row and its last stand in the text.
     ends: Option<[Standing; 2]>,
+    /// The samples that other columns pass over, in the blocks so far, and what is told of them.
+    hidden: (Elsewhere, Option<String>),
     /// Rows that were taken.
     pub(super) taken: usize,
     /// First and last time, s.
@@ -331,6 +339,7 @@ impl<'a> Growing<'a> {
             columns: all.map(|to| (to, Vec::new())).collect(),
             firsts: Vec::new(),
             ends: None,
+            hidden: Default::default(),
             taken: 0,
             times: None,
             given: 0,
@@ -371,6 +380,13 @@ impl<'a> Growing<'a> {
             let numbers = rows.iter().map(|row| standing(row).place - first.place);
             part.set(Signal::Time, rate_times(rate_hz, numbers));
         }
+        let Parsed { recording, numeric, labels, .. } = stretch.parsed;
+        let t_s = part.get(Signal::Time).unwrap_or_default();
+        let plan = (numeric.as_slice(), self.plan);
+        let found = counter::elsewhere(recording, plan, labels, (rows, t_s));
+        let (hidden, told) = &mut self.hidden;
+        hidden.add(found);
+        *told = counter::told(recording, self.plan, hidden);
         self.check(&part).map_err(|e| self.in_their_words(e, stretch))?;
         let t = part.get(Signal::Time).unwrap_or_default();
         let ends = |t: &[f64]| Some([*t.first()?, *t.last()?]);
@@ -393,6 +409,11 @@ impl<'a> Growing<'a> {
     pub(super) fn gaps(&self) -> Gaps {
         self.ends
             .map_or_else(Gaps::default, |[first, last]| Gaps::between(first, last, self.taken, 0))
+    }
+
+    /// What other columns say of samples that are missing.
+    pub(super) fn hidden(&self) -> Option<String> {
+        self.hidden.1.clone()
     }
 
     /// Writes what is left.

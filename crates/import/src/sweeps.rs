@@ -31,7 +31,7 @@ pub(super) struct Piece {
 /// Converts every file and numbers the sweeps of each actuator in the order of the files.
 pub(super) fn sweeps(
     context: &Context,
-    (labels, form): (&SweepLabels, &SweepForm),
+    (labels, form): &(SweepLabels, SweepForm),
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
     let budget = Budget::default();

@@ -105,8 +105,13 @@ impl Cells {
     /// The cell in `row`, from 0.
     pub(super) fn cell(&self, row: usize) -> Cell<'_> {
         match self {
-            Self::Text(cells) if cells.is_valid(row) => Cell::Text(cells.value(row)),
-            Self::Numbers(cells) if cells.is_valid(row) => Cell::Number(cells.value(row)),
+            // A column that is not mapped may be shorter.
+            Self::Text(cells) if row < cells.len() && cells.is_valid(row) => {
+                Cell::Text(cells.value(row))
+            }
+            Self::Numbers(cells) if row < cells.len() && cells.is_valid(row) => {
+                Cell::Number(cells.value(row))
+            }
             _ => Cell::Empty,
         }
     }
@@ -196,14 +201,14 @@ impl Table {
         row.saturating_add(self.empty.before(row))
     }
 
-    /// Whether it is of a matrix with so few rows and so many columns that its rows are the signals. A
-    /// matrix alone has neither names nor lines.
+    /// Whether it has fewer rows than columns, as many as no device has signals in a text: then its rows
+    /// are the signals. A matrix alone has neither names nor lines.
     pub(super) fn is_turned(&self) -> bool {
-        const MOST_SIGNALS: usize = 16;
-        const FEWEST_SAMPLES: usize = 50;
+        const MOST_SIGNALS_OF_TEXT: usize = 256;
         let is_matrix = self.names.is_none() && self.lines.is_empty();
         let rows = self.columns.iter().map(Cells::len).max().unwrap_or(0);
-        is_matrix && rows <= MOST_SIGNALS && self.columns.len() >= FEWEST_SAMPLES
+        let most = if is_matrix { 0 } else { MOST_SIGNALS_OF_TEXT };
+        rows < self.columns.len() && self.columns.len() > most
     }
 
     /// The place (from 0) of the column meant; `Err` says what there is instead.

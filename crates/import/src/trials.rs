@@ -23,7 +23,7 @@ use zwidth_store::{
     Asked, DOUBTS, GAPS, LOST, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, ZEROS,
     check_form, check_samples, trial_bytes,
 };
-use zwidth_study::{Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
+use zwidth_study::{AnswerValue, Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
 
 /// One trial of a file.
 struct Piece {
@@ -151,9 +151,6 @@ pub(super) fn trials(
     Ok(batch)
 }
 
-/// Columns that are looked at for what they count.
-const MOST_LOOKED_AT: usize = 16;
-
 /// The trials of a file, and the report on it; of a long text whose its trials are, and no report
 /// yet.
 type FileTrials = (Vec<Piece>, Option<FileReport>);
@@ -167,11 +164,7 @@ fn converted(
 ) -> Result<Vec<Converted<FileTrials>>, Errors> {
     let long = |path: &PathBuf| is_long(path, &context.mapping.file);
     let (long, short): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(long);
-    // Where no column of the mapping says the time, another one may show that samples are missing.
-    let looked_at: Vec<ColumnRef> = match plan.rate_hz {
-        Some(_) => (1..=MOST_LOOKED_AT).map(ColumnRef::Position).collect(),
-        None => Vec::new(),
-    };
+    let looked_at: Vec<ColumnRef> = counter::looked_at().collect();
     let taken = plan.columns().chain(who.columns()).chain(&looked_at).collect();
     let take = Take { turned: context.mapping.file.turned, ..Take::of(taken, budget) };
     let convert = |recording: &mut Recording| {
@@ -318,6 +311,10 @@ impl<'a> Open<'a> {
         if let Some(gaps) = gaps {
             self.writer.note(GAPS, gaps);
         }
+        let hidden = self.growing.hidden();
+        if let Some(hidden) = &hidden {
+            self.writer.note(DOUBTS, hidden.clone());
+        }
         if let Err(errors) = self.growing.end(&mut self.writer) {
             self.writer.discard(context.files);
             return Err(errors);
@@ -327,9 +324,11 @@ impl<'a> Open<'a> {
         let found = staged.check(context.files, &asked);
         let found = found.inspect_err(|_| staged.discard(context.files))?;
         let samples = self.growing.rows;
+        let mut care = care(&found, self.number, samples);
+        care.extend(hidden.map(|hidden| format!("trial {}, {hidden}", self.number.trial)));
         Ok(Encoded {
             words: words(&self.identity, self.number, samples),
-            care: care(&found, self.number, samples),
+            care,
             path: self.path,
             output: Output::Staged(staged),
             // What cannot be read of a long text is an error.
@@ -367,6 +366,9 @@ fn care(found: &[StoreError], number: &PlannedTrial, samples: usize) -> Vec<Stri
     found.iter().map(line).chain(alone).collect()
 }
 
+/// A clock is too coarse if more than this share of the rows have the time of one before them.
+const COARSE: f64 = 0.05;
+
 /// One file's trials: consecutive rows with equal labels are one trial.
 fn convert(
     context: &Context,
@@ -375,7 +377,7 @@ fn convert(
     budget: &Budget,
     recording: &mut Recording,
 ) -> Result<(Vec<Piece>, FileReport), Errors> {
-    check_turned(plan, context.mapping.file.turned, recording)?;
+    check_turned(context.mapping.file.turned, recording)?;
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
     let mut other_units = all(plan
@@ -401,6 +403,14 @@ fn convert(
     }
     let recording = &*recording;
     let time = numeric.first().copied().filter(|_| context.mapping.file.splits_at_time);
+    let wrap = time.and_then(|time| recording.numbers(time, &rows.kept).ok());
+    if let Some(wrap) = wrap.and_then(|times| counter::wrap_of(&times)) {
+        let what = format!(
+            "its times start over as a counter does that ends at {wrap}, and are to be parted there: a movement would become two"
+        );
+        let remedy = format!("set wrap = {wrap} in [time] in place of backwards or split");
+        return Err(recording.error(what, remedy).into());
+    }
     let pieces = || {
         let labelled = recording.pieces(&rows.kept, &labels);
         labelled.flat_map(|rows| match time {
@@ -408,20 +418,23 @@ fn convert(
             None => vec![rows],
         })
     };
+    // A row that comes twice is one sample; other rows of one time are several.
+    let differs = |row: &&usize| {
+        numeric
+            .iter()
+            .any(|column| recording.number(*column, **row) != recording.number(*column, **row - 1))
+    };
+    let joined = rows.joined.iter().filter(differs).count();
+    let coarse = (joined as f64 > COARSE * rows.read as f64).then(|| {
+        format!(
+            "t_s: {joined} of {} rows have the time of a row before them, and other values: its clock is too coarse for \
+             them; take the time from a counter, or from rate_hz",
+            rows.read
+        )
+    });
     // Counted before anything is made of them.
     budget.trials(&recording.path, pieces().count())?;
     let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
-    // Where each trial's times start over, if that is where a counter does.
-    let wraps: Vec<Option<f64>> = match time {
-        Some(time) => {
-            let wraps = recording.pieces(&rows.kept, &labels).flat_map(|stretch| {
-                let wrap = recording.numbers(time, stretch).ok().and_then(|t| counter::wrap_of(&t));
-                recording.restarts(stretch, time).map(move |_| wrap)
-            });
-            wraps.collect()
-        }
-        None => vec![None; begins.len()],
-    };
     let pieces = all(pieces().enumerate().map(|(i, stretch)| {
         let identity = identity(who, recording, stretch[0], context.study)?;
         let (samples, zeros) = samples(plan, recording, &numeric, stretch)?;
@@ -435,19 +448,15 @@ fn convert(
         });
         let missing = match plan.time.and_then(|time| time.mend.counts_at_hz) {
             Some(rate_hz) => passed_over(samples.get(Signal::Time).unwrap_or_default(), rate_hz),
-            None if plan.rate_hz.is_some() => {
-                passed_over_elsewhere(recording, &numeric, &labels, stretch)
+            None => {
+                let t_s = samples.get(Signal::Time).unwrap_or_default();
+                let found =
+                    counter::elsewhere(recording, (&numeric, plan), &labels, (stretch, t_s));
+                counter::told(recording, plan, &found)
             }
-            None => None,
         };
-        let known = recording.table.doubts.iter().chain(&other_units).cloned();
-        let wrap = wraps[i].map(|wrap| {
-            format!(
-                "t_s: it is parted from another trial where its times start over, at {wrap}: is it a counter that wraps? Then \
-                 set wrap = {wrap} in [time], and remove split"
-            )
-        });
-        let doubts = known.chain(zeros.doubts).chain(missing).chain(wrap);
+        let known = recording.table.doubts.iter().chain(&other_units).chain(&coarse).cloned();
+        let doubts = known.chain(zeros.doubts).chain(missing);
         let doubts = doubts.collect();
         let notes = Notes { gaps, lost, zeros: zeros.words, doubts };
         Ok::<_, Errors>(Piece { identity, samples, notes })
@@ -458,9 +467,18 @@ fn convert(
         converted: plan.converted.clone(),
         computed: plan.computed.clone(),
         null: null_columns(&made),
-        ..context.file_report(recording, (&rows, rows.kept.len()), &[numeric, labels].concat())?
+        ..context.file_report(
+            recording,
+            (&rows, rows.kept.len()),
+            &[numeric.as_slice(), &labels].concat(),
+        )?
     };
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, why_empty(plan));
+    // What was only looked at is not kept.
+    let looked_at = recording.table.columns.iter().enumerate();
+    let looked_at =
+        looked_at.filter(|(place, _)| !numeric.contains(place) && !labels.contains(place));
+    budget.give_back(looked_at.map(|(_, cells)| cells.len()).sum());
     Ok((pieces, report))
 }
 
@@ -468,13 +486,17 @@ fn convert(
 ///
 /// # Errors
 /// It has a time, so few rows and so many columns that its rows are the signals.
-fn check_turned(plan: &Plan, turned: bool, recording: &Recording) -> Result<(), StoreError> {
+fn check_turned(turned: bool, recording: &Recording) -> Result<(), StoreError> {
     let table = &recording.table;
-    if plan.time.is_none() || !table.is_turned() {
+    if !table.is_turned() {
         return Ok(());
     }
     let (rows, columns) =
         (table.columns.iter().map(Cells::len).max().unwrap_or(0), table.columns.len());
+    if table.names.is_some() || !table.lines.is_empty() {
+        let what = format!("it has {rows} rows and {columns} columns: are its rows the signals?");
+        return Err(recording.error(what, "turn the table, so that each signal has a column"));
+    }
     let (what, remedy) = match turned {
         false => (
             format!("its matrix has {rows} rows and {columns} columns: its rows are the signals"),
@@ -498,29 +520,6 @@ fn passed_over(t_s: &[f64], rate_hz: f64) -> Option<String> {
             "t_s: its counter passes over {} samples in {} places, or over more if a gap is longer than it counts",
             found.samples, found.places
         )
-    })
-}
-
-/// What is said where the time is a row's number, and a column that is not mapped shows that samples are
-/// missing.
-fn passed_over_elsewhere(
-    recording: &Recording,
-    numeric: &[usize],
-    labels: &[usize],
-    rows: &[usize],
-) -> Option<String> {
-    let others = (0..recording.table.columns.len().min(MOST_LOOKED_AT))
-        .filter(|column| !numeric.contains(column) && !labels.contains(column));
-    others.into_iter().find_map(|column| {
-        let values = recording.numbers(column, rows).ok()?;
-        let found = counter::counted(&values).filter(|found| found.matter())?;
-        Some(format!(
-            "t_s: rate_hz takes the rows for evenly spaced, but column {} passes over {} samples in {} places: take the time \
-             from it (`from`), or the number of each sample (`counter`, with rate_hz and wrap)",
-            recording.table.name(column),
-            found.samples,
-            found.places
-        ))
     })
 }
 
@@ -674,7 +673,8 @@ fn meta(identity: &Identity, number: &PlannedTrial, source: Source) -> TrialMeta
         status: Status::Complete,
         environment: i.environment,
         mode: i.mode,
-        likert: i.likert,
+        // The file has answers on five points alone; any other answer is an event.
+        likert: i.likert.and_then(AnswerValue::whole),
         source,
     }
 }
@@ -688,7 +688,7 @@ fn file(context: &Context, plan: &Plan, blake3: &str) -> TrialFile {
 
 #[cfg(test)]
 mod tests {
-    use super::super::world::{COLUMNS, FORCE, ONE, World, close, trials_map};
+    use super::super::world::{COLUMNS, FORCE, ONE, World, close, template_once, trials_map};
     use zwidth_store::{Signal, file_blake3, read_channels};
     use zwidth_study::{Event, Kind, Source};
 
@@ -908,9 +908,26 @@ derive = \"integral of theta_dot_rad_s\"
         let meta = world.trial("P01", "S01", 2).meta;
         assert_eq!((meta.likert, meta.repeat, meta.kind), (None, 1, Kind::Trial));
         let question = "felt_spring".parse().unwrap();
-        let answer = Event::Answer { trial: 2, question, value: 5, time_ms: None };
+        let answer = Event::Answer { trial: 2, question, value: 5.into(), time_ms: None };
         assert!(world.events("P01", "S01").contains(&answer));
         assert_eq!(world.trial("P01", "S01", 1).meta.kind, Kind::Familiarisation);
         assert_eq!(world.load().counting().count(), 2, "familiarisation does not count");
+    }
+
+    #[test]
+    fn an_answer_beside_the_samples_may_lie_on_a_line_and_is_an_event_then() {
+        let line = "id = \"felt_spring\"\npoints = 101\nfrom = 0\n";
+        let world = World::with(&template_once().replace("id = \"felt_spring\"\n", line));
+        let map = format!("{ONE}likert = {{ column = \"q\" }}\n");
+        let map = trials_map(&["[file]\ndecimal = \",\"\n", &map, FORCE]);
+        let file = world.file("a.csv", "t;f;q\n0;1,5;47,273\n0,5;2;47,273\n");
+        world.import(&map, &[file]).unwrap();
+        assert_eq!(world.trial("P01", "S01", 1).meta.likert, None);
+        let value = |event: &Event| match event {
+            Event::Answer { value, .. } => Some(value.get()),
+            _ => None,
+        };
+        let answers: Vec<f64> = world.events("P01", "S01").iter().filter_map(value).collect();
+        assert_eq!(answers, [47.273]);
     }
 }

@@ -29,6 +29,12 @@ from = \"f\"
 unit = \"N\"
 ";
 
+/// The study of the template: lever 0.045 m, spring and spring_wall, active, passive and hybrid;
+/// with one repeat of each.
+pub(super) fn template_once() -> String {
+    template(&StudyId::new("demo").unwrap()).replace("repeats = 6", "repeats = 1")
+}
+
 /// A study folder and a folder of recordings.
 pub(super) struct World {
     root: PathBuf,
@@ -39,10 +45,9 @@ pub(super) struct World {
 }
 
 impl World {
-    /// The study of the template: lever 0.045 m, spring and spring_wall, active, passive and
-    /// hybrid; with one repeat of each.
+    /// The study of [`template_once`].
     pub(super) fn new() -> Self {
-        Self::with(&template(&StudyId::new("demo").unwrap()).replace("repeats = 6", "repeats = 1"))
+        Self::with(&template_once())
     }
 
     /// The study of this text, which must have the id `demo`.

@@ -7,6 +7,12 @@ use zwidth_numerics::series::ends;
 const BEGINNING_S: f64 = 0.5;
 /// Samples that tell whether a signal rests.
 const LEAST: usize = 4;
+/// A filter that settles is looked at in so many windows …
+const SETTLING: u32 = 5;
+/// … of this length at least, s.
+const SETTLING_S: f64 = 0.1;
+/// A stretch that drifts is told if the drift comes to this share of all that the signal does over the trial.
+const DRIFT: f64 = 0.1;
 /// A zero is off, or a stretch is not at rest, if it differs by so many times what the values scatter …
 const SCATTERS: f64 = 3.0;
 /// … and by this share of all that the signal does in the trial.
@@ -49,13 +55,53 @@ pub(super) fn find(zero: Zero, t_s: &[f64], x: &[f64]) -> Result<Found, String> 
             let words = format!(
                 "{value} as recorded, the median of {n} samples from {from_s} s to {to_s} s, standard deviation {spread:.3e}"
             );
-            Ok(Found { value, words: Some(words), doubt: unrest(stretch, x, (from_s, to_s)) })
+            let doubt = match n < LEAST {
+                true => Some(format!(
+                    "its zero is taken from {n} samples, from {from_s} s to {to_s} s; one odd value among so few is taken \
+                     for it: choose a longer stretch"
+                )),
+                false => unrest((t_s, stretch), x, (from_s, to_s)),
+            };
+            Ok(Found { value, words: Some(words), doubt })
         }
     }
 }
 
 /// A first value that is not that of the samples after it, which rest: filters begin so.
 fn odd_first(t_s: &[f64], x: &[f64]) -> Option<String> {
+    settles(t_s, x).or_else(|| steps_off(t_s, x))
+}
+
+/// A signal that moves fastest at its very beginning, and ever more slowly from there on, always one way: a
+/// filter that settles.
+fn settles(t_s: &[f64], x: &[f64]) -> Option<String> {
+    let interval_s = (t_s.last()? - t_s.first()?) / t_s.len() as f64;
+    let window_s = SETTLING_S.max(LEAST as f64 * interval_s);
+    let middle = |i: u32| {
+        let from_s = f64::from(i) * window_s;
+        let window = within(t_s, x, from_s, from_s + window_s);
+        (window.len() >= LEAST).then(|| median(window.to_vec()))
+    };
+    let middles: Vec<f64> = (0..SETTLING).map_while(middle).collect();
+    let steps: Vec<f64> = middles.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let is_slowing =
+        steps.windows(2).all(|pair| pair[0] * pair[1] > 0.0 && pair[1].abs() < pair[0].abs());
+    let (first, last) = (steps.first()?, steps.last()?);
+    let has_slowed = steps.len() + 1 == SETTLING as usize && last.abs() < first.abs() / 2.0;
+    let went = (middles.last()? - x.first()?).abs();
+    (is_slowing && has_slowed && went > SHARE * range(x)).then(|| {
+        format!(
+            "its first value, {}, is taken for its zero, from which it settles as a filter does, to {:.4} within {:.1} s: give a \
+             stretch at rest, zero = {{ from_s = …, to_s = … }}",
+            x[0],
+            middles[middles.len() - 1],
+            window_s * f64::from(SETTLING)
+        )
+    })
+}
+
+/// A first value off all that follows.
+fn steps_off(t_s: &[f64], x: &[f64]) -> Option<String> {
     let beginning = within(t_s, x, 0.0, BEGINNING_S);
     let settled = &beginning[beginning.len() / 2..];
     if settled.len() < LEAST {
@@ -74,7 +120,11 @@ fn odd_first(t_s: &[f64], x: &[f64]) -> Option<String> {
 }
 
 /// A stretch in which the signal does not rest.
-fn unrest(stretch: &[f64], x: &[f64], (from_s, to_s): (f64, f64)) -> Option<String> {
+fn unrest(
+    (t_s, stretch): (&[f64], &[f64]),
+    x: &[f64],
+    (from_s, to_s): (f64, f64),
+) -> Option<String> {
     if stretch.len() < 2 * LEAST {
         return None;
     }
@@ -84,7 +134,10 @@ fn unrest(stretch: &[f64], x: &[f64], (from_s, to_s): (f64, f64)) -> Option<Stri
     let steps = stretch.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let scatter = DEVIATIONS * median(steps) / std::f64::consts::SQRT_2;
     let drift = (after - before).abs();
-    let drifts = drift > SCATTERS * scatter && drift > SHARE * range(x);
+    // As far as it would go over the whole trial, if it went on so.
+    let whole = drift * 2.0 * (t_s[t_s.len() - 1] - t_s[0]) / (to_s - from_s);
+    let drifts =
+        drift > SCATTERS * scatter && (drift > SHARE * range(x) || whole > DRIFT * range(x));
     drifts.then(|| {
         format!(
             "its zero is taken from {from_s} s to {to_s} s, where it does not rest: it goes from {before} to {after} (medians \
@@ -150,5 +203,23 @@ mod tests {
         // A lever that moves at once has no other zero than its first value.
         let moving: Vec<f64> = t.iter().map(|t| 3.0 * t).collect();
         assert_eq!(find(Zero::First, &t, &moving).unwrap().doubt, None);
+    }
+
+    #[test]
+    fn a_filter_that_settles_a_drift_and_too_few_samples_are_told() {
+        let t: Vec<f64> = (0..100).map(|i| 0.04 * f64::from(i)).collect();
+        let settling: Vec<f64> = t.iter().map(|t| 2.3 - 2.3 * libm::exp(-t / 0.3)).collect();
+        let doubt = find(Zero::First, &t, &settling).unwrap().doubt.unwrap();
+        assert!(doubt.contains("settles as a filter does"), "{doubt}");
+        // A movement begins slowly.
+        let moving: Vec<f64> = t.iter().map(|t| 1.0 - libm::cos(t.min(3.0))).collect();
+        assert_eq!(find(Zero::First, &t, &moving).unwrap().doubt, None);
+        let drifting: Vec<f64> =
+            t.iter().map(|t| 0.3 * t + if *t > 2.0 { 2.0 } else { 0.0 }).collect();
+        let rest = Zero::Rest { from_s: 0.0, to_s: 0.5 };
+        let doubt = find(rest, &t, &drifting).unwrap().doubt.unwrap();
+        assert!(doubt.contains("does not rest"), "{doubt}");
+        let one = find(Zero::Rest { from_s: 0.0, to_s: 0.01 }, &t, &moving).unwrap();
+        assert!(one.doubt.unwrap().contains("from 1 samples"));
     }
 }

@@ -23,6 +23,19 @@ pub fn phases(x: &[f64], onset: usize, end: usize) -> Phases {
     Phases { onset, reversal, end }
 }
 
+/// The sample at which a movement begins to return: the first one from the reversal on from which the
+/// velocity stays below −`offset` until it falls below −`onset`. `None` if it never does.
+pub fn return_begins(velocity: &[f64], phases: Phases, onset: f64, offset: f64) -> Option<usize> {
+    let mut begins = None;
+    for (i, v) in velocity.iter().enumerate().take(phases.end + 1).skip(phases.reversal) {
+        begins = (*v < -offset).then(|| begins.unwrap_or(i));
+        if *v < -onset {
+            return begins;
+        }
+    }
+    None
+}
+
 /// When the polyline through (tᵢ, xᵢ) first passes `level` upwards, in the unit of `t`. `None` if
 /// it never exceeds `level`, or does so from its first sample on.
 pub fn first_passing(t: &[f64], x: &[f64], level: f64) -> Option<f64> {
@@ -41,6 +54,14 @@ mod tests {
         let x = [9.0, 0.0, 2.0, 3.0, 3.0, 1.0, 9.0];
         assert_eq!(phases(&x, 1, 5), Phases { onset: 1, reversal: 3, end: 5 });
         assert_eq!(phases(&x, 5, 5), Phases { onset: 5, reversal: 5, end: 5 });
+    }
+
+    #[test]
+    fn a_return_begins_where_the_way_back_that_gets_fast_does() {
+        let v = [0.0, 1.0, 0.0, -0.3, 0.1, -0.3, -0.4, -2.0, 0.0];
+        let phases = Phases { onset: 1, reversal: 2, end: 8 };
+        assert_eq!(return_begins(&v, phases, 1.0, 0.2), Some(5));
+        assert_eq!(return_begins(&v, phases, 3.0, 0.2), None);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Stage `average`: each condition of a session has two tables, one for each alignment. If there is
-//! no mean, they are empty and their note says why.
+//! Stage `average`: each condition of a session has a table for each alignment of means against time,
+//! and one of force against position. If there is no mean, they are empty and their note says why.
 
 use crate::conditions::{Repeats, repeats, sessions};
 use crate::drawing::{Drawing, Figured};
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_average::{Alignment, AverageError, Parameters, SessionCourse, WhyNot};
+use zwidth_average::{Alignment, AverageError, Parameters, SessionLoop, WhyNot};
 use zwidth_figures::{About, EnvironmentOfPeople, MEAN_LOOPS, ModeOfPeople, draws_each};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, StudyData};
@@ -26,6 +26,11 @@ pub(crate) fn aligned(layout: &Layout, repeats: &Repeats, alignment: Alignment) 
         Alignment::Landmarks => ".landmarks",
     };
     derived(layout, format!("average/{}{suffix}.parquet", repeats.key))
+}
+
+/// The mean of force against position of a condition: `average/P01.S01.spring.hybrid.loop.parquet`.
+pub(crate) fn looped(layout: &Layout, repeats: &Repeats) -> PathBuf {
+    derived(layout, format!("average/{}.loop.parquet", repeats.key))
 }
 
 /// Every average of the study aligned at onset: what the summary speaks of.
@@ -47,7 +52,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 struct People<'a> {
     environment: &'a Environment,
     mode: usize,
-    /// The means of every session, aligned by landmarks.
+    /// The mean loops of every session.
     sessions: Vec<PathBuf>,
     /// The mean over participants.
     mean: PathBuf,
@@ -64,10 +69,10 @@ fn over_people(data: &StudyData) -> Vec<People<'_>> {
             let first = of.iter().filter_map(|repeats| repeats.trials.first());
             let people: BTreeSet<_> = first.map(|trial| &trial.meta.participant).collect();
             if people.len() > 1 {
-                let aligned = |r: &Repeats| aligned(&data.layout, r, Alignment::Landmarks);
+                let looped = |r: &Repeats| looped(&data.layout, r);
                 let name = format!("average/people.{}.{}.parquet", environment.id, mode.id);
                 let (sessions, mean) =
-                    (of.iter().map(aligned).collect(), derived(&data.layout, name));
+                    (of.iter().map(looped).collect(), derived(&data.layout, name));
                 found.push(People { environment, mode: place, sessions, mean });
             }
         }
@@ -93,11 +98,11 @@ fn make_people(level: &f64, sessions: &Vec<PathBuf>, making: &Making) -> Result<
     let looked_at = zwidth_average::looked_at();
     let names: Vec<&str> = looked_at.iter().map(String::as_str).collect();
     // Of a large study the tables together would take far more memory than the courses.
-    let course = |file: &PathBuf| SessionCourse::of(&Table::columns_from_parquet(file, &names)?);
-    let courses: Vec<_> = sessions.par_iter().map(course).collect::<Result<_, TableError>>()?;
-    let table = match zwidth_average::over_participants(courses.into_iter().flatten(), *level)? {
+    let one = |file: &PathBuf| SessionLoop::of(&Table::columns_from_parquet(file, &names)?);
+    let loops: Vec<_> = sessions.par_iter().map(one).collect::<Result<_, TableError>>()?;
+    let table = match zwidth_average::over_participants(loops.into_iter().flatten(), *level)? {
         Some(table) => table,
-        None => zwidth_average::no_average(&WhyNot::Nobody)?,
+        None => zwidth_average::no_loop(&WhyNot::Nobody)?,
     };
     write_tables(&[table], making, Vec::new())
 }
@@ -148,12 +153,14 @@ impl Inputs for OfPeople {
 }
 
 fn draw(of: &Drawn, OfPeople(files): &OfPeople) -> Figured {
-    let columns = zwidth_figures::average_columns();
+    let columns = zwidth_figures::loop_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let read = |path: &PathBuf| Table::columns_from_parquet(path, &columns);
     let mut tables = Vec::new();
     for (mean, sessions) in files {
-        tables.push((read(mean)?, sessions.iter().map(read).collect::<Result<Vec<Table>, _>>()?));
+        let mean =
+            Table::columns_from_parquet(mean, &[columns.as_slice(), &["sessions"]].concat())?;
+        tables.push((mean, sessions.iter().map(read).collect::<Result<Vec<Table>, _>>()?));
     }
     let mut tables = tables.iter();
     let mut environments = Vec::new();
@@ -175,7 +182,12 @@ fn job(data: &StudyData, repeats: &Repeats) -> Job {
         format!("average {}", repeats.who),
         OfTrials::new(parameters(data, repeats), &repeats.trials),
         files(&repeats.trials),
-        Alignment::ALL.map(|alignment| aligned(&data.layout, repeats, alignment)).to_vec(),
+        [
+            aligned(&data.layout, repeats, Alignment::Onset),
+            aligned(&data.layout, repeats, Alignment::Landmarks),
+            looped(&data.layout, repeats),
+        ]
+        .to_vec(),
         make,
     )
     .of_part(&repeats.key)
@@ -190,7 +202,12 @@ fn make(of: &OfTrials<Parameters>, files: &Recordings, making: &Making) -> Resul
             Err(error) => Err(error.into()),
         }
     };
-    let tables = Alignment::ALL.into_iter().map(table).collect::<Result<Vec<_>, _>>()?;
+    let looped = match zwidth_average::mean_loop(&trials, &of.stage) {
+        Ok(mean) => zwidth_average::loop_table(&mean)?,
+        Err(AverageError::WhyNot(why)) => zwidth_average::no_loop(&why)?,
+        Err(error) => return Err(error.into()),
+    };
+    let tables = [table(Alignment::Onset)?, table(Alignment::Landmarks)?, looped];
     // A mean without a column that could not be read is void.
     if let Some(error) = trials.iter().find_map(|trial| trial.columns().failure()) {
         return Err(error.into());

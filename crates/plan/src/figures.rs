@@ -8,7 +8,6 @@ use crate::{
     scenes, schematics, trade,
 };
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_draw::Figure;
 use zwidth_figures::{
@@ -17,7 +16,7 @@ use zwidth_figures::{
 };
 use zwidth_runner::{Inputs, Job, JobError};
 use zwidth_store::{Asked, StoreError, StudyData, TrialEntry, check_trial};
-use zwidth_study::{Alignments, Environment, ModeId, OwnFigures};
+use zwidth_study::{Alignment, Environment, ModeId, OwnFigures};
 use zwidth_tables::Table;
 
 /// Every figure that a run makes.
@@ -132,7 +131,8 @@ struct Recorded {
     environment: Environment,
     who: String,
     trials: Vec<Known>,
-    alignments: Alignments,
+    /// Of means against time.
+    alignment: Alignment,
     /// The modes that were averaged, in the order of their tables.
     averaged: Vec<ModeId>,
     /// What decides where the repeats stand behind means aligned by landmarks, and the stage that
@@ -148,7 +148,7 @@ struct Files {
     trials: Recordings,
     /// Against time.
     averages: Vec<PathBuf>,
-    /// Against position; empty where they are the same.
+    /// Against position.
     loops: Vec<PathBuf>,
 }
 
@@ -158,20 +158,15 @@ impl Inputs for Files {
     }
 }
 
-/// One environment of one session, with its means aligned in these ways.
+/// One environment of one session, with its means against time aligned so.
 fn recorded(
     data: &StudyData,
     session: &Session,
     environment: &Environment,
-    alignments: Alignments,
+    alignment: Alignment,
     trials: &[&TrialEntry],
     conditions: &[Repeats],
 ) -> (Recorded, Files) {
-    let Alignments { over_time, over_position } = alignments;
-    let averages = |alignment| {
-        let of = |repeats| average::aligned(&data.layout, repeats, alignment);
-        conditions.iter().map(of).collect::<Vec<PathBuf>>()
-    };
     let parameters =
         zwidth_average::Parameters { analysis: data.study.analysis, scene: environment.scene };
     let recorded = Recorded {
@@ -179,15 +174,15 @@ fn recorded(
         environment: environment.clone(),
         who: session.who(),
         trials: describe_trials(trials),
-        alignments,
+        alignment,
         averaged: conditions.iter().map(|r| r.mode.id.clone()).collect(),
         average: (parameters, zwidth_average::VERSION),
         asked: Asked::of(&data.study, &environment.id),
     };
     let files = Files {
         trials: files(trials),
-        averages: averages(over_time),
-        loops: if over_time == over_position { Vec::new() } else { averages(over_position) },
+        averages: conditions.iter().map(|r| average::aligned(&data.layout, r, alignment)).collect(),
+        loops: conditions.iter().map(|r| average::looped(&data.layout, r)).collect(),
     };
     (recorded, files)
 }
@@ -250,19 +245,20 @@ fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError>
     let thinned = drawn.iter().filter(|(trial, all)| trial.samples.len() < *all).count();
     let trials = drawn.into_iter().map(|(trial, _)| trial).collect();
     let found = found(files, recorded)?;
-    let columns = zwidth_figures::average_columns();
-    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-    let read = |paths: &[PathBuf]| -> Result<BTreeMap<ModeId, Table>, JobError> {
+    let read = |paths: &[PathBuf], columns: Vec<String>| -> Result<_, JobError> {
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
         let of_modes = recorded.averaged.iter().zip(paths);
         let table = |path| Table::columns_from_parquet(path, &columns);
         of_modes.map(|(mode, path)| Ok((mode.clone(), table(path)?))).collect()
     };
-    let over_position = (!files.loops.is_empty()).then(|| read(&files.loops)).transpose()?;
-    let averages = Averages { over_time: read(&files.averages)?, over_position };
-    let Recorded { about, environment, who, alignments, average: (parameters, _), .. } = recorded;
-    let about = (about, environment, who.as_str(), *alignments, &parameters.analysis);
+    let averages = Averages {
+        over_time: read(&files.averages, zwidth_figures::average_columns())?,
+        over_position: read(&files.loops, zwidth_figures::loop_columns())?,
+    };
+    let Recorded { about, environment, who, alignment, average: (parameters, _), .. } = recorded;
+    let about = (about, environment, who.as_str(), *alignment, &parameters.analysis);
     let loaded = Loaded::new(about, trials, averages, |trials| {
-        zwidth_average::times_s(trials, parameters, alignments.over_time).ok()
+        zwidth_average::times_s(trials, parameters, *alignment).ok()
     })?;
     Ok(Read { loaded, problems, found, thinned })
 }
@@ -276,11 +272,11 @@ fn modes<'a>(
 ) -> Drawing {
     let [participant, session_id] = session.ids();
     let subject = [participant, session_id, environment.id.to_string()];
-    let alignments = data.study.figures.alignments(&Caption::new(MODES, subject.clone()).stem());
+    let alignment = data.study.figures.alignment(&Caption::new(MODES, subject.clone()).stem());
     let of = |environment| {
         let trials = session.of(environment);
         let conditions = conditions(data, session, environment);
-        recorded(data, session, environment, alignments, &trials, &conditions)
+        recorded(data, session, environment, alignment, &trials, &conditions)
     };
     let others = beside.iter().map(|other| without_means(of(other)));
     let (recorded, files) = [of(environment)].into_iter().chain(others).unzip();
@@ -332,9 +328,9 @@ fn repeats_of<'a>(
     let mode = repeats.mode.id.to_string();
     let subject = [participant, session_id, environment.id.to_string(), mode];
     let (trials, only) = (&repeats.trials, std::slice::from_ref(&repeats));
-    let alignments = Alignments::default(); // of no mean: every repeat stands at its own time
-    let (recorded, files) =
-        without_means(recorded(data, session, environment, alignments, trials, only));
+    // Of no mean: every repeat stands at its own time.
+    let of = recorded(data, session, environment, Alignment::Onset, trials, only);
+    let (recorded, files) = without_means(of);
     Drawing::new(data, REPEATS, subject, recorded, files, draw_repeats).of(trials.len())
 }
 
@@ -352,12 +348,13 @@ fn loops<'a>(
     session: &Session<'a>,
     environments: &[&'a Environment],
 ) -> Drawing {
-    let chosen = data.study.figures.alignments(&Caption::new(LOOPS, session.ids()).stem());
-    let alignments = Alignments::both(chosen.over_position); // nothing stands against time
     let of_environments = environments.iter().map(|environment| {
         let (trials, conditions) =
             (session.of(environment), conditions(data, session, environment));
-        recorded(data, session, environment, alignments, &trials, &conditions)
+        // Nothing stands against time.
+        let (recorded, files) =
+            recorded(data, session, environment, Alignment::Onset, &trials, &conditions);
+        (recorded, Files { averages: Vec::new(), ..files })
     });
     let (recorded, files): (Vec<_>, Vec<_>) = of_environments.unzip();
     let n = recorded.iter().map(|of: &Recorded| of.trials.len()).sum();

@@ -10,8 +10,8 @@ use zwidth_likert::{Blinding, Guess, Scheme};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, StudyData, TrialEntry};
 use zwidth_study::{
-    EnvironmentId, Kind, ModeId, ParticipantId, Question, QuestionId, SessionId, Status, Study,
-    TrialMeta,
+    AnswerValue, EnvironmentId, Kind, ModeId, ParticipantId, Question, QuestionId, SessionId,
+    Status, Study, TrialMeta,
 };
 
 const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
@@ -64,7 +64,7 @@ fn origins(data: &StudyData) -> Vec<Arc<Path>> {
 /// offered, and under which numbers, is told by the session's own copy of the study.
 fn guessed(data: &StudyData) -> Option<Blinding> {
     let question = data.study.questions.iter().find(|question| !question.is_rating())?;
-    let mut asked: BTreeMap<Key, (ModeId, Option<i16>)> = BTreeMap::new();
+    let mut asked: BTreeMap<Key, (ModeId, Option<AnswerValue>)> = BTreeMap::new();
     let studies = studies(data);
     let is_asked = |meta: &TrialMeta| {
         let of = study_of(data, &studies, (&meta.participant, &meta.session));
@@ -84,14 +84,15 @@ fn guessed(data: &StudyData) -> Option<Blinding> {
         let is_whole = (kind, status) == (Kind::Trial, Status::Complete);
         entry.sealed.is_some() && is_whole && !is_left_out && is_asked(&entry.meta)
     };
-    let guess = |((participant, session, _), (mode, answer)): (Key, (ModeId, Option<i16>))| {
-        let of = study_of(data, &studies, (&participant, &session));
-        // A mode that the session's own study lacks was not among its answers.
-        let place = of.modes.iter().position(|m| m.id == mode)?;
-        let number = u8::try_from(place + 1).ok()?;
-        let choices = u8::try_from(of.modes.len()).ok()?;
-        Some(Guess { participant, mode, number, choices, answer })
-    };
+    let guess =
+        |((participant, session, _), (mode, answer)): (Key, (ModeId, Option<AnswerValue>))| {
+            let of = study_of(data, &studies, (&participant, &session));
+            // A mode that the session's own study lacks was not among its answers.
+            let place = of.modes.iter().position(|m| m.id == mode)?;
+            let number = u8::try_from(place + 1).ok()?;
+            let choices = u8::try_from(of.modes.len()).ok()?;
+            Some(Guess { participant, mode, number, choices, answer })
+        };
     let sealed = data.trials.iter().filter(is_sealed).count();
     let guesses: Vec<Guess> = asked.into_iter().filter_map(guess).collect();
     let is_answered = guesses.iter().any(|guess| guess.answer.is_some());

@@ -11,11 +11,11 @@ use crate::tested::{Tested, Unestimable};
 
 /// One participant's answers in two modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Repeats<'a> {
+pub struct Repeats<'a, T> {
     /// Answers in mode A.
-    pub a: &'a [u8],
+    pub a: &'a [T],
     /// Answers in mode B.
-    pub b: &'a [u8],
+    pub b: &'a [T],
 }
 
 /// The probability of superiority of A over B.
@@ -37,7 +37,10 @@ pub struct Superiority {
 ///
 /// # Errors
 /// No participant with answers in both modes; `level` outside (0, 1).
-pub fn superiority(participants: &[Repeats], level: f64) -> Result<Superiority, Unestimable> {
+pub fn superiority<T: Ord>(
+    participants: &[Repeats<T>],
+    level: f64,
+) -> Result<Superiority, Unestimable> {
     crate::error::check_level(level)?;
     let shares: Vec<Option<f64>> = participants.iter().map(share).collect();
     let present: Vec<f64> = shares.iter().copied().flatten().collect();
@@ -52,7 +55,7 @@ pub fn superiority(participants: &[Repeats], level: f64) -> Result<Superiority, 
 }
 
 /// One participant's probability, over all pairs.
-fn share(repeats: &Repeats) -> Option<f64> {
+fn share<T: Ord>(repeats: &Repeats<T>) -> Option<f64> {
     let pairs = repeats.a.len() * repeats.b.len();
     let doubled: usize = repeats
         .a
@@ -91,7 +94,8 @@ mod tests {
     use super::*;
 
     fn of(participants: &[(&[u8], &[u8])]) -> Superiority {
-        let repeats: Vec<Repeats> = participants.iter().map(|&(a, b)| Repeats { a, b }).collect();
+        let repeats: Vec<Repeats<u8>> =
+            participants.iter().map(|&(a, b)| Repeats { a, b }).collect();
         superiority(&repeats, 0.95).unwrap()
     }
 
@@ -138,7 +142,7 @@ mod tests {
         let alike = of(&[(&[5], &[1]), (&[4], &[2])]);
         assert!((alike.probability - 1.0).abs() < 1e-15);
         assert!(matches!(alike.cliff_delta, Err(Unestimable::Constant { .. })));
-        assert!(superiority(&[], 0.95).is_err());
+        assert!(superiority::<u8>(&[], 0.95).is_err());
         assert!(superiority(&[Repeats { a: &[1], b: &[1] }], 95.0).is_err());
     }
 }

@@ -125,7 +125,7 @@ mod tests {
         let (batch, _) = crate::read_parquet(&path).unwrap();
         assert!(batch.column_by_name("likert").is_none());
         let data = StudyData::load(&layout).unwrap();
-        assert_eq!(data.answers[0].value, 4);
+        assert_eq!(data.answers[0].value, 4.into());
         assert_eq!(verify(&layout), []);
     }
 

@@ -377,7 +377,8 @@ mod tests {
         assert_eq!(trial.meta, meta(1));
         let log = layout.events(&meta(1).participant, &meta(1).session);
         let question = "felt_spring".parse().unwrap();
-        let answer = zwidth_study::Event::Answer { trial: 1, question, value: 5, time_ms: None };
+        let answer =
+            zwidth_study::Event::Answer { trial: 1, question, value: 5.into(), time_ms: None };
         assert_eq!(crate::read_events(&log).unwrap().last(), Some(&answer));
         assert_eq!(
             trial.samples.get(Signal::Theta),

@@ -105,7 +105,7 @@ pub use memory::{Fault, Memory, Survives};
 pub use open::OpenTrial;
 pub use open_session::OpenSession;
 pub use parts::{PART_ROWS, TableParts, TableWriter, write_table};
-pub use plausible::Asked;
+pub use plausible::{Asked, Plateau, plateau};
 pub use port::{PortFile, read_port};
 pub use raw::Raw;
 pub use read::{

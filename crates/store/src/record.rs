@@ -88,7 +88,7 @@ impl Ended<'_> {
         events.extend(answer.map(|(question, value)| Event::Answer {
             trial: m.trial,
             question,
-            value,
+            value: value.into(),
             time_ms: self.answer_time_ms,
         }));
         if events.is_empty() {

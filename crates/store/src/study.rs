@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_study::{
-    ActuatorId, Condition, Event, Given, Kind, ParticipantId, PlannedTrial, QuestionId, Seal,
+    ActuatorId, AnswerValue, Condition, Event, Kind, ParticipantId, PlannedTrial, QuestionId, Seal,
     SessionId, SessionRecord, Source, Status, Study, TrialForm, TrialMeta,
 };
 
@@ -162,7 +162,7 @@ pub struct Answer {
     /// The question.
     pub question: QuestionId,
     /// The answer as given, a number of the question's scale.
-    pub value: i16,
+    pub value: AnswerValue,
     /// From the question to its answer, ms, where it was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_ms: Option<u32>,
@@ -288,8 +288,7 @@ impl StudyData {
             if let (Some(question), Some(value)) = (question, t.meta.likert) {
                 let m = &t.meta;
                 let who = (m.participant.clone(), m.session.clone(), m.trial);
-                let given = Given { value, time_ms: None };
-                let answer = new_answer(&who, m.condition(), &question, given);
+                let answer = new_answer(&who, m.condition(), &question, value.into(), None);
                 answers.insert((who, question), answer);
             }
         }
@@ -303,8 +302,7 @@ impl StudyData {
                 let Event::Answer { trial, question, value, time_ms } = event else { continue };
                 let Some(condition) = conditions.get(trial) else { continue };
                 let who = (log.record.participant.clone(), log.record.session.clone(), *trial);
-                let given = Given { value: *value, time_ms: *time_ms };
-                let answer = new_answer(&who, condition.clone(), question, given);
+                let answer = new_answer(&who, condition.clone(), question, *value, *time_ms);
                 answers.insert((who, question.clone()), answer);
             }
         }
@@ -344,7 +342,8 @@ fn new_answer(
     (participant, session, trial): &(ParticipantId, SessionId, u32),
     condition: Condition,
     question: &QuestionId,
-    Given { value, time_ms }: Given,
+    value: AnswerValue,
+    time_ms: Option<u32>,
 ) -> Answer {
     Answer {
         participant: participant.clone(),

@@ -1,6 +1,6 @@
 //! Events: what happened to a session after, or beside, its samples. Append-only.
 
-use crate::{ActuatorId, ModeId, QuestionId};
+use crate::{ActuatorId, AnswerValue, ModeId, QuestionId};
 use serde::{Deserialize, Serialize};
 
 /// One line of `sessions/<participant>_<session>.events.jsonl`, or of `sweeps.events.jsonl`.
@@ -38,7 +38,7 @@ pub enum Event {
         /// Which question.
         question: QuestionId,
         /// The answer as given (not reversed), a number of the question's scale.
-        value: i16,
+        value: AnswerValue,
         /// From the question to its answer, ms, where it was measured. Whole, so that what is read
         /// is what was written, to the last bit.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -123,7 +123,7 @@ impl Moment {
     }
 }
 
-/// An answer as it was given (not reversed).
+/// An answer as it was given (not reversed) at a screen of this program, which offers whole numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Given {
     /// A number of the question's scale.

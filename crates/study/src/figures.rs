@@ -3,15 +3,16 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How repeats are made to meet before they are averaged (`zwidth_average` defines both).
+/// How repeats are made to meet before they are averaged against time (`zwidth_average` defines both).
+/// Force against position is averaged at the angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Alignment {
     /// At movement onset: t is each repeat's own time since then.
     Onset,
     /// By landmarks: each repeat's time is warped, piecewise linearly, so that its landmarks
-    /// (start, wall contact, reversal, end) meet their mean times. What repeats do at different
-    /// times is then not smeared.
+    /// (start, wall contact, reversal, return, end) meet their mean times. What repeats do at
+    /// different times is then not smeared.
     Landmarks,
 }
 
@@ -25,31 +26,6 @@ impl Alignment {
             Self::Onset => "onset",
             Self::Landmarks => "landmarks",
         }
-    }
-}
-
-/// How the means of one figure are aligned, by what they stand against.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Alignments {
-    /// Those against time.
-    pub over_time: Alignment,
-    /// Those against position.
-    pub over_position: Alignment,
-}
-
-impl Alignments {
-    /// Both alike.
-    pub fn both(alignment: Alignment) -> Self {
-        Self { over_time: alignment, over_position: alignment }
-    }
-}
-
-impl Default for Alignments {
-    /// Against time at onset, as the thesis' mean of six; against position by landmarks, because
-    /// repeats that turn at different times have, at one time, a mean force at a mean position that
-    /// no repeat passes.
-    fn default() -> Self {
-        Self { over_time: Alignment::Onset, over_position: Alignment::Landmarks }
     }
 }
 
@@ -76,9 +52,9 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// The kinds of figures that show a mean of repeats, and hence know an alignment. Figures are
-    /// called `modes.<participant>.<session>.<environment>` and
-    /// `loops.<participant>.<session>`.
+    /// The kinds of figures that show a mean of repeats. Figures are called
+    /// `modes.<participant>.<session>.<environment>` and `loops.<participant>.<session>`. What stands
+    /// against position knows no alignment; one for `loops` was once chosen, and is read still.
     pub(crate) const WITH_MEANS: [&'static str; 2] = ["modes", "loops"];
 
     /// A study of more sessions has no figures of each unless it asks for them: those of 50
@@ -94,14 +70,14 @@ impl Figures {
         }
     }
 
-    /// How the figure of that id shows its means: all of them by the longest choice that its id
-    /// begins with, else each as is the default for it.
-    pub fn alignments(&self, id: &str) -> Alignments {
+    /// How the figure of that id aligns its means against time: by the longest choice that its id
+    /// begins with, else at onset, as the thesis' mean of six.
+    pub fn alignment(&self, id: &str) -> Alignment {
         let cuts = id.match_indices('.').map(|(at, _)| &id[..at]);
         let chosen =
             std::iter::once("").chain(cuts).chain([id]).filter_map(|part| self.alignment.get(part));
         // Cuts rise along the id: the last is the longest.
-        chosen.copied().last().map_or_else(Alignments::default, Alignments::both)
+        chosen.copied().last().unwrap_or(Alignment::Onset)
     }
 
     /// Whatever was chosen: the beginning of an id, and the choice.
@@ -143,9 +119,8 @@ mod tests {
             ("modes.P010.S01.spring", landmarks),
             ("loops.P01.S01", landmarks),
         ] {
-            assert_eq!(figures.alignments(id), Alignments::both(expect), "{id}");
+            assert_eq!(figures.alignment(id), expect, "{id}");
         }
-        let none = Figures::default().alignments("modes.P01.S01.spring");
-        assert_eq!((none.over_time, none.over_position), (onset, landmarks));
+        assert_eq!(Figures::default().alignment("modes.P01.S01.spring"), onset);
     }
 }

@@ -4,6 +4,7 @@
 //! Angles are radians and everything else is SI in memory; `study.toml` speaks degrees and
 //! millimetres where people do, and its keys end in their unit.
 
+mod answer;
 mod calibration;
 mod changes;
 mod compare;
@@ -32,13 +33,14 @@ mod setup;
 mod template;
 mod trial;
 
+pub use answer::{AnswerValue, NoAnswer};
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
 pub use compare::{Bound, Compare, Contrast, Families};
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
 pub use event::{Event, Given, Moment, SealedTrial};
-pub use figures::{Alignment, Alignments, Figures, OwnFigures};
+pub use figures::{Alignment, Figures, OwnFigures};
 pub use form::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Schema, TrialForm};
 pub use id::{
     ActuatorId, ChannelId, EnvironmentId, ExperimenterId, IdError, MetricId, ModeId, ParticipantId,

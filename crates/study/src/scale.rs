@@ -1,9 +1,11 @@
 //! What may be answered to a question: the one list of scales.
 
+use crate::AnswerValue;
 use serde::{Deserialize, Serialize};
 
 /// A scale of answers: whole numbers at equal distances, from the most unfavourable to the most
-/// favourable, each with its word where it has one.
+/// favourable, each with its word where it has one. Between those of a line, every number is an
+/// answer too ([`AnswerScale::is_line`]).
 #[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AnswerScale {
@@ -113,19 +115,32 @@ impl AnswerScale {
         self.answer_at(self.points())
     }
 
-    /// Every answer, in rising order.
+    /// Every whole answer, in rising order.
     pub fn answers(&self) -> Vec<i16> {
         (1..=self.points()).map(|place| self.answer_at(place)).collect()
     }
 
-    /// The place of an answer, counted from 1; `None` if it is not an answer.
-    pub fn place(&self, answer: i16) -> Option<u8> {
-        (1..=self.points()).find(|place| self.answer_at(*place) == answer)
+    /// The place of an answer, counted from 1; `None` if it is not an answer, or lies between two
+    /// places of a line.
+    pub fn place(&self, answer: impl Into<AnswerValue>) -> Option<u8> {
+        let whole = answer.into().whole()?;
+        (1..=self.points()).find(|place| self.answer_at(*place) == whole)
     }
 
     /// Whether this is an answer.
-    pub fn has(&self, answer: i16) -> bool {
-        self.place(answer).is_some()
+    pub fn has(&self, answer: impl Into<AnswerValue>) -> bool {
+        let answer = answer.into();
+        match self.is_line() {
+            true => AnswerValue::from(self.lowest()) <= answer && answer <= self.highest().into(),
+            false => self.place(answer).is_some(),
+        }
+    }
+
+    /// Whether any number from its lowest to its highest is an answer: a slider gives such numbers
+    /// (47.273), and nobody counts them one by one. Steps of another length are the study's own, and
+    /// what lies between them was not offered.
+    pub fn is_line(&self) -> bool {
+        !self.is_short() && !self.is_nominal() && self.step() == 1
     }
 
     /// Whether its answers are counted one by one, and modelled as ordered categories
@@ -158,8 +173,14 @@ impl AnswerScale {
         }
     }
 
+    /// What an answer must be, in words: `a whole number from 1 to 5`, `a number from 0 to 100`.
+    pub fn must_be(&self) -> String {
+        let number = if self.is_line() { "a number" } else { "a whole number" };
+        format!("{number} from {}", self.range())
+    }
+
     /// The word of an answer; `None` off the scale, or if the answer has no word.
-    pub fn word(&self, answer: i16) -> Option<&str> {
+    pub fn word(&self, answer: impl Into<AnswerValue>) -> Option<&str> {
         let place = usize::from(self.place(answer)?) - 1;
         match self {
             Self::Numbers(scale) => scale.word(place),
@@ -172,7 +193,8 @@ impl AnswerScale {
     }
 
     /// An answer with its word: `4 (agree)`; the number alone if it has no word.
-    pub fn worded(&self, answer: i16) -> String {
+    pub fn worded(&self, answer: impl Into<AnswerValue>) -> String {
+        let answer = answer.into();
         match self.word(answer) {
             Some(word) => format!("{answer} ({word})"),
             None => answer.to_string(),
@@ -185,8 +207,9 @@ impl AnswerScale {
     }
 
     /// The answer as it counts: lowest + highest − a where the question is reversed.
-    pub fn score(&self, answer: i16, reversed: bool) -> i16 {
-        if reversed { self.ends_together() - answer } else { answer }
+    pub fn score(&self, answer: impl Into<AnswerValue>, reversed: bool) -> AnswerValue {
+        let answer = answer.into();
+        if reversed { answer.turned(self.ends_together()) } else { answer }
     }
 
     /// Lowest + highest: what a reversed answer is taken from, and twice the middle.
@@ -248,13 +271,15 @@ mod tests {
     fn a_reversed_answer_counts_from_the_other_end_and_twice_reversed_as_given() {
         for scale in scales() {
             for answer in scale.answers() {
-                assert_eq!(scale.score(answer, false), answer);
-                assert_eq!(scale.score(scale.score(answer, true), true), answer);
+                assert_eq!(scale.score(answer, false), answer.into());
+                assert_eq!(scale.score(scale.score(answer, true), true), answer.into());
             }
-            assert_eq!(scale.score(scale.lowest(), true), scale.highest());
+            assert_eq!(scale.score(scale.lowest(), true), scale.highest().into());
         }
-        assert_eq!(numbers(7, -3, 1, &[]).score(2, true), -2);
-        assert_eq!(numbers(21, 0, 5, &[]).score(5, true), 95);
+        assert_eq!(numbers(7, -3, 1, &[]).score(2, true), (-2).into());
+        assert_eq!(numbers(21, 0, 5, &[]).score(5, true), 95.into());
+        let [given, turned] = ["47.25", "52.75"].map(|text| text.parse::<AnswerValue>().unwrap());
+        assert_eq!(numbers(101, 0, 1, &[]).score(given, true), turned);
     }
 
     #[test]
@@ -277,6 +302,32 @@ mod tests {
         assert_eq!(AnswerScale::FivePoint.range(), "1 to 5");
         assert_eq!(numbers(7, -3, 1, &[]).name(), "scale from -3 to 3");
         assert_eq!(numbers(21, 0, 5, &[]).name(), "scale from 0 to 100 in steps of 5");
+    }
+
+    #[test]
+    fn every_number_within_a_line_is_an_answer_and_whole_places_alone_on_any_other_scale() {
+        let has =
+            |scale: AnswerScale, given: &str| scale.has(given.parse::<AnswerValue>().unwrap());
+        for given in ["0", "0.001", "47.273", "99.999", "100"] {
+            assert!(has(numbers(101, 0, 1, &[]), given), "{given}");
+        }
+        assert!(
+            !has(numbers(101, 0, 1, &[]), "-0.001") && !has(numbers(101, 0, 1, &[]), "100.001")
+        );
+        assert!(has(numbers(12, -3, 1, &[]), "-2.5"));
+        let modes = AnswerScale::Modes((0..20).map(|mode| mode.to_string()).collect());
+        for whole in [AnswerScale::FivePoint, numbers(11, 0, 1, &[]), numbers(21, 0, 5, &[]), modes]
+        {
+            assert!(!has(whole.clone(), "3.5") && !whole.is_line(), "{whole:?}");
+        }
+        assert!(!has(numbers(21, 0, 5, &[]), "47"));
+        let line = numbers(101, 0, 1, &["no", "yes"]);
+        let words =
+            ["0", "47.273", "100"].map(|given| line.worded(given.parse::<AnswerValue>().unwrap()));
+        assert_eq!(words, ["0 (no)", "47.273", "100 (yes)"]);
+        assert_eq!(line.must_be(), "a number from 0 to 100");
+        let steps = "a whole number from 0 to 100 in steps of 5";
+        assert_eq!(numbers(21, 0, 5, &[]).must_be(), steps);
     }
 
     #[test]

@@ -58,6 +58,9 @@ pub struct SessionRecord {
     /// may have others of them. Empty: all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub answer_columns: Vec<usize>,
+    /// Whether the recordings count their trials from 0: a trial's number is one more than theirs.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub counted_from_zero: bool,
 }
 
 /// How a session's order was drawn: with the seed, all that [`crate::order::draw`] needs besides
@@ -146,6 +149,7 @@ impl SessionRecord {
             checks: Vec::new(),
             imported_from: Vec::new(),
             answer_columns: Vec::new(),
+            counted_from_zero: false,
         }
     }
 

@@ -176,10 +176,10 @@ slope_from_deg = 0.0
 grid_points = 401
 confidence = 0.95
 
-# How figures average repeats. Unless told otherwise, means against time begin with every repeat's movement ("onset"),
-# and force against position is averaged by "landmarks": time is stretched besides, so that start, wall contact, reversal
-# and end meet. A choice governs every panel of all figures, or of those of a kind or of one: [figures.modes],
-# [figures.loops], [figures.modes.P01.S01.spring].
+# How figures average repeats against time. Unless told otherwise, means begin with every repeat's movement ("onset"); by
+# "landmarks" time is stretched besides, so that start, wall contact, reversal, return and end meet. Force against position is
+# averaged at the angle. A choice is for all figures, for those of a kind, or for one: [figures.modes],
+# [figures.modes.P01.S01.spring].
 # [figures]
 # alignment = "onset"
 # Sessions that have figures of their own: "all" or a list. Unless told otherwise all of a study of up to 24 sessions, and

@@ -362,6 +362,14 @@ impl Table {
         }
     }
 
+    /// The numbers of a column, whole or not.
+    pub fn numbers(&self, column: &str) -> Result<Vec<Option<f64>>, TableError> {
+        match self.values(column)? {
+            Values::Integer(values) => Ok(values.iter().map(|n| n.map(|n| n as f64)).collect()),
+            _ => self.floats(column),
+        }
+    }
+
     /// The texts of a column.
     pub fn texts(&self, column: &str) -> Result<Vec<Option<String>>, TableError> {
         match self.values(column)? {
@@ -523,6 +531,15 @@ mod tests {
         assert_eq!(table.floats("force_n").unwrap(), [Some(1.5), None]);
         assert_eq!(table.height(), 2);
         assert_eq!(table.columns().len(), 2);
+    }
+
+    #[test]
+    fn numbers_are_read_whole_or_not_and_texts_are_none() {
+        let trial = Column::integer("trial", "1", "", [Some(-3), None]);
+        let table = Table::new("t", "", [sample().columns, vec![trial]].concat()).unwrap();
+        assert_eq!(table.numbers("trial").unwrap(), [Some(-3.0), None]);
+        assert_eq!(table.numbers("force_n").unwrap(), [Some(1.5), None]);
+        assert!(table.numbers("mode").is_err());
     }
 
     #[test]

@@ -3,9 +3,9 @@
 use crate::landmarks::{Landmark, Times, shared, warp};
 use crate::{AverageError, WhyNot};
 use zwidth_numerics::activity::activity;
-use zwidth_numerics::phases::{first_passing, phases};
+use zwidth_numerics::phases::{Phases, first_passing, phases, return_begins};
 use zwidth_numerics::series::interpolate_by;
-use zwidth_store::{Recorded, Signal};
+use zwidth_store::{Recorded, Signal, Values};
 use zwidth_study::{Alignment, Analysis, TrialMeta};
 
 /// A repeat with its times on the common scale.
@@ -14,6 +14,8 @@ pub(crate) struct Aligned<'a> {
     pub(crate) onset_s: f64,
     /// When it passes its landmarks, s since its onset.
     pub(crate) landmarks: Times,
+    /// Where its ways lie, and the sample at which the way back begins.
+    pub(crate) phases: (Phases, Option<usize>),
     /// Its last sample, s since its onset.
     last_s: f64,
     /// Its own landmarks and those of the common scale that they meet, s; none where the onset alone
@@ -39,15 +41,24 @@ impl<'a> Aligned<'a> {
         let moving = moving.ok_or(WhyNot::NoMovement)?;
         let theta = columns.column(Signal::Theta).ok_or(WhyNot::NoAngle)?;
         let found = phases(&theta, moving.onset, moving.end.unwrap_or(columns.rows() - 1));
+        let Analysis { onset_rad_s, offset_rad_s, .. } = *analysis;
+        let velocity = columns.column(Signal::ThetaDot).ok_or(WhyNot::NoVelocity)?;
+        let returns = return_begins(&velocity, found, onset_rad_s, offset_rad_s);
         let t = columns.column(Signal::Time).ok_or(WhyNot::NoMovement)?;
         let wall_s = wall_rad.and_then(|wall| first_passing(&t, &theta, wall));
-        let landmarks =
-            [Some(t[found.onset]), wall_s, Some(t[found.reversal]), moving.end.map(|end| t[end])];
+        let landmarks = [
+            Some(t[found.onset]),
+            wall_s,
+            Some(t[found.reversal]),
+            returns.map(|returns| t[returns]),
+            moving.end.map(|end| t[end]),
+        ];
         let onset_s = t[moving.onset];
         Ok(Self {
             trial,
             onset_s,
             landmarks: landmarks.map(|l| l.map(|t| t - onset_s)),
+            phases: (found, returns),
             last_s: t.last().copied().unwrap_or(onset_s) - onset_s,
             warped: Default::default(),
         })
@@ -57,6 +68,11 @@ impl<'a> Aligned<'a> {
     pub(crate) fn fit_for(self, alignment: Alignment) -> Result<Self, WhyNot> {
         let has_end = self.landmarks[Landmark::End as usize].is_some();
         if has_end || alignment == Alignment::Onset { Ok(self) } else { Err(WhyNot::NoEnd) }
+    }
+
+    /// A signal as it was recorded.
+    pub(crate) fn column(&self, signal: Signal) -> Option<Values<'a>> {
+        self.trial.columns.column(signal)
     }
 
     pub(crate) fn meta(&self) -> &'a TrialMeta {

@@ -85,7 +85,7 @@ pub struct Average {
 impl Average {
     /// How far through the movement the repeats are at a time of the grid: as many landmarks as
     /// [`Landmark::ALL`] has before the last one passed, straight between those that they share: 0
-    /// at the start, 2 at the reversal, 3 at the end. `None` outside, and where repeats are aligned
+    /// at the start, 2 at the reversal, 3 at the return, 4 at the end. `None` outside, and where repeats are aligned
     /// at onset alone.
     pub fn phase(&self, t_s: f64) -> Option<f64> {
         let (times, phases): (Vec<f64>, Vec<f64>) =
@@ -155,13 +155,13 @@ pub fn times_s(
 }
 
 /// Repeats on the scale of their average.
-struct Placed<'a> {
-    aligned: Vec<Aligned<'a>>,
-    left_out: Vec<LeftOut>,
+pub(crate) struct Placed<'a> {
+    pub(crate) aligned: Vec<Aligned<'a>>,
+    pub(crate) left_out: Vec<LeftOut>,
     landmarks: Vec<(Landmark, f64)>,
 }
 
-fn place<'a>(
+pub(crate) fn place<'a>(
     trials: &[Recorded<'a>],
     parameters: &Parameters,
     alignment: Alignment,
@@ -351,7 +351,7 @@ mod tests {
         let found = average(&trials, &parameters, Alignment::Landmarks).unwrap();
         let names: Vec<_> = found.landmarks.iter().map(|l| l.0).collect();
         assert_eq!(names, Landmark::ALL);
-        for ((_, t), expect) in found.landmarks.iter().zip([0.0, 0.6, 1.2, 2.4]) {
+        for ((_, t), expect) in found.landmarks.iter().zip([0.0, 0.6, 1.2, 1.201, 2.4]) {
             assert!((t - expect).abs() < 2e-3, "{t} {expect}");
         }
         let theta = course(&found, Signal::Theta);
@@ -380,7 +380,7 @@ mod tests {
         let landmarks =
             |trials: &[Trial]| average(trials, &parameters, Alignment::Landmarks).unwrap();
         let names: Vec<_> = landmarks(&trials).landmarks.iter().map(|l| l.0).collect();
-        assert_eq!(names, [Landmark::Start, Landmark::Reversal, Landmark::End]);
+        assert_eq!(names, [Landmark::Start, Landmark::Reversal, Landmark::Return, Landmark::End]);
         trials.push(repeat(3, 0.3, 1.0, 1.8));
         let found = landmarks(&trials);
         assert_eq!(found.left_out, [LeftOut { trial: 3, why: WhyNot::NoEnd }]);

@@ -11,13 +11,16 @@ pub enum Landmark {
     WallContact,
     /// First sample of the largest angle between onset and end.
     Reversal,
+    /// The way back begins: where a brake holds the lever, when it lets go.
+    Return,
     /// Movement end.
     End,
 }
 
 impl Landmark {
     /// In the order in which a movement passes them.
-    pub const ALL: [Self; 4] = [Self::Start, Self::WallContact, Self::Reversal, Self::End];
+    pub const ALL: [Self; 5] =
+        [Self::Start, Self::WallContact, Self::Reversal, Self::Return, Self::End];
 }
 
 impl fmt::Display for Landmark {
@@ -26,6 +29,7 @@ impl fmt::Display for Landmark {
             Self::Start => "start",
             Self::WallContact => "wall contact",
             Self::Reversal => "reversal",
+            Self::Return => "return",
             Self::End => "end",
         })
     }
@@ -33,15 +37,15 @@ impl fmt::Display for Landmark {
 
 /// When a repeat passes each landmark, s since its onset, in the order of [`Landmark::ALL`]; `None`
 /// where it does not.
-pub(crate) type Times = [Option<f64>; 4];
+pub(crate) type Times = [Option<f64>; 5];
 
 /// The landmarks that every repeat passes, each after the one before; start and end always (they
 /// must be there). A wall that one repeat does not reach, or a reversal that coincides with the end
 /// because a brake holds the lever, is not a landmark for any of them.
 pub(crate) fn shared(repeats: &[Times]) -> Vec<Landmark> {
-    let [start, wall, reversal, end] = Landmark::ALL;
+    let [start, wall, reversal, returns, end] = Landmark::ALL;
     let mut shared = vec![start];
-    for landmark in [wall, reversal] {
+    for landmark in [wall, reversal, returns] {
         let before = shared[shared.len() - 1];
         let is_between = |times: &Times| {
             let [t, t_before, t_end] = [landmark, before, end].map(|l| times[l as usize]);
@@ -73,15 +77,15 @@ pub(crate) fn warp(t: f64, own: &[f64], common: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Landmark::{End, Reversal, Start, WallContact};
+    use Landmark::{End, Return, Reversal, Start, WallContact};
 
     #[test]
     fn a_landmark_counts_if_every_repeat_passes_it_in_order() {
-        let whole = [Some(0.0), Some(0.5), Some(1.0), Some(2.0)];
-        let no_wall = [Some(0.0), None, Some(1.0), Some(2.0)];
-        let held = [Some(0.0), Some(0.5), Some(1.0), Some(1.0)];
+        let whole = [Some(0.0), Some(0.5), Some(1.0), Some(1.5), Some(2.0)];
+        let no_wall = [Some(0.0), None, Some(1.0), Some(1.5), Some(2.0)];
+        let held = [Some(0.0), Some(0.5), Some(1.0), None, Some(1.0)];
         assert_eq!(shared(&[whole, whole]), Landmark::ALL);
-        assert_eq!(shared(&[whole, no_wall]), [Start, Reversal, End]);
+        assert_eq!(shared(&[whole, no_wall]), [Start, Reversal, Return, End]);
         assert_eq!(shared(&[whole, held]), [Start, WallContact, End]);
         assert_eq!(shared(&[no_wall, held]), [Start, End]);
     }

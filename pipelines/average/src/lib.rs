@@ -9,7 +9,7 @@
 //!   above `analysis.onset_rad_s`. A repeat lasts from there to its last sample; what lies before
 //!   is left out.
 //! * **Alignment by landmarks**: in addition, the time of each repeat is warped, piecewise
-//!   linearly, so that its start, wall contact, reversal and end meet the mean times of these over
+//!   linearly, so that its start, wall contact, reversal, return and end meet the mean times of these over
 //!   the repeats (Kneip & Gasser 1992, Ann. Stat. 20:1266). After the end it is shifted. A landmark
 //!   that one repeat does not pass, or not in this order, is not a landmark of the condition.
 //!   Values are not changed, only their times: the mean of θ̇ is not the derivative of the mean of
@@ -22,6 +22,9 @@
 //!   with n − 1 degrees of freedom at `analysis.confidence`. It is pointwise: it covers each time,
 //!   not the whole curve. One repeat has a mean and no band.
 //! * A quantity that is not recorded in every repeat is null.
+//! * **Force against position** is averaged by branch at the angle ([`mean_loop`]): the way in, held at the
+//!   turn, the way out, on the angles that all repeats cover. A mean there lies within the least and the
+//!   largest of its repeats; one at equal phases does not.
 //!
 //! A mean aligned at onset smears what repeats do at different times (the reversal, the contact
 //! with a wall): peaks of the mean are lower than the mean of the peaks. The mean aligned by
@@ -35,6 +38,7 @@ mod align;
 mod average;
 mod error;
 mod landmarks;
+mod loops;
 mod notes;
 mod people;
 mod table;
@@ -44,9 +48,10 @@ mod testing;
 pub use average::{Average, Course, LeftOut, Parameters, Repeat, SIGNALS, average, times_s};
 pub use error::{AverageError, WhyNot};
 pub use landmarks::Landmark;
-pub use people::{SessionCourse, looked_at, over_participants};
-pub use table::{no_average, table};
+pub use loops::{Branch, MeanBranch, MeanLoop, mean_loop};
+pub use people::{SessionLoop, looked_at, over_participants};
+pub use table::{loop_table, no_average, no_loop, table};
 pub use zwidth_study::Alignment;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;

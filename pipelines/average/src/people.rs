@@ -1,193 +1,170 @@
-//! The mean course over participants.
+//! The mean of force against position over participants.
 
 use crate::AverageError;
-use crate::average::SIGNALS;
-use crate::table::{PARTS, PHASE, column_name, renamed};
+use crate::loops::{Branch, Course, LOADS, MeanBranch, branches};
+use crate::table::{column_name, of_branches};
 use std::collections::BTreeMap;
-use zwidth_numerics::series::interpolate_all;
-use zwidth_stats::band::{Band, band};
-use zwidth_store::Signal;
 use zwidth_tables::{Column, Table, TableError};
 
-/// Points of the grid of phases.
-const POINTS: usize = 301;
-/// The phase at which a movement ends ([`Average::phase`](crate::Average::phase)).
-const LAST_PHASE: f64 = 3.0;
-
-/// A course on the grid of phases, signal by signal.
-type OnGrid = BTreeMap<Signal, Vec<f64>>;
-
-/// The columns at which [`SessionCourse::of`] looks.
+/// The columns at which [`SessionLoop::of`] looks.
 pub fn looked_at() -> Vec<String> {
-    let means = SIGNALS.into_iter().map(|signal| column_name(signal, "mean"));
-    ["participant", "phase"].into_iter().map(str::to_owned).chain(means).collect()
+    let means = LOADS.into_iter().map(|signal| column_name(signal, "mean"));
+    ["participant", "branch", "theta_rad"].into_iter().map(str::to_owned).chain(means).collect()
 }
 
-/// A participant's mean course in a session.
+/// A participant's mean loop in a session.
 #[derive(Debug, Clone)]
-pub struct SessionCourse {
+pub struct SessionLoop {
     participant: String,
-    on_grid: OnGrid,
+    courses: BTreeMap<Branch, Course>,
 }
 
-impl SessionCourse {
-    /// That of a table of averages aligned by landmarks; `None` without an average.
+impl SessionLoop {
+    /// That of a table of this stage; `None` without a loop.
     ///
     /// # Errors
     /// A table that is not of this stage.
     pub fn of(table: &Table) -> Result<Option<Self>, TableError> {
-        let who = table.texts("participant")?.into_iter().flatten().next();
-        let course = who.zip(on_grid(table, &phases())?);
-        Ok(course.map(|(participant, on_grid)| Self { participant, on_grid }))
+        let Some(participant) = table.texts("participant")?.into_iter().flatten().next() else {
+            return Ok(None);
+        };
+        let (named, angles) = (table.texts("branch")?, table.floats("theta_rad")?);
+        let mut courses = BTreeMap::new();
+        for branch in Branch::ALL {
+            let is_its = |row: &usize| named[*row].as_deref() == Some(branch.as_str());
+            let mut rows: Vec<usize> = (0..table.height()).filter(is_its).collect();
+            // Rows come in the order of the movement, courses in that of the angle.
+            if branch == Branch::Out {
+                rows.reverse();
+            }
+            if rows.is_empty() {
+                continue;
+            }
+            let mut loads = Vec::new();
+            for signal in LOADS {
+                let values = table.floats(&column_name(signal, "mean"))?;
+                let values: Option<Vec<f64>> = rows.iter().map(|row| values[*row]).collect();
+                loads.extend(values.map(|values| (signal, values)));
+            }
+            let theta_rad = rows.iter().filter_map(|row| angles[*row]).collect();
+            courses.insert(branch, Course { theta_rad, loads });
+        }
+        Ok(Some(Self { participant, courses }))
     }
 }
 
-fn phases() -> Vec<f64> {
-    (0..POINTS).map(|i| LAST_PHASE * (i as f64 / (POINTS - 1) as f64)).collect()
-}
-
-/// The mean over participants of one condition, of one course per participant and session, in any
-/// number and order. Each is taken at the same phases of the movement; a participant's sessions are
-/// averaged with equal weight, and the band is over participants, Student's t at `level`. One row
-/// per phase; a signal that some participant lacks is null. `None` for fewer than two participants
-/// with such an average.
+/// The mean over participants of one condition's loops, of one per participant and session, in any
+/// number and order. Each branch is averaged at the angles that everybody covers in every session: a
+/// participant's sessions with equal weight, then participants, with Student's t band at `level`. A
+/// branch that somebody lacks is left out. `None` for fewer than two participants with a loop.
 ///
 /// # Errors
 /// A level outside (0, 1).
 pub fn over_participants(
-    sessions: impl IntoIterator<Item = SessionCourse>,
+    loops: impl IntoIterator<Item = SessionLoop>,
     level: f64,
 ) -> Result<Option<Table>, AverageError> {
-    let mut people: BTreeMap<String, Vec<OnGrid>> = BTreeMap::new();
-    for SessionCourse { participant, on_grid } in sessions {
-        people.entry(participant).or_default().push(on_grid);
+    let mut people: BTreeMap<String, Vec<BTreeMap<Branch, Course>>> = BTreeMap::new();
+    for SessionLoop { participant, courses } in loops {
+        people.entry(participant).or_default().push(courses);
     }
-    let phases = phases();
     if people.len() < 2 {
         return Ok(None);
     }
-    let n = people.len() as i64;
+    let sessions: usize = people.values().map(Vec::len).sum();
+    let of_all = |branch: Branch| {
+        let of = people.values().flatten().map(|courses| courses.get(&branch).cloned());
+        of.collect::<Option<Vec<Course>>>().unwrap_or_default()
+    };
+    let all = Branch::ALL.map(of_all);
+    // At the angles of all sessions; then each participant's sessions are one.
+    let found = branches([&all[0], &all[1], &all[2]], level)?;
+    let counts: Vec<usize> = people.values().map(Vec::len).collect();
+    let of_people = |branch: &MeanBranch| {
+        let courses = &all[branch.branch as usize];
+        branch.of_groups(courses, &counts, level)
+    };
+    let found = found.iter().map(of_people).collect::<Result<Vec<MeanBranch>, _>>()?;
+    let n = people.len();
+    let rows = found.iter().map(|branch| branch.theta_rad.len()).sum();
     let mut columns = vec![
-        Column::float("phase", "1", PHASE, phases.iter().copied().map(Some)),
-        Column::integer("n", "1", "participants averaged", vec![Some(n); POINTS]),
+        Column::integer("n", "1", "participants averaged", vec![Some(n as i64); rows]),
+        Column::integer("sessions", "1", "sessions of theirs", vec![Some(sessions as i64); rows]),
     ];
-    for signal in SIGNALS {
-        let courses: Option<Vec<Vec<Option<f64>>>> =
-            people.values().map(|sessions| mean(sessions, signal)).collect();
-        let band = match courses {
-            Some(courses) => band(&courses, level)?,
-            None => nothing(),
-        };
-        for (part, meaning, values) in PARTS {
-            let meaning = meaning.replace("repeats", "participants");
-            let description = format!("{}: {meaning}", signal.column().description);
-            columns.push(renamed(
-                signal,
-                column_name(signal, part),
-                description,
-                values(&band).to_vec(),
-            ));
-        }
-    }
+    columns.extend(of_branches(&found, "participants"));
     let table =
-        Table::new("participants_average", "Mean over participants against the phase", columns)?;
+        Table::new("participants_loop", "Mean force against position over participants", columns)?;
     Ok(Some(table.with_note(
-        "n counts participants: each one's repeats are averaged by landmarks, then their sessions with equal weight.",
+        "n counts participants: each one's repeats are averaged, then their sessions with equal weight, at each angle that \
+         all of them reach on the same way.",
     )))
-}
-
-/// The mean course of a session on the grid; `None` without an average.
-fn on_grid(table: &Table, phases: &[f64]) -> Result<Option<OnGrid>, TableError> {
-    let at = table.floats("phase")?;
-    let rows: Vec<usize> = (0..at.len()).filter(|row| at[*row].is_some()).collect();
-    if rows.len() < 2 {
-        return Ok(None);
-    }
-    let at: Vec<f64> = rows.iter().filter_map(|row| at[*row]).collect();
-    let mut found = OnGrid::new();
-    for signal in SIGNALS {
-        let values = table.floats(&column_name(signal, "mean"))?;
-        let Some(values) = rows.iter().map(|row| values[*row]).collect::<Option<Vec<f64>>>() else {
-            continue;
-        };
-        // The grid of time seldom has a point at the very end.
-        let last = values[values.len() - 1];
-        let on_grid = interpolate_all(&at, &values, phases);
-        found.insert(signal, on_grid.into_iter().map(|value| value.unwrap_or(last)).collect());
-    }
-    Ok(Some(found))
-}
-
-/// The mean of a participant's sessions; `None` if one of them lacks the signal.
-fn mean(sessions: &[OnGrid], signal: Signal) -> Option<Vec<Option<f64>>> {
-    let courses =
-        sessions.iter().map(|session| session.get(&signal)).collect::<Option<Vec<_>>>()?;
-    let at = |i: usize| courses.iter().map(|course| course[i]).sum::<f64>() / courses.len() as f64;
-    Some((0..POINTS).map(|i| Some(at(i))).collect())
-}
-
-fn nothing() -> Band {
-    let null = || vec![None; POINTS];
-    Band { n: vec![0; POINTS], mean: null(), sd: null(), ci_low: null(), ci_high: null() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::{parameters, repeat};
+    use crate::{loop_table, mean_loop};
+    use zwidth_store::{Signal, Trial};
 
-    fn courses(tables: &[Table]) -> Vec<SessionCourse> {
-        tables.iter().filter_map(|table| SessionCourse::of(table).unwrap()).collect()
-    }
-    use crate::testing::{parameters, repeat, there_and_back};
-    use crate::{Alignment, average, table};
-    use zwidth_store::Trial;
-
-    /// The average of one trial of a participant, in a table of its own.
+    /// The loop of one trial of a participant, in a table of its own.
     fn of(who: &str, mut trial: Trial) -> Table {
         trial.meta.participant = who.parse().unwrap();
-        table(&[average(&[trial], &parameters(), Alignment::Landmarks).unwrap()]).unwrap()
+        loop_table(&mean_loop(&[trial], &parameters()).unwrap()).unwrap()
     }
 
-    /// That of a stroke so far into a spring of 4 N/rad.
-    fn stroke(who: &str, stroke_rad: f64) -> Table {
-        of(who, repeat(1, 0.3, stroke_rad, 3.0))
+    /// That of a stroke so far into a spring of 4 N/rad, with so much more force.
+    fn stroke(who: &str, stroke_rad: f64, more_n: f64) -> Table {
+        let mut trial = repeat(1, 0.3, stroke_rad, 3.0);
+        let force =
+            trial.samples.get(Signal::ForceEx).unwrap().iter().map(|f| f + more_n).collect();
+        trial.samples.set(Signal::ForceEx, force);
+        of(who, trial)
     }
 
-    fn column(table: &Table, signal: Signal, part: &str) -> Vec<f64> {
-        table.floats(&column_name(signal, part)).unwrap().into_iter().flatten().collect()
+    fn loops(tables: &[Table]) -> Vec<SessionLoop> {
+        tables.iter().filter_map(|table| SessionLoop::of(table).unwrap()).collect()
     }
 
     #[test]
-    fn participants_meet_at_their_phases_whatever_their_speed() {
-        let people =
-            [of("P01", there_and_back(1, 0.8, 1.6)), of("P02", there_and_back(1, 1.5, 0.7))];
-        let all = over_participants(courses(&people), 0.95).unwrap().unwrap();
-        let theta = column(&all, Signal::Theta, "mean");
-        assert_eq!(theta.len(), POINTS);
-        // both turn at phase 2 and at 1 rad, and so does their mean
-        let turn = (0..POINTS).fold(0, |best, i| if theta[i] > theta[best] { i } else { best });
-        assert!(turn.abs_diff(2 * (POINTS - 1) / 3) <= 1, "{turn}");
-        assert!((theta[turn] - 1.0).abs() < 1e-4, "{}", theta[turn]);
-        assert!(column(&all, Signal::ForceEx, "mean").is_empty(), "nobody has a force");
+    fn people_meet_at_their_angles_and_the_mean_ends_where_one_of_them_does() {
+        let people = [stroke("P01", 0.4, 0.0), stroke("P02", 0.8, 1.0)];
+        let all = over_participants(loops(&people), 0.95).unwrap().unwrap();
+        let (angles, named) = (all.floats("theta_rad").unwrap(), all.texts("branch").unwrap());
+        let farthest = angles.iter().flatten().copied().fold(0.0, f64::max);
+        assert!((farthest - 0.4).abs() < 1e-6, "{farthest}");
+        let force = all.floats(&column_name(Signal::ForceEx, "mean")).unwrap();
+        for ((angle, force), named) in angles.iter().zip(&force).zip(&named) {
+            // On the spring, and half a newton more; held at the turn of each.
+            let expect = match named.as_deref() {
+                Some("held") => 4.0 * 0.6 + 0.5,
+                _ => 4.0 * angle.unwrap() + 0.5,
+            };
+            assert!((force.unwrap() - expect).abs() < 1e-2, "{named:?} {angle:?} {force:?}");
+        }
+        assert!(all.integers("n").unwrap().iter().all(|n| *n == Some(2)));
     }
 
     #[test]
     fn sessions_of_one_participant_count_once_and_one_participant_is_nobody_else() {
-        let (a, b, c) = (stroke("P01", 0.4), stroke("P01", 0.8), stroke("P02", 1.2));
-        assert!(over_participants(courses(&[a.clone(), b.clone()]), 0.95).unwrap().is_none());
-        let all =
-            over_participants(courses(&[a.clone(), b.clone(), c.clone()]), 0.95).unwrap().unwrap();
-        assert_eq!(all.integers("n").unwrap()[0], Some(2));
-        let at = |table: &Table| on_grid(table, &[1.0]).unwrap().unwrap()[&Signal::ForceEx][0];
-        let expect = ((at(&a) + at(&b)) / 2.0 + at(&c)) / 2.0;
-        let found = column(&all, Signal::ForceEx, "mean")[(POINTS - 1) / 3];
-        assert!((found - expect).abs() < 1e-9 * expect.abs().max(1.0), "{found} against {expect}");
+        let (a, b, c) = (stroke("P01", 0.8, 0.0), stroke("P01", 0.8, 1.0), stroke("P02", 0.8, 3.0));
+        assert!(over_participants(loops(&[a.clone(), b.clone()]), 0.95).unwrap().is_none());
+        let all = over_participants(loops(&[a, b, c]), 0.95).unwrap().unwrap();
+        assert_eq!(all.integers("sessions").unwrap()[0], Some(3));
+        let (angle, force) = (
+            all.floats("theta_rad").unwrap()[50],
+            all.floats(&column_name(Signal::ForceEx, "mean")).unwrap()[50],
+        );
+        let expect = 4.0 * angle.unwrap() + (0.5 + 3.0) / 2.0;
+        assert!((force.unwrap() - expect).abs() < 1e-3, "{force:?} against {expect}");
     }
 
     #[test]
-    fn without_an_average_nobody_is_in_it() {
-        let none = crate::no_average(&crate::WhyNot::NoVelocity).unwrap();
-        assert!(over_participants(courses(&[none, stroke("P01", 1.0)]), 0.95).unwrap().is_none());
+    fn without_a_loop_nobody_is_in_it() {
+        let none = crate::no_loop(&crate::WhyNot::NoVelocity).unwrap();
+        assert!(
+            over_participants(loops(&[none, stroke("P01", 1.0, 0.0)]), 0.95).unwrap().is_none()
+        );
         assert!(over_participants([], 0.95).unwrap().is_none());
     }
 }

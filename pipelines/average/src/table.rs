@@ -2,17 +2,18 @@
 
 use crate::WhyNot;
 use crate::average::{Average, Course, SIGNALS};
+use crate::loops::{LOADS, MeanBranch, MeanLoop};
 use std::borrow::Cow;
 use zwidth_stats::band::Band;
 use zwidth_store::Signal;
-use zwidth_tables::{Column, Table, TableError};
+use zwidth_tables::{Column, NoteKind, Table, TableError};
 
 /// The four columns of a signal: what stands between stem and unit in the name, the meaning, the
 /// values.
 pub(crate) type Part = (&'static str, &'static str, fn(&Band) -> &[Option<f64>]);
 
 /// What the column `phase` says.
-pub(crate) const PHASE: &str = "landmarks passed: 0 at the start, 1 at the wall, 2 at the reversal, 3 at the end, straight between";
+pub(crate) const PHASE: &str = "landmarks passed: 0 at the start, 1 at the wall, 2 at the reversal, 3 at the return, 4 at the end, straight between";
 
 pub(crate) const PARTS: [Part; 4] = [
     ("mean", "mean of the repeats", |b| &b.mean),
@@ -47,6 +48,82 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
     let table = Table::new("average", "Mean of the repeats against time", columns)?;
     let notes = averages.iter().flat_map(Average::notes);
     Ok(notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
+}
+
+/// One row per angle of each branch of a mean loop, in the order of the movement: participant, session,
+/// environment, mode, source, `branch` (`in`, `held`, `out`), `theta_rad`, `n` repeats, and mean, SD and
+/// band of each load there (null where not every repeat has it). Notes say which trials are not in it, and
+/// where repeats do not return.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn loop_table(of: &MeanLoop) -> Result<Table, TableError> {
+    let rows: usize = of.branches.iter().map(|branch| branch.theta_rad.len()).sum();
+    let text = |name, description, value: &str| {
+        Column::text(name, description, (0..rows).map(|_| Some(value.to_owned())))
+    };
+    let mut columns = vec![
+        text("participant", "participant's code", of.participant.as_str()),
+        text("session", "session", of.session.as_str()),
+        text("environment", "what was rendered", of.condition.environment.as_str()),
+        text("mode", "how it was rendered", of.condition.mode.as_str()),
+        text("source", "recorded, twin or imported", of.source.as_str()),
+        Column::integer("n", "1", "repeats averaged", vec![Some(of.n as i64); rows]),
+    ];
+    columns.extend(of_branches(&of.branches, "repeats"));
+    let table = Table::new("loop", "Mean of force against position, by branch", columns)?;
+    let name = format!(
+        "{} {} {} {}",
+        of.participant, of.session, of.condition.environment, of.condition.mode
+    );
+    let left_out = of
+        .left_out
+        .iter()
+        .map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
+    let some_stay = (0 < of.returning && of.returning < of.n).then(|| {
+        format!("{name}: {} of {} repeats return; their way back has no mean.", of.returning, of.n)
+    });
+    let notes = left_out.chain(some_stay);
+    Ok(notes.fold(table, |table, note| table.with_note_of(NoteKind::General, note)))
+}
+
+/// Branch, angle, and what stands against it.
+pub(crate) fn of_branches(branches: &[MeanBranch], whose: &str) -> Vec<Column> {
+    let rows = || branches.iter().flat_map(|b| (0..b.theta_rad.len()).map(move |i| (b, i)));
+    let branch = "in: onset to reversal, farther along than before; held: at the turn, from the largest force to the smallest; \
+                  out: return to end";
+    let angle = "angle at which the forces are averaged";
+    let mut columns = vec![
+        Column::text("branch", branch, rows().map(|(b, _)| Some(b.branch.as_str()))),
+        Column::float("theta_rad", "rad", angle, rows().map(|(b, i)| Some(b.theta_rad[i]))),
+    ];
+    for signal in LOADS {
+        for (part, meaning, values) in PARTS {
+            let value = |(b, i): (&MeanBranch, usize)| {
+                values(&b.loads.iter().find(|(of, _)| *of == signal)?.1)[i]
+            };
+            let meaning = meaning.replace("repeats", whose);
+            let description = format!("{}: {meaning}", signal.column().description);
+            let name = column_name(signal, part);
+            columns.push(renamed(signal, name, description, rows().map(value).collect()));
+        }
+    }
+    columns
+}
+
+/// The table of no loop, and why there is none.
+///
+/// # Errors
+/// None: it has no number.
+pub fn no_loop(why: &WhyNot) -> Result<Table, TableError> {
+    let mut columns: Vec<Column> = ["participant", "session", "environment", "mode", "source"]
+        .into_iter()
+        .map(|name| Column::text(name, "", std::iter::empty::<Option<String>>()))
+        .collect();
+    columns.push(Column::integer("n", "1", "repeats averaged", []));
+    columns.extend(of_branches(&[], "repeats"));
+    let table = Table::new("loop", "Mean of force against position, by branch", columns)?;
+    Ok(table.with_note(sentence(&why.to_string())))
 }
 
 /// The table of no average, and why there is none.

@@ -7,14 +7,14 @@
 //! that of the mean difference (`quantity`).
 
 use crate::cells::whole;
-use crate::quantity::{self, Score};
+use crate::quantity::{self, Difference, Score};
 use crate::{CompareError, columns};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_stats::clmm::{ModeComparison, ModeStudy, OddsRatio, compare_modes};
 use zwidth_stats::superiority::{Repeats, Superiority, superiority};
 use zwidth_stats::{Tested, Unestimable, holm};
-use zwidth_study::{Contrast, EnvironmentId, ModeId, Question};
+use zwidth_study::{AnswerValue, Contrast, EnvironmentId, ModeId, Question};
 use zwidth_tables::{Column, Table};
 
 /// The key of the bootstrap's random numbers.
@@ -52,10 +52,8 @@ struct Answers {
     participant: Vec<usize>,
     session: Vec<usize>,
     mode: Vec<usize>,
-    /// As scored: its place on the scale, from 1.
-    answer: Vec<u8>,
-    /// As scored: its number.
-    value: Vec<i16>,
+    /// As scored.
+    value: Vec<AnswerValue>,
 }
 
 /// By question and environment.
@@ -70,6 +68,8 @@ struct Row<'a> {
     people: Vec<usize>,
     effect: Result<Superiority, Unestimable>,
     model: Result<Model, Unestimable>,
+    /// The difference of means on a scale of many points, tested or not.
+    difference: Option<f64>,
     p_adjusted: Option<f64>,
     /// The p value of "no mode differs from another", and whether a bootstrap gave it.
     any: Option<(f64, bool)>,
@@ -152,7 +152,7 @@ fn by_question<'p>(
     let (participants, sessions) = (texts("participant")?, texts("session")?);
     let (environments, modes, questions) =
         (texts("environment")?, texts("mode")?, texts("question")?);
-    let values = answers.integers("answer")?;
+    let values = answers.numbers("answer")?;
     let places = |names: &[Option<String>]| -> BTreeMap<Option<String>, usize> {
         let names: BTreeSet<_> = names.iter().cloned().collect();
         names.into_iter().zip(0..).collect()
@@ -164,19 +164,20 @@ fn by_question<'p>(
         let question = parameters.questions.iter().find(|q| is(q.id.as_str(), &questions));
         let environment = parameters.environments.iter().find(|e| is(e.as_str(), &environments));
         let mode = parameters.modes.iter().position(|m| is(m.as_str(), &modes));
-        let value = values[row].and_then(|value| i16::try_from(value).ok());
+        let value = values[row].and_then(|value| AnswerValue::new(value).ok());
         let (Some(question), Some(environment), Some(mode), Some(value)) =
             (question, environment, mode, value)
         else {
             continue;
         };
         let scored = question.scale.score(value, question.reversed);
-        let Some(place) = question.scale.place(scored) else { continue };
+        if !question.scale.has(scored) {
+            continue;
+        }
         let of = found.entry((question.id.as_str(), environment.as_str())).or_default();
         of.participant.push(people[&participants[row]]);
         of.session.push(times[&sessions[row]]);
         of.mode.push(mode);
-        of.answer.push(place);
         of.value.push(scored);
     }
     Ok((people.into_keys().map(Option::unwrap_or_default).collect(), found))
@@ -200,7 +201,7 @@ fn of_environment<'a>(
         if ![mode, against].iter().all(|mode| answers.mode.contains(mode)) {
             continue;
         }
-        let (model, any) = if question.scale.is_ordinal() {
+        let (model, difference, any) = if question.scale.is_ordinal() {
             let model =
                 models.entry(mode).or_insert_with(|| model(answers, question, mode, parameters));
             let ratio = model.as_ref().map_err(Clone::clone).and_then(|comparison| {
@@ -208,10 +209,11 @@ fn of_environment<'a>(
                 ratios.find(|ratio| ratio.mode == against).cloned().ok_or_else(|| none.clone())
             });
             let any = model.as_ref().ok().map(|of| (of.p_value(), of.bootstrap.is_some()));
-            (ratio.map(Model::Odds), any)
+            (ratio.map(Model::Odds), None, any)
         } else {
-            let tested = quantity::difference(&scores(answers), [mode, against], parameters.level);
-            (tested.map(Model::Means), None)
+            let Difference { estimate, tested } =
+                quantity::difference(&scores(answers), [mode, against], parameters.level);
+            (tested.map(Model::Means), estimate, None)
         };
         let (people, effect) = effect(answers, [mode, against], parameters.level);
         rows.push(Row {
@@ -222,6 +224,7 @@ fn of_environment<'a>(
             people,
             effect,
             model,
+            difference,
             p_adjusted: None,
             any,
         });
@@ -247,8 +250,11 @@ fn model(
     mode: usize,
     parameters: &AnswerParameters,
 ) -> Result<ModeComparison, Unestimable> {
+    // Every answer to an ordinal question has its place. On a line it may have none, and there this
+    // model is not asked for.
+    let places: Vec<u8> = answers.value.iter().filter_map(|v| question.scale.place(*v)).collect();
     let study = ModeStudy {
-        answers: &answers.answer,
+        answers: &places,
         points: question.scale.points(),
         participants: &answers.participant,
         modes: &answers.mode,
@@ -279,13 +285,14 @@ fn effect(
     modes: [usize; 2],
     level: f64,
 ) -> (Vec<usize>, Result<Superiority, Unestimable>) {
-    let mut people: BTreeMap<usize, [Vec<u8>; 2]> = BTreeMap::new();
+    let mut people: BTreeMap<usize, [Vec<AnswerValue>; 2]> = BTreeMap::new();
     for (row, participant) in answers.participant.iter().enumerate() {
         if let Some(side) = modes.iter().position(|mode| *mode == answers.mode[row]) {
-            people.entry(*participant).or_default()[side].push(answers.answer[row]);
+            people.entry(*participant).or_default()[side].push(answers.value[row]);
         }
     }
-    let repeats: Vec<Repeats> = people.values().map(|[a, b]| Repeats { a, b }).collect();
+    let repeats: Vec<Repeats<AnswerValue>> =
+        people.values().map(|[a, b]| Repeats { a, b }).collect();
     let effect = superiority(&repeats, level);
     (people.into_keys().collect(), effect)
 }
@@ -370,9 +377,7 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
     if rows.iter().any(is_long) {
         all.extend([
             texts("model", "what the contrast is tested by", |row| Some(row.model_words())),
-            numbers("difference", "mean difference, points of the scale", |row| {
-                Some(row.means()?.estimate)
-            }),
+            numbers("difference", "mean difference, points of the scale", |row| row.difference),
             numbers("difference_ci_low", "lower end of its interval", |row| {
                 Some(row.means()?.ci_low)
             }),

@@ -12,19 +12,31 @@ pub(crate) struct Score {
     pub(crate) value: f64,
 }
 
+/// A difference of means, in points of the scale.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Difference {
+    /// `None` if nobody has both modes. One person has a difference, and so have people who differ
+    /// by the same: only a test is lacking.
+    pub(crate) estimate: Option<f64>,
+    /// Its test against zero, or why there is none.
+    pub(crate) tested: Result<Tested, Unestimable>,
+}
+
 /// The unweighted mean over participants of (mean in the one mode − mean in the other), sessions
 /// that have both averaged with equal weight, tested by Student's t with n − 1 degrees of freedom:
-/// the estimate of a metric's contrast. In points of the scale.
+/// the estimate of a metric's contrast.
 ///
-/// # Errors
-/// Fewer than two participants with both modes; differences that are all equal; a level outside
-/// (0, 1).
-pub(crate) fn difference(
-    scores: &[Score],
-    modes: [usize; 2],
-    level: f64,
-) -> Result<Tested, Unestimable> {
-    paired::mean_difference(&paired::differences(&pairs(scores, modes)), level)
+/// There is no test of fewer than two participants with both modes, nor of differences that are all
+/// equal.
+pub(crate) fn difference(scores: &[Score], modes: [usize; 2], level: f64) -> Difference {
+    let differences = paired::differences(&pairs(scores, modes));
+    let tested = paired::mean_difference(&differences, level);
+    let estimate = match &tested {
+        Ok(tested) => Some(tested.estimate),
+        Err(_) if differences.is_empty() => None,
+        Err(_) => Some(differences.iter().sum::<f64>() / differences.len() as f64),
+    };
+    Difference { estimate, tested }
 }
 
 /// Sum and number of the answers in either mode.
@@ -77,7 +89,7 @@ mod tests {
             score(3, 0, 1, 100.0),
             score(3, 1, 0, 0.0),
         ];
-        let found = difference(&scores, [1, 0], 0.95).unwrap();
+        let found = difference(&scores, [1, 0], 0.95).tested.unwrap();
         assert!((found.estimate - 80.0 / 3.0).abs() < 1e-12);
         assert!((found.statistic - 2.0485900789263356).abs() < 1e-12, "{found:?}");
         // p values and quantiles are stored to so many digits (`zwidth_stats::rounded`).
@@ -100,8 +112,16 @@ mod tests {
     }
 
     #[test]
-    fn one_participant_has_no_test() {
-        let scores = [score(0, 0, 1, 10.0), score(0, 0, 0, 5.0)];
-        assert!(matches!(difference(&scores, [1, 0], 0.95), Err(Unestimable::TooFew { .. })));
+    fn one_participant_and_equal_ones_have_a_difference_without_a_test() {
+        let of = |who, a, b| [score(who, 0, 1, b), score(who, 0, 0, a)];
+        let one = difference(&of(0, 5.0, 10.25), [1, 0], 0.95);
+        assert_eq!(one.estimate, Some(5.25));
+        assert!(matches!(one.tested, Err(Unestimable::TooFew { .. })));
+        let equal = [of(0, 47.25, 53.75), of(1, 50.5, 57.0)].concat();
+        let equal = difference(&equal, [1, 0], 0.95);
+        assert_eq!(equal.estimate, Some(6.5));
+        assert!(matches!(equal.tested, Err(Unestimable::Constant { .. })));
+        let nobody = difference(&[score(0, 0, 1, 10.0), score(1, 0, 0, 5.0)], [1, 0], 0.95);
+        assert_eq!(nobody.estimate, None);
     }
 }

@@ -311,8 +311,14 @@ fn sessions_have_limits_and_a_share_of_agreement() {
 }
 
 fn answers(given: &[(&str, &str, i64)]) -> Table {
-    let text = |name, of: fn(&(&str, &str, i64)) -> String| {
-        Column::text(name, "", given.iter().map(|answer| Some(of(answer))))
+    let who: Vec<(&str, &str)> = given.iter().map(|answer| (answer.0, answer.1)).collect();
+    answered(&who, Column::integer("answer", "1", "", given.iter().map(|a| Some(a.2))))
+}
+
+/// Answers of these participants in these modes.
+fn answered(who: &[(&str, &str)], answers: Column) -> Table {
+    let text = |name, of: fn(&(&str, &str)) -> String| {
+        Column::text(name, "", who.iter().map(|answer| Some(of(answer))))
     };
     let columns = vec![
         text("participant", |a| a.0.to_owned()),
@@ -320,7 +326,7 @@ fn answers(given: &[(&str, &str, i64)]) -> Table {
         text("environment", |_| "spring".to_owned()),
         text("mode", |a| a.1.to_owned()),
         text("question", |_| "felt".to_owned()),
-        Column::integer("answer", "1", "", given.iter().map(|a| Some(a.2))),
+        answers,
     ];
     Table::new("answers", "", columns).unwrap()
 }
@@ -363,6 +369,21 @@ fn answers_are_compared_pair_by_pair_within_each_participant() {
     assert_eq!(table.integers("answers").unwrap(), [Some(8)]);
     near(&floats(&table, "superiority"), &[(0.875 + 0.75) / 2.0]);
     assert!(table.notes().iter().any(|note| note.starts_with("SYNTHETIC")), "{:?}", table.notes());
+}
+
+/// A slider's decimals: rounded to whole numbers, P01 would have answered alike in both modes.
+#[test]
+fn answers_on_a_line_are_compared_by_their_own_numbers() {
+    let who = [("P01", "hybrid"), ("P01", "active"), ("P02", "hybrid"), ("P02", "active")];
+    let given = [47.25, 46.75, 60.5, 58.0].map(Some);
+    let table = answered(&who, Column::float("answer", "1", "", given));
+    let mut parameters = answer_parameters();
+    let line = zwidth_study::NumberScale { points: 101, from: 0, step: 1, labels: Vec::new() };
+    parameters.questions[0].scale = zwidth_study::AnswerScale::Numbers(line);
+    let table = compare_answers(&table, &parameters).unwrap().contrasts;
+    assert_eq!(table.integers("answers").unwrap(), [Some(4)]);
+    assert_eq!(table.floats("difference").unwrap(), [Some(1.5)]);
+    assert_eq!(table.floats("superiority").unwrap(), [Some(1.0)]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::About;
 use crate::words::plain;
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Alignment, Alignments, Environment, Source};
+use zwidth_study::{Alignment, Environment, Source};
 use zwidth_tables::{Table, TableError};
 
 /// One trial of a figure, and when its movement began.
@@ -51,12 +51,18 @@ pub(crate) fn repeats_averaged<'a>(
     Some(if least == most { format!("n = {most}") } else { format!("n = {least} to {most}") })
 }
 
+/// How force against position is averaged, in words.
+pub(crate) const AT_THE_ANGLE: &str =
+    "averaged at each angle: way in and way out as far as all go, vertical where the lever is held";
+
 /// How means are aligned, in words.
 pub(crate) fn aligned(alignment: Alignment, has_wall: bool) -> &'static str {
     match (alignment, has_wall) {
         (Alignment::Onset, _) => "aligned at movement onset",
-        (Alignment::Landmarks, true) => "aligned by landmarks (start, wall contact, reversal, end)",
-        (Alignment::Landmarks, false) => "aligned by landmarks (start, reversal, end)",
+        (Alignment::Landmarks, true) => {
+            "aligned by landmarks (start, wall contact, reversal, return, end)"
+        }
+        (Alignment::Landmarks, false) => "aligned by landmarks (start, reversal, return, end)",
     }
 }
 
@@ -102,8 +108,8 @@ pub struct EnvironmentData<'a> {
     pub who: String,
     /// The modes, in the study's order.
     pub modes: Vec<ModeData<'a>>,
-    /// How the means are aligned.
-    pub alignments: Alignments,
+    /// How the means against time are aligned.
+    pub alignment: Alignment,
     /// What is to be said of the means: why there is none, or where it ends.
     pub notes: Vec<String>,
 }
@@ -128,7 +134,7 @@ impl EnvironmentData<'_> {
     /// Label of the time axis. By landmarks it is the scale of their mean times, to which repeats
     /// are stretched too.
     pub(crate) fn time_label(&self) -> &'static str {
-        let by_landmarks = self.alignments.over_time == Alignment::Landmarks
+        let by_landmarks = self.alignment == Alignment::Landmarks
             && self.modes.iter().any(|m| m.average.is_some());
         match (self.aligned(), by_landmarks) {
             (false, _) => "time",
@@ -165,17 +171,59 @@ pub const SIGNALS: [Signal; 5] =
 
 /// What figures read of a table of the stage `average`.
 pub fn average_columns() -> Vec<String> {
-    let mut columns = ["t_s", "phase", "n"].map(str::to_owned).to_vec();
+    let mut columns = ["t_s", "n"].map(str::to_owned).to_vec();
     for signal in SIGNALS {
-        let (stem, suffix) = (signal.stem(), signal.suffix());
-        columns.extend(["mean", "ci_low", "ci_high"].map(|what| format!("{stem}_{what}_{suffix}")));
+        columns.extend(["mean", "ci_low", "ci_high"].map(|what| mean_column(signal, what)));
     }
     columns
 }
 
+/// What figures read of a mean of force against position.
+pub fn loop_columns() -> Vec<String> {
+    let loads = [Signal::ForceEx, Signal::TorqueEx].map(|signal| mean_column(signal, "mean"));
+    ["branch", "theta_rad", "n"].map(str::to_owned).into_iter().chain(loads).collect()
+}
+
+fn mean_column(signal: Signal, what: &str) -> String {
+    format!("{}_{what}_{}", signal.stem(), signal.suffix())
+}
+
+/// The mean of a load against the angle, rad, there and back; `None` if there is no such mean. Where the
+/// way back begins at another angle than the way in ends, nothing connects them.
+pub(crate) fn mean_loop_of(
+    table: &Table,
+    load: Signal,
+) -> Result<Option<[Vec<f64>; 2]>, TableError> {
+    let name = mean_column(load, "mean");
+    if !table.fields().any(|field| field.name == name) {
+        return Ok(None);
+    }
+    let (branches, force) = (table.texts("branch")?, gaps(table.floats(&name)?));
+    let angles = gaps(table.floats("theta_rad")?);
+    if force.iter().all(|force| force.is_nan()) {
+        return Ok(None);
+    }
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    for row in 0..table.height() {
+        let is_apart = row > 0
+            && branches[row] != branches[row - 1]
+            && (angles[row] - angles[row - 1]).abs() > APART_RAD;
+        if is_apart {
+            x.push(f64::NAN);
+            y.push(f64::NAN);
+        }
+        x.push(angles[row]);
+        y.push(force[row]);
+    }
+    Ok(Some([x, y]))
+}
+
+/// Branches whose ends are closer than this, rad (0.3°), are drawn as one line.
+const APART_RAD: f64 = 0.005;
+
 /// The mean of a signal and its band; `None` if the average has no such signal.
 pub(crate) fn mean_curve(average: &Table, signal: Signal) -> Result<Option<MeanCurve>, TableError> {
-    let name = |what: &str| format!("{}_{what}_{}", signal.stem(), signal.suffix());
+    let name = |what: &str| mean_column(signal, what);
     if !average.fields().any(|f| f.name == name("mean")) {
         return Ok(None);
     }

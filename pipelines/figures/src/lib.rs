@@ -78,7 +78,7 @@ pub use compared::{
     ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
     modes_compared, participants_compared, repeats_compared, sessions_compared,
 };
-pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns};
+pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns, loop_columns};
 pub use environment::{ENVIRONMENT, Placement, environment};
 pub use export::data_table;
 pub use finding::{Felt, finding};
@@ -104,4 +104,4 @@ pub use words::{Words, mark};
 pub use work_precision::{WORK_PRECISION, work_precision, work_precision_of};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.
-pub const VERSION: u32 = 21;
+pub const VERSION: u32 = 22;

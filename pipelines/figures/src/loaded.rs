@@ -4,20 +4,20 @@ use crate::{About, EnvironmentData, ModeData, Repeat};
 use std::collections::BTreeMap;
 use zwidth_numerics::activity::activity;
 use zwidth_store::{Signal, Trial};
-use zwidth_study::{Alignment, Alignments, Analysis, Environment, ModeId};
+use zwidth_study::{Alignment, Analysis, Environment, ModeId};
 use zwidth_tables::{NoteKind, Table, TableError};
 
-/// What a figure of trials is of: the study, the environment, who, how means are aligned, and from
-/// which speed on somebody moves.
-pub type Of<'a> = (&'a About, &'a Environment, &'a str, Alignments, &'a Analysis);
+/// What a figure of trials is of: the study, the environment, who, how means against time are aligned,
+/// and from which speed on somebody moves.
+pub type Of<'a> = (&'a About, &'a Environment, &'a str, Alignment, &'a Analysis);
 
 /// Tables of the stage `average`, by mode.
 #[derive(Debug, Clone, Default)]
 pub struct Averages {
     /// Those against time.
     pub over_time: BTreeMap<ModeId, Table>,
-    /// Those that force stands against position by; `None` where they are the same.
-    pub over_position: Option<BTreeMap<ModeId, Table>>,
+    /// Those of force against position.
+    pub over_position: BTreeMap<ModeId, Table>,
 }
 
 /// Everything read for one environment of one session; figures borrow from it.
@@ -26,7 +26,7 @@ pub struct Loaded<'a> {
     about: &'a About,
     environment: &'a Environment,
     who: &'a str,
-    alignments: Alignments,
+    alignment: Alignment,
     trials: Vec<Trial>,
     onsets: Vec<Option<f64>>,
     /// Times of the samples on the scale of the mean, s, where that is not since onset.
@@ -43,14 +43,13 @@ impl<'a> Loaded<'a> {
     /// # Errors
     /// A table that lacks a column.
     pub fn new(
-        (about, environment, who, alignments, analysis): Of<'a>,
+        (about, environment, who, alignment, analysis): Of<'a>,
         mut trials: Vec<Trial>,
         averages: Averages,
         warp: impl Fn(&[Trial]) -> Option<Vec<Option<Vec<f64>>>>,
     ) -> Result<Self, TableError> {
         trials.sort_by_key(|t| about.modes.iter().position(|mode| mode.id == t.meta.mode));
-        let by_landmarks =
-            alignments.over_time == Alignment::Landmarks && !averages.over_time.is_empty();
+        let by_landmarks = alignment == Alignment::Landmarks && !averages.over_time.is_empty();
         let times = |of_mode: &[Trial]| {
             let warped = by_landmarks.then(|| warp(of_mode)).flatten();
             warped.unwrap_or_else(|| vec![None; of_mode.len()])
@@ -61,7 +60,7 @@ impl<'a> Loaded<'a> {
             about,
             environment,
             who,
-            alignments,
+            alignment,
             onsets: trials.iter().map(|trial| onset_s(trial, analysis)).collect(),
             warped_s: of_modes.flat_map(times).collect(),
             trials,
@@ -73,7 +72,6 @@ impl<'a> Loaded<'a> {
     /// The same, by modes that have a repeat.
     pub fn scene(&self) -> EnvironmentData<'_> {
         let Averages { over_time, over_position } = &self.averages;
-        let over_position = over_position.as_ref().unwrap_or(over_time);
         let modes = self.about.modes.iter().enumerate().filter_map(|(index, mode)| {
             let mine = (0..self.trials.len()).filter(|i| self.trials[*i].meta.mode == mode.id);
             let repeats: Vec<_> = mine.map(|i| self.repeat(i)).collect();
@@ -87,7 +85,7 @@ impl<'a> Loaded<'a> {
             environment: self.environment,
             who: self.who.to_owned(),
             modes: modes.collect(),
-            alignments: self.alignments,
+            alignment: self.alignment,
             notes: self.notes.clone(),
         }
     }
@@ -113,7 +111,7 @@ fn onset_s(trial: &Trial, analysis: &Analysis) -> Option<f64> {
 /// against time ends before all of its repeats do.
 fn footnotes(averages: &Averages) -> Result<Vec<String>, TableError> {
     let Averages { over_time, over_position } = averages;
-    let all = over_time.values().chain(over_position.iter().flat_map(BTreeMap::values));
+    let all = over_time.values().chain(over_position.values());
     let is_said =
         |(kind, _): &(NoteKind, &str)| !matches!(kind, NoteKind::Extent | NoteKind::Alignment);
     let said = all.flat_map(Table::notes_by_kind).filter(is_said);

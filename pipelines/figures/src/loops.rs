@@ -1,7 +1,7 @@
 //! The user's force against position for every environment side by side: the user's force
 //! discrepancy at a glance.
 
-use crate::data::{EnvironmentData, ModeData, aligned, repeats_averaged};
+use crate::data::{AT_THE_ANGLE, EnvironmentData, ModeData, repeats_averaged};
 use crate::panels::{axis, mean_loop, repeat_loop, wall_line};
 use crate::words::{Words, keep_together, mark, plain};
 use crate::{About, FigureKind};
@@ -70,15 +70,13 @@ pub fn loops(about: &About, scenes: &[EnvironmentData]) -> Result<Figure, TableE
 fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
     let modes = scenes.iter().flat_map(|scene| &scene.modes);
     let averaged = repeats_averaged(modes.filter(|mode| mode.repeats.len() > 1));
-    let means = scenes.first().zip(averaged);
-    let has_wall = scenes.iter().any(|scene| scene.environment.scene.wall_rad().is_some());
-    let means = means.map(|(scene, n)| {
+    let means = averaged.map(|n| {
         let what = if n == "n = 1" {
             "the one repeat that could be placed"
         } else {
             "mean of the repeats"
         };
-        format!("Lines: {what} ({n}), {}", aligned(scene.alignments.over_position, has_wall))
+        format!("Lines: {what} ({n}), {AT_THE_ANGLE}")
     });
     let mut layers = panels.iter().flat_map(|panel| &panel.layers);
     let dotted = layers.any(|l| matches!(l, Layer::Line(line) if line.dotted.contains(&true)));

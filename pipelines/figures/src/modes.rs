@@ -3,7 +3,7 @@
 //! Where a mode stays near the wall, a panel shows what it does there.
 
 use crate::FigureKind;
-use crate::data::{EnvironmentData, ModeData, aligned};
+use crate::data::{AT_THE_ANGLE, EnvironmentData, ModeData, aligned};
 use crate::extent::{at_wall, shared, shared_time};
 use crate::panels::{
     axis, mean_loop, mean_over_time, recorded_word, repeat_loop, repeat_over_time, wall_line,
@@ -12,7 +12,7 @@ use crate::words::{Words, keep_together, mark, plain, time_axis};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Range};
 use zwidth_store::Signal;
-use zwidth_study::{Alignment, Alignments, in_a_sentence};
+use zwidth_study::{Alignment, in_a_sentence};
 use zwidth_tables::TableError;
 
 /// The figure [`modes`].
@@ -85,21 +85,6 @@ fn describe(scene: &EnvironmentData, words: Words) -> String {
     )
 }
 
-/// How the means are aligned, in words: once where all are alike.
-fn how_aligned(scene: &EnvironmentData) -> String {
-    let Alignments { over_time, over_position } = scene.alignments;
-    let has_wall = scene.environment.scene.wall_rad().is_some();
-    if over_time == over_position {
-        return aligned(over_time, has_wall).to_owned();
-    }
-    let position = Words::new(scene.about.coordinate).position_word();
-    format!(
-        "against time {}, against the {position} {}",
-        aligned(over_time, has_wall),
-        aligned(over_position, has_wall)
-    )
-}
-
 /// What a thick line is: a mean, or the only repeat there is to draw one of.
 fn thick(scene: &EnvironmentData) -> &'static str {
     match scene.modes.iter().filter_map(ModeData::averaged).max() {
@@ -112,17 +97,21 @@ fn thick(scene: &EnvironmentData) -> &'static str {
 fn footnotes(scene: &EnvironmentData) -> Vec<String> {
     let mut legend = String::new();
     if scene.modes.iter().any(|m| m.average.is_some()) {
-        legend += &format!("Thick: {}, {}", thick(scene), how_aligned(scene));
+        let has_wall = scene.environment.scene.wall_rad().is_some();
+        let how = aligned(scene.alignment, has_wall);
+        legend += &format!("Thick: {}; against time {how}", thick(scene));
         if scene.modes.iter().any(|m| m.average.is_some() && m.repeats.len() > 1) {
             legend += &format!(", with its pointwise {} band", scene.level());
         }
-        legend += match scene.alignments.over_time {
+        let position = Words::new(scene.about.coordinate).position_word();
+        legend += &format!("; force against {position} {AT_THE_ANGLE}");
+        legend += match scene.alignment {
             Alignment::Onset => "; thin: every repeat",
             Alignment::Landmarks => {
                 "; thin: every repeat, stretched so that its landmarks stand at theirs"
             }
         };
-        if scene.environment.scene.wall_rad().is_some() {
+        if has_wall {
             let past = rhythms(scene);
             legend += &format!(
                 "; dotted{past}: at the wall or past it, but where the wall fills a panel"

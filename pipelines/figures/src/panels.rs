@@ -1,6 +1,6 @@
 //! What several figures share: curves of repeats and means, wall lines, axes of the force.
 
-use crate::data::{EnvironmentData, ModeData, Repeat, gaps, mean_curve};
+use crate::data::{EnvironmentData, ModeData, Repeat, gaps, mean_curve, mean_loop_of};
 use crate::words::Words;
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Axis, Band, Direction, Layer, Line, Reference};
@@ -85,8 +85,7 @@ pub(crate) fn mean_over_time(
     Ok(layers)
 }
 
-/// The mean force of a mode's repeats against their mean position, drawn with `stroke`; dotted past
-/// the wall.
+/// The mean force of a mode's repeats at each position, drawn with `stroke`; dotted past the wall.
 pub(crate) fn mean_loop(
     scene: &EnvironmentData,
     words: Words,
@@ -95,15 +94,11 @@ pub(crate) fn mean_loop(
     stroke: Stroke,
 ) -> Result<Option<Line>, TableError> {
     let Some(average) = mode.loop_average else { return Ok(None) };
-    let (Some(theta), Some(force)) =
-        (mean_curve(average, Signal::Theta)?, mean_curve(average, load)?)
-    else {
-        return Ok(None);
-    };
+    let Some([theta, y]) = mean_loop_of(average, load)? else { return Ok(None) };
     Ok(Some(Line {
-        x: on_axis(words, Signal::Theta, &theta.mean),
-        y: force.mean,
-        dotted: past_wall(scene, &theta.mean),
+        x: on_axis(words, Signal::Theta, &theta),
+        y,
+        dotted: past_wall(scene, &theta),
         stroke,
         name: Some(mode.name()),
     }))

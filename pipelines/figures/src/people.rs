@@ -1,7 +1,7 @@
 //! The user's force against position over participants: each one's mean loop thin, the mean over
 //! them thick.
 
-use crate::data::mean_curve;
+use crate::data::{AT_THE_ANGLE, mean_loop_of};
 use crate::panels::{axis, on_axis};
 use crate::words::{Words, mark, plain};
 use crate::{About, FigureKind};
@@ -36,8 +36,7 @@ pub struct ModeOfPeople<'a> {
     pub index: usize,
     /// The mean over participants, as the stage `average` made it.
     pub mean: &'a Table,
-    /// The mean of every session, aligned by landmarks; none where [`draws_each`] says that they are
-    /// not drawn.
+    /// The mean of every session; none where [`draws_each`] says that they are not drawn.
     pub sessions: &'a [Table],
 }
 
@@ -61,7 +60,7 @@ pub fn mean_loops(
 ) -> Result<Figure, TableError> {
     let words = Words::new(about.coordinate);
     let has_force =
-        |of: &ModeOfPeople| Ok::<_, TableError>(mean_curve(of.mean, Signal::ForceEx)?.is_some());
+        |of: &ModeOfPeople| Ok::<_, TableError>(mean_loop_of(of.mean, Signal::ForceEx)?.is_some());
     let modes = || environments.iter().flat_map(|of| &of.modes);
     let forces = modes().map(has_force).collect::<Result<Vec<bool>, _>>()?;
     let load = if forces.contains(&true) { Signal::ForceEx } else { Signal::TorqueEx };
@@ -91,11 +90,9 @@ pub fn mean_loops(
         let panel = panel.titled(plain(&of.environment.label));
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
     }
-    let each = "thin: the mean of each participant's repeats in one session; ";
+    let each = "; thin: the mean of one person's repeats in one session, as far as they go";
     let note = format!(
-        "Thick: mean over participants of {} and {load_word} at the same phase of the movement; {}n counts \
-         participants. What they do at different phases is smoothed in the mean.",
-        words.position_word(),
+        "Thick: mean {load_word} over people, {AT_THE_ANGLE}{}.",
         if sessions > 0 && draws_each(sessions) { each } else { "" }
     );
     Ok(Figure {
@@ -116,29 +113,28 @@ pub fn mean_loops(
     })
 }
 
-/// `Hybrid (n = 12)`.
+/// `Hybrid (12 people × 2 sessions)`.
 fn named(label: &str, mean: &Table) -> String {
-    let n = mean.integers("n").ok().and_then(|n| n.into_iter().flatten().max());
-    plain(&n.map_or_else(|| label.to_owned(), |n| format!("{label} (n = {n})")))
+    let most = |name: &str| mean.integers(name).ok()?.into_iter().flatten().max();
+    plain(&match (most("n"), most("sessions")) {
+        (Some(n), Some(sessions)) if sessions == n => format!("{label} ({n} people)"),
+        (Some(n), Some(sessions)) if sessions % n == 0 => {
+            format!("{label} ({n} people × {} sessions)", sessions / n)
+        }
+        (Some(n), Some(sessions)) => format!("{label} ({n} people, {sessions} sessions)"),
+        _ => label.to_owned(),
+    })
 }
 
-/// The load against the position, as far as the movement goes.
+/// The load at each position.
 fn curve(
     words: Words,
     table: &Table,
     load: Signal,
     stroke: Stroke,
 ) -> Result<Option<Line>, TableError> {
-    let (Some(theta), Some(load)) = (mean_curve(table, Signal::Theta)?, mean_curve(table, load)?)
-    else {
-        return Ok(None);
-    };
-    let phase = table.floats("phase")?;
-    let moving = |values: &[f64]| -> Vec<f64> {
-        values.iter().zip(&phase).filter(|(_, phase)| phase.is_some()).map(|(v, _)| *v).collect()
-    };
-    let x = on_axis(words, Signal::Theta, &moving(&theta.mean));
-    Ok(Some(Line { x, y: moving(&load.mean), stroke, ..Line::default() }))
+    let Some([theta, y]) = mean_loop_of(table, load)? else { return Ok(None) };
+    Ok(Some(Line { x: on_axis(words, Signal::Theta, &theta), y, stroke, ..Line::default() }))
 }
 
 /// The line where the wall begins.
@@ -161,26 +157,21 @@ mod tests {
     use super::*;
     use zwidth_tables::Column;
 
-    /// A loop there and back, and a rest after it that is no movement.
+    /// A loop there and back that is held at its turn, of two people in three sessions.
     fn average(scale: f64, signal: &str) -> Table {
-        let float = |name: String, values: [Option<f64>; 4]| {
-            let column = Column::float("", "1", "", values);
+        let float = |name: String, values: [f64; 4]| {
+            let column = Column::float("", "1", "", values.map(Some));
             Column { field: zwidth_tables::Field { name: name.into(), ..column.field }, ..column }
         };
-        let course = |values: [f64; 4]| values.map(|v| Some(scale * v));
-        let mut columns = vec![
-            float("phase".to_owned(), [Some(0.0), Some(2.0), Some(3.0), None]),
-            Column::integer("n", "1", "", [Some(3); 4]),
+        let name = format!("{signal}_mean_{}", if signal == "force_ex" { "n" } else { "nm" });
+        let columns = vec![
+            Column::text("branch", "", ["in", "in", "held", "out"].map(Some)),
+            float("theta_rad".to_owned(), [0.0, 0.5, 0.5, 0.4]),
+            Column::integer("n", "1", "", [Some(2); 4]),
+            Column::integer("sessions", "1", "", [Some(3); 4]),
+            float(name, [0.0, 2.0 * scale, scale, 0.5 * scale]),
         ];
-        for (stem, suffix, values) in [
-            ("theta", "rad", [0.0, 0.5, 0.1, 9.0]),
-            (signal, if signal == "force_ex" { "n" } else { "nm" }, [0.0, 2.0, 0.5, 9.0]),
-        ] {
-            for part in ["mean", "ci_low", "ci_high"] {
-                columns.push(float(format!("{stem}_{part}_{suffix}"), course(values)));
-            }
-        }
-        Table::new("average", "", columns).unwrap()
+        Table::new("loop", "", columns).unwrap()
     }
 
     fn drawn(mean: &Table, sessions: &[Table]) -> Figure {
@@ -196,15 +187,18 @@ mod tests {
     }
 
     #[test]
-    fn everybodys_loop_is_thin_the_mean_is_named_and_rest_is_not_drawn() {
+    fn everybodys_loop_is_thin_and_the_mean_says_of_whom_it_is() {
         let (mean, sessions) =
             (average(1.0, "force_ex"), [average(0.9, "force_ex"), average(1.1, "force_ex")]);
         let figure = drawn(&mean, &sessions);
         let lines = lines(&figure);
         assert_eq!(lines.len(), 3);
-        assert_eq!(lines[2].y, [0.0, 2.0, 0.5]);
+        // Nothing connects the turn with a way back that begins elsewhere.
+        assert_eq!(lines[2].y[..3], [0.0, 2.0, 1.0]);
+        assert!(lines[2].y[3].is_nan() && (lines[2].y[4] - 0.5).abs() < 1e-12);
         assert!((lines[2].x[1] - 0.5_f64.to_degrees()).abs() < 1e-12);
-        assert!(lines[2].name.as_deref().is_some_and(|name| name.ends_with("(n = 3)")));
+        let name = lines[2].name.as_deref().unwrap();
+        assert!(name.ends_with("(2 people, 3 sessions)"), "{name}");
         assert!(lines[0].stroke.width_pt < lines[2].stroke.width_pt && lines[0].name.is_none());
         assert!(figure.mark.is_some());
     }

@@ -9,7 +9,7 @@ use zwidth_draw::style::{self, Marker};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Points, Range, Reference, dodge,
 };
-use zwidth_study::{Environment, EnvironmentId, Mode, Question, QuestionId, Source};
+use zwidth_study::{AnswerValue, Environment, EnvironmentId, Mode, Question, QuestionId, Source};
 use zwidth_tables::{Table, TableError};
 
 /// The figure [`ratings`].
@@ -152,13 +152,13 @@ fn scores(answers: &Table, wanted: &Wanted) -> Result<BTreeMap<String, Vec<f64>>
     let [environments, modes, questions] =
         ["environment", "mode", "question"].map(|name| answers.texts(name));
     let (environments, modes, questions) = (environments?, modes?, questions?);
-    let values = answers.integers("answer")?;
+    let values = answers.numbers("answer")?;
     let Wanted { environment, question, .. } = wanted;
     let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for row in 0..answers.height() {
         let here = environments[row].as_deref() == Some(environment.as_str())
             && questions[row].as_deref() == Some(question.id.as_str());
-        let value = values[row].and_then(|value| i16::try_from(value).ok());
+        let value = values[row].and_then(|value| AnswerValue::new(value).ok());
         let (true, Some(mode), Some(value)) = (here, &modes[row], value) else { continue };
         let score = question.scale.score(value, question.reversed);
         found.entry(mode.clone()).or_default().push(score.into());
@@ -184,11 +184,11 @@ fn summaries(tally: &Table, wanted: &Wanted, modes: &[&Mode]) -> Result<[Layer; 
         let values = tally.floats(name)?;
         Ok(rows.iter().map(|row| row.and_then(|row| values[row]).unwrap_or(f64::NAN)).collect())
     };
-    let [low, high] = ["median_low", "median_high"].map(|name| tally.integers(name));
+    let [low, high] = ["median_low", "median_high"].map(|name| tally.numbers(name));
     let (low, high) = (low?, high?);
     let median = |row: &Option<usize>| {
         let row = (*row)?;
-        Some((low[row]? + high[row]?) as f64 / 2.0)
+        Some((low[row]? + high[row]?) / 2.0)
     };
     let at: Vec<f64> = (0..modes.len()).map(|place| place as f64 + BELOW).collect();
     let none = vec![f64::NAN; modes.len()];

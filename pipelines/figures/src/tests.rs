@@ -1,12 +1,13 @@
 //! Facts about the figures of trials, on small made-up data.
 
+use crate::data::AT_THE_ANGLE;
 use crate::{
-    About, EnvironmentData, ModeData, Repeat, SIGNALS, average_columns, loops, modes,
+    About, EnvironmentData, ModeData, Repeat, SIGNALS, average_columns, loop_columns, loops, modes,
     rendering_range, repeats,
 };
 use zwidth_draw::{Axis, Figure, Layer, Line, Range, style};
 use zwidth_store::{Samples, Signal, Trial};
-use zwidth_study::{Alignment, Alignments, Environment, Source, TrialMeta};
+use zwidth_study::{Alignment, Environment, Source, TrialMeta};
 use zwidth_tables::{Column, Table};
 
 /// The template, as figures see it.
@@ -39,7 +40,8 @@ fn trial(source: Source, signals: &[Signal]) -> Trial {
     Trial { meta, file: Default::default(), samples }
 }
 
-/// The mean of `trial` alone, as the stage `average` names its columns.
+/// The mean of `trial` alone, against time and against the angle, as the stage `average` names its
+/// columns.
 fn average(trial: &Trial) -> Table {
     let column = |name, signal| {
         let values = trial.samples.get(signal).unwrap().iter().copied().map(Some);
@@ -55,6 +57,8 @@ fn average(trial: &Trial) -> Table {
     columns.extend(bands.map(none));
     columns.push(Column::text("participant", "", vec![Some("P01"); 81]));
     columns.push(column("theta_sd_rad", Signal::Theta));
+    columns.push(Column::text("branch", "", vec![Some("in"); 81]));
+    columns.push(column("theta_rad", Signal::Theta));
     Table::new("average", "Average", columns).unwrap()
 }
 
@@ -75,7 +79,7 @@ fn scene<'a>(
             average,
             loop_average: average,
         }],
-        alignments: Alignments::default(),
+        alignment: Alignment::Onset,
         notes: Vec::new(),
     }
 }
@@ -130,14 +134,12 @@ fn loops_say_what_their_dots_mean() {
     let notes = |scene: &EnvironmentData| {
         loops(&study.about, std::slice::from_ref(scene)).unwrap().footnotes
     };
-    let means = "Lines: the one repeat that could be placed (n = 1), aligned by landmarks (start, wall contact, \
-                 reversal, end)";
+    let means = format!("Lines: the one repeat that could be placed (n = 1), {AT_THE_ANGLE}");
     let dots = "; dotted: at the wall or past it";
     let whose = notes(&scene).last().cloned().unwrap();
     assert!(whose.starts_with("*F*: the user's force."), "{whose}");
     assert_eq!(notes(&scene), [format!("{means}{dots}."), whose.clone()]);
     scene.environment = &study.environments[0];
-    let means = means.replace("wall contact, ", "");
     assert_eq!(notes(&scene), [format!("{means}."), whose], "no wall, no dots");
 }
 
@@ -158,7 +160,7 @@ fn figures_of_trials_need_no_more_than_the_signals_and_the_columns_they_name() {
         few.samples.set(signal, whole.samples.get(signal).unwrap().to_vec());
     }
     let all = average(&whole);
-    let names = average_columns();
+    let names = [average_columns(), loop_columns()].concat();
     let columns =
         all.columns().iter().filter(|c| names.iter().any(|name| *name == c.field.name)).cloned();
     let some = Table::new("average", "Average", columns.collect()).unwrap();
@@ -215,8 +217,7 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
         (Alignment::Onset, "aligned at movement onset", "time since movement onset"),
         (Alignment::Landmarks, "aligned by landmarks", "time since onset, by landmarks"),
     ] {
-        let alignments = Alignments::both(alignment);
-        let mut scene = EnvironmentData { alignments, ..scene(&study, &trial, Some(&mean)) };
+        let mut scene = EnvironmentData { alignment, ..scene(&study, &trial, Some(&mean)) };
         let twice = scene.modes[0].repeats[0];
         scene.modes[0].repeats.push(twice);
         let figure = modes(&scene, &[]).unwrap();
@@ -225,16 +226,14 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
         let names: Vec<_> =
             lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
         assert_eq!(names, ["Active (n = 1 of 2)"]);
-        let loops = loops(&study.about, std::slice::from_ref(&scene)).unwrap();
-        let begins = format!("Lines: the one repeat that could be placed (n = 1), {words}");
-        assert!(loops.footnotes[0].starts_with(&begins), "{loops:?}");
     }
     let both = modes(&scene(&study, &trial, Some(&mean)), &[]).unwrap();
-    let words = "against time aligned at movement onset, against the angle aligned by landmarks";
+    let words =
+        "against time aligned at movement onset; force against angle averaged at each angle";
     assert!(both.footnotes[0].contains(words), "{}", both.footnotes[0]);
-    let alignments = Alignments::both(Alignment::Landmarks);
+    let alignment = Alignment::Landmarks;
     let without =
-        modes(&EnvironmentData { alignments, ..scene(&study, &trial, None) }, &[]).unwrap();
+        modes(&EnvironmentData { alignment, ..scene(&study, &trial, None) }, &[]).unwrap();
     assert_eq!(without.panels[2].x.label, "time since movement onset", "there is no mean");
 }
 

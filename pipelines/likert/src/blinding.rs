@@ -4,7 +4,7 @@ use crate::LikertError;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_stats::interval;
-use zwidth_study::{ModeId, ParticipantId};
+use zwidth_study::{AnswerValue, ModeId, ParticipantId};
 use zwidth_tables::{Column, NoteKind, Table};
 
 /// One trial after which it was asked which mode it was.
@@ -19,7 +19,7 @@ pub struct Guess {
     /// How many modes there were to choose from.
     pub choices: u8,
     /// The answer: a mode's number, or 0 for "do not know"; `None` if there is none.
-    pub answer: Option<i16>,
+    pub answer: Option<AnswerValue>,
 }
 
 /// Everything that the blinding index depends on.
@@ -63,10 +63,10 @@ impl Tally {
     /// from, 0 for "do not know".
     fn add(&mut self, guess: &Guess) {
         self.trials += 1;
-        let (count, score) = match guess.answer {
+        let (count, score) = match guess.answer.map(AnswerValue::whole) {
             None => return,
-            Some(0) => (&mut self.unknown, 0.0),
-            Some(said) if said == i16::from(guess.number) => (&mut self.right, 1.0),
+            Some(Some(0)) => (&mut self.unknown, 0.0),
+            Some(said) if said == Some(guess.number.into()) => (&mut self.right, 1.0),
             Some(_) => (&mut self.wrong, all_wrong(guess.choices)),
         };
         *count += 1;
@@ -129,14 +129,15 @@ pub fn blinding(of: &Blinding) -> Result<Table, LikertError> {
 
 /// Whether an answer is one of those that were offered.
 fn check(guess: &Guess) -> Result<(), LikertError> {
+    let is_offered = |value: AnswerValue| {
+        value.whole().is_some_and(|number| (0..=i16::from(guess.choices)).contains(&number))
+    };
     match guess.answer {
-        Some(value) if !(0..=i16::from(guess.choices)).contains(&value) => {
-            Err(LikertError::NoMode {
-                participant: guess.participant.clone(),
-                value,
-                choices: guess.choices,
-            })
-        }
+        Some(value) if !is_offered(value) => Err(LikertError::NoMode {
+            participant: guess.participant.clone(),
+            value,
+            choices: guess.choices,
+        }),
         _ => Ok(()),
     }
 }
@@ -260,7 +261,13 @@ mod tests {
     /// So many equal answers of a participant after trials of a mode.
     fn said(who: &str, number: u8, choices: u8, answer: Option<i16>, times: usize) -> Vec<Guess> {
         let participant = ParticipantId::new(who).unwrap();
-        let guess = Guess { participant, mode: mode(number), number, choices, answer };
+        let guess = Guess {
+            participant,
+            mode: mode(number),
+            number,
+            choices,
+            answer: answer.map(Into::into),
+        };
         vec![guess; times]
     }
 
@@ -369,8 +376,10 @@ mod tests {
 
     #[test]
     fn an_answer_that_was_not_offered_is_refused_with_the_range() {
-        for answer in [-1, 4] {
-            let error = blinding(&of(3, &[said("P01", 1, 3, Some(answer), 1)])).unwrap_err();
+        for answer in ["-1", "4", "1.5"] {
+            let mut guesses = said("P01", 1, 3, None, 1);
+            guesses[0].answer = Some(answer.parse().unwrap());
+            let error = blinding(&of(3, &[guesses])).unwrap_err();
             assert!(error.to_string().contains("0 to 3"), "{error}");
         }
     }

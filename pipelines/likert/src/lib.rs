@@ -9,9 +9,9 @@
 //!
 //! A scale of up to [`zwidth_study::AnswerScale::MOST_CATEGORIES`] points is ordinal: there is a
 //! median and no mean. On a longer one (0 to 100) answers are a quantity, with quartiles and a mean
-//! in the place of counts. Answers pooled over a group come from the
-//! same people, so `n` there is a number of answers, not of independent ones; `participants` says
-//! of how many.
+//! in the place of counts; those on a line, which may have decimals, count by their own numbers.
+//! Answers pooled over a group come from the same people, so `n` there is a number of answers, not
+//! of independent ones; `participants` says of how many.
 //!
 //! [`long`] gives the answers themselves, one row each, as they were given.
 //!
@@ -35,4 +35,4 @@ pub use long::long;
 pub use tally::{LikertError, Scheme, tally};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;

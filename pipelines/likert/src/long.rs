@@ -6,8 +6,8 @@ use zwidth_study::{AnswerScale, Question};
 use zwidth_tables::{Column, Table, TableError};
 
 /// The answers as they were given (reversed questions too), one row each, in their order. Columns:
-/// `participant`, `session`, `trial`, `environment`, `mode`, `question`, `answer`, and where one
-/// was measured `answer_time_s`.
+/// `participant`, `session`, `trial`, `environment`, `mode`, `question`, `answer` (floats where a
+/// question is a line), and where one was measured `answer_time_s`.
 ///
 /// # Errors
 /// None that answers can cause.
@@ -16,8 +16,8 @@ pub fn long(answers: &[Answer], scheme: &Scheme) -> Result<Table, TableError> {
         Column::text(name, about, answers.iter().map(|answer| Some(of(answer))))
     };
     let trials = answers.iter().map(|answer| Some(answer.trial.into()));
-    let values = answers.iter().map(|answer| Some(answer.value.into()));
-    let mut answer = Column::integer("answer", "1", "", values);
+    let values = answers.iter().map(|answer| Some(answer.value));
+    let mut answer = scheme.answer_column("answer", "", values);
     let scales = scheme.scales();
     let lowest = scales.iter().map(AnswerScale::lowest).min().unwrap_or_default();
     let highest = scales.iter().map(AnswerScale::highest).max().unwrap_or_default();
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn every_answer_is_a_row_with_its_question() {
-        let answer = |question: &str, value| Answer {
+        let answer = |question: &str, value: i16| Answer {
             participant: "P01".parse().unwrap(),
             session: "S01".parse().unwrap(),
             trial: 3,
@@ -64,7 +64,7 @@ mod tests {
                 mode: "hybrid".parse().unwrap(),
             },
             question: question.parse().unwrap(),
-            value,
+            value: value.into(),
             time_ms: None,
         };
         let study = zwidth_testing::study();

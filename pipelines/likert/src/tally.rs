@@ -5,7 +5,8 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::Answer;
 use zwidth_study::{
-    AnswerScale, Condition, EnvironmentId, ModeId, ParticipantId, Question, QuestionId, Study,
+    AnswerScale, AnswerValue, Condition, EnvironmentId, ModeId, ParticipantId, Question,
+    QuestionId, Study,
 };
 use zwidth_tables::{Column, Table, TableError};
 
@@ -26,7 +27,7 @@ pub enum LikertError {
         /// Question.
         question: QuestionId,
         /// The answer.
-        value: i16,
+        value: AnswerValue,
         /// The answers there are.
         range: String,
     },
@@ -51,7 +52,7 @@ pub enum LikertError {
         /// Who.
         participant: ParticipantId,
         /// The answer.
-        value: i16,
+        value: AnswerValue,
         /// How many modes there were to choose from.
         choices: u8,
     },
@@ -103,6 +104,26 @@ impl Scheme {
         of_questions.into_iter().collect()
     }
 
+    /// Whether answers may have decimals: then the columns that hold answers are floats, for all
+    /// questions.
+    fn has_line(&self) -> bool {
+        self.questions.iter().any(|question| question.scale.is_line())
+    }
+
+    /// A column of answers, whole numbers unless the study has a line.
+    pub(crate) fn answer_column(
+        &self,
+        name: &'static str,
+        meaning: &'static str,
+        answers: impl Iterator<Item = Option<AnswerValue>>,
+    ) -> Column {
+        if self.has_line() {
+            return Column::float(name, "1", meaning, answers.map(|a| a.map(AnswerValue::get)));
+        }
+        let whole = answers.map(|answer| answer.and_then(AnswerValue::whole).map(i64::from));
+        Column::integer(name, "1", meaning, whole)
+    }
+
     /// Whether an answer rates what was felt, and is for the tally to count, or to refuse if the
     /// study does not have its question.
     pub fn rates(&self, answer: &Answer) -> bool {
@@ -121,9 +142,10 @@ impl Scheme {
 /// (null in a pooled row), `group`, `pooled`, `participants`, `n`, `count_1`, `count_2`, … from the
 /// lowest answer to the highest of the longest scale that is counted by points (as scored; null
 /// beyond the last point of the row's own scale, and on one that is longer), `median_low` and
-/// `median_high` (the two middle answers; equal for odd n). Where a question has more than
-/// [`AnswerScale::MOST_CATEGORIES`] points also `lowest`, `quartile_1`, `quartile_3`, `highest`,
-/// `mean` and `sd` of its answers. Answers to the question which mode it was are in no row.
+/// `median_high` (the two middle answers; equal for odd n; floats where a question is a line). Where
+/// a question has more than [`AnswerScale::MOST_CATEGORIES`] points also `lowest`, `quartile_1`,
+/// `quartile_3`, `highest`, `mean` and `sd` of its answers. Answers to the question which mode it
+/// was are in no row.
 ///
 /// # Errors
 /// An answer off the scale; a question, environment or mode that the study does not have.
@@ -149,7 +171,7 @@ pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Table, LikertError> 
         names.join(" and the "),
         turned(&scales)
     );
-    let table = Table::new("likert", &caption, columns(&rows, &scales))?;
+    let table = Table::new("likert", &caption, columns(&rows, scheme))?;
     Ok(if scales.iter().all(AnswerScale::is_ordinal) {
         table
     } else {
@@ -245,7 +267,7 @@ fn count_column(rows: &[TallyRow], scales: &[&AnswerScale], point: u8) -> Column
     let here = scales.iter().filter(|scale| point <= scale.points());
     let numbered = here.clone().all(|scale| scale.answer_at(point) == i16::from(point));
     let word = |scale: &&AnswerScale| match numbered {
-        true => scale.word(point.into()).map(str::to_owned),
+        true => scale.word(i16::from(point)).map(str::to_owned),
         false => Some(scale.worded(scale.answer_at(point))),
     };
     let words: Vec<String> = here.filter_map(word).collect();
@@ -262,7 +284,8 @@ fn count_column(rows: &[TallyRow], scales: &[&AnswerScale], point: u8) -> Column
     column
 }
 
-fn columns(rows: &[TallyRow], scales: &[AnswerScale]) -> Vec<Column> {
+fn columns(rows: &[TallyRow], scheme: &Scheme) -> Vec<Column> {
+    let scales = scheme.scales();
     let text = |name, meaning, get: fn(&TallyRow) -> Option<String>| {
         Column::text(name, meaning, rows.iter().map(get))
     };
@@ -273,7 +296,7 @@ fn columns(rows: &[TallyRow], scales: &[AnswerScale]) -> Vec<Column> {
         Column::flag("reversed", "", rows.iter().map(|r| r.question.map(|q| q.reversed)));
     reversed.field.description = format!(
         "whether agreement speaks against, so that a counts as {}; null where pooled",
-        turned(scales)
+        turned(&scales)
     )
     .into();
     let ordinal: Vec<&AnswerScale> = scales.iter().filter(|scale| scale.is_ordinal()).collect();
@@ -295,13 +318,18 @@ fn columns(rows: &[TallyRow], scales: &[AnswerScale]) -> Vec<Column> {
         number("n", "answers", |r| Some(r.counts.n() as i64)),
     ];
     columns.extend((1..=points).map(|point| count_column(rows, &ordinal, point)));
+    let medians = || rows.iter().map(|r| r.counts.medians());
     columns.extend([
-        number("median_low", "median; for even n the lower of the two middle answers", |r| {
-            r.counts.medians().map(|m| m.0)
-        }),
-        number("median_high", "median; for even n the upper of the two middle answers", |r| {
-            r.counts.medians().map(|m| m.1)
-        }),
+        scheme.answer_column(
+            "median_low",
+            "median; for even n the lower of the two middle answers",
+            medians().map(|m| Some(m?.0)),
+        ),
+        scheme.answer_column(
+            "median_high",
+            "median; for even n the upper of the two middle answers",
+            medians().map(|m| Some(m?.1)),
+        ),
     ]);
     if ordinal.len() < scales.len() {
         columns.extend(quantity_columns(rows));
@@ -358,7 +386,7 @@ mod tests {
                 mode: ModeId::new(mode).unwrap(),
             },
             question: QuestionId::new(question).unwrap(),
-            value,
+            value: value.into(),
             time_ms: None,
         }
     }

@@ -3,7 +3,7 @@
 use crate::MetricsError;
 use crate::plateau::plateau;
 use crate::signals::Signals;
-use zwidth_numerics::phases::Phases;
+use zwidth_numerics::phases::{Phases, return_begins};
 use zwidth_numerics::series::trapezoid;
 use zwidth_stats::interval::{Estimate, t_interval};
 use zwidth_stats::recording::{RecordingLine, recording_line, recording_mean};
@@ -92,7 +92,9 @@ pub(crate) fn spring_rendering(
     };
     let fit = Fit(theta[phases.onset..=phases.reversal].iter().map(is_in_fit).collect());
     drop(theta);
-    let begins = signals.theta_dot().and_then(|v| return_begins(&v, phases, analysis));
+    let Analysis { onset_rad_s, offset_rad_s, .. } = *analysis;
+    let velocity = signals.theta_dot();
+    let begins = velocity.and_then(|v| return_begins(&v, phases, onset_rad_s, offset_rad_s));
     let return_force_n = begins.and_then(|begins| Some(signals.force()?[begins]));
     let force_rms_error_n = fit.rms_error(signals, phases);
     let from_rest = |theta: f64| theta - spring.rest_rad;
@@ -136,18 +138,6 @@ impl Fit {
             both.fold((0_u64, 0.0), |(n, sum), (a, b)| (n + 1, sum + (a - b) * (a - b)));
         (n > 0).then(|| (squares / n as f64).sqrt())
     }
-}
-
-/// The sample at which the lever begins to return.
-fn return_begins(theta_dot: &[f64], phases: Phases, analysis: &Analysis) -> Option<usize> {
-    let mut begins = None;
-    for (i, v) in theta_dot.iter().enumerate().take(phases.end + 1).skip(phases.reversal) {
-        begins = (*v < -analysis.offset_rad_s).then(|| begins.unwrap_or(i));
-        if *v < -analysis.onset_rad_s {
-            return begins;
-        }
-    }
-    None
 }
 
 /// The line, and the plateau where there is one.

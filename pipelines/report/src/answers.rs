@@ -1,15 +1,15 @@
 //! The answers to an environment's question: their median, and one mode's against another's.
 
 use std::collections::BTreeMap;
-use zwidth_study::{AnswerScale, Environment, Mode, Question, QuestionId, Setup};
-use zwidth_tables::{Table, TableError};
+use zwidth_study::{AnswerScale, AnswerValue, Environment, Mode, Question, QuestionId, Setup};
+use zwidth_tables::{Table, TableError, number};
 
 /// The median of a mode's answers.
 pub(crate) struct Median {
     pub(crate) scale: AnswerScale,
     /// The two middle answers, as scored.
-    pub(crate) low: i64,
-    pub(crate) high: i64,
+    pub(crate) low: AnswerValue,
+    pub(crate) high: AnswerValue,
     pub(crate) answers: i64,
     pub(crate) participants: i64,
 }
@@ -18,19 +18,24 @@ impl Median {
     /// The median of the answers as they were given: the tally turns those to a question that
     /// counts the other way round.
     pub(crate) fn turned_back(self, question: &Question) -> Self {
-        let turned = i64::from(self.scale.ends_together());
+        let [low, high] =
+            [self.low, self.high].map(|answer| self.scale.score(answer, question.reversed));
         match question.reversed {
-            true => Self { low: turned - self.high, high: turned - self.low, ..self },
+            true => Self { low: high, high: low, ..self },
             false => self,
         }
     }
 
-    /// `4 (agree)`, or `3 to 4` where the two middle answers differ.
+    /// `4 (agree)`, or `3 to 4` where the two middle answers differ. What has decimals is rounded.
     pub(crate) fn words(&self) -> String {
-        match i16::try_from(self.low) {
-            Ok(answer) if self.low == self.high => self.scale.worded(answer),
-            _ if self.low == self.high => self.low.to_string(),
-            _ => format!("{} to {}", self.low, self.high),
+        let shown = |answer: AnswerValue| match answer.whole() {
+            Some(whole) => whole.to_string(),
+            None => number(answer.get(), None),
+        };
+        match self.low.whole() {
+            _ if self.low != self.high => format!("{} to {}", shown(self.low), shown(self.high)),
+            Some(whole) => self.scale.worded(whole),
+            None => shown(self.low),
         }
     }
 }
@@ -62,31 +67,33 @@ pub(crate) fn median_of(
 ) -> Result<Option<Median>, TableError> {
     let of = [environment, mode, question.as_str()];
     let Some(row) = rows(tally, of)?.into_iter().next() else { return Ok(None) };
-    let [low, high] = ["median_low", "median_high"].map(|name| tally.integers(name));
+    let [low, high] = ["median_low", "median_high"].map(|name| tally.numbers(name));
+    let [low, high] = [low?[row], high?[row]].map(|n| AnswerValue::new(n?).ok());
     let [answers, participants] = ["n", "participants"].map(|name| tally.integers(name));
-    let numbers = [low?[row], high?[row], answers?[row], participants?[row]];
-    let [Some(low), Some(high), Some(answers), Some(participants)] = numbers else {
+    let (Some(low), Some(high), Some(answers), Some(participants)) =
+        (low, high, answers?[row], participants?[row])
+    else {
         return Ok(None);
     };
     Ok(Some(Median { scale: study.scale(question), low, high, answers, participants }))
 }
 
-/// The answers to the environment's question in a mode as they count, by their places on the scale,
-/// by participant, of the long table of answers.
+/// The answers to the environment's question in a mode as they count, by participant, of the long
+/// table of answers.
 pub(crate) fn scored(
     study: &Setup,
     answers: &Table,
     environment: &Environment,
     mode: &Mode,
-) -> Result<BTreeMap<String, Vec<u8>>, TableError> {
-    let mut people: BTreeMap<String, Vec<u8>> = BTreeMap::new();
+) -> Result<BTreeMap<String, Vec<AnswerValue>>, TableError> {
+    let mut people: BTreeMap<String, Vec<AnswerValue>> = BTreeMap::new();
     let Some(asked) = question_of(study, environment) else { return Ok(people) };
-    let (who, given) = (answers.texts("participant")?, answers.integers("answer")?);
+    let (who, given) = (answers.texts("participant")?, answers.numbers("answer")?);
     for row in rows(answers, [environment.id.as_str(), mode.id.as_str(), asked.id.as_str()])? {
-        let answer = given[row].and_then(|answer| i16::try_from(answer).ok());
-        let place = answer.and_then(|a| asked.scale.place(asked.scale.score(a, asked.reversed)));
-        let Some(place) = place else { continue };
-        people.entry(who[row].clone().unwrap_or_default()).or_default().push(place);
+        let answer = given[row].and_then(|answer| AnswerValue::new(answer).ok());
+        let Some(answer) = answer.filter(|answer| asked.scale.has(*answer)) else { continue };
+        let scored = asked.scale.score(answer, asked.reversed);
+        people.entry(who[row].clone().unwrap_or_default()).or_default().push(scored);
     }
     Ok(people)
 }
@@ -124,9 +131,11 @@ mod tests {
 
     #[test]
     fn a_median_between_two_answers_is_said_as_both() {
-        let of = |low, high| {
+        let of = |low: &str, high: &str| {
+            let [low, high] = [low, high].map(|answer| answer.parse().unwrap());
             Median { scale: AnswerScale::FivePoint, low, high, answers: 2, participants: 1 }.words()
         };
-        assert_eq!((of(4, 4), of(3, 4)), ("4 (agree)".to_owned(), "3 to 4".to_owned()));
+        assert_eq!([of("4", "4"), of("3", "4")], ["4 (agree)", "3 to 4"]);
+        assert_eq!([of("47.273", "47.273"), of("47", "52.7271")], ["47.27", "47 to 52.73"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_study::{EnvironmentId, ModeId};
-use zwidth_tables::{Table, TableError, Values};
+use zwidth_tables::{Table, TableError};
 
 /// Values by participant and session, in the order of the trials.
 pub(crate) type People = BTreeMap<String, BTreeMap<String, Vec<f64>>>;
@@ -36,14 +36,6 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
 /// The mean of a participant's values, sessions with equal weight.
 pub(crate) fn mean_of_one(sessions: &BTreeMap<String, Vec<f64>>) -> f64 {
     mean(sessions.values().map(|values| mean(values.iter().copied())))
-}
-
-/// A column of numbers or of counts.
-fn numbers(table: &Table, column: &str) -> Result<Vec<Option<f64>>, TableError> {
-    match &table.column(column)?.values {
-        Values::Integer(counts) => Ok(counts.iter().map(|n| n.map(|n| n as f64)).collect()),
-        _ => table.floats(column),
-    }
 }
 
 /// Trials of one mode, in one environment or in all.
@@ -92,8 +84,8 @@ impl<'a> Trials<'a> {
     /// The values by participant and session of those trials that have one; of two columns their
     /// difference. Counts are numbers too.
     pub(crate) fn people(&self, column: &str, less: Option<&str>) -> Result<People, TableError> {
-        let values = numbers(self.metrics, column)?;
-        let less = less.map(|column| numbers(self.metrics, column)).transpose()?;
+        let values = self.metrics.numbers(column)?;
+        let less = less.map(|column| self.metrics.numbers(column)).transpose()?;
         let whose = self.words("participant")?.into_iter().zip(self.words("session")?);
         let mut people = People::new();
         for (row, (who, session)) in self.rows.iter().zip(whose) {

@@ -162,15 +162,12 @@ fn a_cell_that_is_no_number_is_refused_with_column_and_row() {
 
 #[test]
 fn time_that_runs_backwards_or_stands_still_is_refused_with_its_row() {
-    for (time, what) in [("0.005", "0.005 s after 0.01 s"), ("0.01", "0.01 s after 0.01 s")] {
-        let words = [
-            "bad.csv",
-            "column t",
-            "row 3",
-            "time runs backwards or stands still",
-            what,
-            "sort or mend",
-        ];
+    for (time, what, remedy) in [
+        ("0.005", "0.005 s after 0.01 s", "else mend the recording"),
+        ("0.01", "0.01 s after 0.01 s", "set equal = \"drop\" in [time] if rows come twice"),
+    ] {
+        let words =
+            ["bad.csv", "column t", "row 3", "time runs backwards or stands still", what, remedy];
         World::new().refuses_text(good_but("0.02", time), &words);
     }
 }

@@ -106,7 +106,10 @@ fn a_mode_that_there_is_not_is_refused_with_the_range() {
     assert!(ran.out.contains("4 is not an answer: 0 to 3"), "{ran:#?}");
     let of = ["answer", "small", "-p", "P01", "-s", "S01", "--trial", "1", "--question", "guess"];
     let answer = |value| zwidth(desk.root(), &[&of[..], &[value]].concat());
-    answer("4").exits(1).one_error().says(&["4 is no answer to guess: 0 to 3"]);
+    answer("4")
+        .exits(1)
+        .one_error()
+        .says(&["4 is no answer to guess: it must be a whole number from 0 to 3"]);
     let later = answer("0").exits(0).out;
     assert!(later.contains("in place of 2"), "{later}");
     desk.verify();
@@ -114,7 +117,7 @@ fn a_mode_that_there_is_not_is_refused_with_the_range() {
 
 /// A guess after a trial.
 fn guess(trial: u32, value: i16) -> Event {
-    Event::Answer { trial, question: "guess".parse().unwrap(), value, time_ms: None }
+    Event::Answer { trial, question: "guess".parse().unwrap(), value: value.into(), time_ms: None }
 }
 
 /// A trial with its guesses, of which the last one counts.

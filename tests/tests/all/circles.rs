@@ -59,10 +59,12 @@ const KNOWN: [(&str, &str, &[&str]); 13] = [
         "crates/import",
         &[
             "crate",
+            "added",
             "batch",
             "blocks",
             "check",
             "clock",
+            "counter",
             "exclusions",
             "given",
             "identity",

@@ -95,7 +95,8 @@ fn a_plan_beside_the_data_says_whether_the_analysis_is_the_planned_one() {
     prints(&zwidth(root.path(), &compare).exits(0), &["the file holds no plan"]);
     fs::remove_file(&plan).unwrap();
     std::process::Command::new("mkfifo").arg(&plan).status().unwrap();
-    prints(&zwidth(root.path(), &compare).exits(0), &["Not as planned", "the file cannot be read"]);
+    // A pipe in the place of a file is a finding.
+    prints(&zwidth(root.path(), &compare).exits(3), &["Not as planned", "the file cannot be read"]);
 }
 
 #[test]
@@ -165,7 +166,8 @@ fn a_plan_for_another_study_toml_says_what_differs_even_if_it_is_a_comment() {
     ] {
         assert_ne!(edited, text);
         fs::write(&path, edited).unwrap();
-        let compared = zwidth(root.path(), &["compare", "thesis-twin"]).exits(0);
+        // The session was recorded under another study.toml: that is a finding.
+        let compared = zwidth(root.path(), &["compare", "thesis-twin"]).exits(3);
         prints(&compared, &["Not as planned (plan.json", says]);
         let methods = zwidth(root.path(), &["methods", "thesis-twin"]).exits(0);
         prints(&methods, &["Not as planned", says]);

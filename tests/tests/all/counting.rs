@@ -42,8 +42,8 @@ fn combined(
     let (kind, status, superseded, excluded) = combination;
     let counts = combination == (Kind::Trial, Status::Complete, false, false);
     let question = "felt_spring".parse().unwrap();
-    let mut events =
-        vec![Event::Answer { trial, question, value: if counts { 5 } else { 1 }, time_ms: None }];
+    let value = if counts { 5 } else { 1 }.into();
+    let mut events = vec![Event::Answer { trial, question, value, time_ms: None }];
     if superseded {
         events.push(Event::Superseded { trial, by: 1 });
     }

@@ -123,10 +123,10 @@ fn a_record_under_another_sessions_name_keeps_the_session_out() {
 
 #[test]
 fn answers_that_make_no_sense_are_findings_with_their_row_and_give_no_tally() {
-    let answer = |trial, question: &str, value| Event::Answer {
+    let answer = |trial, question: &str, value: i16| Event::Answer {
         trial,
         question: question.parse().unwrap(),
-        value,
+        value: value.into(),
         time_ms: None,
     };
     for (event, words) in [

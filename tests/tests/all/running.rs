@@ -147,22 +147,18 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
     assert!(svg.contains("by landmarks") && svg.contains("spring.hybrid.landmarks.parquet"));
     let traced = only(root.path(), &["trace", FIGURE]);
     let inputs = traced["jobs"][0]["inputs"].as_object().unwrap();
-    assert_eq!(inputs.keys().filter(|path| path.contains("average/")).count(), 3);
-    assert!(
-        inputs
-            .keys()
-            .filter(|path| path.contains("average/"))
-            .all(|p| p.ends_with(".landmarks.parquet"))
+    let of = |kind: &str| inputs.keys().filter(|path| path.ends_with(kind)).count();
+    assert_eq!(
+        (of(".landmarks.parquet"), of(".loop.parquet")),
+        (3, 3),
+        "force stands at the angle"
     );
-    // One choice governs every panel; without one, force against position is by landmarks.
-    choose("modes.alignment = \"onset\"");
-    zwidth(root.path(), &["run"]).exits(0);
-    assert_ne!(file_blake3(&root.path().join(FIGURE)).unwrap(), before);
-    assert!(!fs::read_to_string(root.path().join(FIGURE)).unwrap().contains("landmarks.parquet"));
-    // Back to the default: the same bytes as before.
-    choose("");
-    zwidth(root.path(), &["run"]).exits(0);
-    assert_eq!(file_blake3(&root.path().join(FIGURE)).unwrap(), before);
+    // At onset is the default, and the same bytes as without a choice.
+    for choice in ["modes.alignment = \"onset\"", ""] {
+        choose(choice);
+        zwidth(root.path(), &["run"]).exits(0);
+        assert_eq!(file_blake3(&root.path().join(FIGURE)).unwrap(), before);
+    }
     // A choice that no figure can follow is an error; one that no figure of the study follows is
     // told.
     choose("alignment = \"landmark\"");

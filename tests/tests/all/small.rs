@@ -137,7 +137,7 @@ impl Study {
                 events.extend(answer.map(|(question, value)| Event::Answer {
                     trial: draft.trial,
                     question,
-                    value,
+                    value: value.into(),
                     time_ms: None,
                 }));
             }

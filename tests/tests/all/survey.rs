@@ -126,9 +126,13 @@ const LONG: &str = "[questions]\nquestion = { column = \"item\" }\nanswer = \"an
 
 /// The study with this table imported.
 fn imported(root: &Path, table: &str, questions: &str) -> (Layout, String) {
+    imported_into(STUDY, root, table, questions)
+}
+
+fn imported_into(study: &str, root: &Path, table: &str, questions: &str) -> (Layout, String) {
     let layout = Layout::new(root, "survey".parse().unwrap());
     fs::create_dir_all(layout.raw()).unwrap();
-    fs::write(layout.study_toml(), STUDY).unwrap();
+    fs::write(layout.study_toml(), study).unwrap();
     let [map, csv] = ["map.toml", "answers.csv"].map(|name| root.join(name));
     fs::write(&map, format!("{WHO}{questions}")).unwrap();
     fs::write(&csv, table).unwrap();
@@ -167,7 +171,7 @@ fn a_wide_and_a_long_table_of_the_same_answers_give_the_same_study() {
     let times = long.1.floats("answer_time_s").unwrap();
     assert!(wide.1.column("answer_time_s").is_err());
     assert!(times.iter().all(|t| t.is_some_and(|t| (1.0..3.0).contains(&t))), "{times:?}");
-    assert_eq!(long.1.integers("answer").unwrap().len(), 144);
+    assert_eq!(long.1.floats("answer").unwrap().len(), 144, "one of the scales is a line");
 }
 
 #[test]
@@ -187,8 +191,9 @@ fn each_scale_is_tallied_compared_and_drawn_as_what_it_is() {
             given.sort_unstable();
             let row = row_of(&tally, question, mode);
             let cell = |column: &str| tally.integers(column).unwrap()[row];
-            assert_eq!(cell("median_low"), Some(given[5].into()), "{question} {mode}");
-            assert_eq!(cell("median_high"), Some(given[6].into()), "{question} {mode}");
+            let median = |column: &str| tally.floats(column).unwrap()[row];
+            assert_eq!(median("median_low"), Some(given[5].into()), "{question} {mode}");
+            assert_eq!(median("median_high"), Some(given[6].into()), "{question} {mode}");
             let lowest = if *question == "mood" { -3 } else { 0 };
             for point in 1..=7 {
                 let n = given.iter().filter(|a| **a == lowest + point - 1).count() as i64;
@@ -242,10 +247,92 @@ fn an_answer_that_its_scale_does_not_have_is_refused_with_its_cell_and_the_scale
         ("1,A,4,0,0,0", ["the answer '4' must be a whole number from -3 to 3", "mood"]),
         ("1,A,0,7,0,0", ["the answer '7' must be a whole number from 0 to 6", "hard"]),
         ("1,A,0,0,12,0", ["from 0 to 100 in steps of 5", "load"]),
-        ("1,A,0,0,0,100.5", ["the answer '100.5'", "line"]),
+        ("1,A,1.5,0,0,0", ["the answer '1.5' must be a whole number from -3 to 3", "mood"]),
+        ("1,A,0,0,0,100.5", ["the answer '100.5' must be a number from 0 to 100", "line"]),
+        ("1,A,0,0,0,half", ["the answer 'half' must be a number from 0 to 100", "line"]),
     ] {
         fs::write(&csv, format!("who,knob,mood,hard,load,line\n{row}\n")).unwrap();
         let [map, csv] = [&map, &csv].map(|path| path.to_str().unwrap());
         zwidth(root.path(), &["import", "survey", "--map", map, csv]).exits(1).says(&words);
     }
+}
+
+/// A slider's answers after the modes A and B, in eighths: every sum and difference of them is exact.
+const SLIDER: [[f64; 2]; 6] = [
+    [47.125, 53.5],
+    [54.625, 60.25],
+    [61.875, 68.125],
+    [44.0, 51.375],
+    [51.25, 57.0],
+    [58.5, 66.875],
+];
+
+/// The study with the answers of a slider alone, to the question that is turned round.
+fn with_slider(root: &Path) -> Layout {
+    let mut table = "who,knob,line\n".to_owned();
+    for (person, [a, b]) in (1..).zip(SLIDER) {
+        write!(table, "{person},A,{a}\n{person},B,{b}\n").unwrap();
+    }
+    let study = STUDY.replace("[[modes]]\nid = \"C\"\nlabel = \"Knob C\"\n", "").replace(
+        "kind = \"none\"\n",
+        "kind = \"none\"\nquestions = [\"mood\", \"load\", \"line\"]\n",
+    );
+    imported_into(&study, root, &table, "[questions.columns]\nline = \"line\"\n").0
+}
+
+#[test]
+fn decimals_of_a_slider_are_compared_by_their_own_means() {
+    let root = tempfile::tempdir().unwrap();
+    let layout = with_slider(root.path());
+    let log = |who: &str| {
+        fs::read_to_string(layout.events(&who.parse().unwrap(), &"S01".parse().unwrap())).unwrap()
+    };
+    assert!(log("P01").contains(r#""value":47.125"#), "{}", log("P01"));
+    assert!(log("P04").contains(r#""value":44}"#), "{}", log("P04"));
+    let found = zwidth(root.path(), &["verify", "survey"]).exits(0).out;
+    assert_eq!(found, "survey: no findings (schema 2)\n");
+    zwidth(root.path(), &["run", "survey"]).exits(0);
+    zwidth(root.path(), &["compare", "survey", "--by", "answer"]).exits(0);
+    let mean = |side: usize| SLIDER.iter().map(|pair| pair[side]).sum::<f64>() / 6.0;
+    let compared = derived(&layout, "compare/answers_compared.parquet");
+    assert_eq!(compared.texts("contrast").unwrap(), [Some("B − A".to_owned())]);
+    assert_eq!(compared.integers("n").unwrap(), [Some(6)]);
+    // The question is turned round, so that B lies below A, for everybody.
+    assert_eq!(compared.floats("difference").unwrap(), [Some(mean(0) - mean(1))]);
+    assert_eq!(compared.floats("superiority").unwrap(), [Some(0.0)]);
+    let tally = derived(&layout, "likert.parquet");
+    let mut scored = SLIDER.map(|pair| 100.0 - pair[0]);
+    scored.sort_by(f64::total_cmp);
+    let median = |column: &str| tally.floats(column).unwrap()[row_of(&tally, "line", "A")];
+    assert_eq!([median("median_low"), median("median_high")], [scored[2], scored[3]].map(Some));
+    let answers = derived(&layout, "answers.parquet").floats("answer").unwrap();
+    assert_eq!(answers, SLIDER.concat().into_iter().map(Some).collect::<Vec<_>>());
+    let summary = fs::read_to_string(layout.reports().join("summary.md")).unwrap();
+    assert!(summary.contains("the median answer was 51.25 to 54.62 with Knob A"), "{summary}");
+}
+
+#[test]
+fn late_answers_have_decimals_on_a_line_and_on_no_other_scale() {
+    let root = tempfile::tempdir().unwrap();
+    let layout = with_slider(root.path());
+    let answer = |question: &str, value: &str| {
+        let of = ["answer", "survey", "-p", "P01", "-s", "S01", "--trial", "1"];
+        zwidth(root.path(), &[&of[..], &["--question", question, value]].concat())
+    };
+    let told = answer("line", "47.273").exits(0).out;
+    assert!(told.contains("line is answered with 47.273, in place of 47.125"), "{told}");
+    for (question, value, words) in [
+        ("line", "100.5", "100.5 is no answer to line: it must be a number from 0 to 100"),
+        ("mood", "-0.5", "it must be a whole number from -3 to 3"),
+        ("load", "47", "it must be a whole number from 0 to 100 in steps of 5"),
+    ] {
+        answer(question, value).exits(1).says(&[words]);
+    }
+    answer("line", "NaN").exits(2).says(&["'NaN' is not a number"]);
+    let table = root.path().join("late.csv");
+    fs::write(&table, "participant;session;trial;question;answer\nP01;S01;1;line;47,3\n").unwrap();
+    let give = ["answer", "survey", "--from", table.to_str().unwrap()];
+    zwidth(root.path(), &give).exits(0);
+    let data = zwidth_store::StudyData::load(&layout).unwrap();
+    assert_eq!(data.answers[0].value, "47.3".parse().unwrap());
 }

@@ -7,6 +7,7 @@ pub(crate) mod extremes;
 pub(crate) mod faults;
 pub(crate) mod kill;
 pub(crate) mod live;
+pub(crate) mod loops;
 pub(crate) mod mistakes;
 pub(crate) mod properties;
 pub(crate) mod simulate;

@@ -219,7 +219,12 @@ impl Flow {
         }
         let action = if late {
             let (trial, question) = (self.places[place].trial.trial, question.id.clone());
-            Action::Log(Event::Answer { trial, question, value, time_ms: self.took_ms() })
+            Action::Log(Event::Answer {
+                trial,
+                question,
+                value: value.into(),
+                time_ms: self.took_ms(),
+            })
         } else {
             let given = Given { value, time_ms: self.took_ms() };
             self.finish(place, Some(given))

@@ -79,7 +79,8 @@ fn three() -> Vec<(PlannedTrial, Vec<Question>)> {
 }
 
 fn answered(question: &str, value: i16) -> Event {
-    Event::Answer { trial: 1, question: question.parse().unwrap(), value, time_ms: None }
+    let question = question.parse().unwrap();
+    Event::Answer { trial: 1, question, value: value.into(), time_ms: None }
 }
 
 #[test]
@@ -230,8 +231,12 @@ fn a_question_that_a_stop_left_open_is_asked_again_and_its_answer_is_an_event() 
     assert_eq!(actions, [Action::Finish { trial: 1, complete: true, likert: None }, Action::Off]);
     feed(&mut flow, [Input::Start, Input::Homed]);
     assert_eq!(flow.phase(), &Phase::Question { place: 0, asked: 0, late: true });
-    let answer =
-        Event::Answer { trial: 1, question: "felt".parse().unwrap(), value: 5, time_ms: None };
+    let answer = Event::Answer {
+        trial: 1,
+        question: "felt".parse().unwrap(),
+        value: 5.into(),
+        time_ms: None,
+    };
     assert_eq!(flow.step(Input::Answer(5)), [Action::Log(answer)]);
 }
 

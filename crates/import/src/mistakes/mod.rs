@@ -11,7 +11,7 @@ mod studies;
 mod texts;
 mod theirs;
 
-use super::world::{FORCE, ONE, World, trials_map};
+use super::world::{FORCE, ONE, World, template_once, trials_map};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_store::Signal;
@@ -40,6 +40,10 @@ struct Row {
     /// Whether the first file is imported in a command before.
     is_twice: bool,
 }
+
+/// A question beside those of the template, which is answered on a slider.
+const LINE: &str =
+    "\n[[questions]]\nid = \"line\"\ntext = \"How real was it?\"\npoints = 101\nfrom = 0\n";
 
 /// Times in s and forces in N as everybody should write them.
 const PLAIN: &str = "t,f\n0,1.5\n0.5,-2\n1,4\n";
@@ -101,7 +105,7 @@ fn rows() -> Vec<Row> {
 
 /// What the program says of a row: the report, or every error.
 fn told(row: &Row) -> (Becomes, String, World) {
-    let world = World::new();
+    let world = World::with(&format!("{}{LINE}", template_once()));
     let files: Vec<PathBuf> =
         row.files.iter().map(|(name, bytes)| world.file(name, bytes)).collect();
     let rest = if row.is_twice {

@@ -34,6 +34,16 @@ fn motion(what: &'static str, said: &'static str, change: fn(usize, [f64; 5]) ->
     mapped(what, (if said.is_empty() { Read } else { Flagged }, said), map, "a.csv", text)
 }
 
+/// A recording without its first half second.
+fn begun(row: Row) -> Row {
+    let shorter = |(name, bytes): (&'static str, Vec<u8>)| {
+        let lines = bytes.split_inclusive(|byte| *byte == b'\n').enumerate();
+        let kept = lines.filter(|(i, _)| *i == 0 || *i > 250).flat_map(|(_, line)| line);
+        (name, kept.copied().collect())
+    };
+    Row { files: row.files.into_iter().map(shorter).collect(), ..row }
+}
+
 /// What cannot be what it says.
 pub(super) fn units() -> Vec<Row> {
     vec![
@@ -102,6 +112,24 @@ pub(super) fn units() -> Vec<Row> {
             "it stands at its largest value",
             |_, [t, x, v, f, d]| [t, x, v, f.min(4.5), d],
         ),
+        motion("a force in steps of 0.1 N", "", |_, [t, x, v, f, d]| {
+            [t, x, v, (10.0 * f).round() / 10.0, d]
+        }),
+        motion(
+            "a number for a missing angle, not said",
+            "where its neighbours are",
+            |i, [t, x, v, f, d]| [t, if i == 40 { -1.73 } else { x }, v, f, d],
+        ),
+        motion(
+            "a number for missing forces, not said",
+            "it is -999.0000 in 20 samples, far from all others",
+            |i, [t, x, v, f, d]| [t, x, v, if (900..920).contains(&i) { -999.0 } else { f }, d],
+        ),
+        begun(motion(
+            "a recording that begins within its movement",
+            "of its largest speed when the recording begins",
+            |_, row| row,
+        )),
     ]
 }
 
@@ -112,6 +140,8 @@ pub(super) fn answers() -> Vec<Row> {
     let likert = |what, becomes, said, answers: &str| {
         mapped(what, (becomes, said), map.to_owned(), "a.csv", format!("who,mode,q\n{answers}"))
     };
+    let slider = map.replace("felt_spring", "line");
+    let decimals = "who,mode,q\nP01,active,47.273\nP01,passive,100\n";
     vec![
         likert("answers on the scale", Read, "", "P01,active,5\nP01,passive,1\n"),
         likert(
@@ -131,6 +161,14 @@ pub(super) fn answers() -> Vec<Row> {
             Refused,
             "the answer '2.5' must be a whole number",
             "P01,active,2.5\n",
+        ),
+        mapped("decimals of a slider, on a line", (Read, ""), slider.clone(), "a.csv", decimals),
+        mapped(
+            "an answer off a line",
+            (Refused, "the answer '100.5' must be a number from 0 to 100"),
+            slider,
+            "a.csv",
+            decimals.replace("47.273", "100.5"),
         ),
         likert("no answer", Refused, "the answer '' must be a whole number", "P01,active,\n"),
     ]

@@ -32,17 +32,33 @@ pub(super) fn clocks() -> Vec<Row> {
     for n in (0..60).filter(|n| !(30..40).contains(n)) {
         let _ = writeln!(counter, "{},{}", n % 16, n % 7);
     }
+    let rows = |header: &str, first: &dyn Fn(u32) -> u32| {
+        (0..100).fold(header.to_owned(), |text, i| format!("{text}{},{}\n", first(i), i % 7))
+    };
+    let packets = rows("n,f\n", &|i| i / 4 + u32::from(i >= 60));
+    let of_8_ms = rows("time_ms,f\n", &|i| 8 * i);
+    let coarse = rows("t,f\n", &|i| i / 25);
     let xdf = |times: &dyn Fn(u32) -> f64, samples, offsets: &[(f64, f64)]| {
         steady((0..samples).map(times), offsets)
     };
     let usual = [(0.0, 5.0), (1.0, 5.0), (2.0, 5.0)];
     let even = |i: u32| 0.01 * f64::from(i);
     let gap = |i: u32| 0.01 * f64::from(i) + if i >= 150 { 0.6 } else { 0.0 };
+    let single = |i: u32| 0.01 * f64::from(if i < 150 { i } else { (2 * i - 150).min(i + 40) });
+    let stalled = |i: u32| even(i).max(if i >= 90 { 1.7 + 1e-5 * f64::from(i) } else { 0.0 });
+    // Chunks of ten, late by up to 40 ms.
+    let in_chunks = |i: u32| even(i) + 0.01 * f64::from((i / 10 * 7 + i / 50) % 5);
     let stepped = |i: u32| 0.01 * f64::from(i) - if i >= 150 { 10.0 } else { 0.0 };
     let from_xdf = || timed(&seconds.replace("\"t\"", "\"time_s\"")).replace("\"f\"", "\"load\"");
     vec![
         three("a counter of microseconds that starts over", (Refused, backwards), micros, wraps),
         three("the same, said", (Read, ""), &format!("{micros}\nwrap = 4294967296"), wraps),
+        three(
+            "the same, parted into trials there",
+            (Refused, "a movement would become two; set wrap = 4294967296 in [time]"),
+            &format!("{micros}\nbackwards = \"split\""),
+            ["4294967290", "4294967295", "4"],
+        ),
         three("clock times", (Read, ""), seconds, ["10:00:00.0", "10:00:00.5", "10:00:01.0"]),
         three(
             "dates with times",
@@ -93,6 +109,27 @@ pub(super) fn clocks() -> Vec<Row> {
             &counter,
         ),
         mapped(
+            "packets of four samples of which one is missing, beside rate_hz",
+            (Flagged, "column n passes over 4 samples in 1 places"),
+            timed("rate_hz = 100.0"),
+            "a.csv",
+            packets,
+        ),
+        mapped(
+            "a column of times that contradicts rate_hz",
+            (Flagged, "rate_hz is 100, and column time_ms has 125.0 samples a second"),
+            timed("rate_hz = 100.0"),
+            "a.csv",
+            of_8_ms,
+        ),
+        mapped(
+            "a clock of whole seconds, made one sample of each",
+            (Flagged, "rows have the time of a row before them, and other values"),
+            timed(&format!("{seconds}\nequal = \"drop\"")),
+            "a.csv",
+            coarse,
+        ),
+        mapped(
             "an XDF stream as it should be",
             (Read, ""),
             from_xdf(),
@@ -107,6 +144,30 @@ pub(super) fn clocks() -> Vec<Row> {
             xdf(&gap, 300, &usual),
         ),
         mapped(
+            "an XDF stream of which every second sample is missing for a while",
+            (
+                Flagged,
+                "0.40 s (40 samples at 100 Hz) are missing in 40 gaps, the first behind sample 151",
+            ),
+            from_xdf(),
+            "a.xdf",
+            xdf(&single, 400, &usual),
+        ),
+        mapped(
+            "an XDF stream whose samples were held up, and all came then",
+            (Read, ""),
+            from_xdf(),
+            "a.xdf",
+            xdf(&stalled, 400, &usual),
+        ),
+        mapped(
+            "an XDF stream whose chunks come late, each by another time",
+            (Read, ""),
+            from_xdf(),
+            "a.xdf",
+            xdf(&in_chunks, 400, &usual),
+        ),
+        mapped(
             "an XDF stream of another rate than it says",
             (Flagged, "the stream says 100 Hz, and 90.9 samples per second were recorded"),
             from_xdf(),
@@ -119,6 +180,20 @@ pub(super) fn clocks() -> Vec<Row> {
             from_xdf(),
             "a.xdf",
             xdf(&even, 300, &[usual[0], usual[1], usual[2], (3.0, 200_005.0)]),
+        ),
+        mapped(
+            "an XDF file whose clock offsets step by 0.2 s, and its samples do not",
+            (Flagged, "clock offset 4 of 4 lies 0.200 s off those beside it, and is left out"),
+            from_xdf(),
+            "a.xdf",
+            xdf(&even, 300, &[usual[0], usual[1], usual[2], (3.0, 5.2)]),
+        ),
+        mapped(
+            "an XDF file with a clock offset that is no number",
+            (Flagged, "clock offset 2 of 3 is not a number, and is left out"),
+            from_xdf(),
+            "a.xdf",
+            xdf(&even, 300, &[usual[0], (1.0, f64::NAN), usual[2]]),
         ),
         mapped(
             "an XDF file recorded while the clock was set back by 10 s",

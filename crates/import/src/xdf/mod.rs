@@ -8,6 +8,7 @@
 mod chunks;
 mod clock;
 mod header;
+mod jitter;
 mod samples;
 #[cfg(test)]
 pub(super) mod tests;
@@ -16,8 +17,9 @@ use super::limits::{MOST_COLUMNS, Take, shown};
 use super::table::{Cells, Declared, Table};
 use arrow::array::Float64Array;
 use chunks::{Bytes, Lost, MAGIC, Tag, walk};
-use clock::{Offset, Synchronised, remove_jitter, synchronise, without_outliers};
+use clock::{Offset, Synchronised, synchronise};
 use header::{Header, sample_count};
+use jitter::remove_jitter;
 use samples::Samples;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -101,7 +103,7 @@ pub(super) fn read(
             );
         }
         XdfClock::Corrected => {
-            let (told, doubts) = on_our_clock(&mut times, stream);
+            let (told, doubts) = on_our_clock(&mut times, stream, header.rate_hz);
             table.told.extend(told);
             table.doubts.extend(doubts);
         }
@@ -225,20 +227,20 @@ fn choose(
 const MOST_LISTED: usize = 20;
 
 /// Puts times on the recorder's clock; what there is to be told, and why they may be wrong.
-fn on_our_clock(times: &mut [f64], stream: &Stream) -> (Vec<String>, Vec<String>) {
+fn on_our_clock(times: &mut [f64], stream: &Stream, rate_hz: f64) -> (Vec<String>, Vec<String>) {
     let mut told = Vec::new();
     if stream.offsets.is_empty() {
         told.push("no clock offsets were recorded: times are on the stream's own clock".to_owned());
     }
-    let (offsets, doubts) = without_outliers(&stream.offsets);
-    let Synchronised { all_used, doubts: set_anew } = synchronise(times, &offsets);
+    let interval_s = if rate_hz > 0.0 { 1.0 / rate_hz } else { 0.0 };
+    let Synchronised { all_used, doubts } = synchronise(times, &stream.offsets, interval_s);
     if !all_used {
         told.push(
             "clock offsets of one and the same time are of no use: times are on the stream's own clock"
                 .to_owned(),
         );
     }
-    (told, [doubts, set_anew].concat())
+    (told, doubts)
 }
 
 /// Puts the samples at the rate that the stream names, from the first on; what that hides.

@@ -249,3 +249,125 @@ fn times_are_those_that_the_mapping_asks_for() {
         "{doubts:?}"
     );
 }
+
+/// Some number from 0 to 1 for each place.
+fn scattered(i: usize) -> f64 {
+    (((i as f64 + 1.0) * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0)
+}
+
+/// Clock offsets at these values, one each 2.5 s.
+fn offsets_of(values: &[f64]) -> Vec<(f64, f64)> {
+    values.iter().enumerate().map(|(i, value)| (2.5 * i as f64, *value)).collect()
+}
+
+/// Reads a stream at 100 Hz, whose times are as expected from its first sample on; what is told of
+/// it.
+fn reads_as(
+    stamps: &[f64],
+    offsets: &[(f64, f64)],
+    within_s: f64,
+    expect: impl Fn(usize) -> f64,
+) -> String {
+    let file = steady(stamps.iter().copied(), offsets);
+    let table = try_read(&file, None).unwrap();
+    let times = column(&table, 0);
+    for (i, time) in times.iter().enumerate() {
+        let (time, expect) = (time - times[0], expect(i) - expect(0));
+        assert!((time - expect).abs() < within_s, "sample {i}: {time} is not {expect}");
+    }
+    table.doubts.join("\n")
+}
+
+const STEADY_CLOCK: [(f64, f64); 2] = [(0.0, 5.0), (20.0, 5.0)];
+
+#[test]
+fn single_samples_lost_within_a_movement_are_gaps_and_each_is_counted_once() {
+    // Every second one of 220 is lost; then two of each three.
+    for (keep, samples, gaps) in [(2, 110, 110), (3, 148, 74)] {
+        let is_kept = |i: &usize| !(1000..1000 + 2 * 110 + 2).contains(i) || i % keep == 1;
+        let kept: Vec<usize> = (0..2500).filter(is_kept).collect();
+        let at = |i: usize| 0.01 * kept[i] as f64;
+        let stamps: Vec<f64> = (0..kept.len()).map(at).collect();
+        let told = reads_as(&stamps, &STEADY_CLOCK, 1e-6, at);
+        let lost = 2500 - kept.len();
+        assert!(lost.abs_diff(samples) < 3, "{lost}");
+        let expect = format!("{:.2} s ({lost} samples at 100 Hz)", 0.01 * lost as f64);
+        assert!(told.contains(&expect), "{told}");
+        let found: usize =
+            told.split(" in ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        assert!(found.abs_diff(gaps) < 3 && told.contains("the first behind sample 100"), "{told}");
+    }
+}
+
+#[test]
+fn samples_lost_among_jitter_that_hides_them_are_told_by_their_count() {
+    // Each fifth of four seconds, of stamps that scatter by two intervals.
+    let kept: Vec<usize> = (0..2000).filter(|i| !(800..1200).contains(i) || i % 5 != 0).collect();
+    let late = |i: usize| (0..4).map(|n| 0.03 * scattered(4 * kept[i] + n)).sum::<f64>();
+    let stamps: Vec<f64> = (0..kept.len()).map(|i| 0.01 * kept[i] as f64 + late(i)).collect();
+    let told = reads_as(&stamps, &STEADY_CLOCK, 1.0, |i| 0.01 * kept[i] as f64);
+    assert!(told.contains("1920 samples were recorded in a time for 200"), "{told}");
+    assert!(told.contains("dejitter = false in [time] keeps the recorded ones"), "{told}");
+}
+
+#[test]
+fn chunks_that_come_late_and_stalls_lose_nothing() {
+    let even = |i: usize| 0.01 * i as f64;
+    for chunk in [1, 4, 10, 20] {
+        let stamps: Vec<f64> = (0..2000).map(|i| even(i) + 0.05 * scattered(i / chunk)).collect();
+        assert_eq!(reads_as(&stamps, &STEADY_CLOCK, 0.01, even), "", "chunks of {chunk}");
+    }
+    // Held up for half a second and for 1.5 s, and sent at once then, or twice as fast as sampled.
+    for (held, pace) in [(50, 1e-5), (150, 1e-6), (150, 0.005)] {
+        let stamp = |i: usize| {
+            if i < 850 { even(i) } else { even(i).max(even(850 + held) + pace * (i - 850) as f64) }
+        };
+        let stamps: Vec<f64> = (0..2000).map(stamp).collect();
+        assert_eq!(reads_as(&stamps, &STEADY_CLOCK, 0.02, even), "", "{held} held, {pace} s");
+    }
+}
+
+#[test]
+fn clock_offsets_that_are_wrong_are_left_out_and_told() {
+    let even = |i: usize| 0.01 * i as f64;
+    let stamps: Vec<f64> = (0..2000).map(even).collect();
+    let check = |values: &[f64], expect: &str| {
+        let told = reads_as(&stamps, &offsets_of(values), 1e-6, even);
+        assert!(told.contains(expect) && !told.contains('\n'), "{told}");
+    };
+    check(
+        &[0.0, 0.0, 0.0, 0.44],
+        "clock offset 4 of 4 lies 0.440 s off those beside it, and is left",
+    );
+    check(&[0.0, 0.4, 0.0, 0.0, 0.0], "clock offset 2 of 5 lies 0.400 s off");
+    check(&[-5e3, 0.0, 0.0, 0.0], "clock offset 1 of 4 lies -5000.000 s off");
+    check(
+        &[0.0, 0.0, 50.0, 50.1, 0.0, 0.0],
+        "clock offset 3 of 6 lies 50.000 s off those beside it, and is left out, as is 1 more",
+    );
+    check(
+        &[0.0, 0.0, 0.0, 0.0, 0.2, 0.2, 0.2],
+        "clock offsets 5 to 7 of 7 lie 0.200 s off those beside them, and are left",
+    );
+    check(&[0.0, f64::NAN, 0.0], "clock offset 2 of 3 is not a number, and is left out");
+    let two = [(0.0, 0.01), (10.0, 300.0)];
+    let told = reads_as(&stamps, &two, 1e-6, even);
+    assert!(told.starts_with("clock offset 2 of 2 lies 299.9"), "{told}");
+    // A comparison that is wrong has a wrong time too: it is the recorder's less the offset.
+    let back = [(0.0, 0.0), (5.0, 0.0), (-290.0, 300.0), (15.0, 0.0)];
+    let told = reads_as(&stamps, &back, 1e-6, even);
+    assert!(told.starts_with("clock offset 3 of 4 lies 299."), "{told}");
+}
+
+#[test]
+fn clock_offsets_that_scatter_and_drift_as_those_of_a_network_do_are_no_finding() {
+    let even = |i: usize| 0.01 * i as f64;
+    let stamps: Vec<f64> = (0..2000).map(even).collect();
+    for seed in 0..200 {
+        let n = 2 + seed % 20;
+        let value = |i: usize| 3.0 + 1e-4 * 2.5 * i as f64 + 0.02 * scattered(100 * seed + i);
+        let values: Vec<f64> = (0..n).map(value).collect();
+        let told = reads_as(&stamps, &offsets_of(&values), 0.2, even);
+        assert_eq!(told, "", "{values:?}");
+    }
+}

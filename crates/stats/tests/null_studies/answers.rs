@@ -84,7 +84,7 @@ fn delta(study: &Study) -> Option<Tested> {
     let whole = |repeats: &[f64]| repeats.iter().map(|answer| *answer as u8).collect::<Vec<_>>();
     let pairs: Vec<[Vec<u8>; 2]> =
         study.iter().map(|[first, _, last]| [whole(last), whole(first)]).collect();
-    let repeats: Vec<Repeats> = pairs.iter().map(|[a, b]| Repeats { a, b }).collect();
+    let repeats: Vec<Repeats<u8>> = pairs.iter().map(|[a, b]| Repeats { a, b }).collect();
     superiority(&repeats, LEVEL).ok()?.cliff_delta.ok()
 }
 

@@ -18,7 +18,7 @@ const STRONGEST_N: f64 = 1000.0;
 /// A hand's movement recorded with a longer interval than this, s, is not recorded.
 const LONGEST_INTERVAL_S: f64 = 0.5;
 /// No rig records a hand at shorter intervals, s.
-const SHORTEST_INTERVAL_S: f64 = 1e-5;
+const SHORTEST_INTERVAL_S: f64 = 1.5e-5;
 /// A clock jumps by more than this many of its usual intervals …
 const JUMP: f64 = 5.0;
 /// … and by more than this, s.
@@ -47,6 +47,24 @@ const LONGER: f64 = 5.0;
 const NEAR_THE_END: f64 = 0.02;
 /// … there are, from the first sample at the end to the last, fewer others than this share of these.
 const FEW: f64 = 0.15;
+/// Steps of more than this share of all that a signal does are coarse …
+const COARSE: f64 = 0.005;
+/// … and one that dwells on the last of them so much longer than on those before slows down.
+const SLOWS: f64 = 1.25;
+/// A hand's movement is not recorded within this, s.
+const SHORTEST_SPAN_S: f64 = 0.1;
+/// A value that stands alone is off its neighbours by this share of all that the signal does …
+const ALONE: f64 = 0.2;
+/// … a force, which a blow moves quickly, by so many times that …
+const ALONE_FORCE: f64 = 3.0;
+/// … and by so many times more than values usually are.
+const FAR: f64 = 10.0;
+/// Neighbours before a value, and as many behind it, that tell what it should be.
+const NEIGHBOURS: usize = 6;
+/// So much of a signal's values is as usual.
+const USUAL: f64 = 0.95;
+/// Samples at the ends of a trial that tell whether it moves there.
+const AN_END: usize = 5;
 
 pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     let least = samples.column(Signal::Time).map_or(0, |t| least_held(&t));
@@ -59,15 +77,19 @@ pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     let doubtful = samples.column(Signal::Time).filter(|t| has_doubtful_interval(t));
     let usual_s = doubtful.and_then(|t| usual_interval_s(&t));
     let single = [
-        interval(usual_s),
+        interval(usual_s).or_else(|| span(samples)),
         jump(samples, usual_s),
         clocks(samples),
         too_far(asked, samples),
         wrapped(asked, samples),
         too_strong(samples),
         noisy_onset(asked, samples),
+        begins_moving(asked, samples),
     ];
-    single.into_iter().flatten().chain(stopped).chain(at_the_end).collect()
+    let alone =
+        [(Signal::Theta, ALONE), (Signal::ForceEx, ALONE_FORCE), (Signal::TorqueEx, ALONE_FORCE)];
+    let alone = alone.into_iter().filter_map(|(of, share)| alone_there(asked, samples, of, share));
+    single.into_iter().flatten().chain(stopped).chain(at_the_end).chain(alone).collect()
 }
 
 /// Whether any interval is so short or so long that [`interval`] or [`jump`] could find something: that
@@ -111,6 +133,99 @@ fn interval(usual_s: Option<f64>) -> Option<Doubt> {
     let what = format!("a sample comes every {interval_s} s; {so}");
     let remedy = "mend unit or rate_hz in [time] of the mapping, and import again";
     Some(Doubt::new(Signal::Time, what, remedy))
+}
+
+fn span(samples: &dyn Columns) -> Option<Doubt> {
+    let t = samples.column(Signal::Time).filter(|t| t.len() >= LEAST_SAMPLES)?;
+    let span_s = t.last()? - t.first()?;
+    if span_s >= SHORTEST_SPAN_S {
+        return None;
+    }
+    let what = format!(
+        "the whole recording lasts {span_s:.4} s; no hand moves in that: seconds taken for milliseconds, or milliseconds \
+         for microseconds?"
+    );
+    let remedy = "mend unit or rate_hz in [time] of the mapping, and import again";
+    Some(Doubt::new(Signal::Time, what, remedy))
+}
+
+/// A movement of which the recording lacks the beginning, and has the end.
+fn begins_moving(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
+    let velocity = samples.column(Signal::ThetaDot).filter(|v| v.len() >= LEAST_SAMPLES)?;
+    let speed = |of: &[f64]| {
+        let mut speeds: Vec<f64> = of.iter().map(|v| v.abs()).collect();
+        *speeds.select_nth_unstable_by(of.len() / 2, f64::total_cmp).1
+    };
+    let [first, last] = [&velocity[..AN_END], &velocity[velocity.len() - AN_END..]].map(speed);
+    let (low, high) = ends(&velocity);
+    let fastest = low.abs().max(high.abs());
+    if first <= asked.onset_rad_s.max(ALONE * fastest) || last > asked.onset_rad_s {
+        return None;
+    }
+    let what = format!(
+        "it moves at {:.0} % of its largest speed when the recording begins: onset, duration and what comes of them are \
+         those of the recording and not of the movement",
+        100.0 * first / fastest
+    );
+    let remedy =
+        "record from rest on; exclude the trial, or do not use what begins with the movement";
+    Some(Doubt { row: Some(0), ..Doubt::new(Signal::ThetaDot, what, remedy) })
+}
+
+/// Values that are far off their neighbours on both sides, or one value far off all others, however often
+/// it comes.
+fn alone_there(asked: &Asked, samples: &dyn Columns, signal: Signal, share: f64) -> Option<Doubt> {
+    let values = samples.column(signal).filter(|values| values.len() >= LEAST_SAMPLES)?;
+    let least = ALONE * range(&values) / 2.0;
+    // Of most recordings this is all: no step is so large.
+    first(1..values.len(), |i| (values[i] - values[i - 1]).abs() > least)?;
+    let middle = |i: usize| {
+        let (from, to) = (i.saturating_sub(NEIGHBOURS), (i + NEIGHBOURS + 1).min(values.len()));
+        let mut near = values[from..to].to_vec();
+        let middle = near.len() / 2;
+        *near.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    let middles: Vec<f64> = (0..values.len()).map(middle).collect();
+    let off = |i: usize| (values[i] - middles[i]).abs();
+    let mut offs: Vec<f64> = (0..values.len()).map(off).collect();
+    let usual = (USUAL * offs.len() as f64) as usize;
+    let usual = *offs.select_nth_unstable_by(usual, f64::total_cmp).1;
+    let least = (share * range(&middles)).max(FAR * usual);
+    let alone: Vec<usize> = (0..values.len()).filter(|i| off(*i) > least).collect();
+    let shown = |value: f64| match signal {
+        Signal::Theta => asked.place(value),
+        _ => format!("{value:.4}"),
+    };
+    let (row, words) = match (alone.first(), apart(&values)) {
+        (Some(row), _) => {
+            let (value, usual) = (shown(values[*row]), shown(middles[*row]));
+            (*row, format!("{value} where its neighbours are {usual}, in {} samples", alone.len()))
+        }
+        (None, Some((row, count))) => {
+            (row, format!("{} in {count} samples, far from all others", shown(values[row])))
+        }
+        (None, None) => return None,
+    };
+    let what =
+        format!("it is {words}: a number that stands for a missing value, or a disturbance?");
+    let remedy = "leave such rows out (missing = \"drop\", and missing_words in [file]), or exclude the trial";
+    Some(Doubt { row: Some(row), ..Doubt::new(signal, what, remedy) })
+}
+
+/// The lowest or the highest value, if it is far from all others: where it is first, and how often.
+fn apart(values: &[f64]) -> Option<(usize, usize)> {
+    let (low, high) = ends(values);
+    let of = |end: f64| {
+        let others = values.iter().copied().filter(|value| value.to_bits() != end.to_bits());
+        let others: Vec<f64> = others.collect();
+        let rest = range(&others);
+        let (nearest, farthest) = ends(&others);
+        let gap = (nearest - end).max(end - farthest);
+        let is_apart = others.len() >= LEAST_SAMPLES && rest > 0.0 && gap > ALONE_FORCE * rest;
+        let at = values.iter().position(|value| value.to_bits() == end.to_bits())?;
+        is_apart.then_some((at, values.len() - others.len()))
+    };
+    of(low).or_else(|| of(high))
 }
 
 fn jump(samples: &dyn Columns, usual_s: Option<f64>) -> Option<Doubt> {
@@ -281,10 +396,37 @@ fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal, least: usize) -
     Some(Doubt { row: Some(from), ..Doubt::new(signal, what, remedy) })
 }
 
-/// A signal that stands at its largest value: its sensor, or what read it, goes no farther.
+/// A signal that stands at its largest value while the lever moves or is held by a hand: its sensor, or
+/// what read it, goes no farther. Where nothing moves it may be a load that is held, and only other trials
+/// can tell.
 fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
-    let values = samples.column(signal)?;
-    let (low, high) = ends(&values);
+    let moved = samples.column(Signal::Theta).is_some_and(|theta| range(&theta) > ROUNDING);
+    let values = samples.column(signal).filter(|_| moved)?;
+    let Plateau { value, first, share } = plateau(&values)?;
+    let what = format!(
+        "it stands at its largest value, {value}, in {:.0} % of the samples: the sensor or its converter is at the end of \
+         its range",
+        100.0 * share
+    );
+    let remedy = "larger values are lost: exclude the trial, or report it in your methods; check scale and range of the sensor";
+    Some(Doubt { row: Some(first), ..Doubt::new(signal, what, remedy) })
+}
+
+/// Where a signal stands at its largest value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plateau {
+    /// The value.
+    pub value: f64,
+    /// The first sample there, from 0.
+    pub first: usize,
+    /// How much of all samples is there.
+    pub share: f64,
+}
+
+/// Where a signal stands at its largest value as one does whose sensor ends there; `None` if it comes to
+/// rest there.
+pub fn plateau(values: &[f64]) -> Option<Plateau> {
+    let (low, high) = ends(values);
     let end = *values.iter().find(|value| value.abs() >= low.abs().max(high.abs()))?;
     let is_there = |value: &f64| value.to_bits() == end.to_bits();
     let there = values.iter().filter(|value| is_there(value)).count();
@@ -305,13 +447,28 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     if values[first..=last].iter().filter(is_close).count() as f64 > FEW * count {
         return None;
     }
-    let what = format!(
-        "it stands at its largest value, {end}, in {:.0} % of the samples: the sensor or its converter is at the end of \
-         its range",
-        100.0 * count / n
-    );
-    let remedy = "larger values are lost: exclude the trial, or report it in your methods; check scale and range of the sensor";
-    Some(Doubt { row: Some(first), ..Doubt::new(signal, what, remedy) })
+    let is_slowing = slows(values, end, COARSE * (high - low));
+    (!is_slowing).then_some(Plateau { value: end, first, share: count / n })
+}
+
+/// Whether a signal of coarse steps (of this size at least) slows down on its way to its largest value, as
+/// a hand does before it turns: it dwells longer on the step before than on those before that.
+fn slows(values: &[f64], end: f64, coarse: f64) -> bool {
+    let below = |from: f64| {
+        let lower =
+            values.iter().map(|value| (value - end).abs()).filter(|off| *off > from + ROUNDING);
+        lower.fold(f64::INFINITY, f64::min)
+    };
+    let first = below(0.0);
+    let second = below(first);
+    let third = below(second);
+    if first < coarse || !third.is_finite() {
+        return false;
+    }
+    let at = |off: f64| {
+        values.iter().filter(|value| ((**value - end).abs() - off).abs() <= ROUNDING).count() as f64
+    };
+    at(first) > SLOWS * (at(second) + at(third)) / 2.0
 }
 
 /// The value that `rank` others of `values` come before, in the order of [`f64::total_cmp`]. By

@@ -14,6 +14,7 @@ mod relations;
 mod tests;
 
 pub use asked::Asked;
+pub use columns::{Plateau, plateau};
 
 use crate::{Columns, StoreError};
 use std::path::Path;

@@ -277,3 +277,59 @@ fn a_torque_taken_for_a_force_is_a_lever_too_small() {
     );
     check(Signal::ForceEx, |_, v| 0.5 * v, &[]);
 }
+
+#[test]
+fn a_value_that_stands_alone_is_found_and_a_blow_is_none() {
+    let lost = |i: usize, v: f64| if [300, 302, 640].contains(&i) { -1.73 } else { v };
+    check(Signal::Theta, lost, &[(Signal::Theta, "where its neighbours are")]);
+    let lost = |i: usize, v: f64| if i == 300 { -99.0 } else { v };
+    check(Signal::ForceEx, lost, &[(Signal::ForceEx, "it is -99.0000 where its neighbours are")]);
+    let lost = |i: usize, v: f64| if (900..940).contains(&i) { -999.0 } else { v };
+    check(
+        Signal::ForceEx,
+        lost,
+        &[(Signal::ForceEx, "-999.0000 in 40 samples, far from all others")],
+    );
+    // Six newtons more for two samples, as where a lever meets a wall.
+    let blow = |i: usize, v: f64| if [500, 501].contains(&i) { v + 6.0 } else { v };
+    check(Signal::ForceEx, blow, &[]);
+}
+
+#[test]
+fn a_movement_whose_beginning_is_missing_is_found() {
+    let whole = recording();
+    let mut late = Samples::default();
+    for signal in [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx] {
+        late.set(signal, whole.get(signal).unwrap()[250..].to_vec());
+    }
+    let found = implausible(&asked(), Path::new("a"), &late);
+    let found: Vec<String> = found.iter().map(ToString::to_string).collect();
+    assert!(found.len() == 1 && found[0].contains("100 % of its largest speed"), "{found:?}");
+    // Nor is its end: it may be a hand that never rests.
+    for signal in [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx] {
+        late.set(signal, whole.get(signal).unwrap()[250..750].to_vec());
+    }
+    assert!(implausible(&asked(), Path::new("a"), &late).is_empty());
+}
+
+#[test]
+fn a_recording_shorter_than_a_movement_is_found() {
+    let mut samples = recording();
+    let t = samples.get(Signal::Time).unwrap().iter().map(|t| t / 50.0).collect();
+    samples.set(Signal::Time, t);
+    let found = implausible(&asked(), Path::new("a"), &samples);
+    assert!(found[0].what.contains("the whole recording lasts 0.0400 s"), "{}", found[0]);
+}
+
+#[test]
+fn a_force_in_coarse_steps_is_at_no_end_and_neither_is_a_load_that_is_held() {
+    for step in [0.02, 0.05, 0.1, 0.2] {
+        check(Signal::ForceEx, |_, v| (v / step).round() * step, &[]);
+    }
+    let mut held = Samples::default();
+    held.set(Signal::Time, (0..400).map(|i| 0.01 * f64::from(i)).collect());
+    held.set(Signal::ForceEx, (0..400).map(|i| 0.1 * f64::from(i.min(20))).collect());
+    assert!(implausible(&asked(), Path::new("a"), &held).is_empty());
+    let plateau = super::plateau(held.get(Signal::ForceEx).unwrap()).unwrap();
+    assert!((plateau.value - 2.0).abs() < 1e-12 && plateau.first == 20);
+}

@@ -19,9 +19,8 @@ fn an_answer_below_zero_and_its_time_come_from_the_journal_into_the_log() {
         journal.end().unwrap();
         journal.finish(&RealFiles, &layout, Some(given), UTC).unwrap().unwrap();
         let log = layout.events(&meta(1).participant, &meta(1).session);
-        let Given { value, time_ms } = given;
-        let answer =
-            Event::Answer { trial: 1, question: protocol().question.unwrap(), value, time_ms };
+        let (question, value) = (protocol().question.unwrap(), given.value.into());
+        let answer = Event::Answer { trial: 1, question, value, time_ms: given.time_ms };
         assert_eq!(read_events(&log).unwrap().last(), Some(&answer));
         assert!(recover(&RealFiles, &layout, UTC).is_empty());
     }

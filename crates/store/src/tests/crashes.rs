@@ -180,8 +180,9 @@ fn holds(disk: &Memory, layout: &Layout, promised: &Promised, first: bool, what:
         assert!(two.meta.status == Status::Complete || !promised.ended, "{what}");
     }
     let events = read_events_from(disk, &layout.events(&m.participant, &m.session)).unwrap();
-    let answers = events.iter().filter(|e| matches!(e, Event::Answer { trial: 2, value: 4, .. }));
-    let answers = answers.count();
+    let four =
+        |e: &&Event| matches!(e, Event::Answer { trial: 2, value, .. } if *value == 4.into());
+    let answers = events.iter().filter(four).count();
     assert!(answers <= 1 && answers >= usize::from(promised.finished), "{what}");
     let recorded = |e: &&Event| matches!(e, Event::Recorded { trial: 2, .. });
     assert_eq!(events.iter().filter(recorded).count(), usize::from(two.is_some()), "{what}");

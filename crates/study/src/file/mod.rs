@@ -17,8 +17,8 @@ pub(crate) use write::value_of;
 #[cfg(test)]
 mod tests {
     use crate::{
-        Alignment, Alignments, Control, ModeLaw, OrderScheme, OwnFigures, Study, StudyError,
-        StudyId, VelocityFilter, template, template_of_imports,
+        Alignment, Control, ModeLaw, OrderScheme, OwnFigures, Study, StudyError, StudyId,
+        VelocityFilter, template, template_of_imports,
     };
 
     fn sample() -> String {
@@ -179,13 +179,13 @@ mod tests {
             "alignment = \"landmarks\"\nloops.alignment = \"onset\"\nmodes.P01.S01.spring = { alignment = \"onset\" }",
         )
         .unwrap();
-        let [onset, landmarks] = Alignment::ALL.map(Alignments::both);
-        let of = |id| study.figures.alignments(id);
+        let [onset, landmarks] = Alignment::ALL;
+        let of = |id| study.figures.alignment(id);
         assert_eq!(of("modes.P01.S01.spring_wall"), landmarks, "in every panel");
         assert_eq!((of("loops.P01.S01"), of("modes.P01.S01.spring")), (onset, onset));
         assert_eq!(Study::from_toml(&study.to_toml().unwrap()).unwrap(), study);
         let none = Study::from_toml(&sample()).unwrap();
-        assert_eq!(none.figures.alignments("modes.P01.S01.spring"), Alignments::default());
+        assert_eq!(none.figures.alignment("modes.P01.S01.spring"), onset);
         assert!(!none.to_toml().unwrap().contains("figures"));
     }
 

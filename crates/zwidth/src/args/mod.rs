@@ -13,7 +13,7 @@ use zwidth_report::MethodsForm;
 use zwidth_runner::{MOST_SHARDS, Shard};
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
 use zwidth_stability::Quantity;
-use zwidth_study::{ExperimenterId, ParticipantId, QuestionId, SessionId, StudyId};
+use zwidth_study::{AnswerValue, ExperimenterId, ParticipantId, QuestionId, SessionId, StudyId};
 use zwidth_tables::Format;
 
 /// Force-feedback studies: from raw recordings to figures, tables and a summary.
@@ -510,7 +510,7 @@ pub(crate) struct Answer {
     pub(crate) question: Option<QuestionId>,
     /// The answer, a number of the question's scale
     #[arg(allow_negative_numbers = true, required_unless_present = "from")]
-    pub(crate) value: Option<i16>,
+    pub(crate) value: Option<AnswerValue>,
     /// A table of answers (CSV, Excel), one row each, with the columns participant, session, trial
     /// (or environment, mode and repeat), question and answer: all are given, or none
     #[arg(long, value_name = "FILE", conflicts_with_all = ["participant", "trial", "value"])]

@@ -131,16 +131,31 @@ fn metric(data: &StudyData, asked: &Compare) -> anyhow::Result<String> {
 
 /// Makes what is missing of the stage.
 pub(super) fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
-    let jobs = plan::jobs(data, &findings(&RealFiles, data));
+    let found = findings(&RealFiles, data);
+    let jobs = plan::jobs(data, &found);
     let (only, known) = (Some("compare".to_owned()), hashes_read(data));
     let options = Options { only, known, ..Options::default() };
     let done = run_jobs(&jobs, &Results::new(&data.layout, &Unsynced), &options, &|_| ())?;
     let mut exit = Exit::Fine;
+    let read_with_care = found.left_out.iter().chain(&found.with_care).map(ToString::to_string);
+    let mut read_with_care: Vec<String> = read_with_care.collect();
     for report in done.reports {
+        read_with_care.extend(report.care);
         if let JobEnd::Failed(why) | JobEnd::Blocked(why) = report.verdict {
             screen.warn(format!("{} could not be made: {why}", report.name));
             exit = Exit::Partly;
         }
+    }
+    if let Some((first, others)) = read_with_care.split_first() {
+        let others = match others.len() {
+            0 => String::new(),
+            n => format!(
+                "; likewise {n} others (`zwidth verify {}` lists them)",
+                data.layout.study()
+            ),
+        };
+        screen.warn(format!("read with care: {first}{others}"));
+        exit = Exit::Partly;
     }
     Ok(exit)
 }

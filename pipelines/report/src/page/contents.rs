@@ -7,7 +7,7 @@ use crate::compared::{ComparedMetric, words};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use zwidth_study::{Coordinate, Question, Setup};
+use zwidth_study::{AnswerValue, Coordinate, Question, Setup};
 use zwidth_tables::{Column, Table, TableError, Values, shown_unit};
 
 /// A study, as the page's script knows it.
@@ -91,7 +91,7 @@ pub(super) struct TrialOf {
     /// The script that holds its samples.
     data: String,
     metrics: Vec<Option<f64>>,
-    answers: Vec<Option<i64>>,
+    answers: Vec<Option<AnswerValue>>,
 }
 
 impl Contents {
@@ -217,17 +217,17 @@ type Key = (Arc<str>, Arc<str>, i64);
 fn answered(
     planned: &Setup,
     answers: Option<&Table>,
-) -> Result<BTreeMap<Key, Vec<Option<i64>>>, TableError> {
-    let mut found: BTreeMap<Key, Vec<Option<i64>>> = BTreeMap::new();
+) -> Result<BTreeMap<Key, Vec<Option<AnswerValue>>>, TableError> {
+    let mut found: BTreeMap<Key, Vec<Option<AnswerValue>>> = BTreeMap::new();
     let Some(table) = answers else { return Ok(found) };
     let asked: Vec<_> = table.words("question")?.collect();
-    let given = table.integers("answer")?;
+    let given = table.numbers("answer")?;
     for (row, key) in keys(table)?.into_iter().enumerate() {
         let Some(key) = key else { continue };
         let place = ratings(planned).position(|q| asked[row] == Some(q.id.as_str()));
         let answers = found.entry(key).or_insert_with(|| vec![None; ratings(planned).count()]);
         if let Some(place) = place {
-            answers[place] = given[row];
+            answers[place] = given[row].and_then(|answer| AnswerValue::new(answer).ok());
         }
     }
     Ok(found)
@@ -243,7 +243,7 @@ fn keys(table: &Table) -> Result<Vec<Option<Key>>, TableError> {
 fn trials(
     metrics: &Table,
     columns: &[(&ComparedMetric, &Column)],
-    answers: &BTreeMap<Key, Vec<Option<i64>>>,
+    answers: &BTreeMap<Key, Vec<Option<AnswerValue>>>,
 ) -> Result<Vec<TrialOf>, TableError> {
     let (environments, modes) =
         (metrics.shared_texts("environment")?, metrics.shared_texts("mode")?);

@@ -81,6 +81,10 @@ fn estimated(of: &'static str, which: &str, [value, low, high]: [&'static str; 3
 }
 
 fn contents(planned: &Setup, title: &str) -> Contents {
+    with_answer(planned, title, Column::integer("answer", "1", "answer", [Some(5)]))
+}
+
+fn with_answer(planned: &Setup, title: &str, answer: Column) -> Contents {
     let means = estimated("mode", "active", ["mean_rad", "ci_low_rad", "ci_high_rad"]);
     let columns = ["difference_rad", "difference_ci_low_rad", "difference_ci_high_rad"];
     let contrasts = estimated("contrast", "hybrid − active", columns);
@@ -98,7 +102,7 @@ fn contents(planned: &Setup, title: &str) -> Contents {
             Column::text("session", "when", [Some("S01".to_owned())]),
             Column::integer("trial", "1", "number", [Some(4)]),
             Column::text("question", "what", [Some(planned.questions[0].id.to_string())]),
-            Column::integer("answer", "1", "answer", [Some(5)]),
+            answer,
         ],
     )
     .unwrap();
@@ -180,6 +184,15 @@ fn a_cell_opens_its_trials_and_a_sentence_leads_to_its_figure() {
         html.contains("id=\"figure-modes.P01\"") && html.contains("src=\"figures/modes.P01.svg\"")
     );
     assert!(html.contains("It was smooth. (<a href=\"tables/metrics.html\">table</a>)"));
+}
+
+#[test]
+fn the_script_has_a_whole_answer_as_one_and_another_with_its_decimals() {
+    for (answer, shown) in [(5.0, "[5,"), (47.273, "[47.273,")] {
+        let answer = Column::float("answer", "1", "answer", [Some(answer)]);
+        let contents = serde_json::to_string(&with_answer(&planned(), "", answer)).unwrap();
+        assert!(contents.contains(&format!("\"answers\":{shown}")), "{contents}");
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::thesis::statements;
 use std::collections::BTreeMap;
 use zwidth_stats::power::clopper_pearson;
 use zwidth_stats::superiority::{Repeats, superiority};
-use zwidth_study::{Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
+use zwidth_study::{AnswerValue, Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
 use zwidth_tables::TableError;
 
 /// Above this share of pairs with the higher answer, and below one less it, a difference counts
@@ -185,10 +185,10 @@ fn superior((law, place): Case, over: ModeLaw, derived: &Derived) -> Result<Judg
     let study = derived.known.study;
     let [of_a, of_b] = [a, b].map(|mode| scored(study, answers, environment, mode));
     let (of_a, of_b) = (of_a?, of_b?);
-    let both: Vec<(&String, Repeats)> =
+    let both: Vec<(&String, Repeats<AnswerValue>)> =
         of_a.iter().filter_map(|(who, a)| Some((who, Repeats { a, b: of_b.get(who)? }))).collect();
     let (who, first) = *both.first().ok_or_else(none)?;
-    let repeats: Vec<Repeats> = both.iter().map(|(_, repeats)| *repeats).collect();
+    let repeats: Vec<Repeats<AnswerValue>> = both.iter().map(|(_, repeats)| *repeats).collect();
     let found = superiority(&repeats, derived.level).map_err(|_| none())?;
     let pairs: usize = repeats.iter().map(|of| of.a.len() * of.b.len()).sum();
     let (interval, why) = match found.interval {
@@ -238,8 +238,8 @@ fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, 
     let none = || Stop::NotMeasured("nobody answered".to_owned());
     let tally = derived.tally.ok_or_else(none)?;
     let found = median(derived.known.study, tally, environment, mode)?.ok_or_else(none)?;
-    let twice_the_middle = i64::from(found.scale.ends_together());
-    let above = |answer: i64| 2 * answer > twice_the_middle;
+    let twice_the_middle = f64::from(found.scale.ends_together());
+    let above = |answer: AnswerValue| 2.0 * answer.get() > twice_the_middle;
     let verdict = match (above(found.low), above(found.high)) {
         (low, high) if low == high => Verdict::of(low == favourable),
         _ => Verdict::Undecided,
@@ -252,7 +252,7 @@ fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, 
     Ok(Judged {
         evidence: Evidence {
             metric: "median answer".to_owned(),
-            value: (found.low == found.high).then_some(found.low as f64),
+            value: (found.low == found.high).then_some(found.low.get()),
             unit: "1".to_owned(),
             remark: format!("{}; no interval", found.words()),
             verdict,

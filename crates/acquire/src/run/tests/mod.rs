@@ -147,7 +147,8 @@ fn a_whole_session_leaves_every_trial_complete_with_its_answer_and_verify_has_no
     assert_eq!(data.trials.len(), TRIALS);
     for trial in &data.trials {
         assert_eq!((trial.meta.status, trial.meta.likert), (Status::Complete, None));
-        let four = |e: &&Event| matches!(e, Event::Answer { trial: t, value: 4, .. } if *t == trial.meta.trial);
+        let number = trial.meta.trial;
+        let four = |e: &&Event| matches!(e, Event::Answer { trial, value, .. } if (*trial, *value) == (number, 4.into()));
         assert_eq!(data.sessions[0].events.iter().filter(four).count(), 1);
         assert!(trial.rows > 200, "{}", trial.rows);
     }

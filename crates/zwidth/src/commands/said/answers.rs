@@ -168,6 +168,12 @@ fn resolve<'a>(
     row: &LateAnswer,
 ) -> anyhow::Result<Resolved<'a>> {
     let trial = number(known, &row.trial)?;
+    if known.log.record.counted_from_zero && row.is_number_alone() {
+        bail!(
+            "the recordings of this session count trials from 0, and the study from 1: say which trial is meant in \
+             columns environment, mode and repeat, beside its number or in its place"
+        );
+    }
     let is_checked = check_claims(&data.study, known, trial, &row.claims)?;
     let question = row.question.as_ref().or(command.question.as_ref());
     let found = known.given(data, trial, question, row.value)?;

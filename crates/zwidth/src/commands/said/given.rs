@@ -3,14 +3,16 @@
 use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_store::{SessionLog, StudyData, TrialEntry};
-use zwidth_study::{EnvironmentId, Event, Kind, ModeId, PlannedTrial, QuestionId, SessionRecord};
+use zwidth_study::{
+    AnswerValue, EnvironmentId, Event, Kind, ModeId, PlannedTrial, QuestionId, SessionRecord,
+};
 
 /// An answer that may be given.
 pub(super) struct Given {
     pub(super) event: Event,
     pub(super) question: QuestionId,
     /// The answer that counted so far.
-    pub(super) before: Option<i16>,
+    pub(super) before: Option<AnswerValue>,
     /// Why the trial itself does not count.
     pub(super) but: Option<String>,
 }
@@ -25,7 +27,7 @@ pub(super) struct Known<'a> {
     entries: BTreeMap<u32, &'a TrialEntry>,
     recorded: BTreeSet<u32>,
     /// The answers that count so far, by the log.
-    answers: BTreeMap<(u32, &'a QuestionId), i16>,
+    answers: BTreeMap<(u32, &'a QuestionId), AnswerValue>,
 }
 
 impl<'a> Known<'a> {
@@ -105,18 +107,18 @@ impl<'a> Known<'a> {
         data: &StudyData,
         trial: u32,
         named: Option<&QuestionId>,
-        value: i16,
+        value: AnswerValue,
     ) -> anyhow::Result<Given> {
         let entry = self.recorded(trial)?;
         let id = self.question(data, trial, named)?;
         let asked =
             data.study.question(&id).with_context(|| format!("{id} is not in study.toml"))?;
         if !asked.scale.has(value) {
-            bail!("{value} is no answer to {id}: {}", asked.scale.range());
+            bail!("{value} is no answer to {id}: it must be {}", asked.scale.must_be());
         }
         let logged = self.answers.get(&(trial, &id)).copied();
         Ok(Given {
-            before: logged.or_else(|| entry?.meta.likert),
+            before: logged.or_else(|| entry?.meta.likert.map(AnswerValue::from)),
             but: entry.filter(|entry| entry.sealed.is_none()).and_then(TrialEntry::why_not),
             event: Event::Answer { trial, question: id.clone(), value, time_ms: None },
             question: id,

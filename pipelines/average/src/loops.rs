@@ -1,0 +1,365 @@
+//! The mean of force against position, by branch at the angle.
+//!
+//! A mean of force at equal phases of the movement, drawn at the mean angle of these, passes through
+//! pairs of force and angle that occur in no repeat wherever repeats turn or let go at different angles.
+//! At one angle the mean of the forces lies between theirs.
+
+use crate::average::{Parameters, Placed, place};
+use crate::{AverageError, LeftOut};
+use zwidth_numerics::series::interpolate_all;
+use zwidth_stats::band::{Band, band};
+use zwidth_store::{Recorded, Signal};
+use zwidth_study::{Alignment, Condition, ParticipantId, SessionId, Source};
+
+/// Angles at which a branch is averaged.
+pub(crate) const NODES: usize = 101;
+
+/// What stands against the angle.
+pub(crate) const LOADS: [Signal; 3] = [Signal::ForceEx, Signal::TorqueEx, Signal::ForceCmd];
+
+/// A part of a movement there and back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Branch {
+    /// From the onset to the reversal, where the lever goes farther than before.
+    In,
+    /// From the reversal to the return, or to the last sample if there is none: at one angle, from the
+    /// largest force to the smallest.
+    Held,
+    /// From the return to the end, where the lever goes farther back than before.
+    Out,
+}
+
+impl Branch {
+    /// In the order of a movement.
+    pub const ALL: [Self; 3] = [Self::In, Self::Held, Self::Out];
+
+    /// Its name in tables.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::In => "in",
+            Self::Held => "held",
+            Self::Out => "out",
+        }
+    }
+}
+
+/// One branch of a mean loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeanBranch {
+    /// Which.
+    pub branch: Branch,
+    /// The angles, in the order of the movement, rad.
+    pub theta_rad: Vec<f64>,
+    /// Mean, SD and band at each of them, of each load that all have.
+    pub loads: Vec<(Signal, Band)>,
+}
+
+/// The mean of force against position of one condition's repeats by one participant in one session.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeanLoop {
+    /// Who.
+    pub participant: ParticipantId,
+    /// In which session.
+    pub session: SessionId,
+    /// The condition.
+    pub condition: Condition,
+    /// Where the numbers come from: simulated if any repeat is, else as the first.
+    pub source: Source,
+    /// How many repeats are averaged, at every angle.
+    pub n: usize,
+    /// How many of them return.
+    pub returning: usize,
+    /// The repeats that could not be.
+    pub left_out: Vec<LeftOut>,
+    /// The branches that all repeats have.
+    pub branches: Vec<MeanBranch>,
+}
+
+/// One repeat's, session's or person's course of a branch: angles that rise, and each load there.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Course {
+    pub(crate) theta_rad: Vec<f64>,
+    pub(crate) loads: Vec<(Signal, Vec<f64>)>,
+}
+
+impl MeanBranch {
+    /// The same of groups of courses that follow each other, so many in each: within a group the plain
+    /// mean, then mean and band over groups.
+    pub(crate) fn of_groups(
+        &self,
+        courses: &[Course],
+        counts: &[usize],
+        level: f64,
+    ) -> Result<Self, AverageError> {
+        let mut angles = self.theta_rad.clone();
+        if self.branch == Branch::Out {
+            angles.reverse();
+        }
+        let on_grid = match self.branch {
+            Branch::Held => courses.to_vec(),
+            _ => at(courses, &angles),
+        };
+        let mut rest = on_grid.as_slice();
+        let mut groups = Vec::new();
+        for count in counts {
+            let (group, others) = rest.split_at(*count);
+            let load = |signal: Signal| {
+                let of = |course: &Course| {
+                    course.loads.iter().find(|(of, _)| *of == signal).map(|(_, v)| v.clone())
+                };
+                let all: Vec<Vec<f64>> = group.iter().map(of).collect::<Option<_>>()?;
+                let mean = |i: usize| all.iter().map(|v| v[i]).sum::<f64>() / all.len() as f64;
+                Some((signal, (0..all.first()?.len()).map(mean).collect()))
+            };
+            let loads = LOADS.into_iter().filter_map(load).collect();
+            groups.push(Course { theta_rad: angles.clone(), loads });
+            rest = others;
+        }
+        mean(self.branch, angles, &groups, level).map(Self::in_order)
+    }
+
+    /// In the order of the movement.
+    fn in_order(mut self) -> Self {
+        if self.branch == Branch::Out {
+            self.theta_rad.reverse();
+            for (_, Band { n, mean, sd, ci_low, ci_high }) in &mut self.loads {
+                n.reverse();
+                [mean, sd, ci_low, ci_high].into_iter().for_each(|values| values.reverse());
+            }
+        }
+        self
+    }
+}
+
+/// The mean loop of `trials`, the repeats of one condition by one participant in one session.
+///
+/// # Errors
+/// Those of [`average`](crate::average()).
+pub fn mean_loop<'a, T>(trials: &'a [T], parameters: &Parameters) -> Result<MeanLoop, AverageError>
+where
+    &'a T: Into<Recorded<'a>>,
+{
+    let trials: Vec<Recorded> = trials.iter().map(Into::into).collect();
+    let first = trials.first().ok_or(AverageError::Empty)?;
+    let Placed { aligned, left_out, .. } = place(&trials, parameters, Alignment::Onset)?;
+    let (mut ways_in, mut held, mut ways_out) = (Vec::new(), Vec::new(), Vec::new());
+    for repeat in &aligned {
+        let Some(theta) = repeat.column(Signal::Theta) else { continue };
+        let (phases, returns) = repeat.phases;
+        let farther: Vec<usize> = farther(&theta, phases.onset..=phases.reversal, 1.0);
+        let back = returns.map(|returns| farther_back(&theta, returns..=phases.end));
+        let last = returns.unwrap_or(theta.len() - 1);
+        let mut loads: [Vec<(Signal, Vec<f64>)>; 3] = Default::default();
+        for signal in LOADS {
+            let Some(load) = repeat.column(signal) else { continue };
+            let at = |rows: &[usize]| rows.iter().map(|row| load[*row]).collect::<Vec<f64>>();
+            loads[0].push((signal, at(&farther)));
+            let (low, high) = zwidth_numerics::series::ends(&load[phases.reversal..=last]);
+            loads[1].push((signal, vec![high, low]));
+            loads[2].extend(back.as_deref().map(|back| (signal, at(back))));
+        }
+        let angles = |rows: &[usize]| rows.iter().map(|row| theta[*row]).collect::<Vec<f64>>();
+        let [of_in, of_held, of_out] = loads;
+        ways_in.push(Course { theta_rad: angles(&farther), loads: of_in });
+        held.push(Course { theta_rad: Vec::new(), loads: of_held });
+        ways_out.extend(back.map(|back| Course { theta_rad: angles(&back), loads: of_out }));
+    }
+    let simulated = trials.iter().map(|t| t.meta.source).find(|source| source.is_simulated());
+    let level = parameters.analysis.confidence;
+    let returning = ways_out.len();
+    let out = if returning == aligned.len() { ways_out.as_slice() } else { &[] };
+    Ok(MeanLoop {
+        participant: first.meta.participant.clone(),
+        session: first.meta.session.clone(),
+        condition: first.meta.condition(),
+        source: simulated.unwrap_or(first.meta.source),
+        n: aligned.len(),
+        returning,
+        left_out,
+        branches: branches([&ways_in, &held, out], level)?,
+    })
+}
+
+/// The mean of courses by branch: each over the angles that all of them cover.
+pub(crate) fn branches(
+    [ways_in, held, ways_out]: [&[Course]; 3],
+    level: f64,
+) -> Result<Vec<MeanBranch>, AverageError> {
+    let mut found = Vec::new();
+    if let Some(angles) = shared(ways_in) {
+        let turn = angles[NODES - 1];
+        found.push(mean(Branch::In, angles.clone(), &at(ways_in, &angles), level)?);
+        found.push(mean(Branch::Held, vec![turn; 2], held, level)?);
+    }
+    if let Some(angles) = shared(ways_out) {
+        let out = mean(Branch::Out, angles.clone(), &at(ways_out, &angles), level)?;
+        found.push(out.in_order());
+    }
+    Ok(found)
+}
+
+/// Even angles over all that every course covers, rising; `None` if that is nothing.
+fn shared(courses: &[Course]) -> Option<Vec<f64>> {
+    let ends = |of: fn(&[f64]) -> Option<&f64>| {
+        courses.iter().map(|c| of(&c.theta_rad).copied()).collect::<Option<Vec<f64>>>()
+    };
+    let low = ends(<[f64]>::first)?.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let high = ends(<[f64]>::last)?.into_iter().fold(f64::INFINITY, f64::min);
+    let at = |i: usize| low + (high - low) * (i as f64 / (NODES - 1) as f64);
+    (low < high && low.is_finite()).then(|| (0..NODES).map(|i| at(i).min(high)).collect())
+}
+
+/// The courses at these angles.
+fn at(courses: &[Course], angles: &[f64]) -> Vec<Course> {
+    let of = |course: &Course| {
+        let on_grid = |values: &Vec<f64>| {
+            let found = interpolate_all(&course.theta_rad, values, angles);
+            found.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect()
+        };
+        let loads = course.loads.iter().map(|(signal, values)| (*signal, on_grid(values)));
+        Course { theta_rad: angles.to_vec(), loads: loads.collect() }
+    };
+    courses.iter().map(of).collect()
+}
+
+fn mean(
+    branch: Branch,
+    theta_rad: Vec<f64>,
+    courses: &[Course],
+    level: f64,
+) -> Result<MeanBranch, AverageError> {
+    let mut loads = Vec::new();
+    for signal in LOADS {
+        let of = |course: &Course| {
+            let values = course.loads.iter().find(|(of, _)| *of == signal).map(|(_, v)| v)?;
+            Some(values.iter().copied().map(Some).collect::<Vec<Option<f64>>>())
+        };
+        let rows: Option<Vec<Vec<Option<f64>>>> = courses.iter().map(of).collect();
+        if let Some(rows) = rows.filter(|rows| !rows.is_empty()) {
+            loads.push((signal, band(&rows, level)?));
+        }
+    }
+    Ok(MeanBranch { branch, theta_rad, loads })
+}
+
+/// The samples that are farther along than all before, in their order.
+fn farther(theta: &[f64], rows: std::ops::RangeInclusive<usize>, sign: f64) -> Vec<usize> {
+    let mut farthest = f64::NEG_INFINITY;
+    rows.filter(|row| {
+        let is_farther = sign * theta[*row] > farthest;
+        farthest = farthest.max(sign * theta[*row]);
+        is_farther
+    })
+    .collect()
+}
+
+/// The samples that are farther back than all before, so that their angles rise.
+fn farther_back(theta: &[f64], rows: std::ops::RangeInclusive<usize>) -> Vec<usize> {
+    let mut back = farther(theta, rows, -1.0);
+    back.reverse();
+    back
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{parameters, repeat};
+    use proptest::prelude::*;
+    use zwidth_store::Trial;
+
+    /// A stroke into a spring, at whose end a brake holds: the force falls while the lever stands, and
+    /// the way back begins at another force.
+    fn held(number: u32, stroke_rad: f64, stiffness: f64, share: f64) -> Trial {
+        let mut trial = repeat(number, 0.3, stroke_rad, 3.0);
+        let theta = trial.samples.get(Signal::Theta).unwrap().to_vec();
+        let turn = theta.iter().position(|x| *x >= stroke_rad * (1.0 - 1e-9)).unwrap();
+        let force =
+            (0..theta.len()).map(|i| stiffness * theta[i] * if i > turn { share } else { 1.0 });
+        trial.samples.set(Signal::ForceEx, force.collect());
+        trial
+    }
+
+    fn branch(of: &MeanLoop, which: Branch) -> &MeanBranch {
+        of.branches.iter().find(|b| b.branch == which).unwrap()
+    }
+
+    #[test]
+    fn each_branch_ends_where_the_first_repeat_does_and_its_mean_is_theirs_at_the_angle() {
+        let trials = [held(1, 0.5, 4.0, 0.5), held(2, 0.8, 6.0, 0.25)];
+        let found = mean_loop(&trials, &parameters()).unwrap();
+        let [way_in, out] = [Branch::In, Branch::Out].map(|which| branch(&found, which));
+        assert!((way_in.theta_rad[NODES - 1] - 0.5).abs() < 1e-6);
+        assert!((out.theta_rad[0] - 0.5).abs() < 5e-3, "{}", out.theta_rad[0]);
+        let at = |of: &MeanBranch, i: usize| (of.theta_rad[i], of.loads[0].1.mean[i].unwrap());
+        for i in [10, 50, 90] {
+            let ((x, f), (y, g)) = (at(way_in, i), at(out, i));
+            assert!((f - 5.0 * x).abs() < 1e-4 && (g - (2.0 + 1.5) / 2.0 * y).abs() < 1e-4);
+        }
+        let turn = branch(&found, Branch::Held);
+        assert_eq!(turn.theta_rad, [way_in.theta_rad[NODES - 1]; 2]);
+        let [largest, smallest] = [0, 1].map(|i| turn.loads[0].1.mean[i].unwrap());
+        assert!((largest - (2.0 + 4.8) / 2.0).abs() < 1e-3, "{largest}");
+        assert!(smallest < (1.0 + 1.2) / 2.0 + 1e-3, "{smallest}");
+    }
+
+    #[test]
+    fn a_lever_that_is_held_has_no_way_back_and_its_force_goes_to_what_is_left() {
+        let mut trial = held(1, 0.5, 4.0, 0.0);
+        let theta = trial.samples.get(Signal::Theta).unwrap();
+        let turn = theta.iter().position(|x| *x >= 0.5 * (1.0 - 1e-9)).unwrap();
+        let stays = |signal: Signal, at: f64| {
+            let values = trial.samples.get(signal).unwrap().iter().enumerate();
+            values.map(|(i, v)| if i > turn { at } else { *v }).collect::<Vec<f64>>()
+        };
+        let (theta, velocity) = (stays(Signal::Theta, 0.5), stays(Signal::ThetaDot, 0.0));
+        trial.samples.set(Signal::Theta, theta);
+        trial.samples.set(Signal::ThetaDot, velocity);
+        let found = mean_loop(&[trial, held(2, 0.5, 4.0, 0.5)], &parameters()).unwrap();
+        assert_eq!((found.n, found.returning), (2, 1));
+        assert!(found.branches.iter().all(|b| b.branch != Branch::Out), "one does not return");
+        let smallest = branch(&found, Branch::Held).loads[0].1.mean[1].unwrap();
+        assert!(smallest < 0.6, "{smallest}");
+    }
+
+    proptest! {
+        /// A mean lies within the least and the largest of what it is a mean of, at every angle.
+        #[test]
+        fn a_mean_lies_between_its_repeats(
+            strokes in prop::collection::vec((0.2_f64..1.2, 1.0_f64..9.0, 0.0_f64..1.0), 1..5),
+        ) {
+            let trials: Vec<Trial> = (1..)
+                .zip(&strokes)
+                .map(|(n, (stroke, stiffness, share))| held(n, *stroke, *stiffness, *share))
+                .collect();
+            let all = mean_loop(&trials, &parameters()).unwrap();
+            for of_all in &all.branches {
+                let mut angles = of_all.theta_rad.clone();
+                if of_all.branch == Branch::Out {
+                    angles.reverse();
+                }
+                let alone = |trial: &Trial| {
+                    let one = mean_loop(std::slice::from_ref(trial), &parameters()).unwrap();
+                    one.branches.into_iter().find(|b| b.branch == of_all.branch).unwrap()
+                };
+                let ones: Vec<MeanBranch> = trials.iter().map(alone).collect();
+                let mean = of_all.loads[0].1.mean.iter().flatten();
+                for (i, mean) in mean.enumerate() {
+                    // Each repeat alone on its own nodes: a chord of them is off by so much.
+                    let at = |one: &MeanBranch| {
+                        if of_all.branch == Branch::Held {
+                            return one.loads[0].1.mean[i].unwrap();
+                        }
+                        let mut course: Vec<(f64, f64)> = one.theta_rad.iter().copied()
+                            .zip(one.loads[0].1.mean.iter().flatten().copied()).collect();
+                        course.sort_by(|a, b| a.0.total_cmp(&b.0));
+                        let (x, y): (Vec<f64>, Vec<f64>) = course.into_iter().unzip();
+                        zwidth_numerics::series::interpolate(&x, &y, of_all.theta_rad[i]).unwrap()
+                    };
+                    let values: Vec<f64> = ones.iter().map(at).collect();
+                    let (low, high) = zwidth_numerics::series::ends(&values);
+                    prop_assert!(low - 1e-4 <= *mean && *mean <= high + 1e-4, "{mean} {values:?}");
+                }
+            }
+        }
+    }
+}
