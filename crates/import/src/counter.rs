@@ -25,6 +25,36 @@ const LEAST_GAP: f64 = 5.0;
 /// … or where this share of all samples is missing.
 const LEAST_SHARE: f64 = 0.01;
 
+/// From where to where counters of boards and clocks of a day count; the last two are micros() of an
+/// Arduino in milliseconds and in seconds.
+const COUNTERS: [[f64; 2]; 8] = [
+    [0.0, 65_536.0],
+    [-32_768.0, 32_768.0],
+    [0.0, 16_777_216.0],
+    [0.0, 4_294_967_296.0],
+    [-2_147_483_648.0, 2_147_483_648.0],
+    [0.0, 86_400.0],
+    [0.0, 4_294_967.296],
+    [0.0, 4_294.967_296],
+];
+
+/// Where a time starts over that falls from the end of a counter to its beginning: another trial would begin
+/// anywhere.
+pub(super) fn wrap_of(times: &[f64]) -> Option<f64> {
+    let falls: Vec<&[f64]> = times.windows(2).filter(|t| t[1] < t[0]).collect();
+    if falls.is_empty() {
+        return None;
+    }
+    let near = 5.0 * median(times.windows(2).map(|t| (t[1] - t[0]).abs()).collect());
+    let fits = |[low, high]: &[f64; 2]| {
+        falls.iter().all(|fall| {
+            let (before, after) = (high - fall[0], fall[1] - low);
+            before >= 0.0 && after >= 0.0 && before + after <= near
+        })
+    };
+    COUNTERS.iter().find(|ends| fits(ends)).map(|[low, high]| high - low)
+}
+
 /// Samples that a counter passes over.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Gaps {
@@ -200,33 +230,6 @@ fn usual(steps: &[f64], share: f64) -> Option<f64> {
         steps.iter().filter(|step| (**step - middle).abs() <= share * middle).count() as f64;
     let is_steady = steps.len() + 2 >= LEAST && steady >= STEADY * steps.len() as f64;
     (middle > 0.0 && is_steady && steps.iter().all(|step| *step > 0.0)).then_some(middle)
-}
-
-/// From where to where counters of boards and clocks of a day count.
-const COUNTERS: [[f64; 2]; 6] = [
-    [0.0, 65_536.0],
-    [-32_768.0, 32_768.0],
-    [0.0, 16_777_216.0],
-    [0.0, 4_294_967_296.0],
-    [-2_147_483_648.0, 2_147_483_648.0],
-    [0.0, 86_400.0],
-];
-
-/// Where a time starts over that falls from the end of a counter to its beginning: another trial would begin
-/// anywhere.
-pub(super) fn wrap_of(times: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = times.windows(2).map(|t| (t[1] - t[0]).abs()).collect();
-    steps.sort_by(f64::total_cmp);
-    let near = 5.0 * steps.get(steps.len() / 2)?;
-    let falls: Vec<&[f64]> = times.windows(2).filter(|t| t[1] < t[0]).collect();
-    let fits = |[low, high]: &[f64; 2]| {
-        let is_end = |fall: &&[f64]| {
-            let (before, after) = (high - fall[0], fall[1] - low);
-            before >= 0.0 && after >= 0.0 && before + after <= near
-        };
-        !falls.is_empty() && falls.iter().all(is_end)
-    };
-    COUNTERS.iter().find(|ends| fits(ends)).map(|[low, high]| high - low)
 }
 
 /// A column that only grows, or starts over at 0 after a power of two.

@@ -87,7 +87,12 @@ pub(super) fn read(
             record.push_field("");
         }
         if record.len() != width {
-            let what = format!("line {line} has {} cells where {width} belong", record.len());
+            let quotes = match record.iter().any(opens_single_quote) {
+                true => ", as a delimiter stands in single quotes, and only \" quotes",
+                false => "",
+            };
+            let what =
+                format!("line {line} has {} cells where {width} belong{quotes}", record.len());
             if bad.len() == dialect.bad_lines {
                 return Err(unequal(path, what, dialect.bad_lines));
             }
@@ -158,7 +163,8 @@ fn as_delimited(text: &str, dialect: Dialect) -> (Option<String>, Dialect, Vec<S
 /// Mends a header that is one cell short of the first record: as R writes names of rows, or because
 /// each line ends in a delimiter. Says what it was taken for.
 fn one_cell_short(names: &mut Vec<String>, record: &::csv::StringRecord) -> Option<String> {
-    if record.len() != names.len() + 1 {
+    // A delimiter within single quotes parts cells, so that no column is without a name.
+    if record.len() != names.len() + 1 || record.iter().any(opens_single_quote) {
         return None;
     }
     if record.iter().next_back().is_some_and(str::is_empty) {
@@ -167,6 +173,11 @@ fn one_cell_short(names: &mut Vec<String>, record: &::csv::StringRecord) -> Opti
     }
     names.insert(0, String::new());
     Some("the header is one cell short: the first column is taken for one without a name, as R writes row names".to_owned())
+}
+
+/// Whether a cell is the beginning of a text in single quotes, which are no quotes here: `'[1` of `'[1, 2]'`.
+pub(super) fn opens_single_quote(cell: &str) -> bool {
+    cell.starts_with('\'') && (cell.len() == 1 || !cell.ends_with('\''))
 }
 
 fn unequal(path: &Path, what: String, bad_lines: usize) -> StoreError {

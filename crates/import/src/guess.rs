@@ -15,11 +15,12 @@ use super::limits::shown;
 use super::mapping::CellForm;
 use super::recording::number;
 use super::table::{Cell, Cells, Table};
-use super::text::Encoding;
+use super::text::{Encoding, HDF5};
 use super::unit::{find, may_become, word_of};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use zwidth_numerics::series::ends;
 use zwidth_store::{Signal, StoreError};
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
 
@@ -69,7 +70,10 @@ fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names
     let columns = described(looked, comma);
     let time = columns.iter().find(|c| c.to == Some(Signal::Time));
     let is_clock = time.is_some_and(|time| !time.is_number);
-    let times = time.map(|time| first_numbers(&table.columns[time.place], comma));
+    let times = time.map(|time| {
+        let cells = &table.columns[time.place];
+        first_numbers(clock_times(cells, comma).as_ref().unwrap_or(cells), comma)
+    });
     let times: Vec<f64> = times.into_iter().flatten().flatten().collect();
     let wrap = wrap_of(&times);
     if wrap.is_none() && times.windows(2).any(|t| t[1] < t[0]) {
@@ -101,9 +105,8 @@ fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names
                     "equal = \"drop\"         # {doubled} rows have the time of the row before; \"mean\" joins them"
                 );
             }
-            if is_clock {
-                text.push_str("zero = \"first\"          # the times are those of a clock\n");
-            } else if times.first().is_some_and(|first| *first > LONG_BEFORE) {
+            let first = times.first().copied().unwrap_or(0.0);
+            if first > LONG_BEFORE || (is_clock && first > 0.0) {
                 text.push_str("zero = \"first\"          # the times count from long before\n");
             }
         }
@@ -199,7 +202,7 @@ fn write_labels(text: &mut String, names: &Names) {
 }
 
 /// `[file]`, as far as it does not depend on the columns.
-fn write_file(text: &mut String, Looked { table, format, written, turned, .. }: &Looked) {
+fn write_file(text: &mut String, Looked { table, format, written, part, turned, .. }: &Looked) {
     if let Some(format) = format {
         let _ = writeln!(text, "format = \"{}\"", format.word());
     }
@@ -224,6 +227,9 @@ fn write_file(text: &mut String, Looked { table, format, written, turned, .. }: 
             Encoding::Windows1252 => text.push_str("encoding = \"windows-1252\"\n"),
         }
     }
+    if let Some(part) = part {
+        let _ = writeln!(text, "matrix = {}", quoted(part));
+    }
     if *turned {
         text.push_str("signals = \"rows\"       # the matrix has more columns than rows\n");
     }
@@ -240,10 +246,12 @@ struct Guessed {
     to: Option<Signal>,
     unit: Option<String>,
     is_number: bool,
-    /// What it is, if it is no column.
-    other: Option<String>,
     /// The words of its name, in small letters.
     words: Vec<String>,
+    /// Behind its position, what it is called or from where to where its numbers go.
+    about: String,
+    /// Why it is no column of the recording, if it is none.
+    why_not: Option<String>,
 }
 
 impl Guessed {
@@ -286,12 +294,19 @@ impl Guessed {
     }
 
     fn write(&self, text: &mut String) {
-        let Self { from, .. } = self;
+        let Self { from, about, .. } = self;
         let _ = match self.to {
             Some(Signal::Time) => Ok(()),
             Some(to) => {
                 let unit = self.unit_line("which?");
-                writeln!(text, "\n[[column]]\nto = \"{}\"\nfrom = {from}\nunit = {unit}", to.name())
+                writeln!(
+                    text,
+                    "\n[[column]]\nto = \"{}\"\nfrom = {from}{about}\nunit = {unit}",
+                    to.name()
+                )
+            }
+            None if let Some(why) = &self.why_not => {
+                writeln!(text, "\n# not read: {from}, {why}")
             }
             None if LABELS.iter().any(|(_, known)| self.says(known)) => {
                 let (key, _) =
@@ -304,6 +319,11 @@ impl Guessed {
             None if self.says(&ANSWERS) => {
                 writeln!(text, "\n# an answer? Then under [trial]: likert = {{ column = {from} }}")
             }
+            None if self.is_number && self.words.is_empty() => writeln!(
+                text,
+                "\n# not recognised: {from}, a column of numbers{about}. To take it, say what it is:\n\
+                 # [[column]]\n# to = \"TODO\"\n# from = {from}\n# unit = \"TODO\""
+            ),
             None if self.is_number => writeln!(
                 text,
                 "\n# not recognised: {from}, a column of numbers. To keep it, list it under [[channels]] of study.toml, and:\n\
@@ -311,34 +331,42 @@ impl Guessed {
                 self.channel(),
                 self.unit.as_deref().unwrap_or("TODO")
             ),
-            None => match &self.other {
-                Some(why) => writeln!(text, "\n# not read: {from}, {why}"),
-                None => writeln!(
-                    text,
-                    "\n# not recognised: {from}, a column of texts: a label of the trial, perhaps"
-                ),
-            },
+            None => writeln!(
+                text,
+                "\n# not recognised: {from}, a column of texts: a label of the trial, perhaps"
+            ),
         };
     }
 }
 
 /// Every column, each of ours at most once.
-fn described(Looked { table, labview, .. }: &Looked, decimal_comma: bool) -> Vec<Guessed> {
-    let mut taken = Vec::new();
-    let mut columns = Vec::new();
+fn described(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
+    let Looked { table, labview, labels, .. } = looked;
+    let (mut taken, mut columns) = (Vec::new(), Vec::new());
+    let usual = usual_length(table);
+    let names = table.names.as_deref().unwrap_or_default();
     for (place, cells) in table.columns.iter().enumerate().take(MOST_GUESSED) {
-        let name =
-            table.names.as_ref().and_then(|names| names.get(place)).filter(|n| !n.is_empty());
+        let name = names.get(place).filter(|name| !name.is_empty());
+        if name.is_some_and(|name| has_parts(name, names)) && cells.len() == 0 {
+            continue;
+        }
+        let label = name.or_else(|| labels.get(place).filter(|label| !label.is_empty()));
         let is_number = is_number(cells, decimal_comma);
         let Said { words, mut signal, mut unit } =
-            name.map_or_else(Said::default, |name| said(name));
+            label.map_or_else(Said::default, |label| said(label));
+        let mut why_not = why_not(cells, usual);
         if let Some(heads) = labview {
             let is_x = place == 0 || (heads.has_many_times && place % 2 == 0);
             match is_x {
                 true if place == 0 && heads.is_time == Some(true) => {
                     (signal, unit) = (Some(Signal::Time), Some("s".to_owned()));
                 }
-                true => (signal, unit) = (None, None),
+                true => {
+                    (signal, unit) = (None, None);
+                    let numbers = |cells| first_numbers(cells, decimal_comma);
+                    let same = numbers(cells) == numbers(&table.columns[0]);
+                    why_not = why_not.or_else(|| of_next_channel(heads.has_many_times, same));
+                }
                 false => {
                     let channel = if heads.has_many_times { place / 2 } else { place - 1 };
                     unit = unit.or_else(|| unit_of(heads.units.get(channel)?, signal));
@@ -354,24 +382,89 @@ fn described(Looked { table, labview, .. }: &Looked, decimal_comma: bool) -> Vec
         {
             unit = unit_of(below, signal);
         }
+        // The first column of a matrix that has no names is its time if it only grows.
+        let is_matrix = names.is_empty() && table.lines.is_empty();
+        if is_matrix && place == 0 && only_grows(cells) {
+            signal = Some(Signal::Time);
+        }
         // A time may be written as that of a clock.
-        let is_clock = signal == Some(Signal::Time) && is_clock(cells, decimal_comma);
-        let to = signal.filter(|to| (is_number || is_clock) && !taken.contains(to));
+        let is_clock = signal == Some(Signal::Time) && clock_times(cells, decimal_comma).is_some();
+        let is_free = |to: &Signal| why_not.is_none() && !taken.contains(to);
+        let to = signal.filter(|to| (is_number || is_clock) && is_free(to));
         taken.extend(to);
         let from = name.map_or_else(|| (place + 1).to_string(), |name| quoted(name));
-        let other = match cells {
-            Cells::Other(why) => Some(why.clone()),
-            _ => None,
+        let about = match (name, label) {
+            (None, Some(label)) => format!("      # {}", label.replace(char::is_control, " ")),
+            (None, None) => from_where_to_where(cells, decimal_comma),
+            _ => String::new(),
         };
-        columns.push(Guessed { place, from, to, unit, is_number, other, words });
+        columns.push(Guessed { place, from, to, unit, is_number, words, about, why_not });
     }
     columns
 }
 
-/// Whether a column holds clock times, dates or durations, as the importer reads them.
-fn is_clock(cells: &Cells, decimal_comma: bool) -> bool {
+/// Whether a name is that of a structure whose fields are columns too.
+fn has_parts(name: &str, names: &[String]) -> bool {
+    let is_part = |other: &String| {
+        other.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '(', '/']))
+    };
+    names.iter().any(is_part)
+}
+
+/// How many values most columns have that have several; of equally many the most. Vectors of one file may
+/// differ in length.
+fn usual_length(table: &Table) -> usize {
+    let mut lengths: BTreeMap<usize, usize> = BTreeMap::new();
+    for length in table.columns.iter().map(Cells::len).filter(|length| *length > 1) {
+        *lengths.entry(length).or_default() += 1;
+    }
+    lengths.into_iter().max_by_key(|(length, count)| (*count, *length)).map_or(1, |most| most.0)
+}
+
+/// Why a column is none of a recording whose columns have the usual length.
+fn why_not(cells: &Cells, usual: usize) -> Option<String> {
+    match cells {
+        Cells::Other(why) => {
+            // Too long a line for each text of a file.
+            let why = why.replace(HDF5, "an import that names it says how to convert the file");
+            Some(shown(&why).replace(char::is_control, " "))
+        }
+        Cells::Unread => Some("it is not read".to_owned()),
+        cells if cells.len() != usual => {
+            Some(format!("its length is {}, and that of most columns {usual}", cells.len()))
+        }
+        _ => None,
+    }
+}
+
+/// What the times of another channel than the first are, in a file of LabVIEW's.
+fn of_next_channel(has_many_times: bool, are_those_of_the_first: bool) -> Option<String> {
+    const OTHER: &str = "the times of the next channel, which are not those of column 1: import each channel by itself";
+    let same = if are_those_of_the_first { "the times of column 1 once more" } else { OTHER };
+    has_many_times.then(|| same.to_owned())
+}
+
+/// Whether a column of numbers grows from each row to the next.
+fn only_grows(cells: &Cells) -> bool {
+    let numbers = first_numbers(cells, false);
+    let grows = |pair: &[Option<f64>]| pair[0].zip(pair[1]).is_some_and(|(a, b)| b > a);
+    numbers.len() > 1 && numbers.windows(2).all(grows)
+}
+
+/// From where to where the numbers of a column go, in words.
+fn from_where_to_where(cells: &Cells, decimal_comma: bool) -> String {
+    let numbers = first_numbers(cells, decimal_comma);
+    let (low, high) = ends(&numbers.into_iter().flatten().collect::<Vec<f64>>());
+    if low <= high { format!(" from {low} to {high}") } else { String::new() }
+}
+
+/// The clock times, dates or durations of a column in s, if it holds such, as the importer reads them.
+fn clock_times(cells: &Cells, decimal_comma: bool) -> Option<Cells> {
     let form = CellForm { decimal_comma, ..CellForm::default() };
-    matches!(clock(cells, &form, false), Ok(Some(Clock::Seconds(_))))
+    match clock(cells, &form, false) {
+        Ok(Some(Clock::Seconds(seconds))) => Some(Cells::Numbers(seconds)),
+        _ => None,
+    }
 }
 
 /// The unit that a file names in a place of its own, as a mapping spells it.
@@ -387,10 +480,11 @@ fn unit_of(named: &str, signal: Option<Signal>) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::labview;
     use super::super::report::Report;
     use super::super::world::World;
+    use super::super::{hdf5, labview};
     use super::*;
+    use hdf5_pure::FileBuilder;
 
     fn check(name: &str, content: &[u8], expect: &[&str]) -> String {
         let world = World::new();
@@ -518,7 +612,7 @@ mod tests {
             .replacen("participant = \"TODO\"", "participant = \"P01\"", 1)
             .replace("environment = \"TODO\"", "environment = \"spring\"")
             .replace("mode = \"TODO\"", "mode = \"hybrid\"")
-            .replace("unit = \"TODO\"", "unit = \"s\"")
+            .replace("unit = \"TODO\"            # s", "unit = \"s\"            # s")
             .replace("slider_response =", "felt_spring =")
             .replace("rating =", "felt_spring =")
     }
@@ -557,6 +651,27 @@ mod tests {
     }
 
     #[test]
+    fn commas_in_single_quotes_part_cells_and_shift_no_name() {
+        for list in ["'[1, 2]'", "'[1, 2, 3]'"] {
+            let text = format!("t_s,F_N,gains,angle_deg\n0,1,{list},5\n1,2,{list},6\n");
+            let (map, _) = imports("a.csv", &text, &[1.0, 2.0]);
+            says(&map, &["header = false\nskip = 1\n", "from = 1\n", "from = 2      # F_N\n"]);
+            assert!(!map.contains("angle"), "{map}");
+            let world = World::new();
+            let named = map.replace("header = false\nskip = 1", "header = true");
+            let named = named
+                .replace("from = 1\n", "from = \"t_s\"\n")
+                .replace("from = 2", "from = \"F_N\"");
+            world.refuses(
+                &named,
+                &world.file("a.csv", &text),
+                "a delimiter stands in single quotes",
+                None,
+            );
+        }
+    }
+
+    #[test]
     fn a_first_line_that_names_the_delimiter_is_passed_by() {
         for text in [
             "\u{feff}sep=;\nt_s;F_N\n0,5;1,5\n1;2\n",
@@ -588,8 +703,23 @@ mod tests {
         assert!(!map.contains("bad_lines"), "{map}");
         let many = "X_Value\tangle\tX_Value\tF\tComment";
         let rows = "0,00\t1,0\t0,00\t2,5\n0,05\t1,0\t0,05\t3,5\n";
-        let map = check("a.lvm", labview::tests::written("Multi", many, rows).as_bytes(), &[]);
-        says(&map, &["header = false", "skip = 15\n", "[time]\nfrom = 1\nunit = \"s\""]);
+        let text = labview::tests::written("Multi", many, rows);
+        let (map, _) = imports("a.lvm", &text, &[2.5, 3.5]);
+        says(
+            &map,
+            &[
+                "header = false\nskip = 15\n",
+                "[time]\nfrom = 1\nunit = \"s\"",
+                "to = \"theta_rad\"\nfrom = 2      # angle\nunit = \"deg\"",
+                "# not read: 3, the times of column 1 once more",
+            ],
+        );
+        let other = text.replace("0,05\t3,5", "0,06\t3,5");
+        check(
+            "b.lvm",
+            other.as_bytes(),
+            &["# not read: 3, the times of the next channel, which are not"],
+        );
         let rows = "\t1,0\t2,5\n\t1,0\t3,5\n";
         let (map, _) = imports("a.lvm", labview::tests::written("No", names, rows), &[2.5, 3.5]);
         says(&map, &["rate_hz = 20.0"]);
@@ -612,6 +742,15 @@ mod tests {
     fn times_of_a_clock_and_days_are_told_and_times_since_1970_begin_at_0() {
         let (map, _) = imports("a.csv", "time,F_N\n10:00:00.0,1\n10:00:00.5,2\n", &[1.0, 2.0]);
         says(&map, &["[time]\nfrom = \"time\"\nunit = \"s\"", "clock times", "zero = \"first\""]);
+        let dates = "time,F_N\n2026-01-31 23:59:59.9,1\n2026-02-01 00:00:00.1,2\n";
+        says(&imports("a.csv", dates, &[1.0, 2.0]).0, &["zero = \"first\""]);
+        let midnight = "time,F_N\n23:59:59.9,1\n00:00:00.0,2\n00:00:00.1,3\n";
+        says(
+            &imports("a.csv", midnight, &[1.0, 2.0, 3.0]).0,
+            &["wrap = 86400 ", "zero = \"first\""],
+        );
+        let spans = "time,F_N\n0 days 00:00:00,1\n0 days 00:00:00.5,2\n";
+        assert!(!imports("a.csv", spans, &[1.0, 2.0]).0.contains("zero"));
         let map = check("a.csv", b"time,F_N\n0,1\n0.00000001,2\n0.00000002,3\n", &[]);
         says(&map, &["unit = \"d\"", "days, as workbooks count them?"]);
         let text = "t_s,F_N\n1785300900.00,1\n1785300900.10,2\n";
@@ -678,6 +817,25 @@ mod tests {
     }
 
     #[test]
+    fn the_loop_of_psychopy_that_numbers_all_answers_is_the_trial() {
+        let header =
+            "mode,practice.thisN,trials.thisN,blocks.thisN,slider.response,participant,session\n";
+        let practice = "active,0,,,2,P01,001\n";
+        let blocks = "active,,0,0,1,P01,001\npassive,,1,0,2,P01,001\n";
+        let (map, report) = imports("a.csv", format!("{header}{blocks},,,,,P01,001\n"), &[]);
+        says(&map, &["trial = { column = \"trials.thisN\" }"]);
+        assert_eq!(report.answers, 2);
+        // A practice that no other loop counts, and a loop that starts over in each block.
+        let again = blocks.replace(",0,P", ",1,P").replace(",0,1", ",0,3").replace(",0,2", ",1,3");
+        for more in [practice, again.as_str()] {
+            let (map, report) = imports("a.csv", format!("{header}{blocks}{more}"), &[]);
+            says(&map, &["# no trial, as no loop numbers all: of "]);
+            assert!(!map.contains("\ntrial = "), "{map}");
+            assert_eq!(report.answers, 2 + more.lines().count(), "{map}");
+        }
+    }
+
+    #[test]
     fn a_recording_with_a_column_of_answers_is_a_recording() {
         for text in [
             "participant,t_s,F_N,rating\n1,0,1,4\n1,1,2,4\n1,2,3,4\n",
@@ -685,6 +843,57 @@ mod tests {
             "participant,time,slider\n1,0.0,4\n1,0.5,4\n1,1.0,5\n",
         ] {
             check("a.csv", text.as_bytes(), &["kind = \"trials\""]);
+        }
+    }
+
+    #[test]
+    fn the_last_part_of_a_path_says_what_a_column_is_and_a_matrix_is_called_one() {
+        let bytes = hdf5::tests::written(b"");
+        let map = check("a.h5", &bytes, &[]);
+        says(
+            &map,
+            &[
+                "[time]\nfrom = \"t\"\n",
+                "to = \"force_ex_n\"\nfrom = \"rig/f\"\n",
+                "# not read: \"m\", it is a 2 × 3 matrix; name it as matrix in [file]",
+            ],
+        );
+        check(
+            "a.h5",
+            &hdf5::tests::nested(),
+            &["matrix = \"log\"\n", "from = \"s/angle\"", "from = \"s/F\""],
+        );
+        check(
+            "b.h5",
+            &hdf5::tests::octave(),
+            &["from = \"t/value\"", "# not read: \"who/value\", it is text"],
+        );
+    }
+
+    #[test]
+    fn the_one_matrix_of_a_file_is_read_by_position_turned_where_its_rows_are_the_signals() {
+        let written = |shape: &[u64], values: &[f64]| {
+            let mut file = FileBuilder::new();
+            file.create_dataset("ans").with_f64_data(values).with_shape(shape);
+            file.create_dataset("fs").with_f64_data(&[1000.0]).with_shape(&[1]);
+            file.finish().unwrap()
+        };
+        let rows: Vec<f64> =
+            (0..180).map(|i| f64::from(i % 60) * [0.5, 2.0, -1.0][i as usize / 60]).collect();
+        let turned =
+            check("a.h5", &written(&[3, 60], &rows), &["matrix = \"ans\"\nsignals = \"rows\" "]);
+        let columns: Vec<f64> = (0..180).map(|i| rows[(i % 3) * 60 + i / 3]).collect();
+        let plain = check("a.h5", &written(&[60, 3], &columns), &["matrix = \"ans\"\n"]);
+        assert!(!plain.contains("signals"), "{plain}");
+        for map in [turned, plain] {
+            says(
+                &map,
+                &[
+                    "[time]\nfrom = 1\n",
+                    "# not recognised: 3, a column of numbers from -59 to -0",
+                    "# from = 3\n",
+                ],
+            );
         }
     }
 

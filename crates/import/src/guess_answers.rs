@@ -6,6 +6,7 @@ use super::guess_read::{LOOKED_AT, first_numbers, is_number, quoted};
 use super::guess_words::{ANSWERS, QUESTIONS, are_answers, label_of, said};
 use super::spelling::is_missing;
 use super::table::{Cell, Cells, Table};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use zwidth_store::Signal;
 
@@ -41,6 +42,8 @@ pub(super) struct Answers {
     labels: Vec<(&'static str, usize)>,
     /// Columns that may be such too.
     others: Vec<(&'static str, usize)>,
+    /// Why none of PsychoPy's loops numbers the trials, if it has some.
+    no_loop: Option<String>,
     form: Form,
 }
 
@@ -61,11 +64,15 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
     let is_psychopy =
         names.iter().any(|name| PSYCHOPY.contains(&name.as_str()) || name.ends_with(LOOP));
     let (mut labels, mut others): (Vec<(&'static str, usize)>, Vec<_>) = (Vec::new(), Vec::new());
+    let mut loops = Vec::new();
     for (place, name) in names.iter().enumerate() {
         let key = match label_of(name) {
+            _ if is_psychopy && name.ends_with(LOOP) => {
+                loops.push(place);
+                None
+            }
             // The loops of PsychoPy are called as their author likes.
-            Some(_) if is_psychopy && name.contains('.') => name.ends_with(LOOP).then_some("trial"),
-            None if is_psychopy && name.ends_with(LOOP) => Some("trial"),
+            Some(_) if is_psychopy && name.contains('.') => None,
             // jsPsych's kind of screen.
             Some(_) if name == "trial_type" => None,
             key => key,
@@ -76,7 +83,9 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
             false => labels.push((key, place)),
         }
     }
-    let is_label = |place: &usize| labels.iter().chain(&others).any(|(_, label)| label == place);
+    let is_label = |place: &usize| {
+        loops.contains(place) || labels.iter().chain(&others).any(|(_, label)| label == place)
+    };
     let free = || (0..names.len()).filter(|place| !is_label(place) && !names[*place].is_empty());
     let ends = |place: &usize| ANSWERED.iter().any(|end| names[*place].ends_with(end));
     let says = |place: &usize, known: &[&str]| {
@@ -127,8 +136,69 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
             Form::Wide(asked.iter().map(|place| (*place, time(*place))).collect())
         }
     };
-    let is_empty = matches!(&form, Form::Wide(columns) if columns.is_empty());
-    (!is_empty).then_some(Answers { labels, others, form })
+    if matches!(&form, Form::Wide(columns) if columns.is_empty()) {
+        return None;
+    }
+    let mut no_loop = None;
+    if !loops.is_empty() && labels.iter().all(|(key, _)| *key != "trial") {
+        match loop_of_all(table, &form, &labels, &loops) {
+            Ok(place) => labels.push(("trial", place)),
+            Err(why) => no_loop = Some(why),
+        }
+    }
+    Some(Answers { labels, others, no_loop, form })
+}
+
+/// The loop that numbers the trials: it counts every row with an answer, and none as another of its session.
+///
+/// # Errors
+/// How many of them each loop counts, in words.
+fn loop_of_all(
+    table: &Table,
+    form: &Form,
+    labels: &[(&str, usize)],
+    loops: &[usize],
+) -> Result<usize, String> {
+    let places = form.answers();
+    let is_answer = |cell: Cell| match cell {
+        Cell::Empty => false,
+        Cell::Text(text) => !is_missing(text),
+        Cell::Number(number) => !number.is_nan(),
+    };
+    let rows = places.first().map_or(0, |place| table.columns[*place].len());
+    let answered: Vec<usize> = (0..rows)
+        .filter(|row| places.iter().any(|place| is_answer(table.columns[*place].cell(*row))))
+        .collect();
+    let session = |key: &str| ["participant", "session"].contains(&key);
+    let session = labels.iter().filter(|(key, _)| session(key)).map(|(_, place)| *place);
+    let session: Vec<usize> = session.collect();
+    let counted = |place: usize| {
+        let filled = answered.iter().filter(|row| table.columns[place].cell(**row) != Cell::Empty);
+        let cells = |row: &usize| {
+            let places = session.iter().chain([&place]);
+            places.map(|place| table.columns[*place].cell(*row).to_string()).collect::<Vec<_>>()
+        };
+        filled.map(cells).collect::<BTreeSet<_>>().len()
+    };
+    let counts: Vec<(usize, usize)> = loops.iter().map(|place| (*place, counted(*place))).collect();
+    if let Some((place, _)) = counts.iter().find(|(_, count)| *count == answered.len()) {
+        return Ok(*place);
+    }
+    let told: Vec<String> =
+        counts.iter().map(|(place, count)| format!("{count} ({})", table.name(*place))).collect();
+    let n = answered.len();
+    Err(format!("of {n} rows with an answer it tells apart {}", told.join(", ")))
+}
+
+impl Form {
+    /// The columns of the answers.
+    fn answers(&self) -> Vec<usize> {
+        match self {
+            Form::Wide(columns) => columns.iter().map(|(place, _)| *place).collect(),
+            Form::Json { place, .. } => vec![*place],
+            Form::Long { answer, .. } => vec![*answer],
+        }
+    }
 }
 
 /// The keys of the JSON objects in a column, if one of its first cells holds one.
@@ -181,6 +251,9 @@ impl Answers {
             if let Some(label) = label(key).or_else(|| named.clone()) {
                 let _ = writeln!(text, "{key} = {label}");
             }
+        }
+        if let Some(why) = &self.no_loop {
+            let _ = writeln!(text, "# no trial, as no loop numbers all: {why}");
         }
         for (key, place) in &self.others {
             let from = column(*place);
@@ -238,12 +311,13 @@ impl Answers {
 
     /// Whether a row lacks what it is asked for.
     fn has_gaps(&self, table: &Table) -> bool {
-        let answers: Vec<usize> = match &self.form {
-            Form::Wide(columns) => columns.iter().map(|(place, _)| *place).collect(),
+        let mut answers = self.form.answers();
+        match &self.form {
+            Form::Wide(_) => {}
             // jsPsych has a row for each screen.
             Form::Json { .. } => return true,
-            Form::Long { question, answer } => vec![*question, *answer],
-        };
+            Form::Long { question, .. } => answers.push(*question),
+        }
         let lacks = |place: usize, is_answer: bool| {
             let cells = &table.columns[place];
             (0..cells.len()).any(|row| match cells.cell(row) {

@@ -1,7 +1,7 @@
 //! Reading a recording of which nothing is known yet: how its text is written, and its first
 //! columns.
 
-use super::csv::{Dialect, WHITE_SPACE, record_ends};
+use super::csv::{Dialect, WHITE_SPACE, opens_single_quote, record_ends};
 use super::format::{Format, FormatOptions};
 use super::labview::{self, LabView};
 use super::limits::{Budget, MOST_FILE, Take};
@@ -43,6 +43,10 @@ const REMARKS: [u8; 3] = [b'%', b'#', b'!'];
 /// A recording, its form guessed.
 pub(super) struct Looked {
     pub(super) table: Table,
+    /// The matrix or the table of fields that the columns are of, if it is all that the file has.
+    pub(super) part: Option<String>,
+    /// What its columns are called where the line above them is no header that is read.
+    pub(super) labels: Vec<String>,
     /// Its format, where its name does not tell.
     pub(super) format: Option<Format>,
     /// How it is written, if it is delimited text.
@@ -101,7 +105,7 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
     check_readable(path, &bytes)?;
     let (named, format) = format_of(path);
     let encoding = encoding(&bytes);
-    let mut labview = None;
+    let (mut labview, mut labels) = (None, Vec::new());
     let mut form = Written {
         encoding,
         delimiter: b',',
@@ -115,6 +119,9 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
         let text = decode(path, &bytes, encoding)?;
         labview = labview::heads(&text);
         form = written(&text, encoding);
+        if !form.header {
+            labels = labels_above(&text, form);
+        }
     }
     let dialect = Dialect {
         delimiter: form.delimiter,
@@ -129,15 +136,57 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
     let budget = Budget::default();
     let take = Take::of(columns.iter().collect(), &budget);
     let options = FormatOptions { dialect, part: None, clock: XdfClock::Corrected, dejitter: true };
-    let (mut table, mut turned) = (format.read(path, bytes, options, &take)?, false);
-    if table.is_turned() {
+    let mut table = format.read(path, bytes, options, &take)?;
+    let again = |part: Option<&str>, turned: bool| {
         let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
-        table = format.read(path, bytes, options, &Take { turned: true, ..take })?;
-        turned = true;
+        let take = Take { turned, columns: take.columns.clone(), ..take };
+        format.read(path, bytes, FormatOptions { part, ..options }, &take)
+    };
+    let part = only_part(&table, &|name| again(Some(name), false).ok());
+    let part = part.map(|(name, columns)| {
+        table = columns;
+        name
+    });
+    let turned = table.is_turned();
+    if turned {
+        table = again(part.as_deref(), true)?;
     }
     let (format, written) =
         (named.is_none().then_some(format), is_delimited(format).then_some(form));
-    Ok(Looked { table, format, written, turned, labview })
+    Ok(Looked { table, part, labels, format, written, turned, labview })
+}
+
+/// Columns that are no vectors, and that are read as matrices or as tables of fields.
+const MOST_PARTS: usize = 8;
+
+/// The one column of a file without vectors that has columns of its own, with these.
+fn only_part(table: &Table, read: &dyn Fn(&str) -> Option<Table>) -> Option<(String, Table)> {
+    let names = table.names.as_ref()?;
+    if table.columns.iter().any(|cells| cells.len() > 1) {
+        return None;
+    }
+    let others = names.iter().zip(&table.columns);
+    let others = others.filter(|(_, cells)| matches!(cells, Cells::Other(_))).take(MOST_PARTS);
+    let mut parts = others.filter_map(|(name, _)| {
+        let part = read(name)?;
+        let columns = part.columns.iter().filter(|cells| cells.len() > 1).count();
+        (columns > 1).then(|| (name.clone(), part))
+    });
+    let first = parts.next();
+    first.filter(|_| parts.next().is_none())
+}
+
+/// The names in the line above the first row, where they are no header that is read: of LabVIEW some come twice,
+/// and behind a list in single quotes they stand above other cells.
+fn labels_above(text: &str, form: Written) -> Vec<String> {
+    let Some(line) = form.skip.checked_sub(1).and_then(|line| text.lines().nth(line)) else {
+        return Vec::new();
+    };
+    let mut names = cells(line, form.delimiter);
+    let first = text.lines().nth(form.skip).map(|row| cells(row, form.delimiter));
+    let parted = first.and_then(|row| row.iter().position(|cell| opens_single_quote(cell)));
+    names.truncate(parted.unwrap_or(names.len()));
+    names
 }
 
 /// UTF-8 where the bytes are, and else Windows-1252 where only that has letters for them, or Latin-1,
@@ -279,7 +328,8 @@ fn form(text: &str, encoding: Encoding, named: Option<u8>) -> Written {
         && all_cells().filter(is_comma).count() > all_cells().filter(is_point).count();
     // The names stand above the first row of numbers, with a row of units between them perhaps; a table
     // without numbers begins with them.
-    let fits = |record: &Record| record.cells.len() + 1 >= width;
+    let quotes = rows().any(|row| row.cells.iter().any(|cell| opens_single_quote(cell)));
+    let fits = |record: &Record| record.cells.len() + usize::from(!quotes) >= width;
     let header_above = |data: usize| {
         let is_other = |r: &Record| !(fits(r) && r.may_be_header(decimal_comma));
         let top = records[..data].iter().rposition(is_other).map_or(0, |other| other + 1);

@@ -61,10 +61,16 @@ pub(super) struct Said {
     pub(super) unit: Option<String>,
 }
 
-/// The name of a column within groups (`rig/force_n`) or structures (`rig.force_n`).
+/// The name of a column within groups (`rig/force_n`) or structures (`rig.force_n`), and of one within a
+/// variable of Octave's (`t/value`).
 fn own_name(name: &str) -> &str {
     let is_letter = |letter: char| letter.is_alphanumeric() || "_./".contains(letter);
-    let own = name.rsplit(['/', '.']).next().unwrap_or(name);
+    let mut parts = name.rsplit(['/', '.']);
+    let last = parts.next().unwrap_or(name);
+    let own = match last {
+        "value" | "values" | "data" | "Data" => parts.next().unwrap_or(last),
+        _ => last,
+    };
     // A dot may be that of a unit, or of a number.
     let is_path = name.chars().all(is_letter) && own.starts_with(char::is_alphabetic);
     if is_path { own } else { name }
@@ -199,7 +205,8 @@ mod tests {
         for (name, own) in [
             ("rig/force_n", "force_n"),
             ("rig.t", "t"),
-            ("simout.signals.values", "values"),
+            ("simout.signals.values", "signals"),
+            ("t/value", "t"),
             ("F (m.s-1)", "F (m.s-1)"),
             ("v0.1", "v0.1"),
         ] {

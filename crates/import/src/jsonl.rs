@@ -9,13 +9,14 @@ use arrow::array::{ArrayBuilder as _, LargeStringBuilder};
 use serde::Deserializer as _;
 use serde::de::{MapAccess, Visitor};
 use serde_json::value::RawValue;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
 use zwidth_store::StoreError;
 
 /// Reads JSON lines. Numbers keep the text they were written with, strings lose their quotes,
-/// `null` and a missing key are empty cells. A blank line, and an object without a value, are empty
+/// `null`, Python's `NaN` and a missing key are empty cells. A blank line, and an object without a value, are empty
 /// rows.
 pub(super) fn read(
     path: &Path,
@@ -93,7 +94,9 @@ fn keys(path: &Path, text: &str) -> Result<(Vec<String>, Vec<u64>), StoreError> 
 }
 
 fn no_object(path: &Path, line: u64, error: &serde_json::Error) -> StoreError {
-    let what = format!("line {line} is not a JSON object with each key once: {error}");
+    let what = format!(
+        "line {line} is not a JSON object with each key once (JSON lines are one object a line, without infinities): {error}"
+    );
     StoreError::new(path, what, "the file may be cut off; mend or remove the line")
 }
 
@@ -103,9 +106,31 @@ type Each<'a> = &'a mut dyn FnMut(String, &RawValue) -> Result<(), serde_json::E
 /// Walks through the keys of one object. A key that comes twice is an error: nobody knows which
 /// value is meant.
 fn walk(line: &str, each: Each) -> Result<(), serde_json::Error> {
-    let mut reader = serde_json::Deserializer::from_str(line);
+    let line = without_nan(line);
+    let mut reader = serde_json::Deserializer::from_str(&line);
     reader.deserialize_map(Keys(each))?;
     reader.end()
+}
+
+/// A line with `null` for every `NaN` outside its texts: Python's `json.dumps` writes that for a missing
+/// number, and it is not JSON.
+fn without_nan(line: &str) -> Cow<'_, str> {
+    if !line.contains("NaN") {
+        return Cow::Borrowed(line);
+    }
+    let mut plain = String::new();
+    // A quote behind a backslash does not end a text; a backslash behind one is a letter.
+    let (mut in_text, mut escaped, mut from) = (false, false, 0);
+    for (at, letter) in line.char_indices() {
+        if !in_text && line[at..].starts_with("NaN") {
+            plain.push_str(&line[from..at]);
+            plain.push_str("null");
+            from = at + "NaN".len();
+        }
+        in_text ^= letter == '"' && !escaped;
+        escaped = letter == '\\' && !escaped;
+    }
+    Cow::Owned(plain + &line[from..])
 }
 
 struct Keys<'a>(Each<'a>);
@@ -167,6 +192,20 @@ mod tests {
         let table = read(Path::new("a.jsonl"), text.as_bytes()).unwrap();
         assert_eq!((&table.lines[..], table.columns[1].len()), (&[1, 5][..], 2));
         assert_eq!((table.place(0), table.place(1)), (0, 4));
+    }
+
+    #[test]
+    fn a_nan_of_python_is_missing_and_one_in_a_text_is_a_word() {
+        let text = "{\"t\": NaN, \"NaN\": \"a \\\"NaN\\\\\", \"f\": NaN}\n{\"t\": 1}\n";
+        let table = read(Path::new("a.jsonl"), text.as_bytes()).unwrap();
+        assert_eq!(table.names.as_ref().unwrap(), &["NaN", "f", "t"]);
+        assert_eq!(table.columns[0].cell(0), Cell::Text("a \"NaN\\"));
+        assert_eq!(
+            (table.columns[1].cell(0), table.columns[2].cell(0)),
+            (Cell::Empty, Cell::Empty)
+        );
+        let error = read(Path::new("a.jsonl"), b"{\"t\": Infinity}\n").unwrap_err();
+        assert!(error.what.contains("without infinities"), "{error}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! joined.
 
 use super::clock::{Clock, clock};
+use super::counter::wrap_of;
 use super::mapping::{Equal, Mend};
 use super::recording::{Recording, Rows};
 use super::table::{Cells, ColumnRef};
@@ -72,6 +73,28 @@ impl Recording {
             Some(Clock::Seconds(values)) => self.table.columns[column] = Cells::Numbers(values),
         }
         Ok(())
+    }
+
+    /// What mends times that do not go on in one of these rows; nothing if they do, or if the row before is not
+    /// there.
+    pub(super) fn time_remedy(&self, column: usize, rows: &[usize], at: usize) -> Option<String> {
+        let times = self.numbers(column, rows).ok()?;
+        let [before, after] = [*times.get(at.checked_sub(1)?)?, *times.get(at)?];
+        if after > before {
+            return None;
+        }
+        Some(match wrap_of(&times) {
+            Some(wrap) => format!("a counter that starts over? set wrap = {wrap} in [time]"),
+            None if after < before => {
+                "if another recording begins there, set backwards = \"split\" in [time]; if a counter starts over, wrap; else \
+                 mend the recording"
+                    .to_owned()
+            }
+            None => {
+                "set equal = \"drop\" in [time] if rows come twice, or \"mean\"; or take the time from rate_hz or a counter"
+                    .to_owned()
+            }
+        })
     }
 
     /// Mends the times of the rows that are kept; `labels` part them into trials, and `numeric` are the
@@ -193,6 +216,23 @@ mod tests {
         report.unwrap_or_else(|e| panic!("{e:?}"));
         let t = world.column(1, Signal::Time);
         (world, t)
+    }
+
+    #[test]
+    fn times_that_do_not_go_on_are_refused_with_the_key_that_mends_them() {
+        let map = map("", "from = \"t\"\nunit = \"us\"\nzero = \"first\"\n");
+        let world = World::new();
+        for (times, remedy) in [
+            ("4294967200 4294967290 4 94", "set wrap = 4294967296 in [time]"),
+            ("0 100 100 200", "set equal = \"drop\" in [time]"),
+            ("0 100 200 0 100 200", "set backwards = \"split\" in [time]"),
+        ] {
+            let rows: String = times.split(' ').map(|t| format!("{t},1\n")).collect();
+            let file = world.file("a.csv", format!("t,f\n{rows}"));
+            world.refuses(&map, &file, remedy, None);
+            let errors = world.import_streamed(&map, &[file]).unwrap_err();
+            assert!(errors[0].remedy.contains(remedy), "{errors:?}");
+        }
     }
 
     #[test]

@@ -443,7 +443,8 @@ impl<'a> Growing<'a> {
         };
         if t.first().is_some_and(|t| *t <= last) {
             let what = format!("time runs backwards or stands still: {} s after {last} s", t[0]);
-            return error(what, "sort or mend the recording", 0);
+            let remedy = "set equal = \"drop\", wrap or backwards = \"split\" in [time], or sort the recording";
+            return error(what, remedy, 0);
         }
         let with_first: Vec<f64> = std::iter::once(first).chain(t.iter().copied()).collect();
         match check_time(&with_first) {
@@ -465,10 +466,13 @@ impl<'a> Growing<'a> {
         let place = ours.map(|c| name(&c.0)).position(|n| Some(&n) == error.column.as_ref());
         match (place, error.row) {
             (Some(i), Some(row)) => {
-                // An error counts rows from 1.
-                let row = parsed.rows.kept[stretch.range.start + row - 1];
-                let error =
-                    parsed.recording.cell_error(parsed.numeric[i], row, &error.what, &error.remedy);
+                // An error counts rows from 1. The time comes first.
+                let (at, rows) = (row - 1, &parsed.rows.kept[stretch.range.clone()]);
+                let (column, recording) = (parsed.numeric[i], &parsed.recording);
+                let is_time = i == 0 && self.plan.time.is_some();
+                let key = is_time.then(|| recording.time_remedy(column, rows, at)).flatten();
+                let remedy = key.unwrap_or(error.remedy);
+                let error = recording.cell_error(column, rows[at], &error.what, &remedy);
                 StoreError { row: error.row.map(|row| row + stretch.before.row), ..error }
             }
             _ => error,

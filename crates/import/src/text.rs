@@ -88,6 +88,9 @@ const EDF: &str = "an EDF file";
 const C3D: &str = "a C3D file of a motion capture system";
 const ACQKNOWLEDGE: &str = "a file of AcqKnowledge (BIOPAC)";
 const MAT_4: &str = "a MAT file of version 4";
+const JSON: &str = "one JSON array, and not JSON lines: those are one object a line";
+const AS_JSON_LINES: &str = "write them: python -c \"import sys, json; [print(json.dumps(row)) for row in json.load(open(sys.argv[1]))]\" \
+     IN.json > OUT.jsonl";
 const AS_CSV: &str = "in the program that made it, or in Python, write its numbers as CSV (UTF-8)";
 /// The line that converts an HDF5 file that is not read: its numbers by their path, as arrays of an
 /// archive, fields of tables and parts of complex numbers each by itself, unpacked as its attributes say.
@@ -137,9 +140,16 @@ pub(super) fn check_readable(path: &Path, bytes: &[u8]) -> Result<(), StoreError
         (None, [1..=8, 0x50, ..]) => (C3D, AS_CSV),
         (None, [0, ..]) if named("acq") => (ACQKNOWLEDGE, AS_CSV),
         (None, _) if named("mat") && is_mat_4(bytes) => (MAT_4, "save it again with -v7"),
+        (None, _) if is_json_array(bytes) => (JSON, AS_JSON_LINES),
         (None, _) => return Ok(()),
     };
     Err(StoreError::new(path, format!("this is {what}"), remedy))
+}
+
+/// Whether a text begins as a JSON array of objects does.
+fn is_json_array(bytes: &[u8]) -> bool {
+    let mut begins = bytes.iter().filter(|byte| !byte.is_ascii_whitespace());
+    (begins.next(), begins.next()) == (Some(&b'['), Some(&b'{'))
 }
 
 /// Whether a text begins with the head of an EDF file: the date stands at its place, with dots.

@@ -622,33 +622,14 @@ fn in_their_words(
     let mut ours = plan.taken.iter().map(|t| t.to.name()).chain(channels);
     match (ours.position(|name| Some(name) == error.column.as_deref()), error.row) {
         (Some(i), Some(row)) => {
-            let times =
-                plan.time.filter(|_| i == 0).and_then(|_| recording.numbers(numeric[0], rows).ok());
-            let mended = times.and_then(|times| mend_times(&times, row - 1));
-            let remedy = mended.as_ref().unwrap_or(&error.remedy);
-            // An error counts rows from 1.
-            recording.cell_error(numeric[i], rows[row - 1], &error.what, remedy)
+            // An error counts rows from 1. The time comes first.
+            let is_time = i == 0 && plan.time.is_some();
+            let key = is_time.then(|| recording.time_remedy(numeric[i], rows, row - 1)).flatten();
+            let remedy = key.unwrap_or(error.remedy);
+            recording.cell_error(numeric[i], rows[row - 1], &error.what, &remedy)
         }
         _ => error,
     }
-}
-
-/// What the mapping has for times that do not rise at a place.
-fn mend_times(times: &[f64], at: usize) -> Option<String> {
-    let (before, here) = (times.get(at.checked_sub(1)?)?, times.get(at)?);
-    let words = if here > before {
-        return None;
-    } else if let Some(wrap) = counter::wrap_of(times) {
-        format!("a counter that starts over? set wrap = {wrap} in [time]")
-    } else if here < before {
-        "if another recording begins there, set backwards = \"split\" in [time]; if a counter starts over, wrap; else mend the \
-         recording"
-            .to_owned()
-    } else {
-        "set equal = \"drop\" in [time] if rows come twice, or \"mean\"; or take the time from rate_hz or a counter"
-            .to_owned()
-    };
-    Some(words)
 }
 
 /// One trial's file.

@@ -1,9 +1,13 @@
 //! Data sets whose values have several fields: tables as h5py and PyTables write them, and the ranges of
 //! Octave, `0:0.001:1`, of which the file has the first, the last and the step.
 
+use super::super::limits::MOST_COLUMNS;
 use super::super::table::Cells;
+use super::super::text::HDF5;
+use super::links::MOST_DEPTH;
 use hdf5_pure::{
-    AttrValue, Dataset, Datatype, DatatypeByteOrder, FixedPointLayout, FloatingPointLayout,
+    AttrValue, CompoundMember, Dataset, Datatype, DatatypeByteOrder, FixedPointLayout,
+    FloatingPointLayout,
 };
 
 /// The fields of a table.
@@ -38,30 +42,28 @@ impl Fields {
     /// The fields of a data set; nothing if it is no table. A complex number is none, though it has two.
     pub(super) fn new(data: &Dataset) -> Option<Self> {
         let Ok(Datatype::Compound { size, members }) = data.datatype() else { return None };
-        let names: Vec<&str> = members.iter().map(|member| member.name.as_str()).collect();
-        if matches!(names[..], ["r", "i"] | ["real", "imag"]) {
+        if is_complex(&members) {
             return None;
         }
-        let all = members.iter().map(|member| {
-            Some(Field {
-                name: member.name.clone(),
-                from: usize::try_from(member.byte_offset).ok()?,
-                size: usize::try_from(member.datatype.type_size()).ok()?,
-                number: number(&member.datatype),
-            })
-        });
-        Some(Self { row: usize::try_from(size).ok()?, all: all.collect::<Option<_>>()? })
+        let mut all = Vec::new();
+        add_fields(&members, "", 0, &mut all)?;
+        Some(Self { row: usize::try_from(size).ok()?, all })
     }
 
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.all.iter().map(|field| field.name.as_str())
     }
 
-    /// The values of a field in so many rows; nothing if there is no such field with numbers, or not so many
-    /// rows.
+    /// The values of a field in so many rows, or why it has none; nothing if there is no such field, or not so
+    /// many rows.
     pub(super) fn values(&self, name: &str, bytes: &[u8], rows: usize) -> Option<Cells> {
         let field = self.all.iter().find(|field| field.name == name)?;
-        let number = field.number?;
+        let Some(number) = field.number else {
+            let what = format!(
+                "it is a field without numbers of its own (texts, arrays, complex); {HDF5}"
+            );
+            return Some(Cells::Other(what));
+        };
         let end = field.from.checked_add(field.size).filter(|end| *end <= self.row)?;
         if bytes.len() != rows.checked_mul(self.row)? {
             return None;
@@ -72,6 +74,38 @@ impl Fields {
         }
         Some(Cells::whole(cells.map(|cell| Some(number.whole(cell)))))
     }
+}
+
+/// Adds the fields of a table, those within fields by their path, `s/angle`; nothing if a place or a size is
+/// none, or if there are too many.
+fn add_fields(
+    members: &[CompoundMember],
+    before: &str,
+    base: usize,
+    all: &mut Vec<Field>,
+) -> Option<()> {
+    for member in members {
+        let name = format!("{before}{}", member.name);
+        let from = base.checked_add(usize::try_from(member.byte_offset).ok()?)?;
+        match &member.datatype {
+            Datatype::Compound { members, .. } if !is_complex(members) => {
+                (name.matches('/').count() < MOST_DEPTH).then_some(())?;
+                add_fields(members, &format!("{name}/"), from, all)?;
+            }
+            kind => {
+                (all.len() < MOST_COLUMNS).then_some(())?;
+                let size = usize::try_from(kind.type_size()).ok()?;
+                all.push(Field { name, from, size, number: number(kind) });
+            }
+        }
+    }
+    Some(())
+}
+
+/// Whether the fields are the two parts of complex numbers.
+fn is_complex(members: &[CompoundMember]) -> bool {
+    let names: Vec<&str> = members.iter().map(|member| member.name.as_str()).collect();
+    matches!(names[..], ["r", "i"] | ["real", "imag"])
 }
 
 /// How numbers of a type are written, if they are of the usual ones.

@@ -22,7 +22,7 @@ use arrow::array::Float64Array;
 use fields::{Fields, octave_range};
 use hdf5_pure::{AttrValue, DType, Dataset, Datatype, DatatypeByteOrder, File, Group};
 use links::{Links, MOST_DEPTH};
-use packing::Packing;
+use packing::{CHANNEL_FACTORS, Packing};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -339,12 +339,13 @@ impl<'a> Opened<'a> {
                 let cells = all.columns.swap_remove(place);
                 return Ok(Some(Column { cells, told: all.told.pop(), unit }));
             }
-            let Some((parent, field)) = full.rsplit_once('/') else { continue };
-            if let Some((_, _, data)) = self.find(parent)?
-                && let Some(fields) = Fields::new(&data)
-                && let Some(cells) = self.field(&data, &fields, field, take)?
-            {
-                return Ok(Some(Column::from(cells)));
+            for (at, _) in full.match_indices('/') {
+                if let Some((_, _, data)) = self.find(&full[..at])?
+                    && let Some(fields) = Fields::new(&data)
+                    && let Some(cells) = self.field(&data, &fields, &full[at + 1..], take)?
+                {
+                    return Ok(Some(Column::from(cells)));
+                }
             }
         }
         Ok(None)
@@ -424,7 +425,7 @@ impl<'a> Opened<'a> {
         if !take.budget.cells(rows) {
             return Err(too_much(path));
         }
-        let told = packing.words();
+        let told = packing.words(None);
         let cells = match data.dtype() {
             Ok(DType::I64) if packing.is_plain() => {
                 check_size(path, data, rows, self.length)?;
@@ -492,7 +493,7 @@ impl<'a> Opened<'a> {
         }
         let all = values(path, self.length, data, rows.saturating_mul(columns))?;
         let mut table = Table::default();
-        table.told.extend(packing.words());
+        table.told.extend(packing.words(factors.as_deref()));
         for place in 0..columns {
             table.columns.push(match wants(place) {
                 true if take.budget.cells(rows) => {
@@ -527,17 +528,17 @@ fn packing(
     own_name: &str,
     data: &Dataset,
 ) -> Result<(Packing, Option<Vec<f64>>), String> {
-    const FACTORS: &str = "channel_conversion";
     let packing = Packing::new(data)?;
-    if own_name != "data" || !group.names.iter().any(|name| name == FACTORS) {
+    if own_name != "data" || !group.names.iter().any(|name| name == CHANNEL_FACTORS) {
         return Ok((packing, None));
     }
-    let factors = group.group.dataset(FACTORS).and_then(|factors| factors.read_f64());
-    let factors = factors.map_err(|e| format!("{FACTORS} beside it cannot be read: {e}"))?;
+    let factors = group.group.dataset(CHANNEL_FACTORS).and_then(|factors| factors.read_f64());
+    let factors =
+        factors.map_err(|e| format!("{CHANNEL_FACTORS} beside it cannot be read: {e}"))?;
     if factors.iter().all(|factor| factor.is_finite()) {
         return Ok((packing, Some(factors)));
     }
-    Err(format!("{FACTORS} beside it has factors that are not finite"))
+    Err(format!("{CHANNEL_FACTORS} beside it has factors that are not finite"))
 }
 
 fn no_matrix(path: &Path, matrix: &str, what: String) -> StoreError {

@@ -11,6 +11,10 @@ use std::collections::HashMap;
 /// The factors that a data set may name; the second is that of NWB.
 const FACTORS: [&str; 2] = ["scale_factor", "conversion"];
 const OFFSETS: [&str; 2] = ["add_offset", "offset"];
+/// The data set beside the numbers that has a factor for each channel, in NWB.
+pub(super) const CHANNEL_FACTORS: &str = "channel_conversion";
+/// Factors of channels that are told.
+const MOST_NAMED: usize = 8;
 const MISSING: [&str; 2] = ["_FillValue", "missing_value"];
 
 /// How the numbers of a data set become those that are meant.
@@ -118,12 +122,19 @@ impl Packing {
         stored.map(meant).collect()
     }
 
-    /// What was applied, in words; nothing if nothing was.
-    pub(super) fn words(&self) -> Option<String> {
+    /// What was applied, in words, with the factors of channels if there are any; nothing if nothing was.
+    pub(super) fn words(&self, channels: Option<&[f64]>) -> Option<String> {
         let Self { factor, offset, .. } = self;
-        (!self.names.is_empty()).then(|| {
-            let names = self.names.join(", ");
-            format!("its numbers are those stored × {factor} + {offset}, as its attributes say ({names})")
+        let names = self.names.iter().copied().chain(channels.map(|_| CHANNEL_FACTORS));
+        let names = Vec::from_iter(names).join(", ");
+        let each = channels.map(|channels| {
+            let some = channels.iter().take(MOST_NAMED).map(f64::to_string).collect::<Vec<_>>();
+            let more = if channels.len() > MOST_NAMED { ", …" } else { "" };
+            format!(" × {}{more} channel by channel", some.join(", "))
+        });
+        let each = each.unwrap_or_default();
+        (!names.is_empty()).then(|| {
+            format!("its numbers are those stored × {factor}{each} + {offset}, as its attributes say ({names})")
         })
     }
 }

@@ -440,6 +440,42 @@ pub(in super::super) fn compound() -> Vec<u8> {
     file.finish().unwrap()
 }
 
+/// A table of h5py whose second field has fields itself.
+pub(in super::super) fn nested() -> Vec<u8> {
+    let within = CompoundTypeBuilder::new().f64_field("angle").f64_field("F").build().unwrap();
+    let kind = CompoundTypeBuilder::new().f64_field("t").field("s", within);
+    let rows = [0.0_f64, 1.5, 2.5, 0.5, 3.5, 4.5].map(f64::to_le_bytes).concat();
+    let mut file = FileBuilder::new();
+    file.create_dataset("log").with_raw_data(kind.build().unwrap(), rows, 2);
+    file.finish().unwrap()
+}
+
+#[test]
+fn fields_within_fields_come_by_their_path() {
+    let found = read_named(nested(), &["log/t", "log/s/angle", "log.s.F"]).unwrap();
+    assert_eq!(found, [[0.0, 0.5], [1.5, 3.5], [2.5, 4.5]]);
+    let table = read(nested(), Some("log"), Order::Rows).unwrap();
+    assert_eq!(table.names.unwrap(), ["t", "s/angle", "s/F"]);
+    let table = take_named(compound(), &named(&["data/who"])).unwrap();
+    let why = table.find(&named(&["data/who"])[0]).unwrap_err();
+    assert!(why.contains("a field without numbers") && why.contains("python -c"), "{why}");
+}
+
+#[test]
+fn factors_of_channels_are_told_beside_the_factor_of_all() {
+    let mut file = FileBuilder::new();
+    let mut rig = file.create_group("rig");
+    let data = rig.create_dataset("data").with_i16_data(&[1, 2, 3, 4]).with_shape(&[2, 2]);
+    data.set_attr("conversion", AttrValue::F64(0.25));
+    rig.create_dataset("channel_conversion").with_f64_data(&[0.5, 2.0]).with_shape(&[2]);
+    file.add_group(rig.finish());
+    let table = read(file.finish().unwrap(), Some("rig/data"), Order::Rows).unwrap();
+    assert_eq!(numbers(&table.columns[0]), [0.125, 0.375]);
+    assert_eq!(numbers(&table.columns[1]), [1.0, 2.0]);
+    let told = "those stored × 0.25 × 0.5, 2 channel by channel + 0, as its attributes say (conversion, channel_conversion)";
+    assert!(table.told[0].contains(told), "{:?}", table.told);
+}
+
 #[test]
 fn the_fields_of_a_table_come_by_their_name() {
     let found = read_named(compound(), &["data/t", "data.n"]).unwrap();

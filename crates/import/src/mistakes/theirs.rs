@@ -206,7 +206,7 @@ pub(super) fn kinds() -> Vec<Row> {
         ),
         file(
             "JSON that is no lines",
-            (Refused, "the extension 'json' names no known format"),
+            (Refused, "one JSON array, and not JSON lines"),
             "",
             "a.json",
             "[{\"t\":0,\"f\":1}]",
