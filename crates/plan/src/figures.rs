@@ -105,7 +105,17 @@ pub fn chosen_in_vain(data: &StudyData) -> Vec<String> {
     let vain = chosen.into_iter().filter(|id| !names.iter().any(|name| is_of(name, id)));
     let vain = vain
         .map(|id| format!("the choice figures.{id} of study.toml: the study has no such figure"));
-    vain.chain(sessions_in_vain(data)).chain(compare::asked_in_vain(study)).collect()
+    let of_loops = study.figures.choices().map(|(id, _)| id).filter(|id| is_of(id, "loops"));
+    let of_loops = of_loops.map(|id| {
+        format!(
+            "the choice figures.{id} of study.toml: force against position is averaged at the angle, whatever is chosen; \
+             remove it"
+        )
+    });
+    vain.chain(of_loops)
+        .chain(sessions_in_vain(data))
+        .chain(compare::asked_in_vain(study))
+        .collect()
 }
 
 /// The sessions that are to have figures of their own, and have no trial that counts.

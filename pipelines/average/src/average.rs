@@ -122,12 +122,11 @@ where
     }
     let t_s = grid(average_length_s(aligned.iter().map(Aligned::length_s).collect()), points);
     let count = |t: &f64| aligned.iter().filter(|a| a.length_s() >= *t).count();
-    let simulated = trials.iter().map(|t| t.meta.source).find(|source| source.is_simulated());
     Ok(Average {
         participant: first.meta.participant.clone(),
         session: first.meta.session.clone(),
         condition: first.meta.condition(),
-        source: simulated.unwrap_or(first.meta.source),
+        source: source_of(&trials),
         n: t_s.iter().map(count).collect(),
         courses: courses(&aligned, &t_s, parameters.analysis.confidence)?,
         repeats: aligned.iter().map(repeat).collect(),
@@ -152,6 +151,13 @@ pub fn times_s(
     let placed = place(&recorded, parameters, alignment)?;
     let of = |trial: &Trial| placed.aligned.iter().find(|a| std::ptr::eq(a.meta(), &trial.meta));
     Ok(trials.iter().map(|trial| of(trial).map(Aligned::times_s)).collect())
+}
+
+/// Simulated if any of the trials is, else as the first; of no trial nothing is said.
+pub(crate) fn source_of(trials: &[Recorded]) -> Source {
+    let mut sources = trials.iter().map(|trial| trial.meta.source);
+    let first = trials.first().map(|trial| trial.meta.source);
+    sources.find(|source| source.is_simulated()).or(first).unwrap_or(Source::Recorded)
 }
 
 /// Repeats on the scale of their average.

@@ -4,7 +4,7 @@
 //! pairs of force and angle that occur in no repeat wherever repeats turn or let go at different angles.
 //! At one angle the mean of the forces lies between theirs.
 
-use crate::average::{Parameters, Placed, place};
+use crate::average::{Parameters, Placed, place, source_of};
 use crate::{AverageError, LeftOut};
 use zwidth_numerics::series::interpolate_all;
 use zwidth_stats::band::{Band, band};
@@ -82,6 +82,12 @@ pub(crate) struct Course {
     pub(crate) loads: Vec<(Signal, Vec<f64>)>,
 }
 
+impl Course {
+    fn load(&self, signal: Signal) -> Option<&[f64]> {
+        self.loads.iter().find(|(of, _)| *of == signal).map(|(_, values)| values.as_slice())
+    }
+}
+
 impl MeanBranch {
     /// The same of groups of courses that follow each other, so many in each: within a group the plain
     /// mean, then mean and band over groups.
@@ -104,10 +110,8 @@ impl MeanBranch {
         for count in counts {
             let (group, others) = rest.split_at(*count);
             let load = |signal: Signal| {
-                let of = |course: &Course| {
-                    course.loads.iter().find(|(of, _)| *of == signal).map(|(_, v)| v.clone())
-                };
-                let all: Vec<Vec<f64>> = group.iter().map(of).collect::<Option<_>>()?;
+                let all: Vec<&[f64]> =
+                    group.iter().map(|course| course.load(signal)).collect::<Option<_>>()?;
                 let mean = |i: usize| all.iter().map(|v| v[i]).sum::<f64>() / all.len() as f64;
                 Some((signal, (0..all.first()?.len()).map(mean).collect()))
             };
@@ -164,16 +168,16 @@ where
         held.push(Course { theta_rad: Vec::new(), loads: of_held });
         ways_out.extend(back.map(|back| Course { theta_rad: angles(&back), loads: of_out }));
     }
-    let simulated = trials.iter().map(|t| t.meta.source).find(|source| source.is_simulated());
     let level = parameters.analysis.confidence;
     let returning = ways_out.len();
-    let out = if returning == aligned.len() { ways_out.as_slice() } else { &[] };
+    let n = ways_in.len();
+    let out = if returning == n { ways_out.as_slice() } else { &[] };
     Ok(MeanLoop {
         participant: first.meta.participant.clone(),
         session: first.meta.session.clone(),
         condition: first.meta.condition(),
-        source: simulated.unwrap_or(first.meta.source),
-        n: aligned.len(),
+        source: source_of(&trials),
+        n,
         returning,
         left_out,
         branches: branches([&ways_in, &held, out], level)?,
@@ -230,11 +234,8 @@ fn mean(
 ) -> Result<MeanBranch, AverageError> {
     let mut loads = Vec::new();
     for signal in LOADS {
-        let of = |course: &Course| {
-            let values = course.loads.iter().find(|(of, _)| *of == signal).map(|(_, v)| v)?;
-            Some(values.iter().copied().map(Some).collect::<Vec<Option<f64>>>())
-        };
-        let rows: Option<Vec<Vec<Option<f64>>>> = courses.iter().map(of).collect();
+        let row = |course: &Course| Some(course.load(signal)?.iter().copied().map(Some).collect());
+        let rows: Option<Vec<Vec<Option<f64>>>> = courses.iter().map(row).collect();
         if let Some(rows) = rows.filter(|rows| !rows.is_empty()) {
             loads.push((signal, band(&rows, level)?));
         }

@@ -1,7 +1,12 @@
 //! What an average says of itself: where it ends, where repeats drop out, what it is aligned by.
 
-use crate::Average;
+use crate::{Average, LeftOut};
 use zwidth_tables::NoteKind;
+
+/// Which trials are not averaged, and why.
+pub(crate) fn not_averaged(name: &str, trials: &[LeftOut]) -> impl Iterator<Item = String> {
+    trials.iter().map(move |l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why))
+}
 
 impl Average {
     /// In words: where the average ends and where repeats drop out of it before, by which landmarks
@@ -11,10 +16,7 @@ impl Average {
             "{} {} {} {}",
             self.participant, self.session, self.condition.environment, self.condition.mode
         );
-        let left_out = self
-            .left_out
-            .iter()
-            .map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
+        let left_out = not_averaged(&name, &self.left_out);
         let end = self.end_note(&name).map(|note| (NoteKind::Extent, note));
         let landmarks = self.landmark_note(&name).map(|note| (NoteKind::Alignment, note));
         let left_out = left_out.map(|note| (NoteKind::General, note));

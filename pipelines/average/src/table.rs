@@ -3,6 +3,7 @@
 use crate::WhyNot;
 use crate::average::{Average, Course, SIGNALS};
 use crate::loops::{LOADS, MeanBranch, MeanLoop};
+use crate::notes::not_averaged;
 use std::borrow::Cow;
 use zwidth_stats::band::Band;
 use zwidth_store::Signal;
@@ -76,10 +77,7 @@ pub fn loop_table(of: &MeanLoop) -> Result<Table, TableError> {
         "{} {} {} {}",
         of.participant, of.session, of.condition.environment, of.condition.mode
     );
-    let left_out = of
-        .left_out
-        .iter()
-        .map(|l| format!("{name}: trial {} is not averaged: {}.", l.trial, l.why));
+    let left_out = not_averaged(&name, &of.left_out);
     let some_stay = (0 < of.returning && of.returning < of.n).then(|| {
         format!("{name}: {} of {} repeats return; their way back has no mean.", of.returning, of.n)
     });

@@ -166,6 +166,8 @@ fn a_study_chooses_per_figure_how_repeats_are_averaged() {
         .exits(1)
         .one_error()
         .says(&["study.toml", "\"onset\" or \"landmarks\""]);
+    choose("loops.alignment = \"landmarks\"");
+    zwidth(root.path(), &["run"]).exits(3).says(&["figures.loops", "averaged at the angle"]);
     choose("modes.P09.alignment = \"landmarks\"");
     zwidth(root.path(), &["run"]).exits(3).says(&["figures.modes.P09", "no such figure"]);
 }
