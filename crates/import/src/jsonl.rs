@@ -122,7 +122,7 @@ fn without_nan(line: &str) -> Cow<'_, str> {
     // A quote behind a backslash does not end a text; a backslash behind one is a letter.
     let (mut in_text, mut escaped, mut from) = (false, false, 0);
     for (at, letter) in line.char_indices() {
-        if !in_text && line[at..].starts_with("NaN") {
+        if !in_text && at >= from && line[at..].starts_with("NaN") {
             plain.push_str(&line[from..at]);
             plain.push_str("null");
             from = at + "NaN".len();
@@ -204,8 +204,10 @@ mod tests {
             (table.columns[1].cell(0), table.columns[2].cell(0)),
             (Cell::Empty, Cell::Empty)
         );
-        let error = read(Path::new("a.jsonl"), b"{\"t\": Infinity}\n").unwrap_err();
-        assert!(error.what.contains("without infinities"), "{error}");
+        for bad in ["{\"t\": Infinity}\n", "{\"t\": NaNaN}\n"] {
+            let error = read(Path::new("a.jsonl"), bad.as_bytes()).unwrap_err();
+            assert!(error.what.contains("without infinities"), "{error}");
+        }
     }
 
     #[test]
