@@ -260,7 +260,7 @@ fn likert() -> Figure {
         let answers = ["strongly disagree", "disagree", "neutral", "agree", "strongly agree"];
         let layer = Layer::Likert(Likert {
             answers: answers.map(String::from).to_vec(),
-            rows: rows.map(|row| row.to_vec()).to_vec(),
+            rows: rows.map(|row| vec![row.to_vec()]).to_vec(),
             scale: LikertScale::Counts,
         });
         let mut x = Axis::new("← negative     answers     positive →", "").linked("answers");

@@ -372,15 +372,15 @@ pub struct Intervals {
     pub name: Option<String>,
 }
 
-/// Diverging stacked bars: one row of boxes a group of people, one box an answer, with its count
-/// inside. The middle answer of an odd number straddles zero, so that the bar leans to the side
+/// Diverging stacked bars: one row of boxes a group of answers, one box an answer, with its count
+/// inside; or a thin strip for each person, one under the other, without counts. The middle answer of an odd number straddles zero, so that the bar leans to the side
 /// that the answers lean to. Belongs on `y: Axis::categories(rows)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Likert {
     /// The answers from the most negative to the most positive: the legend.
     pub answers: Vec<String>,
-    /// For each row of the y axis the count of each answer.
-    pub rows: Vec<Vec<u32>>,
+    /// For each row of the y axis its strips, from the top: of each the count of each answer.
+    pub rows: Vec<Vec<Vec<u32>>>,
     /// What a box's length means. The number inside is a count in either case.
     pub scale: LikertScale,
 }
@@ -390,7 +390,7 @@ pub struct Likert {
 pub enum LikertScale {
     /// Number of answers.
     Counts,
-    /// Per cent of the row's answers: for rows of unequal totals.
+    /// Per cent of the strip's answers: for people or rows of unequal totals.
     Percent,
 }
 

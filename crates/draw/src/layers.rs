@@ -168,12 +168,18 @@ impl Plot<'_> {
     fn likert(&self, likert: &Likert) -> Outcome {
         let zero = curve::cut_line(&[(0.0, self.window.y.0), (0.0, self.window.y.1)], &self.window);
         zero.into_iter().try_for_each(|zero| self.curve(zero, style::zero()))?;
-        for (row, counts) in likert.rows.iter().enumerate() {
-            let mut taken_pt = f64::NEG_INFINITY;
-            for segment in likert::segments(counts, likert.scale) {
-                let colour = style::likert_colour(segment.answer, likert.answers.len());
-                if let Some(room_pt) = self.segment(&segment, row as f64, colour)? {
-                    taken_pt = self.count(segment.count, row as f64, room_pt, colour, taken_pt)?;
+        for (row, strips) in likert.rows.iter().enumerate() {
+            let height = 2.0 * HALF_BAR / strips.len().max(1) as f64;
+            for (strip, counts) in strips.iter().enumerate() {
+                let top = row as f64 - HALF_BAR + strip as f64 * height;
+                let mut taken_pt = f64::NEG_INFINITY;
+                for segment in likert::segments(counts, likert.scale) {
+                    let colour = style::likert_colour(segment.answer, likert.answers.len());
+                    let room_pt = self.segment(&segment, (top, top + height), colour)?;
+                    if let (Some(room_pt), [_]) = (room_pt, &strips[..]) {
+                        let count = segment.count;
+                        taken_pt = self.count(count, row as f64, room_pt, colour, taken_pt)?;
+                    }
                 }
             }
         }
@@ -181,14 +187,19 @@ impl Plot<'_> {
     }
 
     /// Draws the part of a box that the plot shows and says where on the page it begins and ends.
-    fn segment(&self, segment: &Segment, row: f64, colour: Colour) -> Result<Option<Ends>, Error> {
+    fn segment(
+        &self,
+        segment: &Segment,
+        (top, bottom): Ends,
+        colour: Colour,
+    ) -> Result<Option<Ends>, Error> {
         let (from, to) = (segment.from.max(self.window.x.0), segment.to.min(self.window.x.1));
         if from >= to {
             return Ok(None);
         }
         let page = (self.x.pt(from), self.x.pt(to));
         let seam = SEAM_PT.min((page.1 - page.0) / 4.0) * (to - from) / (page.1 - page.0);
-        let corners = [(from + seam, row - HALF_BAR), (to - seam, row + HALF_BAR)];
+        let corners = [(from + seam, top), (to - seam, bottom)];
         self.area.draw(&Rectangle::new(corners, rgb(colour).filled())).map_err(refused)?;
         Ok(Some(page))
     }

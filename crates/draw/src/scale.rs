@@ -126,7 +126,7 @@ fn arrays(layer: &Layer) -> Vec<(&'static str, &[f64])> {
 fn has_data(layer: &Layer) -> bool {
     match layer {
         Layer::Reference(_) | Layer::Text(_) => false,
-        Layer::Likert(likert) => likert.rows.iter().flatten().any(|&count| count > 0),
+        Layer::Likert(likert) => likert.rows.iter().flatten().flatten().any(|&count| count > 0),
         _ => match arrays(layer)[..] {
             [(_, a), (_, b), ..] => a.iter().zip(b).any(|(a, b)| a.is_finite() && b.is_finite()),
             _ => false,
@@ -252,7 +252,8 @@ fn check_likert(likert: &Likert, panel: &Panel) -> Result<(), Error> {
     let lengths = |first, first_len, second, second_len| {
         Err(Error::Lengths { panel: name(panel), first, first_len, second, second_len })
     };
-    if let Some(row) = likert.rows.iter().find(|row| row.len() != likert.answers.len()) {
+    let strips = likert.rows.iter().flatten();
+    if let Some(row) = strips.clone().find(|row| row.len() != likert.answers.len()) {
         return lengths("answers", likert.answers.len(), "a row of counts", row.len());
     }
     match &panel.y.ticks {
@@ -266,7 +267,8 @@ fn check_likert(likert: &Likert, panel: &Panel) -> Result<(), Error> {
 
 /// What the bars of all rows cover, zero included.
 fn likert_extent(likert: &Likert) -> Option<Ends> {
-    let segments = likert.rows.iter().flat_map(|row| likert::segments(row, likert.scale));
+    let strips = likert.rows.iter().flatten();
+    let segments = strips.flat_map(|counts| likert::segments(counts, likert.scale));
     let ends = segments.fold((0.0_f64, 0.0_f64), |(a, b), s| (a.min(s.from), b.max(s.to)));
     (ends.0 < ends.1).then_some(ends)
 }

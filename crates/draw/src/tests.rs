@@ -17,7 +17,7 @@ static GALLERY: LazyLock<BTreeMap<&str, Drawing>> = LazyLock::new(|| {
 
 /// Figures with as little room as they can do with.
 fn crowded() -> Vec<(&'static str, Figure)> {
-    let row = |i: u32| vec![1, i % 7, 90 - i % 7, 0, 1 + i % 3, 2, 1];
+    let row = |i: u32| vec![vec![1, i % 7, 90 - i % 7, 0, 1 + i % 3, 2, 1]];
     let items =
         (0..24).map(|i| format!("{i}. I felt that the virtual shoes moved as my own would"));
     let survey = Likert {
@@ -452,7 +452,9 @@ fn any_layer() -> impl Strategy<Value = Layer> {
             }),
             4 => Layer::Likert(Likert {
                 answers: ["no", "", "yes"].map(String::from).to_vec(),
-                rows: [x, low].map(|row| row[..3].iter().map(|v| *v as u32).collect()).to_vec(),
+                rows: [x, low]
+                    .map(|row| vec![row[..3].iter().map(|v| *v as u32).collect()])
+                    .to_vec(),
                 scale: LikertScale::Counts,
             }),
             _ => Layer::Reference(Reference {

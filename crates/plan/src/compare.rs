@@ -7,7 +7,7 @@ use crate::{likert, likert_figures, metrics};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_compare::{AnswerParameters, DrawnOrder, Parameters, SessionOrder};
+use zwidth_compare::{AnswerParameters, DrawnOrder, Noticed, Parameters, SessionOrder};
 use zwidth_figures::{
     ANSWERS_COMPARED, About, AnswersPage, ComparedTables, FigureKind, MODES_COMPARED,
     PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
@@ -15,7 +15,7 @@ use zwidth_figures::{
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, StudyData};
 use zwidth_study::order::Rules;
-use zwidth_study::{Bound, Environment, Event, MetricId, Source, Study};
+use zwidth_study::{Bound, Coordinate, Environment, Event, MetricId, Source, Study, is_felt};
 use zwidth_tables::Table;
 
 const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
@@ -32,7 +32,7 @@ const OTHERS: [&str; 6] = [
 ];
 
 /// What a metric's tables are, by the beginning of their names, in the order of the job's outputs.
-const TABLES: [&str; 10] = [
+const TABLES: [&str; 11] = [
     "cells",
     "means",
     "contrasts",
@@ -43,6 +43,7 @@ const TABLES: [&str; 10] = [
     "learning",
     "repeats",
     "orders",
+    "redrawn",
 ];
 
 /// By what a study is compared.
@@ -201,7 +202,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
     names.retain(|table| match *table {
         "omnibus" | "models" | "participants" => several,
         "sessions" => several && again,
-        "cells" | "repeats" => false,
+        "cells" | "repeats" | "redrawn" => false,
         _ => true,
     });
     for metric in compared(data) {
@@ -248,13 +249,32 @@ fn parameters(data: &StudyData, metric: &str) -> Parameters {
         simulated: data.counting().any(|trial| trial.meta.source.is_simulated()),
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         bounds: study.environments.iter().map(bound).collect(),
+        noticed: noticed(study, metric),
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
         contrasts: compare.contrasts.clone(),
         families: compare.families,
         alpha: compare.alpha,
         level: compare.level,
+        effect_sizes: compare.effect_sizes.clone(),
         orders: data.sessions.iter().map(|log| order(log, study)).collect(),
     }
+}
+
+/// From which difference on a metric is noticed, if anybody feels it. How far a hand must go to be
+/// elsewhere is known of joints, not of slides.
+fn noticed(study: &Study, metric: &str) -> Option<Noticed> {
+    let is_way =
+        metric.ends_with("_m") || metric.ends_with("_rad") && !metric.ends_with("_per_rad");
+    let is_slide = matches!(study.coordinate, Coordinate::Linear { .. });
+    (is_felt(metric) && !(is_slide && is_way)).then(|| Noticed {
+        perception: study.perception.clone(),
+        lever_m: study.device.lever_m.unwrap_or(0.0),
+        commanded: study
+            .environments
+            .iter()
+            .map(|environment| zwidth_metrics::commanded(metric, &environment.scene))
+            .collect(),
+    })
 }
 
 /// How the order of a session came about. It was drawn for the study as it was then.
@@ -377,6 +397,7 @@ fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<M
         found.learning,
         found.repeats,
         found.orders,
+        found.redrawn,
     ];
     write_tables(&tables, making, Vec::new())
 }
@@ -466,12 +487,13 @@ fn draw_answers(of: &AnswersDrawn, files: &Vec<PathBuf>) -> Figured {
 }
 
 /// A metric's tables as figures see them.
-struct Read([Table; 6]);
+struct Read([Table; 7]);
 
 impl Read {
     fn of(files: &[PathBuf]) -> Result<Self, JobError> {
-        let [cells, means, contrasts, _, _, participants, sessions, _, repeats, _] = files else {
-            return Err("a metric has ten tables".into());
+        let [cells, means, contrasts, _, _, participants, sessions, _, repeats, _, redrawn] = files
+        else {
+            return Err("a metric has eleven tables".into());
         };
         let read = |file: &PathBuf| Table::from_parquet(file);
         Ok(Self([
@@ -481,12 +503,13 @@ impl Read {
             read(participants)?,
             read(sessions)?,
             read(repeats)?,
+            read(redrawn)?,
         ]))
     }
 
     fn tables(&self) -> ComparedTables<'_> {
-        let [cells, means, contrasts, participants, sessions, repeats] = &self.0;
-        ComparedTables { cells, means, contrasts, participants, sessions, repeats }
+        let [cells, means, contrasts, participants, sessions, repeats, redrawn] = &self.0;
+        ComparedTables { cells, means, contrasts, participants, sessions, repeats, redrawn }
     }
 }
 

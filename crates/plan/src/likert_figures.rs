@@ -10,7 +10,7 @@ use zwidth_store::StudyData;
 use zwidth_study::{Environment, Question, Source};
 use zwidth_tables::Table;
 
-/// What a page depends on besides the tally.
+/// What a page depends on besides the answers.
 #[derive(Serialize)]
 struct Page {
     about: About,
@@ -24,9 +24,10 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     let overview = (LIKERT, zwidth_figures::likert_overview(&asked));
     let items = (LIKERT_ITEMS, zwidth_figures::likert_items(&asked));
     let mut drawings = Vec::new();
+    let answers = long(data);
     for (kind, pages) in [overview, items] {
         for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
-            drawings.push(draw_page(data, kind, number, page, tally.clone()));
+            drawings.extend(answers.clone().map(|file| draw_page(data, kind, number, page, file)));
         }
     }
     let pages = zwidth_figures::ratings_pages(&asked);
@@ -47,7 +48,7 @@ fn draw_page(
     kind: FigureKind,
     number: Option<String>,
     page: LikertPage,
-    tally: PathBuf,
+    answers_file: PathBuf,
 ) -> Drawing {
     let of_page = |answer: &&zwidth_store::Answer| {
         let question = data.study.question(&answer.question);
@@ -56,7 +57,7 @@ fn draw_page(
     let answers = data.answers.iter().filter(of_page).count();
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let page = Page { about: About::of(&data.study), page, sources };
-    Drawing::new(data, kind, number, page, tally, draw).of(answers)
+    Drawing::new(data, kind, number, page, answers_file, draw).of(answers)
 }
 
 /// What a page of answers on scales of many points depends on besides the tables.
@@ -103,8 +104,8 @@ pub(crate) fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)
     asked
 }
 
-fn draw(page: &Page, tally: &PathBuf) -> Figured {
-    let tally = Table::from_parquet(tally)?;
+fn draw(page: &Page, answers: &PathBuf) -> Figured {
+    let answers = Table::from_parquet(answers)?;
     let Page { about, page, sources } = page;
-    Ok((zwidth_figures::likert(about, page, &tally, sources)?, Vec::new()))
+    Ok((zwidth_figures::likert(about, page, &answers, sources)?, Vec::new()))
 }

@@ -14,6 +14,7 @@ pub mod bootstrap;
 pub mod clm;
 pub mod clmm;
 pub mod design_guard;
+pub mod effect;
 mod error;
 pub mod f_distribution;
 pub mod friedman;

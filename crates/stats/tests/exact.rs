@@ -17,7 +17,7 @@ use zwidth_stats::agreement::agreement;
 use zwidth_stats::null::Sampling;
 use zwidth_stats::rm_anova::rm_anova;
 use zwidth_stats::sharp_null::{Statistic, Trials};
-use zwidth_stats::{bca, friedman, holm, paired, sign_flip, signed_rank};
+use zwidth_stats::{bca, effect, friedman, holm, paired, sign_flip, signed_rank};
 
 const SAMPLING: Sampling = Sampling { draws: 999, seed: 1 };
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/interop/stats/exact.py");
@@ -109,7 +109,16 @@ fn paired_t(case: &Value) {
     near(found.p_value, &case["p"], 1e-8, case);
     near(found.ci_low, &case["ci"][0], 1e-6, case);
     near(found.ci_high, &case["ci"][1], 1e-6, case);
-    near(paired::d_av(&pairs).unwrap(), &case["d_av"], 1e-12, case);
+    let (d_z, d_av) = (effect::d_z(&pairs, 0.95).unwrap(), effect::d_av(&pairs, 0.95).unwrap());
+    near(d_av.d, &case["d_av"]["d"], 1e-12, case);
+    for (effect, expected) in [(d_z, &case["d_z"]), (d_av, &case["d_av"])] {
+        let interval = effect.interval.unwrap();
+        near(interval[0], &expected["ci"][0], 1e-6, case);
+        near(interval[1], &expected["ci"][1], 1e-6, case);
+        if let Some(g) = effect.g {
+            near(g, &expected["g"], 1e-9, case);
+        }
+    }
     let (bound, expected) = (case["bound"].as_f64().unwrap(), &case["tost"]);
     let tost = paired::equivalence(&found, bound, 0.05).unwrap();
     near(tost.p_lower, &expected["lower"], 1e-8, case);
@@ -190,7 +199,7 @@ fn repeated(case: &Value) {
     let ranked = friedman::test(&slices, SAMPLING).unwrap();
     near(ranked.concordance, &case["concordance"], 1e-12, case);
     let pairs: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
-    near(paired::d_av(&pairs).unwrap(), &case["d_av"], 1e-12, case);
+    near(effect::d_av(&pairs, 0.95).unwrap().d, &case["d_av"], 1e-12, case);
 }
 
 /// Checks a number to a share of its size.

@@ -24,6 +24,8 @@ pub struct Compare {
     pub level: f64,
     /// Which contrasts of a metric are claimed together.
     pub families: Families,
+    /// Sizes of differences without unit that are given, each once.
+    pub effect_sizes: Vec<EffectSize>,
 }
 
 /// The difference of two modes: `mode` − `against`.
@@ -56,7 +58,36 @@ pub enum Families {
     Environment,
 }
 
+/// A size of a difference between two modes without unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EffectSize {
+    /// In standard deviations of people within a mode, without bias where people are few.
+    GAv,
+    /// In those of people's differences, without bias.
+    GZ,
+    /// As `g_av`, as the sample has it.
+    DAv,
+    /// As `g_z`, as the sample has it.
+    DZ,
+}
+
+impl EffectSize {
+    /// Its name in files and tables.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::GAv => "g_av",
+            Self::GZ => "g_z",
+            Self::DAv => "d_av",
+            Self::DZ => "d_z",
+        }
+    }
+}
+
 impl Compare {
+    /// Effect sizes if a study does not choose any.
+    pub const EFFECT_SIZES: [EffectSize; 1] = [EffectSize::GAv];
+
     /// The level of significance if a study does not give one.
     pub const ALPHA: f64 = 0.05;
 }

@@ -64,6 +64,47 @@ impl Perception {
         }
     }
 
+    /// What [`Perception::bound`] takes for a unit, and whose finding that is.
+    pub fn source(&self, unit: &str) -> Option<String> {
+        let known = Self::default();
+        let of = |value: f64, usual: f64, source: &str| match value.to_bits() == usual.to_bits() {
+            true => source.to_owned(),
+            false => "study.toml".to_owned(),
+        };
+        let percent = |share: f64| format!("{} %", (1e4 * share).round() / 100.0);
+        let angle = || {
+            let degrees = (1e4 * self.angle_rad.to_degrees()).round() / 1e4;
+            let source = of(self.angle_rad, known.angle_rad, "of the wrist, Tan et al. 1994");
+            format!("{degrees}° ({source})")
+        };
+        Some(match unit {
+            "rad" => angle(),
+            "m" => format!("the lever's way over {}", angle()),
+            "N" | "J" => {
+                let source = of(self.force_share, known.force_share, "Pang, Tan & Durlach 1991");
+                let least = match unit {
+                    "N" => format!(", at least {} N", self.force_floor_n),
+                    _ => String::new(),
+                };
+                format!("{} of the force ({source}){least}", percent(self.force_share))
+            }
+            "N/rad" => {
+                let source =
+                    of(self.compliance_share, known.compliance_share, "Tan, Pang & Durlach 1992");
+                format!("{} of the stiffness ({source})", percent(self.compliance_share))
+            }
+            "N·s/rad" => {
+                let source = of(
+                    self.viscosity_share,
+                    known.viscosity_share,
+                    "Jones, Hunter & Lafontaine 1997",
+                );
+                format!("{} of the viscosity ({source})", percent(self.viscosity_share))
+            }
+            _ => return None,
+        })
+    }
+
     /// How far a number is off the right one, over the difference that is just noticed; `None`
     /// where that is not known for the unit. Where one of the two is missing it is off without
     /// limit, and where both are, not at all.
@@ -198,6 +239,20 @@ mod tests {
             (felt.off(None, None, "m", 0.05), felt.bound(1.0, "s", 0.05)),
             (Some(0.0), None)
         );
+    }
+
+    #[test]
+    fn a_bound_names_whose_finding_it_is_unless_the_study_chose_it() {
+        let own = Perception { compliance_share: 0.1, ..Perception::default() };
+        assert_eq!(
+            Perception::default().source("N/rad").unwrap(),
+            "8 % of the stiffness (Tan, Pang & Durlach 1992)"
+        );
+        assert_eq!(own.source("N/rad").unwrap(), "10 % of the stiffness (study.toml)");
+        assert_eq!(own.source("rad").unwrap(), "2° (of the wrist, Tan et al. 1994)");
+        for unit in ["rad", "m", "N", "J", "N/rad", "N·s/rad", "s", "1"] {
+            assert_eq!(own.source(unit).is_some(), own.bound(1.0, unit, 0.05).is_some(), "{unit}");
+        }
     }
 
     #[test]

@@ -7,11 +7,12 @@ use crate::orders::{NoTest, SharpNull};
 use crate::together::CONTRASTS;
 use crate::unit::Unit;
 use crate::{CompareError, Parameters, columns};
+use zwidth_stats::effect::{self, Effect};
 use zwidth_stats::null::Sampling;
 use zwidth_stats::paired::{self, Verdict};
 use zwidth_stats::sharp_null::Randomised;
 use zwidth_stats::{StatsError, Tested, Unestimable, holm, sign_flip, signed_rank};
-use zwidth_study::{Contrast, Families};
+use zwidth_study::{Contrast, EffectSize, Families};
 use zwidth_tables::{Column, Table};
 
 /// Flips that are drawn where there are too many participants to count all.
@@ -30,6 +31,8 @@ pub(crate) struct Row {
     pub(crate) tested: Result<Tested, Unestimable>,
     /// The test by randomisation over orders, or why there is none.
     pub(crate) sharp_null: Result<Randomised, NoTest>,
+    /// The just noticeable difference, in the metric's unit, where it is known.
+    pub(crate) jnd: Option<f64>,
     /// The p value of the claim, adjusted for the other contrasts of the family.
     pub(crate) p_adjusted: Option<f64>,
     /// The smallest that it can be, where the test counts orders.
@@ -83,7 +86,7 @@ impl Row {
             Unit::Participants => self.tested.as_ref().err().map(ToString::to_string),
             Unit::Trials { .. } => self.sharp_null.as_ref().err().map(ToString::to_string),
         };
-        why.map(|why| format!("no test: {why}"))
+        why.map(|why| format!("not tested: {why}"))
     }
 
     /// The mean difference over participants; 0 where it is only the rounding of their means.
@@ -104,6 +107,21 @@ impl Row {
         self.differences.iter().map(|d| d.means).collect()
     }
 
+    /// An end of the interval, or the estimate, in just noticeable differences.
+    fn in_jnds(&self, of: fn(&Tested) -> f64) -> Option<f64> {
+        self.tested.as_ref().ok().map(of).zip(self.jnd).map(|(value, jnd)| value / jnd)
+    }
+
+    /// What the interval says of whether the difference is felt: a description, no claim.
+    fn size_in_words(&self) -> Option<&'static str> {
+        let (low, high) = (self.in_jnds(|t| t.ci_low)?, self.in_jnds(|t| t.ci_high)?);
+        Some(match () {
+            () if low > 1.0 || high < -1.0 => "felt",
+            () if low > -1.0 && high < 1.0 => "below what is felt",
+            () => "may be felt",
+        })
+    }
+
     fn p_sign_flip(&self) -> Option<f64> {
         let differences = paired::differences(&self.pairs());
         sign_flip::test(&differences, SAMPLING).ok().map(|test| test.p_value)
@@ -121,6 +139,7 @@ pub(crate) fn rows(
     cells: &Cells,
     orders: &[SharpNull],
     unit: &Unit,
+    measure: &Measure,
     parameters: &Parameters,
 ) -> Result<Vec<Row>, CompareError> {
     let mut rows = Vec::new();
@@ -130,7 +149,10 @@ pub(crate) fn rows(
             let differences = of_everybody(cells, environment, modes, parameters.level);
             if !differences.is_empty() {
                 let test = sharp_null.clone();
-                rows.push(row(environment, contrast, differences, test, unit, parameters)?);
+                let row = row(environment, contrast, differences, test, unit, parameters)?;
+                let noticed = parameters.noticed.as_ref();
+                let jnd = noticed.and_then(|n| n.jnd(environment, row.mean(1), &measure.unit));
+                rows.push(Row { jnd, ..row });
             }
         }
     }
@@ -166,6 +188,7 @@ fn row(
         differences,
         tested,
         sharp_null,
+        jnd: None,
         p_adjusted: None,
         smallest_p_adjusted: None,
         p_not_equivalent: equivalence.map(|e| e.p_value()),
@@ -257,11 +280,7 @@ pub(crate) fn table(
         all.push(number("df", "degrees of freedom", tested(|t| t.df)));
         all.push(number("p_value", "p value of no difference", tested(|t| t.p_value)));
         all.push(adjusted("the same, adjusted over its family by Holm"));
-        all.push(number(
-            "d_av",
-            "difference over the root mean of the modes' variances between participants",
-            rows.iter().map(|row| paired::d_av(&row.pairs()).ok()).collect(),
-        ));
+        all.extend(effect_columns(rows, parameters));
         all.push(number(
             "p_sign_flip",
             "p value of the sign-flip test, not adjusted",
@@ -273,6 +292,31 @@ pub(crate) fn table(
             rows.iter().map(Row::p_signed_rank).collect(),
         ));
         all.push(sharp_null);
+    }
+    if rows.iter().any(|row| row.jnd.is_some()) {
+        let in_jnds = |of: fn(&Tested) -> f64| rows.iter().map(|row| row.in_jnds(of)).collect();
+        let jnds = rows.iter().map(|row| row.jnd);
+        let noticed = parameters.noticed.as_ref();
+        if noticed.is_some_and(|noticed| noticed.commanded.iter().any(Option::is_some)) {
+            let commanded =
+                rows.iter().map(|row| noticed.and_then(|n| n.commanded[row.environment]));
+            all.push(measure.column("commanded", "value that the environment commands", commanded));
+        }
+        all.push(measure.column("jnd", "difference that is just noticed", jnds));
+        all.extend([
+            number(
+                "difference_jnd",
+                "difference over the one that is just noticed",
+                rows.iter().map(|row| row.jnd.map(|jnd| row.estimate() / jnd)).collect(),
+            ),
+            number("difference_jnd_ci_low", "lower end of its interval", in_jnds(|t| t.ci_low)),
+            number("difference_jnd_ci_high", "upper end of its interval", in_jnds(|t| t.ci_high)),
+            Column::text(
+                "size",
+                "whether the interval is of differences that are felt, no claim",
+                rows.iter().map(Row::size_in_words),
+            ),
+        ]);
     }
     if parameters.bounds.iter().any(Option::is_some) {
         all.push(measure.column(
@@ -290,4 +334,42 @@ pub(crate) fn table(
     all.push(Column::text("verdict", "what the tests show", verdicts));
     let title = format!("Modes compared: {}", measure.description);
     Ok(Table::new(&[CONTRASTS, &measure.name].concat(), &title, all)?)
+}
+
+/// The effect sizes of a study, each with the interval of its d.
+fn effect_columns(rows: &[Row], parameters: &Parameters) -> Vec<Column> {
+    let effects = |of: fn(&[[f64; 2]], f64) -> Result<Effect, Unestimable>| -> Vec<Option<Effect>> {
+        rows.iter().map(|row| of(&row.pairs(), parameters.level).ok()).collect()
+    };
+    let (z, av) = (effects(effect::d_z), effects(effect::d_av));
+    const D_AV: &str = "difference over the root mean of the modes' variances between participants";
+    const D_Z: &str = "difference over the standard deviation of participants' differences";
+    let mut columns: Vec<Column> = Vec::new();
+    for size in &parameters.effect_sizes {
+        let (effects, ends, description) = match size {
+            EffectSize::GAv => {
+                (&av, ["d_av_ci_low", "d_av_ci_high"], "d_av without its bias where people are few")
+            }
+            EffectSize::DAv => (&av, ["d_av_ci_low", "d_av_ci_high"], D_AV),
+            EffectSize::GZ => {
+                (&z, ["d_z_ci_low", "d_z_ci_high"], "d_z without its bias where people are few")
+            }
+            EffectSize::DZ => (&z, ["d_z_ci_low", "d_z_ci_high"], D_Z),
+        };
+        let of: fn(&Effect) -> Option<f64> = match size {
+            EffectSize::GAv | EffectSize::GZ => |effect| effect.g,
+            EffectSize::DAv | EffectSize::DZ => |effect| Some(effect.d),
+        };
+        let estimates = effects.iter().map(|effect| effect.as_ref().and_then(of));
+        columns.push(Column::float(size.as_str(), "1", description, estimates));
+        if columns.iter().all(|column| column.field.name != ends[0]) {
+            let interval = |effect: &Option<Effect>| effect.as_ref()?.interval;
+            let [low, high] = [0, 1].map(|side| {
+                effects.iter().map(move |effect| interval(effect).map(|ends| ends[side]))
+            });
+            columns.push(Column::float(ends[0], "1", "lower end of the interval of d", low));
+            columns.push(Column::float(ends[1], "1", "upper end of the interval of d", high));
+        }
+    }
+    columns
 }

@@ -46,7 +46,7 @@ pub use answers::{AnswerParameters, AnswersCompared, compare_answers};
 pub use drawn::{DrawnOrder, SessionOrder};
 pub use error::CompareError;
 pub use measure::Measure;
-pub use parameters::Parameters;
+pub use parameters::{Noticed, Parameters};
 pub use preregistered::Preregistered;
 pub use together::together;
 
@@ -55,7 +55,7 @@ use unit::Unit;
 use zwidth_tables::{NoteKind, Table};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 8;
+pub const VERSION: u32 = 9;
 
 /// The columns of the metrics that a comparison reads besides the metric.
 pub const COLUMNS: [&str; 6] = ["participant", "session", "trial", "environment", "mode", "repeat"];
@@ -83,6 +83,8 @@ pub struct Compared {
     pub repeats: Table,
     /// Differences between modes against other orders of the trials.
     pub orders: Table,
+    /// What these differences are in the other orders.
+    pub redrawn: Table,
 }
 
 /// Compares the modes, participants and sessions of one metric. `metrics` has one row per trial.
@@ -94,7 +96,7 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, Com
     let cells = Cells::of(metrics, measure, parameters)?;
     let unit = &Unit::of(&cells);
     let orders = orders::sharp_nulls(metrics, measure, parameters, orders::SAMPLING)?;
-    let contrasts = contrasts::rows(&cells, &orders, unit, parameters)?;
+    let contrasts = contrasts::rows(&cells, &orders, unit, measure, parameters)?;
     let means = means::rows(&cells, unit, parameters)?;
     let noted = |table: Table, notes: Vec<(NoteKind, String)>| {
         notes.into_iter().fold(table, |table, (kind, note)| table.with_note_of(kind, note))
@@ -108,7 +110,7 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, Com
         )),
         contrasts: marked(noted(
             contrasts::table(&contrasts, unit, measure, parameters)?,
-            notes::contrasts(&contrasts, &cells, unit, parameters),
+            notes::contrasts(&contrasts, &cells, unit, measure, parameters),
         )),
         omnibus: marked(omnibus::table(&cells, measure, parameters)?),
         models: marked(models::table(metrics, unit, measure, parameters)?),
@@ -117,5 +119,6 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, Com
         learning: marked(learning::table(metrics, unit, measure, parameters)?),
         repeats: marked(repeats::table(metrics, unit, measure, parameters)?),
         orders: marked(orders::table(&orders, measure, parameters)?),
+        redrawn: marked(orders::redrawn_table(&orders, measure, parameters)?),
     })
 }

@@ -1,6 +1,7 @@
 //! What stands below the tables: of whom they speak, how claims were tested, who is missing.
 
 use crate::cells::Cells;
+use crate::measure::Measure;
 use crate::unit::Unit;
 use crate::{Parameters, columns, contrasts, means};
 use std::collections::BTreeSet;
@@ -31,6 +32,7 @@ pub(crate) fn contrasts(
     rows: &[contrasts::Row],
     cells: &Cells,
     unit: &Unit,
+    measure: &Measure,
     parameters: &Parameters,
 ) -> Vec<(NoteKind, String)> {
     let together = match parameters.families {
@@ -54,15 +56,34 @@ pub(crate) fn contrasts(
     };
     let general = [of_whom(unit), test.to_owned(), family];
     let general = general.into_iter().map(|text| (NoteKind::General, text));
+    let jnd = jnd(rows, measure, parameters).map(|text| (NoteKind::General, text));
     let guard = guard(rows, unit, parameters).into_iter().map(|text| (NoteKind::Limit, text));
     let plan = parameters.preregistered.as_ref().map(|plan| plan.note(cells.participants.len()));
     general
+        .chain(jnd)
         .chain(plan)
         .chain(reached(rows, parameters.alpha))
         .chain(guard)
         .chain(not_randomised(rows, parameters))
         .chain(rows.iter().filter_map(|row| left_out(row, cells, parameters)))
         .collect()
+}
+
+/// What is taken for just noticed, where it is known, and what is said of sizes.
+fn jnd(rows: &[contrasts::Row], measure: &Measure, parameters: &Parameters) -> Option<String> {
+    rows.iter().find(|row| row.jnd.is_some())?;
+    let noticed = parameters.noticed.as_ref()?;
+    let source = noticed.perception.source(&measure.unit)?;
+    let from = match noticed.commanded.iter().any(Option::is_some) {
+        true => ", from the commanded value",
+        false if matches!(measure.unit.as_str(), "rad" | "m") => "",
+        false => ", from the mean of the mode compared with",
+    };
+    Some(format!(
+        "JND: the difference that is just noticed, {source}{from}. An interval wholly beyond ± 1 JND \
+         is called felt, one wholly within it below what is felt, any other one may be felt: a \
+         description, no claim."
+    ))
 }
 
 /// What the exact tests can reach with so few participants.

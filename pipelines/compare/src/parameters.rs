@@ -2,7 +2,7 @@
 
 use crate::{Preregistered, SessionOrder};
 use serde::Serialize;
-use zwidth_study::{Contrast, EnvironmentId, Families, ModeId};
+use zwidth_study::{Contrast, EffectSize, EnvironmentId, Families, ModeId, Perception};
 
 /// What a comparison depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,6 +20,8 @@ pub struct Parameters {
     /// For each environment the size up to which differences are equivalent, in the metric's SI
     /// unit, where the study says so.
     pub bounds: Vec<Option<f64>>,
+    /// What of the metric is just noticed; `None` where nobody feels it.
+    pub noticed: Option<Noticed>,
     /// The modes, in the study's order.
     pub modes: Vec<ModeId>,
     /// The contrasts.
@@ -30,8 +32,31 @@ pub struct Parameters {
     pub alpha: f64,
     /// Level of every interval, as a fraction.
     pub level: f64,
+    /// Sizes without unit that differences have.
+    pub effect_sizes: Vec<EffectSize>,
     /// How the orders of the sessions came about.
     pub orders: Vec<SessionOrder>,
+}
+
+/// From which difference on a metric is noticed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Noticed {
+    /// Just noticeable differences of the study.
+    pub perception: Perception,
+    /// Length of the lever, m; 0 without one.
+    pub lever_m: f64,
+    /// For each environment the value of the metric that it commands, where it does.
+    pub commanded: Vec<Option<f64>>,
+}
+
+impl Noticed {
+    /// The just noticeable difference from a mode of that `mean`, in the metric's unit: where a
+    /// value is commanded, from that.
+    pub(crate) fn jnd(&self, environment: usize, mean: f64, unit: &str) -> Option<f64> {
+        let from = self.commanded[environment].unwrap_or(mean);
+        let jnd = self.perception.bound(from, unit, self.lever_m);
+        jnd.filter(|jnd| *jnd > 0.0 && jnd.is_finite())
+    }
 }
 
 impl Parameters {

@@ -2,7 +2,7 @@
 
 use super::*;
 use zwidth_stats::null::Sampling;
-use zwidth_study::{Contrast, Families};
+use zwidth_study::{Compare, Contrast, Families, Perception};
 use zwidth_tables::Column;
 
 /// One trial: participant, session, mode, repeat, value.
@@ -39,6 +39,8 @@ fn parameters() -> Parameters {
         families: Families::Metric,
         alpha: 0.05,
         level: 0.95,
+        noticed: None,
+        effect_sizes: Compare::EFFECT_SIZES.to_vec(),
         orders: Vec::new(),
     }
 }
@@ -237,7 +239,7 @@ fn differences_that_are_all_rounding_are_none_and_have_no_t() {
     assert_eq!(floats(&contrasts, "difference_n"), [0.0]);
     assert!(contrasts.floats("statistic").unwrap().iter().all(Option::is_none));
     let verdict = contrasts.texts("verdict").unwrap()[0].clone().unwrap();
-    assert_eq!(verdict, "no test: there is no difference beyond the rounding of the values");
+    assert_eq!(verdict, "not tested: there is no difference beyond the rounding of the values");
 }
 
 #[test]
@@ -252,7 +254,7 @@ fn differences_without_scatter_have_no_test_and_say_why() {
     assert_eq!(contrasts.height(), 1);
     assert_eq!(floats(&contrasts, "difference_n"), [1.0]);
     let verdict = contrasts.texts("verdict").unwrap()[0].clone().unwrap();
-    assert!(verdict.starts_with("no test: all differences are equal"), "{verdict}");
+    assert!(verdict.starts_with("not tested: all differences are equal"), "{verdict}");
 }
 
 #[test]
@@ -399,4 +401,39 @@ fn answers_that_separate_the_modes_have_no_odds_ratio_and_say_so() {
     let remark = table.texts("remark").unwrap()[0].clone().unwrap();
     assert_eq!(remark, "the answers separate active completely, so the estimate has no end");
     near(&floats(&table, "superiority"), &[1.0]);
+}
+
+/// A force of 4 N has a just noticeable difference of 0.28 N.
+#[test]
+fn a_difference_has_its_size_in_what_is_just_noticed_from_the_mode_compared_with() {
+    let person = |who, active: f64, hybrid: f64| {
+        [("active", active), ("hybrid", hybrid)].map(|(mode, v)| (who, "S01", mode, 1, Some(v)))
+    };
+    let by = |step: f64, scatter: f64| {
+        let people = [("P01", -1.0), ("P02", 1.0), ("P03", -0.5), ("P04", 0.5)];
+        let trials = people.map(|(who, side)| person(who, 4.0, 4.0 + step + side * scatter));
+        let perception = Perception::default();
+        let noticed = Some(Noticed { perception, lever_m: 0.1, commanded: vec![None] });
+        let table = compare(&metrics(&trials.concat()), &Parameters { noticed, ..parameters() });
+        let table = table.unwrap().contrasts;
+        let size = table.texts("size").unwrap()[0].clone().unwrap();
+        (size, floats(&table, "difference_jnd")[0], floats(&table, "jnd_n")[0])
+    };
+    let (size, in_jnds, jnd_n) = by(0.7, 0.02);
+    assert_eq!(size, "felt");
+    near(&[in_jnds, jnd_n], &[2.5, 0.28]);
+    assert_eq!(by(0.028, 0.02).0, "below what is felt");
+    assert_eq!(by(-0.28, 0.1).0, "may be felt");
+}
+
+#[test]
+fn an_effect_size_stands_beside_the_interval_of_its_d() {
+    let table = compare(&metrics(&four()), &parameters()).unwrap().contrasts;
+    assert!(table.column("d_av").is_err());
+    let ends = (floats(&table, "d_av_ci_low"), floats(&table, "d_av_ci_high"));
+    let g = floats(&table, "g_av");
+    assert!(ends.0[0] < g[0] && g[0] < ends.1[0], "{g:?} {ends:?}");
+    let none = Parameters { effect_sizes: Vec::new(), ..parameters() };
+    let table = compare(&metrics(&four()), &none).unwrap().contrasts;
+    assert!(table.column("g_av").is_err() && table.column("d_av_ci_low").is_err());
 }

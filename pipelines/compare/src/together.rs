@@ -14,12 +14,16 @@ const IN_THE_UNIT: [(&str, &str); 5] = [
     ("difference_ci_low", "lower end of its interval"),
     ("difference_ci_high", "upper end of its interval"),
 ];
-/// Pure numbers, and what they are.
-const NUMBERS: [(&str, &str); 4] = [
+/// Pure numbers, and what they are. A study has some of the effect sizes.
+const NUMBERS: [(&str, &str); 8] = [
     ("statistic", "t statistic"),
     ("df", "degrees of freedom"),
     ("p_adjusted", "p value, adjusted by Holm over the metric's family"),
+    ("g_av", "d_av without its bias where people are few"),
+    ("g_z", "d_z without its bias where people are few"),
     ("d_av", "difference over the root mean of the modes' variances between participants"),
+    ("d_z", "difference over the standard deviation of participants' differences"),
+    ("difference_jnd", "difference over the one that is just noticed"),
 ];
 
 /// The contrasts of several metrics ([`Compared::contrasts`](crate::Compared::contrasts)) one below
@@ -50,12 +54,21 @@ pub fn together(contrasts: &[Table], primary: &str) -> Result<Table, CompareErro
         all.push(Column::float(name, UNIT_OF_ROW, description, values));
     }
     for (name, description) in NUMBERS {
-        // With one participant there is no t statistic and no effect size.
-        if let Ok(values) = joined(contrasts, |table| floats(table, name)) {
+        // With one participant there is no t statistic and no effect size; not all metrics are felt.
+        let values = joined(contrasts, |table| {
+            Ok(floats(table, name).unwrap_or(vec![None; table.height()]))
+        })?;
+        if values.iter().any(Option::is_some) {
             all.push(Column::float(name, "1", description, values));
         }
     }
     all.push(texts("verdict", "what the tests show")?);
+    let sizes =
+        joined(contrasts, |table| Ok(table.texts("size").unwrap_or(vec![None; table.height()])))?;
+    if sizes.iter().any(Option::is_some) {
+        let description = "whether the interval is of differences that are felt, no claim";
+        all.push(Column::text("size", description, sizes));
+    }
     let table = Table::new("comparison", "Modes compared in every metric", all)?;
     let table = notes(contrasts, primary)?
         .into_iter()
@@ -156,11 +169,12 @@ mod tests {
     }
 
     #[test]
-    fn what_some_metric_lacks_is_no_column_and_without_the_primary_one_nothing_is_claimed() {
+    fn what_no_metric_has_is_no_column_and_without_the_primary_one_nothing_is_claimed() {
         let tables =
             [contrasts("past_rad", "rad", 0.1, true), contrasts("length_s", "s", 2.0, false)];
         let table = together(&tables, "other_n").unwrap();
-        assert!(table.column("d_av").is_err() && table.column("statistic").is_err());
+        assert!(table.column("g_av").is_err() && table.column("statistic").is_err());
+        assert_eq!(table.floats("d_av").unwrap(), [Some(1.5), None]);
         assert!(table.notes_by_kind().any(|(_, note)| note.ends_with("all are exploratory.")));
         assert_eq!(together(&[], "other_n").unwrap().height(), 0);
     }

@@ -42,14 +42,17 @@ impl AnswersPage {
 }
 
 /// The pages of the answers compared: one panel per environment and question, under the name of the
-/// environment where that has one question, else under the question's wording. Answers to a
-/// reversed question are turned round, and its heading says so.
+/// environment, with the question's wording where it has several. Answers to a reversed question are
+/// turned round, and its heading says so.
 pub fn answers_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<AnswersPage> {
     let panels: Vec<_> = asked
         .iter()
         .flat_map(|(environment, questions)| {
             questions.iter().map(|question| {
-                let title = if questions.len() == 1 { &environment.label } else { &question.text };
+                let title = match questions.len() {
+                    1 => environment.label.clone(),
+                    _ => format!("{}: {}", environment.label, question.text),
+                };
                 let turned = if question.reversed { " (turned round)" } else { "" };
                 (format!("{title}{turned}"), environment.id.clone(), question.id.clone())
             })
@@ -95,7 +98,7 @@ pub fn answers_compared(
         panels,
         footnotes: vec![plain(&format!(
             "Share of pairs in which the answer in the first mode is higher, ties counting half; at ½ neither \
-             is. Dots: participants. Black: their mean with its {} interval, not adjusted.",
+             is. Dots: people. Black: their mean with its {} interval, not adjusted.",
             percent(about.confidence)
         ))],
         mark: mark(sources.iter().copied()),

@@ -6,10 +6,11 @@ use crate::{About, FigureKind};
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::style::{self, Marker, Stroke};
 use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, Ticks, dodge,
+    Axis, Band, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Reference, Ticks,
+    dodge,
 };
 use zwidth_study::{Environment, EnvironmentId, Mode, Source, contrast_label, in_a_sentence};
-use zwidth_tables::{Table, TableError, Values, in_coordinate, shown_unit};
+use zwidth_tables::{Table, TableError, Values, in_coordinate, p_value, shown_unit};
 
 /// The figure [`modes_compared`].
 pub const MODES_COMPARED: FigureKind = FigureKind {
@@ -63,6 +64,8 @@ pub struct ComparedTables<'a> {
     pub sessions: &'a Table,
     /// By repeat and condition.
     pub repeats: &'a Table,
+    /// Differences between modes in redrawn orders.
+    pub redrawn: &'a Table,
 }
 
 /// The metric as it stands on an axis.
@@ -125,7 +128,7 @@ pub fn modes_compared(
     tables: ComparedTables,
 ) -> Result<Figure, TableError> {
     let shown = Shown::of(about, tables)?;
-    let mut panels = Vec::new();
+    let (mut panels, mut verdicts) = (Vec::new(), Vec::new());
     for environment in environments {
         let id = environment.id.as_str();
         if rows_with(tables.means, &[("environment", id)])?.is_empty() {
@@ -139,7 +142,10 @@ pub fn modes_compared(
             Panel::new(Cell::at(row, 0), modes, axis("mean"), means(about, id, &shown, tables)?);
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel.titled(title) });
         let (contrasts, layers) = differences(id, &shown, tables)?;
-        let names = contrasts.iter().map(|name| plain(&contrast_label(&about.modes, name)));
+        let names = contrasts.iter().map(|(name, verdict)| {
+            let name = contrast_label(&about.modes, name);
+            plain(&if contrasts.len() <= TOLD { format!("{name}: {verdict}") } else { name })
+        });
         let names = Axis::categories(names);
         let (cell, y) = (Cell::at(row, 1), axis("difference"));
         let panel = match contrasts.is_empty() {
@@ -147,21 +153,38 @@ pub fn modes_compared(
             false => Panel::new(cell, names, y, layers),
         };
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
+        if contrasts.len() > TOLD {
+            let told = contrasts.iter().map(|(name, verdict)| {
+                format!("{}: {verdict}", contrast_label(&about.modes, name))
+            });
+            let told = told.collect::<Vec<_>>().join("; ");
+            verdicts.push(plain(&format!("{}: {told}.", environment.label)));
+        }
     }
-    let unit = tables.means.texts("unit_of_analysis")?.into_iter().flatten().next();
-    let unit = unit.unwrap_or_default();
-    let lines = if unit == "participants" {
-        "a line joins one participant's means"
-    } else {
-        "dots: repeats"
-    };
+    let units = tables.means.texts("unit_of_analysis")?.into_iter().flatten().next();
+    let units = units.unwrap_or_default();
     let intervals = shown.numbers(tables.means, "ci_low")?.iter().any(|low| low.is_finite());
-    let whiskers = match intervals {
-        true => format!("Whiskers: {} intervals, not adjusted.", percent(about.confidence)),
-        false => "No intervals: one value per session and mode.".to_owned(),
+    let level = percent(about.confidence);
+    let what = match (units.strip_prefix("trials of "), intervals) {
+        (None, true) => {
+            format!("A line joins one person's means. Whiskers: {level} intervals, not adjusted.")
+        }
+        (None, false) => "A line joins one person's means.".to_owned(),
+        (Some(who), true) => format!(
+            "Left, dots: repeats; whiskers: {level} intervals that describe the trials of {who} and \
+             test nothing."
+        ),
+        (Some(_), false) => "Left, dots: repeats; one value per mode has no interval.".to_owned(),
     };
-    let notes = vec![plain(&format!("Units of analysis: {unit}; {lines}. {whiskers}"))];
-    let footnotes = notes.into_iter().chain(last_note(tables.contrasts)).collect();
+    let against = (tables.redrawn.height() > 0 && units.starts_with("trials of ")).then(|| {
+        "Right, grey: the differences in a hundred orders of the trials that the design could have \
+         drawn, had no trial depended on mode; disc: the difference. p is the share of orders at \
+         least as far from zero, after Holm."
+            .to_owned()
+    });
+    let footnotes = [what].into_iter().chain(against).map(|note| plain(&note));
+    let footnotes = footnotes.chain(jnd_note(tables.contrasts)).chain(last_note(tables.contrasts));
+    let footnotes = verdicts.into_iter().chain(footnotes).collect();
     Ok(Figure {
         title: Some(plain(&format!("{}: {}", about.title, shown.words))),
         description: format!(
@@ -175,6 +198,13 @@ pub fn modes_compared(
         mark: mark(sources.iter().copied()),
         ..Figure::default()
     })
+}
+
+/// What the grey band is, where there is one.
+fn jnd_note(contrasts: &Table) -> Option<String> {
+    let note = contrasts.notes().iter().find(|note| note.starts_with("JND: "))?;
+    let source = note.split_once(". ").map_or(note.as_str(), |(first, _)| first);
+    Some(plain(&format!("Band: ± 1 {source}.")))
 }
 
 /// Whether the metric is the primary one.
@@ -222,17 +252,24 @@ fn means(
     let mut layers: Vec<Layer> = people
         .values()
         .map(|modes| {
-            // A mode without the metric has no place on the line.
-            let there = modes.iter().enumerate().filter(|(_, values)| !values.is_empty());
-            let (x, y) = there.map(|(place, values)| (place as f64, mean(values))).unzip();
+            // A mode without the metric is a gap in the line.
             Layer::Line(Line {
-                x,
-                y,
+                x: (0..modes.len()).map(|place| place as f64).collect(),
+                y: modes.iter().map(mean).collect(),
                 stroke: Stroke { opacity: 0.45, ..style::faint(style::GREY) },
                 ..Line::default()
             })
         })
         .collect();
+    if let Some(commanded) = commanded(environment, shown, tables)? {
+        layers.push(Layer::Reference(Reference {
+            direction: Direction::Horizontal,
+            at: commanded,
+            label: Some("commanded".to_owned()),
+            stroke: style::reference(),
+            name: None,
+        }));
+    }
     for (index, mode) in about.modes.iter().enumerate() {
         let keys = [("environment", environment), ("mode", mode.id.as_str())];
         let dots: Vec<f64> = match people.len() {
@@ -254,6 +291,23 @@ fn means(
     }
     Ok(layers)
 }
+
+/// The value of the metric that an environment commands, where it does.
+fn commanded(
+    environment: &str,
+    shown: &Shown,
+    tables: ComparedTables,
+) -> Result<Option<f64>, TableError> {
+    if tables.contrasts.column_of("commanded").is_err() {
+        return Ok(None);
+    }
+    let rows = rows_with(tables.contrasts, &[("environment", environment)])?;
+    let values = pick(&shown.numbers(tables.contrasts, "commanded")?, &rows);
+    Ok(values.first().copied().filter(|value| value.is_finite()))
+}
+
+/// Up to so many contrasts have their verdicts under them; those of more stand below the figure.
+const TOLD: usize = 4;
 
 /// Up to so many repeats are named one by one on their axis.
 const NAMED_REPEATS: f64 = 12.0;
@@ -296,21 +350,45 @@ fn intervals(
     })
 }
 
-/// The contrasts' names, and what is drawn of them: zero, everybody's differences, the mean.
+/// The contrasts' names with their verdicts, and what is drawn of them: what is not felt, zero,
+/// everybody's differences, the mean; of one person's trials the differences in other orders, because
+/// the claim rests on these.
 fn differences(
     environment: &str,
     shown: &Shown,
     tables: ComparedTables,
-) -> Result<(Vec<String>, Vec<Layer>), TableError> {
+) -> Result<(Vec<(String, String)>, Vec<Layer>), TableError> {
     let rows = rows_with(tables.contrasts, &[("environment", environment)])?;
     let names = tables.contrasts.texts("contrast")?;
     let names: Vec<String> = rows.iter().filter_map(|row| names[*row].clone()).collect();
+    let verdicts = rows.iter().map(|row| verdict(tables.contrasts, *row));
+    let verdicts = verdicts.collect::<Result<Vec<_>, _>>()?;
     let everybody = shown.numbers(tables.participants, "difference")?;
     let several = tables.participants.texts("participant")?;
     let several = several.windows(2).any(|pair| pair[0] != pair[1]);
-    let mut layers = vec![zero(Direction::Horizontal)];
-    for (place, name) in names.iter().enumerate().filter(|_| several) {
+    let mut layers = Vec::new();
+    let jnds = match tables.contrasts.column_of("jnd") {
+        Ok(_) => pick(&shown.numbers(tables.contrasts, "jnd")?, &rows),
+        Err(_) => Vec::new(),
+    };
+    for (place, jnd) in jnds.into_iter().enumerate().filter(|(_, jnd)| jnd.is_finite()) {
+        layers.push(Layer::Band(Band {
+            x: [-0.45, 0.45].map(|side| place as f64 + side).to_vec(),
+            low: vec![-jnd; 2],
+            high: vec![jnd; 2],
+            colour: style::GREY,
+            name: None,
+        }));
+    }
+    layers.push(zero(Direction::Horizontal));
+    let redrawn = shown.numbers(tables.redrawn, "difference")?;
+    for (place, name) in names.iter().enumerate() {
         let keys = [("environment", environment), ("contrast", name.as_str())];
+        if !several {
+            let of = pick(&redrawn, &rows_with(tables.redrawn, &keys)?);
+            layers.push(stacked(place as f64, &of));
+            continue;
+        }
         let of = pick(&everybody, &rows_with(tables.participants, &keys)?);
         layers.push(Layer::Points(Points {
             x: vec![place as f64; of.len()],
@@ -321,11 +399,64 @@ fn differences(
         }));
     }
     let stems = ["difference", "difference_ci_low", "difference_ci_high"];
-    let aside = if several { ASIDE } else { 0.0 };
+    let aside = if several { ASIDE } else { ASIDE / 2.0 };
     let at = (0..rows.len()).map(|place| place as f64 + aside).collect();
     let means = intervals(tables.contrasts, stems, &rows, shown)?;
+    let means = match several {
+        true => means,
+        false => {
+            let none = vec![f64::NAN; means.estimate.len()];
+            Intervals { low: none.clone(), high: none, ..means }
+        }
+    };
     layers.push(Layer::Intervals(Intervals { at, ..means }));
-    Ok((names, layers))
+    Ok((names.into_iter().zip(verdicts).collect(), layers))
+}
+
+/// `different, p = 0.003, 8 people, felt`: in pieces that do not break.
+fn verdict(contrasts: &Table, row: usize) -> Result<String, TableError> {
+    let text = |name: &str| Ok::<_, TableError>(contrasts.texts(name)?[row].clone());
+    let verdict = text("verdict")?.unwrap_or_default();
+    let verdict = verdict.split_once(':').map_or(verdict.as_str(), |(word, _)| word);
+    let p = match &contrasts.column_of("p_adjusted")?.values {
+        Values::Float(values) => values[row].map(|p| format!("p {}", p_value(p))),
+        _ => None,
+    };
+    let n = contrasts.integers("n")?[row].unwrap_or_default();
+    let unit = match text("unit_of_analysis")?.is_some_and(|unit| unit.starts_with("trials")) {
+        true => "trials",
+        false => "people",
+    };
+    let size = contrasts.texts("size").ok().and_then(|sizes| sizes[row].clone());
+    let pieces = [Some(verdict.to_owned()), size, p, Some(format!("{n} {unit}"))];
+    let pieces: Vec<String> =
+        pieces.into_iter().flatten().map(|piece| piece.replace(' ', "\u{a0}")).collect();
+    Ok(pieces.join(", "))
+}
+
+/// Differences that are equally probable, as discs one beside the other at the left of a place where
+/// they are of about one size.
+fn stacked(place: f64, differences: &[f64]) -> Layer {
+    /// Heights at which discs stand.
+    const HEIGHTS: f64 = 40.0;
+    /// Room that a disc takes at most, and all of one height, in categories.
+    const ROOM: (f64, f64) = (0.02, 0.42);
+    let (low, high) = differences
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(*d), high.max(*d)));
+    let step = (high - low) / HEIGHTS;
+    let mut stacks: BTreeMap<i64, usize> = BTreeMap::new();
+    let mut discs = Vec::new();
+    for difference in differences {
+        let height = if step > 0.0 { ((difference - low) / step).round() } else { 0.0 };
+        let stack = stacks.entry(height as i64).or_default();
+        discs.push((*stack, low + step * height));
+        *stack += 1;
+    }
+    let most = stacks.values().copied().max().unwrap_or(1) as f64;
+    let apart = ROOM.0.min(ROOM.1 / most);
+    let (x, y) = discs.into_iter().map(|(i, y)| (place - apart * (i as f64 + 1.0), y)).unzip();
+    Layer::Points(Points { x, y, colour: style::GREY, ..Points::default() })
 }
 
 fn zero(direction: Direction) -> Layer {
@@ -338,7 +469,7 @@ fn zero(direction: Direction) -> Layer {
     })
 }
 
-/// Participants compared: everybody's difference with its interval within them, the smallest first,
+/// Participants compared: everybody's difference with its interval within them, the lowest at the top,
 /// one panel per contrast, one row of panels per environment.
 ///
 /// # Errors
@@ -368,7 +499,7 @@ pub fn participants_compared(
         description: format!("{}: each participant's difference between modes.", shown.words),
         panels: or_note(panels),
         footnotes: vec![plain(&format!(
-            "Whiskers: {} intervals within each participant, repeats as units; the smallest difference first. Dashed: mean over participants. Solid: zero.",
+            "Whiskers: {} intervals within each participant, repeats as units; the lowest difference at the top. Dashed: mean over participants. Solid: zero.",
             percent(about.confidence)
         ))],
         mark: mark(sources.iter().copied()),
@@ -398,6 +529,9 @@ fn caterpillar(
     let mut rows = rows_with(tables.participants, &keys)?;
     let values = shown.numbers(tables.participants, "difference")?;
     rows.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    if rows.len() >= MANY {
+        rows.reverse(); // numbers count upwards, names downwards
+    }
     let who = tables.participants.texts("participant")?;
     let names = rows.iter().map(|row| plain(who[*row].as_deref().unwrap_or_default()));
     let (y, height) = match rows.len() {
@@ -420,7 +554,8 @@ fn caterpillar(
         Layer::Reference(mean),
         Layer::Intervals(Intervals { at, direction: Direction::Horizontal, ..whiskers }),
     ];
-    let panel = Panel::new(Cell::at(0, 0), Axis::new("difference", shown.unit.as_str()), y, layers);
+    let x = Axis::new("difference", shown.unit.as_str()).linked("difference");
+    let panel = Panel::new(Cell::at(0, 0), x, y, layers);
     Ok(Panel { height_mm: Some(height), ..panel })
 }
 
@@ -513,8 +648,8 @@ pub fn sessions_compared(
             };
             let title = format!("{}, {}", environment.label, in_a_sentence(&mode.label));
             let layers = bland_altman(&keys, place, index, &shown, tables)?;
-            let x = Axis::new("mean of both", shown.unit.as_str());
-            let y = Axis::new("change", shown.unit.as_str());
+            let x = Axis::new("mean of both", shown.unit.as_str()).linked("mean");
+            let y = Axis::new("change", shown.unit.as_str()).linked("change");
             let panel = Panel::new(Cell::at(row, column), x, y, layers).titled(plain(&title));
             panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
             column += 1;

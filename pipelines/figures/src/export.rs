@@ -93,10 +93,13 @@ fn rows_of(layer: &Layer) -> Rows {
             rows(&s.name, &s.at, [s.estimate.clone(), s.low.clone(), s.high.clone()])
         }
         Layer::Likert(bars) => {
-            let counts =
-                || bars.rows.iter().enumerate().flat_map(|(r, counts)| iter::repeat(r).zip(counts));
+            let strips = || {
+                let rows = bars.rows.iter().enumerate();
+                rows.flat_map(|(row, strips)| strips.iter().map(move |counts| (row, counts)))
+            };
+            let counts = || strips().flat_map(|(row, counts)| iter::repeat(row).zip(counts));
             let answers =
-                bars.rows.iter().flat_map(|counts| (0..counts.len()).map(|k| bars.answers.get(k)));
+                strips().flat_map(|(_, counts)| (0..counts.len()).map(|k| bars.answers.get(k)));
             let x: Vec<f64> = counts().map(|(row, _)| row as f64).collect();
             let y = counts().map(|(_, n)| f64::from(*n)).collect();
             let name =

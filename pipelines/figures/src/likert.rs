@@ -1,18 +1,20 @@
-//! Figure 30: answers as diverging bars, their counts in the boxes. Scales of many points are in
-//! `ratings`.
+//! Figure 30: answers as diverging bars, their counts in the boxes; of several people a strip each.
+//! Scales of many points are in `ratings`.
 
 use crate::words::{mark, plain};
 use crate::{About, FigureKind};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::{Axis, Cell, Figure, Layer, Likert, LikertScale, Panel, Ticks};
-use zwidth_study::{AnswerScale, Environment, EnvironmentId, Mode, Question, QuestionId, Source};
+use zwidth_study::{
+    AnswerScale, AnswerValue, Environment, EnvironmentId, Mode, Question, QuestionId, Source,
+};
 use zwidth_tables::{Table, TableError};
 
 /// The figure of answers by environment or group.
 pub const LIKERT: FigureKind = FigureKind {
     stem: "likert",
-    shows: "answers, diverging bars with counts",
+    shows: "answers, diverging bars: counts of one person, a strip a person of several",
     drawn_from: "answer",
 };
 
@@ -22,13 +24,17 @@ pub const LIKERT_ITEMS: FigureKind =
 
 /// Panels that fit on a page: two columns of six.
 const A_PAGE: usize = 12;
-/// Height a row of bars takes, mm.
-const ROW_MM: f64 = 7.5;
+/// Height a row of bars takes, mm, and that of many strips.
+const ROW_MM: (f64, f64) = (7.5, 14.0);
+/// Height a strip takes of a row, mm.
+const STRIP_MM: f64 = 1.3;
+/// More people than this have one bar together: their strips would be hairlines.
+const MOST_STRIPS: usize = 24;
 /// Panels side by side in a two-column figure.
 const COLUMNS: usize = 2;
 
 /// The panels of one figure.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LikertPage(Vec<Wanted>);
 
 impl LikertPage {
@@ -42,12 +48,14 @@ impl LikertPage {
 }
 
 /// A panel to be: its heading, and which rows of the tally it shows.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 struct Wanted {
     /// The environment, the group or the question.
     title: String,
     environment: EnvironmentId,
     what: What,
+    /// The questions of which answers are counted.
+    questions: Vec<Question>,
     /// What was answered.
     scale: AnswerScale,
     /// Whether an answer of it was turned round.
@@ -66,8 +74,8 @@ enum What {
 impl Wanted {
     /// A question under its wording.
     fn item(environment: &Environment, question: &Question) -> Self {
-        let wording = None;
-        Self { title: question.text.clone(), wording, ..Self::named(environment, question) }
+        let title = format!("{}: {}", environment.label, question.text);
+        Self { title, wording: None, ..Self::named(environment, question) }
     }
 
     /// A question under the name of its environment.
@@ -76,6 +84,7 @@ impl Wanted {
             title: environment.label.clone(),
             environment: environment.id.clone(),
             what: What::Question(question.id.clone()),
+            questions: vec![question.clone()],
             scale: question.scale.clone(),
             reversed: question.reversed,
             wording: Some(question.text.clone()).filter(|text| *text != environment.label),
@@ -84,14 +93,16 @@ impl Wanted {
 
     /// The questions of a group together; those that were turned round are counted in its heading.
     fn group(environment: &Environment, group: &str, items: &[&Question]) -> Self {
-        let (what, environment) = (What::Group(group.to_owned()), environment.id.clone());
+        let what = What::Group(group.to_owned());
+        let questions = items.iter().map(|item| (*item).clone()).collect();
         let scale = items.first().map(|q| q.scale.clone()).unwrap_or_default();
         let reversed = items.iter().filter(|q| q.reversed).count();
         let title = match reversed {
-            0 => group.to_owned(),
-            n => format!("{group} ({n} of {} items reversed)", items.len()),
+            0 => format!("{}: {group}", environment.label),
+            n => format!("{}: {group} ({n} of {} items reversed)", environment.label, items.len()),
         };
-        Self { title, environment, what, scale, reversed: reversed > 0, wording: None }
+        let environment = environment.id.clone();
+        Self { title, environment, what, questions, scale, reversed: reversed > 0, wording: None }
     }
 
     /// What a row of it is marked with: a question that was turned round says so at each bar.
@@ -142,30 +153,39 @@ fn overview(environment: &Environment, questions: &[&Question]) -> Vec<Wanted> {
     wanted
 }
 
-/// One panel: a heading, and for each row a label and the counts of the answers, from 1 on.
+/// One panel: a heading, and for each row a label and everybody's counts of the answers, from 1 on.
 struct Counted {
     title: String,
     scale: AnswerScale,
-    rows: Vec<(String, Vec<u32>)>,
+    rows: Vec<(String, Vec<Vec<u32>>)>,
 }
 
-/// Diverging bars, two panels side by side. `tally` is the table of the stage `likert`.
+/// Diverging bars, two panels side by side. `answers` is the long table of the stage `likert`.
 ///
 /// # Errors
-/// A tally that lacks a column.
+/// A table that lacks a column.
 pub fn likert(
     about: &About,
     LikertPage(wanted): &LikertPage,
-    tally: &Table,
+    answers: &Table,
     sources: &[Source],
 ) -> Result<Figure, TableError> {
     let title = &about.title;
-    let panels =
-        wanted.iter().map(|w| count_rows(&about.modes, tally, w)).collect::<Result<Vec<_>, _>>()?;
+    let panels = wanted
+        .iter()
+        .map(|w| count_rows(&about.modes, answers, w))
+        .collect::<Result<Vec<_>, _>>()?;
     let columns = COLUMNS.min(panels.len().max(1));
-    let totals = panels.iter().flat_map(|p| &p.rows).map(|(_, counts)| counts.iter().sum::<u32>());
-    let (least, most) = totals.fold((u32::MAX, 0), |(a, b), n| (a.min(n), b.max(n)));
-    let scale = if least == most { LikertScale::Counts } else { LikertScale::Percent };
+    let rows = || panels.iter().flat_map(|p| &p.rows);
+    let [(people, _), (_, in_all)] = [
+        range(rows().map(|(_, strips)| strips.len())),
+        range(rows().map(|(_, strips)| strips.iter().flatten().sum::<u32>() as usize)),
+    ]
+    .map(|(least, most)| (most, least == most));
+    let scale = match people <= 1 && in_all {
+        true => LikertScale::Counts,
+        false => LikertScale::Percent,
+    };
     let drawn =
         panels.iter().enumerate().map(|(i, p)| panel(p, Cell::at(i / columns, i % columns), scale));
     Ok(Figure {
@@ -173,7 +193,7 @@ pub fn likert(
         description: describe(title, &scale_of(wanted)),
         width_mm: if columns == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
         panels: drawn.collect(),
-        footnotes: footnotes(wanted).iter().map(|n| plain(n)).collect(),
+        footnotes: footnotes(wanted, people).iter().map(|n| plain(n)).collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
     })
@@ -193,41 +213,90 @@ fn describe(title: &str, scale: &AnswerScale) -> String {
         0 => "zero lies between the two halves",
         _ => "the neutral answers straddle zero",
     };
-    format!("{title}: number of answers from {first} to {last}, a row of boxes each; {middle}.")
+    format!("{title}: answers from {first} to {last}, a row of boxes each; {middle}.")
 }
 
-/// One row per mode, in the study's order.
-fn count_rows(modes: &[Mode], tally: &Table, wanted: &Wanted) -> Result<Counted, TableError> {
-    let texts = |column| tally.texts(column);
-    let (environments, of_modes) = (texts("environment")?, texts("mode")?);
-    let (questions, groups) = (texts("question")?, texts("group")?);
-    let counts = (1..=wanted.scale.points()).map(|k| tally.integers(&format!("count_{k}")));
-    let counts = counts.collect::<Result<Vec<_>, _>>()?;
-    let is_wanted = |row: usize| match &wanted.what {
-        What::Question(id) => questions[row].as_deref() == Some(id.as_str()),
-        What::Group(group) => {
-            questions[row].is_none() && groups[row].as_deref() == Some(group.as_str())
+/// The least and the largest; nothing of nothing.
+fn range(numbers: impl Iterator<Item = usize> + Clone) -> (usize, usize) {
+    (numbers.clone().min().unwrap_or_default(), numbers.max().unwrap_or_default())
+}
+
+/// One row per mode, in the study's order; people by their mean answer, the highest at the top.
+fn count_rows(modes: &[Mode], answers: &Table, wanted: &Wanted) -> Result<Counted, TableError> {
+    let [people, environments, of_modes, questions] =
+        ["participant", "environment", "mode", "question"].map(|name| answers.texts(name));
+    let (people, environments, of_modes, questions) =
+        (people?, environments?, of_modes?, questions?);
+    let values = answers.numbers("answer")?;
+    let scale = &wanted.scale;
+    let points: Vec<AnswerValue> = scale.answers().into_iter().map(AnswerValue::from).collect();
+    let mut rows = Vec::new();
+    for mode in modes {
+        let mut counts: BTreeMap<&str, Vec<u32>> = BTreeMap::new();
+        for row in 0..answers.height() {
+            let asked =
+                wanted.questions.iter().find(|q| Some(q.id.as_str()) == questions[row].as_deref());
+            let is_here = environments[row].as_deref() == Some(wanted.environment.as_str())
+                && of_modes[row].as_deref() == Some(mode.id.as_str());
+            let value = values[row].and_then(|value| AnswerValue::new(value).ok());
+            let (true, Some(question), Some(value)) = (is_here, asked, value) else { continue };
+            let scored = question.scale.score(value, question.reversed);
+            let Some(place) = points.iter().position(|point| *point == scored) else { continue };
+            let of = counts.entry(people[row].as_deref().unwrap_or_default());
+            of.or_insert_with(|| vec![0; points.len()])[place] += 1;
         }
+        let mut strips: Vec<Vec<u32>> = counts.into_values().collect();
+        let mean = |counts: &Vec<u32>| {
+            let sum: f64 = counts.iter().enumerate().map(|(i, n)| i as f64 * f64::from(*n)).sum();
+            sum / f64::from(counts.iter().sum::<u32>())
+        };
+        strips.sort_by(|a, b| mean(b).total_cmp(&mean(a)));
+        if !strips.is_empty() {
+            rows.push((format!("{}{}", mode.label, wanted.row_mark()), strips));
+        }
+    }
+    // How many answers a bar is of: in the heading where all are of as many.
+    let sizes: Vec<String> = rows.iter().map(|(_, strips)| size(strips)).collect();
+    let mut title = wanted.title.clone();
+    match sizes.split_first() {
+        Some((first, others)) if others.iter().all(|other| other == first) => {
+            title = format!("{title}: {first}");
+        }
+        _ => {
+            rows.iter_mut()
+                .zip(&sizes)
+                .for_each(|((label, _), size)| *label += &format!(", {size}"));
+        }
+    }
+    for (_, strips) in rows.iter_mut().filter(|(_, strips)| strips.len() > MOST_STRIPS) {
+        let all = (0..points.len()).map(|i| strips.iter().map(|counts| counts[i]).sum());
+        *strips = vec![all.collect()];
+    }
+    Ok(Counted { title, scale: scale.clone(), rows })
+}
+
+/// `8 people × 12 answers`, `8 people × 10 to 12 answers`; of one `6 answers`.
+fn size(strips: &[Vec<u32>]) -> String {
+    let (least, most) = range(strips.iter().map(|counts| counts.iter().sum::<u32>() as usize));
+    let answers = match (least == most, most) {
+        (true, 1) => "1\u{a0}answer".to_owned(),
+        (true, n) => format!("{n}\u{a0}answers"),
+        (false, _) => format!("{least}\u{a0}to\u{a0}{most}\u{a0}answers"),
     };
-    let row = |mode: &Mode| {
-        let found = (0..tally.height()).find(|row| {
-            environments[*row].as_deref() == Some(wanted.environment.as_str())
-                && of_modes[*row].as_deref() == Some(mode.id.as_str())
-                && is_wanted(*row)
-        })?;
-        let count = |of: &Vec<Option<i64>>| of[found].and_then(|n| n.try_into().ok()).unwrap_or(0);
-        let label = format!("{}{}", mode.label, wanted.row_mark());
-        Some((label, counts.iter().map(count).collect()))
-    };
-    let rows = modes.iter().filter_map(row).collect();
-    Ok(Counted { title: wanted.title.clone(), scale: wanted.scale.clone(), rows })
+    match strips.len() {
+        1 => answers,
+        people => format!("{people}\u{a0}people\u{a0}×\u{a0}{answers}"),
+    }
 }
 
 /// The wording where a panel is named after its environment, and what was reversed.
-fn footnotes(wanted: &[Wanted]) -> Vec<String> {
+fn footnotes(wanted: &[Wanted], people: usize) -> Vec<String> {
     let worded = wanted.iter().filter_map(|w| Some((&w.title, w.wording.as_ref()?)));
     let mut notes: Vec<String> =
         worded.map(|(title, wording)| format!("{title}: “{wording}”")).collect();
+    if (2..=MOST_STRIPS).contains(&people) {
+        notes.push("One strip a person: the shares of their answers.".to_owned());
+    }
     if wanted.iter().any(|w| w.reversed) {
         notes.push(format!(
             "Reversed: answers are turned round ({} − a), so that right is favourable; what was given is the answer \
@@ -251,11 +320,13 @@ fn panel(p: &Counted, cell: Cell, scale: LikertScale) -> Panel {
     let y = Axis::categories(p.rows.iter().map(|(label, _)| plain(label)));
     let bars = Likert {
         answers: p.scale.answers().into_iter().map(|a| plain(&legend(&p.scale, a))).collect(),
-        rows: p.rows.iter().map(|(_, counts)| counts.clone()).collect(),
+        rows: p.rows.iter().map(|(_, strips)| strips.clone()).collect(),
         scale,
     };
     let panel = Panel::new(cell, x, y, vec![Layer::Likert(bars)]).titled(plain(&p.title));
-    Panel { height_mm: Some(ROW_MM * p.rows.len() as f64), ..panel }
+    let strips = p.rows.iter().map(|(_, strips)| strips.len()).max().unwrap_or(1);
+    let row_mm = (STRIP_MM * strips as f64).clamp(ROW_MM.0, ROW_MM.1);
+    Panel { height_mm: Some(row_mm * p.rows.len() as f64), ..panel }
 }
 
 /// An answer in the legend: its word, with its number before it on a scale by numbers; the number

@@ -1,6 +1,6 @@
 //! Counts of the answers on a scale, and what they say of the middle and the spread.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use zwidth_study::{AnswerScale, AnswerValue, ParticipantId};
 
 /// How often each answer was given, and by whom.
@@ -9,13 +9,14 @@ pub(crate) struct Counts {
     scale: AnswerScale,
     /// Of each answer that was given, as scored: on a line it may lie between two points.
     of: BTreeMap<AnswerValue, usize>,
-    pub(crate) participants: BTreeSet<ParticipantId>,
+    /// Who gave them, with the sum and the number of theirs.
+    pub(crate) participants: BTreeMap<ParticipantId, (f64, usize)>,
 }
 
 impl Counts {
     /// No answer yet, on a scale.
     pub(crate) fn on(scale: &AnswerScale) -> Self {
-        Self { scale: scale.clone(), of: BTreeMap::new(), participants: BTreeSet::new() }
+        Self { scale: scale.clone(), of: BTreeMap::new(), participants: BTreeMap::new() }
     }
 
     /// The scale of the answers.
@@ -33,7 +34,8 @@ impl Counts {
     /// Counts one answer as scored, which is on the scale.
     pub(crate) fn add(&mut self, scored: AnswerValue, participant: &ParticipantId) {
         *self.of.entry(scored).or_default() += 1;
-        self.participants.insert(participant.clone());
+        let (sum, n) = self.participants.entry(participant.clone()).or_default();
+        (*sum, *n) = (*sum + scored.get(), *n + 1);
     }
 
     /// Counts all that `other`, of the same scale, counts.
@@ -41,7 +43,10 @@ impl Counts {
         for (answer, more) in &other.of {
             *self.of.entry(*answer).or_default() += more;
         }
-        self.participants.extend(other.participants.iter().cloned());
+        for (participant, (more, others)) in &other.participants {
+            let (sum, n) = self.participants.entry(participant.clone()).or_default();
+            (*sum, *n) = (*sum + more, *n + others);
+        }
     }
 
     pub(crate) fn n(&self) -> usize {
@@ -73,23 +78,30 @@ impl Counts {
         Some(low + (high - low) * rank.fract())
     }
 
-    /// Each answer with how often it was given.
-    fn answers(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.of.iter().map(|(answer, n)| (answer.get(), *n as f64))
+    /// What is one number each, with how often it is there: of several people their means, of one
+    /// person the answers.
+    fn units(&self) -> Vec<(f64, f64)> {
+        match self.participants.len() {
+            0 | 1 => self.of.iter().map(|(answer, n)| (answer.get(), *n as f64)).collect(),
+            _ => self.participants.values().map(|(sum, n)| (sum / *n as f64, 1.0)).collect(),
+        }
     }
 
-    /// The mean; `None` without answers.
+    /// The mean of people's means; of one person's answers where there is one. `None` without
+    /// answers.
     pub(crate) fn mean(&self) -> Option<f64> {
-        let sum: f64 = self.answers().map(|(answer, n)| answer * n).sum();
-        (self.n() > 0).then(|| sum / self.n() as f64)
+        let units = self.units();
+        let n: f64 = units.iter().map(|(_, n)| n).sum();
+        (n > 0.0).then(|| units.iter().map(|(unit, n)| unit * n).sum::<f64>() / n)
     }
 
-    /// The standard deviation (divisor n − 1); `None` for fewer than two answers.
+    /// The standard deviation between people's means, or of one person's answers (divisor n − 1);
+    /// `None` for fewer than two.
     pub(crate) fn sd(&self) -> Option<f64> {
-        let mean = self.mean().filter(|_| self.n() > 1)?;
-        let squares: f64 =
-            self.answers().map(|(answer, n)| n * (answer - mean) * (answer - mean)).sum();
-        Some((squares / (self.n() - 1) as f64).sqrt())
+        let (units, mean) = (self.units(), self.mean()?);
+        let n: f64 = units.iter().map(|(_, n)| n).sum();
+        let squares: f64 = units.iter().map(|(unit, n)| n * (unit - mean) * (unit - mean)).sum();
+        (n > 1.0).then(|| (squares / (n - 1.0)).sqrt())
     }
 }
 
@@ -135,5 +147,19 @@ mod tests {
         assert!((counts.mean().unwrap() - 1.0 / 6.0).abs() < 1e-15);
         assert!((counts.sd().unwrap() - 2.136_976_056_643_281).abs() < 1e-14);
         assert_eq!(counts.medians(), Some((0.into(), 0.into())));
+    }
+
+    /// Ten people of whom everybody answered six items alike scatter as ten numbers, not as sixty.
+    #[test]
+    fn mean_and_deviation_of_several_people_are_those_of_their_means() {
+        let labels = Vec::new();
+        let scale = zwidth_study::NumberScale { points: 101, from: 0, step: 1, labels };
+        let mut counts = Counts::on(&AnswerScale::Numbers(scale));
+        for (who, answers) in [("P01", [10, 30]), ("P02", [40, 60]), ("P03", [80, 80_i16])] {
+            let who = ParticipantId::new(who).unwrap();
+            answers.iter().for_each(|answer| counts.add((*answer).into(), &who));
+        }
+        assert!((counts.mean().unwrap() - 50.0).abs() < 1e-12);
+        assert!((counts.sd().unwrap() - 30.0).abs() < 1e-12);
     }
 }

@@ -348,8 +348,12 @@ fn quantity_columns(rows: &[TallyRow]) -> [Column; 6] {
         column("quartile_1", "first quartile of these answers", |c| c.quantile(0.25)),
         column("quartile_3", "third quartile of these answers", |c| c.quantile(0.75)),
         column("highest", "highest of these answers", |c| c.quantile(1.0)),
-        column("mean", "mean of these answers", Counts::mean),
-        column("sd", "standard deviation of these answers", Counts::sd),
+        column("mean", "mean of people's means; of one person, of the answers", Counts::mean),
+        column(
+            "sd",
+            "standard deviation between people's means; of one person, of the answers",
+            Counts::sd,
+        ),
     ]
 }
 

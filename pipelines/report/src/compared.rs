@@ -228,9 +228,11 @@ struct Told {
     test: Option<String>,
     /// `= 0.0123` or `< 0.001`, adjusted.
     p: Option<String>,
-    /// `d_av = −1.4`, likewise.
+    /// `g_av = −1.4`, likewise.
     effect: Option<String>,
     verdict: String,
+    /// `below what is felt: −0.03 JND (−0.05 to −0.01)`, where a difference that is just noticed is known.
+    size: Option<String>,
 }
 
 impl Told {
@@ -244,8 +246,9 @@ impl Told {
             .map(|said| format!(", {said}"))
             .collect();
         let why = if verdict == UNDECIDED { NEITHER } else { "" };
+        let size = self.size.as_ref().map(|size| format!("; {size}")).unwrap_or_default();
         format!(
-            "{place}: the difference in {metric} is {amount} ({}n = {n}{more}): {verdict}{why}.",
+            "{place}: the difference in {metric} is {amount} ({}n = {n}{more}): {verdict}{why}{size}.",
             interval.unwrap_or_default(),
         )
     }
@@ -253,7 +256,8 @@ impl Told {
     fn in_brief(&self) -> String {
         let Self { place, amount, verdict, .. } = self;
         let interval = self.interval.as_ref().map(|ends| format!("{ends}, ")).unwrap_or_default();
-        format!("{place}: {amount} ({interval}{verdict})")
+        let size = self.size.as_ref().map(|size| format!(", {size}")).unwrap_or_default();
+        format!("{place}: {amount} ({interval}{verdict}{size})")
     }
 }
 
@@ -267,9 +271,12 @@ fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
     let (difference, error) = (of("difference")?, of("difference_std_error")?);
     let (low, high) = (of("difference_ci_low")?, of("difference_ci_high")?);
     let p = of("p_adjusted")?;
-    // With one participant there is neither.
-    let [t, df, d_av] = ["statistic", "df", "d_av"]
-        .map(|stem| of(stem).unwrap_or_else(|_| vec![None; table.height()]));
+    // With one participant there is no test by t, and not every metric is felt.
+    let [t, df, in_jnds, jnds_low, jnds_high] =
+        ["statistic", "df", "difference_jnd", "difference_jnd_ci_low", "difference_jnd_ci_high"]
+            .map(|stem| of(stem).unwrap_or_else(|_| vec![None; table.height()]));
+    let effects = EFFECTS.map(|stem| (stem, of(stem).ok()));
+    let sizes = table.texts("size").unwrap_or_else(|_| vec![None; table.height()]);
     let counted = unit_of_analysis(table)?;
     let label = |id: &str| {
         let known = study.environments.iter().find(|e| e.id.as_str() == id);
@@ -295,13 +302,23 @@ fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
                 .zip(df[row])
                 .map(|(t, df)| format!("t({}) = {}", number(df, None), number(t, None))),
             p: p[row].map(p_value),
-            effect: d_av[row].map(|d| format!("d_av = {}", number(d, None))),
-            verdict: verdicts[row].clone().unwrap_or_else(|| "no test".to_owned()),
+            effect: effects.iter().find_map(|(name, values)| {
+                let effect = (*values.as_ref()?)[row]?;
+                Some(format!("{name} = {}", number(effect, None)))
+            }),
+            verdict: verdicts[row].clone().unwrap_or_else(|| "not tested".to_owned()),
+            size: sizes[row].as_ref().map(|size| {
+                let [jnds, low, high] = [in_jnds[row], jnds_low[row], jnds_high[row]]
+                    .map(|jnds| jnds.map_or_else(String::new, |jnds| number(jnds, None)));
+                format!("{size}: {jnds} JND ({low} to {high})")
+            }),
         });
     }
     Ok(found)
 }
 
+/// Effect sizes that a study may have: of several the first is told.
+const EFFECTS: [&str; 4] = ["g_av", "g_z", "d_av", "d_z"];
 /// The verdict of a contrast that shows nothing.
 const UNDECIDED: &str = "undecided";
 const NEITHER: &str = ", neither a difference nor its absence was shown";
@@ -423,7 +440,7 @@ mod tests {
 
     #[test]
     fn what_was_not_tested_is_not_told_as_a_difference_that_was_not_shown() {
-        let untested = differences("trials of P01", "no test: why", None);
+        let untested = differences("trials of P01", "not tested: why", None);
         let answer = "Within P01, it was not tested whether the modes differ in the primary metric, \
                       angle past the wall: none of 1 contrasts has a test.";
         assert_eq!(texts_of(Role::Primary, &untested)[0], answer);

@@ -15,6 +15,8 @@ import numpy as np
 import pandas as pd
 import pingouin
 from scipy import stats
+from scipy.optimize import brentq
+from scipy.special import gammaln
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.weightstats import ttost_paired
 
@@ -58,8 +60,23 @@ def differences(rng):
         {"d": d, "signed_rank": signed_rank(d)} for d in (rng.integers(-9, 14, n) / 8 for n in (60, 75, 200))]
 
 
+def effects(a, b, t):
+    """d_z and d_av with g and the intervals of the noncentral t (the formulas are those of docs/analysis.md)."""
+    d, spare, root_n = a - b, len(a) - 1, np.sqrt(len(a))
+    covariances = np.cov(a, b)
+    s_av = np.sqrt(np.trace(covariances) / 2)
+    df_av = spare * np.trace(covariances) ** 2 / (covariances ** 2).sum()
+    unbiased = lambda df: np.exp(gammaln(df / 2) - gammaln((df - 1) / 2)) / np.sqrt(df / 2)
+    reach = 10 + 10 * abs(t)
+    ends = np.array([brentq(lambda x: stats.nct.cdf(t, spare, x) - p, t - reach, t + reach, xtol=1e-12)
+                     for p in (0.975, 0.025)])
+    d_z, d_av = d.mean() / d.std(ddof=1), d.mean() / s_av
+    return {"d_z": {"d": d_z, "g": d_z * unbiased(spare), "ci": [*ends / root_n]},
+            "d_av": {"d": d_av, "g": d_av * unbiased(df_av), "ci": [*ends * d.std(ddof=1) / (s_av * root_n)]}}
+
+
 def paired(rng):
-    """Paired t, d_av and two one-sided tests."""
+    """Paired t, effect sizes and two one-sided tests."""
     for n in (2, 3, 6, 12, 40):
         for bound in (0.2, 1.0):
             a = rng.normal(5, 1, n)
@@ -68,7 +85,7 @@ def paired(rng):
             p, (_, lower, _), (_, upper, _) = ttost_paired(a, b, -bound, bound)
             wide, narrow = t.confidence_interval(0.95), t.confidence_interval(0.9)
             yield {"a": a, "b": b, "bound": bound, "t": t.statistic, "p": t.pvalue, "ci": [*wide],
-                   "d_av": (a - b).mean() / np.sqrt((a.var(ddof=1) + b.var(ddof=1)) / 2),
+                   **effects(a, b, t.statistic),
                    "tost": {"p": p, "lower": lower, "upper": upper, "ci": [*narrow]}}
 
 

@@ -22,7 +22,7 @@ use zwidth_numerics::NumericsError;
 /// What is measured of an order: large where modes differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Statistic {
-    /// |mean of the first mode − mean of the second|, in the unit of the values.
+    /// Mean of the first mode − mean of the second, in the unit of the values: extreme to either side.
     Difference(usize, usize),
     /// The sum of squares between modes, Σ n_m (mean_m − mean)², in the unit of the values squared.
     BetweenModes,
@@ -50,7 +50,7 @@ struct Together {
 }
 
 /// A test by randomisation over orders.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Randomised {
     /// The statistic of the actual order.
     pub statistic: f64,
@@ -59,6 +59,9 @@ pub struct Randomised {
     /// The p value that the most extreme of the orders would have had: no data recorded in these
     /// values reach a smaller one.
     pub smallest_p: f64,
+    /// The statistics of the orders at the middles of a hundred equal shares of them, from the least
+    /// on: what an order is like under the hypothesis.
+    pub percentiles: Vec<f64>,
     /// Whether all orders were counted or some drawn.
     pub null: Null,
 }
@@ -141,7 +144,7 @@ impl Trials {
     ) -> Result<Randomised, Unestimable> {
         let observed = self.observed(statistic)?;
         let drawn = self.measure_drawn(&[statistic], sampling, redraw)?.concat();
-        Ok(self.sampled(statistic, observed, &drawn))
+        Ok(self.sampled(statistic, observed, drawn))
     }
 
     /// [`Trials::against_drawn`] for each of several statistics, with each order drawn once for all
@@ -159,7 +162,7 @@ impl Trials {
             let observed = observed?;
             let drawn = drawn.as_ref().map_err(Clone::clone)?;
             let drawn: Vec<f64> = drawn.iter().map(|found| found[place]).collect();
-            Ok(self.sampled(statistics[place], observed, &drawn))
+            Ok(self.sampled(statistics[place], observed, drawn))
         });
         tests.collect()
     }
@@ -179,15 +182,16 @@ impl Trials {
         measured.collect()
     }
 
-    fn sampled(&self, statistic: Statistic, observed: f64, drawn: &[f64]) -> Randomised {
+    fn sampled(&self, statistic: Statistic, observed: f64, drawn: Vec<f64>) -> Randomised {
         let p = |value| {
-            (1 + self.as_extreme(statistic, drawn, value)) as f64 / (1 + drawn.len()) as f64
+            (1 + self.as_extreme(statistic, &drawn, value)) as f64 / (1 + drawn.len()) as f64
         };
         Randomised {
             statistic: observed,
             p_value: p(observed),
-            smallest_p: p(largest(drawn).max(observed)),
+            smallest_p: p(largest(&drawn).max(observed.abs())),
             null: Null::Sampled { draws: drawn.len() },
+            percentiles: percentiles(drawn),
         }
     }
 
@@ -213,6 +217,7 @@ impl Trials {
             p_value: p(observed),
             smallest_p: p(largest(&all)),
             null: Null::Exact,
+            percentiles: percentiles(all),
         })
     }
 
@@ -255,7 +260,7 @@ impl Trials {
         };
         match statistic {
             Statistic::Difference(a, b) if counts[a] == 0 || counts[b] == 0 => f64::INFINITY,
-            Statistic::Difference(a, b) => (mean(a) - mean(b)).abs(),
+            Statistic::Difference(a, b) => mean(a) - mean(b),
             // the mean of all is zero
             Statistic::BetweenModes => {
                 (0..self.modes).map(|mode| counts[mode].max(1) as f64 * mean(mode).powi(2)).sum()
@@ -263,19 +268,27 @@ impl Trials {
         }
     }
 
-    /// How many of `found` are `value` or more, to rounding.
+    /// How many of `found` are as far from zero as `value` or farther, to rounding.
     fn as_extreme(&self, statistic: Statistic, found: &[f64], value: f64) -> usize {
         let possible = match statistic {
             Statistic::Difference(..) => self.squares.sqrt(),
             Statistic::BetweenModes => self.squares,
         };
-        let threshold = value - SAME * possible;
-        found.iter().filter(|s| **s >= threshold).count()
+        let threshold = value.abs() - SAME * possible;
+        found.iter().filter(|s| s.abs() >= threshold).count()
     }
 }
 
 fn largest(found: &[f64]) -> f64 {
-    found.iter().copied().fold(0.0, f64::max)
+    found.iter().fold(0.0, |most, s| most.max(s.abs()))
+}
+
+/// Of the orders in which both modes have a value.
+fn percentiles(mut found: Vec<f64>) -> Vec<f64> {
+    found.retain(|s| s.is_finite());
+    found.sort_by(f64::total_cmp);
+    let place = |percent: usize| (2 * percent + 1) * found.len() / 200;
+    (0..100).filter_map(|percent| found.get(place(percent)).copied()).collect()
 }
 
 fn check_order(order: &[usize], trials: usize, modes: usize) -> Result<(), StatsError> {

@@ -58,9 +58,12 @@ fn a_small_design_counted_by_hand() {
     assert_eq!(orders.len(), 20);
     let trials = one(&[1.0, 7.0, 2.0, 9.0, 3.0, 8.0], &[0, 1, 0, 1, 0, 1], 2);
     let found = trials.against_all(PAIR, &orders).unwrap();
-    near(found.statistic, 6.0);
+    near(found.statistic, -6.0);
     near(found.p_value, 2.0 / 20.0);
     near(found.smallest_p, 2.0 / 20.0);
+    near(found.percentiles[0], -6.0);
+    near(found.percentiles[99], 6.0);
+    assert!(found.percentiles.is_sorted() && found.percentiles.len() == 100);
     let found = trials.against_all(ANY, &orders).unwrap();
     near(found.statistic, 3.0 * 9.0 * 2.0);
     near(found.p_value, 2.0 / 20.0);
@@ -189,7 +192,7 @@ fn what_blocks_differ_by_does_not_blur_the_modes() {
     let trials = Trials::new(&values, &block, &[0, 1, 0, 1, 0], 2).unwrap();
     let found = trials.observed(PAIR).unwrap();
     // less their blocks' means: −½, ½, −⅓, ⅔, −⅓
-    near(found, (0.5 + 2.0 / 3.0) / 2.0 + (0.5 + 2.0 / 3.0) / 3.0);
+    near(found, -(0.5 + 2.0 / 3.0) / 2.0 - (0.5 + 2.0 / 3.0) / 3.0);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::check::Check;
 use super::shape::{BoundTable, CompareTable};
-use crate::{Analysis, Bound, Compare, Contrast, MetricId, Mode, ModeId, Study};
+use crate::{Analysis, Bound, Compare, Contrast, EffectSize, MetricId, Mode, ModeId, Study};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Check<'_> {
@@ -41,7 +41,17 @@ impl Check<'_> {
             alpha,
             level,
             families: table.families,
+            effect_sizes: self.effect_sizes(table.effect_sizes),
         }
+    }
+
+    fn effect_sizes(&mut self, chosen: Option<Vec<EffectSize>>) -> Vec<EffectSize> {
+        let chosen = chosen.unwrap_or_else(|| Compare::EFFECT_SIZES.to_vec());
+        for (i, size) in chosen.iter().enumerate().filter(|(i, size)| chosen[..*i].contains(size)) {
+            let problem = format!("'{}' stands twice; leave one out", size.as_str());
+            self.error(&format!("compare.effect_sizes[{i}]"), problem);
+        }
+        chosen
     }
 
     fn contrasts(&mut self, pairs: Vec<[ModeId; 2]>, modes: &[Mode]) -> Vec<Contrast> {
@@ -134,6 +144,8 @@ pub(super) fn table(study: &Study) -> CompareTable {
         alpha: differs(compare.alpha, Compare::ALPHA),
         level: differs(compare.level, study.analysis.confidence),
         families: compare.families,
+        effect_sizes: (compare.effect_sizes != Compare::EFFECT_SIZES)
+            .then(|| compare.effect_sizes.clone()),
         bounds: compare
             .bounds
             .iter()

@@ -4,7 +4,7 @@ use super::environment::EnvironmentTable;
 use super::perception::PerceptionTable;
 use crate::model::{Analysis, OrderScheme};
 use crate::{AnswerScale, MetricId, ModeId, ModeLaw, QuestionId, StudyId};
-use crate::{Channel, Control, Families, ReplayModel, SceneFigure, VelocityFilter};
+use crate::{Channel, Control, EffectSize, Families, ReplayModel, SceneFigure, VelocityFilter};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -219,6 +219,8 @@ pub(super) struct CompareTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) level: Option<f64>,
     pub(super) families: Families,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) effect_sizes: Option<Vec<EffectSize>>,
     pub(super) bounds: BTreeMap<MetricId, BoundTable>,
 }
 

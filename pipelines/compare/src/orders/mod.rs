@@ -310,5 +310,37 @@ pub(crate) fn table(
     )))
 }
 
+/// Each contrast in the redrawn orders: a hundred differences that are equally probable under the
+/// sharp null, from the least on.
+pub(crate) fn redrawn_table(
+    tests: &[SharpNull],
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Result<Table, CompareError> {
+    let mut rows: Vec<(usize, String, f64)> = Vec::new();
+    for (environment, tests) in tests.iter().enumerate() {
+        for (contrast, test) in parameters.contrasts.iter().zip(&tests.contrasts) {
+            let Ok(test) = test else { continue };
+            let name = columns::name(contrast);
+            rows.extend(test.percentiles.iter().map(|one| (environment, name.clone(), *one)));
+        }
+    }
+    let columns = vec![
+        columns::environments(parameters, rows.iter().map(|(environment, ..)| *environment)),
+        Column::text(
+            "contrast",
+            "the modes compared: the one minus the other",
+            rows.iter().map(|(_, name, _)| Some(name.as_str())),
+        ),
+        measure.column(
+            "difference",
+            "difference of the modes' means in redrawn orders: each row is a hundredth of them",
+            rows.iter().map(|(.., difference)| Some(*difference)),
+        ),
+    ];
+    let title = format!("Differences in redrawn orders: {}", measure.description);
+    Ok(Table::new(&format!("redrawn_{}", measure.name), &title, columns)?)
+}
+
 #[cfg(test)]
 mod tests;

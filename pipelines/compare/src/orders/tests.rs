@@ -82,6 +82,8 @@ impl Demo {
             families: Families::Metric,
             alpha: 0.05,
             level: 0.95,
+            noticed: None,
+            effect_sizes: Vec::new(),
             orders,
         };
         Self { trials, parameters }
@@ -209,7 +211,7 @@ fn where_a_trial_is_missing_there_is_no_test_and_the_table_says_why() {
     let of = |environment: usize, rows: usize| rows * environment..rows * (environment + 1);
     assert!(remarks[of(first, 3)].iter().all(|remark| remark.as_deref() == Some(words)));
     assert!(remarks[of(1 - first, 3)].iter().all(Option::is_none));
-    let no_test = format!("no test: {words}");
+    let no_test = format!("not tested: {words}");
     assert!(verdicts[of(first, 2)].iter().all(|verdict| verdict.as_ref() == Some(&no_test)));
     assert_eq!(verdicts[of(1 - first, 2)][0].as_deref(), Some("different"));
     let note = format!("{}: no test of the sharp null: {words}.", ENVIRONMENTS[first]);

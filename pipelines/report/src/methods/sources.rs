@@ -1,7 +1,7 @@
 //! The papers that methods are from.
 
 /// Key, how it is cited, the whole entry.
-pub(super) const SOURCES: [(&str, &str, &str); 17] = [
+pub(super) const SOURCES: [(&str, &str, &str); 18] = [
     (
         "balasubramanian",
         "Balasubramanian et al. 2015",
@@ -10,6 +10,7 @@ pub(super) const SOURCES: [(&str, &str, &str); 17] = [
     ("bang", "Bang et al. 2004", "Bang, Ni & Davis 2004, Controlled Clinical Trials 25:143"),
     ("bell", "Bell & McCaffrey 2002", "Bell & McCaffrey 2002, Survey Methodology 28:169"),
     ("bland", "Bland & Altman 1999", "Bland & Altman 1999, Stat. Methods Med. Res. 8:135"),
+    ("hedges", "Hedges 1981", "Hedges 1981, Journal of Educational Statistics 6:107"),
     ("cumming", "Cumming 2012", "Cumming 2012, Understanding the New Statistics, Routledge"),
     (
         "edgington",

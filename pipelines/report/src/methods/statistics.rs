@@ -2,14 +2,18 @@
 
 use super::recorded::{Recorded, plain};
 use super::sources::Cited;
-use zwidth_study::{Bound, Families, Study};
+use zwidth_study::{Bound, EffectSize, Families, Study};
 
 pub(super) fn paragraphs(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String> {
     if recorded.compared.is_empty() {
         return recorded.guesses.then(|| guesses(recorded, cited)).into_iter().collect();
     }
     let mut said = vec![compared(study, recorded)];
-    said.push(if recorded.participants > 1 { between(recorded, cited) } else { within(cited) });
+    said.push(if recorded.participants > 1 {
+        between(study, recorded, cited)
+    } else {
+        within(cited)
+    });
     said.push(claims(study, recorded, cited));
     if recorded.answers {
         said.push(answers(recorded, cited));
@@ -55,7 +59,7 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
 }
 
 /// Several participants: each gives one difference.
-fn between(recorded: &Recorded, cited: &mut Cited) -> String {
+fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
     let again = recorded.sessions > recorded.participants;
     let sessions = if again { ", then the sessions" } else { "" };
     let (flips, ranks) = (cited.cite("fisher"), cited.cite("wilcoxon"));
@@ -68,16 +72,41 @@ fn between(recorded: &Recorded, cited: &mut Cited) -> String {
             cited.cite("edgington")
         ),
     };
+    let effects = effects(&study.compare.effect_sizes, cited);
     format!(
         "The unit of analysis was the participant: each one's repeats were averaged{sessions}, \
          and each participant gave one difference. Its mean was tested by Student's t with n − 1 \
-         degrees of freedom; beside it stand {beside}. d_av is the difference \
-         divided by the square root of the mean of the modes' variances between participants {}. A mixed model with \
+         degrees of freedom; beside it stand {beside}.{effects} A mixed model with \
          participant and participant × mode as random effects was fitted to all trials by REML, with \
          Kenward–Roger degrees of freedom {}; no claim rests on it.",
-        cited.cite("cumming"),
         cited.cite("kenward")
     )
+}
+
+/// What the effect sizes are.
+fn effects(sizes: &[EffectSize], cited: &mut Cited) -> String {
+    if sizes.is_empty() {
+        return String::new();
+    }
+    let is_among = |of: [EffectSize; 2]| sizes.iter().any(|size| of.contains(size));
+    let mut said = String::new();
+    if is_among([EffectSize::GAv, EffectSize::DAv]) {
+        said += &format!(
+            " d_av is the difference divided by the square root of the mean of the modes' variances \
+             between participants {}.",
+            cited.cite("cumming")
+        );
+    }
+    if is_among([EffectSize::GZ, EffectSize::DZ]) {
+        said += " d_z is the difference divided by the standard deviation of the participants' differences.";
+    }
+    if is_among([EffectSize::GAv, EffectSize::GZ]) {
+        said += &format!(
+            " As g they are without their bias in small samples {}.",
+            cited.cite("hedges")
+        );
+    }
+    said + " Their intervals are those of the noncentral t distribution."
 }
 
 /// One participant: trials are the units, and nothing is said of anybody else.

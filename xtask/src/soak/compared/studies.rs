@@ -89,6 +89,8 @@ fn parameters(metric: usize, name: &str) -> anyhow::Result<Parameters> {
         families: Families::Metric,
         alpha: ALPHA,
         level: LEVEL,
+        noticed: None,
+        effect_sizes: Vec::new(),
         orders: Vec::new(),
     })
 }
