@@ -16,6 +16,8 @@ STUDY = "six"
 PEOPLE, SESSIONS = 6, 2
 # Numbers that come of a t distribution have nine digits.
 DIGITS = 2e-8
+# The twin's lever.
+LEVER_M = 0.045
 
 
 def study(zwidth):
@@ -23,12 +25,40 @@ def study(zwidth):
     with tempfile.TemporaryDirectory() as folder:
         run(zwidth, "--root", folder, "twin", STUDY, "--participants", PEOPLE, "--sessions", SESSIONS, "--quiet")
         run(zwidth, "--root", folder, "run", STUDY, "--only", "compare", "--quiet")
-        derived = Path(folder) / "derived" / STUDY
-        metrics = pd.read_parquet(derived / "metrics.parquet")
-        files = sorted((derived / "compare").glob("contrasts_*.parquet"))
-        check(f"{STUDY}: some metrics are compared", len(files) > 3, str(len(files)))
-        for file in files:
-            contrasts(metrics, file, file.stem.removeprefix("contrasts_"))
+        made(Path(folder) / "derived" / STUDY)
+
+
+def made(derived):
+    """Every contrast of a study of the twin, from the trials again."""
+    metrics = pd.read_parquet(derived / "metrics.parquet")
+    files = sorted((derived / "compare").glob("contrasts_*.parquet"))
+    check(f"{derived.name}: some metrics are compared", len(files) > 3, str(len(files)))
+    for file in files:
+        metric = file.stem.removeprefix("contrasts_")
+        if metrics["participant"].nunique() > 1:
+            contrasts(metrics, file, metric)
+        else:
+            within(file, metric)
+
+
+def within(file, metric):
+    """One person: claims rest on the orders, whose p values Rust's tests count by hand."""
+    found = pd.read_parquet(file)
+    adjusted = multipletests(found["p_sharp_null"], method="holm")[1]
+    for (_, row), p in zip(found.iterrows(), adjusted):
+        close(f"{metric}: Holm", row["p_adjusted"], p, DIGITS)
+        words, _, _ = row["verdict"].partition(":")
+        verdict(metric, {**row, "verdict": words}, "different" if p < 0.05 else "undecided")
+
+
+def tied(differences):
+    """The differences, those of one size to 1e-9 of the largest made equal."""
+    sizes = np.abs(differences)
+    order = np.argsort(sizes)
+    steps = np.diff(sizes[order], prepend=0) > 1e-9 * sizes.max()
+    found = np.empty_like(sizes)
+    found[order] = np.cumsum(steps)
+    return np.sign(differences) * found
 
 
 def ranked(differences):
@@ -73,12 +103,33 @@ def contrasts(metrics, file, metric):
             mean = differences.mean()
             close(f"{label}: {name}", stem(found, name)[i] - mean, expect - mean, DIGITS)
         # Differences that rounding alone tells apart are tied, as `zwidth_stats::signed_rank` says.
-        tied = np.round(differences / np.abs(differences).max(), 9)
-        close(f"{label}: signed rank", row["p_signed_rank"], ranked(tied), DIGITS)
+        close(f"{label}: signed rank", row["p_signed_rank"], ranked(tied(differences)), DIGITS)
         p_values.append(test.pvalue)
     adjusted = multipletests(p_values, method="holm")[1]
     for found_p, expect in zip(found["p_adjusted"], adjusted):
         close(f"{metric}: Holm", found_p, expect, DIGITS)
+    for (_, row), p in zip(found.iterrows(), adjusted):
+        verdict(metric, row, "different" if p < 0.05 else "undecided")
+
+
+def verdict(metric, row, existence):
+    """Both parts of a verdict, by the rule of docs/analysis.md."""
+    label = f"{metric}: {row['environment']}, {row['contrast']}"
+    equal(f"{label}: existence", row["verdict"], existence)
+    share = {"n": 0.07, "rad": None, "n_per_rad": 0.08, "j": 0.07}
+    unit = next((u for u in sorted(share, key=len, reverse=True) if metric.endswith("_" + u)), None)
+    if unit is None or "size" not in row:
+        check(f"{label}: no size without a difference that is just noticed", "size" not in row, "")
+        return
+    value = lambda name: row[f"{name}_{unit}"]
+    base = value("commanded") if f"commanded_{unit}" in row else value("mean_second")
+    least = {"n": 0.05, "j": 0.05 * LEVER_M * np.radians(2)}.get(unit, 0)
+    jnd = np.radians(2) if unit == "rad" else max(share[unit] * abs(base), least)
+    close(f"{label}: JND", value("jnd"), jnd, 1e-12)
+    low, high = value("difference_ci_low") / jnd, value("difference_ci_high") / jnd
+    size = "felt" if low > 1 or high < -1 else "below what is felt" if -1 < low and high < 1 else "may be felt"
+    equal(f"{label}: size", row["size"], size)
+    print(f"{label}: {existence}, {size}: {value('difference') / jnd:.2g} JND [{low:.2g}, {high:.2g}]")
 
 
 def unbiased_d_av(one, other):

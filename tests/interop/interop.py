@@ -36,6 +36,7 @@ def main():
     results.figures("thesis-twin", root / "reports/thesis-twin/figures", synthetic=True)
     mixed.check(zwidth)
     compared.study(zwidth)
+    compared.made(root / "derived/thesis-twin")
     foreign.check_all(zwidth)
     walls.frequencies(zwidth)
     made.check_all(zwidth)

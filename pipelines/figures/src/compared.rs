@@ -203,7 +203,7 @@ pub fn modes_compared(
 /// What the grey band is, where there is one.
 fn jnd_note(contrasts: &Table) -> Option<String> {
     let note = contrasts.notes().iter().find(|note| note.starts_with("JND: "))?;
-    let source = note.split_once(". ").map_or(note.as_str(), |(first, _)| first);
+    let source = note.split_once(". An interval").map_or(note.as_str(), |(first, _)| first);
     Some(plain(&format!("Band: ± 1 {source}.")))
 }
 

@@ -177,8 +177,53 @@ fn begins_moving(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
 fn alone_there(asked: &Asked, samples: &dyn Columns, signal: Signal, share: f64) -> Option<Doubt> {
     let values = samples.column(signal).filter(|values| values.len() >= LEAST_SAMPLES)?;
     let least = ALONE * range(&values) / 2.0;
+    let is_step = |i: usize| (values[i] - values[i - 1]).abs() > least;
     // Of most recordings this is all: no step is so large.
-    first(1..values.len(), |i| (values[i] - values[i - 1]).abs() > least)?;
+    first(1..values.len(), is_step)?;
+    let shown = |value: f64| match signal {
+        Signal::Theta => asked.place(value),
+        _ => format!("{value:.4}"),
+    };
+    let returns = first(1..values.len(), |i| is_step(i) && comes_back(&values, i));
+    let off = returns.and_then(|_| off_neighbours(&values, share));
+    let (row, words) = match (off, apart(&values)) {
+        (Some(Off { row, usual, count }), _) => {
+            let (value, usual) = (shown(values[row]), shown(usual));
+            (row, format!("{value} where its neighbours are {usual}, in {count} samples"))
+        }
+        (None, Some((row, count))) => {
+            (row, format!("{} in {count} samples, far from all others", shown(values[row])))
+        }
+        (None, None) => return None,
+    };
+    let what =
+        format!("it is {words}: a number that stands for a missing value, or a disturbance?");
+    let remedy = "leave such rows out (missing = \"drop\", and missing_words in [file]), or exclude the trial";
+    Some(Doubt { row: Some(row), ..Doubt::new(signal, what, remedy) })
+}
+
+/// Whether the step to a value is undone soon after it, or undoes one soon before: what stands alone
+/// has such a step. At the ends of a signal nothing tells.
+fn comes_back(values: &[f64], i: usize) -> bool {
+    let half = (values[i] - values[i - 1]).abs() / 2.0;
+    let is_near = |other: &[f64], place: f64| other.iter().any(|v| (v - place).abs() <= half);
+    let (from, to) = (i.saturating_sub(NEIGHBOURS + 1), (i + NEIGHBOURS + 1).min(values.len()));
+    i <= NEIGHBOURS
+        || i + NEIGHBOURS >= values.len()
+        || is_near(&values[i + 1..to], values[i - 1])
+        || is_near(&values[from..i - 1], values[i])
+}
+
+/// Values off their neighbours: the first, what its neighbours are, and how many.
+struct Off {
+    row: usize,
+    usual: f64,
+    count: usize,
+}
+
+/// Values that are farther off the middle of their neighbours than values usually are, and than a share
+/// of the range.
+fn off_neighbours(values: &[f64], share: f64) -> Option<Off> {
     let middle = |i: usize| {
         let (from, to) = (i.saturating_sub(NEIGHBOURS), (i + NEIGHBOURS + 1).min(values.len()));
         let mut near = values[from..to].to_vec();
@@ -192,24 +237,8 @@ fn alone_there(asked: &Asked, samples: &dyn Columns, signal: Signal, share: f64)
     let usual = *offs.select_nth_unstable_by(usual, f64::total_cmp).1;
     let least = (share * range(&middles)).max(FAR * usual);
     let alone: Vec<usize> = (0..values.len()).filter(|i| off(*i) > least).collect();
-    let shown = |value: f64| match signal {
-        Signal::Theta => asked.place(value),
-        _ => format!("{value:.4}"),
-    };
-    let (row, words) = match (alone.first(), apart(&values)) {
-        (Some(row), _) => {
-            let (value, usual) = (shown(values[*row]), shown(middles[*row]));
-            (*row, format!("{value} where its neighbours are {usual}, in {} samples", alone.len()))
-        }
-        (None, Some((row, count))) => {
-            (row, format!("{} in {count} samples, far from all others", shown(values[row])))
-        }
-        (None, None) => return None,
-    };
-    let what =
-        format!("it is {words}: a number that stands for a missing value, or a disturbance?");
-    let remedy = "leave such rows out (missing = \"drop\", and missing_words in [file]), or exclude the trial";
-    Some(Doubt { row: Some(row), ..Doubt::new(signal, what, remedy) })
+    let row = *alone.first()?;
+    Some(Off { row, usual: middles[row], count: alone.len() })
 }
 
 /// The lowest or the highest value, if it is far from all others: where it is first, and how often.
@@ -217,13 +246,14 @@ fn apart(values: &[f64]) -> Option<(usize, usize)> {
     let (low, high) = ends(values);
     let of = |end: f64| {
         let others = values.iter().copied().filter(|value| value.to_bits() != end.to_bits());
-        let others: Vec<f64> = others.collect();
-        let rest = range(&others);
-        let (nearest, farthest) = ends(&others);
-        let gap = (nearest - end).max(end - farthest);
-        let is_apart = others.len() >= LEAST_SAMPLES && rest > 0.0 && gap > ALONE_FORCE * rest;
+        let (mut count, mut nearest, mut farthest) = (0, f64::INFINITY, f64::NEG_INFINITY);
+        others.for_each(|v| {
+            (count, nearest, farthest) = (count + 1, nearest.min(v), farthest.max(v))
+        });
+        let (rest, gap) = (farthest - nearest, (nearest - end).max(end - farthest));
+        let is_apart = count >= LEAST_SAMPLES && rest > 0.0 && gap > ALONE_FORCE * rest;
         let at = values.iter().position(|value| value.to_bits() == end.to_bits())?;
-        is_apart.then_some((at, values.len() - others.len()))
+        is_apart.then_some((at, values.len() - count))
     };
     of(low).or_else(|| of(high))
 }
