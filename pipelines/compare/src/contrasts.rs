@@ -104,6 +104,11 @@ impl Row {
         self.differences.iter().map(|d| d.means).collect()
     }
 
+    /// How many differences are exactly zero. Neither exact test counts them.
+    pub(crate) fn zeros(&self) -> usize {
+        paired::differences(&self.pairs()).iter().filter(|d| d.abs() <= 0.0).count()
+    }
+
     fn p_sign_flip(&self) -> Option<f64> {
         let differences = paired::differences(&self.pairs());
         sign_flip::test(&differences, SAMPLING).ok().map(|test| test.p_value)
