@@ -67,10 +67,18 @@ fn is_counted(place: &Place) -> bool {
 }
 
 /// How long the rest will take: each trial as long as those since the first one took, pauses and
-/// questions with them; before any of them is done, as long as is planned.
-pub(crate) fn course(elapsed_s: f64, done: usize, left: usize, planned_s: f64) -> Course {
-    let each_s = if done > 0 { elapsed_s / done as f64 } else { planned_s };
-    Course { elapsed_s, left_s: (left > 0).then_some(each_s * left as f64) }
+/// questions with them, by the time when the last of them was done (`lasted_s`), so that a trial
+/// that runs makes the rest no longer; before any of them is done, as long as is planned.
+pub(crate) fn course(
+    elapsed_s: f64,
+    lasted_s: f64,
+    done: usize,
+    left: usize,
+    planned_s: f64,
+) -> Course {
+    let each_s = if done > 0 { lasted_s / done as f64 } else { planned_s };
+    let since_s = (elapsed_s - lasted_s).clamp(0.0, each_s);
+    Course { elapsed_s, left_s: (left > 0).then_some(each_s * left as f64 - since_s) }
 }
 
 /// A time in words, no finer than a person would say it.
@@ -123,9 +131,16 @@ mod tests {
 
     #[test]
     fn the_rest_takes_as_long_as_the_trials_before_and_what_is_planned_before_the_first() {
-        assert_eq!(course(0.0, 0, 10, 9.0).left_s, Some(90.0));
-        assert_eq!(course(100.0, 4, 10, 9.0).left_s, Some(250.0));
-        assert_eq!(course(100.0, 4, 0, 9.0).left_s, None);
+        assert_eq!(course(0.0, 0.0, 0, 10, 9.0).left_s, Some(90.0));
+        assert_eq!(course(100.0, 100.0, 4, 10, 9.0).left_s, Some(250.0));
+        assert_eq!(course(100.0, 100.0, 4, 0, 9.0).left_s, None);
+    }
+
+    #[test]
+    fn a_trial_that_runs_shortens_the_rest_by_no_more_than_itself() {
+        assert_eq!(course(4.0, 0.0, 0, 10, 9.0).left_s, Some(86.0));
+        assert_eq!(course(110.0, 100.0, 4, 10, 9.0).left_s, Some(240.0));
+        assert_eq!(course(400.0, 100.0, 4, 10, 9.0).left_s, Some(225.0));
     }
 
     #[test]

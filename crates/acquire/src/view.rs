@@ -54,6 +54,9 @@ pub struct View {
     pub wall_rad: Option<f64>,
     /// The trial's course so far, oldest first; it stays until the next trial begins.
     pub trace: VecDeque<Point>,
+    /// The least and the greatest user force of the trials before this one, N; none before the
+    /// first. By these the scale of the force stays as it is within a trial.
+    pub force_before_n: Option<[f64; 2]>,
     /// How the control loop keeps time.
     pub timing: Timing,
     /// The device check: name, value with unit, whether it passed.
@@ -207,6 +210,16 @@ impl View {
         }
         self.messages.push_back(message.into());
         self.said += 1;
+    }
+
+    /// Makes room for the trace of the next trial; the forces of this one are kept.
+    pub(crate) fn clear_trace(&mut self) {
+        let forces = self.trace.iter().map(|point| point.force_ex_n).filter(|n| n.is_finite());
+        self.force_before_n = forces.fold(self.force_before_n, |before, n| {
+            let [low, high] = before.unwrap_or([n, n]);
+            Some([low.min(n), high.max(n)])
+        });
+        self.trace.clear();
     }
 
     /// Adds a point to the trace unless it comes sooner than [`TRACE_HZ`] allows; the oldest goes.

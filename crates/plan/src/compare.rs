@@ -139,13 +139,25 @@ pub fn is_metric(name: &str) -> bool {
 /// What study.toml says of metrics that do not exist, and of bounds that have no effect.
 pub fn asked_in_vain(study: &Study) -> Vec<String> {
     let unknown = wanted(study).into_iter().filter(|metric| !zwidth_metrics::is_number(metric));
-    let unknown = unknown.map(|metric| {
-        let now = zwidth_metrics::renamed(&metric).map(|now| format!(": it is '{now}' now"));
-        let on_a_lever = metric.replace("_per_mm", "_per_rad").replace("_mm", "_rad");
-        let meant = zwidth_metrics::is_number(&on_a_lever).then(|| format!(": write {on_a_lever}, also on a slide"));
-        let now = now.or(meant).unwrap_or_default();
-        format!("[compare] of study.toml: there is no metric '{metric}' that is a number{now}; it is left out")
-    });
+    let mut unknown: Vec<String> = unknown
+        .map(|metric| {
+            let now = zwidth_metrics::renamed(&metric).map(|now| format!(": it is '{now}' now"));
+            let on_a_lever = metric.replace("_per_mm", "_per_rad").replace("_mm", "_rad");
+            let meant = zwidth_metrics::is_number(&on_a_lever)
+                .then(|| format!(": write {on_a_lever}, also on a slide"));
+            let now = now.or(meant).unwrap_or_default();
+            format!(
+                "[compare] of study.toml: there is no metric '{metric}' that is a number{now}; it \
+                 is left out"
+            )
+        })
+        .collect();
+    if !unknown.is_empty() {
+        unknown.push(format!(
+            "[compare] of study.toml: the metrics are {}",
+            zwidth_metrics::names().join(", ")
+        ));
+    }
     let fractions = study.compare.bounds.iter().filter(|(_, b)| matches!(b, Bound::Weber(_)));
     let of_nothing = fractions.filter(|(metric, _)| !is_commanded(study, metric));
     let of_nothing = of_nothing.map(|(metric, _)| {
@@ -154,7 +166,7 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
              commands a value of it: give a number in its unit"
         )
     });
-    unknown.chain(of_nothing).collect()
+    unknown.into_iter().chain(of_nothing).collect()
 }
 
 /// Whether some environment commands a value of a metric.
@@ -553,5 +565,16 @@ mod tests {
         let note = Event::Note { trial: Some(40), text: "slipped".to_owned() };
         let events = [again(2, 40), note, again(40, 41), again(3, 42)];
         assert_eq!(repeated(&events), [[40, 2], [41, 2], [42, 3]]);
+    }
+
+    #[test]
+    fn a_primary_metric_that_there_is_not_is_told_with_those_that_there_are() {
+        let mut study = crate::tests::data().study;
+        assert!(asked_in_vain(&study).is_empty());
+        study.compare.primary = "softness_n".parse().unwrap();
+        let told = asked_in_vain(&study);
+        assert_eq!(told.len(), 2, "{told:?}");
+        assert!(told[0].contains("there is no metric 'softness_n'"), "{told:?}");
+        assert!(told[1].contains("the metrics are ") && told[1].contains("wall_past_max_rad"));
     }
 }

@@ -44,7 +44,7 @@ pub(crate) fn blinding(data: &StudyData) -> Option<PathBuf> {
 
 /// The tables of the stage that people read.
 pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
-    tally(data).into_iter().chain(blinding(data)).collect()
+    tally(data).into_iter().chain(blinding(data)).chain(long(data)).collect()
 }
 
 /// Every answer of the study, one row each, if there is one.

@@ -142,3 +142,33 @@ pub fn write(
     let narrow = narrow.and_then(Result::ok);
     table.to_bytes(narrow.as_ref().unwrap_or(table), files, wording, from)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::data;
+
+    #[test]
+    fn single_answers_are_a_table_that_is_printed() {
+        let mut study = data();
+        let meta = study.trials[0].meta.clone();
+        let names = |study: &StudyData| -> Vec<String> {
+            printed(study).iter().map(|(path, _)| stem(path)).collect()
+        };
+        study.answers.clear();
+        assert!(!names(&study).contains(&"answers".to_owned()));
+        study.answers.push(zwidth_store::Answer {
+            participant: meta.participant.clone(),
+            session: meta.session.clone(),
+            trial: meta.trial,
+            condition: meta.condition(),
+            question: "felt".parse().unwrap(),
+            value: 4.into(),
+            time_ms: None,
+        });
+        assert!(names(&study).contains(&"answers".to_owned()));
+        let csv = printed_as(&study.layout, "answers", Format::Csv);
+        let jobs = jobs(&study);
+        assert!(jobs.iter().any(|job| job.outputs.contains(&csv)));
+    }
+}

@@ -7,6 +7,9 @@ use crate::tested::Unestimable;
 use std::collections::BTreeMap;
 use zwidth_numerics::{NumericsError, lsq};
 
+/// A component of a direction below this share of the largest is rounding.
+pub(crate) const DIRECTION_ROUNDING: f64 = 1e-6;
+
 /// The categories of a scale, divided by whether anybody chose them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Scale {
@@ -65,12 +68,18 @@ impl Answers {
     /// Whether a finite maximum of the likelihood exists and is unique: the columns (and a column
     /// of ones) are independent, and nothing separates the answers.
     pub(crate) fn screen(&self) -> Result<(), Unestimable> {
-        self.independent()?;
-        let patterns = self.patterns(0..self.codes.len());
-        match separation::direction(&patterns, self.categories()) {
+        match self.separated_along()? {
             None => Ok(()),
             Some(direction) => Err(Unestimable::Separated { what: self.names(&direction) }),
         }
+    }
+
+    /// The direction of the coefficients along which the likelihood only rises; `None` where it has
+    /// a finite maximum.
+    pub(crate) fn separated_along(&self) -> Result<Option<Vec<f64>>, Unestimable> {
+        self.independent()?;
+        let patterns = self.patterns(0..self.codes.len());
+        Ok(separation::direction(&patterns, self.categories()))
     }
 
     fn independent(&self) -> Result<(), Unestimable> {
@@ -100,12 +109,10 @@ impl Answers {
     }
 
     /// The names of the columns that a direction of the coefficients moves along.
-    fn names(&self, direction: &[f64]) -> String {
-        /// A component below this share of the largest is rounding.
-        const ROUNDING: f64 = 1e-6;
+    pub(crate) fn names(&self, direction: &[f64]) -> String {
         let largest = direction.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
         let pairs = self.columns.iter().zip(direction);
-        let moved = pairs.filter(|(_, d)| d.abs() > ROUNDING * largest);
+        let moved = pairs.filter(|(_, d)| d.abs() > DIRECTION_ROUNDING * largest);
         moved.map(|(column, _)| column.name.as_str()).collect::<Vec<_>>().join(" and ")
     }
 

@@ -21,7 +21,7 @@ pub struct SignFlip {
     pub nonzero: usize,
     /// Two-sided p value of "each difference is as likely to have the other sign".
     pub p_value: f64,
-    /// The smallest p that this number of differences reaches.
+    /// The smallest p that so many differences other than zero reach: each zero doubles it.
     pub smallest_p: f64,
     /// How the p value was found.
     pub null: Null,
@@ -178,6 +178,14 @@ mod tests {
         let found = test(&[0.5, 0.0, 0.2, -0.1, 0.0], SAMPLING).unwrap();
         assert!((found.p_value - p(&[0.5, 0.2, -0.1])).abs() < 1e-15);
         assert!((found.estimate - 0.12).abs() < 1e-15 && found.nonzero == 3);
+    }
+
+    #[test]
+    fn each_zero_doubles_the_smallest_p() {
+        let found = test(&[0.0, 1.0, 1.0, 2.0, 3.0, 4.0], SAMPLING).unwrap();
+        assert!((found.p_value - 0.0625).abs() < 1e-15);
+        assert!((found.smallest_p - 0.0625).abs() < 1e-15);
+        assert!((smallest_p(6) - 0.03125).abs() < 1e-15);
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub struct SignedRank {
     pub nonzero: usize,
     /// Two-sided p value of "the differences are symmetric about zero".
     pub p_value: f64,
-    /// The smallest p that this number of differences reaches.
+    /// The smallest p that so many differences other than zero reach: each zero doubles it.
     pub smallest_p: f64,
     /// How the p value was found.
     pub null: Null,
@@ -152,6 +152,13 @@ mod tests {
         let found = test(&[0.0, 0.0, 1.0, -2.0, 3.0]).unwrap();
         assert!((found.statistic - 8.0).abs() < 1e-15 && found.nonzero == 3);
         assert!((found.rank_biserial - 4.0 / 12.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn each_zero_doubles_the_smallest_p() {
+        let found = test(&[0.0, 1.0, 1.0, 2.0, 3.0, 4.0]).unwrap();
+        assert!((found.p_value - 0.0625).abs() < 1e-15);
+        assert!((found.smallest_p - 0.0625).abs() < 1e-15);
     }
 
     #[test]

@@ -191,36 +191,35 @@ fn of_environment<'a>(
     parameters: &'a AnswerParameters,
 ) -> Vec<Row<'a>> {
     let place = |mode: &ModeId| parameters.modes.iter().position(|m| m == mode);
-    let none = Unestimable::Confounded { what: "the modes".to_owned() };
-    let mut models: BTreeMap<usize, Result<ModeComparison, Unestimable>> = BTreeMap::new();
+    let pairs = parameters.contrasts.iter().filter_map(|contrast| {
+        let pair = [place(&contrast.mode)?, place(&contrast.against)?];
+        pair.iter().all(|mode| answers.mode.contains(mode)).then_some((contrast, pair))
+    });
+    let pairs: Vec<(&Contrast, [usize; 2])> = pairs.collect();
+    let ordinal = question.scale.is_ordinal() && !pairs.is_empty();
+    let compared = ordinal.then(|| model(answers, question, &pairs, parameters));
     let mut rows = Vec::new();
-    for contrast in &parameters.contrasts {
-        let Some((mode, against)) = place(&contrast.mode).zip(place(&contrast.against)) else {
-            continue;
+    for (row, (contrast, pair)) in pairs.into_iter().enumerate() {
+        let (model, difference, any) = match &compared {
+            Some(Ok(comparison)) => {
+                let ratio = comparison.odds_ratios[row].clone();
+                let ratio = ratio.map_err(|why| name_modes(why, &parameters.modes));
+                let any = (comparison.p_value(), comparison.bootstrap.is_some());
+                (ratio.map(Model::Odds), None, Some(any))
+            }
+            Some(Err(why)) => (Err(why.clone()), None, None),
+            None => {
+                let Difference { estimate, tested } =
+                    quantity::difference(&scores(answers), pair, parameters.level);
+                (tested.map(Model::Means), estimate, None)
+            }
         };
-        if ![mode, against].iter().all(|mode| answers.mode.contains(mode)) {
-            continue;
-        }
-        let (model, difference, any) = if question.scale.is_ordinal() {
-            let model =
-                models.entry(mode).or_insert_with(|| model(answers, question, mode, parameters));
-            let ratio = model.as_ref().map_err(Clone::clone).and_then(|comparison| {
-                let mut ratios = comparison.odds_ratios.iter();
-                ratios.find(|ratio| ratio.mode == against).cloned().ok_or_else(|| none.clone())
-            });
-            let any = model.as_ref().ok().map(|of| (of.p_value(), of.bootstrap.is_some()));
-            (ratio.map(Model::Odds), None, any)
-        } else {
-            let Difference { estimate, tested } =
-                quantity::difference(&scores(answers), [mode, against], parameters.level);
-            (tested.map(Model::Means), estimate, None)
-        };
-        let (people, effect) = effect(answers, [mode, against], parameters.level);
+        let (people, effect) = effect(answers, pair, parameters.level);
         rows.push(Row {
             question,
             environment,
             contrast,
-            answers: answers.mode.iter().filter(|m| [mode, against].contains(m)).count(),
+            answers: answers.mode.iter().filter(|m| pair.contains(m)).count(),
             people,
             effect,
             model,
@@ -247,7 +246,7 @@ fn scores(answers: &Answers) -> Vec<Score> {
 fn model(
     answers: &Answers,
     question: &Question,
-    mode: usize,
+    pairs: &[(&Contrast, [usize; 2])],
     parameters: &AnswerParameters,
 ) -> Result<ModeComparison, Unestimable> {
     // Every answer to an ordinal question has its place. On a line it may have none, and there this
@@ -260,7 +259,8 @@ fn model(
         modes: &answers.mode,
         sessions: &answers.session,
     };
-    let compared = compare_modes(&study, mode, parameters.level, SEED);
+    let pairs: Vec<[usize; 2]> = pairs.iter().map(|(_, pair)| *pair).collect();
+    let compared = compare_modes(&study, &pairs, parameters.level, SEED);
     compared.map_err(|why| name_modes(why, &parameters.modes))
 }
 
@@ -347,7 +347,7 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
             rows.iter().map(|row| Some(effect(row)?.interval.ok()?.1)),
         ),
         numbers("odds_ratio", "odds of a higher answer, for one person", |row| {
-            Some(row.odds()?.estimate)
+            row.odds()?.estimate
         }),
         numbers(
             "odds_ratio_ci_low",
@@ -365,13 +365,15 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
         texts("test_any", "how that was found", |row| {
             Some(if row.any?.1 { "bootstrap" } else { "F" }.to_owned())
         }),
-        texts("remark", "why there is no model, or an end of its interval is missing", |row| {
-            match &row.model {
-                Ok(Model::Odds(ratio)) => ratio.interval.remark(),
+        texts(
+            "remark",
+            "why there is no model or odds ratio, or an end of its interval is missing",
+            |row| match &row.model {
+                Ok(Model::Odds(ratio)) => ratio.remark(),
                 Ok(Model::Means(_)) => None,
                 Err(why) => Some(why.to_string()),
-            }
-        }),
+            },
+        ),
     ];
     let is_long = |row: &Row| !row.question.scale.is_ordinal();
     if rows.iter().any(is_long) {

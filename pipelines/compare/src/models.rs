@@ -195,9 +195,25 @@ fn as_table(
          Kenward and Roger 1997. The claims rest on the table of contrasts.",
     );
     let singular = rows.iter().any(|row| row.fit.is_some_and(|fit| fit.fit.singular));
-    let pooled =
-        "Where singular, a variance was estimated as zero: the model pools what it belongs to.";
-    Ok(if singular { table.with_note_of(NoteKind::Care, pooled) } else { table })
+    Ok(if singular { table.with_note_of(NoteKind::Care, pooled(rows)) } else { table })
+}
+
+/// What a variance of zero does to the degrees of freedom, with those of the row where they are
+/// furthest apart.
+fn pooled(rows: &[Row]) -> String {
+    let singular = rows.iter().filter(|row| row.fit.is_some_and(|fit| fit.fit.singular));
+    let pairs = singular
+        .filter_map(|row| Some([row.tested.as_ref().ok()?.df, row.satterthwaite.as_ref()?.df]));
+    let furthest = pairs.max_by(|a, b| (a[1] / a[0]).total_cmp(&(b[1] / b[0])));
+    let apart = furthest.map_or(String::new(), |[kenward_roger, satterthwaite]| {
+        format!(" (here {kenward_roger:.1} and {satterthwaite:.1})")
+    });
+    format!(
+        "Where singular, a variance was estimated as zero. Satterthwaite's degrees of freedom take \
+         this zero as certain, so that they count repeats as if each were another participant's, \
+         while Kenward and Roger's keep the variance as unknown{apart}: p_value and the interval \
+         are Kenward and Roger's, and they count."
+    )
 }
 
 /// The standard deviation of a term; `None` for one that the model does not have.

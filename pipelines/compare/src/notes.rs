@@ -1,11 +1,11 @@
 //! What stands below the tables: of whom they speak, how claims were tested, who is missing.
 
-use crate::cells::Cells;
+use crate::cells::{Cell, Cells};
 use crate::measure::Measure;
 use crate::unit::Unit;
 use crate::{Parameters, columns, contrasts, means};
-use std::collections::BTreeSet;
-use zwidth_stats::design_guard;
+use std::collections::{BTreeMap, BTreeSet};
+use zwidth_stats::{design_guard, sign_flip};
 use zwidth_study::Families;
 use zwidth_tables::NoteKind;
 
@@ -64,6 +64,7 @@ pub(crate) fn contrasts(
         .chain(plan)
         .chain(reached(rows, parameters.alpha))
         .chain(guard)
+        .chain(rows.iter().filter_map(|row| zeros(row, unit, parameters)))
         .chain(not_randomised(rows, parameters))
         .chain(rows.iter().filter_map(|row| left_out(row, cells, parameters)))
         .collect()
@@ -94,6 +95,23 @@ fn guard(rows: &[contrasts::Row], unit: &Unit, parameters: &Parameters) -> Optio
     }
     let reached = design_guard::check(fewest, parameters.contrasts.len(), parameters.alpha);
     reached.err().map(|why| format!("Exact tests: {why}"))
+}
+
+/// How far differences of zero raise the smallest p value of the exact tests.
+fn zeros(row: &contrasts::Row, unit: &Unit, parameters: &Parameters) -> Option<(NoteKind, String)> {
+    let (n, zeros) = (row.differences.len(), row.zeros());
+    if *unit != Unit::Participants || zeros == 0 {
+        return None;
+    }
+    let [without, with] = [n, n - zeros].map(|n| sign_flip::smallest_p(n).to_string());
+    let environment = &parameters.environments[row.environment];
+    let contrast = columns::name(&row.contrast);
+    let text = format!(
+        "{environment}, {contrast}: {zeros} of {n} differences {} 0, and a zero has no sign. So no \
+         exact test (sign flip, signed rank) has a p below {with}; without zeros it could be {without}.",
+        if zeros == 1 { "is" } else { "are" }
+    );
+    Some((NoteKind::Limit, text))
 }
 
 /// The smallest p value that the design's orders reach, and the claims that they cannot carry.
@@ -131,25 +149,53 @@ fn why_not_randomised(row: &contrasts::Row, parameters: &Parameters) -> Option<(
     Some((NoteKind::Care, format!("{environment}: no test of the sharp null: {why}.")))
 }
 
-/// Who took part and has not both modes of a contrast.
+/// Who took part and has not both modes of a contrast, and what each of them lacks.
 fn left_out(
     row: &contrasts::Row,
     cells: &Cells,
     parameters: &Parameters,
 ) -> Option<(NoteKind, String)> {
-    let mut missing: Vec<&str> = cells.participants.iter().map(String::as_str).collect();
-    let compared = row.differences.iter().map(|one| cells.participants[one.participant].as_str());
-    let compared: BTreeSet<&str> = compared.collect();
-    missing.retain(|who| !compared.contains(who));
+    let compared: BTreeSet<usize> = row.differences.iter().map(|one| one.participant).collect();
+    // Those who lack the same stand together.
+    let mut lacking: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for (participant, name) in cells.participants.iter().enumerate() {
+        if !compared.contains(&participant) {
+            let what = lacks(participant, row, cells, parameters)?;
+            lacking.entry(what).or_default().push(name);
+        }
+    }
     let environment = &parameters.environments[row.environment];
-    (!missing.is_empty()).then(|| {
-        let text = format!(
-            "{environment}, {}: without {}, who lack one of the modes.",
-            columns::name(&row.contrast),
-            missing.join(", ")
-        );
+    let contrast = columns::name(&row.contrast);
+    let groups: Vec<String> =
+        lacking.iter().map(|(what, names)| format!("{} ({what})", names.join(", "))).collect();
+    (!groups.is_empty()).then(|| {
+        let text = format!("{environment}, {contrast}: without {}.", groups.join("; "));
         (NoteKind::LeftOut, text)
     })
+}
+
+/// What a participant lacks of a contrast; `None` for modes that the study does not have.
+fn lacks(
+    participant: usize,
+    row: &contrasts::Row,
+    cells: &Cells,
+    parameters: &Parameters,
+) -> Option<String> {
+    let mut missing = Vec::new();
+    for mode in parameters.modes_of(&row.contrast)? {
+        let own = cells.of_condition(row.environment, mode);
+        let own: Vec<&Cell> = own.filter(|cell| cell.participant == participant).collect();
+        let name = &parameters.modes[mode];
+        if own.iter().map(|cell| cell.trials).sum::<usize>() == 0 {
+            missing.push(format!("no trial of {name}"));
+        } else if own.iter().all(|cell| cell.mean.is_none()) {
+            missing.push(format!("no trial of {name} with {}", parameters.metric));
+        }
+    }
+    if missing.is_empty() {
+        missing.push("no session with both modes".to_owned());
+    }
+    Some(missing.join(", "))
 }
 
 fn of_whom(unit: &Unit) -> String {

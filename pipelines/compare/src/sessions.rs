@@ -34,6 +34,8 @@ struct Row {
     agreement: Option<Agreement>,
     /// Whether it takes in those who lack one of them.
     is_incomplete: bool,
+    /// Of all sessions of the condition, where there are three or more.
+    overall: Option<Agreement>,
 }
 
 /// Each later session against the first one, in every condition, as a table.
@@ -45,11 +47,19 @@ pub(crate) fn table(
     let mut rows = Vec::new();
     for environment in 0..parameters.environments.len() {
         for mode in 0..parameters.modes.len() {
+            let all: Vec<usize> = (0..cells.sessions.len()).collect();
+            let overall = if all.len() > 2 {
+                let everybody = means(cells, environment, mode, &all);
+                agreement_of_all(&everybody, parameters.level).ok()
+            } else {
+                None
+            };
             for later in 1..cells.sessions.len() {
-                let means = means(cells, environment, mode, [later, 0]);
+                let means = means(cells, environment, mode, &[later, 0]);
                 let row = row(&means, parameters.level);
                 if !row.pairs.is_empty() {
-                    rows.push(Row { environment, mode, sessions: [0, later], ..row });
+                    let sessions = [0, later];
+                    rows.push(Row { environment, mode, sessions, overall, ..row });
                 }
             }
         }
@@ -57,17 +67,22 @@ pub(crate) fn table(
     as_table(&rows, cells, measure, parameters)
 }
 
-fn row(means: &[[Option<f64>; 2]], level: f64) -> Row {
-    let pairs: Vec<[f64; 2]> =
-        means.iter().filter_map(|[later, earlier]| Some([(*later)?, (*earlier)?])).collect();
+/// The agreement of sessions, a column each of everybody's `means`, by the mixed model: by its mean
+/// squares where nobody lacks a session, which is the same.
+fn agreement_of_all(means: &[Vec<Option<f64>>], level: f64) -> Result<Agreement, Unestimable> {
+    let complete: Vec<Vec<f64>> =
+        means.iter().filter_map(|row| row.iter().copied().collect()).collect();
+    if complete.len() < means.len() && means.len() < MANY {
+        return incomplete_agreement(means, level, DRAWS).map(|found| found.agreement);
+    }
+    agreement(&complete, level)
+}
+
+fn row(means: &[Vec<Option<f64>>], level: f64) -> Row {
+    let pairs: Vec<[f64; 2]> = means.iter().filter_map(|both| Some([both[0]?, both[1]?])).collect();
     let changes = differences(&pairs);
     let is_incomplete = pairs.len() < means.len() && means.len() < MANY;
-    let agreement = if is_incomplete {
-        let all: Vec<Vec<Option<f64>>> = means.iter().map(|pair| pair.to_vec()).collect();
-        incomplete_agreement(&all, level, DRAWS).map(|found| found.agreement)
-    } else {
-        agreement(&pairs.iter().map(|pair| pair.to_vec()).collect::<Vec<_>>(), level)
-    };
+    let agreement = agreement_of_all(means, level);
     Row {
         environment: 0,
         mode: 0,
@@ -76,24 +91,26 @@ fn row(means: &[[Option<f64>; 2]], level: f64) -> Row {
         limits: bland_altman(&changes, level).ok(),
         agreement: agreement.ok(),
         is_incomplete,
+        overall: None,
         pairs,
     }
 }
 
-/// The means in two sessions of everybody who has one of them, in the order of participants.
+/// The means in some sessions, in their order, of everybody who has one of them.
 fn means(
     cells: &Cells,
     environment: usize,
     mode: usize,
-    sessions: [usize; 2],
-) -> Vec<[Option<f64>; 2]> {
-    let of = |session| -> BTreeMap<usize, f64> {
-        let here = cells.of_condition(environment, mode).filter(move |c| c.session == session);
+    sessions: &[usize],
+) -> Vec<Vec<Option<f64>>> {
+    let in_session = |session: &usize| -> BTreeMap<usize, f64> {
+        let here = cells.of_condition(environment, mode).filter(|c| c.session == *session);
         here.filter_map(|c: &Cell| Some((c.participant, c.mean?))).collect()
     };
-    let both = sessions.map(of);
-    let everybody: BTreeSet<usize> = both.iter().flat_map(|of| of.keys().copied()).collect();
-    everybody.into_iter().map(|who| [0, 1].map(|side| both[side].get(&who).copied())).collect()
+    let by_session: Vec<BTreeMap<usize, f64>> = sessions.iter().map(in_session).collect();
+    let everybody: BTreeSet<usize> = by_session.iter().flat_map(|s| s.keys().copied()).collect();
+    let one = |who| by_session.iter().map(|means| means.get(&who).copied()).collect();
+    everybody.into_iter().map(one).collect()
 }
 
 fn as_table(
@@ -171,17 +188,42 @@ fn as_table(
         ),
         measure.column("sem", "standard error of measurement", agreeing(|a| a.sem)),
         measure.column("mdc", "minimal detectable change, 95 %", agreeing(|a| a.mdc)),
-        texts("remark", "why there is no test", &|row| {
-            row.change.as_ref().err().map(ToString::to_string)
-        }),
     ]);
+    if rows.iter().any(|row| row.overall.is_some()) {
+        let overall = |of: fn(&Agreement) -> f64| {
+            rows.iter().map(move |row| row.overall.as_ref().map(of)).collect::<Vec<_>>()
+        };
+        all.extend([
+            number(
+                "icc_a1_all",
+                "ICC(A,1) [ICC(2,1)] of all sessions of the condition together",
+                overall(|a| a.a1.estimate),
+            ),
+            number("icc_a1_all_ci_low", "lower end of its interval", overall(|a| a.a1.ci_low)),
+            number("icc_a1_all_ci_high", "upper end of its interval", overall(|a| a.a1.ci_high)),
+            measure.column(
+                "sem_all",
+                "standard error of measurement of all sessions together",
+                overall(|a| a.sem),
+            ),
+        ]);
+    }
+    all.push(texts("remark", "why there is no test", &|row| {
+        row.change.as_ref().err().map(ToString::to_string)
+    }));
     let title = format!("Sessions compared: {}", measure.description);
     let table = Table::new(&format!("sessions_{}", measure.name), &title, all)?;
     let note = "Agreement takes in those who lack a session, by a mixed model of everybody's means, \
                 with intervals by a parametric bootstrap (999); changes are of those who came to both.";
+    let everything = "icc_a1_all is one number per condition: of all its sessions, by the mixed model \
+                      with participants and sessions as random effects (by its mean squares where nobody \
+                      lacks a session, which is the same).";
+    let is_overall = rows.iter().any(|row| row.overall.is_some());
+    let table = if is_overall { table.with_note(everything) } else { table };
     let is_incomplete = rows.iter().any(|row| row.is_incomplete);
     let table = if is_incomplete { table.with_note(note) } else { table };
-    let is_negative = rows.iter().flat_map(|row| &row.agreement).any(is_negative);
+    let is_negative =
+        rows.iter().flat_map(|row| [&row.agreement, &row.overall]).flatten().any(is_negative);
     Ok(if is_negative { table.with_note(NEGATIVE) } else { table })
 }
 
@@ -203,11 +245,12 @@ mod tests {
     /// Two sessions in which the order of the participants turns round.
     #[test]
     fn an_icc_below_zero_is_recognised_as_it_was_computed() {
-        let turned = [[Some(1.0), Some(3.0)], [Some(2.0), Some(2.5)], [Some(3.0), Some(1.2)]];
+        let table = |pairs: [[f64; 2]; 3]| pairs.map(|pair| pair.map(Some).to_vec());
+        let turned = table([[1.0, 3.0], [2.0, 2.5], [3.0, 1.2]]);
         let found = row(&turned, 0.95).agreement.unwrap();
         assert!(found.c1.estimate < 0.0, "{found:?}");
         assert!(is_negative(&found));
-        let alike = [[Some(1.0), Some(1.1)], [Some(2.0), Some(2.2)], [Some(3.0), Some(2.9)]];
+        let alike = table([[1.0, 1.1], [2.0, 2.2], [3.0, 2.9]]);
         assert!(!is_negative(&row(&alike, 0.95).agreement.unwrap()));
     }
 }

@@ -85,8 +85,73 @@ fn each_participant_gives_one_difference_and_who_lacks_a_mode_leaves_that_contra
     near(&floats(table, "p_value"), &[0.023_365_405_115_362_9, 0.185_908_421_589_306]);
     near(&floats(table, "p_adjusted"), &[0.046_730_810_230_725_8, 0.185_908_421_589_306]);
     let left_out = table.notes().iter().find(|note| note.contains("P04")).unwrap();
-    assert_eq!(left_out, "spring, hybrid − passive: without P04, who lack one of the modes.");
+    assert_eq!(left_out, "spring, hybrid − passive: without P04 (no trial of passive).");
     assert_eq!(table.texts("unit_of_analysis").unwrap()[0].as_deref(), Some("participants"));
+}
+
+/// P01's trials of passive have no value; P02 has passive and hybrid, but in two sessions; P04 has
+/// no passive at all.
+#[test]
+fn the_note_on_who_is_left_out_says_what_each_of_them_lacks() {
+    let mut trials = four();
+    for trial in &mut trials {
+        match (trial.0, trial.2) {
+            ("P01", "passive") => trial.4 = None,
+            ("P02", "passive") => trial.1 = "S02",
+            _ => {}
+        }
+    }
+    let table = compare(&metrics(&trials), &parameters()).unwrap().contrasts;
+    let left_out = table.notes().iter().find(|note| note.contains("without P")).unwrap();
+    assert_eq!(
+        left_out,
+        "spring, hybrid − passive: without P02 (no session with both modes); P04 (no trial of \
+         passive); P01 (no trial of passive with step_n)."
+    );
+}
+
+/// Six people whose hybrid is 0, 1, 1, 2, 3 and 4 above their active.
+#[test]
+fn a_difference_of_zero_raises_the_smallest_p_of_the_exact_tests_and_the_note_says_how_far() {
+    let people = ["P01", "P02", "P03", "P04", "P05", "P06"];
+    let trials: Vec<Trial> = people
+        .into_iter()
+        .zip([0.0, 1.0, 1.0, 2.0, 3.0, 4.0])
+        .flat_map(|(who, apart)| {
+            [(who, "S01", "active", 1, Some(1.0)), (who, "S01", "hybrid", 1, Some(1.0 + apart))]
+        })
+        .collect();
+    let table = compare(&metrics(&trials), &parameters()).unwrap().contrasts;
+    near(&floats(&table, "p_sign_flip"), &[0.0625]);
+    near(&floats(&table, "p_signed_rank"), &[0.0625]);
+    let note = "spring, hybrid − active: 1 of 6 differences is 0, and a zero has no sign. So no exact test \
+                (sign flip, signed rank) has a p below 0.0625; without zeros it could be 0.03125.";
+    assert!(table.notes().iter().any(|n| n == note), "{:?}", table.notes());
+    let whole = compare(&metrics(&whole_study()), &parameters()).unwrap().contrasts;
+    assert!(whole.notes().iter().all(|note| !note.contains("has no sign")));
+}
+
+/// 6 people, 3 modes and 6 repeats whose people differ less than their repeats.
+#[test]
+fn where_a_variance_is_zero_the_note_explains_the_two_degrees_of_freedom() {
+    let people = ["P01", "P02", "P03", "P04", "P05", "P06"];
+    let mut trials = Vec::new();
+    for (p, who) in people.into_iter().enumerate() {
+        for (m, mode) in ["active", "passive", "hybrid"].into_iter().enumerate() {
+            for repeat in 0..6_i64 {
+                // Every participant's repeats are the same six numbers, in another order.
+                let place = (p + m + repeat as usize) % 6;
+                let value = m as f64 + 0.1 * place as f64;
+                trials.push((who, "S01", mode, repeat, Some(value)));
+            }
+        }
+    }
+    let models = compare(&metrics(&trials), &parameters()).unwrap().models;
+    near(&floats(&models, "df"), &[10.0, 10.0]);
+    near(&floats(&models, "df_satterthwaite"), &[105.0, 105.0]);
+    let note = models.notes().iter().find(|note| note.starts_with("Where singular")).unwrap();
+    assert!(note.contains("(here 10.0 and 105.0)"), "{note}");
+    assert!(note.ends_with("are Kenward and Roger's, and they count."), "{note}");
 }
 
 /// P04 has no passive. Ranks (1, 3, 2), (1, 3, 2), (1, 2.5, 2.5): 12 of the 6³ orders within rows
@@ -215,6 +280,37 @@ fn who_lacks_a_session_counts_for_agreement_and_not_for_change() {
     let expected = zwidth_stats::incomplete::incomplete_agreement(&all, 0.95, sampling).unwrap();
     near(&floats(&sessions, "icc_a1"), &[expected.agreement.a1.estimate]);
     near(&floats(&sessions, "icc_a1_ci_low"), &[expected.agreement.a1.ci_low]);
+}
+
+/// Of three sessions P04 lacks the last.
+#[test]
+fn three_sessions_have_one_icc_beside_those_of_the_pairs() {
+    let mut trials = Vec::new();
+    for (p, who) in ["P01", "P02", "P03", "P04"].into_iter().enumerate() {
+        for (s, session) in ["S01", "S02", "S03"].into_iter().enumerate() {
+            let value = 0.4 * p as f64 + 0.05 * ((p * 37 + s * s * 53 + p * s * 11) % 17) as f64;
+            if (p, s) != (3, 2) {
+                trials.push((who, session, "hybrid", 1, Some(value)));
+            }
+        }
+    }
+    let table = |trials: &[Trial]| compare(&metrics(trials), &parameters()).unwrap().sessions;
+    let means: Vec<Vec<Option<f64>>> = (0..4)
+        .map(|p| (0..3).map(|s| trials.get(p * 3 + s).and_then(|trial| trial.4)).collect())
+        .collect();
+    let sampling = Sampling { draws: 999, seed: 1 };
+    let expected = zwidth_stats::incomplete::incomplete_agreement(&means, 0.95, sampling).unwrap();
+    let expected = expected.agreement.a1;
+    let sessions = table(&trials);
+    assert_eq!(sessions.height(), 2);
+    near(&floats(&sessions, "icc_a1_all"), &[expected.estimate; 2]);
+    near(&floats(&sessions, "icc_a1_all_ci_low"), &[expected.ci_low; 2]);
+    near(&floats(&sessions, "icc_a1_all_ci_high"), &[expected.ci_high; 2]);
+    assert!(sessions.notes().iter().any(|note| note.starts_with("icc_a1_all is one number")));
+
+    // Of two sessions the pair is all there is.
+    trials.retain(|trial| trial.1 != "S03");
+    assert!(table(&trials).floats("icc_a1_all").is_err());
 }
 
 #[test]
@@ -389,7 +485,7 @@ fn answers_on_a_line_are_compared_by_their_own_numbers() {
 }
 
 #[test]
-fn answers_that_separate_the_modes_have_no_odds_ratio_and_say_so() {
+fn answers_that_separate_the_modes_have_a_bound_and_a_p_value_in_place_of_an_odds_ratio() {
     let given: Vec<_> = ["P01", "P02", "P03"]
         .into_iter()
         .flat_map(|who| {
@@ -398,8 +494,10 @@ fn answers_that_separate_the_modes_have_no_odds_ratio_and_say_so() {
         .collect();
     let table = compare_answers(&answers(&given), &answer_parameters()).unwrap().contrasts;
     assert_eq!(table.floats("odds_ratio").unwrap(), [None]);
+    assert_eq!(table.floats("odds_ratio_ci_high").unwrap(), [None]);
+    assert!(table.floats("p_value").unwrap()[0].unwrap() < 0.1);
     let remark = table.texts("remark").unwrap()[0].clone().unwrap();
-    assert_eq!(remark, "the answers separate active completely, so the estimate has no end");
+    assert!(remark.starts_with("the answers separate the two modes, so"), "{remark}");
     near(&floats(&table, "superiority"), &[1.0]);
 }
 

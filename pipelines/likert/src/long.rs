@@ -38,7 +38,10 @@ pub fn long(answers: &[Answer], scheme: &Scheme) -> Result<Table, TableError> {
         let about = "from the question to its answer; null where it was not measured";
         columns.push(Column::float("answer_time_s", "s", about, times));
     }
-    Table::new("answers", "Answers as given, one row per answer", columns)
+    let table = Table::new("answers", "Answers as given, one row per answer", columns)?;
+    Ok(table.with_note(
+        "Every answer that counts. Which trials do not count, and why, stands in trials.parquet.",
+    ))
 }
 
 /// The answers to the question which mode it was: `to guess 0 (do not know), 1 (Active), …`.
@@ -70,6 +73,7 @@ mod tests {
         let study = zwidth_testing::study();
         let scheme = Scheme::of(&study);
         let table = long(&[answer("felt", 4), answer("liked", 2)], &scheme).unwrap();
+        assert!(table.notes()[0].starts_with("Every answer that counts."));
         assert_eq!(table.columns()[6].field.description, "the answer as given, 1…5");
         let questions = ["felt", "liked"].map(|q| Some(q.to_owned()));
         assert_eq!(table.texts("question").unwrap(), questions);

@@ -79,6 +79,11 @@ pub fn is_number(metric: &str) -> bool {
     numbers().any(|(name, _)| name == metric)
 }
 
+/// The names of all metrics that can be compared, in the order of the table.
+pub fn names() -> Vec<&'static str> {
+    numbers().map(|(name, _)| name).collect()
+}
+
 /// What a metric measures, in words; `None` if there is none of that name that is a number.
 pub fn in_words(metric: &str) -> Option<&'static str> {
     let of_trial = GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));

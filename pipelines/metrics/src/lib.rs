@@ -57,7 +57,7 @@ mod wall;
 
 pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
-pub use columns::{commanded, in_words, is_number, is_possible, needs_lever, renamed};
+pub use columns::{commanded, in_words, is_number, is_possible, names, needs_lever, renamed};
 pub use compliance::Compliance;
 pub use conditions::{by_condition, condition_columns, join_sessions};
 pub use discrepancy::Discrepancy;

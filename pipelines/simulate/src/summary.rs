@@ -39,6 +39,8 @@ pub struct Summary {
     pub other_rest_rule: Option<KnownMotion>,
     /// Whether the run oscillates if the reference does.
     pub shows_the_reference: bool,
+    /// The longest way that the lever creeps where the known motion stands still, rad.
+    pub creep_rad: f64,
     /// Largest growth a step in the regions met, over the exact flow's; above 1 the step is
     /// unstable.
     pub amplification: f64,
@@ -133,6 +135,7 @@ impl Summary {
             reference: run.judgement.reference.as_ref().map(KnownMotion::of),
             other_rest_rule: other_rest_rule(run),
             shows_the_reference: run.judgement.shows_the_reference,
+            creep_rad: run.judgement.creep_rad,
             amplification: run.judgement.amplification,
             finger: scene.finger.map(|finger| finger_word(finger.law)),
             energy: of
@@ -187,6 +190,9 @@ pub(crate) fn verdict_meaning(verdict: RunVerdict) -> &'static str {
         }
         RunVerdict::NumericalChattering => {
             "verdict numerical chattering (the swings are the method's: the model does not have them)"
+        }
+        RunVerdict::NumericalCreep => {
+            "verdict numerical creep (the method moves a lever that stands still in the model)"
         }
         RunVerdict::LimitCycle => "verdict limit cycle (the model keeps the swings up by itself)",
         RunVerdict::UnstableStep => {

@@ -18,7 +18,7 @@ pub(crate) const MOST_SAMPLES: usize = 5_000_000;
 pub enum Gate {
     /// Nothing: a person could not tell the run from the right one.
     Passed,
-    /// The verdict: it failed, is unstable, chatters, or is not known; or it does not show what the
+    /// The verdict: it failed, is unstable, chatters, creeps, or is not known; or it does not show what the
     /// model does.
     Verdict,
     /// The slow part of the force.
@@ -64,6 +64,7 @@ fn is_sound(judgement: &Judgement) -> bool {
         RunVerdict::Failed,
         RunVerdict::UnstableStep,
         RunVerdict::NumericalChattering,
+        RunVerdict::NumericalCreep,
         RunVerdict::DependsOnRestRule,
         RunVerdict::CannotTell,
     ];

@@ -115,6 +115,12 @@ fn columns(rows: &[Row]) -> Vec<Column> {
         float("swing_amplitude_rad", "rad", "median of half a swing's angle", &|row| {
             row.1.errors.is_some().then(|| row.1.judgement.swings[0].amplitude_rad)
         }),
+        float(
+            "creep_rad",
+            "rad",
+            "longest way in a stretch in which the lever should stand",
+            &|row| row.1.errors.is_some().then_some(row.1.judgement.creep_rad),
+        ),
         count("steps", "steps, or exact pieces", &|cell| cell.work.steps),
         count("rejected", "steps rejected", &|cell| cell.work.rejected),
         count("evaluations", "of the right-hand side", &|cell| cell.work.evaluations),

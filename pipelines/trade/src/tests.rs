@@ -58,6 +58,28 @@ fn the_thesis_setting_chatters_by_0_76_and_3_53_degrees_and_is_felt_through_its_
 }
 
 #[test]
+fn a_setting_that_lets_a_held_lever_creep_is_not_recommended_and_its_way_is_in_the_table() {
+    let mut scene = sticking();
+    scene.environment = Environment::free();
+    scene.input = Input::constant(0.05);
+    scene.friction =
+        Some(zwidth_dynamics::Friction { static_n: 0.1, kinetic_n: 0.1, viscous_ns_per_rad: 0.0 });
+    scene.start.theta_rad = 0.0;
+    let trade = reduced(&scene);
+    let cell = find(&trade, "rk4_per_stage", 8.3e-3);
+    assert_eq!(cell.judgement.verdict, RunVerdict::NumericalCreep);
+    assert_eq!(cell.gate, Gate::Verdict);
+    assert!(cell.judgement.creep_rad > 0.01, "{:?}", cell.judgement);
+    let table = settings_table("trade", "", &[trade]).unwrap();
+    let ways = table.floats("creep_rad").unwrap();
+    let solvers = table.texts("solver").unwrap();
+    for (way, solver) in ways.iter().zip(&solvers) {
+        let held = ["exact", "moreau_jean"].contains(&solver.as_deref().unwrap());
+        assert!(way.is_some_and(|way| !held || way < 1e-300), "{solver:?} {way:?}");
+    }
+}
+
+#[test]
 fn rk4_is_of_order_four_where_nothing_switches_and_euler_of_order_one() {
     // A damped spring that a motor without limits renders, pushed by a sine, from rest at its rest.
     let mut scene = sticking();

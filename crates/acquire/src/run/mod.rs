@@ -133,6 +133,8 @@ struct Runner<'a> {
     seen_s: f64,
     /// The clock before the first trial of this life, s, and what was done by then.
     began: Option<(f64, usize)>,
+    /// The trials done, and the clock when the last of them was, s.
+    lasted: (usize, f64),
 }
 
 /// Runs a session from where it stands to where it is left. The study's lock is the caller's.
@@ -198,6 +200,7 @@ pub fn run<'a>(
             stopped: None,
             seen_s,
             began: None,
+            lasted: (0, 0.0),
         };
         runner.begin(first).and_then(|()| runner.go_on())?;
         let stays_on = runner.stays_on();
@@ -378,7 +381,11 @@ impl<'a> Runner<'a> {
         let design = &self.plan.study.design;
         let (done, all) = (self.flow.done(), self.flow.places().len());
         let planned_s = design.trial_limit_s + design.pause_s;
-        course(now_s - began_s, done.saturating_sub(before), all - done, planned_s)
+        if self.lasted.0 != done {
+            self.lasted = (done, now_s);
+        }
+        let lasted_s = (self.lasted.1 - began_s).max(0.0);
+        course(now_s - began_s, lasted_s, done.saturating_sub(before), all - done, planned_s)
     }
 
     /// Takes the voltages away; whether a device without a watchdog may not have heard it. It is

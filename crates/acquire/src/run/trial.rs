@@ -51,7 +51,7 @@ impl<'a> Runner<'a> {
         let calibration = &self.plan.calibration;
         let controller = Controller::new(&self.plan.study.control, environment, mode, calibration);
         let journal = self.journal(trial)?;
-        self.view.trace.clear();
+        self.view.clear_trace();
         self.show()?;
         let mut live = Live {
             tape: Tape::new(journal, plan.rate_hz),

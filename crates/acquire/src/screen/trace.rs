@@ -21,7 +21,8 @@ const COLUMN_GAP: u16 = 2;
 /// seen.
 const ANGLE_ROOM_DEG: f64 = 3.0;
 
-/// Where the force's scale begins, N: the motor gives 4.16 N. No scale shrinks while a trial runs.
+/// Where the force's scale begins, N: the motor gives 4.16 N. No scale shrinks while a trial runs,
+/// and this one does not grow either.
 const FORCE_SCALE_N: f64 = 5.0;
 
 /// Where the velocity's scale begins, degrees/s: there and back through the work space within a
@@ -105,8 +106,9 @@ fn angle(view: &View, look: Look) -> Plot {
     }
 }
 
+/// In light blue: the plain blue of most palettes is hard to read on black.
 fn velocity(view: &View, look: Look) -> Plot {
-    let curve = curve(view, |p| Some(p.theta_dot_rad_s.to_degrees()), Color::Blue, '*');
+    let curve = curve(view, |p| Some(p.theta_dot_rad_s.to_degrees()), Color::LightBlue, '*');
     let scale = scale(std::slice::from_ref(&curve), VELOCITY_SCALE_DEG_S);
     Plot {
         title: if look.ascii { "velocity (deg/s)" } else { "velocity θ̇ (°/s)" },
@@ -119,17 +121,29 @@ fn velocity(view: &View, look: Look) -> Plot {
     }
 }
 
+/// While a trial runs, the scale is that of the trials before: one that jumps is mistaken for a
+/// force that does. What lies beyond it stays at its edge until the trial is over. Before the first
+/// trial both directions have room.
 fn force(view: &View) -> Plot {
-    let curves = vec![curve(view, |p| Some(p.force_ex_n), Color::Green, '*')];
-    let scale = scale(&curves, FORCE_SCALE_N);
+    let mut curve = curve(view, |p| Some(p.force_ex_n), Color::Green, '*');
+    let runs = matches!(view.phase, Phase::Trial { .. });
+    let now = curve.points.iter().map(|(_, n)| *n).filter(|_| !runs);
+    let ends = now.fold(view.force_before_n, |ends, n| {
+        let [low, high] = ends.unwrap_or([n, n]);
+        Some([low.min(n), high.max(n)])
+    });
+    let [least, most] = ends.unwrap_or([-FORCE_SCALE_N, FORCE_SCALE_N]);
+    let high = doubled(FORCE_SCALE_N, most.abs().max(least.abs()));
+    let low = if least < NEGATIVE_FORCE_N { -high } else { 0.0 };
+    curve.points.iter_mut().for_each(|(_, n)| *n = n.clamp(low, high));
     Plot {
         title: "user force (N)",
         value: latest(view, |p| Some(p.force_ex_n), 2),
-        low: if reaches_below(&curves, NEGATIVE_FORCE_N) { -scale } else { 0.0 },
-        high: scale,
+        low,
+        high,
         room: 0.0,
         level: None,
-        curves,
+        curves: vec![curve],
     }
 }
 
@@ -178,9 +192,13 @@ fn unsigned_zero(number: String) -> String {
 /// The first scale, doubled until the curves stay within.
 fn scale(curves: &[Curve], first: f64) -> f64 {
     let sizes = curves.iter().flat_map(|curve| &curve.points).map(|(_, y)| y.abs());
-    let most = sizes.fold(0.0, f64::max);
+    doubled(first, sizes.fold(0.0, f64::max))
+}
+
+/// The first scale, doubled until it holds the most; the first one for what no doubling holds.
+fn doubled(first: f64, most: f64) -> f64 {
     let mut scale = first;
-    while scale < most {
+    while most.is_finite() && scale < most {
         scale *= 2.0;
     }
     scale
@@ -281,6 +299,49 @@ mod tests {
             scale(&[Curve { points, colour: Color::Reset, letter: '*', dashed: false }], 5.0)
         };
         assert_eq!([0.0, 5.0, 5.1, 21.0].map(|most| of(most).to_string()), ["5", "5", "10", "40"]);
+    }
+
+    #[test]
+    fn the_force_has_one_scale_while_a_trial_runs_and_room_for_what_came_after_it() {
+        let point = |force_ex_n: f64| Point {
+            t_s: 0.0,
+            theta_rad: 0.0,
+            theta_dot_rad_s: 0.0,
+            force_ex_n,
+            voltages: None,
+        };
+        let runs = Phase::Trial { t_s: 1.0, limit_s: 4.0 };
+        let mut view = View { phase: runs.clone(), ..View::default() };
+        let ends = |view: &View| {
+            let plot = force(view);
+            [plot.low, plot.high].map(|end| end.round() as i64)
+        };
+        for n in [0.0, 3.0, -1.0, 8.0] {
+            view.trace.push_back(point(n));
+            assert_eq!(ends(&view), [-5, 5], "{n} N in the first trial");
+        }
+        let (_, drawn) = force(&view).curves[0].points[3];
+        assert!((drawn - 5.0).abs() < 1e-12, "at the edge");
+        view.phase = Phase::Ready;
+        assert_eq!(ends(&view), [-10, 10]);
+        view.clear_trace();
+        assert_eq!((view.force_before_n, view.trace.len()), (Some([-1.0, 8.0]), 0));
+        view.phase = runs;
+        for n in [0.0, 30.0] {
+            view.trace.push_back(point(n));
+            assert_eq!(ends(&view), [-10, 10], "{n} N in the second trial");
+        }
+        let mut pushed = View { force_before_n: Some([-0.2, 3.0]), ..view };
+        pushed.trace.clear();
+        assert_eq!(ends(&pushed), [0, 5]);
+    }
+
+    #[test]
+    fn no_curve_is_in_the_blue_that_is_hard_to_read_on_black() {
+        let view = View::default();
+        let look = Look { colour: true, ascii: false };
+        let plots = columns_of(&view, look).into_iter().flatten();
+        assert!(plots.flat_map(|plot| plot.curves).all(|curve| curve.colour != Color::Blue));
     }
 
     #[test]

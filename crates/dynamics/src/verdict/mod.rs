@@ -5,8 +5,8 @@
 //! of it too: a step may be too long to show how the method chatters. The order of judgement:
 //!
 //! 1. **failed**: the run ended in an error.
-//! 2. **smooth**: neither the run, at any of the three steps, nor the reference oscillates. A
-//!    *swing* is the way from one end of a motion to the next; it exists where half of its angle is
+//! 2. **smooth**: neither the run, at any of the three steps, nor the reference oscillates, and the
+//!    run does not creep. A *swing* is the way from one end of a motion to the next; it exists where half of its angle is
 //!    above 1e-9 rad and 100 times the reference's error; six existing swings are an oscillation. A
 //!    run that grows away from the reference without a turn is not smooth but the next.
 //! 3. **unstable step**: |R(hλ)| > 1 in a region in which the run moved, curved terms linearised
@@ -15,7 +15,8 @@
 //!    θ̇ = 0, and the two give different motions.
 //! 5. **cannot tell**: the motion is not known.
 //! 6. **numerical chattering**: the run swings in a way that is absent in the reference.
-//! 7. What the reference itself does: **forced** (it repeats with the input's period or 2 to 4 of
+//! 7. **numerical creep**: the run's lever moves on where the reference's stands still.
+//! 8. What the reference itself does: **forced** (it repeats with the input's period or 2 to 4 of
 //!    them), **transient** or **growing** (the amplitude of the last third over that of the first
 //!    is below 0.9 or above 1.1), **free, undamped** (a conservative model), or else a **limit
 //!    cycle**.
@@ -23,6 +24,7 @@
 //! Whether a person feels it stands beside, in [`felt`].
 
 mod bands;
+mod creep;
 mod felt;
 mod model;
 mod path;
@@ -83,6 +85,9 @@ pub struct Judgement {
     pub shows_the_reference: bool,
     /// Half the peak-to-peak angle from which on a swing exists, rad.
     pub bound_rad: f64,
+    /// The longest way that the lever creeps in a stretch in which the reference's stands still,
+    /// rad; 0 if it stands too.
+    pub creep_rad: f64,
     /// Largest growth of a step in the regions in which the run moved, over the exact flow's own;
     /// above 1 the step is unstable. 1 for methods without a limit.
     pub amplification: f64,
@@ -112,6 +117,7 @@ impl Reference<'_> {
                 other_rest_rule: self.other_rule.as_ref().map(motions),
                 shows_the_reference: false,
                 bound_rad: self.bound_rad(),
+                creep_rad: 0.0,
                 amplification: 1.0,
                 error: Some(error),
             },
@@ -158,13 +164,16 @@ impl Reference<'_> {
         let growth = stability::worst(solver, self.model.plant(), run, h);
         let swings = [existing(run, self.bound_rad()), half, quarter];
         let theirs = self.known.as_ref().map_or(0, |known| known.swings.len());
+        let creep_rad =
+            self.known.as_ref().map_or(0.0, |known| creep::creep_rad(&Path::of(run), known, h));
         Judgement {
-            verdict: self.verdict(run, &swings, growth),
+            verdict: self.verdict(run, &swings, growth, creep_rad),
             swings: swings.each_ref().map(|swings| Swings::of(swings)),
             reference: self.known.as_ref().map(motions),
             other_rest_rule: self.other_rule.as_ref().map(motions),
             shows_the_reference: swings[0].len() >= FEW || theirs < FEW,
             bound_rad: self.bound_rad(),
+            creep_rad,
             amplification: growth.map_or(1.0, Growth::excess).max(1.0),
             error: None,
         }
@@ -176,21 +185,22 @@ impl Reference<'_> {
         run: &Trajectory,
         swings: &[Vec<Swing>; 3],
         growth: Option<Growth>,
+        creep_rad: f64,
     ) -> RunVerdict {
         let unstable = growth.is_some_and(Growth::is_unstable);
         let Some(known) = &self.known else {
             return if unstable { RunVerdict::UnstableStep } else { RunVerdict::CannotTell };
         };
         let oscillates = swings.iter().chain([&known.swings]).any(|swings| swings.len() >= FEW);
+        let own = |swings: &Vec<Swing>| has_its_own(swings, &known.swings, known.path.end_s());
         if unstable && (oscillates || runs_away(run, known)) {
             RunVerdict::UnstableStep
-        } else if !oscillates {
-            RunVerdict::Smooth
-        } else if self.depends_on_rest_rule() {
+        } else if oscillates && self.depends_on_rest_rule() {
             RunVerdict::DependsOnRestRule
-        } else if swings.iter().any(|swings| has_its_own(swings, &known.swings, known.path.end_s()))
-        {
+        } else if oscillates && swings.iter().any(own) {
             RunVerdict::NumericalChattering
+        } else if creep_rad > 0.0 {
+            RunVerdict::NumericalCreep
         } else {
             known.nature
         }

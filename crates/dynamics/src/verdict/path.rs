@@ -66,4 +66,26 @@ impl Path {
         let samples = self.t_s.iter().zip(&self.theta_rad).filter(|(t, _)| **t >= from_s);
         samples.map(|(t, theta)| (theta - self.at(t - earlier_s)).abs()).fold(0.0, f64::max)
     }
+
+    /// From when to when the lever stands still: several samples, one after the other, at which θ̇
+    /// is 0.
+    pub(super) fn stands_s(&self) -> Vec<[f64; 2]> {
+        let samples: Vec<(f64, f64)> =
+            self.t_s.iter().copied().zip(self.theta_dot_rad_s.iter().copied()).collect();
+        samples
+            .chunk_by(|a, b| a.1 == 0.0 && b.1 == 0.0)
+            .filter(|stretch| stretch.len() > 1)
+            .map(|stretch| [stretch[0].0, stretch[stretch.len() - 1].0])
+            .collect()
+    }
+
+    /// Largest less smallest θ of the samples between two times.
+    pub(super) fn way_rad(&self, from_s: f64, to_s: f64) -> f64 {
+        let inside = self.t_s.iter().zip(&self.theta_rad);
+        let inside = inside.filter(|(t, _)| (from_s..=to_s).contains(*t)).map(|(_, theta)| *theta);
+        let [low, high] = inside.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], theta| {
+            [low.min(theta), high.max(theta)]
+        });
+        (high - low).max(0.0)
+    }
 }

@@ -17,6 +17,8 @@ pub enum RunVerdict {
     LimitCycle,
     /// Swings that the model does not have: the method's own.
     NumericalChattering,
+    /// A lever that moves where the model's stands still: the method's own.
+    NumericalCreep,
     /// The step lies outside the method's stability region somewhere on the way.
     UnstableStep,
     /// The model does not say what is commanded at rest, and it matters.
@@ -29,7 +31,7 @@ pub enum RunVerdict {
 
 impl RunVerdict {
     /// Every verdict.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Smooth,
         Self::Forced,
         Self::Transient,
@@ -37,6 +39,7 @@ impl RunVerdict {
         Self::FreeUndamped,
         Self::LimitCycle,
         Self::NumericalChattering,
+        Self::NumericalCreep,
         Self::UnstableStep,
         Self::DependsOnRestRule,
         Self::CannotTell,
@@ -53,6 +56,7 @@ impl RunVerdict {
             Self::FreeUndamped => "free, undamped",
             Self::LimitCycle => "limit cycle",
             Self::NumericalChattering => "numerical chattering",
+            Self::NumericalCreep => "numerical creep",
             Self::UnstableStep => "unstable step",
             Self::DependsOnRestRule => "depends on the rule at rest",
             Self::CannotTell => "cannot tell",

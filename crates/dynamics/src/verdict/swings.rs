@@ -10,6 +10,9 @@ use crate::trajectory::{Event, Trajectory};
 /// Fewer swings are an impact, or a movement there and back, and no oscillation: three cycles.
 pub const FEW: usize = 6;
 
+/// Where the reference oscillates, what takes up less than this share of the run does not name it.
+pub(super) const SEEN: f64 = 0.05;
+
 /// The way of the lever from one end of a motion to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Swing {
@@ -99,8 +102,6 @@ pub(super) fn has_its_own(run: &[Swing], reference: &[Swing], duration_s: f64) -
     const SLOWER: f64 = 2.0;
     /// The run has its own if they are more than so many times the reference's.
     const TIMES: usize = 3;
-    /// Share of the run.
-    const SEEN: f64 = 0.05;
     let least_s = if reference.len() < FEW { 0.0 } else { SEEN * duration_s };
     let largest = reference.iter().map(|swing| swing.amplitude_rad).fold(0.0, f64::max);
     let sizes = tenths(&sorted(run.iter().map(|swing| swing.amplitude_rad)));

@@ -344,3 +344,47 @@ fn a_sudden_drop_of_the_force_leaves_no_oscillation() {
         assert_eq!(judgement.swings.map(|swings| swings.count), [0; 3]);
     }
 }
+
+/// A lever under half of its dry friction.
+fn half_the_friction() -> ModelScene {
+    let mut scene = table3::scene(DriveMode::Hybrid, Input::constant(0.05));
+    scene.environment = Environment::free();
+    (scene.plant.mass_kg, scene.plant.lever_m) = (0.1, 0.045);
+    scene.friction = Some(Friction { static_n: 0.1, kinetic_n: 0.1, viscous_ns_per_rad: 0.0 });
+    scene.start = Start::default();
+    scene.duration_s = 2.0;
+    scene
+}
+
+/// The stages' slopes in units of F/m, from v = 0 under F/2: 1/2 (sgn 0 = 0), then −1/2, then 1/2 or
+/// more again while v is below 0.
+#[test]
+fn a_lever_that_stands_under_half_its_friction_creeps_by_stages_and_by_no_other_method() {
+    let system = System::new(half_the_friction()).unwrap();
+    let reference = Reference::of(&system);
+    let mut ways = Vec::new();
+    for h in [1e-3, 0.5e-3, 0.25e-3] {
+        let creeps = reference.judge(&stage(), h);
+        assert_eq!(creeps.verdict, RunVerdict::NumericalCreep, "{creeps:?}");
+        ways.push(creeps.creep_rad);
+        for solver in [&Exact::default() as &dyn Solver, &MoreauJean::default()] {
+            let stands = reference.judge(solver, h);
+            assert_eq!(stands.verdict, RunVerdict::Smooth, "{}: {stands:?}", solver.name());
+            assert!(stands.creep_rad.abs() < 1e-300);
+        }
+    }
+    // A push of h F/m per step, which each step loses again: the way falls with the step.
+    assert!(ways[0] > 1e-3, "{ways:?}");
+    assert!((ways[0] / ways[1] - 2.0).abs() < 0.02 && (ways[1] / ways[2] - 2.0).abs() < 0.02);
+}
+
+#[test]
+fn a_motion_that_ends_some_steps_late_is_no_creep() {
+    let mut scene = half_the_friction();
+    scene.input = Input::constant(0.0);
+    scene.start = Start { theta_rad: 0.0, theta_dot_rad_s: 0.5 };
+    let system = System::new(scene).unwrap();
+    let judgement = judge(&MoreauJean { theta: 1.0 }, &system, 8.3e-3);
+    assert_eq!(judgement.verdict, RunVerdict::Smooth, "{judgement:?}");
+    assert!(judgement.creep_rad.abs() < 1e-300, "{judgement:?}");
+}

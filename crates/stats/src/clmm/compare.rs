@@ -1,13 +1,14 @@
 //! The modes of a study compared by their answers on a scale.
 
-use super::fit::{Fit, fit};
+use super::fit::{fit, highest, settled};
 use super::likelihood::Integral;
 use super::model::{Model, Ratings, Terms};
-use super::profile::{ProfileInterval, profile_interval};
-use super::ratio::{RatioTest, test_columns};
+use super::profile::{End, ProfileInterval, bound_at_limit, profile_interval};
+use super::ratio::{RatioTest, referred, test_columns};
 use super::resample::{Bootstrap, bootstrap};
-use crate::answers::Column;
+use crate::answers::{Answers, Column, DIRECTION_ROUNDING};
 use crate::error::check_level;
+use crate::student_t::critical_value;
 use crate::tested::Unestimable;
 use std::collections::BTreeSet;
 
@@ -17,6 +18,9 @@ const FEW: usize = 8;
 const MANY: usize = 100;
 /// Studies that the bootstrap draws: p is a multiple of a thousandth.
 const RESAMPLES: usize = 999;
+/// Where the coefficient of a separated mode is held, in logits: what the likelihood still lacks of
+/// its limit is a rounding error, e^−40 for each answer.
+const LIMIT: f64 = 40.0;
 
 /// The answers of one environment's trials, one row each; all slices are of one length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,27 +37,40 @@ pub struct ModeStudy<'a> {
     pub sessions: &'a [usize],
 }
 
-/// How answers in the reference mode compare with those in another, for one person.
+/// How answers in one mode compare with those in another, for one person.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OddsRatio {
-    /// The other mode.
-    pub mode: usize,
-    /// Odds of a higher answer in the reference mode over those in the other, for one person. No
-    /// average over people: that is smaller the more they differ.
-    pub estimate: f64,
-    /// Its profile interval.
+    /// Odds of a higher answer in the mode over those in the other, for one person. No average over
+    /// people: that is smaller the more they differ. `None` where the answers separate the two, so
+    /// that it is 0 or infinite.
+    pub estimate: Option<f64>,
+    /// Its profile interval; open on the side of a ratio without an end.
     pub interval: ProfileInterval,
     /// The likelihood-ratio test of "the ratio is one".
     pub test: RatioTest,
+}
+
+impl OddsRatio {
+    /// In words, why there is no estimate, or no end of the interval.
+    pub fn remark(&self) -> Option<String> {
+        let remark = self.interval.remark();
+        match (self.estimate, remark) {
+            (None, Some(remark)) => Some(format!(
+                "the answers separate the two modes, so there is no odds ratio; {remark}"
+            )),
+            (_, remark) => remark,
+        }
+    }
 }
 
 /// Modes compared by a cumulative-link model with participant and participant × mode (participant
 /// alone where nobody answered twice in a mode), and sessions as fixed effects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeComparison {
-    /// The fitted model. Its columns: one per mode but the reference, one per session but the
-    /// first.
-    pub fit: Fit,
+    /// The maximum of the log-likelihood, or the limit that it nears where modes are separated.
+    pub log_likelihood: f64,
+    /// SD of the participants' effects, on the scale of the logits.
+    pub sd_participant: f64,
     /// How the effects of people were integrated out.
     pub integral: Integral,
     /// Participants.
@@ -62,8 +79,8 @@ pub struct ModeComparison {
     pub test: RatioTest,
     /// The bootstrap of that test, for fewer than 8 participants.
     pub bootstrap: Option<Bootstrap>,
-    /// One per mode but the reference, in the order of their numbers.
-    pub odds_ratios: Vec<OddsRatio>,
+    /// One per pair that was asked for.
+    pub odds_ratios: Vec<Result<OddsRatio, Unestimable>>,
 }
 
 impl ModeComparison {
@@ -74,58 +91,161 @@ impl ModeComparison {
     }
 }
 
-/// Compares `reference` with each other mode, with intervals at confidence `level`; `seed` is the
-/// key of the bootstrap.
+/// Compares the modes of each pair, with intervals at confidence `level`; `seed` is the key of the
+/// bootstrap.
+///
+/// A mode whose answers lie beyond all others' has no finite coefficient. It is then held where
+/// the likelihood has reached its limit, so that all other estimates, and the likelihood ratios,
+/// are those of the limit (Rockafellar's recession direction, see [`crate::separation`]).
 ///
 /// # Errors
 /// Fewer than two modes or participants, and all reasons of [`Model::new`] and [`fit`] why there is
-/// no estimate; `level` outside (0, 1).
+/// no estimate of anything; `level` outside (0, 1).
 pub fn compare_modes(
     study: &ModeStudy,
-    reference: usize,
+    pairs: &[[usize; 2]],
     level: f64,
     seed: u64,
 ) -> Result<ModeComparison, Unestimable> {
     check_level(level)?;
-    let modes: Vec<usize> = levels(study.modes).into_iter().filter(|&m| m != reference).collect();
-    if !study.modes.contains(&reference) {
-        let units = "answers in the reference mode";
-        return Err(Unestimable::TooFew { units, found: 0, needed: 1 });
+    let modes = levels(study.modes);
+    if modes.len() < 2 {
+        return Err(Unestimable::TooFew { units: "modes", found: modes.len(), needed: 2 });
     }
-    if modes.is_empty() {
-        return Err(Unestimable::TooFew { units: "modes", found: 1, needed: 2 });
-    }
-    let mut columns = indicators("mode", study.modes, &modes);
-    let sessions: Vec<usize> = levels(study.sessions).into_iter().skip(1).collect();
-    columns.extend(indicators("session", study.sessions, &sessions));
-    let ratings = Ratings {
-        answers: study.answers,
-        points: study.points,
-        columns: &columns,
-        participants: study.participants,
-        modes: study.modes,
-    };
-    let model = Model::new(&ratings, terms(study))?;
+    let model = &coded(study, study.modes, [modes[0], modes[1]])?;
     let participants = model.participants();
     let integral = match participants {
         MANY.. => Integral::Laplace,
         _ => Integral::Quadrature,
     };
-    let fit = fit(&model, integral)?;
-    let effects: Vec<usize> = (0..modes.len()).collect();
-    let test = test_columns(&model, integral, &fit, &effects, model.mode_df())?;
-    let few = participants < FEW;
-    let drawn = few.then(|| bootstrap(&model, Integral::Laplace, &effects, RESAMPLES, seed));
-    let ratio =
-        |(column, &mode): (usize, &usize)| odds_ratio(&model, integral, &fit, column, mode, level);
+    let (_, peak) = settled(model, integral)?;
+    let effects: Vec<usize> = (0..modes.len() - 1).collect();
+    let (_, none) = highest(&model.without(&effects), integral)?;
+    let test = compared(peak.log_likelihood, none.log_likelihood, effects.len(), model.mode_df())?;
+    // What it draws from the smaller model is searched with all coefficients free.
+    let free = model.with(model.answers.clone());
+    let drawn = (participants < FEW)
+        .then(|| bootstrap(&free, Integral::Laplace, &effects, RESAMPLES, seed))
+        .transpose()?;
+    let ratio = |pair: &[usize; 2]| odds_ratio(study, *pair, integral, level);
     Ok(ModeComparison {
+        log_likelihood: peak.log_likelihood,
+        sd_participant: peak.coordinates[peak.coordinates.len() - 2].abs(),
         integral,
         participants,
         test,
-        bootstrap: drawn.transpose()?,
-        odds_ratios: modes.iter().enumerate().map(ratio).collect::<Result<_, _>>()?,
-        fit,
+        bootstrap: drawn,
+        odds_ratios: pairs.iter().map(ratio).collect(),
     })
+}
+
+/// The odds ratio of the first mode of a pair over the second.
+fn odds_ratio(
+    study: &ModeStudy,
+    pair: [usize; 2],
+    integral: Integral,
+    level: f64,
+) -> Result<OddsRatio, Unestimable> {
+    if let Some(mode) = pair.iter().find(|mode| !study.modes.contains(mode)) {
+        return Err(Unestimable::Confounded { what: format!("mode {mode}") });
+    }
+    let model = coded(study, study.modes, pair)?;
+    let (df, column) = (model.mode_df(), 0);
+    let Some(held) = model.held[column] else {
+        let fit = fit(&model, integral)?;
+        // The column says what the second mode adds to the first: the ratio is turned round.
+        return Ok(OddsRatio {
+            estimate: Some(libm::exp(-fit.coefficients[column])),
+            interval: profile_interval(&model, integral, &fit, column, level, df)?.of_turned_odds(),
+            test: test_columns(&model, integral, &fit, &[column], df)?,
+        });
+    };
+    let (_, peak) = settled(&model, integral)?;
+    let end = bound_at_limit(&model, integral, &peak, column, critical_value(level, df)?);
+    let [low, high] = if held > 0.0 { [end, End::Open] } else { [End::Open, end] };
+    // The two modes as one, the others as they are.
+    let merged = study.modes.iter().map(|mode| if *mode == pair[1] { pair[0] } else { *mode });
+    let merged: Vec<usize> = merged.collect();
+    let other = levels(&merged).into_iter().find(|mode| *mode != pair[0]);
+    let alike = match other {
+        Some(other) => coded(study, &merged, [pair[0], other])?,
+        None => model.without(&[column]),
+    };
+    let (_, alike) = settled(&alike, integral)?;
+    Ok(OddsRatio {
+        estimate: None,
+        interval: ProfileInterval { low, high }.of_turned_odds(),
+        test: compared(peak.log_likelihood, alike.log_likelihood, 1, df)?,
+    })
+}
+
+/// The likelihood ratio of two models that differ by `columns`.
+fn compared(larger: f64, smaller: f64, columns: usize, df: f64) -> Result<RatioTest, Unestimable> {
+    Ok(referred(2.0 * (larger - smaller).max(0.0), columns as f64, df)?)
+}
+
+/// Codes `labels`, the modes or what stands for them, by columns of 0 and 1: what the second of
+/// the pair adds to the first, then what the others add. Random effects are those of the modes.
+/// The first column is held where the answers separate the two of the pair.
+fn coded(study: &ModeStudy, labels: &[usize], pair: [usize; 2]) -> Result<Model, Unestimable> {
+    let mut order = levels(labels);
+    order.retain(|mode| !pair.contains(mode));
+    let order: Vec<usize> = pair.into_iter().chain(order).collect();
+    let sessions: Vec<usize> = levels(study.sessions).into_iter().skip(1).collect();
+    let sessions = indicators("session", study.sessions, &sessions);
+    let mut columns = indicators("mode", labels, &order[1..]);
+    columns.extend(sessions.iter().cloned());
+    let answers = Answers::new(study.answers, study.points, &columns)?;
+    let Some(direction) = answers.separated_along()? else {
+        return Model::unscreened(&ratings(study, &columns), answers, terms(study));
+    };
+    let (modes, rest) = direction.split_at(order.len() - 1);
+    let largest = modes.iter().fold(0.0_f64, |most, step| most.max(step.abs()));
+    let rounding = DIRECTION_ROUNDING * largest;
+    if largest <= 0.0 || rest.iter().any(|step| step.abs() > rounding) {
+        return Err(Unestimable::Separated { what: answers.names(&direction) });
+    }
+    // Modes that go the same way stay where they are to each other. One of each such group is
+    // held against the first mode, far away; the others are coded against that one.
+    let steps: Vec<f64> = [0.0].iter().chain(modes).copied().collect();
+    let mut leaders: Vec<(usize, f64)> = vec![(order[0], 0.0)];
+    let mut columns = Vec::new();
+    let mut held = Vec::new();
+    for (mode, step) in order.iter().zip(&steps).skip(1) {
+        let alike = |(_, other): &&(usize, f64)| (other - step).abs() <= rounding;
+        if leaders.iter().any(|leader| alike(&leader)) {
+            columns.extend(indicators("mode", labels, &[*mode]));
+            held.push(None);
+            continue;
+        }
+        leaders.push((*mode, *step));
+        let group = order.iter().zip(&steps).filter(|(_, other)| (*other - step).abs() <= rounding);
+        let group: Vec<usize> = group.map(|(mode, _)| *mode).collect();
+        columns.push(Column {
+            name: format!("mode {mode}"),
+            values: labels.iter().map(|mode| f64::from(u8::from(group.contains(mode)))).collect(),
+        });
+        held.push(Some(*step));
+    }
+    let smallest = held.iter().flatten().fold(largest, |least, step| least.min(step.abs()));
+    held.iter_mut().flatten().for_each(|step| *step *= LIMIT / smallest);
+    held.resize(held.len() + sessions.len(), None);
+    columns.extend(sessions);
+    let answers = Answers { columns, ..answers };
+    let columns = answers.columns.clone();
+    let mut model = Model::unscreened(&ratings(study, &columns), answers, terms(study))?;
+    model.held = held;
+    Ok(model)
+}
+
+fn ratings<'a>(study: &ModeStudy<'a>, columns: &'a [Column]) -> Ratings<'a> {
+    Ratings {
+        answers: study.answers,
+        points: study.points,
+        columns,
+        participants: study.participants,
+        modes: study.modes,
+    }
 }
 
 /// Participant and participant × mode; participant alone where nobody answered twice in a mode, so
@@ -133,24 +253,6 @@ pub fn compare_modes(
 fn terms(study: &ModeStudy) -> Terms {
     let cells: BTreeSet<_> = study.participants.iter().zip(study.modes).collect();
     if cells.len() < study.answers.len() { Terms::ParticipantAndMode } else { Terms::Participant }
-}
-
-/// The column says what the other mode adds to the reference: the ratio is turned round.
-fn odds_ratio(
-    model: &Model,
-    integral: Integral,
-    fit: &Fit,
-    column: usize,
-    mode: usize,
-    level: f64,
-) -> Result<OddsRatio, Unestimable> {
-    let df = model.mode_df();
-    Ok(OddsRatio {
-        mode,
-        estimate: libm::exp(-fit.coefficients[column]),
-        interval: profile_interval(model, integral, fit, column, level, df)?.of_turned_odds(),
-        test: test_columns(model, integral, fit, &[column], df)?,
-    })
 }
 
 fn levels(labels: &[usize]) -> Vec<usize> {

@@ -66,11 +66,17 @@ impl Fit {
 /// [`Unestimable::Separated`] where each participant's answers hardly vary, so that the SDs have no
 /// end; [`Unestimable::NotConverged`] if the search found no maximum.
 pub fn fit(model: &Model, integral: Integral) -> Result<Fit, Unestimable> {
+    let (start, peak) = settled(model, integral)?;
+    finish(model, integral, start, peak)
+}
+
+/// The maximum of the log-likelihood as [`highest`] finds it, at SDs that have an end.
+pub(super) fn settled(model: &Model, integral: Integral) -> Result<(Start, Peak), Unestimable> {
     let (start, peak) = highest(model, integral)?;
     if peak.coordinates[start.held.len() - 2..].iter().any(|sd| sd.abs() > ENDLESS_SD) {
         return Err(Unestimable::Separated { what: "participants".to_owned() });
     }
-    finish(model, integral, start, peak)
+    Ok((start, peak))
 }
 
 /// The maximum of the log-likelihood, with the start that led there: SDs that gain nothing are

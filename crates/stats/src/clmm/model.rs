@@ -41,6 +41,9 @@ pub struct Model {
     pub(super) places: Vec<(usize, usize)>,
     /// How many modes there are.
     modes: usize,
+    /// The values at which coefficients are held, one per column; `None` for those that are
+    /// estimated.
+    pub(super) held: Vec<Option<f64>>,
 }
 
 /// One participant's answers. A cell counts those that share mode and columns: their linear
@@ -71,6 +74,15 @@ impl Model {
             same_length(ratings.answers.len(), labels.len())?;
         }
         answers.screen()?;
+        Self::unscreened(ratings, answers, terms)
+    }
+
+    /// The same of answers that may be separated along columns whose coefficients are then held.
+    pub(super) fn unscreened(
+        ratings: &Ratings,
+        answers: Answers,
+        terms: Terms,
+    ) -> Result<Self, Unestimable> {
         let places = places(ratings.participants, ratings.modes);
         let modes = ratings.modes.iter().collect::<BTreeSet<_>>().len();
         let model = Self::of(answers, places, terms, modes);
@@ -101,7 +113,8 @@ impl Model {
             groups[group].push(row);
         }
         let participants = rows.iter().map(|groups| Cells::new(&answers, groups)).collect();
-        Self { answers, terms, participants, places, modes }
+        let held = vec![None; answers.columns.len()];
+        Self { answers, terms, participants, places, modes, held }
     }
 
     /// The same model without some columns.
@@ -109,10 +122,12 @@ impl Model {
         let kept = self.answers.columns.iter().enumerate();
         let kept = kept.filter(|(j, _)| !columns.contains(j)).map(|(_, c)| c.clone());
         let answers = Answers { columns: kept.collect(), ..self.answers.clone() };
-        self.with(answers)
+        let held = self.held.iter().enumerate();
+        let held = held.filter(|(j, _)| !columns.contains(j)).map(|(_, value)| *value);
+        Self { held: held.collect(), ..self.with(answers) }
     }
 
-    /// The same model of other answers.
+    /// The same model of other answers, all of its coefficients free.
     pub(super) fn with(&self, answers: Answers) -> Self {
         Self::of(answers, self.places.clone(), self.terms, self.modes)
     }

@@ -3,7 +3,7 @@
 use super::fit::Fit;
 use super::likelihood::Integral;
 use super::model::Model;
-use super::search::{Start, climb};
+use super::search::{Peak, Start, climb};
 use crate::error::StatsError;
 use crate::profile::end;
 use crate::student_t::critical_value;
@@ -120,6 +120,34 @@ pub fn profile_interval(
         }
     };
     Ok(ProfileInterval { low: side(-1.0), high: side(1.0) })
+}
+
+/// The one end of the profile interval of a coefficient that `model` holds at its infinite limit,
+/// because the answers are separated along its column: the value below which, in size, the test
+/// begins to reject. `peak` is the maximum at the limit.
+pub(super) fn bound_at_limit(
+    model: &Model,
+    integral: Integral,
+    peak: &Peak,
+    column: usize,
+    critical: f64,
+) -> End {
+    let place = model.thresholds() + column;
+    let held = peak.coordinates[place];
+    let mut start = Start::new(model);
+    start.coordinates.clone_from(&peak.coordinates);
+    // Of a distance from infinity no unit is natural: it is counted in logits.
+    let fall = |distance: f64| {
+        start.hold_at(place, held - distance * held.signum());
+        let found = climb(model, integral, &start)?;
+        start.coordinates = found.coordinates;
+        Ok((2.0 * (peak.log_likelihood - found.log_likelihood).max(0.0)).sqrt())
+    };
+    match end(fall, critical, held.abs() + FARTHEST) {
+        Ok(Some(distance)) => End::At(held - distance * held.signum()),
+        Ok(None) => End::Open,
+        Err(why) => End::NotFound(why),
+    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::likelihood::{Integral, Likelihood};
 use super::model::{Model, Terms};
 use super::point::Point;
 use crate::clm;
+use crate::matrix::dot;
 use crate::symmetric::cholesky;
 use crate::tested::Unestimable;
 use zwidth_numerics::minimise::minimise;
@@ -53,7 +54,7 @@ impl Start {
                 (Point { theta: fit.thresholds, beta: fit.coefficients, sd: FIRST_SD }, covariance)
             }
             Err(_) => {
-                let theta = plain.cumulated_logits();
+                let theta = moved(plain.cumulated_logits(), model);
                 let unknown = |i: usize| one_entry(width - 2, i, UNKNOWN);
                 let beta = vec![0.0; model.columns()];
                 (Point { theta, beta, sd: FIRST_SD }, (0..width - 2).map(unknown).collect())
@@ -65,9 +66,7 @@ impl Start {
         }
         let mut start =
             Self { covariance, coordinates: point.coordinates(), held: vec![false; width] };
-        if model.terms == Terms::Participant {
-            start.hold_at(width - 1, 0.0);
-        }
+        start.hold_as(model);
         start
     }
 
@@ -84,10 +83,20 @@ impl Start {
                 start.covariance[place][place] = variance;
             }
         }
-        if model.terms == Terms::Participant {
-            start.hold_at(peak.len() - 1, 0.0);
-        }
+        start.hold_as(model);
         start
+    }
+
+    /// Holds the coefficients and the SD that the model does not estimate.
+    fn hold_as(&mut self, model: &Model) {
+        for (column, value) in model.held.iter().enumerate() {
+            if let Some(value) = value {
+                self.hold_at(model.thresholds() + column, *value);
+            }
+        }
+        if model.terms == Terms::Participant {
+            self.hold_at(self.held.len() - 1, 0.0);
+        }
     }
 
     /// Keeps a coordinate at a value.
@@ -108,6 +117,34 @@ impl Start {
         let diagonal = |i: usize| [vec![0.0; i], vec![covariance[i][i].max(0.01).sqrt()]].concat();
         cholesky(&covariance).unwrap_or_else(|| (0..free.len()).map(diagonal).collect())
     }
+}
+
+/// Thresholds where the answers of a model with held coefficients have them: each by those answers
+/// that lie on both sides of it, or halfway between those below and those above.
+fn moved(mut theta: Vec<f64>, model: &Model) -> Vec<f64> {
+    /// Distance of two thresholds that the answers put at one place.
+    const APART: f64 = 0.1;
+    let held: Vec<f64> = model.held.iter().map(|value| value.unwrap_or(0.0)).collect();
+    let patterns = model.answers.patterns(0..model.answers.codes.len());
+    for k in 0..theta.len() {
+        let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut across = None;
+        for pattern in &patterns {
+            let place = dot(&pattern.x, &held);
+            let [low, high] = [&pattern.counts[..=k], &pattern.counts[k + 1..]]
+                .map(|counts| counts.iter().any(|count| *count > 0.0));
+            match (low, high) {
+                (true, true) => across = Some(place),
+                (true, false) => below = below.max(place),
+                (false, _) => above = above.min(place),
+            }
+        }
+        theta[k] += across.unwrap_or(0.5 * (below + above));
+        if k > 0 && theta[k] <= theta[k - 1] {
+            theta[k] = theta[k - 1] + APART;
+        }
+    }
+    theta
 }
 
 /// Variance of each SD as estimated from its number of values: σ² / (2n), with σ about 1.

@@ -298,10 +298,11 @@ fn one_answer_per_mode_of_people_who_differ_a_lot_has_all_its_intervals() {
             modes: &modes,
             sessions: &[0; 80],
         };
-        let found = compare_modes(&study, 3, 0.95, 1).unwrap();
-        assert!(found.fit.sd_participant > 2.0, "{}", found.fit.sd_participant);
+        let found = compare_modes(&study, &[[3, 0], [3, 1], [3, 2]], 0.95, 1).unwrap();
+        assert!(found.sd_participant > 2.0, "{}", found.sd_participant);
         for ratio in found.odds_ratios {
-            let ends = [&ratio.interval.low, &ratio.interval.high];
+            let interval = &ratio.as_ref().unwrap().interval;
+            let ends = [&interval.low, &interval.high];
             assert!(ends.iter().all(|end| end.value().is_some()), "seed {seed}: {ends:?}");
         }
     }
@@ -484,24 +485,97 @@ fn modes_are_compared_against_the_reference_for_one_person() {
         modes: &study.modes,
         sessions: &sessions,
     };
-    let found = compare_modes(&modes, 1, 0.95, 4).unwrap();
+    let found = compare_modes(&modes, &[[1, 0], [1, 2]], 0.95, 4).unwrap();
     assert_eq!((found.participants, found.odds_ratios.len()), (6, 2));
     assert_eq!(found.integral, Integral::Quadrature);
     // The same model with columns of our own: mode 1 against 0.
     let model = study.model(Terms::ParticipantAndMode);
     let fit = fit(&model, found.integral).unwrap();
-    let ratio = &found.odds_ratios[0];
-    assert_eq!(ratio.mode, 0);
-    assert!((libm::log(ratio.estimate) - fit.coefficients[0]).abs() < 1e-5);
+    let ratio = found.odds_ratios[0].as_ref().unwrap();
+    let estimate = ratio.estimate.unwrap();
+    assert!((libm::log(estimate) - fit.coefficients[0]).abs() < 1e-5);
     let [low, high] = [&ratio.interval.low, &ratio.interval.high].map(|end| end.value().unwrap());
-    assert!(low < ratio.estimate && ratio.estimate < high);
-    assert!((found.fit.log_likelihood - fit.log_likelihood).abs() < 1e-9);
+    assert!(low < estimate && estimate < high);
+    assert!((found.log_likelihood - fit.log_likelihood).abs() < 1e-9);
     assert_eq!((found.test.f.df_num, found.test.f.df_den), (2.0, 10.0));
     let drawn = found.bootstrap.unwrap();
     assert_eq!((drawn.resamples, found.p_value()), (999, drawn.p_value));
     // Bootstrap and F are two answers to one question.
     assert!((drawn.p_value - found.test.f.p_value).abs() < 0.05, "{found:?}");
-    assert!(matches!(compare_modes(&modes, 7, 0.95, 4), Err(Unestimable::TooFew { found: 0, .. })));
+    let unknown = &compare_modes(&modes, &[[7, 0]], 0.95, 4).unwrap().odds_ratios[0];
+    assert!(matches!(unknown, Err(Unestimable::Confounded { .. })), "{unknown:?}");
+}
+
+/// Of 8 people, mode 2 is answered by 5 alone, the others by anything.
+#[test]
+fn a_separated_mode_has_a_bound_and_a_ratio_test_and_leaves_the_others_their_estimates() {
+    let mut apart = study(17, 8, 3, [0.6, 0.4]);
+    for (answer, mode) in apart.answers.iter_mut().zip(&apart.modes) {
+        *answer = if *mode == 2 { 5 } else { *answer };
+    }
+    let sessions = vec![1; apart.answers.len()];
+    let modes = ModeStudy {
+        answers: &apart.answers,
+        points: 5,
+        participants: &apart.participants,
+        modes: &apart.modes,
+        sessions: &sessions,
+    };
+    let pairs = [[2, 0], [1, 0], [0, 2], [1, 2]];
+    let found = compare_modes(&modes, &pairs, 0.95, 4).unwrap();
+    let [above, others, below, above_1] =
+        [0, 1, 2, 3].map(|k| found.odds_ratios[k].as_ref().unwrap());
+
+    // The answers of a mode that is certain say nothing of the others.
+    let kept: Vec<usize> = (0..apart.answers.len()).filter(|i| apart.modes[*i] != 2).collect();
+    let pick = |values: &[usize]| kept.iter().map(|i| values[*i]).collect::<Vec<_>>();
+    let answers: Vec<u8> = kept.iter().map(|i| apart.answers[*i]).collect();
+    let (people, two, once) = (pick(&apart.participants), pick(&apart.modes), pick(&sessions));
+    let pair = ModeStudy {
+        answers: &answers,
+        points: 5,
+        participants: &people,
+        modes: &two,
+        sessions: &once,
+    };
+    let alone = compare_modes(&pair, &[[1, 0]], 0.95, 4).unwrap();
+    let expect = alone.odds_ratios[0].as_ref().unwrap();
+    assert!((found.log_likelihood - alone.log_likelihood).abs() < 1e-7, "{found:?} {alone:?}");
+    let relative = others.estimate.unwrap() / expect.estimate.unwrap();
+    assert!((relative - 1.0).abs() < 1e-4, "{others:?} {expect:?}");
+    let ratios = [others, expect].map(|ratio| ratio.test.chi_square.statistic);
+    assert!((ratios[0] - ratios[1]).abs() < 1e-6, "{ratios:?}");
+
+    for ratio in [above, below, above_1] {
+        assert_eq!(ratio.estimate, None);
+        assert!(ratio.test.chi_square.p_value < 1e-6, "{ratio:?}");
+        assert!(ratio.remark().unwrap().contains("separate"), "{ratio:?}");
+    }
+    let low = above.interval.low.value().unwrap();
+    assert!(low > 2.0 && above.interval.high == End::Open, "{above:?}");
+    let high = below.interval.high.value().unwrap();
+    assert!((low * high - 1.0).abs() < 1e-4 && below.interval.low == End::Open, "{below:?}");
+    assert!((above.test.f.statistic - below.test.f.statistic).abs() < 1e-5);
+}
+
+#[test]
+fn answers_that_two_modes_do_not_share_at_all_are_bounded_too() {
+    let answers = [5, 4, 1, 2, 5, 4, 1, 2, 5, 4, 1, 2, 5, 5, 2, 2];
+    let participants: Vec<usize> = (0..16).map(|i| i / 4).collect();
+    let modes: Vec<usize> = (0..16).map(|i| i % 4 / 2).collect();
+    let sessions = [1; 16];
+    let study = ModeStudy {
+        answers: &answers,
+        points: 5,
+        participants: &participants,
+        modes: &modes,
+        sessions: &sessions,
+    };
+    let found = compare_modes(&study, &[[0, 1]], 0.95, 4).unwrap();
+    let ratio = found.odds_ratios[0].as_ref().unwrap();
+    assert_eq!(ratio.estimate, None);
+    assert!(ratio.interval.low.value().is_some(), "{ratio:?}");
+    assert!(ratio.test.chi_square.p_value < 1e-3, "{ratio:?}");
 }
 
 #[test]
@@ -588,7 +662,8 @@ fn one_answer_per_person_and_mode_is_compared_with_participants_alone() {
         modes: &modes,
         sessions: &sessions,
     };
-    let found = compare_modes(&study, 2, 0.95, 1).unwrap();
+    let found = compare_modes(&study, &[[2, 0], [2, 1]], 0.95, 1).unwrap();
     assert_eq!(found.participants, 8);
-    assert!(found.odds_ratios[0].estimate > 1.0 && found.p_value() < 0.2, "{found:?}");
+    let estimate = found.odds_ratios[0].as_ref().unwrap().estimate;
+    assert!(estimate.unwrap() > 1.0 && found.p_value() < 0.2, "{found:?}");
 }

@@ -23,6 +23,12 @@ pub(super) fn of(summary: &Summary) -> String {
     if !s.shows_the_reference {
         lines.push("            the step is too long to show it".to_owned());
     }
+    if s.creep_rad > 0.0 {
+        lines.push(format!(
+            "            the lever creeps by {:.3}° where it should stand still",
+            s.creep_rad.to_degrees()
+        ));
+    }
     if s.amplification > 1.0 {
         lines.push(format!(
             "            a step grows by {:.4} over the exact flow",
