@@ -107,7 +107,6 @@ impl Row {
         self.differences.iter().map(|d| d.means).collect()
     }
 
-<<<<<<< HEAD
     /// An end of the interval, or the estimate, in just noticeable differences.
     fn in_jnds(&self, of: fn(&Tested) -> f64) -> Option<f64> {
         self.tested.as_ref().ok().map(of).zip(self.jnd).map(|(value, jnd)| value / jnd)
@@ -121,11 +120,11 @@ impl Row {
             () if low > -1.0 && high < 1.0 => "below what is felt",
             () => "may be felt",
         })
-=======
+    }
+
     /// How many differences are exactly zero. Neither exact test counts them.
     pub(crate) fn zeros(&self) -> usize {
         paired::differences(&self.pairs()).iter().filter(|d| d.abs() <= 0.0).count()
->>>>>>> hA
     }
 
     fn p_sign_flip(&self) -> Option<f64> {
