@@ -68,28 +68,26 @@ const AN_END: usize = 5;
 
 pub(super) fn doubts(asked: &Asked, samples: &dyn Columns) -> Vec<Doubt> {
     let least = samples.column(Signal::Time).map_or(0, |t| least_held(&t));
-    let stopped = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx]
-        .into_iter()
-        .filter_map(|signal| stopped(asked, samples, signal, least));
-    let at_the_end = [Signal::ForceEx, Signal::TorqueEx]
-        .into_iter()
-        .filter_map(|signal| at_the_end(samples, signal));
     let doubtful = samples.column(Signal::Time).filter(|t| has_doubtful_interval(t));
     let usual_s = doubtful.and_then(|t| usual_interval_s(&t));
-    let single = [
-        interval(usual_s).or_else(|| span(samples)),
-        jump(samples, usual_s),
-        clocks(samples),
+    let time =
+        [interval(usual_s).or_else(|| span(samples)), jump(samples, usual_s), clocks(samples)];
+    // All of a signal together: of a long recording a file gives few columns at a time.
+    let stopped = |signal| stopped(asked, samples, signal, least);
+    let alone = |signal, share| alone_there(asked, samples, signal, share);
+    let theta = [
         too_far(asked, samples),
         wrapped(asked, samples),
-        too_strong(samples),
-        noisy_onset(asked, samples),
-        begins_moving(asked, samples),
+        stopped(Signal::Theta),
+        alone(Signal::Theta, ALONE),
     ];
-    let alone =
-        [(Signal::Theta, ALONE), (Signal::ForceEx, ALONE_FORCE), (Signal::TorqueEx, ALONE_FORCE)];
-    let alone = alone.into_iter().filter_map(|(of, share)| alone_there(asked, samples, of, share));
-    single.into_iter().flatten().chain(stopped).chain(at_the_end).chain(alone).collect()
+    let velocity =
+        [noisy_onset(asked, samples), begins_moving(asked, samples), stopped(Signal::ThetaDot)];
+    let strong = too_strong(samples);
+    let [force, torque] = [Signal::ForceEx, Signal::TorqueEx]
+        .map(|signal| [stopped(signal), at_the_end(samples, signal), alone(signal, ALONE_FORCE)]);
+    let all = time.into_iter().chain(theta).chain(velocity).chain([strong]);
+    all.chain(force).chain(torque).flatten().collect()
 }
 
 /// Whether any interval is so short or so long that [`interval`] or [`jump`] could find something: that
