@@ -57,4 +57,4 @@ pub use yardstick::{Proof, Yardstick};
 pub use zwidth_dynamics::{DynamicsError, ModelScene};
 
 /// Version of the algorithms and of the tables' form.
-pub const VERSION: u32 = 9;
+pub const VERSION: u32 = 10;
