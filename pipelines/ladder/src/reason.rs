@@ -68,7 +68,10 @@ pub fn told(ladder: &Ladder, choice: &Rung) -> String {
     let on_device = match added {
         TermSet::NONE => String::new(),
         added => {
-            format!("; on the simulated device, whose numbers they have, also {}", added.titles())
+            format!(
+                "; with numbers of the simulated device, as the scene gives none, also {}",
+                added.titles()
+            )
         }
     };
     format!(

@@ -183,7 +183,7 @@ fn what_the_scene_does_not_give_it_is_not_said_to_need() {
     let found = climbed(&pushed(), 0.001, 4, DRIVE);
     let choice = found.choice().unwrap();
     let words = told(&found, choice);
-    assert!(words.contains("terms it needs none; on the simulated device"), "{words}");
+    assert!(words.contains("terms it needs none; with numbers of the simulated device"), "{words}");
     let given = Ladder { in_scene: TermSet::ALL, ..found.clone() };
     let words = told(&given, choice);
     assert!(words.contains("terms it needs friction; "), "{words}");

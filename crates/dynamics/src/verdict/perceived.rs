@@ -338,7 +338,7 @@ mod tests {
         let same = compare(&motion(slow, |_| 4.0));
         assert!(!same.is_felt(), "{same:?}");
         assert!(same.force_share.abs() < 1e-12 && same.angle_share.abs() < 1e-12);
-        assert_eq!(same.vibration_share, Some(0.0), "{same:?}");
+        assert!(same.vibration_share.unwrap() < 1e-12, "{same:?}");
     }
 
     #[test]
@@ -380,7 +380,7 @@ mod tests {
         let right = FeltReference::new(&shaken(1e-3), LEVER_M, &Perception::default());
         assert!(!right.compare(&shaken(1.19e-3)).is_felt());
         let share = |size: f64| right.compare(&shaken(size)).vibration_share.unwrap();
-        assert_eq!(share(1e-3), 0.0, "without an error there is nothing to feel");
+        assert!(share(1e-3) < 1e-12, "without an error there is nothing to feel");
         assert!(share(0.5e-3) < 0.01, "a weaker one is not felt");
         assert!((share(1.1e-3) - 0.5).abs() < 0.01, "{}", share(1.1e-3));
         assert!((share(1.4e-3) - 2.0).abs() < 0.05, "{}", share(1.4e-3));
