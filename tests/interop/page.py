@@ -22,6 +22,7 @@ from pathlib import Path
 
 import axe_playwright_python
 import pyarrow.parquet as parquet
+import pypdfium2 as pdfium
 from playwright.sync_api import Error, sync_playwright
 
 import checks
@@ -66,6 +67,10 @@ def main():
         address_keeps_the_view(visit)
         saved_plots(visit, given.out)
         printed(visit, given.out)
+        colours_and_buttons(visit)
+        every_mode_on_a_telephone(browser, visit.report)
+        no_white_cards_in_the_dark(browser, visit.report)
+        a_mean_opens_the_trials_of_everybody(browser, given.zwidth.resolve())
         screens(browser, visit.report, given)
         says_what_is_missing(browser, visit.report)
         nothing_left_the_page(visit)
@@ -470,7 +475,89 @@ def saved_plots(visit, out):
 def printed(visit, out):
     content = visit.page.pdf(path=str(out / "printed.pdf"), format="A4", print_background=True)
     checks.check("the page prints", content.startswith(b"%PDF") and len(content) > 20_000, f"{len(content)} bytes")
+    # What stands below a part's plots is on the page of its heading, and so are the plots between.
+    parts = visit.page.evaluate("""['trials', 'dots', 'model'].map((id) => document.getElementById(id)).filter((part) => part)
+        .map((part) => [part.querySelector('h2').textContent.trim(), [...part.querySelectorAll('p.caption:not(#surface-keys)')].map((note) => note.textContent.trim()).filter((text) => text).pop()])""")
+    pages = [" ".join(page.get_textpage().get_text_range().split()) for page in pdfium.PdfDocument(content)]
+    for title, note in parts:
+        begin = " ".join(note.split()[:4])
+        checks.check(f"in print “{title}” stands with its plots", any(title in text and begin in text for text in pages), begin)
     checks.equal("no complaint while printing", visit.complaints(), [])
+
+
+# Contrast of two colours as a browser gives them (WCAG 2.2).
+CONTRAST = """(element) => {
+    const luminance = (text) => {
+        const [r, g, b] = text.match(/[\\d.]+/g).map((c) => { const s = Number(c) / 255; return s <= 0.04045 ? s / 12.92 : ((s + 0.055) / 1.055) ** 2.4; });
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const style = getComputedStyle(element);
+    const [a, b] = [luminance(style.color), luminance(style.backgroundColor)];
+    return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+}"""
+
+
+def colours_and_buttons(visit):
+    page = visit.page
+    edges = page.evaluate("[...document.querySelectorAll('.order tr')].map((row) => [...row.querySelectorAll('td')].map((cell) => getComputedStyle(cell).borderBottomWidth))")
+    if edges:
+        checks.check("every row of the order has its colours", all(edge == "4px" for row in edges for edge in row), f"{edges[-1][:2]} in the last")
+    colours = page.evaluate("study => study.modes.map((_, i) => getComputedStyle(document.documentElement).getPropertyValue(`--mode-${i % 6}`).trim())", visit.study)
+    checks.check("every mode has a colour", all(re.fullmatch("#[0-9a-f]{6}", colour) for colour in colours), f"{colours}")
+    for environment in visit.study["environments"]:
+        pick(visit, "environment", environment["id"])
+        button = page.locator("#zoom-wall")
+        if not button.is_visible():
+            continue
+        visit.after(button.click)
+        button.hover()
+        checks.equal("a pressed button says so", button.get_attribute("aria-pressed"), "true")
+        contrast = button.evaluate(CONTRAST)
+        checks.check("a pressed button is legible under the pointer", contrast >= 4.5, f"contrast {contrast:.1f}")
+        visit.after(button.click)
+    checks.equal("no complaint about buttons", visit.complaints(), [])
+
+
+def every_mode_on_a_telephone(browser, report):
+    visit = Visit(browser, report, viewport={"width": 390, "height": 844}).ready()
+    rows = visit.page.evaluate("[...document.querySelectorAll('.matrix tbody tr')].map((row) => [...row.querySelectorAll('td')].map((cell) => { const box = cell.getBoundingClientRect(); return [cell.dataset.label, box.left >= 0 && box.right <= innerWidth && box.width > 0]; }))")
+    labels = {label for row in rows for label, _ in row}
+    checks.check("390 px: every mode's number is on the screen", all(seen for row in rows for _, seen in row), f"{len(rows)} rows")
+    checks.check("390 px: and beside its mode's name", len(labels) == max(len(row) for row in rows), f"{sorted(labels)}")
+    visit.context.close()
+
+
+def no_white_cards_in_the_dark(browser, report):
+    visit = Visit(browser, report, color_scheme="dark").ready()
+    if visit.page.locator("#figures img").count():
+        filters = visit.page.evaluate("[...new Set([...document.querySelectorAll('#figures img')].map((image) => getComputedStyle(image).filter))]")
+        checks.check("dark: figures are dark too", len(filters) == 1 and filters[0].startswith("invert"), f"{filters}")
+    visit.context.close()
+
+
+def a_mean_opens_the_trials_of_everybody(browser, zwidth):
+    """A study of eight people: a number of the first table is a mean over them."""
+    with tempfile.TemporaryDirectory() as folder:
+        for command in (["twin", "eight", "--participants", "8", "--sessions", "1"], ["run", "eight"]):
+            subprocess.run([zwidth, "--root", folder, *command], check=False, capture_output=True)
+        visit = Visit(browser, Path(folder) / "reports/eight").ready()
+        page = visit.page
+        cell = page.locator(".matrix td a").first
+        environment, mode = cell.get_attribute("data-environment"), cell.get_attribute("data-mode")
+        visit.after(cell.click)
+        people = {trial["participant"] for trial in visit.study["trials"] if (trial["environment"], trial["mode"]) == (environment, mode)}
+        checks.equal("a mean over eight people opens the trials of all", page.locator("#pick-participant").input_value(), "*")
+        checks.check("and says how many sessions these are", f"{len(people)} sessions" in page.locator("#browser").text_content(), f"{len(people)} people")
+        seen = set()
+        page.locator("#surface").focus()
+        for _ in range(80):
+            page.keyboard.press("ArrowDown")
+            seen.add(visit.readout()["participant"])
+        checks.equal("the cursor goes through the curves of each of them", seen, people)
+        pick(visit, "participant", sorted(people)[0])
+        checks.check("one of them can be chosen again", page.locator("#pick-participant").input_value() == sorted(people)[0])
+        checks.equal("no complaint of eight people", visit.complaints(), [])
+        visit.context.close()
 
 
 def screens(browser, report, given):

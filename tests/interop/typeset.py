@@ -38,8 +38,10 @@ NO_SIGNS = "\U0010fffd中ก"
 # Passes until longtable and the references have settled.
 PASSES = 3
 
-# LaTeX: options of `article` and what else the document loads. The text block is 345, 360 and 390 pt wide.
-ARTICLES = {"10pt": "", "11pt": r"\usepackage{hyperref}", "12pt": r"\usepackage{caption}"}
+# LaTeX: options of `article` and what else the document loads. The text block is 345, 360 and 390 pt wide; at last two
+# columns of 252 pt, as journals of engineering have them.
+COLUMNS = "10pt,twocolumn"
+ARTICLES = {"10pt": "", "11pt": r"\usepackage{hyperref}", "12pt": r"\usepackage{caption}", COLUMNS: r"\usepackage[textwidth=516pt,columnsep=12pt]{geometry}"}
 # Typst: its own page, and LaTeX's narrowest. Margins in pt.
 PAGES = {"a4": ("", 70.87), "345pt": ('#set page(paper: "a4", margin: 125.14pt)\n#set text(10pt)\n', 125.14)}
 

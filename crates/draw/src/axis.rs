@@ -37,7 +37,7 @@ pub(crate) struct PlannedTick {
 pub(crate) struct AxisPlan {
     pub(crate) ends: Option<Ends>,
     pub(crate) ticks: Vec<PlannedTick>,
-    /// Names of categories that found no room side by side read upwards.
+    /// Names of categories and numbers that found no room side by side read upwards.
     pub(crate) turned: bool,
     /// Names get no tick mark and no grid line.
     pub(crate) named: bool,
@@ -105,6 +105,8 @@ pub(crate) fn plan(
         let fits = |ticks: &ticks::Ticks| apart(fonts, ticks, ends, direction, length_pt);
         let chosen = ticks::choose(ends.0, ends.1, &axis.ticks, fits);
         exponent = chosen.exponent;
+        // Of an axis always two numbers are kept; where they have no room side by side, they turn.
+        plan.turned = direction == Direction::Horizontal && !fits(&chosen);
         for tick in &chosen.ticks {
             let lines = vec![fonts.label(&tick.label, SMALL_PT)?];
             plan.ticks.push(PlannedTick { at: tick.at, lines, minor: false });
@@ -237,6 +239,13 @@ mod tests {
                 assert!(spans.len() >= 2, "{ends:?} on {length_pt} pt");
             }
         }
+    }
+
+    #[test]
+    fn two_numbers_without_room_side_by_side_read_upwards() {
+        let turned = |length_pt| horizontal(&Axis::new("*K*", "N/rad"), (4.095, 4.1), length_pt);
+        assert!(turned(24.0).turned && !turned(240.0).turned);
+        assert!(turned(24.0).depth_pt(Direction::Horizontal) > 20.0, "they have the room below");
     }
 
     #[test]

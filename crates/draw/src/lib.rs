@@ -107,13 +107,14 @@ impl Drawing {
         Ok(svg::svg(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head(), words))
     }
 
-    /// The SVG with its words as text, to be edited and searched. It looks as it should where Noto
-    /// Sans is installed; with another font each word is stretched to its length.
+    /// The SVG with its words as text, to be edited and searched, in the font of this name where it is
+    /// installed, else in Noto Sans. The figure is laid out by the widths of Noto Sans; with another
+    /// font each word is stretched to the width that it had.
     ///
     /// # Errors
     /// [`Error::Font`] as [`draw`].
-    pub fn svg_with_text(&self) -> Result<String, Error> {
-        let words = svg::Words::Text;
+    pub fn svg_with_text(&self, font: Option<&str>) -> Result<String, Error> {
+        let words = svg::Words::Text(font);
         Ok(svg::svg(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head(), words))
     }
 
@@ -134,6 +135,42 @@ impl Drawing {
     /// [`Error::Encode`] if the libraries refuse the drawing, [`Error::Font`] as [`draw`].
     pub fn pdf(&self) -> Result<Vec<u8>, Error> {
         pdf::pdf(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head())
+    }
+
+    /// Every two words whose letters lie on each other: none, where a figure has the room that its
+    /// words need.
+    ///
+    /// # Errors
+    /// [`Error::Font`] as [`draw`].
+    pub fn overlapping_words(&self) -> Result<Vec<[String; 2]>, Error> {
+        /// An italic letter may lean over the subscript after it, in pt.
+        const LEAN_PT: f32 = 1.1;
+        let words = self.words(Fonts::bundled()?);
+        let mut overlapping = Vec::new();
+        for (i, (word, a)) in words.iter().enumerate() {
+            for (other, b) in &words[..i] {
+                let apart = a.right() <= b.left() + LEAN_PT
+                    || b.right() <= a.left() + LEAN_PT
+                    || a.bottom() <= b.top() + LEAN_PT
+                    || b.bottom() <= a.top() + LEAN_PT;
+                if !apart {
+                    overlapping.push([other.clone(), word.clone()]);
+                }
+            }
+        }
+        Ok(overlapping)
+    }
+
+    /// The words with what their letters cover on the page, pt.
+    fn words(&self, fonts: &Fonts) -> Vec<(String, tiny_skia::Rect)> {
+        let word = |shape: &Shape| match &shape.form {
+            form @ sheet::Form::Words { piece, .. } => {
+                let ink = png::outline(form, fonts, 1.0)?.compute_tight_bounds()?;
+                Some((piece.text.clone(), ink))
+            }
+            _ => None,
+        };
+        self.shapes.iter().filter_map(word).collect()
     }
 
     fn head(&self) -> Head<'_> {

@@ -56,9 +56,10 @@ fn draw_panel(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64)) -> R
         (plot.top + plot.bottom - font::height_pt(&plan.note)) / 2.0,
     );
     centred(sheet, &plan.note, middle, GREY);
+    let mut taken = Vec::new();
     for layer in plan.panel.layers.iter().filter(|_| plan.note.is_empty()) {
         if let Layer::Text(text) = layer {
-            words::draw(sheet, text, plan)?;
+            words::draw(sheet, text, plan, &mut taken)?;
         }
     }
     Ok(())

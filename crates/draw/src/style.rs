@@ -1,8 +1,10 @@
 //! The one style of all figures: colours, pens, sizes.
 //!
-//! Colours are told apart by readers with any common colour blindness: the categorical ones are
-//! Paul Tol's "vibrant" scheme (Tol, *Colour Schemes*, SRON/EPS/TN/09-002, 2021), the diverging
-//! ones ColorBrewer's "PuOr" (Harrower & Brewer 2003, doi:10.1179/000870403235002042).
+//! Each kind of thing (modes, actuators and other parts of a force, solvers, ways of a command,
+//! environments) has a palette of its own. Colours that stand in one figure differ in lightness, so
+//! that print in grey tells them apart, and stay apart for readers without red or green cones; a
+//! test computes how far. The diverging ones are ColorBrewer's "PuOr" (Harrower & Brewer 2003,
+//! doi:10.1179/000870403235002042).
 
 /// An sRGB colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
@@ -19,6 +21,12 @@ impl Colour {
     /// From `0xRRGGBB`.
     pub(crate) const fn hex(rgb: u32) -> Self {
         Self { r: (rgb >> 16) as u8, g: (rgb >> 8) as u8, b: rgb as u8 }
+    }
+
+    /// As style sheets write it, `#0b51a6`.
+    pub fn css(self) -> String {
+        let Self { r, g, b } = self;
+        format!("#{r:02x}{g:02x}{b:02x}")
     }
 
     /// The colour on the straight way from `self` (0) to `other` (1).
@@ -46,39 +54,100 @@ pub const PAPER: Colour = Colour::hex(0xff_ff_ff);
 /// The stamp at a figure's head.
 pub const MARK: Colour = Colour::hex(0xb3_26_00);
 
-/// Paul Tol's "vibrant" scheme without its grey.
+/// Colours of a study's modes. Those of actuators stand beside them in one figure, so both have
+/// places of their own on the scale of lightness.
 const MODES: [Colour; 6] = [
-    Colour::hex(0x00_77_bb), // blue
-    Colour::hex(0xee_77_33), // orange
-    Colour::hex(0x00_99_88), // teal
-    Colour::hex(0xee_33_77), // magenta
-    Colour::hex(0x33_bb_ee), // cyan
-    Colour::hex(0xcc_33_11), // red
+    Colour::hex(0x0b_51_a6), // blue
+    Colour::hex(0xdf_74_23), // orange
+    Colour::hex(0x0e_7e_77), // teal
+    Colour::hex(0xc1_02_5a), // magenta
+    Colour::hex(0x07_89_c4), // cyan
+    Colour::hex(0x81_14_15), // red
 ];
 
-/// The brake, in figures of forces by part.
-pub const BRAKE: Colour = MODES[0];
-/// The motor, in figures of forces by part.
-pub const MOTOR: Colour = MODES[5];
-/// The fingertip's tissue, in figures of forces by part.
-pub const TISSUE: Colour = MODES[2];
+/// The same on a dark screen.
+const MODES_ON_DARK: [Colour; 6] = [
+    Colour::hex(0x59_8c_fb),
+    Colour::hex(0xfd_b5_69),
+    Colour::hex(0x0b_c7_ab),
+    Colour::hex(0xfe_70_8d),
+    Colour::hex(0x8c_de_fe),
+    Colour::hex(0xfd_1d_54),
+];
 
-/// The colour of the study's `index`-th mode, the same in every figure. After the sixth they start
-/// again.
+/// The brake: the darkest colour of all.
+pub const BRAKE: Colour = Colour::hex(0x04_33_66);
+/// The motor: the lightest.
+pub const MOTOR: Colour = Colour::hex(0xc0_8a_f0);
+/// The finger's tissue, and what measures its force.
+pub const FINGER: Colour = Colour::hex(0x07_90_59);
+
+/// Further parts of a force.
+const PARTS: [Colour; 3] = [
+    Colour::hex(0x6a_3d_00), // brown
+    Colour::hex(0x8a_1f_b0), // purple
+    Colour::hex(0xc0_83_17), // ochre
+];
+
+/// Solvers that are not the exact one, which has [`INK`].
+const SOLVERS: [Colour; 6] = [
+    Colour::hex(0x34_1b_8c), // indigo
+    Colour::hex(0x72_36_00), // brown
+    Colour::hex(0x08_65_6d), // petrol
+    Colour::hex(0x87_45_ee), // violet
+    Colour::hex(0x11_87_c5), // sky
+    Colour::hex(0x9b_9c_03), // olive
+];
+
+/// The ways of a command: up, and down again.
+const DIRECTIONS: [Colour; 2] = [
+    Colour::hex(0x15_3b_d7), // royal blue
+    Colour::hex(0xab_90_00), // brass
+];
+
+/// Environments, and models beside a recording.
+const ENVIRONMENTS: [Colour; 7] = [
+    Colour::hex(0x3d_01_ab), // indigo
+    Colour::hex(0x78_9b_12), // olive
+    Colour::hex(0x85_0b_71), // wine
+    Colour::hex(0x0d_8c_81), // pale teal
+    Colour::hex(0xe0_95_7a), // salmon
+    Colour::hex(0x2d_67_0d), // green
+    Colour::hex(0xb4_2f_bb), // purple
+];
+
+/// The colour of the study's `index`-th mode, the same in every figure and on the page. After the
+/// sixth they start again.
 pub fn mode_colour(index: usize) -> Colour {
     MODES[index % MODES.len()]
 }
 
-/// Paul Tol's "muted" scheme: told apart from the modes' colours too.
-const ENVIRONMENTS: [Colour; 7] = [
-    Colour::hex(0x33_22_88), // indigo
-    Colour::hex(0x99_99_33), // olive
-    Colour::hex(0x88_22_55), // wine
-    Colour::hex(0x44_aa_99), // pale teal
-    Colour::hex(0xcc_66_77), // rose
-    Colour::hex(0x11_77_33), // green
-    Colour::hex(0xaa_44_99), // purple
-];
+/// The same on a dark screen.
+pub fn mode_colour_on_dark(index: usize) -> Colour {
+    MODES_ON_DARK[index % MODES_ON_DARK.len()]
+}
+
+/// How many modes have a colour of their own.
+pub const MODE_COLOURS: usize = MODES.len();
+
+/// The colour of the `index`-th part of a force besides motor, brake, finger and stop; where they
+/// start again, [`dash`] tells them apart.
+pub fn part_colour(index: usize) -> Colour {
+    PARTS[index % PARTS.len()]
+}
+
+/// The colour of the `index`-th solver; the first is the exact one, which others are held against.
+pub fn solver_colour(index: usize) -> Colour {
+    match index.checked_sub(1) {
+        None => INK,
+        Some(other) => SOLVERS[other % SOLVERS.len()],
+    }
+}
+
+/// The colour of the `index`-th way of a command.
+pub fn direction_colour(index: usize) -> Colour {
+    DIRECTIONS[index % DIRECTIONS.len()]
+}
 
 /// The colour of the study's `index`-th environment, where curves of one mode differ by
 /// environment.
@@ -158,6 +227,16 @@ const DOT: f64 = 2.1;
 const BEAT: usize = 6;
 
 impl Dash {
+    /// Lengths of dashes and gaps in turn, in widths of the pen; nothing for what has none.
+    pub fn widths(self) -> &'static [f64] {
+        match self {
+            Self::Dashed => &[4.0, 2.5],
+            Self::DashDotted => &[6.0, 2.0, 1.5, 2.0],
+            Self::LongDashed => &[9.0, 2.5],
+            _ => &[],
+        }
+    }
+
     /// Which dots of a beat are drawn; none for what has dashes.
     fn dots(self) -> &'static [usize] {
         match self {
@@ -183,8 +262,11 @@ impl Dash {
 /// The dashes of curves that differ by colour too, so that print in grey tells them apart: of the
 /// study's `index`-th mode, or of whatever else a figure counts. After the fourth they start again.
 pub fn dash(index: usize) -> Dash {
-    [Dash::Solid, Dash::Dashed, Dash::DashDotted, Dash::LongDashed][index % 4]
+    [Dash::Solid, Dash::Dashed, Dash::DashDotted, Dash::LongDashed][index % DASHES]
 }
+
+/// How many modes have dashes of their own.
+pub const DASHES: usize = 4;
 
 /// The marker of the `index`-th of what a figure counts, likewise. After the third they start
 /// again.
@@ -212,9 +294,7 @@ impl Stroke {
     pub(crate) fn dashes_pt(&self) -> Option<Vec<f64>> {
         let widths: &[f64] = match self.dash {
             Dash::Solid => return None,
-            Dash::Dashed => &[4.0, 2.5],
-            Dash::DashDotted => &[6.0, 2.0, 1.5, 2.0],
-            Dash::LongDashed => &[9.0, 2.5],
+            dashed @ (Dash::Dashed | Dash::DashDotted | Dash::LongDashed) => dashed.widths(),
             dotted => return Some(self.gaps_pt(dotted.dots())),
         };
         Some(widths.iter().map(|width| width * self.width_pt).collect())
@@ -331,20 +411,31 @@ mod tests {
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
     }
 
-    /// Each channel of a colour, 0 … 1, by a matrix on linear sRGB: Machado, Oliveira & Fernandes
-    /// 2009 (doi:10.1109/TVCG.2009.113), deuteranopia of severity 1.
-    fn without_green_cones(colour: Colour) -> [f64; 3] {
-        const MATRIX: [[f64; 3]; 3] = [
-            [0.367_322, 0.860_646, -0.227_968],
-            [0.280_085, 0.672_501, 0.047_413],
-            [-0.011_820, 0.042_940, 0.968_881],
-        ];
+    /// How a reader sees linear sRGB.
+    type Eye = [[f64; 3]; 3];
+
+    const EVERY_CONE: Eye = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// Deuteranopia of severity 1: Machado, Oliveira & Fernandes 2009 (doi:10.1109/TVCG.2009.113).
+    const NO_GREEN: Eye = [
+        [0.367_322, 0.860_646, -0.227_968],
+        [0.280_085, 0.672_501, 0.047_413],
+        [-0.011_820, 0.042_940, 0.968_881],
+    ];
+    /// Protanopia of severity 1, from the same table.
+    const NO_RED: Eye = [
+        [0.152_286, 1.052_583, -0.204_868],
+        [0.114_503, 0.786_281, 0.099_216],
+        [-0.003_882, -0.048_116, 1.051_998],
+    ];
+
+    /// Each channel of a colour, linear, 0 … 1, as an eye sees it.
+    fn seen(colour: Colour, eye: Eye) -> [f64; 3] {
         let linear = |channel: u8| {
             let c = f64::from(channel) / 255.0;
             if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
         };
         let from = [colour.r, colour.g, colour.b].map(linear);
-        MATRIX.map(|row| {
+        eye.map(|row| {
             let sum: f64 = row.iter().zip(from).map(|(a, c)| a * c).sum();
             sum.clamp(0.0, 1.0)
         })
@@ -360,18 +451,78 @@ mod tests {
         [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
     }
 
-    /// Ten times what is just seen side by side (CIE76), for the three modes of the thesis.
-    #[test]
-    fn the_first_three_modes_are_told_apart_without_green_cones_and_by_dashes_without_colour() {
-        let seen: Vec<[f64; 3]> =
-            (0..3).map(|i| lab(without_green_cones(mode_colour(i)))).collect();
-        for (i, a) in seen.iter().enumerate() {
-            for b in &seen[..i] {
-                let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
-                let apart = squares.sum::<f64>().sqrt();
-                assert!(apart > 23.0, "{apart}");
+    /// Distance of two colours for an eye (CIE76; 2.3 is just seen side by side).
+    fn apart(a: Colour, b: Colour, eye: Eye) -> f64 {
+        let [a, b] = [a, b].map(|colour| lab(seen(colour, eye)));
+        a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+    }
+
+    /// Difference of their lightness L* in grey print.
+    fn apart_in_grey(a: Colour, b: Colour) -> f64 {
+        let [a, b] = [a, b].map(|colour| lab(seen(colour, EVERY_CONE))[0]);
+        (a - b).abs()
+    }
+
+    /// The least ΔE of any two colours for any eye, and the least ΔL* in grey.
+    fn least_apart(colours: &[Colour]) -> [f64; 2] {
+        let mut least = [f64::INFINITY; 2];
+        for (i, a) in colours.iter().enumerate() {
+            for b in &colours[..i] {
+                for eye in [EVERY_CONE, NO_GREEN, NO_RED] {
+                    least[0] = least[0].min(apart(*a, *b, eye));
+                }
+                least[1] = least[1].min(apart_in_grey(*a, *b));
             }
         }
+        least
+    }
+
+    /// The bounds: six times what is just seen for every eye (ΔE 14), and a difference of lightness
+    /// of 5 of 100 in grey, where dashes and markers differ besides.
+    #[test]
+    fn roles_that_share_a_figure_are_told_apart_by_every_eye_and_in_grey() {
+        let figures: [(&str, Vec<Colour>); 7] = [
+            ("modes beside actuators", [&MODES[..], &[MOTOR, BRAKE, INK]].concat()),
+            ("parts of a force", [&PARTS[..], &[MOTOR, BRAKE, FINGER, GREY, INK]].concat()),
+            ("solvers", [&SOLVERS[..], &[INK]].concat()),
+            ("ways of a command", [&DIRECTIONS[..], &[GREY, INK]].concat()),
+            ("environments", [&ENVIRONMENTS[..], &[INK]].concat()),
+            (
+                "limits of a wall",
+                [&[0, 2, 3, 4, 5].map(environment_colour)[..], &[4, 6].map(solver_colour), &[INK]]
+                    .concat(),
+            ),
+            ("modes on a dark screen", MODES_ON_DARK.to_vec()),
+        ];
+        for (figure, colours) in figures {
+            let [delta_e, delta_l] = least_apart(&colours);
+            assert!(delta_e >= 14.0 && delta_l >= 5.0, "{figure}: ΔE {delta_e}, ΔL* {delta_l}");
+        }
+        assert!(apart_in_grey(MOTOR, BRAKE) > 40.0, "a light one and a dark one");
+        for eye in [EVERY_CONE, NO_GREEN, NO_RED] {
+            assert!(apart(MOTOR, BRAKE, eye) > 40.0);
+        }
+    }
+
+    #[test]
+    fn no_colour_has_two_roles() {
+        let all = [
+            &MODES[..],
+            &[BRAKE, MOTOR, FINGER],
+            &PARTS,
+            &SOLVERS,
+            &DIRECTIONS,
+            &ENVIRONMENTS,
+            &[INK, GREY, MARK],
+        ]
+        .concat();
+        for (i, colour) in all.iter().enumerate() {
+            assert!(!all[..i].contains(colour), "{}", colour.css());
+        }
+    }
+
+    #[test]
+    fn curves_that_differ_by_colour_differ_by_dashes_too() {
         let dashes: Vec<Dash> = (0..4).map(dash).collect();
         assert!((0..4).all(|i| !dashes[..i].contains(&dashes[i]) && dashes[i] != Dash::Dotted));
     }
@@ -426,7 +577,7 @@ mod tests {
 
     #[test]
     fn modes_keep_their_colour_and_start_again_after_the_last() {
-        assert_eq!(mode_colour(0), Colour::hex(0x00_77_bb));
+        assert_eq!(mode_colour(0), Colour::hex(0x0b_51_a6));
         assert_eq!(mode_colour(6), mode_colour(0));
     }
 

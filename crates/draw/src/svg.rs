@@ -21,11 +21,11 @@ pub(crate) struct Head<'a> {
 
 /// How words are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Words {
+pub(crate) enum Words<'a> {
     /// As shapes: every program shows them alike, and needs no font.
     Outlines,
-    /// As text that can be edited and searched.
-    Text,
+    /// As text that can be edited and searched, in a font of this name if there is one.
+    Text(Option<&'a str>),
 }
 
 /// The font of words that are text, and what comes near it.
@@ -37,7 +37,7 @@ pub(crate) fn svg(
     fonts: &Fonts,
     (width_pt, height_pt): (f64, f64),
     head: &Head<'_>,
-    words: Words,
+    words: Words<'_>,
 ) -> String {
     let mut body = Body { fonts, words, text: String::new(), open: None, glyphs: BTreeMap::new() };
     shapes.iter().for_each(|shape| body.put(shape));
@@ -51,7 +51,12 @@ pub(crate) fn svg(
          {title}{desc}{metadata}{defs}{body}</svg>\n",
         family = match words {
             Words::Outlines => String::new(),
-            Words::Text => format!(" font-family=\"{FAMILY}\""),
+            Words::Text(None) => format!(" font-family=\"{FAMILY}\""),
+            Words::Text(Some(font)) => {
+                // Quoted as a string of CSS, within an attribute.
+                let font = font.replace('\\', "\\\\").replace('\'', "\\'");
+                format!(" font-family=\"'{}', {FAMILY}\"", escape(&font))
+            }
         },
         title = stored("title", head.title),
         desc = stored("desc", head.description),
@@ -64,7 +69,7 @@ pub(crate) fn svg(
 /// The shapes, as they are written.
 struct Body<'a> {
     fonts: &'a Fonts,
-    words: Words,
+    words: Words<'a>,
     text: String,
     /// Style of the group that is open.
     open: Option<Ink>,
@@ -104,7 +109,7 @@ impl Body<'_> {
             }
             Form::Words { piece, start, turned } => match self.words {
                 Words::Outlines => self.outlines(piece, *start, *turned),
-                Words::Text => self.as_text(piece, *start, *turned),
+                Words::Text(_) => self.as_text(piece, *start, *turned),
             },
         }
         self.text.push('\n');
@@ -216,7 +221,7 @@ fn style(ink: &Ink) -> String {
 fn stroke_style(stroke: &Stroke) -> String {
     let mut style = format!(
         "fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
-        hex(stroke.colour),
+        stroke.colour.css(),
         number(stroke.width_pt)
     );
     if stroke.opacity < 1.0 {
@@ -236,15 +241,11 @@ fn stroke_style(stroke: &Stroke) -> String {
 }
 
 fn fill_style(colour: Colour, opacity: f64) -> String {
-    let mut style = format!("fill=\"{}\"", hex(colour));
+    let mut style = format!("fill=\"{}\"", colour.css());
     if opacity < 1.0 {
         let _ = write!(style, " fill-opacity=\"{}\"", number(opacity));
     }
     style
-}
-
-fn hex(Colour { r, g, b }: Colour) -> String {
-    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 fn rect_attributes(rect: &Rect) -> String {

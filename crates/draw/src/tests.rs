@@ -97,19 +97,6 @@ fn shapes(node: &Node, found: &mut Vec<Rect>) {
     }
 }
 
-/// The words of a drawing with what their letters cover on the page.
-fn words(drawing: &Drawing) -> Vec<(String, Rect)> {
-    let fonts = Fonts::bundled().unwrap();
-    let word = |shape: &'_ Shape| match &shape.form {
-        form @ sheet::Form::Words { piece, .. } => {
-            let ink = png::outline(form, fonts, 1.0)?.compute_tight_bounds()?;
-            Some((piece.text.clone(), ink))
-        }
-        _ => None,
-    };
-    drawing.shapes.iter().filter_map(word).collect()
-}
-
 #[test]
 fn nothing_lies_outside_of_the_page() {
     for (name, drawing) in GALLERY.iter() {
@@ -131,19 +118,37 @@ fn nothing_lies_outside_of_the_page() {
 #[test]
 fn no_two_words_overlap() {
     for (name, drawing) in GALLERY.iter() {
-        let found = words(drawing);
-        assert!(found.len() > 5, "{name}: only {} words", found.len());
-        for (i, (a, left)) in found.iter().enumerate() {
-            for (b, right) in &found[..i] {
-                // an italic letter may lean over the subscript after it
-                let lean = 1.1;
-                let apart = left.right() <= right.left() + lean
-                    || right.right() <= left.left() + lean
-                    || left.bottom() <= right.top() + lean
-                    || right.bottom() <= left.top() + lean;
-                assert!(apart, "{name}: \"{a}\" and \"{b}\" overlap");
-            }
-        }
+        let words = drawing.words(Fonts::bundled().unwrap());
+        assert!(words.len() > 5, "{name}: only {} words", words.len());
+        assert_eq!(drawing.overlapping_words().unwrap(), [] as [[String; 2]; 0], "{name}");
+    }
+}
+
+/// Names of points that lie on each other, and of bars beside each other that are wider than they.
+#[test]
+fn words_of_places_that_are_close_make_room_for_each_other() {
+    let text = |x: f64, y: f64, words: &str| {
+        Layer::Text(Text { lines: vec![words.to_owned()], place: TextPlace::Over(x, y) })
+    };
+    let line = Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Line::default() };
+    let layers = vec![
+        Layer::Line(line),
+        text(0.5, 0.5, "Active 16 V"),
+        text(0.5, 0.52, "Passive, Hybrid 8 V"),
+        text(0.55, 0.98, "at the edge"),
+        text(0.45, 0.98, "at the same edge"),
+    ];
+    let panel = Panel::new(Cell::at(0, 0), Axis::new("x", ""), Axis::new("y", ""), layers);
+    let figure = Figure { panels: vec![panel], width_mm: ONE_COLUMN_MM, ..Figure::default() };
+    let drawing = draw(&figure).unwrap();
+    assert_eq!(drawing.overlapping_words().unwrap(), [] as [[String; 2]; 0]);
+    nothing_else_was_lost(&drawing, &["Active 16 V", "at the same edge"]);
+}
+
+fn nothing_else_was_lost(drawing: &Drawing, expect: &[&str]) {
+    let words = drawing.words(Fonts::bundled().unwrap());
+    for expect in expect {
+        assert!(words.iter().any(|(word, _)| word == expect), "{expect} in {words:?}");
     }
 }
 
@@ -325,10 +330,26 @@ fn a_long_recording_makes_a_small_file() {
 }
 
 #[test]
+fn words_as_text_take_the_documents_font_and_keep_their_widths() {
+    let drawing = GALLERY.values().next().unwrap();
+    let own = drawing.svg_with_text(None).unwrap();
+    let other = drawing.svg_with_text(Some("Latin Modern \"Roman'")).unwrap();
+    assert!(
+        other.contains("font-family=\"'Latin Modern &quot;Roman\\'', 'Noto Sans'"),
+        "{other:.400}"
+    );
+    let widths = |svg: &str| -> Vec<String> {
+        svg.split("textLength=").skip(1).map(|rest| rest[..8].to_owned()).collect()
+    };
+    assert!(!widths(&own).is_empty() && widths(&own) == widths(&other));
+    assert!(Tree::from_str(&other, &Options::default()).is_ok());
+}
+
+#[test]
 fn words_as_text_can_be_searched_and_every_reader_shows_them() {
     let figure = Figure { footnotes: vec!["a *note* < 1".into()], ..one_line() };
     let drawing = draw(&figure).unwrap();
-    let (text, outlines) = (drawing.svg_with_text().unwrap(), drawing.svg().unwrap());
+    let (text, outlines) = (drawing.svg_with_text(None).unwrap(), drawing.svg().unwrap());
     for words in [
         ">note </text>",
         ">&lt; 1</text>",

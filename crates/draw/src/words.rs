@@ -13,8 +13,14 @@ const OFF_PT: f64 = 3.0;
 /// Room between words and the box that they stand in, in pt.
 const INSIDE_PT: f64 = 1.5;
 
-/// Draws the words of a text layer over everything else in their panel.
-pub(crate) fn draw(sheet: &mut Sheet, text: &Text, plan: &PanelPlan<'_>) -> Result<(), Error> {
+/// Draws the words of a text layer over everything else in their panel, beside the words that have
+/// taken a place before, to which it adds its own.
+pub(crate) fn draw(
+    sheet: &mut Sheet,
+    text: &Text,
+    plan: &PanelPlan<'_>,
+    taken: &mut Vec<Rect>,
+) -> Result<(), Error> {
     let plot = plan.plot.grown(-OFF_PT);
     let (x, y) = (plan.x_scale(), plan.y_scale());
     let page = |(at_x, at_y): Point| Some((x?.pt(at_x), y?.pt(at_y)));
@@ -45,6 +51,9 @@ pub(crate) fn draw(sheet: &mut Sheet, text: &Text, plan: &PanelPlan<'_>) -> Resu
         Some((x, y)) => {
             let left = (x + dx).min(plot.right - width).max(plot.left);
             let top = (y + dy).min(plot.bottom - height).max(plot.top);
+            let wish = Rect { left, top, right: left + width, bottom: top + height };
+            let Rect { left, top, .. } = free(wish, &plot, taken);
+            taken.push(Rect { left, top, right: left + width, bottom: top + height });
             match text.place {
                 TextPlace::RightOf(..) => lines(sheet, &block, (left, top), INK),
                 _ => centred(sheet, &block, (left + width / 2.0, top), INK),
@@ -52,10 +61,59 @@ pub(crate) fn draw(sheet: &mut Sheet, text: &Text, plan: &PanelPlan<'_>) -> Resu
         }
         None => {
             let corner = emptiest(corners(&plot, width, height), plan);
+            taken.push(corner);
             lines(sheet, &block, (corner.left, corner.top), INK);
         }
     }
     Ok(())
+}
+
+/// The place nearest to a wish, upwards and downwards first, that no other words have taken; the
+/// wish where there is none.
+fn free(wish: Rect, plot: &Rect, taken: &[Rect]) -> Rect {
+    /// How far it moves at a time, pt.
+    const STEP_PT: f64 = 2.0;
+    /// Lines may stand this much closer than the room between lines, pt.
+    const CLOSER_PT: f64 = 1.5;
+    let is_free = |rect: &Rect| {
+        taken.iter().all(|other| {
+            rect.right <= other.left
+                || other.right <= rect.left
+                || rect.bottom <= other.top + CLOSER_PT
+                || other.bottom <= rect.top + CLOSER_PT
+        })
+    };
+    let moved = |dx: f64, dy: f64| Rect {
+        left: wish.left + dx,
+        right: wish.right + dx,
+        top: wish.top + dy,
+        bottom: wish.bottom + dy,
+    };
+    let is_inside = |rect: &Rect| {
+        rect.left >= plot.left
+            && rect.right <= plot.right
+            && rect.top >= plot.top
+            && rect.bottom <= plot.bottom
+    };
+    if is_free(&wish) {
+        return wish;
+    }
+    let reach = |length_pt: f64| (length_pt / STEP_PT) as i32;
+    let (across, along) = (reach(plot.width()), reach(plot.height()));
+    let mut nearest: Option<(f64, Rect)> = None;
+    for i in -across..=across {
+        for j in -along..=along {
+            let (dx, dy) = (STEP_PT * f64::from(i), STEP_PT * f64::from(j));
+            // Sideways a word leaves what it names sooner than up or down.
+            let far = 4.0 * dx.abs() + dy.abs();
+            let rect = moved(dx, dy);
+            let is_nearer = nearest.as_ref().is_none_or(|(least, _)| far < *least);
+            if is_nearer && is_inside(&rect) && is_free(&rect) {
+                nearest = Some((far, rect));
+            }
+        }
+    }
+    nearest.map_or(wish, |(_, rect)| rect)
 }
 
 /// Lines wrapped to a width; a word may be wider, where smaller letters do not help.

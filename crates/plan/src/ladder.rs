@@ -207,7 +207,7 @@ fn ladder_of(of: &Laddered, trial: &Trial) -> Result<Ladder, JobError> {
         looped: looped(&of.control)?,
         points: of.points,
         bounds: of.perception.clone(),
-        offered: OFFERED,
+        offered: OFFERED.both(TermSet::possible(&scene)),
     };
     let measure = |course: &Course| measured(course, trial, &of.metrics);
     Ok(zwidth_ladder::ladder(&scene, &settings, &measure)?)

@@ -3,6 +3,7 @@
 
 use crate::drawing::{Drawing, Figured};
 use crate::making::{derived, read_tables, write_tables};
+use serde::Serialize;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use zwidth_figures::{SCENE_BOW_TIE, SCENE_INPUTS, SCENE_RUNS};
@@ -67,6 +68,15 @@ fn run(figure: &SceneFigure, mut scene: ModelScene) -> Result<Table, JobError> {
     Ok(trajectory_table(&run)?)
 }
 
+/// How the runs that a job reads are drawn.
+#[derive(Serialize)]
+struct Drawn {
+    draw: SceneDrawing,
+    /// So many of the tables are the figure's own; the others are of figures that it is compared
+    /// with, whose axes it has.
+    own: usize,
+}
+
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let drawing = |figure: &SceneFigure| {
         let kind = match figure.draw {
@@ -74,20 +84,80 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
             SceneDrawing::Inputs => SCENE_INPUTS,
             SceneDrawing::BowTie => SCENE_BOW_TIE,
         };
-        let (subject, inputs) = ([figure.id.to_string()], tables(data, figure));
-        Drawing::new(data, kind, subject, figure.draw, inputs, draw).of(figure.files.len())
+        let mut inputs = tables(data, figure);
+        let drawn = Drawn { draw: figure.draw, own: inputs.len() };
+        let compared = compared_with(figure, &data.study.scenes);
+        inputs.extend(compared.into_iter().flat_map(|other| tables(data, other)));
+        let subject = [figure.id.to_string()];
+        Drawing::new(data, kind, subject, drawn, inputs, draw).of(figure.files.len())
     };
     data.study.scenes.iter().map(drawing).collect()
 }
 
-fn draw(what: &SceneDrawing, files: &Vec<PathBuf>) -> Figured {
+/// The other figures of runs that show a scene of this one, such as the same scene by another
+/// solver, and those that show a scene of these: all of them have the same axes.
+fn compared_with<'a>(figure: &'a SceneFigure, all: &'a [SceneFigure]) -> Vec<&'a SceneFigure> {
+    let mut alike = vec![figure];
+    let mut next = 0;
+    while let Some(one) = alike.get(next).copied() {
+        next += 1;
+        for other in all {
+            let is_known = alike.iter().any(|known| known.id == other.id);
+            let are_runs = [one, other].iter().all(|figure| figure.draw == SceneDrawing::Runs);
+            if are_runs && !is_known && other.files.iter().any(|file| one.files.contains(file)) {
+                alike.push(other);
+            }
+        }
+    }
+    alike.split_off(1)
+}
+
+fn draw(drawn: &Drawn, files: &Vec<PathBuf>) -> Figured {
     let tables = read_tables(files)?;
     let tables: Vec<&Table> = tables.iter().collect();
-    let figure = match (what, tables.as_slice()) {
-        (SceneDrawing::Runs, runs) => zwidth_figures::simulation(runs)?,
+    let (own, compared) = tables.split_at(drawn.own.min(tables.len()));
+    let figure = match (drawn.draw, own) {
+        (SceneDrawing::Runs, runs) => zwidth_figures::simulation(runs, compared)?,
         (SceneDrawing::Inputs, runs) => zwidth_figures::inputs(runs)?,
         (SceneDrawing::BowTie, [table]) => zwidth_figures::bow_tie(table)?,
         (SceneDrawing::BowTie, _) => return Err("a bow tie is drawn of one scene".into()),
     };
     Ok((figure, Vec::new()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure(id: &str, files: &[&str]) -> SceneFigure {
+        SceneFigure {
+            id: id.parse().unwrap(),
+            files: files.iter().map(|file| (*file).to_owned()).collect(),
+            draw: SceneDrawing::Runs,
+            solver: None,
+            step_s: None,
+        }
+    }
+
+    #[test]
+    fn figures_that_share_a_scene_are_compared_whichever_way_one_looks() {
+        let inputs = SceneFigure { draw: SceneDrawing::Inputs, ..figure("inputs", &["a", "b"]) };
+        let all = [
+            figure("thesis", &["a"]),
+            figure("exact", &["a"]),
+            figure("both", &["a", "b"]),
+            figure("last", &["b"]),
+            figure("other", &["c"]),
+            inputs,
+        ];
+        let ids = |figure: &SceneFigure| -> Vec<String> {
+            let mut ids: Vec<String> =
+                compared_with(figure, &all).into_iter().map(|one| one.id.to_string()).collect();
+            ids.sort();
+            ids
+        };
+        assert_eq!(ids(&all[0]), ["both", "exact", "last"]);
+        assert_eq!(ids(&all[3]), ["both", "exact", "thesis"]);
+        assert!(ids(&all[4]).is_empty() && ids(&all[5]).is_empty());
+    }
 }

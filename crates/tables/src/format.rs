@@ -126,8 +126,8 @@ impl Table {
         })
     }
 
-    /// The table for a terminal of so many letters, by [`Wording::tell`]. Where it is wider, columns
-    /// with the words of `least` are left out, the first ones first, and named below it.
+    /// The table for a terminal of so many letters, by [`Wording::tell`]. Where it is wider, it
+    /// stands in parts; columns with the words of `least` come last.
     ///
     /// # Errors
     /// Those of [`Wording::tell`].

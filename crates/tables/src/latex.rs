@@ -11,6 +11,13 @@ use crate::typst::label;
 const PREAMBLE: &str = r"% needs \usepackage{booktabs,longtable,siunitx}; under pdflatex also \usepackage[T1]{fontenc}
 \providecommand*\zwidthhead[2]{\begin{tabular}[b]{@{}#1@{}}#2\end{tabular}}
 ";
+/// What a table needs besides that is wider than a column of a page with two: there it floats over
+/// both, or, where it needs more than a page, has pages of one column, as `longtable` asks for.
+const WIDE: &str = r"\makeatletter
+\providecommand*\zwidthtable{\if@twocolumn table*\else table\fi}
+\providecommand*\zwidthwide{\if@twocolumn\onecolumn\let\zwidthback\twocolumn\else\let\zwidthback\relax\fi}
+\makeatother
+";
 /// The caption stands above the table, where LaTeX' own classes leave no space below it.
 const CAPTION: &str = r"\setlength{\abovecaptionskip}{0pt}\setlength{\belowcaptionskip}{6pt}";
 /// A table that is small: its size and gaps.
@@ -23,11 +30,13 @@ const DENSE: &str = r"\footnotesize\setlength{\tabcolsep}{4pt}";
 /// It fits a text block of 345 pt (`article` at 10 pt) and any wider one: what is wide is set
 /// small, long texts wrap, and columns that still do not fit stand in further tables below, which
 /// repeat the columns that say what a row is about. A `table` floats; one that needs more than a
-/// page is a `longtable` with its headings on each.
+/// page is a `longtable` with its headings on each. On pages of two columns (252 pt) a table that is
+/// wider than one stands over both.
 pub(crate) fn latex(&Seen { table, layout, .. }: &Seen) -> String {
     let notes: String = layout.notes.iter().chain(table.notes()).map(|n| note(n)).collect();
     let set = if layout.long { long } else { floating };
-    PREAMBLE.to_owned() + &set(table, layout, &notes)
+    let wide = if layout.long || !layout.fits_a_column() { WIDE } else { "" };
+    format!("{PREAMBLE}{wide}{}", set(table, layout, &notes))
 }
 
 /// One float, with one `tabular` below the other.
@@ -35,8 +44,9 @@ fn floating(table: &Table, layout: &Layout, notes: &str) -> String {
     let tabulars: Vec<String> =
         layout.groups.iter().map(|group| tabular(group, &layout.sections)).collect();
     let size = if layout.dense { format!("  {DENSE}\n") } else { String::new() };
+    let float = if layout.fits_a_column() { "table" } else { r"\zwidthtable" };
     format!(
-        "\\begin{{table}}\n  \\centering\n  {CAPTION}\n  \\caption{{{}}}\n  \\label{{tab:{}}}\n{size}{}{notes}\\end{{table}}\n",
+        "\\begin{{{float}}}\n  \\centering\n  {CAPTION}\n  \\caption{{{}}}\n  \\label{{tab:{}}}\n{size}{}{notes}\\end{{{float}}}\n",
         escape(table.title()),
         label(table.name()),
         tabulars.join("  \\par\\medskip\n")
@@ -64,7 +74,7 @@ fn long(table: &Table, layout: &Layout, notes: &str) -> String {
         tables += &longtable(&label, caption, group, &layout.sections);
     }
     let size = if layout.dense { DENSE } else { "" };
-    format!("\\begingroup{size}\n{tables}{notes}\\endgroup\n")
+    format!("\\zwidthwide\\begingroup{size}\n{tables}{notes}\\endgroup\\zwidthback\n")
 }
 
 /// One of the tables under a number: the first has the caption, any other goes on.
@@ -206,6 +216,27 @@ mod tests {
 \end{table}
 ";
         assert_eq!(Seen::of(&sample(), latex), expect);
+    }
+
+    /// A page of two columns has 252 pt a column.
+    #[test]
+    fn a_table_that_is_wider_than_a_column_stands_over_both() {
+        let number = |name| Column::float(name, "N", "", [Some(1234.5), Some(-2345.25)]);
+        let set = |names: &[&'static str]| {
+            let columns = names.iter().map(|name| number(name)).collect();
+            Seen::of(&Table::new("t", "", columns).unwrap(), latex)
+        };
+        let narrow = set(&["force_n", "peak_n"]);
+        assert!(narrow.contains(r"\begin{table}") && !narrow.contains("zwidthtable"), "{narrow}");
+        let wide = set(&["force_n", "peak_n", "mean_force_n", "largest_n", "smallest_n", "last_n"]);
+        assert!(wide.contains(r"\begin{\zwidthtable}") && wide.contains(r"\end{\zwidthtable}"));
+        assert!(wide.contains(r"\if@twocolumn table*\else table\fi"), "{wide}");
+        let rows = (0..90).map(|row| Some(f64::from(row)));
+        let long = Table::new("t", "", vec![Column::float("force_n", "N", "", rows)]).unwrap();
+        let long = Seen::of(&long, latex);
+        let at = |words: &str| long.find(words).unwrap();
+        assert!(at(r"\zwidthwide\begingroup") < at(r"\begin{longtable}"), "{long}");
+        assert!(at(r"\endgroup\zwidthback") > at(r"\end{longtable}"), "{long}");
     }
 
     #[test]

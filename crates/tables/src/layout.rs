@@ -21,6 +21,8 @@ struct Page {
 const ROOMY: Page = Page { digits: 65.7, gap_digits: 2.4 };
 /// Set small: at 12 pt a block of 390 pt, digits of 5 pt, gaps of 8 pt, which are wider at 10 pt.
 const DENSE: Page = Page { digits: 78.0, gap_digits: 1.9 };
+/// A column of 252 pt, as journals of engineering have it, in digits of 10 pt.
+const COLUMN_DIGITS: f64 = 50.0;
 /// Lines of headings, where a table has room at the size of the text.
 const ROOMY_HEAD_LINES: [usize; 3] = [1, 2, usize::MAX];
 /// No text is wrapped to less than this, where its table can be set in one…
@@ -53,6 +55,17 @@ pub(crate) struct Layout<'a> {
     pub(crate) sections: Sections,
     /// What was left out of them because it is the same in every row, in words.
     pub(crate) notes: Vec<String>,
+}
+
+impl Layout<'_> {
+    /// Whether it fits a column of a page with two, where no text was wrapped to a wider one.
+    pub(crate) fn fits_a_column(&self) -> bool {
+        let page = Page { digits: COLUMN_DIGITS, ..ROOMY };
+        let fits = |group: &Vec<Placed>| {
+            fits(group, &page) && group.iter().all(|placed| placed.share.is_none())
+        };
+        !self.long && self.groups.iter().all(fits)
+    }
 }
 
 /// Headings among the rows of a table, by the row they stand above.
@@ -210,7 +223,7 @@ fn several<'a>(all: &[&'a Shown]) -> Layout<'a> {
     let one_row = all.iter().all(|c| is_same(c));
     let (same, varying): (Vec<&Shown>, Vec<&Shown>) =
         all.iter().partition(|c| is_same(c) && !one_row);
-    let keys = keys(&varying);
+    let keys = keys(&varying, |keys| room(keys) <= KEYS_SHARE * DENSE.digits);
     let mut others = varying;
     // By their place in memory: two columns may well be alike.
     others.retain(|column| !keys.iter().any(|key| std::ptr::eq(*key, *column)));
@@ -253,13 +266,16 @@ fn is_same(column: &Shown) -> bool {
 }
 
 /// The columns that say what a row is about: texts and whole numbers in front, to the last text
-/// among them; where those take too much room, only as many as tell the rows apart.
-fn keys<'a>(columns: &[&'a Shown]) -> Vec<&'a Shown> {
+/// among them; where they do not fit, only as many as tell the rows apart.
+pub(crate) fn keys<'a>(
+    columns: &[&'a Shown],
+    fits: impl Fn(&[&'a Shown]) -> bool,
+) -> Vec<&'a Shown> {
     let front = columns.iter().take_while(|c| !c.fractional).count();
     let to_last_text = columns[..front].iter().rposition(|c| !c.numeric).map_or(0, |last| last + 1);
     let mut keys = columns[..to_last_text].to_vec();
     let mut at = keys.len();
-    while room(&keys) > KEYS_SHARE * DENSE.digits && at > 0 {
+    while !fits(&keys) && at > 0 {
         at -= 1;
         let fewer: Vec<&Shown> =
             keys.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, c)| *c).collect();
@@ -525,7 +541,9 @@ mod tests {
             Column::float("value", "1", "", [Some(1.0); 3]),
         ];
         let columns = shown(&Table::new("t", "T", columns).unwrap());
-        let keys = keys(&columns.iter().collect::<Vec<_>>());
+        let keys = keys(&columns.iter().collect::<Vec<_>>(), |keys| {
+            room(keys) <= KEYS_SHARE * DENSE.digits
+        });
         assert_eq!(keys.iter().map(|c| c.words.as_str()).collect::<Vec<_>>(), ["first"]);
     }
 

@@ -1,57 +1,147 @@
-//! A table on a terminal: columns in line, no sign escaped, no wider than the window where leaving
-//! out what matters least can help it.
+//! A table on a terminal: columns in line, no sign escaped. A table that is wider than the window
+//! stands in parts, one below the other; no column is lost and no number is broken.
 
+use crate::layout::keys;
 use crate::shown::{Cell, Seen, Shown, rows};
 
 /// Between two columns.
 const GAP: &str = "  ";
+/// In a table of parts a text is wrapped that is wider, where its words are not.
+const WIDEST_TEXT: usize = 28;
 
-/// The table, rounded for people. Where it is wider than `width` letters, columns with these words
-/// are left out, the first ones first, and named below it.
+/// A column as it stands on a terminal.
+struct Set<'a> {
+    column: &'a Shown,
+    width: usize,
+    /// Its heading, line by line.
+    head: Vec<String>,
+}
+
+/// The table, rounded for people. Where it is wider than `width` letters, it stands in parts that
+/// repeat the columns which say what a row is about; columns with the words of `least` come last.
 pub(crate) fn terminal(
     &Seen { table, columns, .. }: &Seen,
     width: usize,
     least: &[&str],
 ) -> String {
-    let mut kept: Vec<&Shown> = columns.iter().collect();
-    let mut left_out = Vec::new();
-    for words in least {
-        if total(&kept) <= width {
-            break;
-        }
-        if let Some(place) = kept.iter().position(|column| column.words == *words) {
-            left_out.push(kept.remove(place).words.as_str());
+    let all: Vec<&Shown> = columns.iter().collect();
+    let whole: Vec<Set> = all.iter().map(|column| unwrapped(column)).collect();
+    let parts = match total(&whole) <= width {
+        true => vec![lines(&whole)],
+        false => groups(&all, width, least).iter().map(|group| lines(group)).collect(),
+    };
+    // A terminal would part words and numbers of a sentence where its line ends.
+    let sentence = |text: &str| broken(text, width).join("\n");
+    let parts = std::iter::once(sentence(table.title())).chain(parts);
+    let notes = table.notes().iter().map(|note| sentence(note));
+    parts.chain(notes).collect::<Vec<_>>().join("\n\n") + "\n"
+}
+
+/// The columns of each part: what says what a row is about, and as many others as have room.
+fn groups<'a>(all: &[&'a Shown], width: usize, least: &[&str]) -> Vec<Vec<Set<'a>>> {
+    let half = width / 2;
+    let narrow =
+        |columns: &[&Shown]| columns.iter().map(|c| wrapped(c).width + GAP.len()).sum::<usize>();
+    let keys = keys(all, |columns| narrow(columns) <= half);
+    let mut others: Vec<&Shown> = all.to_vec();
+    others.retain(|column| !keys.iter().any(|key| std::ptr::eq(*key, *column)));
+    // Least by least, from the front of the list: the sort keeps the order of all others.
+    others.sort_by_key(|column| {
+        let place = least.iter().position(|words| *words == column.words);
+        place.map_or(0, |place| least.len() - place)
+    });
+    let mut groups: Vec<Vec<&Shown>> = Vec::new();
+    for column in others {
+        let room = |group: &[&Shown]| narrow(&keys) + narrow(group) - GAP.len();
+        match groups.last_mut() {
+            Some(group) if room(&[group.as_slice(), &[column]].concat()) <= width => {
+                group.push(column);
+            }
+            _ => groups.push(vec![column]),
         }
     }
-    let widths: Vec<usize> = kept.iter().map(|column| widest(column)).collect();
-    let heads = kept.iter().map(|column| column.heading()).collect();
-    let cells = rows(kept.iter().copied(), |_, cell: &Cell| cell.typeset());
-    let lines = std::iter::once(heads).chain(cells).map(|cells| line(&kept, &widths, cells));
-    let lines: Vec<String> = lines.collect();
-    let left_out = (!left_out.is_empty())
-        .then(|| format!("Not shown, for want of width: {}.", left_out.join(", ")));
-    let title = table.title().to_owned();
-    let parts = [title, lines.join("\n")].into_iter().chain(left_out);
-    parts.chain(table.notes().iter().cloned()).collect::<Vec<_>>().join("\n\n") + "\n"
+    if groups.is_empty() {
+        groups.push(Vec::new());
+    }
+    let set = |group: &Vec<&'a Shown>| keys.iter().chain(group).map(|c| wrapped(c)).collect();
+    groups.iter().map(set).collect()
 }
 
-fn line(columns: &[&Shown], widths: &[usize], cells: Vec<String>) -> String {
-    let set = |((column, width), cell): ((&&Shown, &usize), String)| {
-        let room = " ".repeat(width.saturating_sub(letters(&cell)));
-        if column.numeric { room + &cell } else { cell + &room }
-    };
-    let cells: Vec<String> = columns.iter().zip(widths).zip(cells).map(set).collect();
-    cells.join(GAP).trim_end().to_owned()
-}
-
-fn total(columns: &[&Shown]) -> usize {
-    let gaps = GAP.len() * columns.len().saturating_sub(1);
-    columns.iter().map(|column| widest(column)).sum::<usize>() + gaps
-}
-
-fn widest(column: &Shown) -> usize {
+fn unwrapped(column: &Shown) -> Set<'_> {
     let cells = column.cells.iter().map(|cell| letters(&cell.typeset()));
-    cells.chain([letters(&column.heading())]).max().unwrap_or_default()
+    let heading = column.heading();
+    let width = cells.chain([letters(&heading)]).max().unwrap_or_default();
+    Set { column, width, head: vec![heading] }
+}
+
+/// A column as narrow as its numbers and its words allow.
+fn wrapped(column: &Shown) -> Set<'_> {
+    let longest = |text: &str| text.split(' ').map(letters).max().unwrap_or_default();
+    let cell = |cell: &Cell| {
+        let text = cell.typeset();
+        match cell {
+            Cell::Text(_) => letters(&text).min(WIDEST_TEXT.max(longest(&text))),
+            _ => letters(&text),
+        }
+    };
+    let heading = column.heading();
+    let cells = column.cells.iter().map(cell);
+    let width = cells.chain([longest(&heading)]).max().unwrap_or_default();
+    Set { column, width, head: broken(&heading, width) }
+}
+
+/// A text in lines of so many letters, parted between words.
+fn broken(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if letters(line) + 1 + letters(word) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// Headings and rows, one below the other.
+fn lines(columns: &[Set]) -> String {
+    let tallest = columns.iter().map(|set| set.head.len()).max().unwrap_or_default();
+    let head = columns.iter().map(|set| {
+        // Headings end above the first row.
+        let above = vec![String::new(); tallest - set.head.len()];
+        above.into_iter().chain(set.head.iter().cloned()).collect()
+    });
+    let mut all = in_line(columns, head.collect());
+    let texts = rows(columns.iter().map(|set| set.column), |_, cell| cell.typeset());
+    for row in texts {
+        let cells = columns.iter().zip(row).map(|(set, text)| match set.column.numeric {
+            true => vec![text],
+            false => broken(&text, set.width),
+        });
+        all.extend(in_line(columns, cells.collect()));
+    }
+    all.join("\n")
+}
+
+/// Cells of several lines beside each other.
+fn in_line(columns: &[Set], cells: Vec<Vec<String>>) -> Vec<String> {
+    let tallest = cells.iter().map(Vec::len).max().unwrap_or_default();
+    let line = |i: usize| {
+        let parts = columns.iter().zip(&cells).map(|(set, lines)| {
+            let text = lines.get(i).map_or("", String::as_str);
+            let room = " ".repeat(set.width.saturating_sub(letters(text)));
+            if set.column.numeric { room + text } else { text.to_owned() + &room }
+        });
+        parts.collect::<Vec<_>>().join(GAP).trim_end().to_owned()
+    };
+    (0..tallest).map(line).collect()
+}
+
+fn total(columns: &[Set]) -> usize {
+    let gaps = GAP.len() * columns.len().saturating_sub(1);
+    columns.iter().map(|set| set.width).sum::<usize>() + gaps
 }
 
 /// Places that a text takes on a terminal, of the letters that tables have: a sign above another
@@ -84,15 +174,40 @@ mod tests {
         assert!(lines.iter().all(|line| *line == line.trim_end()), "{told}");
     }
 
+    /// The length of the longest line.
+    fn widest(told: &str) -> usize {
+        told.lines().map(letters).max().unwrap()
+    }
+
     #[test]
-    fn what_matters_least_goes_first_and_is_named_and_the_rest_stays() {
+    fn a_narrow_window_has_every_column_in_parts_and_the_least_last() {
         let whole = shown(200, &["trial", "slope std. error"]);
-        assert!(!whole.contains("Not shown"), "{whole}");
-        let narrow = shown(60, &["slope std. error", "trial"]);
-        assert!(narrow.contains("Not shown, for want of width: slope std. error."), "{narrow}");
-        assert!(narrow.contains("trial") && narrow.contains("−4.123"), "{narrow}");
-        let narrowest = shown(1, &["slope std. error", "trial", "no such column"]);
-        assert!(narrowest.contains("width: slope std. error, trial."), "{narrowest}");
-        assert!(narrowest.contains("wall reached"), "{narrowest}");
+        assert_eq!(whole.matches("a|b & <c>").count(), 1, "{whole}");
+        let narrow = shown(40, &["slope std. error"]);
+        assert_eq!(narrow.matches("a|b & <c>").count(), 2, "what a row is about is repeated");
+        for words in ["trial", "slope", "wall", "reached", "−4.123", "0.032", "yes"] {
+            assert!(narrow.contains(words), "{words}: {narrow}");
+        }
+        assert!(widest(&narrow) <= 40, "{narrow}");
+        assert!(narrow.find("0.032") > narrow.find("yes"), "what matters least comes last");
+        let narrowest = shown(1, &[]);
+        assert!(narrowest.contains("−4.123") && narrowest.contains("yes"), "{narrowest}");
+    }
+
+    #[test]
+    fn long_texts_are_wrapped_between_words_and_numbers_are_not() {
+        let text = "a sentence of many words that is far wider than any window of eighty letters is, and goes on";
+        let number = |name| crate::Column::float(name, "N", "", [Some(1_234.567_8), None]);
+        let mut columns = vec![
+            crate::Column::text("mode", "", ["active", "hybrid"].map(|v| Some(v.to_owned()))),
+            crate::Column::text("why", "", [Some(text.to_owned()), None]),
+        ];
+        columns.extend(["force_n", "peak_force_n", "mean_force_n", "last_force_n"].map(number));
+        let table = crate::Table::new("t", "T", columns).unwrap();
+        let told = Seen::of(&table, |seen| terminal(seen, 80, &[]));
+        assert!(widest(&told) <= 80, "{told}");
+        assert_eq!(told.matches("1234.5678").count() + told.matches("1235").count(), 4, "{told}");
+        let words: Vec<&str> = told.split_whitespace().collect();
+        assert!(text.split(' ').all(|word| words.contains(&word)), "{told}");
     }
 }

@@ -110,7 +110,7 @@ fn curves(table: &Table) -> Result<Vec<Curve>, TableError> {
     };
     let mut curves: Vec<Curve> = names.iter().map(curve).collect();
     for (i, curve) in curves.iter_mut().filter(|curve| curve.swings()).enumerate() {
-        curve.stroke = style::mean(style::mode_colour(i));
+        curve.stroke = style::mean(style::solver_colour(i + 1)).dashed(style::dash(i));
     }
     Ok(curves)
 }

@@ -131,7 +131,7 @@ fn signed(words: Words, theta_rad: f64) -> String {
 /// rests.
 fn rendered_spring(lever: &Lever, of: Spring, high: f64) -> Vec<Layer> {
     let coils = lever.arc(SPRING, lever.theta_rad, high);
-    let mut layers = vec![spring(&coils, style::mean(style::TISSUE)), stiffness(lever, of, high)];
+    let mut layers = vec![spring(&coils, style::mean(style::FINGER)), stiffness(lever, of, high)];
     layers.extend(lever.rest(of.rest_rad));
     layers.extend(ground(&lever.ray(STOP, high), style::mean(style::INK)));
     layers

@@ -6,6 +6,7 @@ use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{
     Axis, Cell, Figure, Layer, Line, Panel, Points, Range, TWO_COLUMNS_MM, Text, TextPlace, Ticks,
 };
+use zwidth_dynamics::NAMED_SOLVERS;
 use zwidth_tables::{Table, TableError};
 
 /// Heights of the panels, mm.
@@ -46,7 +47,8 @@ pub fn finding(courses: &Table, settings: &Table, felt: &Felt) -> Result<Figure,
     let x = || powers("step *h*", "ms").linked("step");
     let curve = |y: &[f64], expect: &str| {
         let (x, y) = (logarithms(&steps.step_ms), logarithms(y));
-        let colour = style::mode_colour(0);
+        let number = NAMED_SOLVERS.iter().position(|named| named.name == felt.solver);
+        let colour = style::solver_colour(number.unwrap_or(0));
         let points = Points { x: x.clone(), y: y.clone(), colour, ..Points::default() };
         let line = Line { x, y, stroke: style::mean(colour), ..Line::default() };
         let words = Text { lines: vec![expect.to_owned()], place: TextPlace::EmptiestCorner };
@@ -151,7 +153,7 @@ fn rest(run: &Run) -> (f64, f64, f64) {
 fn pen(number: usize, run: &Run) -> Stroke {
     match run.step_ms {
         None => Stroke { width_pt: 1.8, ..style::mean(style::INK) },
-        Some(_) => style::mean(style::mode_colour(number)),
+        Some(_) => style::mean(style::environment_colour(number)),
     }
 }
 

@@ -1,17 +1,17 @@
-//! The ladder of a scene: what every model costs against how far it is off, and what each term does
-//! to angle and force.
+//! The ladder of a scene: what every model costs against how far it is off, and which terms decide
+//! that.
 
 use crate::about::FigureKind;
 use crate::words::{mark, model_mark, plain};
 use zwidth_draw::style;
-use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Points, Range, Reference, Ticks};
+use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Points, Reference, Ticks};
 use zwidth_study::Source;
 use zwidth_tables::{Table, TableError};
 
 /// Which terms a scene needs.
 pub const LADDER: FigureKind = FigureKind {
     stem: "ladder",
-    shows: "which terms of the model the condition needs: cost against error, and what each term does",
+    shows: "which terms of the model the condition needs: cost against error, and the error without each term",
     drawn_from: "trial",
 };
 
@@ -22,10 +22,9 @@ const PANEL_MM: f64 = 62.0;
 const LEAST_OFF: f64 = 1e-3;
 /// A model that does not run, or lacks a number, is drawn here.
 const MOST_OFF: f64 = 1e3;
-/// The curves whose effects are shown, with their words.
-const SIGNALS: [(&str, &str); 2] = [("theta_rad", "*θ*"), ("feedback_n", "force")];
 
-/// Every model's error against its work, the choice marked; and the total effect of every term.
+/// Every model's error against its work, the choice marked; and the error that decides whether the
+/// choice has a term, the largest first.
 /// `models` and `effects` are tables of the stage `ladder`;
 /// `synthetic` says that the scene's force was simulated as if it had been recorded.
 ///
@@ -39,10 +38,11 @@ pub fn ladder(models: &Table, effects: &Table, synthetic: bool) -> Result<Figure
         description: format!(
             "{}. On the left each point is a model with some of the terms: its work in evaluations against how far \
              it is off the fullest model, over what a person can feel, both on logarithmic axes; the choice is the \
-             cheapest below one. On the right the total effect of each term on angle and force.",
+             cheapest below one. On the right, in the same measure, the error that decides about each term: of the \
+             choice without it where it is kept, of the fullest model without it where it is left out.",
             models.title()
         ),
-        panels: vec![costs(models)?, shares(effects)?],
+        panels: vec![costs(models)?, terms(effects)?],
         footnotes: models.notes().iter().map(|note| plain(note)).collect(),
         mark: if synthetic { mark([Source::Twin]) } else { model_mark() },
         ..Figure::default()
@@ -69,8 +69,13 @@ fn costs(models: &Table) -> Result<Panel, TableError> {
             stroke: style::reference(),
             name: None,
         }),
-        points("off by more than can be felt", &|i| !is(&enough, i), style::mode_colour(1), 3.0),
-        points("enough", &|i| is(&enough, i) && !is(&chosen, i), style::mode_colour(0), 3.0),
+        points(
+            "off by more than can be felt",
+            &|i| !is(&enough, i),
+            style::environment_colour(4),
+            3.0,
+        ),
+        points("enough", &|i| is(&enough, i) && !is(&chosen, i), style::environment_colour(0), 3.0),
         points("chosen", &|i| is(&chosen, i), style::INK, 6.0),
     ];
     let powers = |label: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, "") };
@@ -79,34 +84,46 @@ fn costs(models: &Table) -> Result<Panel, TableError> {
     Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
 }
 
-fn shares(effects: &Table) -> Result<Panel, TableError> {
-    let (quantities, terms) = (effects.texts("quantity")?, effects.texts("term")?);
-    let totals = effects.floats("total_effect")?;
-    let mut names: Vec<String> = terms.iter().flatten().cloned().collect();
-    let mut seen = Vec::new();
-    names.retain(|name| {
-        !seen.contains(name) && {
-            seen.push(name.clone());
-            true
+/// A term: its name, the largest error of the model that decides about it, and whether it is kept.
+struct Decided {
+    name: String,
+    off: f64,
+    is_kept: bool,
+}
+
+fn terms(effects: &Table) -> Result<Panel, TableError> {
+    let (names, offs) = (effects.texts("term")?, effects.floats("deciding_off")?);
+    let (judged, kept) = (effects.flags("is_judged")?, effects.flags("is_kept")?);
+    let mut terms: Vec<Decided> = Vec::new();
+    for (i, name) in names.into_iter().enumerate() {
+        let Some(name) = name.filter(|_| judged[i] == Some(true)) else { continue };
+        let off = offs[i].unwrap_or(MOST_OFF).clamp(LEAST_OFF, MOST_OFF);
+        match terms.iter_mut().find(|term| term.name == name) {
+            Some(term) => term.off = term.off.max(off),
+            None => terms.push(Decided { name, off, is_kept: kept[i] == Some(true) }),
         }
-    });
-    let signal = |(k, (quantity, words)): (usize, &(&str, &str))| {
-        let rows = (0..effects.height()).filter(|i| quantities[*i].as_deref() == Some(*quantity));
-        let (mut x, mut y) = (Vec::new(), Vec::new());
-        for i in rows {
-            let place = names.iter().position(|name| terms[i].as_ref() == Some(name));
-            if let (Some(place), Some(total)) = (place, totals[i]) {
-                x.push(total);
-                // Side by side, the first above.
-                y.push(place as f64 + 0.24 * k as f64 - 0.12);
-            }
-        }
-        let (colour, name) = (style::mode_colour(k + 2), Some((*words).to_owned()));
+    }
+    terms.sort_by(|a, b| b.off.total_cmp(&a.off));
+    let points = |is_kept: bool, name: &str, colour| {
+        let rows = terms.iter().enumerate().filter(|(_, term)| term.is_kept == is_kept);
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            rows.map(|(row, term)| (libm::log10(term.off), row as f64)).unzip();
+        let name = Some(name.to_owned()).filter(|_| !x.is_empty());
         Layer::Points(Points { x, y, colour, diameter_pt: 5.0, name, ..Points::default() })
     };
-    let layers = SIGNALS.iter().enumerate().map(signal).collect();
-    let x = Axis::new("total effect", "").ranged(Range::Fixed(0.0, 1.0));
-    let y = Axis::categories(names.iter().map(|name| name.replace('_', " ")));
+    let layers = vec![
+        Layer::Reference(Reference {
+            direction: Direction::Vertical,
+            at: 0.0,
+            label: Some("just felt".to_owned()),
+            stroke: style::reference(),
+            name: None,
+        }),
+        points(true, "kept", style::INK),
+        points(false, "left out", style::environment_colour(0)),
+    ];
+    let x = Axis { ticks: Ticks::Powers, ..Axis::new("largest error without it", "") };
+    let y = Axis::categories(terms.iter().map(|term| term.name.replace('_', " ")));
     let panel = Panel::new(Cell::at(0, 1), x, y, layers).titled("**b**  terms");
     Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
 }
@@ -129,11 +146,26 @@ mod tests {
 
     fn effects() -> Table {
         let columns = vec![
-            Column::text("quantity", "what", ["theta_rad", "theta_rad", "feedback_n"].map(Some)),
-            Column::text("term", "term", ["friction", "motor_lag", "friction"].map(Some)),
-            Column::float("total_effect", "1", "share", [Some(0.9), Some(0.1), None]),
+            Column::text("term", "term", ["motor_lag", "friction", "friction", "delay"].map(Some)),
+            Column::float("deciding_off", "1", "off", [0.2, 0.5, 9.0, 70.0].map(Some)),
+            Column::flag("is_judged", "judged", [true, true, true, false].map(Some)),
+            Column::flag("is_kept", "kept", [false, true, true, false].map(Some)),
         ];
         Table::new("ladder.effects", "sine: effects", columns).unwrap()
+    }
+
+    #[test]
+    fn terms_stand_in_the_order_of_the_error_that_decides() {
+        let panel = terms(&effects()).unwrap();
+        let Ticks::Categories(names) = &panel.y.ticks else { panic!("{:?}", panel.y) };
+        assert_eq!(names, &["friction", "motor lag"], "what judges nothing is not shown");
+        let points = |layer: &Layer| match layer {
+            Layer::Points(points) => Some((points.name.clone(), points.x.clone())),
+            _ => None,
+        };
+        let points: Vec<_> = panel.layers.iter().filter_map(points).collect();
+        assert_eq!(points[0], (Some("kept".to_owned()), vec![libm::log10(9.0)]));
+        assert_eq!(points[1], (Some("left out".to_owned()), vec![libm::log10(0.2)]));
     }
 
     #[test]

@@ -167,12 +167,10 @@ const MARKERS: [Marker; 3] = [Marker::Disc, Marker::Square, Marker::Diamond];
 
 /// Another colour for each degree of a figure, up to thirteen.
 fn colour(number: usize) -> Colour {
-    /// Colours of modes.
-    const MODES: usize = 6;
-    if number < MODES {
+    if number < style::MODE_COLOURS {
         style::mode_colour(number)
     } else {
-        style::environment_colour(number - MODES)
+        style::environment_colour(number - style::MODE_COLOURS)
     }
 }
 

@@ -99,7 +99,7 @@ pub use repeats::{REPEATS, repeats};
 pub use replay::{REPLAY, replay};
 pub use schematic::{Modelled, OF_DEVICE, OF_MODEL, OfDevice, OfModel};
 pub use simulation::{MOST_SIDE_BY_SIDE, SCENE_INPUTS, SCENE_RUNS, inputs, simulation};
-pub use stability::{BoundaryOf, Side, StabilityPanel, boundaries, stability};
+pub use stability::{BoundaryOf, Side, StabilityPanel, StableArea, boundaries, stability};
 pub use words::{Words, mark};
 pub use work_precision::{WORK_PRECISION, work_precision, work_precision_of};
 

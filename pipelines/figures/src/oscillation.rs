@@ -30,7 +30,7 @@ pub fn oscillation(
         // Broad and pale below what is run again, which must be told apart where it lies on it.
         let stroke = match i {
             0 => RECORDED,
-            _ => style::single(style::mode_colour(i - 1)).dashed(style::dash(i - 1)),
+            _ => style::single(style::environment_colour(i - 1)).dashed(style::dash(i - 1)),
         };
         Layer::Line(Line { x, y, name, stroke, ..Line::default() })
     };

@@ -25,8 +25,12 @@ const PIECES: usize = 200;
 const NAMED_GAP: f64 = 0.02;
 /// Half the width of a bar, in modes.
 const HALF_BAR: f64 = 0.3;
-/// The axis goes so much beyond the largest force, for the words over its bar.
+/// The axis goes so much beyond the largest force.
 const ROOM: f64 = 1.1;
+
+/// Why the force at the end of a sweep is not the one that its load cell reads.
+const FROM_SWEEPS: &str = "Near the highest voltage of a sweep, where the command turns, the load cell (figures of the characteristic) \
+                           reads less: friction turns with the command. Here the force goes on along the tangent.";
 
 /// Which way the lever moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +74,16 @@ pub fn rendering_range(
 ) -> Option<Figure> {
     let is_driven = |mode: &&Mode| mode.motor_max_v.or(mode.brake_max_v).is_some();
     about.modes.iter().find(is_driven)?;
+    let mut footnotes = vec![
+        "Bar: every force that some command up to the mode's own voltage makes, at any angle; above 0 against a push \
+         into the object. The friction of the transmission, which adds to it on the way in and takes from it on \
+         the way back, is left out."
+            .to_owned(),
+    ];
+    if !sources.is_empty() {
+        footnotes.push(FROM_SWEEPS.to_owned());
+    }
+    footnotes.push(plain(footnote));
     let panels = vec![
         commands(about, calibration),
         bars(about, Way::Compression, calibration, 1),
@@ -82,13 +96,7 @@ pub fn rendering_range(
             .to_owned(),
         panels,
         column_weights: vec![1.2, 1.0, 1.0],
-        footnotes: vec![
-            "Bar: every force that some command up to the mode's own voltage makes, at any angle; above 0 against a push \
-             into the object. The friction of the transmission, which adds to it on the way in and takes from it on \
-             the way back, is left out."
-                .to_owned(),
-            plain(footnote),
-        ],
+        footnotes,
         mark: mark(sources.iter().copied()),
         ..Figure::default()
     })
@@ -117,11 +125,11 @@ fn commands(about: &About, calibration: &Calibration) -> Panel {
     let of_motor: Voltage = |mode| mode.motor_max_v;
     let of_brake: Voltage = |mode| mode.brake_max_v;
     let actuators = [
-        ("motor", &calibration.motor, of_motor, Dash::Solid),
-        ("brake", &calibration.brake, of_brake, Dash::Dashed),
+        ("motor", &calibration.motor, of_motor, style::mean(style::MOTOR)),
+        ("brake", &calibration.brake, of_brake, style::mean(style::BRAKE).dashed(Dash::Dashed)),
     ];
     let mut layers = vec![reference(Direction::Horizontal, 0.0, None)];
-    for (name, curve, max_v, dash) in actuators {
+    for (name, curve, max_v, stroke) in actuators {
         let Some(most_v) = about.modes.iter().filter_map(max_v).reduce(f64::max) else { continue };
         let gap_v = curve.voltage_v.first().copied().unwrap_or(0.0).min(most_v);
         if gap_v > NAMED_GAP * most_v {
@@ -131,7 +139,7 @@ fn commands(about: &About, calibration: &Calibration) -> Panel {
         let place = |i: usize| gap_v + (most_v - gap_v) * i as f64 / PIECES as f64;
         let x: Vec<f64> = (0..=PIECES).map(place).collect();
         let y = x.iter().map(|v| curve.force_n(*v)).collect();
-        let (stroke, name) = (style::mean(style::INK).dashed(dash), Some(name.to_owned()));
+        let name = Some(name.to_owned());
         layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
         layers.extend(ends(about, curve, max_v));
     }
@@ -163,20 +171,23 @@ fn bars(about: &About, way: Way, calibration: &Calibration, column: usize) -> Pa
         Way::Compression => "compressing",
         Way::Decompression => "decompressing",
     };
-    let modes = || about.modes.iter().enumerate();
-    let x = Axis::categories(about.modes.iter().map(|mode| plain(&mode.label)));
+    let mut names = Vec::new();
     let mut layers = vec![reference(Direction::Horizontal, 0.0, None)];
     let mut most_n: f64 = 0.0;
-    for (index, mode) in modes() {
-        match acting(mode, way, calibration) {
+    for (index, mode) in about.modes.iter().enumerate() {
+        let reaches = match acting(mode, way, calibration) {
             Some(acting) => {
                 let (low_n, high_n) = acting.range_n();
                 most_n = most_n.max(high_n).max(-low_n);
                 layers.extend(bar(index, low_n, high_n));
+                range(low_n, high_n)
             }
-            None => layers.push(words(index, 0.0, "none".to_owned())),
-        }
+            None => "none".to_owned(),
+        };
+        // Under its bar a number has room in one column too; over the bars they meet.
+        names.push(format!("{} {reaches}", plain(&mode.label)));
     }
+    let x = Axis::categories(names);
     let y = Axis::new("*F*", "N").linked("force");
     let cell = Cell::at(0, column);
     if most_n == 0.0 {
@@ -186,7 +197,7 @@ fn bars(about: &About, way: Way, calibration: &Calibration, column: usize) -> Pa
     Panel { height_mm: Some(PANEL_MM), ..Panel::new(cell, x, y, layers).titled(title) }
 }
 
-/// The bar of a mode, its edge, and its ends in words.
+/// The bar of a mode and its edge.
 fn bar(index: usize, low_n: f64, high_n: f64) -> Vec<Layer> {
     let (colour, at) = (style::mode_colour(index), index as f64);
     let (left, right) = (at - HALF_BAR, at + HALF_BAR);
@@ -203,17 +214,16 @@ fn bar(index: usize, low_n: f64, high_n: f64) -> Vec<Layer> {
         stroke: style::mean(colour).dashed(style::dash(index)),
         ..Line::default()
     };
-    let says = match (low_n < 0.0, high_n > 0.0) {
-        (true, true) => format!("±{high_n:.2} N"),
-        (false, _) => format!("0…{high_n:.1} N"),
-        (true, false) => format!("0…−{:.1} N", -low_n),
-    };
-    vec![Layer::Band(area), Layer::Line(edge), words(index, high_n, says)]
+    vec![Layer::Band(area), Layer::Line(edge)]
 }
 
-/// Words over the bar of a mode.
-fn words(index: usize, over_n: f64, says: String) -> Layer {
-    Layer::Text(Text { lines: vec![says], place: TextPlace::Over(index as f64, over_n) })
+/// The ends of a bar in words, which no line break parts.
+fn range(low_n: f64, high_n: f64) -> String {
+    match (low_n < 0.0, high_n > 0.0) {
+        (true, true) => format!("±{high_n:.2}\u{a0}N"),
+        (false, _) => format!("0…{high_n:.1}\u{a0}N"),
+        (true, false) => format!("0…−{:.1}\u{a0}N", -low_n),
+    }
 }
 
 fn reference(direction: Direction, at: f64, label: Option<String>) -> Layer {
@@ -224,6 +234,7 @@ fn reference(direction: Direction, at: f64, label: Option<String>) -> Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_draw::Ticks;
 
     fn about() -> About {
         let study = zwidth_testing::study();
@@ -283,13 +294,23 @@ mod tests {
     }
 
     #[test]
+    fn its_words_have_room_in_one_column_and_in_two() {
+        for width_mm in [85.0, 170.0] {
+            let figure = Figure { width_mm, ..figure(&[Source::Twin]) };
+            let drawing = zwidth_draw::draw(&figure).unwrap();
+            let overlapping = drawing.overlapping_words().unwrap();
+            assert!(overlapping.is_empty(), "{width_mm} mm: {overlapping:?}");
+        }
+    }
+
+    #[test]
     fn a_mode_without_an_actuator_has_no_bar_and_says_so() {
         let mut about = about();
         about.modes[0].motor_max_v = None;
         let figure = rendering_range(&about, &Calibration::thesis(), "", &[]).unwrap();
         assert_eq!(bands(&figure, 1).len(), 2);
-        let is_none = |l: &Layer| matches!(l, Layer::Text(t) if t.lines == ["none"]);
-        assert!(figure.panels[1].layers.iter().any(is_none));
+        let Ticks::Categories(names) = &figure.panels[1].x.ticks else { panic!("no names") };
+        assert!(names[0].ends_with(" none") && names[1].ends_with(" 0…13.0\u{a0}N"), "{names:?}");
         assert!(zwidth_draw::draw(&figure).is_ok());
     }
 
@@ -297,6 +318,8 @@ mod tests {
     fn a_calibration_of_simulated_sweeps_marks_the_figure() {
         assert!(figure(&[Source::Recorded, Source::Twin]).mark.is_some());
         assert!(figure(&[]).mark.is_none(), "the thesis' own numbers are no data of a twin");
+        assert_eq!(figure(&[Source::Recorded]).footnotes.len(), 3, "why the load cell reads less");
+        assert_eq!(figure(&[]).footnotes.len(), 2, "no sweep, no load cell");
     }
 
     #[test]

@@ -3,10 +3,12 @@
 
 use crate::about::FigureKind;
 use crate::data::gaps;
+use crate::extent::ends;
 use crate::words::{Words, model_mark, plain, time_axis};
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Layer, Line, ONE_COLUMN_MM, Panel, Reference, TWO_COLUMNS_MM,
+    Axis, Cell, Direction, Figure, Layer, Line, ONE_COLUMN_MM, Panel, Range, Reference,
+    TWO_COLUMNS_MM,
 };
 use zwidth_study::Coordinate;
 use zwidth_tables::{Table, TableError};
@@ -42,7 +44,7 @@ const EXTERNAL: Part<'static> =
 /// Follows the external force closely and lies over it: thinner, so that both are seen. Not dashed:
 /// a loop that is run through twice fills the gaps of its own dashes.
 const TISSUE: Part<'static> =
-    ("force_tissue_n", "finger tissue", Stroke { width_pt: 0.7, ..style::mean(style::TISSUE) });
+    ("force_tissue_n", "finger tissue", Stroke { width_pt: 0.7, ..style::mean(style::FINGER) });
 const BRAKE: Part<'static> = ("force_brake_n", "brake", style::single(style::BRAKE));
 const MOTOR: Part<'static> = ("force_motor_n", "motor", style::single(style::MOTOR));
 const STOP: Part<'static> = ("force_stop_n", "stop", style::single(style::GREY));
@@ -52,18 +54,25 @@ const TIP: &str = "force_tip_n";
 
 /// Model runs, a column each (at most [`MOST_SIDE_BY_SIDE`] are readable): forces by part against
 /// the angle, external and tissue force against time, the angle against time. `runs` are tables of
-/// the stage `simulate`, named by their titles.
+/// the stage `simulate`, named by their titles; the axes have room for those in `compared`, which
+/// other figures show, so that all of them have the same axes.
 ///
 /// # Errors
 /// A table that lacks a column.
-pub fn simulation(runs: &[&Table]) -> Result<Figure, TableError> {
-    let mut panels = Vec::new();
-    for (column, run) in runs.iter().enumerate() {
-        let mut loops = loop_panel(run, column)?;
-        if runs.len() > 1 {
-            loops.title = Some(plain(run.title()));
+pub fn simulation(runs: &[&Table], compared: &[&Table]) -> Result<Figure, TableError> {
+    let mut columns = columns(runs)?;
+    if !compared.is_empty() {
+        let others = self::columns(compared)?;
+        for row in 0..columns[0].len() {
+            let all = || columns.iter().chain(&others).map(|column| &column[row]);
+            let x = ends(all().flat_map(|panel| lines(panel).flat_map(|line| line.x.clone())));
+            let y = ends(all().flat_map(|panel| lines(panel).flat_map(|line| line.y.clone())));
+            for column in &mut columns {
+                let panel = &mut column[row];
+                hold(&mut panel.x, x);
+                hold(&mut panel.y, y);
+            }
         }
-        panels.extend([loops, force_panel(run, column)?, angle_panel(run, column)?]);
     }
     let names: Vec<&str> = runs.iter().map(|run| run.title()).collect();
     Ok(Figure {
@@ -74,11 +83,41 @@ pub fn simulation(runs: &[&Table]) -> Result<Figure, TableError> {
             names.join("; ")
         ),
         width_mm: if runs.len() == 1 { ONE_COLUMN_MM } else { TWO_COLUMNS_MM },
-        panels,
+        panels: columns.into_iter().flatten().collect(),
         footnotes: notes(runs),
         mark: model_mark(),
         ..Figure::default()
     })
+}
+
+/// The panels of each run, from top to bottom.
+fn columns(runs: &[&Table]) -> Result<Vec<[Panel; 3]>, TableError> {
+    let mut columns = Vec::new();
+    for (column, run) in runs.iter().enumerate() {
+        let mut loops = loop_panel(run, column)?;
+        if runs.len() > 1 {
+            loops.title = Some(plain(run.title()));
+        }
+        columns.push([loops, force_panel(run, column)?, angle_panel(run, column)?]);
+    }
+    Ok(columns)
+}
+
+fn lines(panel: &Panel) -> impl Iterator<Item = &Line> {
+    panel.layers.iter().filter_map(|layer| match layer {
+        Layer::Line(line) => Some(line),
+        _ => None,
+    })
+}
+
+/// Makes room for these values on an axis.
+fn hold(axis: &mut Axis, ends: Option<(f64, f64)>) {
+    if let Some((low, high)) = ends {
+        axis.range = match axis.range {
+            Range::Tight if high > low => Range::Fixed(low, high),
+            _ => Range::Holding(low, high),
+        };
+    }
 }
 
 /// The external force of several runs against time, side by side (Fig. 8), [`MOST_SIDE_BY_SIDE`] in
@@ -171,7 +210,7 @@ fn parts(run: &Table) -> Vec<Part<'_>> {
         columns.filter(|column| *column != TIP && named.iter().all(|part| part.0 != *column));
     let words = others
         .filter_map(|column| Some((column, column.strip_prefix("force_")?.strip_suffix("_n")?)));
-    let pen = |i: usize| style::single(style::environment_colour(i));
+    let pen = |i: usize| style::single(style::part_colour(i)).dashed(style::dash(i));
     let others = words.enumerate().map(|(i, (column, word))| (column, word, pen(i)));
     named.into_iter().chain(others).collect()
 }
@@ -228,16 +267,17 @@ mod tests {
         Table::new("trajectory", title, columns).unwrap().with_note(note).with_note("for all")
     }
 
-    fn lines(panel: &Panel) -> usize {
-        panel.layers.iter().filter(|layer| matches!(layer, Layer::Line(_))).count()
-    }
-
     #[test]
     fn a_part_that_is_not_there_or_never_acts_is_not_drawn_and_every_run_is_marked() {
         let (with, without) = (run("with", true, "a"), run("without", false, "a"));
-        let figure = simulation(&[&with, &without]).unwrap();
-        assert_eq!(figure.panels.iter().map(lines).collect::<Vec<_>>(), [3, 2, 1, 2, 1, 1]);
-        for figure in [figure, simulation(&[&with]).unwrap(), inputs(&[&with, &without]).unwrap()] {
+        let figure = simulation(&[&with, &without], &[]).unwrap();
+        assert_eq!(
+            figure.panels.iter().map(|panel| lines(panel).count()).collect::<Vec<_>>(),
+            [3, 2, 1, 2, 1, 1]
+        );
+        for figure in
+            [figure, simulation(&[&with], &[]).unwrap(), inputs(&[&with, &without]).unwrap()]
+        {
             assert!(figure.mark.unwrap().starts_with("SIMULATION"));
         }
     }
@@ -255,7 +295,8 @@ mod tests {
             float("force_spring_bed_n", [0.3, 0.0]),
             float("force_gravity_n", [0.0, 0.0]),
         ];
-        let figure = simulation(&[&Table::new("trajectory", "terms", columns).unwrap()]).unwrap();
+        let figure =
+            simulation(&[&Table::new("trajectory", "terms", columns).unwrap()], &[]).unwrap();
         let names = figure.panels[0].layers.iter().filter_map(|layer| match layer {
             Layer::Line(line) => line.name.clone(),
             _ => None,
@@ -264,8 +305,32 @@ mod tests {
     }
 
     #[test]
+    fn figures_that_are_compared_have_the_same_axes() {
+        let float = |name, values: [f64; 2]| Column::float(name, "", "", values.map(Some));
+        let other = Table::new(
+            "trajectory",
+            "longer",
+            vec![
+                float("t_s", [0.0, 3.0]),
+                float("theta_rad", [-1.0, 0.5]),
+                float("force_ex_n", [0.0, 7.0]),
+            ],
+        )
+        .unwrap();
+        let one = run("one", true, "a");
+        let ranges = |figure: Figure| -> Vec<[Range; 2]> {
+            figure.panels.iter().map(|panel| [panel.x.range, panel.y.range]).collect()
+        };
+        let a = ranges(simulation(&[&one], &[&other]).unwrap());
+        let b = ranges(simulation(&[&other], &[&one]).unwrap());
+        assert_eq!(a, b);
+        assert_eq!(a[1], [Range::Fixed(0.0, 3.0), Range::Holding(0.0, 7.0)]);
+        assert_ne!(ranges(simulation(&[&one], &[]).unwrap()), a, "alone it fits its own data");
+    }
+
+    #[test]
     fn angles_stand_in_degrees() {
-        let figure = simulation(&[&run("one", false, "a")]).unwrap();
+        let figure = simulation(&[&run("one", false, "a")], &[]).unwrap();
         let Layer::Line(line) = &figure.panels[2].layers[0] else { panic!("no line") };
         assert!((line.y[1] - 45.0).abs() < 1e-12);
     }
@@ -274,7 +339,7 @@ mod tests {
     fn a_note_that_holds_for_one_run_only_names_it() {
         let (a, b) = (run("A", true, "smooth"), run("B", true, "chattering"));
         assert_eq!(
-            simulation(&[&a, &b]).unwrap().footnotes,
+            simulation(&[&a, &b], &[]).unwrap().footnotes,
             ["A: smooth", "for all", "B: chattering"]
         );
     }

@@ -1,8 +1,12 @@
 //! Which walls a sampled device bears: each limit a line of its own.
 
 use crate::words::{model_mark, plain};
-use zwidth_draw::style::{self, Dash, Stroke};
-use zwidth_draw::{Axis, Cell, Figure, Layer, Line, Panel, Points, Range, Ticks};
+use zwidth_draw::style::{self, Dash, Marker, Stroke};
+use zwidth_draw::{
+    Axis, Band, Cell, Direction, Figure, Intervals, Layer, Line, Panel, Points, Range, Reference,
+    Ticks,
+};
+use zwidth_dynamics::NAMED_SOLVERS;
 use zwidth_tables::{Table, TableError};
 
 /// Height of a panel, mm.
@@ -25,13 +29,28 @@ pub struct Side {
     pub is_logarithmic: bool,
 }
 
-/// A panel: two axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A panel: two axes, and what lies between them besides the limits.
+#[derive(Debug, Clone, PartialEq)]
 pub struct StabilityPanel {
     /// Along x.
     pub x: Side,
     /// Along y.
     pub y: Side,
+    /// Where the wall is stable, exactly.
+    pub stable: Vec<StableArea>,
+    /// Where the device stands on x and on y, SI; `None` where it has no such part.
+    pub device: [Option<f64>; 2],
+}
+
+/// An area between two edges over x, SI; NaN where it has a gap.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StableArea {
+    /// Places along x.
+    pub x: Vec<f64>,
+    /// The lower edge at each.
+    pub low: Vec<f64>,
+    /// The upper edge at each.
+    pub high: Vec<f64>,
 }
 
 impl Side {
@@ -68,8 +87,9 @@ pub fn stability(
     let drawn = panels.iter().enumerate().map(|(i, sides)| panel(curves, i, sides, panels.len()));
     Ok(Figure {
         title: Some(plain(curves.title())),
-        description: "Which walls a sampled device bears. Black: exact linear stability of the lifted map; points: the \
-                      same found by simulating the loop. Blue: passivity. Dashed: closed forms of the literature, \
+        description: "Which walls a sampled device bears. Shaded: stable. Diamond or dotted line: the device itself. \
+                      Black: exact linear stability of the lifted map; points: the \
+                      same found by simulating the loop. Indigo: passivity. Dashed: closed forms of the literature, \
                       which are approximations. Thin: where the step of a solver becomes unstable."
             .to_owned(),
         panels: drawn.collect::<Result<_, _>>()?,
@@ -86,18 +106,64 @@ fn panel(
     count: usize,
 ) -> Result<Panel, TableError> {
     let limits = limits(curves, sides)?;
-    let layers: Vec<Layer> = limits.iter().map(layer).collect();
+    let mut layers: Vec<Layer> = sides.stable.iter().map(|area| shade(area, sides)).collect();
+    layers.extend(limits.iter().map(layer));
+    layers.extend(device(sides));
     let (x, y) = (sides.x.axis(), sides.y.axis());
     let cell = Cell::at(number / 2, number % 2);
     let letter = char::from(b'a' + (number % 26) as u8);
     let title = format!("**{letter}**  {} and {}", sides.x.label, sides.y.label);
     let panel = if limits.is_empty() {
-        Panel::with_note(cell, x, y, "no limit crosses this range")
+        let note = match sides.stable.is_empty() {
+            true => "no limit crosses this range",
+            false => "no limit crosses this range: all of it is stable",
+        };
+        Panel::with_note(cell, x, y, note)
     } else {
         Panel::new(cell, x, y, layers)
     };
     let panel = if count > 1 { panel.titled(title) } else { panel };
     Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
+}
+
+fn shade(area: &StableArea, sides: &StabilityPanel) -> Layer {
+    let places = |side: &Side, values: &[f64]| values.iter().map(|v| side.place(*v)).collect();
+    Layer::Band(Band {
+        x: places(&sides.x, &area.x),
+        low: places(&sides.y, &area.low),
+        high: places(&sides.y, &area.high),
+        colour: style::GREY,
+        name: Some("stable".to_owned()),
+    })
+}
+
+/// The device as a diamond; as a line where only its place along x is known.
+fn device(sides: &StabilityPanel) -> Option<Layer> {
+    let on = |side: &Side, value: Option<f64>| {
+        let [from, to] = side.ends;
+        value.filter(|value| (from..=to).contains(value)).map(|value| side.place(value))
+    };
+    let name = Some("this device".to_owned());
+    Some(match (on(&sides.x, sides.device[0]), on(&sides.y, sides.device[1])) {
+        (Some(x), Some(y)) => Layer::Intervals(Intervals {
+            direction: Direction::Vertical,
+            at: vec![x],
+            estimate: vec![y],
+            low: vec![y],
+            high: vec![y],
+            colour: style::INK,
+            marker: Marker::Diamond,
+            name,
+        }),
+        (Some(at), None) if sides.device[1].is_none() => Layer::Reference(Reference {
+            direction: Direction::Vertical,
+            at,
+            label: None,
+            stroke: style::reference().dashed(Dash::Dotted),
+            name,
+        }),
+        _ => return None,
+    })
 }
 
 const SYMPLECTIC_EULER: &str = "a step of symplectic Euler is stable below";
@@ -162,17 +228,20 @@ fn layer(limit: &Limit) -> Layer {
 }
 
 fn stroke(limit: &Limit) -> Stroke {
-    let book = |index: usize| style::single(style::mode_colour(index)).dashed(Dash::Dashed);
-    let method = style::single(style::mode_colour(4));
+    let book = |index: usize| style::single(style::environment_colour(index)).dashed(Dash::Dashed);
+    let solver = |name: &str| {
+        let number = NAMED_SOLVERS.iter().position(|named| named.name == name);
+        style::single(style::solver_colour(number.unwrap_or(0)))
+    };
     match (limit.kind.as_str(), limit.label.as_str()) {
         ("exact", _) => style::mean(style::INK),
-        ("passivity", _) => style::mean(style::mode_colour(0)),
-        ("others", _) => style::mean(style::mode_colour(5)),
-        ("method", SYMPLECTIC_EULER) => method.dashed(Dash::Dotted),
-        ("method", _) => method,
-        (_, ABBOTT_OKAMURA) => book(2),
+        ("passivity", _) => style::mean(style::environment_colour(0)),
+        ("others", _) => style::mean(style::environment_colour(4)),
+        ("method", SYMPLECTIC_EULER) => solver("symplectic_euler").dashed(Dash::Dotted),
+        ("method", _) => solver("rk4_per_step"),
+        (_, ABBOTT_OKAMURA) => book(5),
         (_, DIOLAITI) => book(3),
-        _ => book(1),
+        _ => book(2),
     }
 }
 
@@ -197,7 +266,7 @@ pub fn boundaries(
 ) -> Figure {
     let curve = |i: usize, name: &str, points: &[[f64; 2]]| {
         let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|p| (p[0], p[1])).unzip();
-        let colour = style::mode_colour(i);
+        let colour = style::environment_colour(i);
         [
             Layer::Line(Line {
                 x: x.clone(),
@@ -261,6 +330,11 @@ mod tests {
         Side { quantity, label: quantity, unit: "N/m", per_si: 1.0, ends, is_logarithmic }
     }
 
+    fn panel_of(x: &'static str) -> StabilityPanel {
+        let (x, y) = (side(x, false), side("stiffness", true));
+        StabilityPanel { x, y, stable: Vec::new(), device: [None; 2] }
+    }
+
     fn curves() -> Table {
         let text = |name, values: [&str; 4]| {
             Column::text(name, "", values.map(|value| Some(value.to_owned())))
@@ -279,7 +353,7 @@ mod tests {
 
     #[test]
     fn every_limit_has_its_name_and_pieces_are_apart() {
-        let sides = StabilityPanel { x: side("damping", false), y: side("stiffness", true) };
+        let sides = panel_of("damping");
         let figure = stability(&curves(), &[sides], &[]).unwrap();
         draw(&figure).unwrap();
         let layers = &figure.panels[0].layers;
@@ -298,8 +372,29 @@ mod tests {
     }
 
     #[test]
+    fn the_stable_side_is_shaded_and_the_device_stands_where_it_is() {
+        let stable =
+            StableArea { x: vec![1.0, 2.0], low: vec![10.0; 2], high: vec![100.0, f64::NAN] };
+        let device = |y| StabilityPanel {
+            stable: vec![stable.clone()],
+            device: [Some(2.0), y],
+            ..panel_of("damping")
+        };
+        let layers = |y| stability(&curves(), &[device(y)], &[]).unwrap().panels[0].layers.clone();
+        let known = layers(Some(1000.0));
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(matches!(&known[0], Layer::Band(band) if near(band.high[0], 2.0)));
+        let is_there = |i: &Intervals| near(i.at[0], 2.0) && near(i.estimate[0], 3.0);
+        assert!(matches!(known.last(), Some(Layer::Intervals(i)) if is_there(i)));
+        assert!(matches!(layers(None).last(), Some(Layer::Reference(r)) if near(r.at, 2.0)));
+        let outside = layers(Some(1e6));
+        assert!(!matches!(outside.last(), Some(Layer::Intervals(_) | Layer::Reference(_))));
+        draw(&stability(&curves(), &[device(None)], &[]).unwrap()).unwrap();
+    }
+
+    #[test]
     fn a_panel_without_limits_says_so() {
-        let sides = StabilityPanel { x: side("delay", false), y: side("stiffness", true) };
+        let sides = panel_of("delay");
         let figure = stability(&curves(), &[sides], &[]).unwrap();
         assert!(figure.panels[0].note.is_some());
         draw(&figure).unwrap();

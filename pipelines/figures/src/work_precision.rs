@@ -75,7 +75,8 @@ pub fn work_precision(
         width_mm: TWO_COLUMNS_MM,
         panels,
         footnotes: std::iter::once(
-            "Large points: passed (sound verdict, not felt). Small points: not. Ring: recommended. Grey: the front."
+            "Large points: passed (sound verdict, not felt). Small points: not. Ring: recommended. Grey: the front. At \
+             the foot of b: 0.0001 or less, which includes no difference at all."
                 .to_owned(),
         )
         .chain(notes.iter().map(|note| plain(note)))
@@ -155,10 +156,9 @@ fn curves(table: &Table) -> Result<Vec<Curve>, TableError> {
             continue;
         }
         let degrees = |i: &usize| error[*i].map_or(f64::NAN, |rad| rad.to_degrees().max(LEAST_DEG));
-        let colour = if number == 0 { style::INK } else { style::mode_colour(number - 1) };
         curves.push(Curve {
             name: named.label.to_owned(),
-            stroke: style::single(colour).dashed(style::dash(number)),
+            stroke: style::single(style::solver_colour(number)).dashed(style::dash(number)),
             work: rows.iter().map(|i| work[*i]).collect(),
             error_deg: rows.iter().map(degrees).collect(),
             felt: rows.iter().map(|i| most(*i)).collect(),
@@ -276,6 +276,18 @@ mod tests {
             (curves[0].error_deg[0] - LEAST_DEG).abs() < 1e-20,
             "rounding is drawn at the foot"
         );
+    }
+
+    #[test]
+    fn without_an_error_a_setting_stands_at_the_foot() {
+        let zero = |name| Column::float(name, "", "", [Some(0.0), Some(0.0), Some(0.0)]);
+        let shares = ["felt_force_share", "felt_angle_share", "felt_vibration_share"];
+        let table = settings();
+        let is_kept = |column: &&Column| !shares.contains(&column.field.name.as_ref());
+        let mut columns: Vec<Column> = table.columns().iter().filter(is_kept).cloned().collect();
+        columns.extend(shares.map(zero));
+        let table = Table::new("trade", "Trade", columns).unwrap();
+        assert_eq!(curves(&table).unwrap()[0].felt, [LEAST_SHARE]);
     }
 
     #[test]

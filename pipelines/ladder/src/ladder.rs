@@ -82,6 +82,8 @@ pub struct Ladder {
     pub points: usize,
     /// The terms that were offered.
     pub offered: TermSet,
+    /// The terms whose numbers the scene gives ([`TermSet::in_scene`]).
+    pub in_scene: TermSet,
     /// The quantities; first θ and the force against time.
     pub quantities: Vec<Quantity>,
     /// Every set of the offered terms, in the order of their numbers.
@@ -102,6 +104,17 @@ impl Ladder {
             let cost = a.evaluations.total_cmp(&b.evaluations);
             cost.then(a.set.len().cmp(&b.set.len()))
         })
+    }
+
+    /// The model whose error decides whether a choice has a term. Of a term that it has: the choice
+    /// without it. Of one that it does not have: the fullest model without it, or, where that is
+    /// off by more than can be felt, the choice itself.
+    pub fn deciding<'a>(&'a self, choice: &'a Rung, term: LadderTerm) -> Option<&'a Rung> {
+        if choice.set.has(term) {
+            return self.rung(choice.set.without(term));
+        }
+        let alone = self.rung(self.offered.without(term)).filter(|alone| alone.is_enough());
+        Some(alone.unwrap_or(choice))
     }
 
     /// The model with one term less than a set that is least far off.
@@ -148,6 +161,7 @@ pub fn ladder(
         scene: scene.name.clone(),
         points,
         offered: settings.offered,
+        in_scene: TermSet::in_scene(scene),
         rungs: sets.iter().enumerate().map(|(i, set)| rung(*set, i, &found)).collect(),
         quantities: added_up(found),
     })

@@ -9,7 +9,7 @@ pub fn reason(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
 }
 
 fn kept(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
-    let Some(without) = ladder.rung(choice.set.without(term)) else { return String::new() };
+    let Some(without) = ladder.deciding(choice, term) else { return String::new() };
     let (name, [be, it, make]) = (term.title(), words(term));
     if without.is_enough() {
         let (more, less) = (without.evaluations, choice.evaluations);
@@ -17,7 +17,11 @@ fn kept(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
             "{name} {be} kept because {make} a run cheaper: without {it} {more:.0} evaluations instead of {less:.0}"
         );
     }
-    format!("{name} {be} kept: a model without {it} {}", off(ladder, without))
+    let whose = match ladder.in_scene.has(term) {
+        true => "",
+        false => "; its numbers are the simulated device's, the scene gives none",
+    };
+    format!("{name} {be} kept: a model without {it} {}{whose}", off(ladder, without))
 }
 
 /// How one speaks of a term: of sensors in the plural.
@@ -30,8 +34,8 @@ fn words(term: LadderTerm) -> [&'static str; 3] {
 
 fn left_out(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
     let (name, [be, it, _]) = (term.title(), words(term));
-    match ladder.rung(ladder.offered.without(term)) {
-        Some(alone) if alone.is_enough() => {
+    match ladder.deciding(choice, term) {
+        Some(alone) if alone.set != choice.set => {
             format!("{name} {be} left out: the fullest model without {it} {}", off(ladder, alone))
         }
         _ => format!(
@@ -55,18 +59,26 @@ fn off(ladder: &Ladder, rung: &Rung) -> String {
     }
 }
 
-/// The choice in a sentence.
+/// The choice in a sentence. What the scene does not give, it is not said to need.
 pub fn told(ladder: &Ladder, choice: &Rung) -> String {
     let full = ladder.rung(ladder.offered).map_or(0.0, |rung| rung.evaluations);
     let share = if full > 0.0 { 100.0 * choice.evaluations / full } else { 100.0 };
-    let needs = match choice.set {
-        TermSet::NONE => "none of the terms".to_owned(),
-        set => set.terms().map(LadderTerm::title).collect::<Vec<_>>().join(", "),
+    let added = choice.set.terms().filter(|term| !ladder.in_scene.has(*term));
+    let added = added.fold(TermSet::NONE, TermSet::with);
+    let on_device = match added {
+        TermSet::NONE => String::new(),
+        added => {
+            format!(
+                "; with numbers of the simulated device, as the scene gives none, also {}",
+                added.titles()
+            )
+        }
     };
     format!(
-        "{}: of {} terms it needs {needs}; {:.0} evaluations a run, {share:.0} % of the fullest model's",
+        "{}: of {} terms it needs {}{on_device}; {:.0} evaluations a run, {share:.0} % of the fullest model's",
         ladder.scene,
         ladder.offered.len(),
+        choice.set.both(ladder.in_scene).titles(),
         choice.evaluations
     )
 }

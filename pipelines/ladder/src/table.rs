@@ -95,6 +95,10 @@ pub fn effects(ladder: &Ladder) -> Result<Table, TableError> {
         let rung = ladder.rung(ladder.offered.without(term))?;
         rung.worst.get(i).copied().filter(|off| off.is_finite())
     };
+    let deciding = |i: usize, _: &Quantity, term| {
+        let off = *ladder.deciding(choice?, term)?.worst.get(i)?;
+        Some(off).filter(|off| off.is_finite())
+    };
     let columns = vec![
         text("scene", "the scene", &|_, _| Some(ladder.scene.clone())),
         text("quantity", "what is compared", &|q, _| Some(q.name.clone())),
@@ -124,6 +128,11 @@ pub fn effects(ladder: &Ladder) -> Result<Table, TableError> {
             "off_without",
             "how far the fullest model without it is off, over what can be felt, at the worst point",
             &alone,
+        ),
+        number(
+            "deciding_off",
+            "the same of the model that decides: of a term that is kept the choice without it, of one that is left out the fullest model without it, or the choice",
+            &deciding,
         ),
         Column::flag(
             "is_kept",

@@ -1,6 +1,7 @@
 //! The eight terms that a model may have on top of a rigid lever, and sets of them.
 
 use serde::Serialize;
+use zwidth_dynamics::ModelScene;
 
 /// A term of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -101,6 +102,43 @@ impl TermSet {
         Self(self.0 & !(1 << (term as u8)))
     }
 
+    /// The terms that a scene can have: a finger only if something is between hand and lever, a
+    /// lag only of an actuator that its mode uses. A scene without the part cannot need the term.
+    pub fn possible(scene: &ModelScene) -> Self {
+        let by_motor = scene.mode.by_motor();
+        let mut set = Self::ALL;
+        if scene.finger.is_none() {
+            set = set.without(LadderTerm::Finger);
+        }
+        if !by_motor.contains(&true) {
+            set = set.without(LadderTerm::MotorLag);
+        }
+        if !by_motor.contains(&false) {
+            set = set.without(LadderTerm::BrakeLag);
+        }
+        set
+    }
+
+    /// The terms whose numbers a scene gives, and those of the digital loop, which has the period
+    /// that was asked for. The numbers of the others are the simulated device's.
+    pub fn in_scene(scene: &ModelScene) -> Self {
+        let has = |term: &LadderTerm| match term {
+            LadderTerm::Gravity => scene.terms.iter().any(|term| term.name() == "gravity"),
+            LadderTerm::Finger => scene.finger.is_some(),
+            LadderTerm::Friction => scene.friction.is_some(),
+            LadderTerm::MotorLag => scene.motor.lag_s.is_some(),
+            LadderTerm::BrakeLag => scene.brake.lag_on_off_s.is_some(),
+            LadderTerm::Sampling | LadderTerm::Delay | LadderTerm::Sensors => true,
+        };
+        LadderTerm::ALL.into_iter().filter(has).fold(Self::NONE, Self::with)
+    }
+
+    /// The terms that are in both sets.
+    #[must_use]
+    pub const fn both(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
     /// Whether every term of it is in another set.
     pub fn is_within(self, other: Self) -> bool {
         self.0 & !other.0 == 0
@@ -119,6 +157,12 @@ impl TermSet {
     /// Whether it has no term.
     pub fn is_empty(self) -> bool {
         self.0 == 0
+    }
+
+    /// Its terms for people, `friction, motor lag`; `none` if it has no terms.
+    pub fn titles(self) -> String {
+        let titles: Vec<&str> = self.terms().map(LadderTerm::title).collect();
+        if titles.is_empty() { "none".to_owned() } else { titles.join(", ") }
     }
 
     /// Its words, `friction sampling`; `rigid` if it has no terms.

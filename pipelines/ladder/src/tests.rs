@@ -5,7 +5,7 @@ use crate::model::{Loop, model};
 use crate::ranges::Point;
 use crate::run::{Frame, run};
 use crate::{
-    Course, Ladder, LadderError, LadderTerm, Settings, TermSet, chosen, effects, models, own,
+    Course, Ladder, LadderError, LadderTerm, Settings, TermSet, chosen, effects, models, own, told,
 };
 use zwidth_device::Velocity;
 use zwidth_dynamics::{
@@ -165,6 +165,43 @@ fn the_tables_say_the_choice_and_read_it_back() {
     let of = |i: usize| reasons[i].clone().unwrap();
     assert!(of(0).starts_with("friction is kept: a model without it"), "{}", of(0));
     assert!(of(1).starts_with("motor lag is left out"), "{}", of(1));
+}
+
+#[test]
+fn a_scene_is_not_offered_a_term_of_a_part_that_it_lacks() {
+    let possible = |mode| {
+        TermSet::possible(&scene(mode, Environment::spring(4.0, 0.0, -0.785), Input::constant(1.0)))
+    };
+    let lacks = |set: TermSet| TermSet::ALL.terms().filter(|t| !set.has(*t)).collect::<Vec<_>>();
+    assert_eq!(lacks(possible(DriveMode::Active)), [LadderTerm::Finger, LadderTerm::BrakeLag]);
+    assert_eq!(lacks(possible(DriveMode::Passive)), [LadderTerm::Finger, LadderTerm::MotorLag]);
+    assert_eq!(lacks(possible(DriveMode::Hybrid)), [LadderTerm::Finger]);
+}
+
+#[test]
+fn what_the_scene_does_not_give_it_is_not_said_to_need() {
+    let found = climbed(&pushed(), 0.001, 4, DRIVE);
+    let choice = found.choice().unwrap();
+    let words = told(&found, choice);
+    assert!(words.contains("terms it needs none; with numbers of the simulated device"), "{words}");
+    let given = Ladder { in_scene: TermSet::ALL, ..found.clone() };
+    let words = told(&given, choice);
+    assert!(words.contains("terms it needs friction; "), "{words}");
+}
+
+/// What stands in the figure is what the choice was made by: kept terms beyond what is felt, unless
+/// they make a run cheaper, and all others below.
+#[test]
+fn the_number_that_decides_is_beyond_what_is_felt_of_kept_terms_alone() {
+    let found = climbed(&pushed(), 0.001, 4, DRIVE);
+    let choice = found.choice().unwrap();
+    for term in found.offered.terms() {
+        let (_, off) = found.deciding(choice, term).unwrap().furthest().unwrap();
+        assert_eq!(off > 1.0, choice.set.has(term), "{}: {off}", term.as_str());
+    }
+    let table = effects(&found).unwrap();
+    let off = table.floats("deciding_off").unwrap();
+    assert!(off.iter().all(Option::is_some), "{off:?}");
 }
 
 #[test]

@@ -25,7 +25,7 @@ mod tests;
 pub use curves::{Curve, curves};
 pub use error::StabilityError;
 pub use limits::{Limit, limits};
-pub use map::{Cell, METHODS, Map, Span, map};
+pub use map::{Area, Cell, METHODS, Map, Span, map};
 pub use measured::measured;
 pub use others::{Boundary, Extent};
 pub use quantity::{Point, Quantity};

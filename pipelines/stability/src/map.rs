@@ -90,6 +90,53 @@ pub struct Map {
     pub cells: Vec<Cell>,
 }
 
+/// An area of a map between two edges over x, SI; NaN where it has a gap.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Area {
+    /// Places along x.
+    pub x: Vec<f64>,
+    /// The lower edge at each.
+    pub low: Vec<f64>,
+    /// The upper edge at each.
+    pub high: Vec<f64>,
+}
+
+impl Map {
+    /// Where the wall is stable by the lifted map: an area for the lowest stable cells of each
+    /// column, a second one for those of a second run, and so on.
+    pub fn stable(&self) -> Vec<Area> {
+        let mut areas: Vec<Area> = Vec::new();
+        for i in 0..self.x.cells {
+            let is_stable = |j: usize| {
+                let radius = self.cells[j * self.x.cells + i].radius;
+                radius.is_some_and(|radius| radius < 1.0)
+            };
+            let (mut run, mut j) = (0, 0);
+            while j < self.y.cells {
+                let from = j;
+                while j < self.y.cells && is_stable(j) {
+                    j += 1;
+                }
+                if j == from {
+                    j += 1;
+                    continue;
+                }
+                if run == areas.len() {
+                    areas.push(Area {
+                        x: (0..self.x.cells).map(|i| self.x.at(self.x.share(i))).collect(),
+                        low: vec![f64::NAN; self.x.cells],
+                        high: vec![f64::NAN; self.x.cells],
+                    });
+                }
+                areas[run].low[i] = self.y.at(self.y.share(from));
+                areas[run].high[i] = self.y.at(self.y.share(j - 1));
+                run += 1;
+            }
+        }
+        areas
+    }
+}
+
 /// Looks at every cell. The same bits on any number of threads.
 ///
 /// # Errors

@@ -113,6 +113,22 @@ impl Quantity {
         self.about().5
     }
 
+    /// Its value at a point; `None` for a finger or a wall that the point does not have.
+    pub fn value(self, point: &Point) -> Option<f64> {
+        let wall = &point.wall;
+        Some(match self {
+            Self::Step => point.step_s,
+            Self::Mass => wall.mass_kg,
+            Self::Damping => wall.damping_ns_per_m,
+            Self::WallDamping => wall.wall_damping_ns_per_m,
+            Self::Stiffness => Some(wall.stiffness_n_per_m).filter(|k| *k > 0.0)?,
+            Self::Lever => point.lever_m,
+            Self::Finger => wall.finger?.stiffness_n_per_m,
+            Self::Delay => wall.delay_s,
+            Self::Rate => 1.0 / wall.period_s,
+        })
+    }
+
     /// A point with another value of the quantity.
     pub fn put(self, point: &Point, value: f64) -> Point {
         let mut point = *point;
@@ -140,5 +156,26 @@ impl Quantity {
             Self::Rate => wall.period_s = 1.0 / value,
         }
         point
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_put_into_a_point_is_read_from_it() {
+        let bare = Point {
+            wall: SampledWall::bare(0.1, 2.0, 0.001),
+            lever_m: 0.05,
+            step_s: 0.001,
+            dry: None,
+        };
+        assert_eq!(Quantity::Finger.value(&bare), None);
+        assert_eq!(Quantity::Stiffness.value(&bare), None, "a device without a wall");
+        for quantity in Quantity::ALL {
+            let value = quantity.value(&quantity.put(&bare, 0.25)).unwrap();
+            assert!((value - 0.25).abs() < 1e-12, "{quantity:?}: {value}");
+        }
     }
 }

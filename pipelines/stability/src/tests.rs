@@ -31,6 +31,22 @@ fn the_line_of_the_lifted_map_goes_through_the_stiffest_wall_at_each_delay() {
 }
 
 #[test]
+fn the_stable_area_ends_at_the_line_of_the_lifted_map() {
+    let [x, y] = spans(Quantity::Delay, Quantity::Stiffness, 61);
+    let map = map(&point(), x, y).unwrap();
+    let areas = map.stable();
+    assert_eq!(areas.len(), 1, "stable below, unstable above");
+    let step = libm::log(y.ends[1] / y.ends[0]) / 60.0;
+    for i in (0..61).step_by(6) {
+        let wall = SampledWall { delay_s: areas[0].x[i], ..point().wall };
+        let stiffest = wall.stiffest_stable().unwrap().unwrap();
+        let below = libm::log(stiffest / areas[0].high[i]);
+        assert!((0.0..=step).contains(&below), "{}: {below}", areas[0].x[i]);
+        assert!((areas[0].low[i] / y.ends[0] - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
 fn the_measured_points_lie_on_the_line_to_half_a_percent() {
     let [x, y] = spans(Quantity::WallDamping, Quantity::Stiffness, 24);
     let x = Span { ends: [0.0, 6.0], ..x };

@@ -12,7 +12,7 @@ use zwidth_tables::{Column, Table, TableError};
 const DEFINITIONS: [&str; 5] = [
     "Errors are those of the run's own samples (at most 8,000, evenly chosen) against the yardstick at the same times.",
     "The force is the device's on the lever's end: motor, brake, friction, terms and stops; within 50 ms of its jumps nothing is compared.",
-    "Shares are of what a person just feels: above 1 it is felt. Slow parts are means over 100 ms; vibration is by third octaves from 10 to 794 Hz.",
+    "Shares are of what a person just feels: above 1 it is felt. Slow parts are means over 100 ms; vibration is by third octaves from 10 to 794 Hz, and 0 where it is not above the right one.",
     "Work is evaluations of the right-hand side, and n for each factorisation or exponential of an n × n matrix. It is no time.",
     "An event's error is empty where something else happens than in the yardstick.",
 ];
@@ -97,9 +97,12 @@ fn columns(rows: &[Row]) -> Vec<Column> {
         error("felt_angle_share", "1", "slow angle: error over what is felt", |e| {
             Some(e.felt.angle_share)
         }),
-        error("felt_vibration_share", "1", "vibration over what is felt", |e| {
-            e.felt.vibration_share
-        }),
+        error(
+            "felt_vibration_share",
+            "1",
+            "vibration above the right one, over what is felt",
+            |e| e.felt.vibration_share,
+        ),
         error("vibration_hz", "Hz", "centre of that third octave", |e| {
             e.felt.vibration_share.map(|_| e.felt.frequency_hz)
         }),

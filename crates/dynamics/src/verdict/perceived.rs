@@ -190,7 +190,8 @@ pub struct FeltDifference {
     pub force_n: f64,
     /// Largest difference of the slow angle, as a share of the one that is noticed.
     pub angle_share: f64,
-    /// Largest level of vibration over what it may be; none where no window is free of jumps.
+    /// How far the level of vibration is above the right one, as a share of how far it may be: 0
+    /// where it is not above; none where no window is free of jumps.
     pub vibration_share: Option<f64>,
     /// The centre of that band, Hz.
     pub frequency_hz: f64,
@@ -263,7 +264,8 @@ impl FeltReference {
             for &(from, right_m) in &band.windows {
                 let Some(found_m) = band.amplitude_m(motion, from, self.lever_m) else { continue };
                 let allowed_m = least_m.max(right_m * (1.0 + self.perception.excess_share));
-                let share = found_m / allowed_m;
+                // Over the right level, not over nothing: a motion without error has no share.
+                let share = ((found_m - right_m) / (allowed_m - right_m)).max(0.0);
                 if worst.vibration_share.is_none_or(|most| share > most) {
                     worst.vibration_share = Some(share);
                     worst.frequency_hz = band.centre_hz;
@@ -336,7 +338,7 @@ mod tests {
         let same = compare(&motion(slow, |_| 4.0));
         assert!(!same.is_felt(), "{same:?}");
         assert!(same.force_share.abs() < 1e-12 && same.angle_share.abs() < 1e-12);
-        assert!(same.vibration_share.unwrap() < 1.0 / 1.19, "{same:?}");
+        assert!(same.vibration_share.unwrap() < 1e-12, "{same:?}");
     }
 
     #[test]
@@ -377,8 +379,11 @@ mod tests {
         let shaken = |size: f64| motion(move |t| slow(t) + size * (TAU * 100.0 * t).sin(), |_| 4.0);
         let right = FeltReference::new(&shaken(1e-3), LEVER_M, &Perception::default());
         assert!(!right.compare(&shaken(1.19e-3)).is_felt());
-        let larger = right.compare(&shaken(1.4e-3));
-        assert!((larger.vibration_share.unwrap() - 1.4 / 1.2).abs() < 0.01, "{larger:?}");
+        let share = |size: f64| right.compare(&shaken(size)).vibration_share.unwrap();
+        assert!(share(1e-3) < 1e-12, "without an error there is nothing to feel");
+        assert!(share(0.5e-3) < 0.01, "a weaker one is not felt");
+        assert!((share(1.1e-3) - 0.5).abs() < 0.01, "{}", share(1.1e-3));
+        assert!((share(1.4e-3) - 2.0).abs() < 0.05, "{}", share(1.4e-3));
     }
 
     #[test]

@@ -753,6 +753,10 @@ pub(crate) struct Figure {
     /// Words of an SVG as text, to be edited and searched, in place of outlines
     #[arg(long)]
     pub(crate) text: bool,
+    /// Font of these words, such as the document's; each keeps the width that it has in the
+    /// program's own font, by which the figure is laid out
+    #[arg(long, value_name = "NAME", requires = "text")]
+    pub(crate) font: Option<String>,
     /// Dots per inch of a PNG
     #[arg(long, value_name = "DPI", default_value_t = zwidth_draw::DEFAULT_DPI, value_parser = positive)]
     pub(crate) dpi: f64,

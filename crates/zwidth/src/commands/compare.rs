@@ -52,8 +52,8 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
     Ok(exit)
 }
 
-/// Columns that matter least of a comparison, the very least first: a narrow window leaves them
-/// out. `zwidth table` has them all.
+/// Columns that matter least of a comparison, the very least first: a narrow window has them at the
+/// end.
 const LEAST: [&str; 26] = [
     "unit of analysis",
     "epsilon hf",

@@ -145,7 +145,9 @@ fn write(
     let drawing = output.drawn(figure)?;
     for format in &asked.format {
         let bytes = match format {
-            FigureFormat::Svg if asked.text => drawing.svg_with_text()?.into_bytes(),
+            FigureFormat::Svg if asked.text => {
+                drawing.svg_with_text(asked.font.as_deref())?.into_bytes()
+            }
             FigureFormat::Svg => drawing.svg()?.into_bytes(),
             FigureFormat::Pdf => drawing.pdf()?,
             FigureFormat::Png => drawing.png(asked.dpi)?,

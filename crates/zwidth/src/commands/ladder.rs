@@ -123,7 +123,7 @@ fn climbed(
     Ok(ladders.into_iter().map(named).collect())
 }
 
-/// The ladder of a scene's file, over all eight terms.
+/// The ladder of a scene's file, over the terms that it can have.
 fn of_scene(path: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Climbed> {
     let text = crate::text::scene(path)?;
     let at = || path.display().to_string();
@@ -133,10 +133,11 @@ fn of_scene(path: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Climb
         looped: Loop { period_s: asked.rate.map_or(THESIS_PERIOD_S, |hz| 1.0 / hz), velocity },
         points: asked.points,
         bounds: Perception::default(),
-        offered: TermSet::ALL,
+        offered: TermSet::possible(&scene),
     };
     let points = counted(asked.points, "points");
-    screen.say(format!("{}: {} models at {points}", at(), TermSet::COUNT));
+    let models = 1_usize << settings.offered.len();
+    screen.say(format!("{}: {models} models at {points}", at()));
     let ladder = climb(&scene, &settings, &own).with_context(at)?;
     Ok((stem(path), ladder, false))
 }

@@ -3,7 +3,7 @@
 
 mod words;
 
-use self::words::{Parameter, about, chosen, parameters, row_of, significant};
+use self::words::{Parameter, about, chosen, parameters, row_of, significant, why_not_calibrated};
 use crate::FigureKind;
 use crate::data::gaps;
 use crate::words::{mark, percent, plain};
@@ -76,6 +76,10 @@ pub fn characteristic(
         ..Panel::new(Cell::at(1, 0), x(), off, layers)
     });
     let panel = Panel { height_mm: Some(PANEL_MM), ..panel };
+    let mut footnotes = about(of.models, &chosen, &response.unit, actuator)?;
+    if actuator == "motor" {
+        footnotes.extend(why_not_calibrated(of.curve, &command.unit, &response.unit)?);
+    }
     Ok(Figure {
         title: Some(format!("Characteristic: {}", plain(&actuator.replace('_', " ")))),
         description: format!(
@@ -87,7 +91,7 @@ pub fn characteristic(
         ),
         width_mm: WIDTH_MM,
         panels: [panel].into_iter().chain(below).collect(),
-        footnotes: about(of.models, &chosen, &response.unit, actuator)?,
+        footnotes,
         mark: mark(sweeps.iter().map(|s| s.source)),
         ..Figure::default()
     })
@@ -175,7 +179,7 @@ fn parts(curve: &Table) -> Result<Vec<Part>, TableError> {
         let start = parts.last().map_or(0, |p| p.rows.end);
         let way = Branch::ALL.into_iter().find(|way| same[0].as_deref() == Some(way.name()));
         let name = way.map(|way| format!(", {}", way.name())).unwrap_or_default();
-        let (colour, dash) = (style::mode_colour(parts.len()), style::dash(parts.len()));
+        let (colour, dash) = (style::direction_colour(parts.len()), style::dash(parts.len()));
         parts.push(Part { name, way, rows: start..start + same.len(), colour, dash });
     }
     Ok(parts)
@@ -376,6 +380,15 @@ mod tests {
         let of =
             Characterised { models: &models, parameters: &parameters, curve: &curve, level: 0.95 };
         characteristic("brake", sweeps, of).unwrap()
+    }
+
+    #[test]
+    fn a_force_with_friction_in_it_says_why_the_calibration_gives_another() {
+        let note = why_not_calibrated(&curve(), "V", "N").unwrap().unwrap();
+        assert!(note.contains("8.00 N at 8.00 V") && note.contains("rendering"), "{note}");
+        let one_way = curve().rows(&[0, 1]);
+        assert_eq!(why_not_calibrated(&one_way, "V", "N").unwrap(), None);
+        assert_eq!(why_not_calibrated(&curve(), "V", "counts").unwrap(), None);
     }
 
     fn names(figure: &Figure) -> Vec<&str> {

@@ -54,6 +54,32 @@ pub(super) fn about(
     Ok(vec![format!("Chosen: {name}, {formula}{rms}. Coefficients: table {table}.")])
 }
 
+/// Why a force at the end of these fits is not the one that the calibration gives; nothing where
+/// both ways have one fit, or what responds is no force.
+pub(super) fn why_not_calibrated(
+    curve: &Table,
+    command_unit: &str,
+    unit: &str,
+) -> Result<Option<String>, TableError> {
+    let (branches, commands) = (curve.texts("branch")?, curve.floats("command")?);
+    let are_apart = branches.windows(2).any(|pair| pair[0] != pair[1]);
+    let fits = curve.floats("fit")?;
+    let ends = commands.into_iter().zip(fits).filter_map(|(command, fit)| Some((command?, fit?)));
+    let end = ends.reduce(|most, next| if next.0 > most.0 { next } else { most });
+    let Some((command, force_n)) = end.filter(|_| are_apart && unit == "N") else {
+        return Ok(None);
+    };
+    Ok(Some(format!(
+        "This is what the load cell reads, with the friction of the transmission in it: {} N at {} {}, where the \
+         command turns and friction turns with it. The calibration (figure {}) gives the actuator's own \
+         force, without friction; near the turn it goes on along the tangent.",
+        significant(force_n),
+        significant(command),
+        plain(command_unit),
+        plain("rendering_range"),
+    )))
+}
+
 /// A plain formula as markup: `max(x - x0, 0)^p` → max(x − x₀, 0)ᵖ.
 fn typeset(formula: &str) -> String {
     formula

@@ -77,7 +77,7 @@ fn state(of: &Modelled) -> &'static str {
 pub(crate) fn force_control(of: &Modelled) -> Figure {
     let (forces, equations) = (forces(of, 11.0), equations(43.0));
     let step = block(66.5, 15.0, ["one step".to_owned(), of.step().line()]);
-    let step = step.coloured(style::TISSUE);
+    let step = step.coloured(style::FINGER);
     let mut layers: Vec<Layer> = [&forces, &equations, &step].map(Block::layers).concat();
     layers.extend(between(&forces, &equations, both_forces(of)));
     layers.extend(between(&equations, &step, "*ẍ*"));

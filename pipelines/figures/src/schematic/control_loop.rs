@@ -54,8 +54,8 @@ impl Boxes {
         Self {
             participant: Block::new((11.5, 39.0), (22.0, 12.0), ["participant"]),
             lever: Block::new((45.0, 39.0), (22.0, 18.0), lever(of)),
-            force: Block::new((80.0, 64.5), (28.0, 9.0), force_sensor(of)).coloured(style::TISSUE),
-            angle: Block::new((80.0, 53.5), (28.0, 8.0), [angle]).coloured(style::TISSUE),
+            force: Block::new((80.0, 64.5), (28.0, 9.0), force_sensor(of)).coloured(style::FINGER),
+            angle: Block::new((80.0, 53.5), (28.0, 8.0), [angle]).coloured(style::FINGER),
             motor: of
                 .uses(ActuatorKind::Motor)
                 .then(|| Block::new((80.0, 25.0), (28.0, 12.0), motor(of)).coloured(style::MOTOR)),

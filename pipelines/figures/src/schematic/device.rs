@@ -126,7 +126,7 @@ fn load_cell(lever: &Lever) -> Vec<Layer> {
         corner(-1.0, -1.0),
         corner(-1.0, 1.0),
     ];
-    vec![line(corners, Stroke { width_pt: 1.2, ..style::mean(style::TISSUE) })]
+    vec![line(corners, Stroke { width_pt: 1.2, ..style::mean(style::FINGER) })]
 }
 
 /// The shaft with what sits on it, and the wheel and the lever above.
@@ -144,7 +144,7 @@ fn side(of: &Setup) -> Vec<Layer> {
     }
     layers.extend(capstan());
     layers.extend(wheel_and_lever(of));
-    let angle = Block::new((39.0, SHAFT_MM), (3.0, 7.0), [""; 0]).coloured(style::TISSUE);
+    let angle = Block::new((39.0, SHAFT_MM), (3.0, 7.0), [""; 0]).coloured(style::FINGER);
     layers.extend(angle.layers());
     layers.push(left_of(vec!["angle sensor".to_owned()], (41.8, SHAFT_MM + 9.0)));
     layers.push(line([(39.0, SHAFT_MM + 7.4), angle.top()], style::single(style::GREY)));
@@ -180,7 +180,7 @@ fn wheel_and_lever(of: &Setup) -> Vec<Layer> {
     const X: f64 = -6.0;
     let bar = Stroke { width_pt: 3.2, ..style::mean(style::INK) };
     let wheel = Block::new((X, 0.0), (4.0, 2.0 * WHEEL_MM), [""; 0]);
-    let cell = Block::new((X, LEVER_MM - 1.0), (3.4, 4.6), [""; 0]).coloured(style::TISSUE);
+    let cell = Block::new((X, LEVER_MM - 1.0), (3.4, 4.6), [""; 0]).coloured(style::FINGER);
     let axis = Way::through([(X + 12.0, 3.0), (X + 12.0, -3.0)]);
     let mut layers = wheel.layers();
     // the cable, edge on

@@ -21,7 +21,7 @@ pub struct Modelled {
 /// Pen of the rendered object: spring and damper.
 pub(crate) const OBJECT: Stroke = style::mean(style::BRAKE);
 /// Pen of the finger.
-pub(crate) const FINGER: Stroke = style::mean(style::TISSUE);
+pub(crate) const FINGER: Stroke = style::mean(style::FINGER);
 /// Pen of what is acted with.
 pub(crate) const FORCE: Stroke = style::mean(style::INK);
 /// Edge of a mass.

@@ -49,7 +49,7 @@ type Extent = [f64; 4];
 
 /// The words of a drawing with their letters' extents, as its SVG has them.
 fn extents(figure: &Figure) -> Vec<(String, Extent)> {
-    let svg = draw(figure).unwrap().svg_with_text().unwrap();
+    let svg = draw(figure).unwrap().svg_with_text(None).unwrap();
     let texts = svg.split("<text ").skip(1).map(|rest| {
         let (tag, rest) = rest.split_once('>').unwrap();
         let number = |key: &str| -> f64 {

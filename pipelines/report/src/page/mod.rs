@@ -53,7 +53,7 @@ pub fn page_html(page: &Page) -> PageHtml {
                 meta name="color-scheme" content="light dark";
                 meta name="referrer" content="no-referrer";
                 title { (page.summary.title) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE.as_str())) }
             }
             body {
                 (parts::header(page))
@@ -69,7 +69,7 @@ pub fn page_html(page: &Page) -> PageHtml {
                     }
                 }
                 @if page.contents.is_some() { (PreEscaped(DATA)) (PreEscaped("</script>")) }
-                script { (PreEscaped(SCRIPT)) }
+                script { (PreEscaped(SCRIPT.as_str())) }
             }
         }
     };

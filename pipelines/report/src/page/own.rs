@@ -1,12 +1,39 @@
-//! The page's own script and style sheet, as they stand in it.
+//! The page's own script and style sheet, as they stand in it. Colours, dashes and markers of modes
+//! are those of the figures.
+
+use std::fmt::Write as _;
+use std::sync::LazyLock;
+use zwidth_draw::style::{self, MODE_COLOURS};
 
 /// Its style sheet.
-pub(super) const STYLE: &str = include_str!("page.css");
+pub(super) static STYLE: LazyLock<String> = LazyLock::new(|| {
+    let mut light = String::new();
+    let mut dark = String::new();
+    let mut classes = String::new();
+    for mode in 0..MODE_COLOURS {
+        // Writing into a string does not fail.
+        let _ = write!(light, " --mode-{mode}: {};", style::mode_colour(mode).css());
+        let _ = write!(dark, " --mode-{mode}: {};", style::mode_colour_on_dark(mode).css());
+        let _ = writeln!(classes, ".mode-{mode} {{ --mode: var(--mode-{mode}); }}");
+    }
+    format!(
+        "{}:root, .light {{{light} }}\n@media screen and (prefers-color-scheme: dark) {{ :root {{{dark} }} }}\n{classes}",
+        include_str!("page.css")
+    )
+});
+
+/// Its script, behind the dashes of modes in widths of a line.
+pub(super) static SCRIPT: LazyLock<String> = LazyLock::new(|| {
+    let dashes: Vec<&[f64]> = (0..style::DASHES).map(|mode| style::dash(mode).widths()).collect();
+    format!(
+        "\"use strict\";\n(() => {{\nconst MODE_COLOURS = {MODE_COLOURS}, WIDTHS = {dashes:?};\n{PARTS}}})();\n"
+    )
+});
+
 /// One classic script, because a page opened from disk may load neither modules nor anything by
 /// fetch: its parts share one scope, and stand in the order in which they need each other's
 /// constants. Text from the study is only ever set as text in it, never as markup.
-pub(super) const SCRIPT: &str = concat!(
-    "\"use strict\";\n(() => {\n",
+const PARTS: &str = concat!(
     include_str!("script/words.js"),
     include_str!("script/data.js"),
     include_str!("script/pens.js"),
@@ -22,5 +49,4 @@ pub(super) const SCRIPT: &str = concat!(
     include_str!("script/answers.js"),
     include_str!("script/sliders.js"),
     include_str!("script/page.js"),
-    "})();\n",
 );

@@ -94,8 +94,8 @@ fn matrix(page: &Page) -> Markup {
                         tr {
                             @if place == 0 { th scope="rowgroup" rowspan=(rows.len()) { (row.metric) } }
                             th scope="row" { (row.label) }
-                            @for ((mode, _), cell) in matrix.modes.iter().zip(&row.cells) {
-                                td.number {
+                            @for ((mode, label), cell) in matrix.modes.iter().zip(&row.cells) {
+                                td.number data-label=(label) {
                                     @match cell {
                                         Some(cell) => (link(row.environment.as_str(), mode.as_str(), cell)),
                                         None => (NO_MEAN),

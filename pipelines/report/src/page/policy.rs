@@ -19,7 +19,8 @@ pub(super) enum Form {
 
 /// The policy of a page.
 pub(super) fn policy(form: Form) -> String {
-    let [script, style] = [SCRIPT, STYLE].map(|text| STANDARD.encode(Sha256::digest(text)));
+    let [script, style] =
+        [&SCRIPT, &STYLE].map(|text| STANDARD.encode(Sha256::digest(text.as_str())));
     let (loads, images) = match form {
         // `strict-dynamic`: what the page's own script loads is samples; a tag of another script
         // loads nothing. A page from a disk has no origin, so that not every browser takes files

@@ -6,6 +6,7 @@ use super::given::Page;
 use crate::{Remark, nothing};
 use maud::{Markup, html};
 use std::collections::BTreeMap;
+use zwidth_draw::style::MODE_COLOURS;
 
 /// Orders of more sessions than this would fill pages.
 const MOST_SESSIONS: usize = 60;
@@ -62,7 +63,7 @@ fn order(page: &Page) -> Markup {
                 "colour and letter: "
                 @for (place, mode) in page.planned.modes.iter().enumerate() {
                     @if place > 0 { ", " }
-                    span class={ "key mode-" (place) } { (letter(place)) " " (mode.label) }
+                    span class={ "key mode-" (place % MODE_COLOURS) } { (letter(place)) " " (mode.label) }
                 }
                 "."
             }
@@ -81,7 +82,7 @@ fn session(page: &Page, who: &str, trials: &[&TrialOf]) -> Markup {
             th scope="row" { (who) }
             @for trial in trials {
                 @let (environment, mode) = (environment(trial).unwrap_or(0), mode(trial).unwrap_or(0));
-                td class={ "mode-" (mode) } title={
+                td class={ "mode-" (mode % MODE_COLOURS) } title={
                     "trial " (trial.trial) ": " (trial.environment) " " (trial.mode) " " (trial.repeat)
                 } { (environment + 1) (letter(mode)) }
             }

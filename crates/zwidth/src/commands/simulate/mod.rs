@@ -100,7 +100,7 @@ fn one(path: &Path, folder: &Path, command: &Simulate) -> anyhow::Result<Done> {
     let solver = solver(&command.solver, command.tolerance)?;
     let run = run_scene(file.scene.clone(), solver.as_ref()).map_err(|e| file.error(&e))?;
     let trajectory = trajectory_table(&run)?;
-    output.figure(&stem, zwidth_figures::simulation(&[&trajectory])?)?;
+    output.figure(&stem, zwidth_figures::simulation(&[&trajectory], &[])?)?;
     output.table(&format!("{stem}.trajectory"), &trajectory)?;
     output.table(&format!("{stem}.events"), &events_table(&run)?)?;
     if command.chattering {
@@ -143,7 +143,7 @@ fn shared(done: &[Done], folder: &Path, command: &Simulate) -> anyhow::Result<Ve
     let mut output = Output::new(folder, made_from(command, None)?);
     output.figure(&format!("{name}.inputs"), zwidth_figures::inputs(&tables)?)?;
     if tables.len() <= MOST_SIDE_BY_SIDE {
-        output.figure(&name, zwidth_figures::simulation(&tables)?)?;
+        output.figure(&name, zwidth_figures::simulation(&tables, &[])?)?;
     }
     Ok(output.files)
 }

@@ -13,9 +13,9 @@ use anyhow::{Context as _, bail};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use zwidth_figures::{BoundaryOf, Side, StabilityPanel};
+use zwidth_figures::{BoundaryOf, Side, StabilityPanel, StableArea};
 use zwidth_stability::{
-    Boundary, Curve, Extent, Limit, Map, Point, Quantity, Span, VERSION, cells_table, curves,
+    Area, Boundary, Curve, Extent, Limit, Map, Point, Quantity, Span, VERSION, cells_table, curves,
     curves_table, extents_table, limits, limits_table, map, measured,
 };
 
@@ -107,8 +107,14 @@ fn write(
     let all = |map| curves(map).into_iter().chain(measured(map)).chain(of_others(map, boundaries));
     let with_curves: Vec<_> = maps.iter().map(|map| (map, all(map).collect())).collect();
     let curves = curves_table("stability", &with_curves)?;
-    let panels: Vec<StabilityPanel> =
-        maps.iter().map(|map| StabilityPanel { x: side(map.x), y: side(map.y) }).collect();
+    let stable = |area: Area| StableArea { x: area.x, low: area.low, high: area.high };
+    let panel = |map: &Map| StabilityPanel {
+        x: side(map.x),
+        y: side(map.y),
+        stable: map.stable().into_iter().map(stable).collect(),
+        device: [map.x, map.y].map(|span| span.quantity.value(point)),
+    };
+    let panels: Vec<StabilityPanel> = maps.iter().map(panel).collect();
     let notes = words::notes(point);
     output.figure(name, zwidth_figures::stability(&curves, &panels, &notes)?)?;
     output.table(&format!("{name}.curves"), &curves)?;

@@ -13,8 +13,9 @@ pub(super) fn of(point: &Point, limits: &[Limit]) -> Vec<String> {
 pub(super) fn notes(point: &Point) -> Vec<String> {
     vec![
         format!("A device of {}, but for what runs along the axes.", device(point)),
-        "Black: bilateral linear wall, exact. Points: the same found by simulating the loop. Blue: passive with any hand. \
-         Dashed: textbook formulas, approximations. Light blue: above it a solver's step is unstable on the wall. Where lines lie on each other the last one is seen."
+        "Shaded: the wall is stable. Diamond, or dotted line where no wall is given: this device. \
+         Black: bilateral linear wall, exact. Points: the same found by simulating the loop. Indigo: passive with any hand. \
+         Dashed: textbook formulas, approximations. Thin, solid or dotted: above it a solver's step is unstable on the wall. Where lines lie on each other the last one is seen."
             .to_owned(),
     ]
 }

@@ -11,7 +11,8 @@ function buildAnswers(host) {
   pickWho.replaceChildren(...(people.length > 1 ? [option("", "all", people.length <= MANY)] : []), ...people.map((id, i) => option(id, id, people.length > MANY && i === 0)));
   pickWhat.replaceChildren(...asked.map((q) => option(q, study.questions[q].label, false)));
   pickMetric.replaceChildren(...usable.map((i) => option(i, metricTitle(study.metrics[i]), false)));
-  const legend = make("ul", { class: "legend" }, ...study.modes.map((mode, m) => make("li", {}, makeSvg("svg", { width: 16, height: 16, viewBox: "-8 -8 16 16", "aria-hidden": "true" }, makeSvg("path", { d: SHAPES[m % SHAPES.length](5), style: `--own: var(--mode-${m % 6})` })), short(mode.label, 40))));
+  const sign = (mode, m) => make("li", {}, makeSvg("svg", { width: 16, height: 16, viewBox: "-8 -8 16 16", "aria-hidden": "true" }, makeSvg("path", { d: SHAPES[m % SHAPES.length](5), style: `--own: var(--mode-${m % MODE_COLOURS})` })), short(mode.label, 40));
+  const legend = make("ul", { class: "legend" });
   const question = make("p", { class: "question" }), charts = make("div", { class: "charts one" }), tip = make("p", { class: "tip" });
   const tell = (words) => { tip.textContent = words; };
   host.replaceChildren(make("div", { class: "controls" }, who, what, which), question, legend, charts, tip);
@@ -20,6 +21,7 @@ function buildAnswers(host) {
     const trials = study.trials.filter((trial) => (!pickWho.value || trial.participant === pickWho.value) && Number.isFinite(answered(trial, q)) && Number.isFinite(measured(trial, index)));
     question.textContent = `“${short(asks.label, 400)}”${asks.reversed ? " (agreement speaks against)" : ""}`;
     tip.textContent = trials.length ? "Point at a mark for its trial; Enter or a click opens it." : "No trial has both an answer to this question and this metric.";
+    legend.replaceChildren(...study.modes.map(sign).filter((_, m) => trials.some((trial) => modeIndex(trial.mode) === m)));
     charts.replaceChildren(answerChart(trials, q, index, asks, metric, printing ? PAPER : Math.max(280, charts.clientWidth), tell));
     rove(charts.firstChild);
   }

@@ -19,7 +19,7 @@ function tickBox(label, checked, change, extra = {}) {
 
 /** A short piece of the mode's line: colour and dashes as in the plots. */
 function swatch(index) {
-  const line = makeSvg("line", { x1: 1, y1: 5, x2: 27, y2: 5, "stroke-width": 3, style: `stroke: var(--mode-${index % 6})`, "stroke-dasharray": DASHES[index % DASHES.length].join(" ") || "none" });
+  const line = makeSvg("line", { x1: 1, y1: 5, x2: 27, y2: 5, "stroke-width": 3, style: `stroke: var(--mode-${index % MODE_COLOURS})`, "stroke-dasharray": DASHES[index % DASHES.length].join(" ") || "none" });
   return makeSvg("svg", { width: 28, height: 10, "aria-hidden": "true", class: "swatch" }, line);
 }
 
@@ -70,17 +70,19 @@ function buildPanel(panel) {
 
 /** The controls as the view has them. */
 function writeControls() {
-  parts.pickParticipant.replaceChildren(...[...sessionsOf.keys()].map((id) => option(id, id, id === view.p)));
-  parts.pickSession.replaceChildren(...[...sessionsOf.get(view.p)].map((id) => option(id, id, id === view.s)));
-  parts.session.hidden = sessionsOf.get(view.p).size < 2;
-  const there = study.environments.filter(({ id }) => study.modes.some((mode) => trialsBy.has(pathOf(view.p, view.s, id, mode.id))));
+  const every = (ids, chosen) => (ids.length > 1 ? [option(EVERY, "all", chosen === EVERY)] : []);
+  const people = [...sessionsOf.keys()], sessions = view.p === EVERY ? [] : [...sessionsOf.get(view.p)];
+  parts.pickParticipant.replaceChildren(...every(people, view.p), ...people.map((id) => option(id, id, id === view.p)));
+  parts.pickSession.replaceChildren(...every(sessions, view.s), ...sessions.map((id) => option(id, id, id === view.s)));
+  parts.session.hidden = sessions.length < 2;
+  const there = study.environments.filter(({ id }) => study.modes.some((mode) => hasTrials(id, mode.id)));
   parts.pickEnvironment.replaceChildren(...there.map(({ id, label }) => option(id, label, id === view.e)));
   const repeats = distinct(shownTrials().map((trial) => trial.repeat)).sort((a, b) => a - b);
   parts.pickRepeat.replaceChildren(option("all", "all", view.r === "all"), ...repeats.map((r) => option(r, `only ${r}`, view.r === r)));
   parts.pickAlign.replaceChildren(...Object.entries(ALIGN).map(([id, label]) => option(id, label, id === view.a)));
   keepFocus(parts.modes, study.modes.map((mode, i) => {
-    const there = trialsBy.has(pathOf(view.p, view.s, view.e, mode.id));
-    return tickBox([swatch(i), short(mode.label, 40)], view.m.includes(mode.id), (on) => change({ m: on ? [...view.m, mode.id] : view.m.filter((id) => id !== mode.id) }), { value: mode.id, disabled: !there });
+    const there = hasTrials(view.e, mode.id);
+    return tickBox([...(there ? [swatch(i)] : []), short(mode.label, 40)], view.m.includes(mode.id), (on) => change({ m: on ? [...view.m, mode.id] : view.m.filter((id) => id !== mode.id) }), { value: mode.id, disabled: !there });
   }));
   keepFocus(parts.show, Object.entries(SHOW).map(([id, label]) => tickBox(label, view.show.has(id), (on) => { view.show[on ? "add" : "delete"](id); change({}); }, { value: id })));
   byId("zoom-wall").hidden = wallOf(view.e) === null;
@@ -98,7 +100,7 @@ let refreshes = 0;
 /** Loads what the view names, and draws it. A newer wish wins over an older one. */
 async function refresh() {
   const mine = ++refreshes;
-  const wanted = view.m.map((mode) => ({ mode, key: trialsBy.get(pathOf(view.p, view.s, view.e, mode))?.[0]?.data })).filter(({ key }) => key);
+  const wanted = view.m.flatMap((mode) => trialsIn(view.e, mode).map(([{ data: key, participant: p, session: s }]) => ({ mode, key, who: { p, s } }))).filter(({ key }) => key);
   const waiting = setTimeout(() => mine === refreshes && say("Loading …"), 200);
   const found = await Promise.allSettled(wanted.map(({ key }) => condition(key)));
   clearTimeout(waiting);
@@ -107,7 +109,7 @@ async function refresh() {
   say(distinct(lost).join(". "), lost.length > 0);
   const active = browser.curves[browser.active];
   browser.of = { p: view.p, s: view.s, e: view.e, m: [...view.m], r: view.r };
-  browser.curves = found.flatMap((one, i) => (one.status === "fulfilled" ? curvesOfMode(wanted[i].mode, wanted[i].key, one.value) : []));
+  browser.curves = found.flatMap((one, i) => (one.status === "fulfilled" ? curvesOfMode(wanted[i], one.value) : []));
   browser.active = Math.max(0, browser.curves.findIndex((curve) => active && curve.label === active.label));
   if (!browser.curves[browser.active]?.overTime) browser.active = Math.max(0, browser.curves.findIndex((curve) => curve.overTime));
   browser.index = browser.curves.length && browser.index !== null ? Math.min(browser.index, browser.curves[browser.active].n - 1) : null;
@@ -125,6 +127,9 @@ const keepHash = () => touched && history.replaceState(null, "", writeHash());
 
 function writeNote() {
   const notes = [];
+  const sessions = distinct(browser.curves.map(({ who }) => `${who.p} ${who.s}`)).length, all = [...sessionsOf.values()].reduce((sum, some) => sum + some.size, 0);
+  if (view.p === EVERY && all > MOST_TOGETHER) notes.push(`The first ${MOST_TOGETHER} of ${all} sessions are shown.`);
+  else if (sessions > 1) notes.push(`${sessions} sessions are shown together; a curve says whose it is at the cursor.`);
   if (view.show.has("mean") && view.a === "onset" && browser.curves.some((curve) => curve.kind === "mean" && !curve.overTime)) notes.push("Thick: mean of the repeats, over time from their onsets, over the angle by landmarks (start, contact, reversal and end meet).");
   else if (browser.curves.some((curve) => curve.kind === "mean")) notes.push(`Thick: mean of the repeats, ${view.a === "landmarks" ? "by landmarks" : "from their onsets"}.`);
   if (view.a === "none" && view.show.has("mean")) notes.push("A mean needs a time from onset or by landmarks.");

@@ -89,7 +89,7 @@ function writeReadout() {
     return;
   }
   const i = browser.index;
-  Object.assign(parts.readout.dataset, { kind: active.kind, participant: browser.of.p, session: browser.of.s, key: active.key, trial: active.trial ?? "", index: i });
+  Object.assign(parts.readout.dataset, { kind: active.kind, participant: active.who.p, session: active.who.s, key: active.key, trial: active.trial ?? "", index: i });
   const unit = { theta_rad: [SYMBOL, ANGLE_SCALE, 2, study.angle_unit], theta_dot_rad_s: [`${SYMBOL}\u0307`, ANGLE_SCALE, 1, `${study.angle_unit}/s`], force_ex_n: ["F of the user", 1, 3, "N"], torque_ex_nm: ["τ of the user", 1, 4, "N·m"], force_cmd_n: ["F commanded", 1, 3, "N"], torque_cmd_nm: ["τ commanded", 1, 4, "N·m"] };
   const entry = (name, text, column, value) => make("div", {}, make("dt", {}, name), make("dd", column ? { "data-column": column, "data-value": exact(value), title: `stored: ${exact(value)}` } : {}, text));
   const rows = [entry("Curve", active.label), entry("t", `${rounded(active.stored.t_s[i], 4)} s`, "t_s", active.stored.t_s[i])];

@@ -15,10 +15,10 @@ function curveOf(table, mode, key, kind, label, shift, { overTime = true, overAn
 
 const onsetOf = (trial) => trial?.events?.find((event) => event.kind === "onset")?.t_s;
 
-/** The curves of one mode: its repeats, its mean as the alignment allows, its replay. */
-function curvesOfMode(mode, key, data) {
+/** The curves of one mode of one session: its repeats, its mean as the alignment allows, its replay. */
+function curvesOfMode({ mode, key, who }, data) {
   const shift = (trial) => (view.a === "onset" ? onsetOf(trial) ?? 0 : 0);
-  const name = short(labelOf(study.modes, mode));
+  const name = whose().length > 1 ? `${who.p} ${who.s}, ${short(labelOf(study.modes, mode))}` : short(labelOf(study.modes, mode));
   const one = view.r !== "all";
   const landmarks = view.a === "landmarks" && data.means.landmarks;
   const curves = [];
@@ -39,7 +39,7 @@ function curvesOfMode(mode, key, data) {
       const trial = data.trials.find((item) => item.trial === table.trial);
       curves.push(curveOf(table, mode, key, "replay", `${name}, replay ${kind.replace("_", " ")} (trial ${table.trial})`, shift(trial), { overTime: !landmarks }));
     }
-  return curves;
+  return curves.map((curve) => ({ ...curve, who }));
 }
 
 /** How a curve is drawn: alone or as a mean it is strong and has its mode's dashes, among repeats it is thin. */
@@ -47,7 +47,8 @@ function styleOf(curve, curves, theme) {
   const colour = theme.modes[modeIndex(curve.mode)];
   const dash = DASHES[modeIndex(curve.mode) % DASHES.length];
   if (curve.kind === "replay") return { colour: theme.ink, width: 1.5, dash: curve.label.includes("fitted") ? [2, 2] : [7, 3, 1, 3], opacity: 0.85 };
-  if (curve.kind === "mean") return { colour, width: 2.5, dash };
+  const means = curves.filter((other) => other.mode === curve.mode && other.kind === "mean" && other.overTime === curve.overTime).length;
+  if (curve.kind === "mean") return { colour, width: means > 1 ? 1.5 : 2.5, dash };
   const alone = curves.filter((other) => other.mode === curve.mode && other.kind === "trial").length === 1;
   return alone ? { colour, width: view.show.has("mean") ? 1.25 : 2, dash } : { colour, width: 1, opacity: curves.some((other) => other.kind === "mean") ? 0.45 : 0.8 };
 }

@@ -1,8 +1,8 @@
 // Dots: a small SVG chart of categories, and one of two numbers.
 
-const SHAPES = [
-  (r) => `M${-r} 0A${r} ${r} 0 1 0 ${r} 0A${r} ${r} 0 1 0 ${-r} 0Z`, (r) => `M${-r} ${-r}H${r}V${r}H${-r}Z`, (r) => `M0 ${-1.2 * r}L${1.2 * r} ${r}H${-1.2 * r}Z`,
-  (r) => `M0 ${-1.3 * r}L${1.3 * r} 0L0 ${1.3 * r}L${-1.3 * r} 0Z`, (r) => `M0 ${1.2 * r}L${1.2 * r} ${-r}H${-1.2 * r}Z`, (r) => `M${-r} ${-r / 3}H${-r / 3}V${-r}H${r / 3}V${-r / 3}H${r}V${r / 3}H${r / 3}V${r}H${-r / 3}V${r / 3}H${-r}Z`,
+const SHAPES = [ // the first three as the figures' markers
+  (r) => `M${-r} 0A${r} ${r} 0 1 0 ${r} 0A${r} ${r} 0 1 0 ${-r} 0Z`, (r) => `M${-r} ${-r}H${r}V${r}H${-r}Z`, (r) => `M0 ${-1.3 * r}L${1.3 * r} 0L0 ${1.3 * r}L${-1.3 * r} 0Z`,
+  (r) => `M0 ${-1.2 * r}L${1.2 * r} ${r}H${-1.2 * r}Z`, (r) => `M0 ${1.2 * r}L${1.2 * r} ${-r}H${-1.2 * r}Z`, (r) => `M${-r} ${-r / 3}H${-r / 3}V${-r}H${r / 3}V${-r / 3}H${r}V${r / 3}H${r / 3}V${r}H${-r / 3}V${r / 3}H${-r}Z`,
 ];
 const MANY = 60; // participants from which dots are participants, not trials
 
@@ -13,7 +13,7 @@ const spread = (i) => ((i * 0.6180339887498949 + 0.5) % 1) - 0.5;
 /** A point that says what it is and opens its trials; `tell` shows the words to those who see. */
 function point(x, y, { words, open, mode }, radius, tell) {
   const act = (event) => { event.preventDefault(); open(); };
-  return makeSvg("path", { d: SHAPES[mode % SHAPES.length](radius), transform: `translate(${x.toFixed(2)} ${y.toFixed(2)})`, class: "point", style: `--own: var(--mode-${mode % 6})`, role: "button", tabindex: "-1", "aria-label": words, onclick: act, onkeydown: (event) => (event.key === "Enter" || event.key === " ") && act(event), onfocus: () => tell(words), onpointerenter: () => tell(words) });
+  return makeSvg("path", { d: SHAPES[mode % SHAPES.length](radius), transform: `translate(${x.toFixed(2)} ${y.toFixed(2)})`, class: "point", style: `--own: var(--mode-${mode % MODE_COLOURS})`, role: "button", tabindex: "-1", "aria-label": words, onclick: act, onkeydown: (event) => (event.key === "Enter" || event.key === " ") && act(event), onfocus: () => tell(words), onpointerenter: () => tell(words) });
 }
 
 /** One stop of the Tab key for all dots of a chart; arrows, Home and End go from dot to dot. */
@@ -100,7 +100,7 @@ function dotGroups(environment, index, many) {
   return study.modes.map((mode, m) => {
     const trials = study.trials.filter((trial) => trial.environment === environment.id && trial.mode === mode.id && Number.isFinite(measured(trial, index)));
     const points = many
-      ? [...groupBy(trials, (trial) => trial.participant)].map(([p, mine]) => ({ value: mean(mine.map((trial) => measured(trial, index))), of: p, words: `${p}, ${short(mode.label)}, mean of ${mine.length} trials`, open: () => openTrials({ p, s: mine[0].session, e: environment.id, m: [mode.id] }) }))
+      ? [...groupBy(trials, (trial) => trial.participant)].map(([p, mine]) => ({ value: mean(mine.map((trial) => measured(trial, index))), of: p, words: `${p}, ${short(mode.label)}, mean of ${mine.length} trials`, open: () => openTrials({ p, s: EVERY, e: environment.id, m: [mode.id] }) }))
       : trials.map((trial) => ({ value: measured(trial, index), of: trial.participant, words: trialWords(trial), open: () => openTrial(trial) }));
     for (const one of points) one.words += `: ${significant(one.value)} ${metric.unit}`;
     return { label: mode.label, mode: m, points, summary: summaryOf(metric, metric.means, environment.id, mode.id, points.map((one) => one.value)) };
@@ -120,7 +120,8 @@ function differenceGroups(environment, index, single) {
       const of = ({ id }) => trials.filter((trial) => trial.mode === id).map((trial) => measured(trial, index));
       if (!of(from).length || !of(to).length) return [];
       const value = mean(of(to)) - mean(of(from));
-      const [{ participant: p, session: s, repeat }] = trials;
+      const [{ participant: p, session, repeat }] = trials;
+      const s = single ? session : EVERY; // a participant's mean is over every session
       return [{ value, words: `${unit}, ${short(to.label)} minus ${short(from.label)}: ${significant(value)} ${metric.unit}`, open: () => openTrials({ p, s, e: environment.id, m: [from.id, to.id], r: single ? repeat : "all" }) }];
     });
     const summary = summaryOf(metric, metric.differences, environment.id, `${to.id} − ${from.id}`, points.map((one) => one.value));

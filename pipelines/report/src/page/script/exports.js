@@ -32,7 +32,8 @@ function download(name, type, content) {
   setTimeout(() => URL.revokeObjectURL(address), 60000);
 }
 
-const fileName = (name) => [study.study, browser.of.p, browser.of.s, browser.of.e, browser.of.m.join("-"), name].join(".").replace(/[^A-Za-z0-9_.-]/g, "_").slice(0, 150);
+const named = (id) => (id === EVERY ? "all" : id);
+const fileName = (name) => [study.study, named(browser.of.p), named(browser.of.s), browser.of.e, browser.of.m.join("-"), name].join(".").replace(/[^A-Za-z0-9_.-]/g, "_").slice(0, 150);
 const quoted = (value) => (/[",\r\n]/.test(value) ? `"${String(value).replaceAll('"', '""')}"` : String(value));
 
 /** Every shown curve, every sample, as stored; `origin` marks simulated data in each row. */
@@ -40,7 +41,7 @@ function csv() {
   const columns = distinct(browser.curves.flatMap((curve) => Object.keys(curve.stored)));
   const lines = [["participant", "session", "environment", "mode", "curve", "trial", "repeat", "origin", ...columns].join(",")];
   for (const curve of browser.curves) {
-    const head = [browser.of.p, browser.of.s, browser.of.e, curve.mode, curve.kind === "trial" ? "trial" : curve.label, curve.trial ?? "", curve.repeat ?? "", study.simulated ? "simulated" : "recorded"].map(quoted).join(",");
+    const head = [curve.who.p, curve.who.s, browser.of.e, curve.mode, curve.kind === "trial" ? "trial" : curve.label, curve.trial ?? "", curve.repeat ?? "", study.simulated ? "simulated" : "recorded"].map(quoted).join(",");
     for (let i = 0; i < curve.n; i++) lines.push(`${head},${columns.map((column) => (Number.isFinite(curve.stored[column]?.[i]) ? exact(curve.stored[column][i]) : "")).join(",")}`);
   }
   return `${lines.join("\n")}\n`;
@@ -54,7 +55,7 @@ function drawExport(pen, id, width, height) {
   pen.rect(0, 0, width, height, { colour: theme.paper });
   const shifted = { ...pen };
   drawPanel(shifted, panel, width, height - 34, theme, screen.range, true);
-  pen.text(short(`${study.study}, ${labelOf(study.environments, browser.of.e)}, ${browser.of.p} ${browser.of.s}${browser.of.r === "all" ? "" : `, repeat ${browser.of.r}`}`, 70), 8, height - 24, { colour: theme.quiet, size: 11 });
+  pen.text(short(`${study.study}, ${labelOf(study.environments, browser.of.e)}, ${browser.of.p === EVERY ? "all participants" : `${browser.of.p} ${browser.of.s === EVERY ? "all sessions" : browser.of.s}`}${browser.of.r === "all" ? "" : `, repeat ${browser.of.r}`}`, 70), 8, height - 24, { colour: theme.quiet, size: 11 });
   if (study.simulated) pen.text("SYNTHETIC: simulated, not measured", 8, height - 10, { colour: theme.mark, size: 11, bold: true });
 }
 
@@ -93,20 +94,13 @@ function openTrials(patch) {
   return done;
 }
 
-/** The first participant who has such trials, the one shown now if possible. */
-function whoHas(environment, mode) {
-  const has = (p, s) => trialsBy.has(pathOf(p, s, environment, mode));
-  if (has(view.p, view.s)) return {};
-  const trial = study.trials.find((one) => one.environment === environment && one.mode === mode);
-  return trial ? { p: trial.participant, s: trial.session } : {};
-}
-
+/** A mean of the table is over everybody, so a cell opens the trials of everybody. */
 function linkMatrix() {
   for (const link of document.querySelectorAll("a[data-environment][data-mode]")) {
     const { environment, mode } = link.dataset;
     link.addEventListener("click", (event) => {
       event.preventDefault();
-      openTrials({ e: environment, m: [mode], ...whoHas(environment, mode) });
+      openTrials({ e: environment, m: [mode], p: EVERY, s: EVERY });
     });
   }
 }

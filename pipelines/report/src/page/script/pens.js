@@ -86,7 +86,7 @@ function readTheme(light = false) {
   document.body.append(probe);
   const style = getComputedStyle(probe);
   const colour = (name) => style.getPropertyValue(name).trim();
-  const theme = { ink: colour("--ink"), quiet: colour("--quiet"), grid: colour("--grid"), paper: colour("--paper"), mark: colour("--mark"), modes: study.modes.map((_, i) => colour(`--mode-${i % 6}`)) };
+  const theme = { ink: colour("--ink"), quiet: colour("--quiet"), grid: colour("--grid"), paper: colour("--paper"), mark: colour("--mark"), modes: study.modes.map((_, i) => colour(`--mode-${i % MODE_COLOURS}`)) };
   probe.remove();
   return theme;
 }

@@ -14,17 +14,32 @@ for (const { participant, session } of study.trials) sessionsOf.set(participant,
 
 const view = { p: null, s: null, e: null, m: [], r: "all", a: "onset", show: new Set(["repeats", "mean", "states"]), zoom: null, wall: false, brush: [null, null] };
 
+const EVERY = "*"; // everybody, or every session: no name has a star
+const MOST_TOGETHER = 60; // sessions that are shown together
+
+/** Participant and session of everything that the view shows, in the order of the study. */
+function whose() {
+  const people = view.p === EVERY ? [...sessionsOf.keys()] : [view.p];
+  return people.flatMap((p) => (view.s === EVERY ? [...sessionsOf.get(p)] : [view.s]).map((s) => ({ p, s }))).slice(0, MOST_TOGETHER);
+}
+
+/** The trials of a condition that the view may show, by participant and session. */
+const trialsIn = (environment, mode) => whose().map(({ p, s }) => trialsBy.get(pathOf(p, s, environment, mode)) ?? []).filter((trials) => trials.length);
+const hasTrials = (environment, mode) => trialsIn(environment, mode).length > 0;
+
 const wallOf = (id) => environmentOf(id)?.wall_rad ?? null;
-const shownTrials = () => view.m.flatMap((mode) => trialsBy.get(pathOf(view.p, view.s, view.e, mode)) ?? []);
+const shownTrials = () => view.m.flatMap((mode) => trialsIn(view.e, mode).flat());
 
 /** Chooses something that is there wherever the wish is not. */
 function settle() {
-  if (!sessionsOf.has(view.p)) view.p = study.trials[0].participant;
-  if (!sessionsOf.get(view.p).has(view.s)) view.s = [...sessionsOf.get(view.p)][0];
-  const mine = (environment) => study.modes.some((mode) => trialsBy.has(pathOf(view.p, view.s, environment, mode.id)));
+  if (view.p === EVERY && sessionsOf.size > 1) view.s = EVERY;
+  else if (!sessionsOf.has(view.p)) view.p = study.trials[0].participant;
+  const sessions = view.p === EVERY ? [] : [...sessionsOf.get(view.p)];
+  if (view.p !== EVERY && !sessions.includes(view.s) && (view.s !== EVERY || sessions.length < 2)) view.s = sessions[0];
+  const mine = (environment) => study.modes.some((mode) => hasTrials(environment, mode.id));
   if (!mine(view.e)) view.e = study.environments.find((environment) => mine(environment.id))?.id ?? null;
   view.m = study.modes.map((mode) => mode.id).filter((mode) => view.m.includes(mode));
-  if (!shownTrials().length) view.m = study.modes.map((mode) => mode.id).filter((mode) => trialsBy.has(pathOf(view.p, view.s, view.e, mode)));
+  if (!shownTrials().length) view.m = study.modes.map((mode) => mode.id).filter((mode) => hasTrials(view.e, mode));
   if (!shownTrials().some((trial) => trial.repeat === view.r)) view.r = "all";
   if (view.wall && wallOf(view.e) === null) view.wall = false;
 }

@@ -7,7 +7,7 @@ const study = JSON.parse(source.textContent);
 const LINEAR = study.angle_unit === "mm";
 const ANGLE_SCALE = study.angle_scale; // what an angle in rad is multiplied by to be shown
 const FORCE = study.force_unit || "N";
-const DASHES = [[], [8, 4], [8, 3, 2, 3], [2, 3], [12, 3], [4, 2, 1, 2]];
+const DASHES = WIDTHS.map((widths) => widths.map((width) => 2 * width)); // as in the figures, of lines that are 2 px wide
 const BITS = { 1: "saturated", 2: "stale force", 4: "stale angle", 8: "dropout", 16: "clipped", 32: "past wall", 64: "outside work space", 128: "brake on", 256: "motor on" };
 const EVENTS = { onset: ["○", "onset"], contact: ["×", "contact"], reversal: ["△", "reversal"], let_go: ["◇", "let-go"], end: ["□", "end"] };
 

@@ -1,0 +1,66 @@
+//! `cargo xtask room`: whether the words of every figure have room, in one column and in two.
+
+use anyhow::{Context as _, ensure};
+use std::path::Path;
+use std::process::Command;
+use zwidth_draw::{Figure, draw};
+use zwidth_store::{Layout, StudyData};
+
+/// Widths on paper, mm.
+const WIDTHS_MM: [f64; 2] = [85.0, 170.0];
+/// Studies besides the one that comes along, with more people and with more sessions, which have
+/// figures of their own.
+const SIMULATED: [(&str, [&str; 4]); 2] = [
+    ("people", ["--participants", "8", "--sessions", "1"]),
+    ("sessions", ["--participants", "3", "--sessions", "2"]),
+];
+
+/// Simulates two studies in `folder` and looks at their figures, and at those of the study that
+/// comes along, which has been run.
+pub(crate) fn room(program: &Path, folder: &Path) -> anyhow::Result<()> {
+    look(Path::new("."), "thesis-twin")?;
+    for (study, size) in SIMULATED {
+        let simulated = [&["twin", study][..], &size].concat();
+        for arguments in [&simulated[..], &["run", study]] {
+            let mut command = Command::new(program);
+            command.args(["--quiet", "--root"]).arg(folder).args(arguments);
+            let out =
+                command.output().with_context(|| format!("{} does not run", program.display()))?;
+            // A simulated study may be read with care, which is not what is looked at here.
+            let is_done = matches!(out.status.code(), Some(0 | 3));
+            ensure!(is_done, "{study}: {}", String::from_utf8_lossy(&out.stderr).trim());
+        }
+        look(folder, study)?;
+    }
+    Ok(())
+}
+
+/// Draws every figure of a study that has been run, at each width.
+pub(crate) fn look(root: &Path, study: &str) -> anyhow::Result<()> {
+    let data = StudyData::load(&Layout::new(root, study.parse()?)).map_err(|findings| {
+        anyhow::anyhow!("{study}: {} findings; see `zwidth verify`", findings.len())
+    })?;
+    let (mut drawn, mut crowded) = (0, Vec::new());
+    for (name, _) in zwidth_plan::captions(&data) {
+        let Some(described) = zwidth_plan::describe(&data, &name) else { continue };
+        let (figure, _) = described.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+        for width_mm in WIDTHS_MM {
+            match draw(&Figure { width_mm, height_mm: None, ..figure.clone() }) {
+                // What has no room is refused, with what to do, and not drawn over itself.
+                Err(error) => println!("{study}, {name} at {width_mm} mm is refused: {error}"),
+                Ok(drawing) => {
+                    drawn += 1;
+                    let pairs = drawing.overlapping_words()?;
+                    crowded.extend(
+                        pairs
+                            .into_iter()
+                            .map(|[a, b]| format!("{name} at {width_mm} mm: “{a}” and “{b}”")),
+                    );
+                }
+            }
+        }
+    }
+    println!("{study}: {drawn} figures drawn");
+    ensure!(crowded.is_empty(), "{study}: words lie on each other\n{}", crowded.join("\n"));
+    Ok(())
+}
