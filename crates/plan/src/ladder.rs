@@ -158,7 +158,7 @@ fn draw(synthetic: &bool, tables: &Vec<PathBuf>) -> Figured {
 
 /// Models, effects and interactions of each condition of a study that has a recording, with so many
 /// points: what `zwidth ladder STUDY` prints. `told` is called with each condition before it is
-/// made.
+/// made, `progress` after each of its points.
 ///
 /// # Errors
 /// A condition of which no model can be made.
@@ -167,6 +167,7 @@ pub fn ladders(
     points: usize,
     rate_hz: Option<f64>,
     told: &dyn Fn(&str),
+    progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<(String, Ladder, bool)>, JobError> {
     let mut found = Vec::new();
     for condition in conditions(data) {
@@ -177,7 +178,7 @@ pub fn ladders(
         let (trials, problems) =
             read_all(&files(&condition.trials[..1]), &of.trials, Signal::all())?;
         let trial = trials.into_iter().next().ok_or_else(|| problems.join("; "))?;
-        found.push((condition.key(), ladder_of(&of.stage, &trial)?, of.stage.synthetic));
+        found.push((condition.key(), ladder_of(&of.stage, &trial, progress)?, of.stage.synthetic));
     }
     Ok(found)
 }
@@ -200,7 +201,11 @@ fn recorded(of: &Laddered, trial: &Trial, rendering: &Rendering) -> Result<Recor
     Ok(Recorded { scene, t_s: seen.t_s.clone(), theta_rad: seen.theta_rad.clone() })
 }
 
-fn ladder_of(of: &Laddered, trial: &Trial) -> Result<Ladder, JobError> {
+fn ladder_of(
+    of: &Laddered,
+    trial: &Trial,
+    progress: &(dyn Fn() + Sync),
+) -> Result<Ladder, JobError> {
     let rendering = of.renderings.first().ok_or("there is no trial")?;
     let scene = recorded(of, trial, rendering)?.scene;
     let settings = Settings {
@@ -210,7 +215,7 @@ fn ladder_of(of: &Laddered, trial: &Trial) -> Result<Ladder, JobError> {
         offered: OFFERED.both(TermSet::possible(&scene)),
     };
     let measure = |course: &Course| measured(course, trial, &of.metrics);
-    Ok(zwidth_ladder::ladder(&scene, &settings, &measure)?)
+    Ok(zwidth_ladder::ladder(&scene, &settings, &measure, progress)?)
 }
 
 /// The study's own metrics of a course.
@@ -232,7 +237,7 @@ fn measured(
 fn make(of: &OfTrials<Laddered>, files: &Recordings, making: &Making) -> Result<Made, JobError> {
     let (trials, problems) = read_all(files, &of.trials, Signal::all())?;
     let trial = trials.first().ok_or_else(|| problems.join("; "))?;
-    let ladder = ladder_of(&of.stage, trial)?;
+    let ladder = ladder_of(&of.stage, trial, &|| ())?;
     let tables = [
         zwidth_ladder::models(&ladder)?,
         zwidth_ladder::effects(&ladder)?,

@@ -103,7 +103,7 @@ impl Screen {
     /// A progress bar; none where nobody looks.
     pub(crate) fn bar(&self, length: usize) -> ProgressBar {
         let bar = ProgressBar::with_draw_target(Some(length as u64), self.target());
-        bar.with_style(style("{bar:30} {pos}/{len} {msg}"))
+        bar.with_style(style("{bar:30} {pos}/{len} {eta} left {msg}"))
     }
 
     /// A progress bar over bytes; none where there are none, or nobody looks.
@@ -138,6 +138,9 @@ fn style(template: &str) -> ProgressStyle {
 pub(crate) struct Bars {
     all: MultiProgress,
     stages: BTreeMap<&'static str, ProgressBar>,
+    /// All jobs together, with the time left: stages go on side by side, and those that wait for
+    /// others cannot tell theirs.
+    whole: ProgressBar,
 }
 
 impl Bars {
@@ -146,6 +149,8 @@ impl Bars {
         target: ProgressDrawTarget,
     ) -> Self {
         let all = MultiProgress::with_draw_target(target);
+        let stages: Vec<(&'static str, usize)> = stages.into_iter().collect();
+        let jobs: usize = stages.iter().map(|(_, length)| length).sum();
         let bar = |(stage, length): (&'static str, usize)| {
             let bar = all.add(ProgressBar::new(length as u64));
             let bar = bar
@@ -153,7 +158,12 @@ impl Bars {
                 .with_prefix(stage);
             (stage, bar)
         };
-        Self { stages: stages.into_iter().map(bar).collect(), all }
+        let stages = stages.into_iter().map(bar).collect();
+        let whole = all.add(ProgressBar::new(jobs as u64));
+        let whole = whole
+            .with_style(style("{prefix:>13}  {bar:30} {pos}/{len} {eta} left"))
+            .with_prefix("all");
+        Self { stages, whole, all }
     }
 
     /// One job of the stage is done; `what` it was.
@@ -161,6 +171,7 @@ impl Bars {
         let Some(bar) = self.stages.get(stage) else { return };
         bar.set_message(printable(what).into_owned());
         bar.inc(1);
+        self.whole.inc(1);
         if bar.length() == Some(bar.position()) {
             bar.finish_with_message("");
         }
@@ -235,6 +246,7 @@ mod tests {
         let text = paper.text();
         let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
         assert!(line(&["      metrics  ", "2/2"]) && line(&["      figures  ", "1/1"]), "{text:?}");
+        assert!(line(&["          all  ", "3/3", " left"]), "{text:?}");
         assert!(!text.contains("\u{1b}["), "neither colours nor anything else but text: {text:?}");
     }
 

@@ -134,8 +134,8 @@ struct AtPoint {
 }
 
 /// The ladder of a scene. `measure` gives further numbers of a course, always the same ones; its
-/// angles, forces, stiffnesses, works and viscosities judge too. Points run side by side; the
-/// result has the same bits on any number of threads.
+/// angles, forces, stiffnesses, works and viscosities judge too. `progress` is called after each
+/// point. Points run side by side; the result has the same bits on any number of threads.
 ///
 /// # Errors
 /// A scene, a period or a number of points that makes no sense; a fullest model that does not run.
@@ -143,6 +143,7 @@ pub fn ladder(
     scene: &ModelScene,
     settings: &Settings,
     measure: &(dyn Fn(&Course) -> Vec<Measured> + Sync),
+    progress: &(dyn Fn() + Sync),
 ) -> Result<Ladder, LadderError> {
     let points = settings.points;
     if !(1..=MOST_POINTS).contains(&points) {
@@ -151,8 +152,9 @@ pub fn ladder(
     let frame = frame(scene, settings.looped.period_s)?;
     let sets = subsets(settings.offered);
     let at = |(i, point): (usize, Point)| {
-        at_point(scene, settings, &frame, &sets, &point, measure)
-            .map_err(|error| LadderError::Fullest { scene: scene.name.clone(), point: i, error })
+        let found = at_point(scene, settings, &frame, &sets, &point, measure);
+        progress();
+        found.map_err(|error| LadderError::Fullest { scene: scene.name.clone(), point: i, error })
     };
     let found: Vec<Result<AtPoint, LadderError>> =
         Point::sobol(points)?.into_par_iter().enumerate().map(at).collect();

@@ -49,7 +49,7 @@ fn settings(period_s: f64, points: usize, offered: TermSet) -> Settings {
 }
 
 fn climbed(scene: &ModelScene, period_s: f64, points: usize, offered: TermSet) -> Ladder {
-    ladder(scene, &settings(period_s, points, offered), &own).unwrap()
+    ladder(scene, &settings(period_s, points, offered), &own, &|| ()).unwrap()
 }
 
 /// No force, no start: the lever lies on its stop, whatever the model.
@@ -207,7 +207,7 @@ fn the_number_that_decides_is_beyond_what_is_felt_of_kept_terms_alone() {
 #[test]
 fn what_makes_no_sense_is_refused_with_what_it_is() {
     let error = |points, period_s| {
-        ladder(&at_rest(), &settings(period_s, points, TermSet::ALL), &own).unwrap_err()
+        ladder(&at_rest(), &settings(period_s, points, TermSet::ALL), &own, &|| ()).unwrap_err()
     };
     assert!(matches!(error(0, 0.0083), LadderError::Points { points: 0, .. }));
     for period_s in [0.0, -1.0, f64::NAN, 1e-9, 100.0] {
@@ -215,6 +215,17 @@ fn what_makes_no_sense_is_refused_with_what_it_is() {
     }
     let mut scene = at_rest();
     scene.brake.law = BrakeLaw::Thesis;
-    let error = ladder(&scene, &settings(0.0083, 1, TermSet::ALL), &own).unwrap_err().to_string();
+    let error =
+        ladder(&scene, &settings(0.0083, 1, TermSet::ALL), &own, &|| ()).unwrap_err().to_string();
     assert!(error.contains("brake.law"), "{error}");
+}
+
+#[test]
+fn each_point_is_told_when_it_is_done() {
+    let count = std::sync::atomic::AtomicUsize::new(0);
+    let tell = || {
+        count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    };
+    ladder(&at_rest(), &settings(0.0083, 4, TermSet::NONE), &own, &tell).unwrap();
+    assert_eq!(count.into_inner(), 4);
 }

@@ -3,6 +3,7 @@
 
 use super::hashes_read;
 use super::near::did_you_mean;
+use super::run::lengths;
 use crate::args::{By, Compare};
 use crate::exit::Exit;
 use crate::screen::Screen;
@@ -12,7 +13,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
-use zwidth_runner::{JobEnd, Options, Results, run as run_jobs};
+use zwidth_runner::{JobEnd, Options, Results, run as run_jobs, wanted};
 use zwidth_store::{RealFiles, StudyData, findings};
 use zwidth_tables::{Format, Table, TableError, Type, Wording};
 
@@ -135,7 +136,11 @@ pub(super) fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
     let jobs = plan::jobs(data, &found);
     let (only, known) = (Some("compare".to_owned()), hashes_read(data));
     let options = Options { only, known, ..Options::default() };
-    let done = run_jobs(&jobs, &Results::new(&data.layout, &Unsynced), &options, &|_| ())?;
+    let results = Results::new(&data.layout, &Unsynced);
+    let bars = screen.bars(lengths(&jobs, &wanted(&jobs, &results, &options)?));
+    let done = run_jobs(&jobs, &results, &options, &|report| bars.done(report.stage, &report.name));
+    bars.clear();
+    let done = done?;
     let mut exit = Exit::Fine;
     let read_with_care = found.left_out.iter().chain(&found.with_care).map(ToString::to_string);
     let mut read_with_care: Vec<String> = read_with_care.collect();

@@ -109,10 +109,16 @@ fn climbed(
     })?;
     let layout = study(root, id)?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
-    let begun =
-        |condition: &str| screen.say(format!("{condition}: {}", counted(asked.points, "points")));
-    let ladders = zwidth_plan::ladders(&data, asked.points, asked.rate, &begun)
-        .map_err(|error| anyhow!("{}: {error}", layout.study()))?;
+    let bar = screen.bar(asked.points);
+    let begun = |condition: &str| {
+        let points = counted(asked.points, "points");
+        bar.suspend(|| screen.say(format!("{condition}: {points}")));
+        bar.reset();
+    };
+    let point = || bar.inc(1);
+    let ladders = zwidth_plan::ladders(&data, asked.points, asked.rate, &begun, &point);
+    bar.finish_and_clear();
+    let ladders = ladders.map_err(|error| anyhow!("{}: {error}", layout.study()))?;
     if ladders.is_empty() {
         bail!(
             "{} has no recorded trial in a spring whose force could be replayed; name a scene, or record one",
@@ -138,7 +144,10 @@ fn of_scene(path: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Climb
     let points = counted(asked.points, "points");
     let models = 1_usize << settings.offered.len();
     screen.say(format!("{}: {models} models at {points}", at()));
-    let ladder = climb(&scene, &settings, &own).with_context(at)?;
+    let bar = screen.bar(asked.points);
+    let ladder = climb(&scene, &settings, &own, &|| bar.inc(1));
+    bar.finish_and_clear();
+    let ladder = ladder.with_context(at)?;
     Ok((stem(path), ladder, false))
 }
 

@@ -158,7 +158,7 @@ fn tell_waiting(
 }
 
 /// How many jobs of each stage a run looks at.
-fn lengths(jobs: &[Job], wanted: &[bool]) -> Vec<(&'static str, usize)> {
+pub(super) fn lengths(jobs: &[Job], wanted: &[bool]) -> Vec<(&'static str, usize)> {
     let of = |stage: &str| {
         jobs.iter().zip(wanted).filter(|(job, wanted)| **wanted && job.stage.name == stage).count()
     };
