@@ -212,6 +212,7 @@ fn metric_job(study: &Study, sat: &[Sat], file: &Path, metric: &str) -> anyhow::
         learning,
         repeats,
         orders,
+        redrawn,
     } = compare(&table, &parameters(study, sat, metric))?;
     let tables = [
         cells,
@@ -224,6 +225,7 @@ fn metric_job(study: &Study, sat: &[Sat], file: &Path, metric: &str) -> anyhow::
         learning,
         repeats,
         orders,
+        redrawn,
     ];
     let none = BTreeMap::new();
     tables.iter().map(|table| Ok(table.to_parquet(&none, file)?.len())).sum()
@@ -251,11 +253,13 @@ fn parameters(study: &Study, sat: &[Sat], metric: &str) -> Parameters {
         simulated: true,
         environments: ids().collect(),
         bounds: vec![None; study.environments.len()],
+        noticed: None,
         modes: modes().collect(),
         contrasts: study.compare.contrasts.clone(),
         families: study.compare.families,
         alpha: study.compare.alpha,
         level: study.compare.level,
+        effect_sizes: study.compare.effect_sizes.clone(),
         orders: sat.iter().map(order).collect(),
     }
 }

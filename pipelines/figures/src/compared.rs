@@ -350,6 +350,9 @@ fn intervals(
     })
 }
 
+/// A contrast's name and its verdict.
+type Judged = (String, String);
+
 /// The contrasts' names with their verdicts, and what is drawn of them: what is not felt, zero,
 /// everybody's differences, the mean; of one person's trials the differences in other orders, because
 /// the claim rests on these.
@@ -357,7 +360,7 @@ fn differences(
     environment: &str,
     shown: &Shown,
     tables: ComparedTables,
-) -> Result<(Vec<(String, String)>, Vec<Layer>), TableError> {
+) -> Result<(Vec<Judged>, Vec<Layer>), TableError> {
     let rows = rows_with(tables.contrasts, &[("environment", environment)])?;
     let names = tables.contrasts.texts("contrast")?;
     let names: Vec<String> = rows.iter().filter_map(|row| names[*row].clone()).collect();

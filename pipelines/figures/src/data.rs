@@ -26,7 +26,8 @@ impl ModeData<'_> {
             Some(n) if n < all => format!("{n} of {all}"),
             _ => all.to_string(),
         };
-        plain(&format!("{} (n = {n})", self.label))
+        let trials = if n == "1" { "trial" } else { "trials" };
+        plain(&format!("{} ({n} {trials})", self.label))
     }
 
     /// How many repeats the mean is of, where most are.
@@ -41,14 +42,18 @@ fn most(average: &Table) -> Option<usize> {
     n.into_iter().flatten().max().and_then(|n| usize::try_from(n).ok())
 }
 
-/// How many repeats the means against position are of: `n = 6`, `n = 4 to 6`; nothing without a
-/// mean.
+/// How many repeats the means against position are of: `6 trials`, `4 to 6 trials`; nothing without
+/// a mean.
 pub(crate) fn repeats_averaged<'a>(
     modes: impl Iterator<Item = &'a ModeData<'a>>,
 ) -> Option<String> {
     let counts: Vec<usize> = modes.filter_map(|mode| most(mode.loop_average?)).collect();
     let (least, most) = (counts.iter().min()?, counts.iter().max()?);
-    Some(if least == most { format!("n = {most}") } else { format!("n = {least} to {most}") })
+    Some(match (least == most, most) {
+        (true, 1) => "1 trial".to_owned(),
+        (true, most) => format!("{most} trials"),
+        (false, most) => format!("{least} to {most} trials"),
+    })
 }
 
 /// How force against position is averaged, in words.

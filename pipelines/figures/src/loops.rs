@@ -71,7 +71,7 @@ fn footnotes(scenes: &[EnvironmentData], panels: &[Panel]) -> Vec<String> {
     let modes = scenes.iter().flat_map(|scene| &scene.modes);
     let averaged = repeats_averaged(modes.filter(|mode| mode.repeats.len() > 1));
     let means = averaged.map(|n| {
-        let what = if n == "n = 1" {
+        let what = if n == "1 trial" {
             "the one repeat that could be placed"
         } else {
             "mean of the repeats"

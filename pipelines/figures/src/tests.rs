@@ -134,7 +134,7 @@ fn loops_say_what_their_dots_mean() {
     let notes = |scene: &EnvironmentData| {
         loops(&study.about, std::slice::from_ref(scene)).unwrap().footnotes
     };
-    let means = format!("Lines: the one repeat that could be placed (n = 1), {AT_THE_ANGLE}");
+    let means = format!("Lines: the one repeat that could be placed (1 trial), {AT_THE_ANGLE}");
     let dots = "; dotted: at the wall or past it";
     let whose = notes(&scene).last().cloned().unwrap();
     assert!(whose.starts_with("*F*: the user's force."), "{whose}");
@@ -225,7 +225,7 @@ fn a_figure_of_means_says_how_they_are_aligned_and_of_how_many_repeats() {
         assert_eq!(figure.panels[2].x.label, axis);
         let names: Vec<_> =
             lines(&figure, 0).into_iter().filter_map(|l| l.name.as_deref()).collect();
-        assert_eq!(names, ["Active (n = 1 of 2)"]);
+        assert_eq!(names, ["Active (1 of 2 trials)"]);
     }
     let both = modes(&scene(&study, &trial, Some(&mean)), &[]).unwrap();
     let words =
