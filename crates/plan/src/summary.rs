@@ -19,7 +19,7 @@ use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{About, Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 18 };
+const STAGE: Stage = Stage { name: "summary", version: 19 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
