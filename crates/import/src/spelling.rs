@@ -32,8 +32,11 @@ const LONGEST: usize = 9;
 
 /// Whether other programs write this where a value is missing.
 pub(super) fn is_missing(text: &str) -> bool {
-    let text = text.trim();
     // Most cells are numbers, and a recording has millions of them.
+    if text.as_bytes().last().is_some_and(u8::is_ascii_digit) {
+        return false;
+    }
+    let text = text.trim();
     let may_be = text.len() <= LONGEST && !text.ends_with(|last: char| last.is_ascii_digit());
     may_be && MISSING.contains(&text.to_ascii_lowercase().replace(',', ".").as_str())
 }

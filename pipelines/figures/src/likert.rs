@@ -260,7 +260,7 @@ fn count_rows(modes: &[Mode], answers: &Table, wanted: &Wanted) -> Result<Counte
     let mut title = wanted.title.clone();
     match sizes.split_first() {
         Some((first, others)) if others.iter().all(|other| other == first) => {
-            title = format!("{title}: {first}");
+            title = format!("{title}: {first} per mode");
         }
         _ => {
             rows.iter_mut()
@@ -295,7 +295,10 @@ fn footnotes(wanted: &[Wanted], people: usize) -> Vec<String> {
     let mut notes: Vec<String> =
         worded.map(|(title, wording)| format!("{title}: “{wording}”")).collect();
     if (2..=MOST_STRIPS).contains(&people) {
-        notes.push("One strip a person: the shares of their answers.".to_owned());
+        notes.push(
+            "One strip a person: the shares of their answers after a mode, in the order of their means."
+                .to_owned(),
+        );
     }
     if wanted.iter().any(|w| w.reversed) {
         notes.push(format!(

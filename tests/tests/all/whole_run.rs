@@ -244,7 +244,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
             "contrasts_",
             "learning_",
             "orders_",
-            "answers_",
+            "answers",
         ]
         .iter()
         .any(|begin| name.starts_with(begin))
