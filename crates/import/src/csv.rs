@@ -54,7 +54,8 @@ pub(super) fn read(
         .delimiter(dialect.delimiter)
         .has_headers(dialect.header)
         .comment(dialect.comment)
-        .trim(::csv::Trim::All)
+        // Cells are trimmed where they are taken: the reader would copy each record for it.
+        .trim(::csv::Trim::Headers)
         .flexible(true)
         .from_reader(text.as_bytes());
     let mut names: Option<Vec<String>> = match dialect.header {
@@ -79,6 +80,7 @@ pub(super) fn read(
         take.wants(place, name.map(String::as_str)).then(LargeStringBuilder::new)
     };
     let mut columns: Vec<Option<LargeStringBuilder>> = (0..width).map(builder).collect();
+    let taken = columns.iter().flatten().count();
     let (mut lines, mut bad, mut empty) = (Vec::new(), Vec::new(), EmptyRows::default());
     while more {
         let line = counter.line;
@@ -87,7 +89,7 @@ pub(super) fn read(
             record.push_field("");
         }
         if record.len() != width {
-            let quotes = match record.iter().any(opens_single_quote) {
+            let quotes = match record.iter().map(str::trim).any(opens_single_quote) {
                 true => ", as a delimiter stands in single quotes, and only \" quotes",
                 false => "",
             };
@@ -103,12 +105,12 @@ pub(super) fn read(
             return Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}")));
         }
         // Row by row: how many will come is known at the end alone.
-        if !take.budget.cells(columns.iter().flatten().count()) {
+        if !take.budget.cells(taken) {
             return Err(too_much(path));
         }
         for (column, cell) in columns.iter_mut().zip(&record) {
             if let Some(column) = column {
-                column.append_option(Some(cell).filter(|c| !c.is_empty()));
+                column.append_option(Some(cell.trim()).filter(|c| !c.is_empty()));
             }
         }
         lines.push(line);
@@ -132,7 +134,7 @@ fn next_record(
     loop {
         let more = reader.read_record(record)?;
         counter.line_of(record.position());
-        if !more || record.iter().any(|cell| !cell.is_empty()) {
+        if !more || record.iter().any(|cell| !cell.trim().is_empty()) {
             return Ok(more);
         }
         counter.empty += 1;
@@ -164,10 +166,10 @@ fn as_delimited(text: &str, dialect: Dialect) -> (Option<String>, Dialect, Vec<S
 /// each line ends in a delimiter. Says what it was taken for.
 fn one_cell_short(names: &mut Vec<String>, record: &::csv::StringRecord) -> Option<String> {
     // A delimiter within single quotes parts cells, so that no column is without a name.
-    if record.len() != names.len() + 1 || record.iter().any(opens_single_quote) {
+    if record.len() != names.len() + 1 || record.iter().map(str::trim).any(opens_single_quote) {
         return None;
     }
-    if record.iter().next_back().is_some_and(str::is_empty) {
+    if record.iter().next_back().is_some_and(|cell| cell.trim().is_empty()) {
         names.push(String::new());
         return Some("the header is one cell short: lines end in a delimiter".to_owned());
     }

@@ -242,18 +242,28 @@ fn off_neighbours(values: &[f64], share: f64) -> Option<Off> {
 /// The lowest or the highest value, if it is far from all others: where it is first, and how often.
 fn apart(values: &[f64]) -> Option<(usize, usize)> {
     let (low, high) = ends(values);
-    let of = |end: f64| {
-        let others = values.iter().copied().filter(|value| value.to_bits() != end.to_bits());
-        let (mut count, mut nearest, mut farthest) = (0, f64::INFINITY, f64::NEG_INFINITY);
-        others.for_each(|v| {
-            (count, nearest, farthest) = (count + 1, nearest.min(v), farthest.max(v))
-        });
-        let (rest, gap) = (farthest - nearest, (nearest - end).max(end - farthest));
-        let is_apart = count >= LEAST_SAMPLES && rest > 0.0 && gap > ALONE_FORCE * rest;
-        let at = values.iter().position(|value| value.to_bits() == end.to_bits())?;
-        is_apart.then_some((at, values.len() - count))
+    let (mut lows, mut highs, mut second, mut last_but_one) =
+        (0, 0, f64::INFINITY, f64::NEG_INFINITY);
+    for value in values {
+        if value.to_bits() == low.to_bits() {
+            lows += 1;
+        } else {
+            second = second.min(*value);
+        }
+        if value.to_bits() == high.to_bits() {
+            highs += 1;
+        } else {
+            last_but_one = last_but_one.max(*value);
+        }
+    }
+    let of = |end: f64, count: usize, rest: f64, gap: f64| {
+        let is_apart =
+            values.len() - count >= LEAST_SAMPLES && rest > 0.0 && gap > ALONE_FORCE * rest;
+        let is_end = |value: &f64| value.to_bits() == end.to_bits();
+        is_apart.then(|| values.iter().position(is_end)).flatten().map(|at| (at, count))
     };
-    of(low).or_else(|| of(high))
+    of(low, lows, high - second, second - low)
+        .or_else(|| of(high, highs, last_but_one - low, high - last_but_one))
 }
 
 fn jump(samples: &dyn Columns, usual_s: Option<f64>) -> Option<Doubt> {
