@@ -96,7 +96,7 @@ impl ModeComparison {
 ///
 /// A mode whose answers lie beyond all others' has no finite coefficient. It is then held where
 /// the likelihood has reached its limit, so that all other estimates, and the likelihood ratios,
-/// are those of the limit (Rockafellar's recession direction, see [`crate::separation`]).
+/// are those of the limit (Rockafellar's recession direction, as in `separation`).
 ///
 /// # Errors
 /// Fewer than two modes or participants, and all reasons of [`Model::new`] and [`fit`] why there is
