@@ -75,8 +75,10 @@ pub fn d_av(pairs: &[[f64; 2]], level: f64) -> Result<Effect, Unestimable> {
 }
 
 fn unbiased(d: f64, df: f64) -> Option<f64> {
+    /// Of two people ν is 1, and their covariance leaves its rounding.
+    const MORE_THAN_ONE: f64 = 1.0 + 1e-9;
     let log_ratio = |df: f64| libm::lgamma(df / 2.0) - libm::lgamma((df - 1.0) / 2.0);
-    (df > 1.0).then(|| d * libm::exp(log_ratio(df)) / (df / 2.0).sqrt())
+    (df > MORE_THAN_ONE).then(|| d * libm::exp(log_ratio(df)) / (df / 2.0).sqrt())
 }
 
 /// The noncentralities λ between which the observed t lies within the middle `level` of the
@@ -183,6 +185,8 @@ mod tests {
         let constant = d_av(&[[2.0, 1.0], [3.0, 2.0], [5.0, 4.0]], 0.95).unwrap();
         assert!(constant.interval.is_none() && constant.g.unwrap() < constant.d);
         assert!(d_z(&[[2.0, 1.0], [4.0, 2.0]], 0.95).unwrap().g.is_none());
+        let two = [[6.604742914038921, 7.328893968625454], [6.634081964843192, 7.2033464743174225]];
+        assert!(d_av(&two, 0.95).unwrap().g.is_none());
         assert!(d_av(&[[1.0, 2.0], [f64::INFINITY, 1.0]], 0.95).is_err());
         assert!(matches!(d_av(&[[2.0, 1.0]], 0.95), Err(Unestimable::TooFew { found: 1, .. })));
         assert!(matches!(d_av(&[[2.0, 1.0]; 4], 0.95), Err(Unestimable::Constant { .. })));
