@@ -35,9 +35,9 @@ const KEYS_SHARE: f64 = 0.5;
 /// shares of the page.
 const EVEN_SHARES: [f64; 4] = [0.7, 0.8, 0.9, 1.0];
 /// Lines of one page, with room for caption and notes.
-const PAGE_LINES: usize = 42;
+const PAGE_LINES: usize = 38;
 /// Lines kept for caption and notes.
-const CAPTION_LINES: usize = 6;
+const CAPTION_LINES: usize = 10;
 /// Lines that heading and rules of a table take beside its rows.
 const FRAME_LINES: usize = 3;
 
