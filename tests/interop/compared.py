@@ -47,8 +47,7 @@ def within(file, metric):
     adjusted = multipletests(found["p_sharp_null"], method="holm")[1]
     for (_, row), p in zip(found.iterrows(), adjusted):
         close(f"{metric}: Holm", row["p_adjusted"], p, DIGITS)
-        words, _, _ = row["verdict"].partition(":")
-        verdict(metric, {**row, "verdict": words}, "different" if p < 0.05 else "undecided")
+        verdict(metric, row, "different" if p < 0.05 else "undecided")
 
 
 def tied(differences):

@@ -58,7 +58,7 @@ def of_contrasts(table, means):
     equal(f"{table.label}: rows", len(table.frame), len(CONTRASTS))
     for mode, against in CONTRASTS:
         row = table.row(environment="free", contrast=f"{mode} − {against}")
-        table.counts(row, unit_of_analysis="trials of P01", n=8, sessions=4, verdict=f"not tested: {NOT_DRAWN}")
+        table.counts(row, unit_of_analysis="trials of P01", n=8, sessions=4, verdict="not tested", remark=NOT_DRAWN)
         expect = {"mean_first_s": means[mode], "mean_second_s": means[against], "difference_s": means[mode] - means[against]}
         table.numbers(row, expect, DIGITS)
     welch = ["difference_std_error_s", "difference_ci_low_s", "difference_ci_high_s", "df"]

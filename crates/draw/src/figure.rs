@@ -373,8 +373,8 @@ pub struct Intervals {
 }
 
 /// Diverging stacked bars: one row of boxes a group of answers, one box an answer, with its count
-/// inside; or a thin strip for each person, one under the other, without counts. The middle answer of an odd number straddles zero, so that the bar leans to the side
-/// that the answers lean to. Belongs on `y: Axis::categories(rows)`.
+/// inside; or a thin strip for each person, one under the other, without counts. The middle answer of
+/// an odd number straddles zero, so that the bar leans to the side that the answers lean to. Belongs on `y: Axis::categories(rows)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Likert {
     /// The answers from the most negative to the most positive: the legend.

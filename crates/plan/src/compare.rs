@@ -272,15 +272,12 @@ fn parameters(data: &StudyData, metric: &str) -> Parameters {
     }
 }
 
-/// From which difference on a metric is noticed, if anybody feels it. How far a hand must go to be
-/// elsewhere is known of joints, not of slides.
+/// From which difference on a metric is noticed, if anybody feels it.
 fn noticed(study: &Study, metric: &str) -> Option<Noticed> {
-    let is_way =
-        metric.ends_with("_m") || metric.ends_with("_rad") && !metric.ends_with("_per_rad");
-    let is_slide = matches!(study.coordinate, Coordinate::Linear { .. });
-    (is_felt(metric) && !(is_slide && is_way)).then(|| Noticed {
+    is_felt(metric).then(|| Noticed {
         perception: study.perception.clone(),
         lever_m: study.device.lever_m.unwrap_or(0.0),
+        is_slide: matches!(study.coordinate, Coordinate::Linear { .. }),
         commanded: study
             .environments
             .iter()

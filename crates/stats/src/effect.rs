@@ -1,14 +1,11 @@
 //! Sizes of a paired difference without unit: d_z, in standard deviations of the differences, and
 //! d_av, in those of people within a mode, each without its bias in small samples as Hedges' g.
 
-use crate::error::{StatsError, all_finite, check_level};
+use crate::error::{all_finite, check_level};
 use crate::interval::mean_and_sd;
-use crate::paired;
+use crate::paired::{self, ROUNDINGS};
 use crate::{Tested, Unestimable};
 use core::f64::consts::SQRT_2;
-
-/// A standard deviation below this many roundings of the means says that the values are one value.
-const ROUNDINGS: f64 = 10.0;
 
 /// A standardised difference. No unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +27,7 @@ pub struct Effect {
 pub fn d_z(pairs: &[[f64; 2]], level: f64) -> Result<Effect, Unestimable> {
     let tested = paired::mean_difference(&paired::differences(pairs), level)?;
     let root_n = (pairs.len() as f64).sqrt();
-    let interval = noncentrality(&tested, level)?.map(|end| end / root_n);
+    let interval = noncentrality(&tested, level).map(|end| end / root_n);
     let d = tested.statistic / root_n;
     Ok(Effect { d, g: unbiased(d, tested.df), interval: Some(interval) })
 }
@@ -64,13 +61,9 @@ pub fn d_av(pairs: &[[f64; 2]], level: f64) -> Result<Effect, Unestimable> {
     let squares = share_a * share_a + share_b * share_b + 2.0 * covariance * covariance;
     let df = spare * (share_a + share_b).powi(2) / squares;
 
-    let interval = match paired::mean_difference(&paired::differences(pairs), level) {
-        Ok(tested) => {
-            let unit = tested.std_error / scatter;
-            Some(noncentrality(&tested, level)?.map(|end| end * unit))
-        }
-        Err(_) => None,
-    };
+    let tested = paired::mean_difference(&paired::differences(pairs), level).ok();
+    let interval = tested
+        .map(|tested| noncentrality(&tested, level).map(|end| end * tested.std_error / scatter));
     Ok(Effect { d, g: unbiased(d, df), interval })
 }
 
@@ -83,14 +76,14 @@ fn unbiased(d: f64, df: f64) -> Option<f64> {
 
 /// The noncentralities λ between which the observed t lies within the middle `level` of the
 /// noncentral t distribution.
-fn noncentrality(tested: &Tested, level: f64) -> Result<[f64; 2], StatsError> {
+fn noncentrality(tested: &Tested, level: f64) -> [f64; 2] {
     /// From here on λ / t no longer depends on t, to 1e-4 of the interval's width.
     const LARGE: f64 = 1000.0;
-    check_level(level)?;
-    let t = tested.statistic.clamp(-LARGE, LARGE);
+    let beyond = (tested.statistic.abs() / LARGE).max(1.0);
+    let t = tested.statistic / beyond;
     let noncentral = NoncentralT::new(t, tested.df);
     // P(T ≤ t) falls as λ grows.
-    let ends = [f64::midpoint(1.0, level), f64::midpoint(1.0, -level)].map(|share| {
+    [f64::midpoint(1.0, level), f64::midpoint(1.0, -level)].map(|share| {
         let reach = 10.0 + 10.0 * t.abs();
         let (mut low, mut high) = (t - reach, t + reach);
         while high - low > 1e-10 * high.abs().max(low.abs()).max(1.0) {
@@ -100,9 +93,8 @@ fn noncentrality(tested: &Tested, level: f64) -> Result<[f64; 2], StatsError> {
                 false => high = middle,
             }
         }
-        f64::midpoint(low, high)
-    });
-    Ok(ends.map(|end| end * (tested.statistic / t).max(1.0)))
+        beyond * f64::midpoint(low, high)
+    })
 }
 
 /// P(T ≤ t) of the noncentral t distribution, T = (Z + λ) / S with S² = χ²_ν / ν, as a function of

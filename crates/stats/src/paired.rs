@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// A standard error below this many roundings of the mean says that the values are one value (the
 /// rule of R's `t.test`).
-const ROUNDINGS: f64 = 10.0;
+pub(crate) const ROUNDINGS: f64 = 10.0;
 
 /// The differences A − B of `pairs` [A, B], in their order. Unit as the values.
 ///

@@ -195,11 +195,20 @@ pub enum NoteKind {
     Care,
     /// What the study's design cannot show.
     Limit,
+    /// The difference that is just noticed, and whose finding that is.
+    Jnd,
 }
 
 impl NoteKind {
-    const ALL: [Self; 6] =
-        [Self::General, Self::Extent, Self::Alignment, Self::LeftOut, Self::Care, Self::Limit];
+    const ALL: [Self; 7] = [
+        Self::General,
+        Self::Extent,
+        Self::Alignment,
+        Self::LeftOut,
+        Self::Care,
+        Self::Limit,
+        Self::Jnd,
+    ];
 
     /// The word that stands for it in a file.
     pub(crate) fn word(self) -> &'static str {
@@ -210,6 +219,7 @@ impl NoteKind {
             Self::LeftOut => "left_out",
             Self::Care => "care",
             Self::Limit => "limit",
+            Self::Jnd => "jnd",
         }
     }
 

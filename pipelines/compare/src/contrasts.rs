@@ -15,6 +15,9 @@ use zwidth_stats::{StatsError, Tested, Unestimable, holm, sign_flip, signed_rank
 use zwidth_study::{Contrast, EffectSize, Families};
 use zwidth_tables::{Column, Table};
 
+/// The verdict of what has no test.
+const NOT_TESTED: &str = "not tested";
+
 /// Flips that are drawn where there are too many participants to count all.
 const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
 
@@ -74,19 +77,18 @@ impl Row {
         self.smallest_p_adjusted.filter(|p| *p >= alpha)
     }
 
-    /// What the tests show, in words; why there is none.
-    fn verdict_in_words(&self, unit: &Unit, alpha: f64) -> Option<String> {
+    /// Why there is no test, or no claim can be made.
+    fn remark(&self, unit: &Unit, alpha: f64) -> Option<String> {
         if let Some(verdict) = self.verdict {
-            let smallest = self.out_of_reach(alpha).filter(|_| verdict == Verdict::Undecided);
-            let reached = smallest
-                .map(|p| format!(": the design's orders reach an adjusted p of {p:.4} at best"));
-            return Some(format!("{}{}", verdict.words(), reached.unwrap_or_default()));
+            let smallest = self.out_of_reach(alpha).filter(|_| verdict == Verdict::Undecided)?;
+            return Some(format!(
+                "the design's orders reach an adjusted p of {smallest:.4} at best"
+            ));
         }
-        let why = match unit {
+        match unit {
             Unit::Participants => self.tested.as_ref().err().map(ToString::to_string),
             Unit::Trials { .. } => self.sharp_null.as_ref().err().map(ToString::to_string),
-        };
-        why.map(|why| format!("not tested: {why}"))
+        }
     }
 
     /// The mean difference over participants; 0 where it is only the rounding of their means.
@@ -335,8 +337,10 @@ pub(crate) fn table(
             rows.iter().map(|row| row.p_not_equivalent).collect(),
         ));
     }
-    let verdicts = rows.iter().map(|row| row.verdict_in_words(unit, parameters.alpha));
+    let verdicts = rows.iter().map(|row| Some(row.verdict.map_or(NOT_TESTED, Verdict::words)));
     all.push(Column::text("verdict", "what the tests show", verdicts));
+    let remarks = rows.iter().map(|row| row.remark(unit, parameters.alpha));
+    all.push(Column::text("remark", "why there is no test, or no claim", remarks));
     let title = format!("Modes compared: {}", measure.description);
     Ok(Table::new(&[CONTRASTS, &measure.name].concat(), &title, all)?)
 }

@@ -56,11 +56,10 @@ pub(crate) fn contrasts(
     };
     let general = [of_whom(unit), test.to_owned(), family];
     let general = general.into_iter().map(|text| (NoteKind::General, text));
-    let jnd = jnd(rows, measure, parameters).map(|text| (NoteKind::General, text));
     let guard = guard(rows, unit, parameters).into_iter().map(|text| (NoteKind::Limit, text));
     let plan = parameters.preregistered.as_ref().map(|plan| plan.note(cells.participants.len()));
     general
-        .chain(jnd)
+        .chain(jnd(rows, measure, parameters).into_iter().flatten())
         .chain(plan)
         .chain(reached(rows, parameters.alpha))
         .chain(guard)
@@ -71,7 +70,11 @@ pub(crate) fn contrasts(
 }
 
 /// What is taken for just noticed, where it is known, and what is said of sizes.
-fn jnd(rows: &[contrasts::Row], measure: &Measure, parameters: &Parameters) -> Option<String> {
+fn jnd(
+    rows: &[contrasts::Row],
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Option<[(NoteKind, String); 2]> {
     rows.iter().find(|row| row.jnd.is_some())?;
     let noticed = parameters.noticed.as_ref()?;
     let source = noticed.perception.source(&measure.unit)?;
@@ -80,11 +83,10 @@ fn jnd(rows: &[contrasts::Row], measure: &Measure, parameters: &Parameters) -> O
         false if matches!(measure.unit.as_str(), "rad" | "m") => "",
         false => ", from the mean of the mode compared with",
     };
-    Some(format!(
-        "JND: the difference that is just noticed, {source}{from}. An interval wholly beyond ± 1 JND \
-         is called felt, one wholly within it below what is felt, any other one may be felt: a \
-         description, no claim."
-    ))
+    let jnd = format!("JND, the difference that is just noticed: {source}{from}.");
+    let sizes = "An interval wholly beyond ± 1 JND is called felt, one wholly within it below what is \
+                 felt, any other one may be felt: a description, no claim.";
+    Some([(NoteKind::Jnd, jnd), (NoteKind::General, sizes.to_owned())])
 }
 
 /// What the exact tests can reach with so few participants.

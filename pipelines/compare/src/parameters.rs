@@ -45,6 +45,9 @@ pub struct Noticed {
     pub perception: Perception,
     /// Length of the lever, m; 0 without one.
     pub lever_m: f64,
+    /// Whether positions are those of a slide: how far a hand must go to be elsewhere is known of
+    /// joints, not of slides.
+    pub is_slide: bool,
     /// For each environment the value of the metric that it commands, where it does.
     pub commanded: Vec<Option<f64>>,
 }
@@ -55,6 +58,7 @@ impl Noticed {
     pub(crate) fn jnd(&self, environment: usize, mean: f64, unit: &str) -> Option<f64> {
         let from = self.commanded[environment].unwrap_or(mean);
         let jnd = self.perception.bound(from, unit, self.lever_m);
+        let jnd = jnd.filter(|_| !(self.is_slide && matches!(unit, "rad" | "m")));
         jnd.filter(|jnd| *jnd > 0.0 && jnd.is_finite())
     }
 }

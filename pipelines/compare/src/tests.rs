@@ -334,8 +334,9 @@ fn differences_that_are_all_rounding_are_none_and_have_no_t() {
     let contrasts = compare(&metrics(&trials), &parameters()).unwrap().contrasts;
     assert_eq!(floats(&contrasts, "difference_n"), [0.0]);
     assert!(contrasts.floats("statistic").unwrap().iter().all(Option::is_none));
-    let verdict = contrasts.texts("verdict").unwrap()[0].clone().unwrap();
-    assert_eq!(verdict, "not tested: there is no difference beyond the rounding of the values");
+    assert_eq!(contrasts.texts("verdict").unwrap()[0].as_deref(), Some("not tested"));
+    let remark = contrasts.texts("remark").unwrap()[0].clone().unwrap();
+    assert_eq!(remark, "there is no difference beyond the rounding of the values");
 }
 
 #[test]
@@ -349,8 +350,9 @@ fn differences_without_scatter_have_no_test_and_say_why() {
     let contrasts = compare(&metrics(&trials), &parameters()).unwrap().contrasts;
     assert_eq!(contrasts.height(), 1);
     assert_eq!(floats(&contrasts, "difference_n"), [1.0]);
-    let verdict = contrasts.texts("verdict").unwrap()[0].clone().unwrap();
-    assert!(verdict.starts_with("not tested: all differences are equal"), "{verdict}");
+    assert_eq!(contrasts.texts("verdict").unwrap()[0].as_deref(), Some("not tested"));
+    let remark = contrasts.texts("remark").unwrap()[0].clone().unwrap();
+    assert!(remark.starts_with("all differences are equal"), "{remark}");
 }
 
 #[test]
@@ -511,7 +513,8 @@ fn a_difference_has_its_size_in_what_is_just_noticed_from_the_mode_compared_with
         let people = [("P01", -1.0), ("P02", 1.0), ("P03", -0.5), ("P04", 0.5)];
         let trials = people.map(|(who, side)| person(who, 4.0, 4.0 + step + side * scatter));
         let perception = Perception::default();
-        let noticed = Some(Noticed { perception, lever_m: 0.1, commanded: vec![None] });
+        let noticed =
+            Some(Noticed { perception, lever_m: 0.1, is_slide: false, commanded: vec![None] });
         let table = compare(&metrics(&trials.concat()), &Parameters { noticed, ..parameters() });
         let table = table.unwrap().contrasts;
         let size = table.texts("size").unwrap()[0].clone().unwrap();

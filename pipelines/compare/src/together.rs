@@ -63,6 +63,10 @@ pub fn together(contrasts: &[Table], primary: &str) -> Result<Table, CompareErro
         }
     }
     all.push(texts("verdict", "what the tests show")?);
+    let remarks = joined(contrasts, |table| table.texts("remark"))?;
+    if remarks.iter().any(Option::is_some) {
+        all.push(Column::text("remark", "why there is no test, or no claim", remarks));
+    }
     let sizes =
         joined(contrasts, |table| Ok(table.texts("size").unwrap_or(vec![None; table.height()])))?;
     if sizes.iter().any(Option::is_some) {
@@ -137,6 +141,7 @@ mod tests {
             text("unit_of_analysis", "participants"),
             Column::integer("n", "1", "", [Some(4)]),
             text("verdict", "different"),
+            Column::text("remark", "", [None::<String>]),
             Column::float("df", "1", "", [Some(3.0)]),
             Column::float("p_adjusted", "1", "", [Some(0.02)]),
         ];

@@ -10,7 +10,7 @@ use zwidth_draw::{
     dodge,
 };
 use zwidth_study::{Environment, EnvironmentId, Mode, Source, contrast_label, in_a_sentence};
-use zwidth_tables::{Table, TableError, Values, in_coordinate, p_value, shown_unit};
+use zwidth_tables::{NoteKind, Table, TableError, Values, in_coordinate, p_value, shown_unit};
 
 /// The figure [`modes_compared`].
 pub const MODES_COMPARED: FigureKind = FigureKind {
@@ -202,9 +202,9 @@ pub fn modes_compared(
 
 /// What the grey band is, where there is one.
 fn jnd_note(contrasts: &Table) -> Option<String> {
-    let note = contrasts.notes().iter().find(|note| note.starts_with("JND: "))?;
-    let source = note.split_once(". An interval").map_or(note.as_str(), |(first, _)| first);
-    Some(plain(&format!("Band: ± 1 {source}.")))
+    let mut notes = contrasts.notes_by_kind();
+    let (_, note) = notes.find(|(kind, _)| *kind == NoteKind::Jnd)?;
+    Some(plain(&format!("Band: ± 1 {note}")))
 }
 
 /// Whether the metric is the primary one.
@@ -419,19 +419,14 @@ fn differences(
 /// `different, p = 0.003, 8 people, felt`: in pieces that do not break.
 fn verdict(contrasts: &Table, row: usize) -> Result<String, TableError> {
     let text = |name: &str| Ok::<_, TableError>(contrasts.texts(name)?[row].clone());
-    let verdict = text("verdict")?.unwrap_or_default();
-    let verdict = verdict.split_once(':').map_or(verdict.as_str(), |(word, _)| word);
-    let p = match &contrasts.column_of("p_adjusted")?.values {
-        Values::Float(values) => values[row].map(|p| format!("p {}", p_value(p))),
-        _ => None,
-    };
+    let p = contrasts.floats("p_adjusted")?[row].map(|p| format!("p {}", p_value(p)));
     let n = contrasts.integers("n")?[row].unwrap_or_default();
     let unit = match text("unit_of_analysis")?.is_some_and(|unit| unit.starts_with("trials")) {
         true => "trials",
         false => "people",
     };
     let size = contrasts.texts("size").ok().and_then(|sizes| sizes[row].clone());
-    let pieces = [Some(verdict.to_owned()), size, p, Some(format!("{n} {unit}"))];
+    let pieces = [text("verdict")?, size, p, Some(format!("{n} {unit}"))];
     let pieces: Vec<String> =
         pieces.into_iter().flatten().map(|piece| piece.replace(' ', "\u{a0}")).collect();
     Ok(pieces.join(", "))
@@ -442,8 +437,10 @@ fn verdict(contrasts: &Table, row: usize) -> Result<String, TableError> {
 fn stacked(place: f64, differences: &[f64]) -> Layer {
     /// Heights at which discs stand.
     const HEIGHTS: f64 = 40.0;
-    /// Room that a disc takes at most, and all of one height, in categories.
-    const ROOM: (f64, f64) = (0.02, 0.42);
+    /// Room that a disc takes at most, in categories.
+    const A_DISC: f64 = 0.02;
+    /// Room that all of one height take at most.
+    const A_STACK: f64 = 0.42;
     let (low, high) = differences
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(*d), high.max(*d)));
@@ -457,7 +454,7 @@ fn stacked(place: f64, differences: &[f64]) -> Layer {
         *stack += 1;
     }
     let most = stacks.values().copied().max().unwrap_or(1) as f64;
-    let apart = ROOM.0.min(ROOM.1 / most);
+    let apart = A_DISC.min(A_STACK / most);
     let (x, y) = discs.into_iter().map(|(i, y)| (place - apart * (i as f64 + 1.0), y)).unzip();
     Layer::Points(Points { x, y, colour: style::GREY, ..Points::default() })
 }

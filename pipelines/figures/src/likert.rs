@@ -24,8 +24,10 @@ pub const LIKERT_ITEMS: FigureKind =
 
 /// Panels that fit on a page: two columns of six.
 const A_PAGE: usize = 12;
-/// Height a row of bars takes, mm, and that of many strips.
-const ROW_MM: (f64, f64) = (7.5, 14.0);
+/// Height a row of one bar takes, mm.
+const ROW_MM: f64 = 7.5;
+/// Height a row of many strips takes, mm.
+const TALL_ROW_MM: f64 = 14.0;
 /// Height a strip takes of a row, mm.
 const STRIP_MM: f64 = 1.3;
 /// More people than this have one bar together: their strips would be hairlines.
@@ -176,13 +178,10 @@ pub fn likert(
         .map(|w| count_rows(&about.modes, answers, w))
         .collect::<Result<Vec<_>, _>>()?;
     let columns = COLUMNS.min(panels.len().max(1));
-    let rows = || panels.iter().flat_map(|p| &p.rows);
-    let [(people, _), (_, in_all)] = [
-        range(rows().map(|(_, strips)| strips.len())),
-        range(rows().map(|(_, strips)| strips.iter().flatten().sum::<u32>() as usize)),
-    ]
-    .map(|(least, most)| (most, least == most));
-    let scale = match people <= 1 && in_all {
+    let strips = panels.iter().flat_map(|panel| &panel.rows).map(|(_, strips)| strips);
+    let people = strips.clone().map(Vec::len).max().unwrap_or_default();
+    let totals: BTreeSet<u32> = strips.map(|strips| strips.iter().flatten().sum()).collect();
+    let scale = match people <= 1 && totals.len() <= 1 {
         true => LikertScale::Counts,
         false => LikertScale::Percent,
     };
@@ -214,11 +213,6 @@ fn describe(title: &str, scale: &AnswerScale) -> String {
         _ => "the neutral answers straddle zero",
     };
     format!("{title}: answers from {first} to {last}, a row of boxes each; {middle}.")
-}
-
-/// The least and the largest; nothing of nothing.
-fn range(numbers: impl Iterator<Item = usize> + Clone) -> (usize, usize) {
-    (numbers.clone().min().unwrap_or_default(), numbers.max().unwrap_or_default())
 }
 
 /// One row per mode, in the study's order; people by their mean answer, the highest at the top.
@@ -277,11 +271,13 @@ fn count_rows(modes: &[Mode], answers: &Table, wanted: &Wanted) -> Result<Counte
 
 /// `8 people × 12 answers`, `8 people × 10 to 12 answers`; of one `6 answers`.
 fn size(strips: &[Vec<u32>]) -> String {
-    let (least, most) = range(strips.iter().map(|counts| counts.iter().sum::<u32>() as usize));
-    let answers = match (least == most, most) {
-        (true, 1) => "1\u{a0}answer".to_owned(),
-        (true, n) => format!("{n}\u{a0}answers"),
-        (false, _) => format!("{least}\u{a0}to\u{a0}{most}\u{a0}answers"),
+    let each: BTreeSet<u32> = strips.iter().map(|counts| counts.iter().sum()).collect();
+    let answers = match (each.first(), each.last()) {
+        (Some(1), Some(1)) => "1\u{a0}answer".to_owned(),
+        (Some(least), Some(most)) if least < most => {
+            format!("{least}\u{a0}to\u{a0}{most}\u{a0}answers")
+        }
+        (_, most) => format!("{}\u{a0}answers", most.copied().unwrap_or_default()),
     };
     match strips.len() {
         1 => answers,
@@ -328,7 +324,7 @@ fn panel(p: &Counted, cell: Cell, scale: LikertScale) -> Panel {
     };
     let panel = Panel::new(cell, x, y, vec![Layer::Likert(bars)]).titled(plain(&p.title));
     let strips = p.rows.iter().map(|(_, strips)| strips.len()).max().unwrap_or(1);
-    let row_mm = (STRIP_MM * strips as f64).clamp(ROW_MM.0, ROW_MM.1);
+    let row_mm = (STRIP_MM * strips as f64).clamp(ROW_MM, TALL_ROW_MM);
     Panel { height_mm: Some(row_mm * p.rows.len() as f64), ..panel }
 }
 

@@ -265,7 +265,7 @@ impl Told {
 fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
     let unit = table.column_of("difference")?.field.unit.to_string();
     let (environments, contrasts) = (table.texts("environment")?, table.texts("contrast")?);
-    let verdicts = table.texts("verdict")?;
+    let (verdicts, remarks) = (table.texts("verdict")?, table.texts("remark")?);
     let n = table.integers("n")?;
     let of = |stem| floats(table, stem);
     let (difference, error) = (of("difference")?, of("difference_std_error")?);
@@ -306,7 +306,10 @@ fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
                 let effect = (*values.as_ref()?)[row]?;
                 Some(format!("{name} = {}", number(effect, None)))
             }),
-            verdict: verdicts[row].clone().unwrap_or_else(|| "not tested".to_owned()),
+            verdict: match (verdicts[row].clone().unwrap_or_default(), &remarks[row]) {
+                (verdict, Some(remark)) => format!("{verdict}: {remark}"),
+                (verdict, None) => verdict,
+            },
             size: sizes[row].as_ref().map(|size| {
                 let [jnds, low, high] = [in_jnds[row], jnds_low[row], jnds_high[row]]
                     .map(|jnds| jnds.map_or_else(String::new, |jnds| number(jnds, None)));
@@ -362,6 +365,7 @@ mod tests {
             float("difference_ci_high_rad", -0.05),
             Column::float("p_adjusted", "1", "", [p_adjusted]),
             text("verdict", &[verdict]),
+            Column::text("remark", "", [None::<String>]),
         ];
         if unit == "participants" {
             columns.push(Column::float("statistic", "1", "", [Some(-5.0)]));
@@ -440,7 +444,7 @@ mod tests {
 
     #[test]
     fn what_was_not_tested_is_not_told_as_a_difference_that_was_not_shown() {
-        let untested = differences("trials of P01", "not tested: why", None);
+        let untested = differences("trials of P01", "not tested", None);
         let answer = "Within P01, it was not tested whether the modes differ in the primary metric, \
                       angle past the wall: none of 1 contrasts has a test.";
         assert_eq!(texts_of(Role::Primary, &untested)[0], answer);
