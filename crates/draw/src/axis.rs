@@ -164,8 +164,9 @@ const SLOT_SHARE: f64 = 0.92;
 /// Widths that names beside a vertical axis may take, in pt: the first at which all are lower than
 /// their rows.
 const NAME_PT: [f64; 4] = [80.0, 120.0, 160.0, 220.0];
-/// Longest name that reads upwards under a horizontal axis, in pt.
-const TURNED_PT: f64 = 60.0;
+/// Lengths that names which read upwards under a horizontal axis may take, in pt: the first at which
+/// the lines of each are in its slot.
+const TURNED_PT: [f64; 4] = [60.0, 90.0, 130.0, 200.0];
 
 /// Names in lines, and whether they had to be turned.
 fn categories(
@@ -182,16 +183,24 @@ fn categories(
         };
         names.iter().enumerate().map(tick).collect()
     };
-    let slot_pt = length_pt / (ends.1 - ends.0);
-    if direction == Direction::Horizontal {
-        return match set(SLOT_SHARE * slot_pt, Fonts::block) {
-            Err(Error::TextTooLong { .. }) => Ok((set(TURNED_PT, Fonts::parted)?, true)),
-            upright => Ok((upright?, false)),
-        };
-    }
     let height_pt = |ticks: &[PlannedTick]| {
         ticks.iter().map(|tick| font::height_pt(&tick.lines)).fold(0.0, f64::max)
     };
+    let slot_pt = length_pt / (ends.1 - ends.0);
+    if direction == Direction::Horizontal {
+        return match set(SLOT_SHARE * slot_pt, Fonts::block) {
+            Err(Error::TextTooLong { .. }) => {
+                let mut turned = set(TURNED_PT[0], Fonts::parted)?;
+                for length_pt in &TURNED_PT[1..] {
+                    if height_pt(&turned) > slot_pt {
+                        turned = set(*length_pt, Fonts::parted)?;
+                    }
+                }
+                Ok((turned, true))
+            }
+            upright => Ok((upright?, false)),
+        };
+    }
     for width_pt in NAME_PT {
         match set(width_pt, Fonts::block) {
             Err(Error::TextTooLong { .. }) => {}
@@ -270,6 +279,16 @@ mod tests {
         let turned =
             horizontal(&Axis::categories(["administration", "configuration"]), (-0.5, 1.5), 40.0);
         assert!(turned.turned);
+    }
+
+    #[test]
+    fn names_that_are_turned_are_as_long_as_their_slot_needs() {
+        let names =
+            ["administration: undecided, 12 trials of P01", "configuration: different, all"];
+        let plan = horizontal(&Axis::categories(names), (-0.5, 1.5), 44.0);
+        assert!(plan.turned);
+        let highest = plan.ticks.iter().map(|tick| font::height_pt(&tick.lines));
+        assert!(highest.fold(0.0, f64::max) <= 22.0, "{:?}", plan.ticks);
     }
 
     #[test]

@@ -3,9 +3,11 @@
 use crate::{Field, unit};
 
 /// Words of names that people write otherwise.
-const WORDS: [(&str, &str); 12] = [
+const WORDS: [(&str, &str); 14] = [
     ("theta", "θ"),
     ("ci", "CI"),
+    ("jnd", "JND"),
+    ("icc", "ICC"),
     ("rms", "RMS"),
     ("rmse", "RMSE"),
     ("sd", "SD"),

@@ -416,7 +416,7 @@ fn differences(
     Ok((names.into_iter().zip(verdicts).collect(), layers))
 }
 
-/// `different, p = 0.003, 8 people, felt`: in pieces that do not break.
+/// `different, felt, p = 0.003, 8 people`; what has a number does not break.
 fn verdict(contrasts: &Table, row: usize) -> Result<String, TableError> {
     let text = |name: &str| Ok::<_, TableError>(contrasts.texts(name)?[row].clone());
     let p = contrasts.floats("p_adjusted")?[row].map(|p| format!("p {}", p_value(p)));
@@ -426,9 +426,9 @@ fn verdict(contrasts: &Table, row: usize) -> Result<String, TableError> {
         false => "people",
     };
     let size = contrasts.texts("size").ok().and_then(|sizes| sizes[row].clone());
-    let pieces = [text("verdict")?, size, p, Some(format!("{n} {unit}"))];
-    let pieces: Vec<String> =
-        pieces.into_iter().flatten().map(|piece| piece.replace(' ', "\u{a0}")).collect();
+    let n = Some(format!("{n}\u{a0}{unit}"));
+    let p = p.map(|p| p.replace(' ', "\u{a0}"));
+    let pieces: Vec<String> = [text("verdict")?, size, p, n].into_iter().flatten().collect();
     Ok(pieces.join(", "))
 }
 
