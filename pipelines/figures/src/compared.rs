@@ -265,9 +265,9 @@ fn means(
         layers.push(Layer::Reference(Reference {
             direction: Direction::Horizontal,
             at: commanded,
-            label: Some("commanded".to_owned()),
+            label: None,
             stroke: style::reference(),
-            name: None,
+            name: Some("commanded value".to_owned()),
         }));
     }
     for (index, mode) in about.modes.iter().enumerate() {
