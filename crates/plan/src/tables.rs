@@ -14,7 +14,7 @@ use zwidth_store::{Layout, StudyData};
 use zwidth_tables::{Format, Table, TableError, Wording, write_csv};
 
 /// Its version is raised when a table would be written differently from the same data.
-const STAGE: Stage = Stage { name: "tables", version: 21 };
+const STAGE: Stage = Stage { name: "tables", version: 22 };
 
 /// The derived tables that are printed, each with whether simulated data go into it. The trade runs
 /// models, and what modes and device are is written in study.toml.
