@@ -438,8 +438,8 @@ def the_model_is_turned(visit):
 
 
 def with_its_unit(names, stem):
-    """The column of a name without its unit: of those that begin so the shortest, `difference` before `difference_ci_low`."""
-    return min((name for name in names if name == stem or name.startswith(f"{stem}_")), key=len)
+    """The column of a name without its unit: the first that begins so, `difference_n` before `difference_ci_low_n` and `difference_jnd`."""
+    return next(name for name in names if name == stem or name.startswith(f"{stem}_"))
 
 
 def address_keeps_the_view(visit):
