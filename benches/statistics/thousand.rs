@@ -3,14 +3,14 @@
 
 use crate::draws::Draws;
 use anyhow::Context as _;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 use zwidth_compare::{
-    AnswerParameters, COLUMNS, Compared, DrawnOrder, Parameters, SessionOrder, compare,
+    AnswerParameters, COLUMNS, DrawnOrder, MetricParameters, Parameters, SessionOrder, compare,
     compare_answers,
 };
+use zwidth_results::Row;
 use zwidth_study::order::{Rules, draw};
 use zwidth_study::{Kind, ParticipantId, PlannedTrial, SessionId, Study, template};
 use zwidth_tables::{Column, Table};
@@ -60,8 +60,7 @@ pub(crate) fn measure(folder: &Path) -> anyhow::Result<()> {
     std::fs::write(&answers, answered(study, &sat)?.to_parquet(&none, &answers)?)?;
 
     let began = Spent::now();
-    let jobs = METRICS.par_iter().map(|(metric, ..)| metric_job(study, &sat, &metrics, metric));
-    std::hint::black_box(jobs.collect::<anyhow::Result<Vec<usize>>>()?);
+    std::hint::black_box(metrics_job(study, &sat, &metrics)?);
     let between = Spent::now();
     std::hint::black_box(answers_job(study, &answers)?);
     let end = Spent::now();
@@ -197,41 +196,36 @@ fn answered(study: &Study, sat: &[Sat]) -> anyhow::Result<Table> {
     Ok(Table::new("answers", "Answers", columns)?)
 }
 
-/// What the job of a metric does; the number of bytes of its tables.
-fn metric_job(study: &Study, sat: &[Sat], file: &Path, metric: &str) -> anyhow::Result<usize> {
-    let names: Vec<&str> = COLUMNS.into_iter().chain([metric]).collect();
+/// What the job of the metrics does; the number of bytes of its tables.
+fn metrics_job(study: &Study, sat: &[Sat], file: &Path) -> anyhow::Result<usize> {
+    let names: Vec<&str> =
+        COLUMNS.into_iter().chain(METRICS.iter().map(|(metric, ..)| *metric)).collect();
     let table = Table::columns_from_parquet(file, &names)?;
-    let Compared {
-        cells,
-        means,
-        contrasts,
-        omnibus,
-        models,
-        participants,
-        sessions,
-        learning,
-        repeats,
-        orders,
-        redrawn,
-    } = compare(&table, &parameters(study, sat, metric))?;
-    let tables = [
-        cells,
-        means,
-        contrasts,
-        omnibus,
-        models,
-        participants,
-        sessions,
-        learning,
-        repeats,
-        orders,
-        redrawn,
+    let found = compare(&table, &parameters(study, sat)?)?;
+    let written = [
+        bytes(&found.metrics, file)?,
+        bytes(&found.cells, file)?,
+        bytes(&found.means, file)?,
+        bytes(&found.contrasts, file)?,
+        bytes(&found.omnibus, file)?,
+        bytes(&found.models, file)?,
+        bytes(&found.participants, file)?,
+        bytes(&found.sessions, file)?,
+        bytes(&found.learning, file)?,
+        bytes(&found.repeats, file)?,
+        bytes(&found.orders, file)?,
+        bytes(&found.redrawn, file)?,
+        bytes(&found.notes, file)?,
     ];
-    let none = BTreeMap::new();
-    tables.iter().map(|table| Ok(table.to_parquet(&none, file)?.len())).sum()
+    Ok(written.iter().sum())
 }
 
-fn parameters(study: &Study, sat: &[Sat], metric: &str) -> Parameters {
+/// The size of the table of some rows.
+fn bytes<R: Row>(rows: &[R], file: &Path) -> anyhow::Result<usize> {
+    Ok(Table::of_rows(rows)?.to_parquet(&BTreeMap::new(), file)?.len())
+}
+
+fn parameters(study: &Study, sat: &[Sat]) -> anyhow::Result<Parameters> {
     let ids = || study.environments.iter().map(|environment| environment.id.clone());
     let modes = || study.modes.iter().map(|mode| mode.id.clone());
     let order = |sat: &Sat| SessionOrder {
@@ -246,14 +240,18 @@ fn parameters(study: &Study, sat: &[Sat], metric: &str) -> Parameters {
             repeated: Vec::new(),
         }),
     };
-    Parameters {
-        metric: metric.to_owned(),
-        primary: metric == study.compare.primary.as_str(),
-        preregistered: None,
-        simulated: true,
+    let metric = |(metric, ..): &(&str, &str, bool)| -> anyhow::Result<MetricParameters> {
+        Ok(MetricParameters {
+            metric: metric.parse()?,
+            primary: *metric == study.compare.primary.as_str(),
+            preregistered: None,
+            bounds: vec![None; study.environments.len()],
+            noticed: None,
+        })
+    };
+    Ok(Parameters {
+        metrics: METRICS.iter().map(metric).collect::<Result<_, _>>()?,
         environments: ids().collect(),
-        bounds: vec![None; study.environments.len()],
-        noticed: None,
         modes: modes().collect(),
         contrasts: study.compare.contrasts.clone(),
         families: study.compare.families,
@@ -261,13 +259,12 @@ fn parameters(study: &Study, sat: &[Sat], metric: &str) -> Parameters {
         level: study.compare.level,
         effect_sizes: study.compare.effect_sizes.clone(),
         orders: sat.iter().map(order).collect(),
-    }
+    })
 }
 
 /// What the job of the answers does.
 fn answers_job(study: &Study, file: &Path) -> anyhow::Result<usize> {
     let parameters = AnswerParameters {
-        simulated: true,
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
         questions: study.questions.clone(),
@@ -275,12 +272,7 @@ fn answers_job(study: &Study, file: &Path) -> anyhow::Result<usize> {
         level: study.compare.level,
     };
     let found = compare_answers(&Table::from_parquet(file)?, &parameters)?;
-    let ratios = found.contrasts.floats("odds_ratio")?;
-    ratios
-        .into_iter()
-        .collect::<Option<Vec<f64>>>()
-        .context("a model of the answers has no end")?;
-    let written = [found.contrasts, found.participants];
-    let none = BTreeMap::new();
-    written.iter().map(|table| Ok(table.to_parquet(&none, file)?.len())).sum()
+    let ratios: Option<Vec<f64>> = found.contrasts.iter().map(|row| row.odds_ratio).collect();
+    ratios.context("a model of the answers has no end")?;
+    Ok(bytes(&found.contrasts, file)? + bytes(&found.participants, file)?)
 }

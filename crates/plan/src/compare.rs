@@ -1,22 +1,33 @@
 //! Stage `compare`: modes, participants and sessions compared, one job per metric; its figures.
 
 use crate::drawing::{Drawing, Figured};
-use crate::making::{derived, read_tables, write_tables};
+use crate::handle::{Derived, Written};
+use crate::making::derived;
 use crate::preregistered::preregistered;
+use crate::tables::Printed;
 use crate::{likert, likert_figures, metrics};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
-use zwidth_compare::{AnswerParameters, DrawnOrder, Noticed, Parameters, SessionOrder};
-use zwidth_figures::{
-    ANSWERS_COMPARED, About, AnswersPage, ComparedTables, FigureKind, MODES_COMPARED,
-    PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
+use std::path::{Path, PathBuf};
+use zwidth_compare::{
+    AnswerParameters, DrawnOrder, MetricParameters, Noticed, Parameters, SessionOrder,
 };
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_figures::{
+    ANSWERS_COMPARED, About, AnswersPage, FigureKind, MODES_COMPARED, MetricResults,
+    PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED, answers_compared,
+};
+use zwidth_results::{
+    AnswerDifference, Cell, Compared, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus,
+    OrderTest, PersonDifference, PersonSuperiority, PrintedDifference, RedrawnDifference,
+    RepeatMean, SessionChange,
+};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, StudyData};
 use zwidth_study::order::Rules;
-use zwidth_study::{Bound, Coordinate, Environment, Event, MetricId, Source, Study, is_felt};
-use zwidth_tables::Table;
+use zwidth_study::{
+    Bound, Coordinate, Environment, Event, IdError, MetricId, Source, Study, is_felt,
+};
+use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
 
@@ -31,20 +42,88 @@ const OTHERS: [&str; 6] = [
     "duration_s",
 ];
 
-/// What a metric's tables are, by the beginning of their names, in the order of the job's outputs.
-const TABLES: [&str; 11] = [
-    "cells",
-    "means",
-    "contrasts",
-    "omnibus",
-    "models",
-    "participants",
-    "sessions",
-    "learning",
-    "repeats",
-    "orders",
-    "redrawn",
-];
+/// What the stage finds of the metrics, a table for each kind of row.
+#[derive(Clone)]
+pub(crate) struct Comparison {
+    pub(crate) metrics: Derived<Compared>,
+    pub(crate) cells: Derived<Cell>,
+    pub(crate) means: Derived<Mean>,
+    pub(crate) contrasts: Derived<ModeDifference>,
+    pub(crate) printed: Derived<PrintedDifference>,
+    pub(crate) omnibus: Derived<Omnibus>,
+    pub(crate) models: Derived<Model>,
+    pub(crate) participants: Derived<PersonDifference>,
+    pub(crate) sessions: Derived<SessionChange>,
+    pub(crate) learning: Derived<Learning>,
+    pub(crate) repeats: Derived<RepeatMean>,
+    pub(crate) orders: Derived<OrderTest>,
+    pub(crate) redrawn: Derived<RedrawnDifference>,
+    pub(crate) notes: Derived<MetricNote>,
+}
+
+impl Comparison {
+    fn of(layout: &Layout) -> Self {
+        let folder = derived(layout, "compare");
+        Self {
+            metrics: Derived::within(&folder),
+            cells: Derived::within(&folder),
+            means: Derived::within(&folder),
+            contrasts: Derived::within(&folder),
+            printed: Derived::within(&folder),
+            omnibus: Derived::within(&folder),
+            models: Derived::within(&folder),
+            participants: Derived::within(&folder),
+            sessions: Derived::within(&folder),
+            learning: Derived::within(&folder),
+            repeats: Derived::within(&folder),
+            orders: Derived::within(&folder),
+            redrawn: Derived::within(&folder),
+            notes: Derived::within(&folder),
+        }
+    }
+
+    /// What was found of one metric.
+    fn read(&self, metric: &MetricId) -> Result<MetricResults, JobError> {
+        let all = self.metrics.read_of(metric)?;
+        let none = || format!("the metric {metric} was not compared");
+        Ok(MetricResults {
+            metric: all.into_iter().next().ok_or_else(none)?,
+            cells: self.cells.read_of(metric)?,
+            means: self.means.read_of(metric)?,
+            contrasts: self.contrasts.read_of(metric)?,
+            participants: self.participants.read_of(metric)?,
+            sessions: self.sessions.read_of(metric)?,
+            repeats: self.repeats.read_of(metric)?,
+            redrawn: self.redrawn.read_of(metric)?,
+            notes: self.notes.read_of(metric)?,
+        })
+    }
+}
+
+impl Inputs for Comparison {
+    fn files(&self) -> Vec<PathBuf> {
+        let Self { metrics, cells, means, contrasts, printed, omnibus, models, .. } = self;
+        let Self { participants, sessions, learning, repeats, orders, redrawn, notes, .. } = self;
+        [
+            metrics.path(),
+            cells.path(),
+            means.path(),
+            contrasts.path(),
+            printed.path(),
+            omnibus.path(),
+            models.path(),
+            participants.path(),
+            sessions.path(),
+            learning.path(),
+            repeats.path(),
+            orders.path(),
+            redrawn.path(),
+            notes.path(),
+        ]
+        .map(Path::to_owned)
+        .to_vec()
+    }
+}
 
 /// By what a study is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,22 +140,36 @@ pub enum By {
     Answer,
 }
 
-/// The derived tables that answer by what a study is compared, in the order in which they are read.
-pub fn comparison(layout: &Layout, by: By, metric: &str) -> Vec<PathBuf> {
-    let names: &[&str] = match by {
-        By::Answer => return vec![answers_file(layout)],
-        By::Mode => &["means", "contrasts", "omnibus", "orders"],
-        By::Participant => &["participants"],
-        By::Session => &["sessions"],
-        By::Repeat => &["learning"],
-    };
-    names.iter().map(|name| table_of(layout, name, metric)).collect()
+/// The tables that answer by what a study is compared, as they are printed, in the order in which
+/// they are read.
+pub fn comparison(data: &StudyData, by: By, metric: &str) -> Vec<Printed> {
+    let found = Comparison::of(&data.layout);
+    let of =
+        |tables: &[&Path]| tables.iter().map(|table| Printed::of_metric(table, metric)).collect();
+    match by {
+        By::Answer => vec![Printed::without_empty_columns(answers_of(&data.layout).0.path())],
+        By::Mode => of(&[
+            found.means.path(),
+            found.contrasts.path(),
+            found.omnibus.path(),
+            found.orders.path(),
+        ]),
+        By::Participant => of(&[found.participants.path()]),
+        By::Session => of(&[found.sessions.path()]),
+        By::Repeat => of(&[found.learning.path()]),
+    }
 }
 
-/// The derived tables that tell how participants differ in a metric: the contrasts, and the mixed
-/// models.
-pub fn spreads(layout: &Layout, metric: &str) -> [PathBuf; 2] {
-    ["contrasts", "models"].map(|table| table_of(layout, table, metric))
+/// How participants differ in a metric: the contrasts, and the mixed models.
+///
+/// # Errors
+/// Tables that are not there.
+pub fn spreads(
+    data: &StudyData,
+    metric: &MetricId,
+) -> Result<(Vec<ModeDifference>, Vec<Model>), TableError> {
+    let found = Comparison::of(&data.layout);
+    Ok((found.contrasts.read_of(metric)?, found.models.read_of(metric)?))
 }
 
 /// The metrics that are compared: those that trials of this study can have, the primary one first.
@@ -175,21 +268,15 @@ fn is_commanded(study: &Study, metric: &MetricId) -> bool {
     scenes.any(|scene| zwidth_metrics::commanded(metric.as_str(), scene).is_some())
 }
 
-/// A table of a metric.
-fn table_of(layout: &Layout, table: &str, metric: &str) -> PathBuf {
-    derived(layout, format!("compare/{table}_{metric}.parquet"))
+/// What is compared of the study's metrics, where any is.
+pub(crate) fn of_study(data: &StudyData) -> Option<Comparison> {
+    (!compared(data).is_empty()).then(|| Comparison::of(&data.layout))
 }
 
-/// The tables of a metric that the summary speaks of: its means and its contrasts.
-pub(crate) fn summarised(layout: &Layout, metric: &str) -> [PathBuf; 2] {
-    ["means", "contrasts"].map(|table| table_of(layout, table, metric))
-}
-
-/// The changes between sessions in a metric, where several people took part and somebody came
-/// again.
-pub(crate) fn changes(data: &StudyData, metric: &str) -> Option<PathBuf> {
+/// Whether several people took part, and somebody of them came again.
+pub(crate) fn are_sessions_told(data: &StudyData) -> bool {
     let (several, again) = who(data);
-    (several && again).then(|| table_of(&data.layout, "sessions", metric))
+    several && again
 }
 
 /// Whether several people took part, and whether somebody came again.
@@ -200,75 +287,90 @@ fn who(data: &StudyData) -> (bool, bool) {
     (people.len() > 1, sessions.len() > people.len())
 }
 
-/// The contrasts of all metrics in one table, where any is compared.
-fn together(data: &StudyData) -> Option<PathBuf> {
-    (!compared(data).is_empty()).then(|| derived(&data.layout, "compare/comparison.parquet"))
-}
-
-/// The tables that people read: that of all metrics; of every metric its means, its contrasts and its changes; those of
-/// participants and sessions where there are several.
-pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
+/// The tables that people read: that of all metrics; of every metric its means, its contrasts and its
+/// changes; those of participants and sessions where there are several.
+pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
     let (several, again) = who(data);
-    let mut tables: Vec<PathBuf> = together(data).into_iter().collect();
-    let mut names = TABLES.to_vec();
-    names.retain(|table| match *table {
-        "omnibus" | "models" | "participants" => several,
-        "sessions" => several && again,
-        "cells" | "repeats" | "redrawn" => false,
-        _ => true,
-    });
-    for metric in compared(data) {
-        tables.extend(names.iter().map(|table| table_of(&data.layout, table, &metric)));
+    let mut tables = Vec::new();
+    if let Some(found) = of_study(data) {
+        tables.push(Printed::whole(found.printed.path()));
+        let kinds = [
+            (true, found.means.path()),
+            (true, found.contrasts.path()),
+            (several, found.omnibus.path()),
+            (several, found.models.path()),
+            (several, found.participants.path()),
+            (several && again, found.sessions.path()),
+            (true, found.learning.path()),
+            (true, found.orders.path()),
+        ];
+        for metric in compared(data) {
+            let wanted = kinds.iter().filter(|(is_wanted, _)| *is_wanted);
+            tables.extend(wanted.map(|(_, table)| Printed::of_metric(table, &metric)));
+        }
     }
-    tables.extend(answers(data));
+    tables.extend(answers(data).map(|table| Printed::without_empty_columns(&table)));
     tables
 }
 
 /// The answers compared, if there are some after several modes.
 pub fn answers(data: &StudyData) -> Option<PathBuf> {
     let several = are_several(likert::ratings(data).map(|answer| &answer.condition.mode));
-    likert::long(data).filter(|_| several).map(|_| answers_file(&data.layout))
-}
-
-fn answers_file(layout: &Layout) -> PathBuf {
-    let [contrasts, _] = answers_files(layout);
-    contrasts
+    likert::long(data).filter(|_| several).map(|_| answers_of(&data.layout).0.path().to_owned())
 }
 
 /// The answers compared, and each participant's effects.
-fn answers_files(layout: &Layout) -> [PathBuf; 2] {
-    ["answers_compared", "answers_participants"]
-        .map(|table| derived(layout, format!("compare/{table}.parquet")))
+type AnswersOf = (Derived<AnswerDifference>, Derived<PersonSuperiority>);
+
+fn answers_of(layout: &Layout) -> AnswersOf {
+    let folder = derived(layout, "compare");
+    (Derived::within(&folder), Derived::within(&folder))
 }
 
-/// What the comparison of a metric depends on.
-fn parameters(data: &StudyData, metric: &str) -> Parameters {
-    let study = &data.study;
-    let compare = &study.compare;
-    let given = compare.bounds.iter().find(|(of, _)| of.as_str() == metric).map(|(_, bound)| bound);
-    let bound = |environment: &Environment| match given? {
-        Bound::Absolute(bound) => Some(*bound),
-        Bound::Weber(share) => {
-            let commanded = zwidth_metrics::commanded(metric, &environment.scene)?;
-            Some(share * commanded)
-        }
-    };
-    let primary = metric == compare.primary.as_str();
-    Parameters {
-        metric: metric.to_owned(),
-        primary,
-        preregistered: if primary { preregistered(data, &compared(data)) } else { None },
-        simulated: data.counting().any(|trial| trial.meta.source.is_simulated()),
-        environments: study.environments.iter().map(|e| e.id.clone()).collect(),
-        bounds: study.environments.iter().map(bound).collect(),
-        noticed: noticed(study, metric),
-        modes: study.modes.iter().map(|m| m.id.clone()).collect(),
-        contrasts: compare.contrasts.clone(),
-        families: compare.families,
-        alpha: compare.alpha,
-        level: compare.level,
-        effect_sizes: compare.effect_sizes.clone(),
-        orders: data.sessions.iter().map(|log| order(log, study)).collect(),
+/// What the comparison of a study depends on.
+#[derive(Serialize)]
+struct Comparing {
+    stage: Parameters,
+    /// Whether any of the data are simulated.
+    simulated: bool,
+}
+
+impl Comparing {
+    fn of(data: &StudyData) -> Result<Self, IdError> {
+        let (study, compare) = (&data.study, &data.study.compare);
+        let compared = compared(data);
+        let metrics = compared.iter().map(|metric| {
+            let mut bounds = compare.bounds.iter();
+            let given = bounds.find(|(of, _)| of.as_str() == metric).map(|(_, bound)| bound);
+            let bound = |environment: &Environment| match given? {
+                Bound::Absolute(bound) => Some(*bound),
+                Bound::Weber(share) => {
+                    let commanded = zwidth_metrics::commanded(metric, &environment.scene)?;
+                    Some(share * commanded)
+                }
+            };
+            let primary = metric == compare.primary.as_str();
+            Ok(MetricParameters {
+                metric: metric.parse()?,
+                primary,
+                preregistered: if primary { preregistered(data, &compared) } else { None },
+                bounds: study.environments.iter().map(bound).collect(),
+                noticed: noticed(study, metric),
+            })
+        });
+        let stage = Parameters {
+            metrics: metrics.collect::<Result<_, IdError>>()?,
+            environments: study.environments.iter().map(|e| e.id.clone()).collect(),
+            modes: study.modes.iter().map(|m| m.id.clone()).collect(),
+            contrasts: compare.contrasts.clone(),
+            families: compare.families,
+            alpha: compare.alpha,
+            level: compare.level,
+            effect_sizes: compare.effect_sizes.clone(),
+            orders: data.sessions.iter().map(|log| order(log, study)).collect(),
+        };
+        let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
+        Ok(Self { stage, simulated })
     }
 }
 
@@ -319,96 +421,76 @@ fn repeated(events: &[Event]) -> Vec<[u32; 2]> {
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let answers = answers(data).map(|_| answers_job(data));
-    let Some(metrics) = metrics::of_study(data) else { return answers.into_iter().collect() };
-    let metric = |metric: &String| job(data, metric, metrics.clone());
-    compared(data).iter().map(metric).chain(together_job(data)).chain(answers).collect()
+    metrics_job(data).into_iter().chain(answers).collect()
 }
 
-/// What is said of all metrics in one table.
-fn together_job(data: &StudyData) -> Option<Job> {
-    let contrasts: Vec<PathBuf> =
-        compared(data).iter().map(|metric| table_of(&data.layout, "contrasts", metric)).collect();
-    let of = Together {
-        primary: data.study.compare.primary.clone(),
-        simulated: data.counting().any(|trial| trial.meta.source.is_simulated()),
-    };
-    let output = together(data)?;
-    Some(Job::new(STAGE, "compare all metrics", of, contrasts, vec![output], make_together))
+/// The comparison of all metrics, from those of all trials.
+fn metrics_job(data: &StudyData) -> Option<Job> {
+    let (metrics, found) = (metrics::of_study(data)?, of_study(data)?);
+    // Every metric that there is has a name that is an id.
+    let parameters = Comparing::of(data).ok()?;
+    Some(Job::new(STAGE, "compare metrics", parameters, metrics, found.files(), make))
 }
 
-/// What the table of all metrics depends on besides their contrasts.
+fn make(of: &Comparing, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
+    let compared = of.stage.metrics.iter().map(|metric| metric.metric.as_str());
+    let columns: Vec<&str> = zwidth_compare::COLUMNS.into_iter().chain(compared).collect();
+    let metrics = Table::columns_from_parquet(metrics, &columns)?;
+    let found = zwidth_compare::compare(&metrics, &of.stage)?;
+    let printed = zwidth_compare::together(&found.metrics, &found.contrasts)?;
+    Written::begin(making, of.simulated)
+        .rows(&found.metrics)?
+        .rows(&found.cells)?
+        .rows(&found.means)?
+        .rows(&found.contrasts)?
+        .table::<PrintedDifference>(printed)?
+        .rows(&found.omnibus)?
+        .rows(&found.models)?
+        .rows(&found.participants)?
+        .rows(&found.sessions)?
+        .rows(&found.learning)?
+        .rows(&found.repeats)?
+        .rows(&found.orders)?
+        .rows(&found.redrawn)?
+        .rows(&found.notes)?
+        .end()
+}
+
+/// What the comparison of a study's answers depends on.
 #[derive(Serialize)]
-struct Together {
-    primary: MetricId,
+struct ComparingAnswers {
+    stage: AnswerParameters,
+    /// Whether any of the answers are simulated.
     simulated: bool,
-}
-
-fn make_together(
-    of: &Together,
-    contrasts: &Vec<PathBuf>,
-    making: &Making,
-) -> Result<Made, JobError> {
-    let contrasts = read_tables(contrasts)?;
-    let table = zwidth_compare::together(&contrasts, of.primary.as_str())?;
-    write_tables(&[table.with_mark(of.simulated)], making, Vec::new())
-}
-
-/// The comparison of one metric, from the metrics of all trials.
-fn job(data: &StudyData, metric: &str, metrics: PathBuf) -> Job {
-    let parameters = parameters(data, metric);
-    let outputs = tables_of(&data.layout, metric);
-    Job::new(STAGE, format!("compare {metric}"), parameters, metrics, outputs, make)
-}
-
-/// All tables of a metric.
-fn tables_of(layout: &Layout, metric: &str) -> Vec<PathBuf> {
-    TABLES.map(|table| table_of(layout, table, metric)).to_vec()
 }
 
 fn answers_job(data: &StudyData) -> Job {
     let study = &data.study;
-    let parameters = AnswerParameters {
-        simulated: data.sessions.iter().any(|session| session.record.source.is_simulated()),
+    let stage = AnswerParameters {
         environments: study.environments.iter().map(|e| e.id.clone()).collect(),
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
         questions: study.questions.iter().filter(|q| q.is_rating()).cloned().collect(),
         contrasts: study.compare.contrasts.clone(),
         level: study.compare.level,
     };
-    let inputs = likert::long(data);
-    let outputs = answers_files(&data.layout).to_vec();
-    Job::new(STAGE, "compare answers", parameters, inputs, outputs, make_answers)
+    let simulated = data.sessions.iter().any(|session| session.record.source.is_simulated());
+    let of = ComparingAnswers { stage, simulated };
+    let outputs = answers_of(&data.layout).files();
+    Job::new(STAGE, "compare answers", of, likert::long(data), outputs, make_answers)
 }
 
 fn make_answers(
-    parameters: &AnswerParameters,
+    of: &ComparingAnswers,
     answers: &Option<PathBuf>,
     making: &Making,
 ) -> Result<Made, JobError> {
     let answers = answers.as_deref().ok_or("there is no answer")?;
     let answers = Table::from_parquet(answers)?;
-    let found = zwidth_compare::compare_answers(&answers, parameters)?;
-    write_tables(&[found.contrasts, found.participants], making, Vec::new())
-}
-
-fn make(parameters: &Parameters, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
-    let columns = zwidth_compare::COLUMNS.into_iter().chain([parameters.metric.as_str()]);
-    let metrics = Table::columns_from_parquet(metrics, &columns.collect::<Vec<_>>())?;
-    let found = zwidth_compare::compare(&metrics, parameters)?;
-    let tables = [
-        found.cells,
-        found.means,
-        found.contrasts,
-        found.omnibus,
-        found.models,
-        found.participants,
-        found.sessions,
-        found.learning,
-        found.repeats,
-        found.orders,
-        found.redrawn,
-    ];
-    write_tables(&tables, making, Vec::new())
+    let found = zwidth_compare::compare_answers(&answers, &of.stage)?;
+    Written::begin(making, of.simulated)
+        .table::<AnswerDifference>(zwidth_compare::answers_table(&found.contrasts)?)?
+        .rows(&found.participants)?
+        .end()
 }
 
 /// What a figure of the stage depends on besides tables.
@@ -417,20 +499,17 @@ struct Drawn {
     about: About,
     environments: Vec<Environment>,
     sources: BTreeSet<Source>,
+    metric: String,
 }
 
 /// What describes a figure of a metric.
-type Draw = fn(&Drawn, &Vec<PathBuf>) -> Figured;
+type Draw = fn(&Drawn, &Comparison) -> Figured;
 
 /// The figures of every metric.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let (several, again) = who(data);
     let trials = data.counting().count();
-    let of = Drawn {
-        about: About::of(&data.study),
-        environments: data.study.environments.clone(),
-        sources: data.counting().map(|trial| trial.meta.source).collect(),
-    };
+    let found = Comparison::of(&data.layout);
     // One repeat shows no learning.
     let repeated = data.study.design.repeats > 1;
     let kinds: [(bool, FigureKind, Draw); 4] = [
@@ -441,9 +520,16 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     ];
     let mut drawings = Vec::new();
     for metric in compared(data) {
+        let of = Drawn {
+            about: About::of(&data.study),
+            environments: data.study.environments.clone(),
+            sources: data.counting().map(|trial| trial.meta.source).collect(),
+            metric,
+        };
         for (_, kind, draw) in kinds.into_iter().filter(|(is_shown, ..)| *is_shown) {
-            let (subject, files) = ([metric.as_str()], tables_of(&data.layout, &metric));
-            drawings.push(Drawing::new(data, kind, subject, of.clone(), files, draw).of(trials));
+            let (of, found) = (of.clone(), found.clone());
+            let drawing = Drawing::new(data, kind, [of.metric.clone()], of, found, draw);
+            drawings.push(drawing.of(trials));
         }
     }
     drawings.extend(answers_figures(data));
@@ -479,77 +565,40 @@ fn answers_figure(data: &StudyData, page: AnswersPage, number: Option<String>) -
     let answers = data.answers.iter().filter(of_page).count();
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let of = AnswersDrawn { about: About::of(&data.study), page, sources };
-    let files = answers_files(&data.layout).to_vec();
-    Drawing::new(data, ANSWERS_COMPARED, number, of, files, draw_answers).of(answers)
+    let found = answers_of(&data.layout);
+    Drawing::new(data, ANSWERS_COMPARED, number, of, found, draw_answers).of(answers)
 }
 
-fn draw_answers(of: &AnswersDrawn, files: &Vec<PathBuf>) -> Figured {
-    let [contrasts, participants] = files.as_slice() else {
-        return Err("answers compared are two tables".into());
-    };
-    let (contrasts, participants) =
-        (Table::from_parquet(contrasts)?, Table::from_parquet(participants)?);
+fn draw_answers(of: &AnswersDrawn, (contrasts, participants): &AnswersOf) -> Figured {
     let sources: Vec<Source> = of.sources.iter().copied().collect();
-    let tables = [&contrasts, &participants];
-    let figure = zwidth_figures::answers_compared(&of.about, &of.page, tables, &sources)?;
-    Ok((figure, Vec::new()))
+    let (contrasts, participants) = (contrasts.read()?, participants.read()?);
+    let about = &of.about;
+    Ok((answers_compared(about, &of.page, &contrasts, &participants, &sources), Vec::new()))
 }
 
-/// A metric's tables as figures see them.
-struct Read([Table; 7]);
-
-impl Read {
-    fn of(files: &[PathBuf]) -> Result<Self, JobError> {
-        let [cells, means, contrasts, _, _, participants, sessions, _, repeats, _, redrawn] = files
-        else {
-            return Err("a metric has eleven tables".into());
-        };
-        let read = |file: &PathBuf| Table::from_parquet(file);
-        Ok(Self([
-            read(cells)?,
-            read(means)?,
-            read(contrasts)?,
-            read(participants)?,
-            read(sessions)?,
-            read(repeats)?,
-            read(redrawn)?,
-        ]))
-    }
-
-    fn tables(&self) -> ComparedTables<'_> {
-        let [cells, means, contrasts, participants, sessions, repeats, redrawn] = &self.0;
-        ComparedTables { cells, means, contrasts, participants, sessions, repeats, redrawn }
-    }
+fn draw_modes(of: &Drawn, found: &Comparison) -> Figured {
+    draw(zwidth_figures::modes_compared, of, found)
 }
 
-fn draw_modes(of: &Drawn, files: &Vec<PathBuf>) -> Figured {
-    draw(zwidth_figures::modes_compared, of, files)
+fn draw_participants(of: &Drawn, found: &Comparison) -> Figured {
+    draw(zwidth_figures::participants_compared, of, found)
 }
 
-fn draw_participants(of: &Drawn, files: &Vec<PathBuf>) -> Figured {
-    draw(zwidth_figures::participants_compared, of, files)
+fn draw_sessions(of: &Drawn, found: &Comparison) -> Figured {
+    draw(zwidth_figures::sessions_compared, of, found)
 }
 
-fn draw_sessions(of: &Drawn, files: &Vec<PathBuf>) -> Figured {
-    draw(zwidth_figures::sessions_compared, of, files)
+fn draw_repeats(of: &Drawn, found: &Comparison) -> Figured {
+    draw(zwidth_figures::repeats_compared, of, found)
 }
 
-fn draw_repeats(of: &Drawn, files: &Vec<PathBuf>) -> Figured {
-    draw(zwidth_figures::repeats_compared, of, files)
-}
+/// A figure of a metric.
+type Figure = fn(&About, &[Environment], &[Source], &MetricResults) -> zwidth_draw::Figure;
 
-/// A figure of a metric's tables.
-type Figure = fn(
-    &About,
-    &[Environment],
-    &[Source],
-    ComparedTables,
-) -> Result<zwidth_draw::Figure, zwidth_tables::TableError>;
-
-fn draw(figure: Figure, of: &Drawn, files: &[PathBuf]) -> Figured {
-    let read = Read::of(files)?;
+fn draw(figure: Figure, of: &Drawn, found: &Comparison) -> Figured {
+    let found = found.read(&of.metric.parse()?)?;
     let sources: Vec<Source> = of.sources.iter().copied().collect();
-    Ok((figure(&of.about, &of.environments, &sources, read.tables())?, Vec::new()))
+    Ok((figure(&of.about, &of.environments, &sources, &found), Vec::new()))
 }
 
 #[cfg(test)]

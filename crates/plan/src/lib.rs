@@ -18,6 +18,7 @@ mod design;
 mod drawing;
 mod figures;
 mod freemotion;
+mod handle;
 mod identify;
 mod ladder;
 mod likert;
@@ -59,7 +60,7 @@ pub use preregistered::{analysis, plan_file, plan_finding, plan_text};
 pub use rehearsed::{Rehearsal, TwinOf, rehearsal, rehearsed, rehearsed_trials};
 pub use report::built_in;
 pub use responses::{Responses, responses};
-pub use tables::{printed as printed_tables, write as write_table};
+pub use tables::{Printed, printed as printed_tables, write as write_table};
 pub use trade::{Traded, scenes as trade_scenes};
 
 use rayon::prelude::*;

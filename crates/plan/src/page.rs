@@ -294,8 +294,8 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
     let answers = summary::read(&files.answers)?;
     let planned = &of.summary.planned;
     let contents = metrics.map(|metrics| {
-        let (study, compared) =
-            ((of.study.as_str(), summary.title.as_str()), of.summary.compared(&compared));
+        let study = (of.study.as_str(), summary.title.as_str());
+        let compared = compared.by_metric(of.summary.is_primary_by_default);
         let contents = Contents::of(study, planned, &metrics, &compared, answers.as_ref())?;
         let contents = contents.with_turned(of.turned.clone(), planned.coordinate);
         Ok::<_, TableError>(if of.torque { contents.with_torque() } else { contents })

@@ -1,5 +1,6 @@
 //! Stage `summary`: the page a person reads first.
 
+use crate::compare::Comparison;
 use crate::drawing::Drawing;
 use crate::methods::recorded;
 use crate::trials::name;
@@ -10,16 +11,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
-    ComparedMetric, Gallery, Made as Listed, Remark, Role, Shown, Summary, Told, TrialNames,
+    ComparedMetric, Finding, Gallery, Made as Listed, Remark, Shown, Summary, Told, TrialNames,
     changes, findings, laddered, summary_markdown, survey, traded, uneven_ranges,
 };
+use zwidth_results::{Compared, Mean, MetricNote, ModeDifference, SessionChange};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{About, Format, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 19 };
+const STAGE: Stage = Stage { name: "summary", version: 20 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -33,33 +35,16 @@ pub(crate) struct Page {
     pub(crate) planned: Setup,
     /// The figures' captions, in the order of their files.
     captions: Vec<Caption>,
-    /// The metrics that are compared, in the order of their files.
+    /// The metrics that are compared, the primary one first.
     compared: Vec<String>,
-    /// The study's primary metric, which may not be among them.
-    primary: String,
-    /// Whether it is the one that is primary by default.
-    primary_by_default: bool,
+    /// Whether the study names no primary metric.
+    pub(crate) is_primary_by_default: bool,
     /// The trials whose clock, angle or velocity is to be read with care.
     doubted: TrialNames,
     gallery: Gallery,
 }
 
 impl Page {
-    /// The metrics that are compared, with their tables.
-    pub(crate) fn compared<'a>(&'a self, tables: &'a [[Table; 2]]) -> Vec<ComparedMetric<'a>> {
-        let named = self.compared.iter().zip(tables);
-        named
-            .map(|(name, [means, contrasts])| {
-                let role = match *name == self.primary {
-                    true if self.primary_by_default => Role::PrimaryByDefault,
-                    true => Role::Primary,
-                    false => Role::Exploratory,
-                };
-                ComparedMetric { name, role, means, contrasts }
-            })
-            .collect()
-    }
-
     /// The figure of a finding, or the table of conditions where it was not made or would be one of
     /// many sessions.
     fn shown_by(&self, shown: &Shown, made: &Summary) -> String {
@@ -88,18 +73,24 @@ pub(crate) struct Files {
     /// What is recommended for each scene of the study, and which terms it requires.
     trade: Option<PathBuf>,
     ladder: Option<PathBuf>,
-    /// Means and contrasts of each metric that is compared, the primary one first.
-    compared: Vec<[PathBuf; 2]>,
-    /// Changes between sessions in the first of these metrics.
-    sessions: Option<PathBuf>,
+    /// The metrics compared.
+    compared: Option<Comparison>,
+    /// Whether changes between sessions are told.
+    are_sessions_told: bool,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let Self { metrics, tally, statements, trade, ladder, sessions, .. } = self;
-        let tables = [metrics, tally, statements, trade, ladder, sessions].into_iter();
+        let Self { metrics, tally, statements, trade, ladder, .. } = self;
+        let tables = [metrics, tally, statements, trade, ladder].into_iter();
         let numbers: Vec<PathBuf> = tables.flatten().cloned().collect();
-        let compared: Vec<PathBuf> = self.compared.iter().flatten().cloned().collect();
+        let compared = self.compared.iter().flat_map(|found| {
+            let Comparison { metrics, means, contrasts, sessions, notes, .. } = found;
+            let told = self.are_sessions_told.then(|| sessions.files());
+            let all = [metrics.files(), means.files(), contrasts.files(), notes.files()];
+            all.into_iter().chain(told).flatten()
+        });
+        let compared: Vec<PathBuf> = compared.collect();
         [&self.noted, &self.of_trials, &self.figures, &self.tables, &numbers, &compared]
             .map(Clone::clone)
             .concat()
@@ -125,16 +116,15 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
         statements: report::statements(data),
         trade: trade::recommended(data),
         ladder: ladder::of_study(data),
-        compared: compared.iter().map(|metric| compare::summarised(&data.layout, metric)).collect(),
-        sessions: compared.first().and_then(|metric| compare::changes(data, metric)),
+        compared: compare::of_study(data),
+        are_sessions_told: compare::are_sessions_told(data),
     };
     let page = Page {
         facts: facts(data, found),
         planned: Setup::of(&data.study),
         captions: figures.iter().map(|figure| figure.caption.clone()).collect(),
         compared,
-        primary: data.study.compare.primary.to_string(),
-        primary_by_default: !data.study.compare.is_primary_named,
+        is_primary_by_default: !data.study.compare.is_primary_named,
         doubted: doubted(data, found),
         gallery: report::gallery(data, figures),
     };
@@ -151,8 +141,8 @@ fn make(page: &Page, files: &Files, making: &Making) -> Result<Made, JobError> {
 /// The summary, and what is in it and on the page.
 pub(crate) struct Gathered {
     pub(crate) summary: Summary,
-    /// The tables of the metrics that are compared.
-    pub(crate) compared: Vec<[Table; 2]>,
+    /// What was found of the metrics that are compared.
+    pub(crate) compared: ReadComparison,
     /// Metrics of the trials, as far as they are looked at.
     pub(crate) metrics: Option<Table>,
 }
@@ -177,16 +167,22 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     let tables = there.par_iter().map(listed).collect::<Result<Vec<_>, _>>()?;
     summary.left_out.extend(tables.iter().filter_map(|(listed, rows)| empty(listed, *rows)));
     summary.tables = tables.into_iter().map(|(listed, _)| listed).collect();
-    let compared = read_compared(files)?;
-    let of_compared = page.compared(&compared);
-    summary.matrix = zwidth_report::matrix(&page.planned, &of_compared)?;
-    summary.limits.extend(notes(&contrasts_of(files), |kind| kind == NoteKind::Limit)?);
+    let compared = ReadComparison::of(files)?;
+    let of_compared = compared.by_metric(page.is_primary_by_default);
+    summary.matrix = zwidth_report::matrix(&page.planned, &of_compared);
+    let limits = compared.notes.iter().filter(|note| note.kind == NoteKind::Limit);
+    let limits: BTreeSet<String> = limits.map(|note| note.note.clone()).collect();
+    summary.limits.extend(limits);
     let there = files.metrics.as_deref().filter(|file| file.exists());
     let metrics = there.map(|file| metrics::looked_at(file, &page.compared)).transpose()?;
     if let Some(metrics) = &metrics {
         summary.limits.extend(uneven_ranges(&page.planned, metrics)?);
     }
-    summary.shown = list_findings(page, files, metrics.as_ref(), &of_compared, &summary)?;
+    let mut sentences = zwidth_report::contrasts(&page.planned, &of_compared);
+    if let Some(primary) = of_compared.first() {
+        sentences.extend(changes(&page.planned, primary, compared.sessions_of(primary)));
+    }
+    summary.shown = list_findings(page, files, metrics.as_ref(), sentences, &summary)?;
     (summary.statements, summary.judged) = list_statements(page, files, &summary)?;
     summary.runs = list_runs(page, files, &summary)?;
     summary.left_out.extend(missing);
@@ -200,20 +196,16 @@ fn list_findings(
     page: &Page,
     files: &Files,
     metrics: Option<&Table>,
-    compared: &[ComparedMetric],
+    of_comparison: Vec<Finding>,
     made: &Summary,
 ) -> Result<Vec<Listed>, TableError> {
     let tally = read(&files.tally)?;
-    let mut sentences = zwidth_report::contrasts(&page.planned, compared)?;
-    if let Some(sessions) = read(&files.sessions)? {
-        sentences.extend(changes(&page.planned, compared, &sessions)?);
-    }
     let found = match (metrics, &tally) {
         (Some(metrics), tally) => findings(&page.planned, metrics, tally.as_ref(), &page.doubted)?,
         (None, Some(tally)) => survey(&page.planned, tally)?,
         (None, None) => Vec::new(),
     };
-    let all = sentences.into_iter().chain(found);
+    let all = of_comparison.into_iter().chain(found);
     Ok(all.map(|f| Listed { path: page.shown_by(&f.shown, made), caption: f.text }).collect())
 }
 
@@ -227,7 +219,7 @@ fn list_runs(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, 
     if let Some(table) = read(&files.ladder)? {
         found.extend(laddered(&page.planned, &table)?);
     }
-    let listed = |finding: zwidth_report::Finding| {
+    let listed = |finding: Finding| {
         let file = page.gallery.file(&finding.shown);
         let path = if is_made(made, &file) { file } else { page.gallery.table(&finding.shown) };
         Listed { path, caption: finding.text }
@@ -265,19 +257,51 @@ fn is_made(made: &Summary, path: &str) -> bool {
     made.figures.iter().chain(&made.tables).any(|m| m.path == path)
 }
 
-/// The tables of the metrics that are compared, up to one that could not be made.
-fn read_compared(files: &Files) -> Result<Vec<[Table; 2]>, TableError> {
-    let there = files.compared.iter().take_while(|tables| tables.iter().all(|f| f.exists()));
-    there
-        .map(|[means, contrasts]| {
-            Ok([Table::from_parquet(means)?, Table::from_parquet(contrasts)?])
-        })
-        .collect()
+/// What was found of the metrics that are compared; nothing where it could not be made.
+#[derive(Default)]
+pub(crate) struct ReadComparison {
+    metrics: Vec<Compared>,
+    means: Vec<Mean>,
+    contrasts: Vec<ModeDifference>,
+    sessions: Vec<SessionChange>,
+    notes: Vec<MetricNote>,
 }
 
-/// The tables of contrasts.
-fn contrasts_of(files: &Files) -> Vec<PathBuf> {
-    files.compared.iter().map(|[_, contrasts]| contrasts.clone()).collect()
+impl ReadComparison {
+    fn of(files: &Files) -> Result<Self, TableError> {
+        let found = files.compared.as_ref().filter(|found| found.metrics.path().exists());
+        let Some(found) = found else { return Ok(Self::default()) };
+        let sessions = if files.are_sessions_told { found.sessions.read()? } else { Vec::new() };
+        Ok(Self {
+            metrics: found.metrics.read()?,
+            means: found.means.read()?,
+            contrasts: found.contrasts.read()?,
+            sessions,
+            notes: found.notes.read()?,
+        })
+    }
+
+    /// Metric by metric: the rows of one stand together.
+    pub(crate) fn by_metric(&self, is_primary_by_default: bool) -> Vec<ComparedMetric<'_>> {
+        let of = |metric| ComparedMetric {
+            metric,
+            is_primary_by_default,
+            means: own(&self.means, |row| row.metric == metric.metric),
+            contrasts: own(&self.contrasts, |row| row.metric == metric.metric),
+        };
+        self.metrics.iter().map(of).collect()
+    }
+
+    fn sessions_of(&self, metric: &ComparedMetric) -> &[SessionChange] {
+        own(&self.sessions, |row| row.metric == metric.metric.metric)
+    }
+}
+
+/// The rows that stand together because they are of the same.
+fn own<R>(rows: &[R], is_own: impl Fn(&R) -> bool) -> &[R] {
+    let first = rows.iter().position(&is_own).unwrap_or(rows.len());
+    let after = rows[first..].iter().position(|row| !is_own(row));
+    &rows[first..after.map_or(rows.len(), |more| first + more)]
 }
 
 fn facts(data: &StudyData, found: &Findings) -> Summary {

@@ -1,6 +1,7 @@
 //! Stage `tables`: every derived table that people read, in every format; one that is too long to be
 //! read, for programs alone.
 
+use crate::handle::Derived;
 use crate::long::for_programs;
 use crate::{
     characterise, compare, freemotion, identify, ladder, likert, metrics, replay, report, trade,
@@ -9,32 +10,117 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_metrics::by_mode;
-use zwidth_runner::{Job, JobError, Made, Making, Output, Stage};
+use zwidth_results::{Compared, MetricNote};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Output, Stage};
 use zwidth_store::{Layout, StudyData};
-use zwidth_tables::{Format, Table, TableError, Wording, write_csv};
+use zwidth_study::MetricId;
+use zwidth_tables::{Format, Table, TableError, Wording, of_metric, write_csv};
 
 /// Its version is raised when a table would be written differently from the same data.
-const STAGE: Stage = Stage { name: "tables", version: 22 };
+const STAGE: Stage = Stage { name: "tables", version: 23 };
 
-/// The derived tables that are printed, each with whether simulated data go into it. The trade runs
-/// models, and what modes and device are is written in study.toml.
-pub fn printed(data: &StudyData) -> Vec<(PathBuf, bool)> {
+/// A table that is printed: a derived one, or one metric's rows of it.
+#[derive(Debug, Clone)]
+pub struct Printed {
+    file: PathBuf,
+    metric: Option<MetricId>,
+    /// Whether columns that no row has a value of are left out.
+    drops_empty: bool,
+    /// Whether it has to be marked: simulated data go into it, and it does not say so by itself.
+    simulated: bool,
+}
+
+impl Printed {
+    /// The whole of a derived table.
+    pub(crate) fn whole(file: &Path) -> Self {
+        Self { file: file.to_owned(), metric: None, drops_empty: false, simulated: false }
+    }
+
+    /// The same, without the columns that no row has a value of.
+    pub(crate) fn without_empty_columns(file: &Path) -> Self {
+        Self { drops_empty: true, ..Self::whole(file) }
+    }
+
+    /// A metric's rows of a table of all metrics.
+    pub(crate) fn of_metric(file: &Path, metric: &str) -> Self {
+        Self { metric: metric.parse().ok(), ..Self::whole(file) }
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> String {
+        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
+        self.metric.as_ref().map_or_else(|| stem.to_string(), |metric| format!("{stem}_{metric}"))
+    }
+
+    /// Whether it was made.
+    pub fn exists(&self) -> bool {
+        self.file.exists()
+    }
+
+    /// What is said of a metric's rows: what the metric is, and the notes below them.
+    fn metrics_and_notes(&self) -> (Derived<Compared>, Derived<MetricNote>) {
+        let folder = self.file.parent().unwrap_or(Path::new(""));
+        (Derived::within(folder), Derived::within(folder))
+    }
+
+    /// The table.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read(&self) -> Result<Table, TableError> {
+        let table = Table::from_parquet(&self.file)?;
+        let Some(metric) = &self.metric else {
+            let table = if self.drops_empty { table.without_empty_columns() } else { table };
+            return Ok(table.with_mark(self.simulated));
+        };
+        let (metrics, notes) = self.metrics_and_notes();
+        match metrics.read_of(metric)?.first() {
+            Some(metric) => of_metric(&table, metric, &notes.read_of(&metric.metric)?),
+            None => Ok(table.rows(&[])),
+        }
+    }
+
+    /// Its title and how many rows it has.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn about(&self) -> Result<(String, usize), TableError> {
+        if self.metric.is_some() {
+            return self.read().map(|table| (table.title().to_owned(), table.height()));
+        }
+        Table::about(&self.file).map(|about| (about.title, about.rows))
+    }
+}
+
+impl Inputs for Printed {
+    fn files(&self) -> Vec<PathBuf> {
+        let mut files = vec![self.file.clone()];
+        if self.metric.is_some() {
+            files.extend(self.metrics_and_notes().files());
+        }
+        files
+    }
+}
+
+/// The tables that are printed. The trade runs models, and what modes and device are is written in
+/// study.toml: neither is marked as simulated.
+pub fn printed(data: &StudyData) -> Vec<Printed> {
     let trials = data.counting().any(|trial| trial.meta.source.is_simulated());
     let answers = data.sessions.iter().any(|session| session.record.source.is_simulated());
     let sweeps = data.sweeps.iter().any(|sweep| sweep.source.is_simulated());
     let any = trials || answers || sweeps;
-    let kinds = [
-        (of_trials(data), trials),
-        (likert::printed(data), answers),
-        // The answers' are marked by themselves.
-        (compare::tables(data), trials),
-        (trade::tables(data), false),
-        (of_sweeps(data), sweeps),
-        (report::of_data(data), any),
-        (report::of_design(data), false),
-    ];
-    let kinds = kinds.into_iter();
-    kinds.flat_map(|(tables, mark)| tables.into_iter().map(move |table| (table, mark))).collect()
+    let whole = |files: Vec<PathBuf>, simulated| {
+        files.into_iter().map(move |file| Printed { simulated, ..Printed::whole(&file) })
+    };
+    whole(of_trials(data), trials)
+        .chain(whole(likert::printed(data), answers))
+        // These are marked by themselves.
+        .chain(compare::tables(data))
+        .chain(whole(trade::tables(data), false))
+        .chain(whole(of_sweeps(data), sweeps))
+        .chain(whole(report::of_data(data), any))
+        .chain(whole(report::of_design(data), false))
+        .collect()
 }
 
 /// What is made of the trials' samples.
@@ -67,50 +153,46 @@ fn printed_as(layout: &Layout, stem: &str, format: Format) -> PathBuf {
 
 /// The printed tables, as Parquet.
 pub(crate) fn files(data: &StudyData) -> Vec<PathBuf> {
-    printed(data)
-        .iter()
-        .map(|(path, _)| printed_as(&data.layout, &stem(path), Format::Parquet))
-        .collect()
-}
-
-fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    let names = printed(data).into_iter().map(|table| table.name());
+    names.map(|name| printed_as(&data.layout, &name, Format::Parquet)).collect()
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let for_programs = for_programs(data);
-    printed(data).into_iter().map(|(path, mark)| job(data, path, mark, &for_programs)).collect()
+    printed(data).into_iter().map(|table| job(data, table, &for_programs)).collect()
 }
 
 /// How a table is printed.
 #[derive(Serialize)]
-struct Printed {
+struct Printing {
     wording: Wording,
-    /// Whether simulated data go into it.
     simulated: bool,
+    metric: Option<MetricId>,
 }
 
-fn job(data: &StudyData, input: PathBuf, simulated: bool, for_programs: &BTreeSet<String>) -> Job {
-    let stem = stem(&input);
-    let is_written = |f: &Format| f.is_for_programs() || !for_programs.contains(&stem);
+fn job(data: &StudyData, table: Printed, for_programs: &BTreeSet<String>) -> Job {
+    let name = table.name();
+    let is_written = |f: &Format| f.is_for_programs() || !for_programs.contains(&name);
     let formats = Format::ALL.into_iter().filter(is_written);
-    let outputs = formats.map(|f| printed_as(&data.layout, &stem, f)).collect();
-    let how = Printed { wording: Wording::of(&data.study), simulated };
-    Job::new(STAGE, format!("table {stem}"), how, input, outputs, make)
+    let outputs = formats.map(|f| printed_as(&data.layout, &name, f)).collect();
+    let (wording, simulated, metric) =
+        (Wording::of(&data.study), table.simulated, table.metric.clone());
+    let how = Printing { wording, simulated, metric };
+    Job::new(STAGE, format!("table {name}"), how, table, outputs, make)
 }
 
-fn make(how: &Printed, input: &PathBuf, making: &Making) -> Result<Made, JobError> {
+fn make(how: &Printing, table: &Printed, making: &Making) -> Result<Made, JobError> {
     let format = |path: &Path| {
         Format::ALL.into_iter().find(|f| path.extension().is_some_and(|e| e == f.extension()))
     };
     let files = making.outputs.iter().filter_map(|path| Some((format(path)?, path.as_path())));
     let files: Vec<_> = files.collect();
-    if files.iter().all(|(format, _)| format.is_for_programs()) {
+    if table.metric.is_none() && files.iter().all(|(format, _)| format.is_for_programs()) {
+        let input = &table.file;
         let outputs = files.into_iter().map(|file| long(file, how.simulated, input, making));
         return Ok(Made { outputs: outputs.collect(), ..Made::default() });
     }
-    let table = Table::from_parquet(input)?.with_mark(how.simulated);
-    Ok(Made::of(write(&table, &files, &how.wording, making.from)?))
+    Ok(Made::of(write(&table.read()?, &files, &how.wording, making.from)?))
 }
 
 /// A file of a table that may be of any length.
@@ -153,7 +235,7 @@ mod tests {
         let mut study = data();
         let meta = study.trials[0].meta.clone();
         let names = |study: &StudyData| -> Vec<String> {
-            printed(study).iter().map(|(path, _)| stem(path)).collect()
+            printed(study).iter().map(Printed::name).collect()
         };
         study.answers.clear();
         assert!(!names(&study).contains(&"answers".to_owned()));

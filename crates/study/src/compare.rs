@@ -1,8 +1,10 @@
 //! What a study compares: contrasts of modes, metrics, what difference would matter.
 
-use crate::{MetricId, ModeId};
+use crate::{IdError, MetricId, Mode, ModeId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
 
 /// `[compare]` of a study, with its defaults put in: what is compared, set before the data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -35,6 +37,34 @@ pub struct Contrast {
     pub mode: ModeId,
     /// The mode that it is compared with.
     pub against: ModeId,
+}
+
+impl Contrast {
+    /// Between the two modes of a contrast, in a text. No id has a space.
+    pub const MINUS: &str = " − ";
+
+    /// The contrast by the labels of its modes; by their ids where they are others.
+    pub fn label(&self, modes: &[Mode]) -> String {
+        let [mode, against] = [&self.mode, &self.against].map(|id| {
+            modes.iter().find(|mode| mode.id == *id).map_or(id.as_str(), |mode| &mode.label)
+        });
+        format!("{mode}{}{against}", Self::MINUS)
+    }
+}
+
+impl fmt::Display for Contrast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{}{}", self.mode, Self::MINUS, self.against)
+    }
+}
+
+impl FromStr for Contrast {
+    type Err = IdError;
+
+    fn from_str(text: &str) -> Result<Self, IdError> {
+        let (mode, against) = text.split_once(Self::MINUS).unwrap_or((text, ""));
+        Ok(Self { mode: mode.parse()?, against: against.parse()? })
+    }
 }
 
 /// Differences within ± this are too small to matter.

@@ -1,7 +1,5 @@
 //! Labels that people gave to modes and environments, in the middle of a sentence.
 
-use crate::Mode;
-
 /// A label where no sentence begins: the first letter is small unless its word is written large
 /// throughout (PD) or inside (McRuer); the rest is as it was given.
 pub fn in_a_sentence(label: &str) -> String {
@@ -14,15 +12,6 @@ pub fn in_a_sentence(label: &str) -> String {
         true => first.to_lowercase().chain(rest.chars()).collect(),
         false => label.to_owned(),
     }
-}
-
-/// A contrast of two modes, `hybrid − active`, by their labels; as it is where it is of others.
-pub fn contrast_label(modes: &[Mode], contrast: &str) -> String {
-    let label = |id: &str| Some(modes.iter().find(|mode| mode.id.as_str() == id)?.label.as_str());
-    let labels = contrast
-        .split_once(" − ")
-        .and_then(|(mode, against)| Some(format!("{} − {}", label(mode)?, label(against)?)));
-    labels.unwrap_or_else(|| contrast.to_owned())
 }
 
 #[cfg(test)]

@@ -1,15 +1,12 @@
 //! From the units of files to the units of screens.
 
 use crate::unit::{self, Conversion};
-use crate::{Column, Field, Table, TableError, Values};
+use crate::{Column, Field, Table, TableError, UNIT_OF_ROW, Values};
 use zwidth_study::Coordinate;
 
 /// A table whose every torque is smaller than this, N·m, speaks of mN·m.
 const SMALL_TORQUE_NM: f64 = 0.1;
 const TORQUE: &str = "N·m";
-
-/// The unit of a column whose every row has its own, named by the text column `unit`.
-pub const UNIT_OF_ROW: &str = "";
 
 /// The table as people read it: other units, and names that follow them; descriptions, title and
 /// notes stay.

@@ -71,6 +71,14 @@ pub enum TableError {
         /// The value.
         value: f64,
     },
+    /// It has not the rows that it should have.
+    #[error("table '{table}': {source}")]
+    Rows {
+        /// The table.
+        table: String,
+        /// What it lacks.
+        source: zwidth_results::ReadError,
+    },
     /// The file could not be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),

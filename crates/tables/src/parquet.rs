@@ -48,7 +48,7 @@ impl Table {
         footer.insert(TITLE.to_owned(), self.title().to_owned());
         footer.insert(NOTES.to_owned(), self.notes().join("\n"));
         if self.notes_by_kind().any(|(kind, _)| kind != NoteKind::General) {
-            let kinds: Vec<_> = self.notes_by_kind().map(|(kind, _)| kind.word()).collect();
+            let kinds: Vec<_> = self.notes_by_kind().map(|(kind, _)| kind.as_str()).collect();
             footer.insert(KINDS.to_owned(), kinds.join("\n"));
         }
         footer

@@ -2,232 +2,11 @@
 
 use crate::TableError;
 use crate::unit::split_unit;
-use std::borrow::Cow;
 use std::sync::Arc;
-
-/// Type of a column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Type {
-    /// `f64`, finite or null.
-    Float,
-    /// `i64`.
-    Integer,
-    /// Text.
-    Text,
-    /// Yes or no.
-    Flag,
-}
-
-/// What a column is: name (with its unit as suffix), unit, meaning.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Field {
-    /// Name, in snake case, with the unit as its suffix: `theta_max_rad`.
-    pub name: Cow<'static, str>,
-    /// Unit: `rad`, `N`, `1` for a pure number or a word.
-    pub unit: Cow<'static, str>,
-    /// Meaning, one sentence.
-    pub description: Cow<'static, str>,
-    /// Type.
-    pub kind: Type,
-}
-
-/// The values of a column; `None` is null: not applicable, or not known.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Values {
-    /// Numbers.
-    Float(Vec<Option<f64>>),
-    /// Whole numbers.
-    Integer(Vec<Option<i64>>),
-    /// Texts; one that comes back a few rows later is kept once.
-    Text(Vec<Option<Arc<str>>>),
-    /// Yes or no.
-    Flag(Vec<Option<bool>>),
-}
-
-impl Values {
-    fn kind(&self) -> Type {
-        match self {
-            Self::Float(_) => Type::Float,
-            Self::Integer(_) => Type::Integer,
-            Self::Text(_) => Type::Text,
-            Self::Flag(_) => Type::Flag,
-        }
-    }
-
-    fn len(&self) -> usize {
-        match self {
-            Self::Float(v) => v.len(),
-            Self::Integer(v) => v.len(),
-            Self::Text(v) => v.len(),
-            Self::Flag(v) => v.len(),
-        }
-    }
-
-    /// Their values one after the other; all are of one type.
-    fn joined(parts: Vec<Self>) -> Option<Self> {
-        let rows: usize = parts.iter().map(Self::len).sum();
-        let mut parts = parts.into_iter();
-        let mut all = parts.next()?;
-        all.reserve(rows - all.len());
-        parts.for_each(|more| all.append(more));
-        Some(all)
-    }
-
-    fn reserve(&mut self, more: usize) {
-        match self {
-            Self::Float(v) => v.reserve_exact(more),
-            Self::Integer(v) => v.reserve_exact(more),
-            Self::Text(v) => v.reserve_exact(more),
-            Self::Flag(v) => v.reserve_exact(more),
-        }
-    }
-
-    /// Appends values of the same type; the caller never passes another.
-    fn append(&mut self, more: Self) {
-        match (self, more) {
-            (Self::Float(v), Self::Float(more)) => v.extend(more),
-            (Self::Integer(v), Self::Integer(more)) => v.extend(more),
-            (Self::Text(v), Self::Text(more)) => v.extend(more),
-            (Self::Flag(v), Self::Flag(more)) => v.extend(more),
-            _ => {}
-        }
-    }
-
-    /// The values of some rows, in this order; null for a row that is not there.
-    #[must_use]
-    pub fn of_rows(&self, rows: impl Iterator<Item = Option<usize>>) -> Self {
-        fn of<T: Clone>(
-            values: &[Option<T>],
-            rows: impl Iterator<Item = Option<usize>>,
-        ) -> Vec<Option<T>> {
-            rows.map(|row| values.get(row?).cloned().flatten()).collect()
-        }
-        match self {
-            Self::Float(v) => Self::Float(of(v, rows)),
-            Self::Integer(v) => Self::Integer(of(v, rows)),
-            Self::Text(v) => Self::Text(of(v, rows)),
-            Self::Flag(v) => Self::Flag(of(v, rows)),
-        }
-    }
-}
-
-/// A column to be: its field and its values.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    /// What it is.
-    pub field: Field,
-    /// Its values.
-    pub values: Values,
-}
-
-impl Column {
-    fn new(
-        name: &'static str,
-        unit: &'static str,
-        description: &'static str,
-        values: Values,
-    ) -> Self {
-        let field = Field {
-            name: name.into(),
-            unit: unit.into(),
-            description: description.into(),
-            kind: values.kind(),
-        };
-        Self { field, values }
-    }
-
-    /// A column of numbers.
-    pub fn float(
-        name: &'static str,
-        unit: &'static str,
-        description: &'static str,
-        values: impl IntoIterator<Item = Option<f64>>,
-    ) -> Self {
-        Self::new(name, unit, description, Values::Float(values.into_iter().collect()))
-    }
-
-    /// A column of whole numbers.
-    pub fn integer(
-        name: &'static str,
-        unit: &'static str,
-        description: &'static str,
-        values: impl IntoIterator<Item = Option<i64>>,
-    ) -> Self {
-        Self::new(name, unit, description, Values::Integer(values.into_iter().collect()))
-    }
-
-    /// A column of texts.
-    pub fn text(
-        name: &'static str,
-        description: &'static str,
-        values: impl IntoIterator<Item = Option<impl Into<Arc<str>>>>,
-    ) -> Self {
-        let values = values.into_iter().map(|text| text.map(Into::into));
-        Self::new(name, "1", description, Values::Text(values.collect()))
-    }
-
-    /// A column of yes and no.
-    pub fn flag(
-        name: &'static str,
-        description: &'static str,
-        values: impl IntoIterator<Item = Option<bool>>,
-    ) -> Self {
-        Self::new(name, "1", description, Values::Flag(values.into_iter().collect()))
-    }
-}
+use zwidth_results::{Column, Field, NoteKind, Row, Type, Values};
 
 /// Stands below every table that simulated data went into, as on every such figure.
 pub const SYNTHETIC: &str = "SYNTHETIC: simulated, not measured.";
-
-/// What a note below a table is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum NoteKind {
-    /// The table and its numbers.
-    #[default]
-    General,
-    /// How far the numbers reach: no limit of the study, and no fault.
-    Extent,
-    /// What the repeats behind its means were aligned by.
-    Alignment,
-    /// Something that is not in the table.
-    LeftOut,
-    /// Something in the table that is to be read with care.
-    Care,
-    /// What the study's design cannot show.
-    Limit,
-    /// The difference that is just noticed, and whose finding that is.
-    Jnd,
-}
-
-impl NoteKind {
-    const ALL: [Self; 7] = [
-        Self::General,
-        Self::Extent,
-        Self::Alignment,
-        Self::LeftOut,
-        Self::Care,
-        Self::Limit,
-        Self::Jnd,
-    ];
-
-    /// The word that stands for it in a file.
-    pub(crate) fn word(self) -> &'static str {
-        match self {
-            Self::General => "general",
-            Self::Extent => "extent",
-            Self::Alignment => "alignment",
-            Self::LeftOut => "left_out",
-            Self::Care => "care",
-            Self::Limit => "limit",
-            Self::Jnd => "jnd",
-        }
-    }
-
-    /// The kind of that word.
-    pub(crate) fn from_word(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.word() == word)
-    }
-}
 
 /// A table: name, title, notes, and columns of one length.
 #[derive(Debug, Clone)]
@@ -261,6 +40,32 @@ impl Table {
         }
         let (name, title) = (name.to_owned(), title.to_owned());
         Ok(Self { name, title, notes: Vec::new(), kinds: Vec::new(), columns })
+    }
+
+    /// The table of some rows, under their name and title.
+    ///
+    /// # Errors
+    /// A float that is not finite.
+    pub fn of_rows<R: Row>(rows: &[R]) -> Result<Self, TableError> {
+        Self::new(R::NAME, R::TITLE, R::columns(rows))
+    }
+
+    /// Its rows as those of a declaration.
+    ///
+    /// # Errors
+    /// A column that is not there or of another type; a value that is none.
+    pub fn to_rows<R: Row>(&self) -> Result<Vec<R>, TableError> {
+        R::read(&self.columns)
+            .map_err(|source| TableError::Rows { table: self.name.clone(), source })
+    }
+
+    /// The same table without the columns of which no row has a value; all of a table without rows.
+    #[must_use]
+    pub fn without_empty_columns(mut self) -> Self {
+        if self.height() > 0 {
+            self.columns.retain(|column| column.values.are_any());
+        }
+        self
     }
 
     /// The same table with a note below it.
@@ -487,6 +292,17 @@ impl Table {
         let (name, title) = (self.name.clone(), self.title.clone());
         let (notes, kinds) = (self.notes.clone(), self.kinds.clone());
         Self { name, title, notes, kinds, columns }
+    }
+
+    /// The rows that have a text in a column.
+    ///
+    /// # Errors
+    /// A column that is not there or holds no texts.
+    pub fn with_text(&self, column: &str, text: &str) -> Result<Self, TableError> {
+        let texts = self.words(column)?.enumerate();
+        let rows: Vec<usize> =
+            texts.filter(|(_, own)| *own == Some(text)).map(|(row, _)| row).collect();
+        Ok(self.rows(&rows))
     }
 
     /// The columns' names, for a message.

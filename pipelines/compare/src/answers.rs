@@ -6,16 +6,16 @@
 //! one person beside. On a longer scale answers are a quantity: the effect is the same, the test
 //! that of the mean difference (`quantity`).
 
-use crate::cells::whole;
+use crate::CompareError;
 use crate::quantity::{self, Difference, Score};
-use crate::{CompareError, columns};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
+use zwidth_results::{AnswerDifference, AnswerTest, PersonSuperiority};
 use zwidth_stats::clmm::{ModeComparison, ModeStudy, OddsRatio, compare_modes};
 use zwidth_stats::superiority::{Repeats, Superiority, superiority};
 use zwidth_stats::{Tested, Unestimable, holm};
-use zwidth_study::{AnswerValue, Contrast, EnvironmentId, ModeId, Question};
-use zwidth_tables::{Column, Table};
+use zwidth_study::{AnswerValue, Contrast, EnvironmentId, ModeId, ParticipantId, Question};
+use zwidth_tables::Table;
 
 /// The key of the bootstrap's random numbers.
 const SEED: u64 = 1;
@@ -23,8 +23,6 @@ const SEED: u64 = 1;
 /// What a comparison of answers depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnswerParameters {
-    /// Whether any of the answers are simulated.
-    pub simulated: bool,
     /// The environments, in the study's order.
     pub environments: Vec<EnvironmentId>,
     /// The modes, in the study's order.
@@ -37,13 +35,13 @@ pub struct AnswerParameters {
     pub level: f64,
 }
 
-/// The answers compared, as tables.
-#[derive(Debug, Clone)]
+/// The answers compared.
+#[derive(Debug, Clone, PartialEq)]
 pub struct AnswersCompared {
     /// One row per question, environment and contrast.
-    pub contrasts: Table,
+    pub contrasts: Vec<AnswerDifference>,
     /// The same for each participant.
-    pub participants: Table,
+    pub participants: Vec<PersonSuperiority>,
 }
 
 /// The answers to one question in one environment, by the places of their names.
@@ -108,12 +106,60 @@ impl Row<'_> {
         }
     }
 
-    /// Which model the contrast has, or would have.
-    fn model_words(&self) -> String {
-        match self.question.scale.is_ordinal() {
+    /// The row by its names; with `is_any_long` it tells its model, because others have another.
+    fn named(&self, is_any_long: bool) -> AnswerDifference {
+        let effect = self.effect.as_ref().ok();
+        let interval = effect.and_then(|effect| effect.interval.clone().ok());
+        let model = match self.question.scale.is_ordinal() {
             true => "cumulative logit".to_owned(),
             false => format!("means, as for a metric ({} points)", self.question.scale.points()),
+        };
+        let shares = |effect: &Superiority| effect.shares.iter().flatten().count();
+        AnswerDifference {
+            question: self.question.id.clone(),
+            environment: self.environment.clone(),
+            contrast: self.contrast.clone(),
+            n: effect.map(shares),
+            answers: self.answers,
+            superiority: effect.map(|effect| effect.probability),
+            superiority_ci_low: interval.map(|ends| ends.0),
+            superiority_ci_high: interval.map(|ends| ends.1),
+            odds_ratio: self.odds().and_then(|ratio| ratio.estimate),
+            odds_ratio_ci_low: self.odds().and_then(|ratio| ratio.interval.low.value()),
+            odds_ratio_ci_high: self.odds().and_then(|ratio| ratio.interval.high.value()),
+            p_value: self.model.as_ref().ok().map(Model::p_value),
+            p_adjusted: self.p_adjusted,
+            p_any: self.any.map(|(p, _)| p),
+            test_any: self.any.map(|(_, is_bootstrap)| match is_bootstrap {
+                true => AnswerTest::Bootstrap,
+                false => AnswerTest::F,
+            }),
+            remark: match &self.model {
+                Ok(Model::Odds(ratio)) => ratio.remark(),
+                Ok(Model::Means(_)) => None,
+                Err(why) => Some(why.to_string()),
+            },
+            model: is_any_long.then_some(model),
+            difference: self.difference,
+            difference_ci_low: self.means().map(|means| means.ci_low),
+            difference_ci_high: self.means().map(|means| means.ci_high),
         }
+    }
+
+    /// The effects of those who answered in both modes.
+    fn people(&self, names: &[ParticipantId]) -> Vec<PersonSuperiority> {
+        let shares = self.effect.as_ref().map(|effect| effect.shares.as_slice());
+        let everybody = self.people.iter().zip(shares.unwrap_or_default());
+        let both = everybody.filter_map(|(who, share)| {
+            Some(PersonSuperiority {
+                question: self.question.id.clone(),
+                environment: self.environment.clone(),
+                contrast: self.contrast.clone(),
+                participant: names[*who].clone(),
+                superiority: (*share)?,
+            })
+        });
+        both.collect()
     }
 }
 
@@ -137,9 +183,10 @@ pub fn compare_answers(
         }
         adjust(&mut rows[first..])?;
     }
+    let is_any_long = rows.iter().any(|row| !row.question.scale.is_ordinal());
     Ok(AnswersCompared {
-        contrasts: as_table(&rows)?.with_mark(parameters.simulated),
-        participants: of_participants(&rows, &names)?.with_mark(parameters.simulated),
+        contrasts: rows.iter().map(|row| row.named(is_any_long)).collect(),
+        participants: rows.iter().flat_map(|row| row.people(&names)).collect(),
     })
 }
 
@@ -147,7 +194,7 @@ pub fn compare_answers(
 fn by_question<'p>(
     answers: &Table,
     parameters: &'p AnswerParameters,
-) -> Result<(Vec<String>, ByQuestion<'p>), CompareError> {
+) -> Result<(Vec<ParticipantId>, ByQuestion<'p>), CompareError> {
     let texts = |name| answers.texts(name);
     let (participants, sessions) = (texts("participant")?, texts("session")?);
     let (environments, modes, questions) =
@@ -180,7 +227,8 @@ fn by_question<'p>(
         of.mode.push(mode);
         of.value.push(scored);
     }
-    Ok((people.into_keys().map(Option::unwrap_or_default).collect(), found))
+    let people = people.into_keys().map(|name| name.unwrap_or_default().parse());
+    Ok((people.collect::<Result<_, _>>()?, found))
 }
 
 /// The contrasts of one question in one environment of which both modes were answered.
@@ -203,7 +251,6 @@ fn of_environment<'a>(
         let (model, difference, any) = match &compared {
             Some(Ok(comparison)) => {
                 let ratio = comparison.odds_ratios[row].clone();
-                let ratio = ratio.map_err(|why| name_modes(why, &parameters.modes));
                 let any = (comparison.p_value(), comparison.bootstrap.is_some());
                 (ratio.map(Model::Odds), None, Some(any))
             }
@@ -258,25 +305,10 @@ fn model(
         participants: &answers.participant,
         modes: &answers.mode,
         sessions: &answers.session,
+        mode_names: &parameters.modes.iter().map(ModeId::as_str).collect::<Vec<_>>(),
     };
     let pairs: Vec<[usize; 2]> = pairs.iter().map(|(_, pair)| *pair).collect();
-    let compared = compare_modes(&study, &pairs, parameters.level, SEED);
-    compared.map_err(|why| name_modes(why, &parameters.modes))
-}
-
-/// The same reason with the modes' names in the place of their numbers.
-fn name_modes(why: Unestimable, modes: &[ModeId]) -> Unestimable {
-    let named = |what: String| {
-        let numbered = modes.iter().enumerate().rev();
-        numbered.fold(what, |what, (number, mode)| {
-            what.replace(&format!("mode {number}"), mode.as_str())
-        })
-    };
-    match why {
-        Unestimable::Separated { what } => Unestimable::Separated { what: named(what) },
-        Unestimable::Confounded { what } => Unestimable::Confounded { what: named(what) },
-        other => other,
-    }
+    compare_modes(&study, &pairs, parameters.level, SEED)
 }
 
 /// Everybody's answers in the two modes, compared pair by pair.
@@ -307,90 +339,13 @@ fn adjust(rows: &mut [Row]) -> Result<(), CompareError> {
     Ok(())
 }
 
-fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
-    let texts = |name, description, of: fn(&Row) -> Option<String>| {
-        Column::text(name, description, rows.iter().map(of))
-    };
-    let numbers = |name, description, of: fn(&Row) -> Option<f64>| {
-        Column::float(name, "1", description, rows.iter().map(of))
-    };
-    let effect = |row: &Row| row.effect.as_ref().ok().cloned();
-    let mut all = vec![
-        texts("question", "the question", |row| Some(row.question.id.to_string())),
-        texts("environment", "what was rendered", |row| Some(row.environment.to_string())),
-        columns::contrasts(rows.iter().map(|row| row.contrast)),
-        Column::integer(
-            "n",
-            "1",
-            "participants with both modes",
-            rows.iter().map(|row| {
-                whole(effect(row)?.shares.iter().filter(|share| share.is_some()).count())
-            }),
-        ),
-        Column::integer("answers", "1", "answers", rows.iter().map(|row| whole(row.answers))),
-        Column::float(
-            "superiority",
-            "1",
-            "P(A > B) + ½ P(A = B), mean over participants: ½ where neither is above the other",
-            rows.iter().map(|row| Some(effect(row)?.probability)),
-        ),
-        Column::float(
-            "superiority_ci_low",
-            "1",
-            "lower end of its interval over participants",
-            rows.iter().map(|row| Some(effect(row)?.interval.ok()?.0)),
-        ),
-        Column::float(
-            "superiority_ci_high",
-            "1",
-            "upper end of its interval over participants",
-            rows.iter().map(|row| Some(effect(row)?.interval.ok()?.1)),
-        ),
-        numbers("odds_ratio", "odds of a higher answer, for one person", |row| {
-            row.odds()?.estimate
-        }),
-        numbers(
-            "odds_ratio_ci_low",
-            "lower end of its profile interval; none: see remark",
-            |row| row.odds()?.interval.low.value(),
-        ),
-        numbers("odds_ratio_ci_high", "upper end; none: see remark", |row| {
-            row.odds()?.interval.high.value()
-        }),
-        numbers("p_value", "p value of an odds ratio of one (likelihood ratio over F)", |row| {
-            Some(row.model.as_ref().ok()?.p_value())
-        }),
-        numbers("p_adjusted", "the same, adjusted over the question by Holm", |row| row.p_adjusted),
-        numbers("p_any", "p value of no difference between any modes", |row| Some(row.any?.0)),
-        texts("test_any", "how that was found", |row| {
-            Some(if row.any?.1 { "bootstrap" } else { "F" }.to_owned())
-        }),
-        texts(
-            "remark",
-            "why there is no model or odds ratio, or an end of its interval is missing",
-            |row| match &row.model {
-                Ok(Model::Odds(ratio)) => ratio.remark(),
-                Ok(Model::Means(_)) => None,
-                Err(why) => Some(why.to_string()),
-            },
-        ),
-    ];
-    let is_long = |row: &Row| !row.question.scale.is_ordinal();
-    if rows.iter().any(is_long) {
-        all.extend([
-            texts("model", "what the contrast is tested by", |row| Some(row.model_words())),
-            numbers("difference", "mean difference, points of the scale", |row| row.difference),
-            numbers("difference_ci_low", "lower end of its interval", |row| {
-                Some(row.means()?.ci_low)
-            }),
-            numbers("difference_ci_high", "upper end of its interval", |row| {
-                Some(row.means()?.ci_high)
-            }),
-        ]);
-    }
-    let title = "Answers compared: effects over participants, odds ratios for one person";
-    let mut table = Table::new("answers_compared", title, all)?;
-    if rows.iter().any(is_long) {
+/// The answers compared as a table, with what is to be known of it.
+///
+/// # Errors
+/// A number that is none.
+pub fn answers_table(rows: &[AnswerDifference]) -> Result<Table, CompareError> {
+    let mut table = Table::of_rows(rows)?;
+    if rows.iter().any(|row| row.model.is_some()) {
         table = table.with_note(
             "On a scale of more than 11 points means are compared, as for a metric: the mean over participants \
              of their differences, sessions averaged with equal weight, by Student's t; p_value is that of a \
@@ -404,33 +359,4 @@ fn as_table(rows: &[Row]) -> Result<Table, CompareError> {
          a bootstrap (999) tests whether any mode differs. Adjusted over the contrasts of a question: \
          questions are not adjusted for each other.",
     ))
-}
-
-/// The participants' effects in one contrast, of those who answered in both modes.
-fn shares<'r>(row: &'r Row<'r>) -> impl Iterator<Item = (&'r Row<'r>, usize, f64)> {
-    let shares = row.effect.as_ref().map(|effect| effect.shares.as_slice()).unwrap_or_default();
-    let everybody = row.people.iter().zip(shares);
-    everybody.filter_map(move |(who, share)| Some((row, *who, (*share)?)))
-}
-
-/// Everybody's effect in each contrast.
-fn of_participants(rows: &[Row], names: &[String]) -> Result<Table, CompareError> {
-    let all: Vec<(&Row, usize, f64)> = rows.iter().flat_map(shares).collect();
-    let texts = |name, description, of: fn(&Row) -> String| {
-        Column::text(name, description, all.iter().map(|(row, ..)| Some(of(row))))
-    };
-    let columns = vec![
-        texts("question", "the question", |row| row.question.id.to_string()),
-        texts("environment", "what was rendered", |row| row.environment.to_string()),
-        columns::contrasts(all.iter().map(|(row, ..)| row.contrast)),
-        Column::text("participant", "who", all.iter().map(|(_, who, _)| Some(&*names[*who]))),
-        Column::float(
-            "superiority",
-            "1",
-            "P(A > B) + ½ P(A = B) over the pairs of this participant's answers",
-            all.iter().map(|(_, _, share)| Some(*share)),
-        ),
-    ];
-    let title = "Answers compared: each participant's effect";
-    Ok(Table::new("answers_participants", title, columns)?)
 }

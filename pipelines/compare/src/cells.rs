@@ -1,14 +1,14 @@
 //! The metric's values by cell: one participant in one session, environment and mode.
 
 use crate::measure::Measure;
+use crate::trials::{KEYS, ids, known, place, sorted};
 use crate::{CompareError, Parameters};
-use std::collections::BTreeSet;
 use zwidth_frames::{Aggregate, Frame, Statistic};
+use zwidth_results as results;
+use zwidth_results::UnitOfAnalysis;
 use zwidth_stats::welch::Group;
-use zwidth_tables::{Column, Field, Table, Type};
-
-/// What a cell is one of.
-pub(crate) const KEYS: [&str; 4] = ["participant", "session", "environment", "mode"];
+use zwidth_study::{ParticipantId, SessionId};
+use zwidth_tables::{Field, Table, Type};
 
 /// The repeats of one participant in one session, environment and mode.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,9 +35,9 @@ pub(crate) struct Cell {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cells {
     /// Codes, in their order.
-    pub(crate) participants: Vec<String>,
+    pub(crate) participants: Vec<ParticipantId>,
     /// Codes of sessions, in their order; people share them.
-    pub(crate) sessions: Vec<String>,
+    pub(crate) sessions: Vec<SessionId>,
     /// The cells.
     pub(crate) cells: Vec<Cell>,
 }
@@ -58,12 +58,11 @@ impl Cells {
         parameters: &Parameters,
     ) -> Result<Self, CompareError> {
         let grouped = grouped(metrics, measure)?;
-        let [participant, session, environment, mode] = KEYS.map(|key| grouped.texts(key));
-        let (participant, session) = (known(participant?), known(session?));
-        let (environment, mode) = (known(environment?), known(mode?));
+        let [participant, session, environment, mode] = KEYS.map(|key| known(&grouped, key));
+        let (participant, session) = (participant?, session?);
+        let (environment, mode) = (environment?, mode?);
         let (trials, n) = (grouped.integers("trials")?, grouped.integers("n")?);
-        let (mean, sd) =
-            (grouped.floats(&measure.named("mean"))?, grouped.floats(&measure.named("sd"))?);
+        let (mean, sd) = (grouped.floats("mean")?, grouped.floats("sd")?);
         let (participants, sessions) = (sorted(&participant), sorted(&session));
         let mut cells = Vec::new();
         for row in 0..grouped.height() {
@@ -81,7 +80,15 @@ impl Cells {
             });
         }
         cells.sort_by_key(|c| (c.participant, c.session, c.environment, c.mode));
-        Ok(Self { participants, sessions, cells })
+        Ok(Self { participants: ids(&participants)?, sessions: ids(&sessions)?, cells })
+    }
+
+    /// What n counts: with one participant the trials.
+    pub(crate) fn unit(&self) -> UnitOfAnalysis {
+        match self.participants.as_slice() {
+            [only] => UnitOfAnalysis::TrialsOf(only.clone()),
+            _ => UnitOfAnalysis::Participants,
+        }
     }
 
     /// The cells of one condition, in the order of participant and session.
@@ -93,93 +100,57 @@ impl Cells {
         self.cells.iter().filter(move |c| (c.environment, c.mode) == (environment, mode))
     }
 
-    /// The cells as a table, by their names.
-    pub(crate) fn table(
-        &self,
-        measure: &Measure,
-        parameters: &Parameters,
-    ) -> Result<Table, CompareError> {
-        let cells = || self.cells.iter();
-        let columns = vec![
-            Column::text(
-                "participant",
-                "who",
-                cells().map(|c| Some(&*self.participants[c.participant])),
-            ),
-            Column::text(
-                "session",
-                "in which session",
-                cells().map(|c| Some(&*self.sessions[c.session])),
-            ),
-            Column::text(
-                "environment",
-                "what was rendered",
-                cells().map(|c| Some(parameters.environments[c.environment].as_str())),
-            ),
-            Column::text(
-                "mode",
-                "how it was rendered",
-                cells().map(|c| Some(parameters.modes[c.mode].as_str())),
-            ),
-            Column::integer("trials", "1", "trials that count", cells().map(|c| whole(c.trials))),
-            Column::integer("n", "1", "trials that have the metric", cells().map(|c| whole(c.n))),
-            measure.column("mean", "mean of these trials", cells().map(|c| c.mean)),
-            measure.column("sd", "standard deviation of these trials", cells().map(|c| c.sd)),
-        ];
-        let title = format!("By participant, session and condition: {}", measure.description);
-        Ok(Table::new(&format!("cells_{}", measure.name), &title, columns)?)
+    /// The cells by their names.
+    pub(crate) fn rows(&self, measure: &Measure, parameters: &Parameters) -> Vec<results::Cell> {
+        let row = |cell: &Cell| results::Cell {
+            metric: measure.parameters.metric.clone(),
+            unit: measure.unit.clone(),
+            participant: self.participants[cell.participant].clone(),
+            session: self.sessions[cell.session].clone(),
+            environment: parameters.environments[cell.environment].clone(),
+            mode: parameters.modes[cell.mode].clone(),
+            trials: cell.trials,
+            n: cell.n,
+            mean: cell.mean,
+            sd: cell.sd,
+        };
+        self.cells.iter().map(row).collect()
     }
 }
 
 /// One row a cell, by polars.
 fn grouped(metrics: &Table, measure: &Measure) -> Result<Table, CompareError> {
-    let wanted = KEYS.iter().copied().chain([measure.name.as_str()]);
+    let metric = measure.parameters.metric.as_str();
+    let wanted = KEYS.iter().copied().chain([metric]);
     let columns =
         wanted.map(|name| metrics.column(name).cloned()).collect::<Result<Vec<_>, _>>()?;
-    let fields = columns[..KEYS.len()].iter().map(|column| column.field.clone());
-    let aggregate =
-        |statistic, name: String| Aggregate { of: measure.name.clone(), statistic, name };
-    let aggregates = [
-        aggregate(Statistic::Mean, measure.named("mean")),
-        aggregate(Statistic::Deviation, measure.named("sd")),
-        aggregate(Statistic::Count, "n".to_owned()),
-    ];
-    let made = |name: String, kind| Field {
+    let keys = columns[..KEYS.len()].iter().map(|column| column.field.clone());
+    let aggregates =
+        [(Statistic::Mean, "mean"), (Statistic::Deviation, "sd"), (Statistic::Count, "n")].map(
+            |(statistic, name)| Aggregate {
+                of: metric.to_owned(),
+                statistic,
+                name: name.to_owned(),
+            },
+        );
+    let made = [
+        ("trials", Type::Integer),
+        ("n", Type::Integer),
+        ("mean", Type::Float),
+        ("sd", Type::Float),
+    ]
+    .map(|(name, kind)| Field {
         name: name.into(),
         unit: "1".into(),
         description: "".into(),
         kind,
-    };
-    let fields = fields.chain([
-        made("trials".to_owned(), Type::Integer),
-        made("n".to_owned(), Type::Integer),
-        made(measure.named("mean"), Type::Float),
-        made(measure.named("sd"), Type::Float),
-    ]);
-    let fields = fields.collect();
+    });
+    let fields = keys.chain(made).collect();
     let values = Table::new(metrics.name(), metrics.title(), columns)?;
     let frame = Frame::new(&values)?.grouped(&KEYS, "trials", &aggregates)?;
     Ok(frame.to_table("cells", "", fields)?)
 }
 
-fn known(texts: Vec<Option<String>>) -> Vec<String> {
-    texts.into_iter().map(Option::unwrap_or_default).collect()
-}
-
-fn sorted(names: &[String]) -> Vec<String> {
-    names.iter().collect::<BTreeSet<_>>().into_iter().cloned().collect()
-}
-
-/// The place of a name among sorted ones that have it.
-fn place(names: &[String], name: &String) -> usize {
-    names.partition_point(|before| before < name)
-}
-
 fn counted(n: Option<i64>) -> usize {
     n.and_then(|n| usize::try_from(n).ok()).unwrap_or(0)
-}
-
-/// A count as a column holds it.
-pub(crate) fn whole(n: usize) -> Option<i64> {
-    i64::try_from(n).ok()
 }

@@ -1,22 +1,17 @@
 //! Contrasts between modes: one row per environment and contrast.
 
-use crate::cells::{Cells, whole};
+use crate::cells::Cells;
 use crate::differences::{Difference, of_everybody};
 use crate::measure::Measure;
 use crate::orders::{NoTest, SharpNull};
-use crate::together::CONTRASTS;
-use crate::unit::Unit;
-use crate::{CompareError, Parameters, columns};
-use zwidth_stats::effect::{self, Effect};
+use crate::{CompareError, Parameters};
+use zwidth_results::{ModeDifference, Size, UnitOfAnalysis, Verdict};
+use zwidth_stats::effect;
 use zwidth_stats::null::Sampling;
-use zwidth_stats::paired::{self, Verdict};
+use zwidth_stats::paired;
 use zwidth_stats::sharp_null::Randomised;
 use zwidth_stats::{StatsError, Tested, Unestimable, holm, sign_flip, signed_rank};
 use zwidth_study::{Contrast, EffectSize, Families};
-use zwidth_tables::{Column, Table};
-
-/// The verdict of what has no test.
-const NOT_TESTED: &str = "not tested";
 
 /// Flips that are drawn where there are too many participants to count all.
 const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
@@ -43,32 +38,34 @@ pub(crate) struct Row {
     /// The p value of "the difference is not within the bound", where there is a bound.
     pub(crate) p_not_equivalent: Option<f64>,
     /// What these two say.
-    pub(crate) verdict: Option<Verdict>,
+    pub(crate) verdict: Verdict,
 }
 
 impl Row {
     /// How many units the contrast rests on: participants, or one participant's trials.
-    pub(crate) fn n(&self, unit: &Unit) -> usize {
+    pub(crate) fn n(&self, unit: &UnitOfAnalysis) -> usize {
         match unit {
-            Unit::Participants => self.differences.len(),
-            Unit::Trials { .. } => self.differences.iter().flat_map(|d| d.trials).sum(),
+            UnitOfAnalysis::Participants => self.differences.len(),
+            UnitOfAnalysis::TrialsOf(_) => self.differences.iter().flat_map(|d| d.trials).sum(),
         }
     }
 
     /// The p value that a claim rests on, before it is adjusted: that of the participants'
     /// differences; with one participant, that of the sharp null.
-    fn p_of_claim(&self, unit: &Unit) -> Option<f64> {
+    fn p_of_claim(&self, unit: &UnitOfAnalysis) -> Option<f64> {
         match unit {
-            Unit::Participants => self.tested.as_ref().ok().map(|tested| tested.p_value),
-            Unit::Trials { .. } => self.sharp_null.as_ref().ok().map(|test| test.p_value),
+            UnitOfAnalysis::Participants => self.tested.as_ref().ok().map(|tested| tested.p_value),
+            UnitOfAnalysis::TrialsOf(_) => self.sharp_null.as_ref().ok().map(|test| test.p_value),
         }
     }
 
     /// The smallest p value that the design's orders reach, where the claim rests on them.
-    fn smallest_p(&self, unit: &Unit) -> Option<f64> {
+    fn smallest_p(&self, unit: &UnitOfAnalysis) -> Option<f64> {
         match unit {
-            Unit::Participants => None,
-            Unit::Trials { .. } => self.sharp_null.as_ref().ok().map(|test| test.smallest_p),
+            UnitOfAnalysis::Participants => None,
+            UnitOfAnalysis::TrialsOf(_) => {
+                self.sharp_null.as_ref().ok().map(|test| test.smallest_p)
+            }
         }
     }
 
@@ -78,16 +75,17 @@ impl Row {
     }
 
     /// Why there is no test, or no claim can be made.
-    fn remark(&self, unit: &Unit, alpha: f64) -> Option<String> {
-        if let Some(verdict) = self.verdict {
-            let smallest = self.out_of_reach(alpha).filter(|_| verdict == Verdict::Undecided)?;
+    fn remark(&self, unit: &UnitOfAnalysis, alpha: f64) -> Option<String> {
+        if self.verdict != Verdict::NotTested {
+            let undecided = self.verdict == Verdict::Undecided;
+            let smallest = self.out_of_reach(alpha).filter(|_| undecided)?;
             return Some(format!(
                 "the design's orders reach an adjusted p of {smallest:.4} at best"
             ));
         }
         match unit {
-            Unit::Participants => self.tested.as_ref().err().map(ToString::to_string),
-            Unit::Trials { .. } => self.sharp_null.as_ref().err().map(ToString::to_string),
+            UnitOfAnalysis::Participants => self.tested.as_ref().err().map(ToString::to_string),
+            UnitOfAnalysis::TrialsOf(_) => self.sharp_null.as_ref().err().map(ToString::to_string),
         }
     }
 
@@ -115,12 +113,12 @@ impl Row {
     }
 
     /// What the interval says of whether the difference is felt: a description, no claim.
-    fn size_in_words(&self) -> Option<&'static str> {
+    fn size(&self) -> Option<Size> {
         let (low, high) = (self.in_jnds(|t| t.ci_low)?, self.in_jnds(|t| t.ci_high)?);
         Some(match () {
-            () if low > 1.0 || high < -1.0 => "felt",
-            () if low > -1.0 && high < 1.0 => "below what is felt",
-            () => "may be felt",
+            () if low > 1.0 || high < -1.0 => Size::Felt,
+            () if low > -1.0 && high < 1.0 => Size::BelowWhatIsFelt,
+            () => Size::MayBeFelt,
         })
     }
 
@@ -145,7 +143,7 @@ impl Row {
 pub(crate) fn rows(
     cells: &Cells,
     orders: &[SharpNull],
-    unit: &Unit,
+    unit: &UnitOfAnalysis,
     measure: &Measure,
     parameters: &Parameters,
 ) -> Result<Vec<Row>, CompareError> {
@@ -156,8 +154,9 @@ pub(crate) fn rows(
             let differences = of_everybody(cells, environment, modes, parameters.level);
             if !differences.is_empty() {
                 let test = sharp_null.clone();
-                let row = row(environment, contrast, differences, test, unit, parameters)?;
-                let noticed = parameters.noticed.as_ref();
+                let bound = measure.parameters.bounds[environment];
+                let row = row(environment, contrast, differences, test, bound, unit, parameters)?;
+                let noticed = measure.parameters.noticed.as_ref();
                 let jnd = noticed.and_then(|n| n.jnd(environment, row.mean(1), &measure.unit));
                 rows.push(Row { jnd, ..row });
             }
@@ -175,17 +174,18 @@ fn row(
     contrast: &Contrast,
     differences: Vec<Difference>,
     sharp_null: Result<Randomised, NoTest>,
-    unit: &Unit,
+    bound: Option<f64>,
+    unit: &UnitOfAnalysis,
     parameters: &Parameters,
 ) -> Result<Row, StatsError> {
     let tested = match unit {
-        Unit::Participants => {
+        UnitOfAnalysis::Participants => {
             let pairs: Vec<[f64; 2]> = differences.iter().map(|d| d.means).collect();
             paired::mean_difference(&paired::differences(&pairs), parameters.level)
         }
-        Unit::Trials { .. } => differences[0].within.clone(),
+        UnitOfAnalysis::TrialsOf(_) => differences[0].within.clone(),
     };
-    let equivalence = tested.as_ref().ok().zip(parameters.bounds[environment]);
+    let equivalence = tested.as_ref().ok().zip(bound);
     let equivalence = equivalence
         .map(|(tested, bound)| paired::equivalence(tested, bound, parameters.alpha))
         .transpose()?;
@@ -199,20 +199,25 @@ fn row(
         p_adjusted: None,
         smallest_p_adjusted: None,
         p_not_equivalent: equivalence.map(|e| e.p_value()),
-        verdict: None,
+        verdict: Verdict::NotTested,
     })
 }
 
 /// Adjusts the p values of one family, and the smallest that they can be.
-fn adjust(rows: &mut [Row], unit: &Unit, alpha: f64) -> Result<(), StatsError> {
-    let adjusted = |p: fn(&Row, &Unit) -> Option<f64>| {
+fn adjust(rows: &mut [Row], unit: &UnitOfAnalysis, alpha: f64) -> Result<(), StatsError> {
+    let adjusted = |p: fn(&Row, &UnitOfAnalysis) -> Option<f64>| {
         holm::adjusted(&rows.iter().filter_map(|row| p(row, unit)).collect::<Vec<_>>())
     };
     let (claims, smallest) = (adjusted(Row::p_of_claim)?, adjusted(Row::smallest_p)?);
     let with_claim = rows.iter_mut().filter(|row| row.p_of_claim(unit).is_some());
     for (row, p) in with_claim.zip(claims) {
         row.p_adjusted = Some(p);
-        row.verdict = Some(Verdict::new(p, row.p_not_equivalent, alpha));
+        row.verdict = match paired::Verdict::new(p, row.p_not_equivalent, alpha) {
+            paired::Verdict::Different => Verdict::Different,
+            paired::Verdict::DifferentBelowBound => Verdict::DifferentBelowBound,
+            paired::Verdict::Equivalent => Verdict::Equivalent,
+            paired::Verdict::Undecided => Verdict::Undecided,
+        };
     }
     let with_smallest = rows.iter_mut().filter(|row| row.smallest_p(unit).is_some());
     for (row, p) in with_smallest.zip(smallest) {
@@ -221,164 +226,67 @@ fn adjust(rows: &mut [Row], unit: &Unit, alpha: f64) -> Result<(), StatsError> {
     Ok(())
 }
 
-/// The contrasts as a table.
-pub(crate) fn table(
+/// The contrasts by the names of what they compare.
+pub(crate) fn named(
     rows: &[Row],
-    unit: &Unit,
+    unit: &UnitOfAnalysis,
     measure: &Measure,
     parameters: &Parameters,
-) -> Result<Table, CompareError> {
-    let tested = |of: fn(&Tested) -> f64| {
-        rows.iter().map(move |row| row.tested.as_ref().ok().map(of)).collect::<Vec<_>>()
-    };
-    let sessions = rows.iter().map(|row| row.differences.iter().map(|d| d.sessions).max());
-    let number =
-        |name, description, values: Vec<Option<f64>>| Column::float(name, "1", description, values);
-
-    let mut all = vec![
-        columns::environments(parameters, rows.iter().map(|row| row.environment)),
-        columns::contrasts(rows.iter().map(|row| &row.contrast)),
-        columns::units(unit, rows.len()),
-        Column::integer("n", "1", "units of analysis", rows.iter().map(|row| whole(row.n(unit)))),
-        Column::integer(
-            "sessions",
-            "1",
-            "sessions per participant, at most",
-            sessions.map(|sessions| sessions.and_then(whole)),
-        ),
-        measure.column(
-            "mean_first",
-            "mean in the contrast's first mode",
-            rows.iter().map(|row| Some(row.mean(0))),
-        ),
-        measure.column(
-            "mean_second",
-            "mean in the contrast's second mode",
-            rows.iter().map(|row| Some(row.mean(1))),
-        ),
-        measure.column(
-            "difference",
-            "mean difference",
-            rows.iter().map(|row| Some(row.estimate())),
-        ),
-        measure.column("difference_std_error", "its standard error", tested(|t| t.std_error)),
-        measure.column("difference_ci_low", "lower end of its interval", tested(|t| t.ci_low)),
-        measure.column("difference_ci_high", "upper end of its interval", tested(|t| t.ci_high)),
-    ];
-    let sharp_null = number(
-        "p_sharp_null",
-        "p value of no trial depending on mode (randomisation over orders), not adjusted",
-        rows.iter().map(|row| row.sharp_null.as_ref().ok().map(|test| test.p_value)).collect(),
-    );
-    let adjusted = |description| {
-        number("p_adjusted", description, rows.iter().map(|row| row.p_adjusted).collect())
-    };
-    if let Unit::Trials { .. } = unit {
-        all.push(number("df", "degrees of freedom of the interval", tested(|t| t.df)));
-        all.push(sharp_null);
-        all.push(adjusted("that of no trial depending on mode, adjusted over its family by Holm"));
-        all.push(number(
-            "smallest_p_adjusted",
-            "the smallest adjusted p value that the design's orders reach",
-            rows.iter().map(|row| row.smallest_p_adjusted).collect(),
-        ));
-    } else {
-        all.push(number("statistic", "t statistic", tested(|t| t.statistic)));
-        all.push(number("df", "degrees of freedom", tested(|t| t.df)));
-        all.push(number("p_value", "p value of no difference", tested(|t| t.p_value)));
-        all.push(adjusted("the same, adjusted over its family by Holm"));
-        all.extend(effect_columns(rows, parameters));
-        all.push(number(
-            "p_sign_flip",
-            "p value of the sign-flip test, not adjusted",
-            rows.iter().map(Row::p_sign_flip).collect(),
-        ));
-        all.push(number(
-            "p_signed_rank",
-            "p value of the signed-rank test, not adjusted",
-            rows.iter().map(Row::p_signed_rank).collect(),
-        ));
-        all.push(sharp_null);
-    }
-    if rows.iter().any(|row| row.jnd.is_some()) {
-        let in_jnds = |of: fn(&Tested) -> f64| rows.iter().map(|row| row.in_jnds(of)).collect();
-        let jnds = rows.iter().map(|row| row.jnd);
-        let noticed = parameters.noticed.as_ref();
-        if noticed.is_some_and(|noticed| noticed.commanded.iter().any(Option::is_some)) {
-            let commanded =
-                rows.iter().map(|row| noticed.and_then(|n| n.commanded[row.environment]));
-            all.push(measure.column("commanded", "value that the environment commands", commanded));
+) -> Vec<ModeDifference> {
+    let of_people = *unit == UnitOfAnalysis::Participants;
+    let asked = |size: EffectSize| of_people && parameters.effect_sizes.contains(&size);
+    let noticed = measure.parameters.noticed.as_ref();
+    let row = |row: &Row| {
+        let tested = row.tested.as_ref().ok();
+        let by_t = tested.filter(|_| of_people);
+        let (pairs, level) = (row.pairs(), parameters.level);
+        let av = effect::d_av(&pairs, level).ok();
+        let av = av.filter(|_| asked(EffectSize::GAv) || asked(EffectSize::DAv));
+        let z = effect::d_z(&pairs, level).ok();
+        let z = z.filter(|_| asked(EffectSize::GZ) || asked(EffectSize::DZ));
+        let av_ends = av.as_ref().and_then(|effect| effect.interval);
+        let z_ends = z.as_ref().and_then(|effect| effect.interval);
+        ModeDifference {
+            metric: measure.parameters.metric.clone(),
+            unit: measure.unit.clone(),
+            environment: parameters.environments[row.environment].clone(),
+            contrast: row.contrast.clone(),
+            unit_of_analysis: unit.clone(),
+            n: row.n(unit),
+            sessions: row.differences.iter().map(|d| d.sessions).max(),
+            mean_first: row.mean(0),
+            mean_second: row.mean(1),
+            difference: row.estimate(),
+            difference_std_error: tested.map(|t| t.std_error),
+            difference_ci_low: tested.map(|t| t.ci_low),
+            difference_ci_high: tested.map(|t| t.ci_high),
+            statistic: by_t.map(|t| t.statistic),
+            df: tested.map(|t| t.df),
+            p_value: by_t.map(|t| t.p_value),
+            p_adjusted: row.p_adjusted,
+            smallest_p_adjusted: row.smallest_p_adjusted,
+            g_av: av.as_ref().and_then(|e| e.g).filter(|_| asked(EffectSize::GAv)),
+            d_av: av.as_ref().map(|e| e.d).filter(|_| asked(EffectSize::DAv)),
+            d_av_ci_low: av_ends.map(|ends| ends[0]),
+            d_av_ci_high: av_ends.map(|ends| ends[1]),
+            g_z: z.as_ref().and_then(|e| e.g).filter(|_| asked(EffectSize::GZ)),
+            d_z: z.as_ref().map(|e| e.d).filter(|_| asked(EffectSize::DZ)),
+            d_z_ci_low: z_ends.map(|ends| ends[0]),
+            d_z_ci_high: z_ends.map(|ends| ends[1]),
+            p_sign_flip: row.p_sign_flip().filter(|_| of_people),
+            p_signed_rank: row.p_signed_rank().filter(|_| of_people),
+            p_sharp_null: row.sharp_null.as_ref().ok().map(|test| test.p_value),
+            commanded: noticed.and_then(|n| n.commanded[row.environment]),
+            jnd: row.jnd,
+            difference_jnd: row.jnd.map(|jnd| row.estimate() / jnd),
+            difference_jnd_ci_low: row.in_jnds(|t| t.ci_low),
+            difference_jnd_ci_high: row.in_jnds(|t| t.ci_high),
+            size: row.size(),
+            bound: measure.parameters.bounds[row.environment],
+            p_not_equivalent: row.p_not_equivalent,
+            verdict: row.verdict,
+            remark: row.remark(unit, parameters.alpha),
         }
-        all.push(measure.column("jnd", "difference that is just noticed", jnds));
-        all.extend([
-            number(
-                "difference_jnd",
-                "difference over the one that is just noticed",
-                rows.iter().map(|row| row.jnd.map(|jnd| row.estimate() / jnd)).collect(),
-            ),
-            number("difference_jnd_ci_low", "lower end of its interval", in_jnds(|t| t.ci_low)),
-            number("difference_jnd_ci_high", "upper end of its interval", in_jnds(|t| t.ci_high)),
-            Column::text(
-                "size",
-                "whether the interval is of differences that are felt, no claim",
-                rows.iter().map(Row::size_in_words),
-            ),
-        ]);
-    }
-    if parameters.bounds.iter().any(Option::is_some) {
-        all.push(measure.column(
-            "bound",
-            "differences up to this size are equivalent",
-            rows.iter().map(|row| parameters.bounds[row.environment]),
-        ));
-        all.push(number(
-            "p_not_equivalent",
-            "p value of a difference beyond the bound (TOST)",
-            rows.iter().map(|row| row.p_not_equivalent).collect(),
-        ));
-    }
-    let verdicts = rows.iter().map(|row| Some(row.verdict.map_or(NOT_TESTED, Verdict::words)));
-    all.push(Column::text("verdict", "what the tests show", verdicts));
-    let remarks = rows.iter().map(|row| row.remark(unit, parameters.alpha));
-    all.push(Column::text("remark", "why there is no test, or no claim", remarks));
-    let title = format!("Modes compared: {}", measure.description);
-    Ok(Table::new(&[CONTRASTS, &measure.name].concat(), &title, all)?)
-}
-
-/// The effect sizes of a study, each with the interval of its d.
-fn effect_columns(rows: &[Row], parameters: &Parameters) -> Vec<Column> {
-    let effects = |of: fn(&[[f64; 2]], f64) -> Result<Effect, Unestimable>| -> Vec<Option<Effect>> {
-        rows.iter().map(|row| of(&row.pairs(), parameters.level).ok()).collect()
     };
-    let (z, av) = (effects(effect::d_z), effects(effect::d_av));
-    const D_AV: &str = "difference over the root mean of the modes' variances between participants";
-    const D_Z: &str = "difference over the standard deviation of participants' differences";
-    let mut columns: Vec<Column> = Vec::new();
-    for size in &parameters.effect_sizes {
-        let (effects, ends, description) = match size {
-            EffectSize::GAv => {
-                (&av, ["d_av_ci_low", "d_av_ci_high"], "d_av without its bias where people are few")
-            }
-            EffectSize::DAv => (&av, ["d_av_ci_low", "d_av_ci_high"], D_AV),
-            EffectSize::GZ => {
-                (&z, ["d_z_ci_low", "d_z_ci_high"], "d_z without its bias where people are few")
-            }
-            EffectSize::DZ => (&z, ["d_z_ci_low", "d_z_ci_high"], D_Z),
-        };
-        let of: fn(&Effect) -> Option<f64> = match size {
-            EffectSize::GAv | EffectSize::GZ => |effect| effect.g,
-            EffectSize::DAv | EffectSize::DZ => |effect| Some(effect.d),
-        };
-        let estimates = effects.iter().map(|effect| effect.as_ref().and_then(of));
-        columns.push(Column::float(size.as_str(), "1", description, estimates));
-        if columns.iter().all(|column| column.field.name != ends[0]) {
-            let interval = |effect: &Option<Effect>| effect.as_ref()?.interval;
-            let [low, high] = [0, 1].map(|side| {
-                effects.iter().map(move |effect| interval(effect).map(|ends| ends[side]))
-            });
-            columns.push(Column::float(ends[0], "1", "lower end of the interval of d", low));
-            columns.push(Column::float(ends[1], "1", "upper end of the interval of d", high));
-        }
-    }
-    columns
+    rows.iter().map(row).collect()
 }

@@ -1,6 +1,6 @@
 //! Stage: modes, participants and sessions compared, one metric at a time.
 //!
-//! [`compare`] turns the table of metrics (one row per trial) into tables of one metric. Nothing
+//! [`compare`] turns the table of metrics (one row per trial) into rows of [`zwidth_results`]. Nothing
 //! here reads a file or a clock.
 //!
 //! # What is estimated
@@ -19,7 +19,6 @@
 
 mod answers;
 mod cells;
-mod columns;
 mod contrasts;
 mod differences;
 mod drawn;
@@ -40,85 +39,132 @@ mod sessions;
 #[cfg(test)]
 mod tests;
 mod together;
-mod unit;
+mod trials;
 
-pub use answers::{AnswerParameters, AnswersCompared, compare_answers};
+pub use answers::{AnswerParameters, AnswersCompared, answers_table, compare_answers};
 pub use drawn::{DrawnOrder, SessionOrder};
 pub use error::CompareError;
-pub use measure::Measure;
-pub use parameters::{Noticed, Parameters};
+pub use parameters::{MetricParameters, Noticed, Parameters};
 pub use preregistered::Preregistered;
 pub use together::together;
 
 use cells::Cells;
-use unit::Unit;
-use zwidth_tables::{NoteKind, Table};
+use measure::Measure;
+use rayon::prelude::*;
+use trials::Trials;
+use zwidth_results::{
+    Cell, Compared, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest,
+    PersonDifference, RedrawnDifference, RepeatMean, Role, SessionChange,
+};
+use zwidth_tables::Table;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 10;
+pub const VERSION: u32 = 11;
 
-/// The columns of the metrics that a comparison reads besides the metric.
+/// The columns of the metrics that a comparison reads besides those compared.
 pub const COLUMNS: [&str; 6] = ["participant", "session", "trial", "environment", "mode", "repeat"];
 
-/// The tables of one metric.
-#[derive(Debug, Clone)]
-pub struct Compared {
+/// All metrics compared, one after the other.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Comparison {
+    /// The metrics.
+    pub metrics: Vec<Compared>,
     /// Each participant's mean by session and condition.
-    pub cells: Table,
+    pub cells: Vec<Cell>,
     /// Mean over the units of analysis by condition.
-    pub means: Table,
+    pub means: Vec<Mean>,
     /// Differences between modes.
-    pub contrasts: Table,
+    pub contrasts: Vec<ModeDifference>,
     /// Whether any mode differs from another.
-    pub omnibus: Table,
+    pub omnibus: Vec<Omnibus>,
     /// The same by mixed models.
-    pub models: Table,
+    pub models: Vec<Model>,
     /// Each participant's differences.
-    pub participants: Table,
+    pub participants: Vec<PersonDifference>,
     /// Changes between sessions.
-    pub sessions: Table,
+    pub sessions: Vec<SessionChange>,
     /// Changes from repeat to repeat.
-    pub learning: Table,
+    pub learning: Vec<Learning>,
     /// Means at each repeat.
-    pub repeats: Table,
+    pub repeats: Vec<RepeatMean>,
     /// Differences between modes against other orders of the trials.
-    pub orders: Table,
+    pub orders: Vec<OrderTest>,
     /// What these differences are in the other orders.
-    pub redrawn: Table,
+    pub redrawn: Vec<RedrawnDifference>,
+    /// What stands below the rows of each metric.
+    pub notes: Vec<MetricNote>,
 }
 
-/// Compares the modes, participants and sessions of one metric. `metrics` has one row per trial.
+/// Compares the modes, participants and sessions in each metric. `metrics` has one row per trial.
 ///
 /// # Errors
 /// A table that lacks a column; a level or bound that cannot be one.
-pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Compared, CompareError> {
-    let measure = &Measure::of(metrics, &parameters.metric)?;
+pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Comparison, CompareError> {
+    let each = parameters.metrics.par_iter().map(|metric| {
+        let measure = Measure::new(metrics, metric)?;
+        compare_metric(metrics, &measure, parameters)
+    });
+    let mut all = Comparison::default();
+    for metric in each.collect::<Result<Vec<Comparison>, CompareError>>()? {
+        all.metrics.extend(metric.metrics);
+        all.cells.extend(metric.cells);
+        all.means.extend(metric.means);
+        all.contrasts.extend(metric.contrasts);
+        all.omnibus.extend(metric.omnibus);
+        all.models.extend(metric.models);
+        all.participants.extend(metric.participants);
+        all.sessions.extend(metric.sessions);
+        all.learning.extend(metric.learning);
+        all.repeats.extend(metric.repeats);
+        all.orders.extend(metric.orders);
+        all.redrawn.extend(metric.redrawn);
+        all.notes.extend(metric.notes);
+    }
+    Ok(all)
+}
+
+fn compare_metric(
+    metrics: &Table,
+    measure: &Measure,
+    parameters: &Parameters,
+) -> Result<Comparison, CompareError> {
     let cells = Cells::of(metrics, measure, parameters)?;
-    let unit = &Unit::of(&cells);
-    let orders = orders::sharp_nulls(metrics, measure, parameters, orders::SAMPLING)?;
+    let trials = Trials::of(metrics, measure, parameters)?;
+    let unit = &cells.unit();
+    let orders = orders::sharp_nulls(&trials, parameters, orders::SAMPLING);
     let contrasts = contrasts::rows(&cells, &orders, unit, measure, parameters)?;
-    let means = means::rows(&cells, unit, parameters)?;
-    let noted = |table: Table, notes: Vec<(NoteKind, String)>| {
-        notes.into_iter().fold(table, |table, (kind, note)| table.with_note_of(kind, note))
-    };
-    let marked = |table: Table| table.with_mark(parameters.simulated);
-    Ok(Compared {
-        cells: marked(cells.table(measure, parameters)?),
-        means: marked(noted(
-            means::table(&means, unit, measure, parameters)?,
-            notes::means(&means, unit, parameters),
-        )),
-        contrasts: marked(noted(
-            contrasts::table(&contrasts, unit, measure, parameters)?,
-            notes::contrasts(&contrasts, &cells, unit, measure, parameters),
-        )),
-        omnibus: marked(omnibus::table(&cells, measure, parameters)?),
-        models: marked(models::table(metrics, unit, measure, parameters)?),
-        participants: marked(people::table(&contrasts, &cells, measure, parameters)?),
-        sessions: marked(sessions::table(&cells, measure, parameters)?),
-        learning: marked(learning::table(metrics, unit, measure, parameters)?),
-        repeats: marked(repeats::table(metrics, unit, measure, parameters)?),
-        orders: marked(orders::table(&orders, measure, parameters)?),
-        redrawn: marked(orders::redrawn_table(&orders, measure, parameters)?),
+    let means = means::means(&cells, unit, measure, parameters)?;
+    let models = models::models(&trials, unit, measure, parameters);
+    let sessions = sessions::changes(&cells, measure, parameters);
+    let notes = [
+        notes::means(measure, &means, unit),
+        notes::contrasts(&contrasts, &cells, unit, measure, parameters),
+        notes::omnibus(measure),
+        notes::models(measure, &models),
+        notes::sessions(measure, &sessions),
+        notes::learning(measure),
+        notes::repeats(measure, unit),
+        notes::order_tests(measure),
+    ];
+    Ok(Comparison {
+        metrics: vec![Compared {
+            metric: measure.parameters.metric.clone(),
+            unit: measure.unit.clone(),
+            words: measure.words.clone(),
+            role: if measure.parameters.primary { Role::Primary } else { Role::Exploratory },
+            unit_of_analysis: unit.clone(),
+        }],
+        cells: cells.rows(measure, parameters),
+        means,
+        contrasts: contrasts::named(&contrasts, unit, measure, parameters),
+        omnibus: omnibus::tests(&cells, measure, parameters),
+        models,
+        participants: people::differences(&contrasts, &cells, measure, parameters),
+        sessions: sessions.rows,
+        learning: learning::changes(&trials, unit, measure, parameters),
+        repeats: repeats::means(&trials, measure, parameters)?,
+        orders: orders::rows(&orders, measure, parameters),
+        redrawn: orders::redrawn_differences(&orders, measure, parameters),
+        notes: notes.concat(),
     })
 }

@@ -2,54 +2,167 @@
 
 use crate::cells::{Cell, Cells};
 use crate::measure::Measure;
-use crate::unit::Unit;
-use crate::{Parameters, columns, contrasts, means};
+use crate::orders;
+use crate::sessions::Changes;
+use crate::{Parameters, contrasts};
 use std::collections::{BTreeMap, BTreeSet};
+use zwidth_results::{
+    Learning, Mean, MetricNote, ModeDifference, Model, NoteKind, Omnibus, OrderTest, RepeatMean,
+    Row, SessionChange, UnitOfAnalysis,
+};
 use zwidth_stats::{design_guard, sign_flip};
 use zwidth_study::Families;
-use zwidth_tables::NoteKind;
+
+/// A note, and what it is about.
+type Note = (NoteKind, String);
+
+/// Notes below the table of rows `R`.
+pub(crate) fn below<R: Row>(measure: &Measure, notes: Vec<Note>) -> Vec<MetricNote> {
+    let note = |(kind, note): Note| MetricNote {
+        metric: measure.parameters.metric.clone(),
+        table: R::NAME.to_owned(),
+        kind,
+        note,
+    };
+    notes.into_iter().map(note).collect()
+}
+
+fn general(text: &str) -> Note {
+    (NoteKind::General, text.to_owned())
+}
 
 /// Notes on means.
-pub(crate) fn means(
-    rows: &[means::Row],
-    unit: &Unit,
-    parameters: &Parameters,
-) -> Vec<(NoteKind, String)> {
-    let incomplete = rows.iter().filter(|row| row.trials[1] < row.trials[0]).map(|row| {
-        let [all, with] = row.trials;
-        let (environment, mode) =
-            (&parameters.environments[row.environment], &parameters.modes[row.mode]);
+pub(crate) fn means(measure: &Measure, rows: &[Mean], unit: &UnitOfAnalysis) -> Vec<MetricNote> {
+    let incomplete = rows.iter().filter(|row| row.trials_with_value < row.trials).map(|row| {
+        let Mean { environment, mode, trials, trials_with_value, .. } = row;
         let text = format!(
-            "{environment} × {mode}: {with} of {all} trials have the metric; the mean is among those."
+            "{environment} × {mode}: {trials_with_value} of {trials} trials have the metric; the mean is \
+             among those."
         );
         (NoteKind::Care, text)
     });
-    [(NoteKind::General, of_whom(unit))].into_iter().chain(incomplete).collect()
+    below::<Mean>(measure, [general(&of_whom(unit))].into_iter().chain(incomplete).collect())
+}
+
+/// Notes on whether any mode differs.
+pub(crate) fn omnibus(measure: &Measure) -> Vec<MetricNote> {
+    let note = general(
+        "Over participants, each the mean of their sessions; only those who have every mode. Claims \
+         rest on the table of contrasts.",
+    );
+    below::<Omnibus>(measure, vec![note])
+}
+
+/// Notes on mixed models.
+pub(crate) fn models(measure: &Measure, rows: &[Model]) -> Vec<MetricNote> {
+    let mut notes = vec![general(
+        "REML over all trials, with the largest random structure that the design supports; \
+         Kenward and Roger 1997. The claims rest on the table of contrasts.",
+    )];
+    let singular: Vec<&Model> = rows.iter().filter(|row| row.singular == Some(true)).collect();
+    if !singular.is_empty() {
+        // The degrees of freedom of the row where they are furthest apart.
+        let pairs = singular.iter().filter_map(|row| Some([row.df?, row.df_satterthwaite?]));
+        let furthest = pairs.max_by(|a, b| (a[1] / a[0]).total_cmp(&(b[1] / b[0])));
+        let apart = furthest.map_or(String::new(), |[kenward_roger, satterthwaite]| {
+            format!(" (here {kenward_roger:.1} and {satterthwaite:.1})")
+        });
+        let text = format!(
+            "Where singular, a variance was estimated as zero. Satterthwaite's degrees of freedom take \
+             this zero as certain, so that they count repeats as if each were another participant's, \
+             while Kenward and Roger's keep the variance as unknown{apart}: p_value and the interval \
+             are Kenward and Roger's, and they count."
+        );
+        notes.push((NoteKind::Care, text));
+    }
+    below::<Model>(measure, notes)
+}
+
+/// Notes on changes between sessions.
+pub(crate) fn sessions(measure: &Measure, changes: &Changes) -> Vec<MetricNote> {
+    let mut notes = Vec::new();
+    if changes.rows.iter().any(|row| row.icc_a1_all.is_some()) {
+        notes.push(general(
+            "icc_a1_all is one number per condition: of all its sessions, by the mixed model with \
+             participants and sessions as random effects (by its mean squares where nobody lacks a \
+             session, which is the same).",
+        ));
+    }
+    if changes.is_incomplete {
+        notes.push(general(
+            "Agreement takes in those who lack a session, by a mixed model of everybody's means, with \
+             intervals by a parametric bootstrap (999); changes are of those who came to both.",
+        ));
+    }
+    let is_negative = |row: &SessionChange| {
+        let all = [row.icc_a1, row.icc_c1, row.icc_ak, row.icc_ck, row.icc_a1_all];
+        all.into_iter().flatten().any(|icc| icc < 0.0)
+    };
+    if changes.rows.iter().any(is_negative) {
+        notes.push(general(
+            "An ICC below 0 means that participants differed less from each other than from themselves \
+             in another session (chance alone can do that where participants are alike): one session \
+             tells nothing of another. It stands as it was computed; read it as 0.",
+        ));
+    }
+    below::<SessionChange>(measure, notes)
+}
+
+/// Notes on changes from repeat to repeat.
+pub(crate) fn learning(measure: &Measure) -> Vec<MetricNote> {
+    below::<Learning>(measure, vec![general("Exploratory: no claim is made from this table.")])
+}
+
+/// Notes on means at each repeat.
+pub(crate) fn repeats(measure: &Measure, unit: &UnitOfAnalysis) -> Vec<MetricNote> {
+    let note = general(match unit {
+        UnitOfAnalysis::Participants => {
+            "Mean over participants, whiskers: its interval; no claim is made about single repeats."
+        }
+        UnitOfAnalysis::TrialsOf(_) => {
+            "One participant: each dot is one trial, or the mean of the sessions."
+        }
+    });
+    below::<RepeatMean>(measure, vec![note])
+}
+
+/// Notes on tests over orders.
+pub(crate) fn order_tests(measure: &Measure) -> Vec<MetricNote> {
+    let note = format!(
+        "The sharp null: no trial of anyone depended on mode, carry-over included. Not a test of an \
+         average effect. {} orders redrawn by the design's rules, for all participants together.",
+        orders::SAMPLING.draws
+    );
+    below::<OrderTest>(measure, vec![general(&note)])
 }
 
 /// Notes on contrasts.
 pub(crate) fn contrasts(
     rows: &[contrasts::Row],
     cells: &Cells,
-    unit: &Unit,
+    unit: &UnitOfAnalysis,
     measure: &Measure,
     parameters: &Parameters,
-) -> Vec<(NoteKind, String)> {
+) -> Vec<MetricNote> {
     let together = match parameters.families {
         Families::Metric => "The rows of this table are one family of claims",
         Families::Environment => "The rows of one environment are one family of claims",
     };
     let family = format!(
         "{} {together}, adjusted after Holm; intervals are not adjusted.",
-        if parameters.primary { "Primary metric." } else { "Exploratory: not the primary metric." }
+        if measure.parameters.primary {
+            "Primary metric."
+        } else {
+            "Exploratory: not the primary metric."
+        }
     );
     let test = match unit {
-        Unit::Participants => {
+        UnitOfAnalysis::Participants => {
             "Test: Student's t of the participants' differences, n − 1 degrees of freedom. The \
              sharp null beside it: that no trial of anyone depended on mode, by other orders that \
              the design could have drawn; it is no test of the average difference."
         }
-        Unit::Trials { .. } => {
+        UnitOfAnalysis::TrialsOf(_) => {
             "Test: the sharp null, that no trial depended on mode, by other orders that the design \
              could have drawn. Intervals: Welch's, sessions as strata, as a description."
         }
@@ -57,30 +170,27 @@ pub(crate) fn contrasts(
     let general = [of_whom(unit), test.to_owned(), family];
     let general = general.into_iter().map(|text| (NoteKind::General, text));
     let guard = guard(rows, unit, parameters).into_iter().map(|text| (NoteKind::Limit, text));
-    let plan = parameters.preregistered.as_ref().map(|plan| plan.note(cells.participants.len()));
-    general
-        .chain(jnd(rows, measure, parameters).into_iter().flatten())
+    let plan = measure.parameters.preregistered.as_ref();
+    let plan = plan.map(|plan| plan.note(cells.participants.len()));
+    let notes = general
+        .chain(jnd(rows, measure).into_iter().flatten())
         .chain(plan)
         .chain(reached(rows, parameters.alpha))
         .chain(guard)
         .chain(rows.iter().filter_map(|row| zeros(row, unit, parameters)))
         .chain(not_randomised(rows, parameters))
-        .chain(rows.iter().filter_map(|row| left_out(row, cells, parameters)))
-        .collect()
+        .chain(rows.iter().filter_map(|row| left_out(row, cells, measure, parameters)));
+    below::<ModeDifference>(measure, notes.collect())
 }
 
 /// What is taken for just noticed, where it is known, and what is said of sizes.
-fn jnd(
-    rows: &[contrasts::Row],
-    measure: &Measure,
-    parameters: &Parameters,
-) -> Option<[(NoteKind, String); 2]> {
+fn jnd(rows: &[contrasts::Row], measure: &Measure) -> Option<[Note; 2]> {
     rows.iter().find(|row| row.jnd.is_some())?;
-    let noticed = parameters.noticed.as_ref()?;
+    let noticed = measure.parameters.noticed.as_ref()?;
     let source = noticed.perception.source(&measure.unit)?;
     let from = match noticed.commanded.iter().any(Option::is_some) {
         true => ", from the commanded value",
-        false if matches!(measure.unit.as_str(), "rad" | "m") => "",
+        false if matches!(&*measure.unit, "rad" | "m") => "",
         false => ", from the mean of the mode compared with",
     };
     let jnd = format!("JND, the difference that is just noticed: {source}{from}.");
@@ -90,9 +200,13 @@ fn jnd(
 }
 
 /// What the exact tests can reach with so few participants.
-fn guard(rows: &[contrasts::Row], unit: &Unit, parameters: &Parameters) -> Option<String> {
+fn guard(
+    rows: &[contrasts::Row],
+    unit: &UnitOfAnalysis,
+    parameters: &Parameters,
+) -> Option<String> {
     let fewest = rows.iter().map(|row| row.differences.len()).min()?;
-    if *unit != Unit::Participants {
+    if *unit != UnitOfAnalysis::Participants {
         return None;
     }
     let reached = design_guard::check(fewest, parameters.contrasts.len(), parameters.alpha);
@@ -100,14 +214,14 @@ fn guard(rows: &[contrasts::Row], unit: &Unit, parameters: &Parameters) -> Optio
 }
 
 /// How far differences of zero raise the smallest p value of the exact tests.
-fn zeros(row: &contrasts::Row, unit: &Unit, parameters: &Parameters) -> Option<(NoteKind, String)> {
+fn zeros(row: &contrasts::Row, unit: &UnitOfAnalysis, parameters: &Parameters) -> Option<Note> {
     let (n, zeros) = (row.differences.len(), row.zeros());
-    if *unit != Unit::Participants || zeros == 0 {
+    if *unit != UnitOfAnalysis::Participants || zeros == 0 {
         return None;
     }
     let [without, with] = [n, n - zeros].map(|n| sign_flip::smallest_p(n).to_string());
     let environment = &parameters.environments[row.environment];
-    let contrast = columns::name(&row.contrast);
+    let contrast = &row.contrast;
     let text = format!(
         "{environment}, {contrast}: {zeros} of {n} differences {} 0, and a zero has no sign. So no \
          exact test (sign flip, signed rank) has a p below {with}; without zeros it could be {without}.",
@@ -117,7 +231,7 @@ fn zeros(row: &contrasts::Row, unit: &Unit, parameters: &Parameters) -> Option<(
 }
 
 /// The smallest p value that the design's orders reach, and the claims that they cannot carry.
-fn reached(rows: &[contrasts::Row], alpha: f64) -> Vec<(NoteKind, String)> {
+fn reached(rows: &[contrasts::Row], alpha: f64) -> Vec<Note> {
     let tests = rows.iter().filter_map(|row| row.sharp_null.as_ref().ok());
     let Some(smallest) = tests.map(|test| test.smallest_p).min_by(f64::total_cmp) else {
         return Vec::new();
@@ -140,12 +254,12 @@ fn reached(rows: &[contrasts::Row], alpha: f64) -> Vec<(NoteKind, String)> {
 }
 
 /// Environments without a test of the sharp null, and why.
-fn not_randomised(rows: &[contrasts::Row], parameters: &Parameters) -> Vec<(NoteKind, String)> {
+fn not_randomised(rows: &[contrasts::Row], parameters: &Parameters) -> Vec<Note> {
     let of_environment = rows.chunk_by(|a, b| a.environment == b.environment);
     of_environment.filter_map(|rows| why_not_randomised(rows.first()?, parameters)).collect()
 }
 
-fn why_not_randomised(row: &contrasts::Row, parameters: &Parameters) -> Option<(NoteKind, String)> {
+fn why_not_randomised(row: &contrasts::Row, parameters: &Parameters) -> Option<Note> {
     let why = row.sharp_null.as_ref().err()?;
     let environment = &parameters.environments[row.environment];
     Some((NoteKind::Care, format!("{environment}: no test of the sharp null: {why}.")))
@@ -155,19 +269,20 @@ fn why_not_randomised(row: &contrasts::Row, parameters: &Parameters) -> Option<(
 fn left_out(
     row: &contrasts::Row,
     cells: &Cells,
+    measure: &Measure,
     parameters: &Parameters,
-) -> Option<(NoteKind, String)> {
+) -> Option<Note> {
     let compared: BTreeSet<usize> = row.differences.iter().map(|one| one.participant).collect();
     // Those who lack the same stand together.
     let mut lacking: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for (participant, name) in cells.participants.iter().enumerate() {
         if !compared.contains(&participant) {
-            let what = lacks(participant, row, cells, parameters)?;
-            lacking.entry(what).or_default().push(name);
+            let what = lacks(participant, row, cells, measure, parameters)?;
+            lacking.entry(what).or_default().push(name.as_str());
         }
     }
     let environment = &parameters.environments[row.environment];
-    let contrast = columns::name(&row.contrast);
+    let contrast = &row.contrast;
     let groups: Vec<String> =
         lacking.iter().map(|(what, names)| format!("{} ({what})", names.join(", "))).collect();
     (!groups.is_empty()).then(|| {
@@ -181,6 +296,7 @@ fn lacks(
     participant: usize,
     row: &contrasts::Row,
     cells: &Cells,
+    measure: &Measure,
     parameters: &Parameters,
 ) -> Option<String> {
     let mut missing = Vec::new();
@@ -191,7 +307,7 @@ fn lacks(
         if own.iter().map(|cell| cell.trials).sum::<usize>() == 0 {
             missing.push(format!("no trial of {name}"));
         } else if own.iter().all(|cell| cell.mean.is_none()) {
-            missing.push(format!("no trial of {name} with {}", parameters.metric));
+            missing.push(format!("no trial of {name} with {}", measure.parameters.metric));
         }
     }
     if missing.is_empty() {
@@ -200,15 +316,15 @@ fn lacks(
     Some(missing.join(", "))
 }
 
-fn of_whom(unit: &Unit) -> String {
+pub(crate) fn of_whom(unit: &UnitOfAnalysis) -> String {
     match unit {
-        Unit::Participants => {
+        UnitOfAnalysis::Participants => {
             "n counts participants: each one's repeats are averaged, then their sessions with equal \
              weight."
                 .to_owned()
         }
-        Unit::Trials { of } => format!(
-            "Within {of}: n counts trials, and nothing is said of anybody else."
+        UnitOfAnalysis::TrialsOf(who) => format!(
+            "Within {who}: n counts trials, and nothing is said of anybody else."
         ),
     }
 }

@@ -1,14 +1,14 @@
 //! Whether any mode differs from another: one row per environment, over complete participants.
 
-use crate::cells::{Cells, whole};
+use crate::Parameters;
+use crate::cells::Cells;
 use crate::measure::Measure;
-use crate::{CompareError, Parameters, columns};
 use std::collections::BTreeMap;
+use zwidth_results::Omnibus;
+use zwidth_stats::Unestimable;
 use zwidth_stats::friedman::{self, Friedman};
 use zwidth_stats::null::{Null, Sampling};
 use zwidth_stats::rm_anova::{RmAnova, rm_anova};
-use zwidth_stats::{FTest, Unestimable};
-use zwidth_tables::{Column, Table};
 
 /// Orders that are drawn where there are too many participants to count all (with three modes from
 /// 130 on): enough for a test that stands beside the claims.
@@ -66,54 +66,31 @@ impl Row {
     }
 }
 
-/// The tests of every environment that several participants have in several modes, as a table.
-pub(crate) fn table(
-    cells: &Cells,
-    measure: &Measure,
-    parameters: &Parameters,
-) -> Result<Table, CompareError> {
+/// The tests of every environment that several participants have in several modes.
+pub(crate) fn tests(cells: &Cells, measure: &Measure, parameters: &Parameters) -> Vec<Omnibus> {
     let environments = 0..parameters.environments.len();
-    let rows: Vec<Row> = environments.filter_map(|e| Row::of(cells, e, parameters)).collect();
-    let count = |name, description, of: fn(&Row) -> usize| {
-        Column::integer(name, "1", description, rows.iter().map(|row| whole(of(row))))
-    };
-    let rank = |name, description, of: fn(&Friedman) -> f64| {
-        let values = rows.iter().map(|row| row.friedman.as_ref().ok().map(of));
-        Column::float(name, "1", description, values)
-    };
-    let anova = |name, description, of: fn(&RmAnova) -> f64| {
-        let values = rows.iter().map(|row| row.anova.as_ref().ok().map(of));
-        Column::float(name, "1", description, values)
-    };
-    let f = |name, description, of: fn(&FTest) -> f64| {
-        let values = rows.iter().map(|row| row.anova.as_ref().ok().map(|anova| of(&anova.test)));
-        Column::float(name, "1", description, values)
-    };
-    let all = vec![
-        columns::environments(parameters, rows.iter().map(|row| row.environment)),
-        count("modes", "modes in which the metric is there", |row| row.modes),
-        count("n", "participants who have it in all of these", |row| row.n),
-        rank("friedman", "Friedman's χ², ties corrected", |test| test.statistic),
-        rank("kendall_w", "Kendall's W: 0 no common order, 1 all alike", |t| t.concordance),
-        rank("p_friedman", "p value of no common order", |test| test.p_value),
-        f("f", "F of the repeated-measures analysis of variance", |test| test.statistic),
-        f("df_modes", "its degrees of freedom", |test| test.df_num),
-        f("df_error", "its degrees of freedom for error", |test| test.df_den),
-        f("p_f", "its p value, where differences of all pairs scatter alike", |test| test.p_value),
-        anova("epsilon_gg", "Greenhouse–Geisser ε", |test| test.greenhouse_geisser),
-        anova("p_gg", "p value with it", |test| test.p_greenhouse_geisser),
-        anova("epsilon_hf", "Huynh–Feldt ε", |test| test.huynh_feldt),
-        anova("p_hf", "p value with it", |test| test.p_huynh_feldt),
-        Column::text(
-            "remark",
-            "how p was found, and why a test is missing",
-            rows.iter().map(Row::remark),
-        ),
-    ];
-    let title = format!("Any difference between modes: {}", measure.description);
-    let table = Table::new(&format!("omnibus_{}", measure.name), &title, all)?;
-    Ok(table.with_note(
-        "Over participants, each the mean of their sessions; only those who have every mode. Claims \
-         rest on the table of contrasts.",
-    ))
+    let rows = environments.filter_map(|e| Row::of(cells, e, parameters));
+    rows.map(|row| {
+        let (friedman, anova) = (row.friedman.as_ref().ok(), row.anova.as_ref().ok());
+        let f = anova.map(|anova| &anova.test);
+        Omnibus {
+            metric: measure.parameters.metric.clone(),
+            environment: parameters.environments[row.environment].clone(),
+            modes: row.modes,
+            n: row.n,
+            friedman: friedman.map(|test| test.statistic),
+            kendall_w: friedman.map(|test| test.concordance),
+            p_friedman: friedman.map(|test| test.p_value),
+            f: f.map(|test| test.statistic),
+            df_modes: f.map(|test| test.df_num),
+            df_error: f.map(|test| test.df_den),
+            p_f: f.map(|test| test.p_value),
+            epsilon_gg: anova.map(|test| test.greenhouse_geisser),
+            p_gg: anova.map(|test| test.p_greenhouse_geisser),
+            epsilon_hf: anova.map(|test| test.huynh_feldt),
+            p_hf: anova.map(|test| test.p_huynh_feldt),
+            remark: row.remark(),
+        }
+    })
+    .collect()
 }

@@ -1,27 +1,16 @@
-//! What a comparison of one metric depends on besides the metrics.
+//! What a comparison depends on besides the table of metrics.
 
 use crate::{Preregistered, SessionOrder};
 use serde::Serialize;
-use zwidth_study::{Contrast, EffectSize, EnvironmentId, Families, ModeId, Perception};
+use zwidth_study::{Contrast, EffectSize, EnvironmentId, Families, MetricId, ModeId, Perception};
 
 /// What a comparison depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameters {
-    /// The metric's column in the table of metrics.
-    pub metric: String,
-    /// Whether it is the study's primary metric. The claims of every other one are exploratory.
-    pub primary: bool,
-    /// What the study's plan says of this analysis, where there is a plan.
-    pub preregistered: Option<Preregistered>,
-    /// Whether any of the data are simulated.
-    pub simulated: bool,
+    /// The metrics, the primary one first where trials have it.
+    pub metrics: Vec<MetricParameters>,
     /// The environments, in the study's order.
     pub environments: Vec<EnvironmentId>,
-    /// For each environment the size up to which differences are equivalent, in the metric's SI
-    /// unit, where the study says so.
-    pub bounds: Vec<Option<f64>>,
-    /// What of the metric is just noticed; `None` where nobody feels it.
-    pub noticed: Option<Noticed>,
     /// The modes, in the study's order.
     pub modes: Vec<ModeId>,
     /// The contrasts.
@@ -36,6 +25,22 @@ pub struct Parameters {
     pub effect_sizes: Vec<EffectSize>,
     /// How the orders of the sessions came about.
     pub orders: Vec<SessionOrder>,
+}
+
+/// What the comparison of one metric depends on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MetricParameters {
+    /// Its column in the table of metrics.
+    pub metric: MetricId,
+    /// Whether it is the study's primary metric. The claims of every other one are exploratory.
+    pub primary: bool,
+    /// What the study's plan says of this analysis, where there is a plan.
+    pub preregistered: Option<Preregistered>,
+    /// For each environment the size up to which differences are equivalent, in the metric's SI
+    /// unit, where the study says so.
+    pub bounds: Vec<Option<f64>>,
+    /// What of the metric is just noticed; `None` where nobody feels it.
+    pub noticed: Option<Noticed>,
 }
 
 /// From which difference on a metric is noticed.

@@ -1,82 +1,42 @@
 //! The mean at each repeat of a condition, over the units of analysis: what learning looks like.
 
-use crate::cells::{KEYS, whole};
 use crate::measure::Measure;
-use crate::unit::Unit;
+use crate::trials::Trials;
 use crate::{CompareError, Parameters};
 use std::collections::BTreeMap;
-use zwidth_stats::interval::{Mean, mean};
-use zwidth_tables::{Column, Table};
-
-/// Values of a repeat by participant, over their sessions.
-type ByPerson = BTreeMap<String, Vec<f64>>;
+use zwidth_results::RepeatMean;
+use zwidth_stats::interval::mean;
 
 /// One row per environment, mode and repeat: the mean over participants of each one's mean over
 /// sessions, with its interval; of one participant, the mean over sessions.
-pub(crate) fn table(
-    metrics: &Table,
-    unit: &Unit,
+pub(crate) fn means(
+    trials: &Trials,
     measure: &Measure,
     parameters: &Parameters,
-) -> Result<Table, CompareError> {
-    let mut rows: Vec<([usize; 2], i64, Mean)> = Vec::new();
-    for ((condition, repeat), people) in by_repeat(metrics, measure, parameters)? {
+) -> Result<Vec<RepeatMean>, CompareError> {
+    // Everybody's values at each repeat of each condition, over their sessions.
+    let mut repeats: BTreeMap<_, BTreeMap<usize, Vec<f64>>> = BTreeMap::new();
+    for trial in &trials.trials {
+        if let (Some(repeat), Some(value)) = (trial.repeat, trial.value) {
+            let people = repeats.entry((trial.environment, trial.mode, repeat)).or_default();
+            people.entry(trial.participant).or_default().push(value);
+        }
+    }
+    let mut rows = Vec::new();
+    for ((environment, mode, repeat), people) in repeats {
         let own = people.values().map(|values| values.iter().sum::<f64>() / values.len() as f64);
         let over = mean(&own.collect::<Vec<_>>(), parameters.level)?;
-        rows.push((condition, repeat, over));
+        rows.push(RepeatMean {
+            metric: measure.parameters.metric.clone(),
+            unit: measure.unit.clone(),
+            environment: parameters.environments[environment].clone(),
+            mode: parameters.modes[mode].clone(),
+            repeat,
+            n: over.n,
+            mean: over.estimate,
+            ci_low: over.interval.as_ref().map(|ends| ends.ci_low),
+            ci_high: over.interval.as_ref().map(|ends| ends.ci_high),
+        });
     }
-    let end = |of: fn(&zwidth_stats::interval::Estimate) -> f64| {
-        rows.iter().map(move |(_, _, mean)| mean.interval.as_ref().map(of)).collect::<Vec<_>>()
-    };
-    let columns = vec![
-        Column::text(
-            "environment",
-            "what was rendered",
-            rows.iter().map(|(of, _, _)| Some(parameters.environments[of[0]].as_str())),
-        ),
-        Column::text(
-            "mode",
-            "how it was rendered",
-            rows.iter().map(|(of, _, _)| Some(parameters.modes[of[1]].as_str())),
-        ),
-        Column::integer("repeat", "1", "repeat of the condition", rows.iter().map(|r| Some(r.1))),
-        Column::integer("n", "1", "participants", rows.iter().map(|r| whole(r.2.n))),
-        measure.column("mean", "mean over participants", rows.iter().map(|r| r.2.estimate)),
-        measure.column("ci_low", "lower end of its interval", end(|e| e.ci_low)),
-        measure.column("ci_high", "upper end of its interval", end(|e| e.ci_high)),
-    ];
-    let title = format!("By repeat: {}", measure.description);
-    let table = Table::new(&format!("repeats_{}", measure.name), &title, columns)?;
-    Ok(table.with_note(match unit {
-        Unit::Participants => {
-            "Mean over participants, whiskers: its interval; no claim is made about single repeats."
-        }
-        Unit::Trials { .. } => {
-            "One participant: each dot is one trial, or the mean of the sessions."
-        }
-    }))
-}
-
-/// Everybody's values at each repeat of each condition.
-fn by_repeat(
-    metrics: &Table,
-    measure: &Measure,
-    parameters: &Parameters,
-) -> Result<BTreeMap<([usize; 2], i64), ByPerson>, CompareError> {
-    let [participants, _, environments, modes] = KEYS.map(|key| metrics.texts(key));
-    let (participants, environments, modes) = (participants?, environments?, modes?);
-    let (repeats, values) = (metrics.integers("repeat")?, metrics.floats(&measure.name)?);
-    let mut found: BTreeMap<_, ByPerson> = BTreeMap::new();
-    for row in 0..metrics.height() {
-        let text = |column: &[Option<String>]| column[row].clone().unwrap_or_default();
-        let (environment, mode) = (text(&environments), text(&modes));
-        let condition = parameters.condition(&environment, &mode);
-        let (Some(condition), Some(repeat), Some(value)) = (condition, repeats[row], values[row])
-        else {
-            continue;
-        };
-        let people = found.entry((condition, repeat)).or_default();
-        people.entry(text(&participants)).or_default().push(value);
-    }
-    Ok(found)
+    Ok(rows)
 }

@@ -1,7 +1,6 @@
 //! Answers compared: for each question and environment, how often each participant's answers lie
 //! higher in one mode than in another, and the mean over participants with its interval.
 
-use crate::compared::rows_with;
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};
 use serde::Serialize;
@@ -9,10 +8,8 @@ use zwidth_draw::style::{self, Marker};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Points, Range, Reference, dodge,
 };
-use zwidth_study::{
-    Environment, EnvironmentId, Mode, Question, QuestionId, Source, contrast_label,
-};
-use zwidth_tables::{Table, TableError};
+use zwidth_results::{AnswerDifference, PersonSuperiority};
+use zwidth_study::{Contrast, Environment, EnvironmentId, Mode, Question, QuestionId, Source};
 
 /// The figure [`answers_compared`].
 pub const ANSWERS_COMPARED: FigureKind = FigureKind {
@@ -61,36 +58,33 @@ pub fn answers_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<AnswersPag
     panels.chunks(A_PAGE).map(|page| AnswersPage(page.to_vec())).collect()
 }
 
-/// Answers compared, from the tables `answers_compared` and `answers_participants` of the stage
-/// `compare`: dots are participants' P(A > B) + ½ P(A = B), whiskers the interval of their mean.
-///
-/// # Errors
-/// Tables that are not of the stage `compare`.
+/// Answers compared: dots are participants' P(A > B) + ½ P(A = B), whiskers the interval of their
+/// mean.
 pub fn answers_compared(
     about: &About,
     AnswersPage(wanted): &AnswersPage,
-    [contrasts, participants]: [&Table; 2],
+    contrasts: &[AnswerDifference],
+    participants: &[PersonSuperiority],
     sources: &[Source],
-) -> Result<Figure, TableError> {
+) -> Figure {
     let mut panels = Vec::new();
     for (title, environment, question) in wanted {
-        let keys = [("environment", environment.as_str()), ("question", question.as_str())];
         // Where nobody answered in both modes there is nothing to draw.
-        let means = contrasts.floats("superiority")?;
-        let rows = rows_with(contrasts, &keys)?;
-        let rows: Vec<usize> = rows.into_iter().filter(|row| means[*row].is_some()).collect();
-        if rows.is_empty() {
-            continue;
+        let rows = contrasts.iter().filter(|row| {
+            (&row.environment, &row.question) == (environment, question)
+                && row.superiority.is_some()
+        });
+        let rows: Vec<&AnswerDifference> = rows.collect();
+        if !rows.is_empty() {
+            let cell = Cell::at(panels.len() / COLUMNS, panels.len() % COLUMNS);
+            panels.push(panel(title, cell, &rows, participants, &about.modes));
         }
-        let cell = Cell::at(panels.len() / COLUMNS, panels.len() % COLUMNS);
-        let panel = panel(title, cell, &keys, &rows, [contrasts, participants], &about.modes)?;
-        panels.push(panel);
     }
     if panels.is_empty() {
         let bare = || Axis::bare(0.0, 1.0);
         panels.push(Panel::with_note(Cell::at(0, 0), bare(), bare(), "nothing to compare"));
     }
-    Ok(Figure {
+    Figure {
         title: Some(plain(&format!("{}: answers compared", about.title))),
         description: "How often answers lie higher in one mode than in another: each participant, \
                       and the mean with its interval."
@@ -103,21 +97,17 @@ pub fn answers_compared(
         ))],
         mark: mark(sources.iter().copied()),
         ..Figure::default()
-    })
+    }
 }
 
 /// One question in one environment: a line per contrast.
 fn panel(
     title: &str,
     cell: Cell,
-    keys: &[(&str, &str); 2],
-    rows: &[usize],
-    [contrasts, participants]: [&Table; 2],
+    rows: &[&AnswerDifference],
+    participants: &[PersonSuperiority],
     modes: &[Mode],
-) -> Result<Panel, TableError> {
-    let names = contrasts.texts("contrast")?;
-    let names: Vec<&str> = rows.iter().filter_map(|row| names[*row].as_deref()).collect();
-    let shares = participants.floats("superiority")?;
+) -> Panel {
     let mut layers = vec![Layer::Reference(Reference {
         direction: Direction::Vertical,
         at: 0.5,
@@ -125,9 +115,12 @@ fn panel(
         stroke: style::zero(),
         name: None,
     })];
-    for (place, name) in names.iter().enumerate() {
-        let of = rows_with(participants, &[keys[0], keys[1], ("contrast", name)])?;
-        let mut x: Vec<f64> = of.iter().filter_map(|row| shares[*row]).collect();
+    for (place, row) in rows.iter().enumerate() {
+        let own = participants.iter().filter(|person| {
+            (&person.environment, &person.question, &person.contrast)
+                == (&row.environment, &row.question, &row.contrast)
+        });
+        let mut x: Vec<f64> = own.map(|person| person.superiority).collect();
         x.sort_by(f64::total_cmp);
         let y = beside_each_other(&x).into_iter().map(|aside| place as f64 + aside).collect();
         layers.push(Layer::Points(Points {
@@ -138,16 +131,15 @@ fn panel(
             ..Points::default()
         }));
     }
-    let of = |stem| -> Result<Vec<f64>, TableError> {
-        let values = contrasts.floats(stem)?;
-        Ok(rows.iter().map(|row| values[*row].unwrap_or(f64::NAN)).collect())
+    let numbers = |number: fn(&AnswerDifference) -> Option<f64>| {
+        rows.iter().map(|row| number(row).unwrap_or(f64::NAN)).collect()
     };
     layers.push(Layer::Intervals(Intervals {
         direction: Direction::Horizontal,
         at: (0..rows.len()).map(|place| place as f64 + BELOW).collect(),
-        estimate: of("superiority")?,
-        low: of("superiority_ci_low")?,
-        high: of("superiority_ci_high")?,
+        estimate: numbers(|row| row.superiority),
+        low: numbers(|row| row.superiority_ci_low),
+        high: numbers(|row| row.superiority_ci_high),
         colour: style::INK,
         marker: Marker::Disc,
         name: None,
@@ -156,11 +148,10 @@ fn panel(
         range: Range::Fixed(-0.04, 1.04),
         ..Axis::new("share of pairs of answers", "").linked("share")
     };
-    let y = Axis::categories(
-        names.iter().map(|name| plain(&contrast_label(modes, name).replace(" − ", " above "))),
-    );
+    let names = rows.iter().map(|row| row.contrast.label(modes));
+    let y = Axis::categories(names.map(|name| plain(&name.replace(Contrast::MINUS, " above "))));
     let height_mm = Some(CONTRAST_MM * (rows.len() as f64 + 0.5));
-    Ok(Panel { height_mm, ..Panel::new(cell, x, y, layers).titled(plain(title)) })
+    Panel { height_mm, ..Panel::new(cell, x, y, layers).titled(plain(title)) }
 }
 
 /// Where equal values lie so that all of them are seen, in lines: values in order.

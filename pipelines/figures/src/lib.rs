@@ -75,7 +75,7 @@ pub use care::{Found, with_care, with_thinned};
 pub use characteristic::{CHARACTERISTIC, Characterised, characteristic};
 pub use chattering::chattering;
 pub use compared::{
-    ComparedTables, MODES_COMPARED, PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
+    MODES_COMPARED, MetricResults, PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED,
     modes_compared, participants_compared, repeats_compared, sessions_compared,
 };
 pub use data::{EnvironmentData, ModeData, Repeat, SIGNALS, average_columns, loop_columns};

@@ -3,32 +3,29 @@
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use serde::Serialize;
-use zwidth_study::{EnvironmentId, ModeId, Setup, contrast_label};
-use zwidth_tables::{Table, TableError, Values, for_people, number, p_value, with_unit};
+use zwidth_results::{Compared, Mean, ModeDifference, Role, UnitOfAnalysis, Verdict};
+use zwidth_study::{Coordinate, EnvironmentId, ModeId, Setup};
+use zwidth_tables::{in_coordinate, number, p_value, shown_unit, with_unit};
 
-/// What a study says of a metric that it compares.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
-    /// The study's primary metric, whose claims count. That one may not be among those compared:
-    /// trials of the study may not have it.
-    Primary,
-    /// The same, where study.toml names no other than the one that is primary by default.
-    PrimaryByDefault,
-    /// Any other.
-    Exploratory,
-}
-
-/// A metric's tables of the stage `compare`.
+/// What was found of a metric.
 #[derive(Debug, Clone, Copy)]
 pub struct ComparedMetric<'a> {
-    /// Its column in the table of metrics.
-    pub name: &'a str,
-    /// What the study says of it.
-    pub role: Role,
+    /// The metric.
+    pub metric: &'a Compared,
+    /// Whether study.toml names no primary metric: then one is primary by default. That one may not
+    /// be among those compared: trials of the study may not have it.
+    pub is_primary_by_default: bool,
     /// Means by condition.
-    pub means: &'a Table,
+    pub means: &'a [Mean],
     /// Differences between modes.
-    pub contrasts: &'a Table,
+    pub contrasts: &'a [ModeDifference],
+}
+
+impl ComparedMetric<'_> {
+    /// What it is, as people of the study say it.
+    pub(crate) fn words(&self, coordinate: Coordinate) -> String {
+        in_coordinate(&self.metric.words, coordinate)
+    }
 }
 
 /// Means by metric, environment and mode.
@@ -55,167 +52,126 @@ pub struct MatrixRow {
     pub cells: Vec<Option<String>>,
 }
 
-/// The numbers of a column by its name without the unit.
-pub(crate) fn floats(table: &Table, stem: &str) -> Result<Vec<Option<f64>>, TableError> {
-    match &table.column_of(stem)?.values {
-        Values::Float(values) => Ok(values.clone()),
-        _ => table.floats(stem),
-    }
-}
-
-/// The metric in words, from the title of one of its tables.
-pub(crate) fn words(table: &Table) -> &str {
-    table.title().split_once(": ").map_or(table.title(), |(_, words)| words)
-}
-
 /// The means of every metric, environment and mode, as people read them.
-///
-/// # Errors
-/// Tables that are not of the stage `compare`.
-pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Result<Matrix, TableError> {
+pub fn matrix(study: &Setup, metrics: &[ComparedMetric]) -> Matrix {
     let mut matrix = Matrix {
         modes: study.modes.iter().map(|mode| (mode.id.clone(), mode.label.clone())).collect(),
         ..Matrix::default()
     };
     for metric in metrics {
-        let means = for_people(metric.means, study.coordinate)?;
-        let unit = means.column_of("mean")?.field.unit.to_string();
+        let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
         let unit = if unit == "1" { String::new() } else { format!(" ({unit})") };
-        let (environments, modes) = (means.texts("environment")?, means.texts("mode")?);
-        let (mean, sd, n) = (floats(&means, "mean")?, floats(&means, "sd")?, means.integers("n")?);
         for environment in &study.environments {
-            let of_mode = |mode: &str| {
-                let is = |row: &usize| {
-                    environments[*row].as_deref() == Some(environment.id.as_str())
-                        && modes[*row].as_deref() == Some(mode)
-                };
-                let row = (0..means.height()).find(is)?;
-                let spread = sd[row].map(|sd| format!(" ± {}", number(sd, Some(sd))));
-                let mean = number(mean[row]?, sd[row]);
-                Some(format!("{mean}{} ({})", spread.unwrap_or_default(), n[row]?))
+            let of_mode = |mode: &ModeId| {
+                let mut means = metric.means.iter();
+                let mean = means.find(|m| (&m.environment, &m.mode) == (&environment.id, mode))?;
+                let sd = mean.sd.map(|sd| sd * factor);
+                let spread = sd.map(|sd| format!(" ± {}", number(sd, Some(sd))));
+                let value = number(mean.mean * factor, sd);
+                Some(format!("{value}{} ({})", spread.unwrap_or_default(), mean.n))
             };
             let cells: Vec<Option<String>> =
-                study.modes.iter().map(|mode| of_mode(mode.id.as_str())).collect();
+                study.modes.iter().map(|mode| of_mode(&mode.id)).collect();
             if cells.iter().any(Option::is_some) {
                 matrix.rows.push(MatrixRow {
-                    metric: format!("{}{unit}", words(&means)),
+                    metric: format!("{}{unit}", metric.words(study.coordinate)),
                     environment: environment.id.clone(),
                     label: environment.label.clone(),
                     cells,
                 });
             }
         }
-        if matrix.caption.is_empty() && means.height() > 0 {
-            matrix.caption = caption(&unit_of_analysis(&means)?);
+        if matrix.caption.is_empty() && !metric.means.is_empty() {
+            matrix.caption = caption(&metric.metric.unit_of_analysis);
         }
     }
-    Ok(matrix)
+    matrix
 }
 
-/// `participants`, `trials of P01`.
-fn unit_of_analysis(table: &Table) -> Result<String, TableError> {
-    Ok(table.texts("unit_of_analysis")?.into_iter().flatten().next().unwrap_or_default())
-}
-
-fn caption(unit: &str) -> String {
-    match unit.strip_prefix("trials of ") {
-        Some(who) => format!(
+fn caption(unit: &UnitOfAnalysis) -> String {
+    match unit {
+        UnitOfAnalysis::TrialsOf(who) => format!(
             "Mean ± standard deviation within {who}; in brackets the number of trials. \
              Nothing is said of anybody else."
         ),
-        None => format!("Mean ± standard deviation over {unit}; in brackets their number."),
+        UnitOfAnalysis::Participants => {
+            format!("Mean ± standard deviation over {unit}; in brackets their number.")
+        }
     }
 }
 
 /// What the contrasts of the first of `metrics` say, the primary one where it is there: first how
 /// many show a difference, then each in a sentence with effect, interval, n and unit. Of each other
 /// metric, one sentence with its differences.
-///
-/// # Errors
-/// Tables that are not of the stage `compare`.
-pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Result<Vec<Finding>, TableError> {
-    let Some((first, others)) = metrics.split_first() else { return Ok(Vec::new()) };
-    let table = for_people(first.contrasts, study.coordinate)?;
-    let sentences = sentences(study, &table)?;
-    if sentences.is_empty() {
-        return Ok(Vec::new());
+pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
+    let Some((first, others)) = metrics.split_first() else { return Vec::new() };
+    if first.contrasts.is_empty() {
+        return Vec::new();
     }
-    let exploratory = others.iter().map(|metric| {
-        let text = briefly(study, &for_people(metric.contrasts, study.coordinate)?)?;
-        let shown = Shown::Compared(metric.name.to_owned());
-        Ok(text.map(|text| Finding { text, shown }))
-    });
-    let exploratory: Vec<Option<Finding>> = exploratory.collect::<Result<_, TableError>>()?;
-    let shown = Shown::Compared(first.name.to_owned());
-    let texts = [answer(&table, first.role)?].into_iter().chain(sentences);
-    let found = texts.map(|text| Finding { text, shown: shown.clone() });
-    Ok(found.chain(exploratory.into_iter().flatten()).collect())
+    let finding = |metric: &ComparedMetric, text| {
+        let shown = Shown::Compared(metric.metric.metric.to_string());
+        Finding { text, shown }
+    };
+    let words = first.words(study.coordinate);
+    let mut found = vec![finding(first, answer(first, &words))];
+    let sentences = differences(study, first).into_iter().map(|told| told.told(&words));
+    found.extend(sentences.map(|text| finding(first, text)));
+    for metric in others.iter().filter(|metric| !metric.contrasts.is_empty()) {
+        let told: Vec<String> =
+            differences(study, metric).into_iter().map(|told| told.in_brief()).collect();
+        let words = metric.words(study.coordinate);
+        let text = format!("Exploratory, {words}: {}.", told.join("; "));
+        found.push(finding(metric, text));
+    }
+    found
 }
 
 /// How many contrasts show a difference; if no contrast has a test, that it was not asked.
-fn answer(table: &Table, role: Role) -> Result<String, TableError> {
-    let verdicts: Vec<String> = table.texts("verdict")?.into_iter().flatten().collect();
-    let differ = verdicts.iter().filter(|verdict| verdict.starts_with("different")).count();
-    let (who, the) = match unit_of_analysis(table)?.strip_prefix("trials of ") {
-        Some(who) => (format!("Within {who}, "), "the"),
-        None => (String::new(), "The"),
+fn answer(metric: &ComparedMetric, words: &str) -> String {
+    let contrasts = metric.contrasts;
+    let (who, the) = match &metric.metric.unit_of_analysis {
+        UnitOfAnalysis::TrialsOf(who) => (format!("Within {who}, "), "the"),
+        UnitOfAnalysis::Participants => (String::new(), "The"),
     };
-    let all = verdicts.len();
-    let metric = match role {
-        Role::Primary => format!("the primary metric, {}", words(table)),
-        Role::PrimaryByDefault => {
-            format!("the primary metric, {} (primary by default)", words(table))
-        }
-        Role::Exploratory => format!("{} (exploratory: not the primary metric)", words(table)),
+    let all = contrasts.len();
+    let told = match (metric.metric.role, metric.is_primary_by_default) {
+        (Role::Primary, false) => format!("the primary metric, {words}"),
+        (Role::Primary, true) => format!("the primary metric, {words} (primary by default)"),
+        (Role::Exploratory, _) => format!("{words} (exploratory: not the primary metric)"),
     };
-    if floats(table, "p_adjusted")?.iter().all(Option::is_none) {
-        let whether = format!("whether {} modes differ in {metric}", the.to_lowercase());
+    if contrasts.iter().all(|row| row.p_adjusted.is_none()) {
+        let whether = format!("whether {} modes differ in {told}", the.to_lowercase());
         let start = if who.is_empty() { "It" } else { "it" };
-        return Ok(format!(
+        return format!(
             "{who}{start} was not tested {whether}: none of {all} contrasts has a test."
-        ));
+        );
     }
-    let n = size(table)?;
+    let n = size(metric);
+    let differ = contrasts.iter().filter(|row| row.verdict.is_different()).count();
     let text = match (differ, all) {
-        (0, _) => format!("{who}{the} modes were not shown to differ in {metric} ({n})."),
-        (1, 1) => format!("{who}{the} modes were shown to differ in {metric} ({n})."),
+        (0, _) => format!("{who}{the} modes were not shown to differ in {told} ({n})."),
+        (1, 1) => format!("{who}{the} modes were shown to differ in {told} ({n})."),
         _ => format!(
-            "{who}{the} modes were shown to differ in {metric}, in {differ} of {all} contrasts ({n})."
+            "{who}{the} modes were shown to differ in {told}, in {differ} of {all} contrasts ({n})."
         ),
     };
-    Ok(smallest_p(table).map_or(text.clone(), |p| {
-        format!(
+    let smallest = contrasts.iter().filter_map(|row| row.smallest_p_adjusted);
+    match smallest.min_by(f64::total_cmp) {
+        Some(p) => format!(
             "{text} The test compares the order of trials that was drawn with every other order that the design could \
              have drawn; with this design, no adjusted p can be below {}. The intervals only describe the trials.",
             number(p, None)
-        )
-    }))
+        ),
+        None => text,
+    }
 }
 
 /// `n = 4 participants`, `n = 3 to 4 participants`: over all contrasts.
-fn size(table: &Table) -> Result<String, TableError> {
-    let n: Vec<i64> = table.integers("n")?.into_iter().flatten().collect();
-    let ends = n.iter().min().zip(n.iter().max()).unwrap_or((&0, &0));
-    let n = if ends.0 == ends.1 { ends.0.to_string() } else { format!("{} to {}", ends.0, ends.1) };
-    Ok(format!("n = {n} {}", unit_of_analysis(table)?))
-}
-
-/// The smallest adjusted p value that the design's orders reach, where claims rest on them.
-fn smallest_p(table: &Table) -> Option<f64> {
-    floats(table, "smallest_p_adjusted").ok()?.into_iter().flatten().min_by(f64::total_cmp)
-}
-
-/// The differences of a metric on which no claim rests, in one sentence.
-fn briefly(study: &Setup, table: &Table) -> Result<Option<String>, TableError> {
-    let told: Vec<String> = differences(study, table)?.into_iter().map(|d| d.in_brief()).collect();
-    let text = format!("Exploratory, {}: {}.", words(table), told.join("; "));
-    Ok((!told.is_empty()).then_some(text))
-}
-
-/// Each contrast in a sentence.
-fn sentences(study: &Setup, table: &Table) -> Result<Vec<String>, TableError> {
-    let of = words(table);
-    Ok(differences(study, table)?.into_iter().map(|difference| difference.told(of)).collect())
+fn size(metric: &ComparedMetric) -> String {
+    let n = || metric.contrasts.iter().map(|row| row.n);
+    let (least, most) = (n().min().unwrap_or(0), n().max().unwrap_or(0));
+    let n = if least == most { least.to_string() } else { format!("{least} to {most}") };
+    format!("n = {n} {}", metric.metric.unit_of_analysis)
 }
 
 /// A difference between two modes in one environment, in words.
@@ -230,14 +186,16 @@ struct Told {
     p: Option<String>,
     /// `g_av = −1.4`, likewise.
     effect: Option<String>,
-    verdict: String,
+    verdict: Verdict,
+    /// Why there is no test, or no claim.
+    remark: Option<String>,
     /// `below what is felt: −0.03 JND (−0.05 to −0.01)`, where a difference that is just noticed is known.
     size: Option<String>,
 }
 
 impl Told {
     fn told(&self, metric: &str) -> String {
-        let Self { place, amount, n, verdict, .. } = self;
+        let Self { place, amount, n, .. } = self;
         let interval = self.interval.as_ref().map(|ends| format!("interval {ends}, "));
         let p = self.p.as_ref().map(|p| format!("adjusted p {p}"));
         let more: String = [self.test.clone(), p, self.effect.clone()]
@@ -245,158 +203,118 @@ impl Told {
             .flatten()
             .map(|said| format!(", {said}"))
             .collect();
-        let why = if verdict == UNDECIDED { NEITHER } else { "" };
+        let is_open = self.verdict == Verdict::Undecided && self.remark.is_none();
+        let why = if is_open { NEITHER } else { "" };
         let size = self.size.as_ref().map(|size| format!("; {size}")).unwrap_or_default();
         format!(
-            "{place}: the difference in {metric} is {amount} ({}n = {n}{more}): {verdict}{why}{size}.",
+            "{place}: the difference in {metric} is {amount} ({}n = {n}{more}): {}{why}{size}.",
             interval.unwrap_or_default(),
+            self.judged(),
         )
     }
 
     fn in_brief(&self) -> String {
-        let Self { place, amount, verdict, .. } = self;
+        let Self { place, amount, .. } = self;
         let interval = self.interval.as_ref().map(|ends| format!("{ends}, ")).unwrap_or_default();
         let size = self.size.as_ref().map(|size| format!(", {size}")).unwrap_or_default();
-        format!("{place}: {amount} ({interval}{verdict}{size})")
+        format!("{place}: {amount} ({interval}{}{size})", self.judged())
+    }
+
+    /// The verdict, and why it is no claim.
+    fn judged(&self) -> String {
+        let verdict = self.verdict.as_str();
+        self.remark.as_ref().map_or_else(|| verdict.to_owned(), |why| format!("{verdict}: {why}"))
     }
 }
 
-/// Every contrast that has an estimate.
-fn differences(study: &Setup, table: &Table) -> Result<Vec<Told>, TableError> {
-    let unit = table.column_of("difference")?.field.unit.to_string();
-    let (environments, contrasts) = (table.texts("environment")?, table.texts("contrast")?);
-    let (verdicts, remarks) = (table.texts("verdict")?, table.texts("remark")?);
-    let n = table.integers("n")?;
-    let of = |stem| floats(table, stem);
-    let (difference, error) = (of("difference")?, of("difference_std_error")?);
-    let (low, high) = (of("difference_ci_low")?, of("difference_ci_high")?);
-    let p = of("p_adjusted")?;
-    // With one participant there is no test by t, and not every metric is felt.
-    let [t, df, in_jnds, jnds_low, jnds_high] =
-        ["statistic", "df", "difference_jnd", "difference_jnd_ci_low", "difference_jnd_ci_high"]
-            .map(|stem| of(stem).unwrap_or_else(|_| vec![None; table.height()]));
-    let effects = EFFECTS.map(|stem| (stem, of(stem).ok()));
-    let sizes = table.texts("size").unwrap_or_else(|_| vec![None; table.height()]);
-    let counted = unit_of_analysis(table)?;
-    let label = |id: &str| {
-        let known = study.environments.iter().find(|e| e.id.as_str() == id);
-        known.map_or_else(|| id.to_owned(), |e| e.label.clone())
+/// Every contrast.
+fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Told> {
+    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let label = |id: &EnvironmentId| {
+        let known = study.environments.iter().find(|e| e.id == *id);
+        known.map_or_else(|| id.to_string(), |e| e.label.clone())
     };
-    let mut found = Vec::new();
-    for row in 0..table.height() {
-        let (Some(environment), Some(contrast)) = (&environments[row], &contrasts[row]) else {
-            continue;
-        };
-        let Some(estimate) = difference[row] else { continue };
-        let amount = with_unit(&number(estimate, error[row]), &unit);
-        let interval = low[row].zip(high[row]).map(|(low, high)| {
-            let [low, high] = [low, high].map(|end| number(end, error[row]));
-            format!("{low} to {high}")
-        });
-        found.push(Told {
-            place: format!("{}, {}", label(environment), contrast_label(&study.modes, contrast)),
-            amount,
-            interval,
-            n: format!("{} {counted}", n[row].unwrap_or_default()),
-            test: t[row]
-                .zip(df[row])
+    let told = |row: &ModeDifference| {
+        let error = row.difference_std_error.map(|error| error * factor);
+        let shown = |value: f64| number(value * factor, error);
+        // Of several effect sizes the first is told.
+        let effects = [("g_av", row.g_av), ("g_z", row.g_z), ("d_av", row.d_av), ("d_z", row.d_z)];
+        Told {
+            place: format!("{}, {}", label(&row.environment), row.contrast.label(&study.modes)),
+            amount: with_unit(&shown(row.difference), &unit),
+            interval: row
+                .difference_ci_low
+                .zip(row.difference_ci_high)
+                .map(|(low, high)| format!("{} to {}", shown(low), shown(high))),
+            n: format!("{} {}", row.n, row.unit_of_analysis),
+            test: row
+                .statistic
+                .zip(row.df)
                 .map(|(t, df)| format!("t({}) = {}", number(df, None), number(t, None))),
-            p: p[row].map(p_value),
-            effect: effects.iter().find_map(|(name, values)| {
-                let effect = (*values.as_ref()?)[row]?;
-                Some(format!("{name} = {}", number(effect, None)))
+            p: row.p_adjusted.map(p_value),
+            effect: effects
+                .into_iter()
+                .find_map(|(name, effect)| Some(format!("{name} = {}", number(effect?, None)))),
+            verdict: row.verdict,
+            remark: row.remark.clone(),
+            size: row.size.map(|size| {
+                let jnds =
+                    [row.difference_jnd, row.difference_jnd_ci_low, row.difference_jnd_ci_high];
+                let [jnds, low, high] =
+                    jnds.map(|jnds| jnds.map_or_else(String::new, |jnds| number(jnds, None)));
+                format!("{}: {jnds} JND ({low} to {high})", size.as_str())
             }),
-            verdict: match (verdicts[row].clone().unwrap_or_default(), &remarks[row]) {
-                (verdict, Some(remark)) => format!("{verdict}: {remark}"),
-                (verdict, None) => verdict,
-            },
-            size: sizes[row].as_ref().map(|size| {
-                let [jnds, low, high] = [in_jnds[row], jnds_low[row], jnds_high[row]]
-                    .map(|jnds| jnds.map_or_else(String::new, |jnds| number(jnds, None)));
-                format!("{size}: {jnds} JND ({low} to {high})")
-            }),
-        });
-    }
-    Ok(found)
+        }
+    };
+    metric.contrasts.iter().map(told).collect()
 }
 
-/// Effect sizes that a study may have: of several the first is told.
-const EFFECTS: [&str; 4] = ["g_av", "g_z", "d_av", "d_z"];
-/// The verdict of a contrast that shows nothing.
-const UNDECIDED: &str = "undecided";
 const NEITHER: &str = ", neither a difference nor its absence was shown";
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
+    use zwidth_testing::results::{difference, mean, metric};
 
     fn study() -> Setup {
         Setup::of(&zwidth_testing::study())
     }
 
-    fn text(name: &'static str, values: &[&str]) -> Column {
-        Column::text(name, "", values.iter().map(|v| Some((*v).to_owned())))
+    fn past(of: UnitOfAnalysis) -> Compared {
+        metric("past_rad", "rad", "angle past the wall", of)
     }
 
-    fn means(unit: &str) -> Table {
-        let float = |name, values: [f64; 2]| Column::float(name, "rad", "", values.map(Some));
-        let columns = vec![
-            text("environment", &["spring", "spring"]),
-            text("mode", &["active", "hybrid"]),
-            text("unit_of_analysis", &[unit, unit]),
-            Column::integer("n", "1", "", [Some(6), Some(5)]),
-            float("mean_rad", [0.2, 0.1]),
-            float("sd_rad", [0.012, 0.025]),
-        ];
-        Table::new("means", "Means by condition: angle past the wall", columns).unwrap()
+    fn trials() -> UnitOfAnalysis {
+        UnitOfAnalysis::TrialsOf("P01".parse().unwrap())
     }
 
-    fn differences(unit: &str, verdict: &str, p_adjusted: Option<f64>) -> Table {
-        let float = |name, v: f64| Column::float(name, "rad", "", [Some(v)]);
-        let mut columns = vec![
-            text("environment", &["spring"]),
-            text("contrast", &["hybrid − active"]),
-            text("unit_of_analysis", &[unit]),
-            Column::integer("n", "1", "", [Some(6)]),
-            float("difference_rad", -0.1),
-            float("difference_std_error_rad", 0.02),
-            float("difference_ci_low_rad", -0.15),
-            float("difference_ci_high_rad", -0.05),
-            Column::float("p_adjusted", "1", "", [p_adjusted]),
-            text("verdict", &[verdict]),
-            Column::text("remark", "", [None::<String>]),
-        ];
-        if unit == "participants" {
-            columns.push(Column::float("statistic", "1", "", [Some(-5.0)]));
-            columns.push(Column::float("df", "1", "", [Some(5.0)]));
-            columns.push(Column::float("d_av", "1", "", [Some(-1.25)]));
-        }
-        Table::new("contrasts", "Modes compared: angle past the wall", columns).unwrap()
+    fn texts_of(
+        metric: &Compared,
+        is_primary_by_default: bool,
+        row: ModeDifference,
+    ) -> Vec<String> {
+        let metric =
+            ComparedMetric { metric, is_primary_by_default, means: &[], contrasts: &[row] };
+        contrasts(&study(), &[metric]).into_iter().map(|found| found.text).collect()
     }
 
-    fn texts_of(role: Role, contrasts_of: &Table) -> Vec<String> {
-        let means = means("participants");
-        let (name, contrasts_of) = ("past", contrasts_of);
-        let metric = ComparedMetric { name, role, means: &means, contrasts: contrasts_of };
-        contrasts(&study(), &[metric]).unwrap().into_iter().map(|found| found.text).collect()
-    }
-
-    fn texts(unit: &str, verdict: &str) -> Vec<String> {
-        texts_of(Role::Primary, &differences(unit, verdict, Some(0.0123)))
+    fn texts(of: UnitOfAnalysis, verdict: Verdict) -> Vec<String> {
+        let metric = past(of);
+        texts_of(&metric, false, difference(&metric, verdict))
     }
 
     #[test]
     fn the_matrix_has_mean_deviation_and_number_in_degrees_and_a_dash_where_nothing_is() {
-        let means = means("participants");
-        let contrasts = differences("participants", "different", Some(0.0123));
+        let metric = past(UnitOfAnalysis::Participants);
+        let hybrid = Mean { n: 5, ..mean(&metric, "hybrid", 0.1, Some(0.025)) };
+        let means = [mean(&metric, "active", 0.2, Some(0.012)), hybrid];
         let metric = ComparedMetric {
-            name: "past",
-            role: Role::Primary,
+            metric: &metric,
+            is_primary_by_default: false,
             means: &means,
-            contrasts: &contrasts,
+            contrasts: &[],
         };
-        let matrix = matrix(&study(), &[metric]).unwrap();
+        let matrix = matrix(&study(), &[metric]);
         let row = MatrixRow {
             metric: "angle past the wall (°)".to_owned(),
             environment: "spring".parse().unwrap(),
@@ -411,7 +329,7 @@ mod tests {
 
     #[test]
     fn a_difference_is_told_with_its_interval_its_n_and_its_unit_after_the_answer() {
-        let found = texts("participants", "different");
+        let found = texts(UnitOfAnalysis::Participants, Verdict::Different);
         let answer = "The modes were shown to differ in the primary metric, angle past the wall (n = 6 participants).";
         assert_eq!(found[0], answer);
         assert_eq!(
@@ -423,37 +341,43 @@ mod tests {
 
     #[test]
     fn no_p_is_told_to_be_nothing() {
-        let found = texts_of(Role::Primary, &differences("participants", "different", Some(0.0)));
+        let metric = past(UnitOfAnalysis::Participants);
+        let row = difference(&metric, Verdict::Different);
+        let found = texts_of(&metric, false, ModeDifference { p_adjusted: Some(0.0), ..row });
         assert!(found[1].contains(", adjusted p < 0.001, "), "{}", found[1]);
     }
 
     #[test]
     fn a_metric_that_is_not_the_primary_one_is_not_called_so() {
-        let differences = differences("participants", "different", Some(0.0123));
-        for (role, words) in [
-            (Role::Exploratory, "angle past the wall (exploratory: not the primary metric) ("),
+        for (role, by_default, words) in [
             (
-                Role::PrimaryByDefault,
-                "the primary metric, angle past the wall (primary by default) (",
+                Role::Exploratory,
+                false,
+                "angle past the wall (exploratory: not the primary metric) (",
             ),
+            (Role::Primary, true, "the primary metric, angle past the wall (primary by default) ("),
         ] {
-            let found = texts_of(role, &differences);
+            let metric = Compared { role, ..past(UnitOfAnalysis::Participants) };
+            let found = texts_of(&metric, by_default, difference(&metric, Verdict::Different));
             assert!(found[0].contains(words), "{}", found[0]);
         }
     }
 
     #[test]
     fn what_was_not_tested_is_not_told_as_a_difference_that_was_not_shown() {
-        let untested = differences("trials of P01", "not tested", None);
+        let metric = past(trials());
+        let row = difference(&metric, Verdict::NotTested);
+        let untested = ModeDifference { p_adjusted: None, ..row };
         let answer = "Within P01, it was not tested whether the modes differ in the primary metric, \
                       angle past the wall: none of 1 contrasts has a test.";
-        assert_eq!(texts_of(Role::Primary, &untested)[0], answer);
+        assert_eq!(texts_of(&metric, false, untested)[0], answer);
     }
 
     #[test]
     fn with_one_participant_it_is_said_within_whom() {
-        let found = texts("trials of P01", "undecided");
+        let found = texts(trials(), Verdict::Undecided);
         assert!(found[0].starts_with("Within P01, the modes were not shown to differ"));
         assert!(found[1].contains("n = 6 trials of P01"), "{}", found[1]);
+        assert!(found[1].contains("undecided, neither a difference nor"), "{}", found[1]);
     }
 }

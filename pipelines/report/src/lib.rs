@@ -32,7 +32,7 @@ mod trials;
 mod weight;
 
 pub use columns::metric_columns;
-pub use compared::{ComparedMetric, Matrix, MatrixRow, Role, contrasts, matrix};
+pub use compared::{ComparedMetric, Matrix, MatrixRow, contrasts, matrix};
 pub use components::components_table;
 pub use design::{device_table, modes_table};
 pub use evidence::Known;

@@ -1,91 +1,105 @@
 //! What the comparison of sessions says, in a sentence.
 
-use crate::compared::{ComparedMetric, Role, floats, words};
+use crate::compared::ComparedMetric;
 use crate::findings::Finding;
 use crate::gallery::Shown;
+use zwidth_results::{Role, SessionChange};
 use zwidth_study::Setup;
-use zwidth_tables::{Table, TableError, for_people, number, with_unit};
+use zwidth_tables::{number, shown_unit, with_unit};
 
-/// How participants changed from their first session to a later one, in the first of `metrics`: one
-/// sentence, with interval and n of each condition. `sessions` is that metric's table of the stage
-/// `compare`. Nothing is said where fewer than two participants came again: one changes for
-/// themselves alone.
-///
-/// # Errors
-/// A table that is not of the stage `compare`.
+/// How participants changed from their first session to a later one, in a metric: one sentence, with
+/// interval and n of each condition. Nothing is said where fewer than two participants came again:
+/// one changes for themselves alone.
 pub fn changes(
     study: &Setup,
-    metrics: &[ComparedMetric],
-    sessions: &Table,
-) -> Result<Option<Finding>, TableError> {
-    let Some(metric) = metrics.first() else { return Ok(None) };
-    let table = for_people(sessions, study.coordinate)?;
-    let unit = table.column_of("change")?.field.unit.to_string();
-    let (environments, modes) = (table.texts("environment")?, table.texts("mode")?);
-    let (pairs, n) = (table.texts("sessions")?, table.integers("n")?);
-    let of = |stem| floats(&table, stem);
-    let (change, error) = (of("change")?, of("change_std_error")?);
-    let (low, high) = (of("change_ci_low")?, of("change_ci_high")?);
-    let one = |row: usize| {
-        let (environment, mode) = (environments[row].as_deref()?, modes[row].as_deref()?);
-        let environment = study.environments.iter().find(|e| e.id.as_str() == environment)?;
-        let mode = study.modes.iter().find(|m| m.id.as_str() == mode)?;
-        let said = |value: f64| number(value, error[row]);
+    metric: &ComparedMetric,
+    sessions: &[SessionChange],
+) -> Option<Finding> {
+    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let one = |row: &SessionChange| {
+        let environment = study.environments.iter().find(|e| e.id == row.environment)?;
+        let mode = study.modes.iter().find(|m| m.id == row.mode)?;
+        let error = row.change_std_error.map(|error| error * factor);
+        let shown = |value: f64| number(value * factor, error);
+        (row.n > 1).then_some(())?;
         Some(format!(
             "{}, {}, {}: {} ({} to {}, n = {} participants)",
             environment.label,
             mode.label,
-            pairs[row].as_deref()?,
-            with_unit(&said(change[row]?), &unit),
-            said(low[row]?),
-            said(high[row]?),
-            n[row].filter(|n| *n > 1)?,
+            row.sessions,
+            with_unit(&shown(row.change?), &unit),
+            shown(row.change_ci_low?),
+            shown(row.change_ci_high?),
+            row.n,
         ))
     };
-    let told: Vec<String> = (0..table.height()).filter_map(one).collect();
+    let told: Vec<String> = sessions.iter().filter_map(one).collect();
     if told.is_empty() {
-        return Ok(None);
+        return None;
     }
-    let role = match metric.role {
-        Role::Primary | Role::PrimaryByDefault => "the primary metric, ",
+    let role = match metric.metric.role {
+        Role::Primary => "the primary metric, ",
         Role::Exploratory => "",
     };
     let text = format!(
         "Exploratory, mean change between sessions in {role}{}: {}. Not adjusted for the number of changes.",
-        words(&table),
+        metric.words(study.coordinate),
         told.join("; ")
     );
-    Ok(Some(Finding { text, shown: Shown::Sessions(metric.name.to_owned()) }))
+    Some(Finding { text, shown: Shown::Sessions(metric.metric.metric.to_string()) })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
+    use zwidth_results::UnitOfAnalysis;
+    use zwidth_testing::results::metric;
 
-    fn told(n: [i64; 2]) -> Option<String> {
-        let text = |name: &'static str, values: [&str; 2]| {
-            Column::text(name, "", values.map(|value| Some(value.to_owned())))
+    fn told(n: [usize; 2]) -> Option<String> {
+        let peak = metric("peak_n", "N", "peak force", UnitOfAnalysis::Participants);
+        let change = |mode: &str, n: usize| {
+            // Without a second participant there is no interval.
+            let known = |value: f64| (n > 1).then_some(value);
+            SessionChange {
+                metric: peak.metric.clone(),
+                unit: peak.unit.clone(),
+                environment: "spring".parse().unwrap(),
+                mode: mode.parse().unwrap(),
+                sessions: "S02 − S01".parse().unwrap(),
+                n,
+                mean_later: 0.88,
+                mean_earlier: 1.0,
+                change: known(-0.12),
+                change_std_error: known(0.01),
+                change_ci_low: known(-0.15),
+                change_ci_high: known(-0.09),
+                df: None,
+                p_value: None,
+                limit_low: None,
+                limit_high: None,
+                icc_a1: None,
+                icc_a1_ci_low: None,
+                icc_a1_ci_high: None,
+                icc_c1: None,
+                icc_ak: None,
+                icc_ck: None,
+                sem: None,
+                mdc: None,
+                icc_a1_all: None,
+                icc_a1_all_ci_low: None,
+                icc_a1_all_ci_high: None,
+                sem_all: None,
+                remark: None,
+            }
         };
-        let float =
-            |name: &'static str, values: [Option<f64>; 2]| Column::float(name, "N", "", values);
-        // Without a second participant there is no interval.
-        let known = |value: f64| n.map(|n| (n > 1).then_some(value));
-        let columns = vec![
-            text("environment", ["spring", "spring"]),
-            text("mode", ["active", "hybrid"]),
-            text("sessions", ["S02 − S01", "S02 − S01"]),
-            Column::integer("n", "1", "", n.map(Some)),
-            float("change_n", known(-0.12)),
-            float("change_std_error_n", known(0.01)),
-            float("change_ci_low_n", known(-0.15)),
-            float("change_ci_high_n", known(-0.09)),
-        ];
-        let table = Table::new("sessions", "Sessions compared: peak force", columns).unwrap();
-        let metric =
-            ComparedMetric { name: "peak", role: Role::Primary, means: &table, contrasts: &table };
-        let study = Setup::of(&zwidth_testing::study());
-        changes(&study, &[metric], &table).unwrap().map(|found| found.text)
+        let metric = ComparedMetric {
+            metric: &peak,
+            is_primary_by_default: false,
+            means: &[],
+            contrasts: &[],
+        };
+        let rows = [change("active", n[0]), change("hybrid", n[1])];
+        changes(&Setup::of(&zwidth_testing::study()), &metric, &rows).map(|found| found.text)
     }
 
     #[test]

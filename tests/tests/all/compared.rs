@@ -23,7 +23,7 @@ fn compare_makes_what_is_missing_and_says_whom_it_speaks_of() {
             "nothing is said of anybody else",
         ],
     );
-    assert!(root.path().join("derived/thesis-twin/compare/contrasts_loop_area_j.parquet").exists());
+    assert!(root.path().join("derived/thesis-twin/compare/contrasts.parquet").exists());
 }
 
 #[test]

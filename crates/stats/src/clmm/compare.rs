@@ -35,6 +35,14 @@ pub struct ModeStudy<'a> {
     pub modes: &'a [usize],
     /// In which session of the participant.
     pub sessions: &'a [usize],
+    /// The names of the modes, for what is said of them; without one a mode is told by its number.
+    pub mode_names: &'a [&'a str],
+}
+
+impl ModeStudy<'_> {
+    fn mode_name(&self, mode: usize) -> String {
+        self.mode_names.get(mode).map_or_else(|| format!("mode {mode}"), |name| (*name).to_owned())
+    }
 }
 
 /// How answers in one mode compare with those in another, for one person.
@@ -147,7 +155,7 @@ fn odds_ratio(
     level: f64,
 ) -> Result<OddsRatio, Unestimable> {
     if let Some(mode) = pair.iter().find(|mode| !study.modes.contains(mode)) {
-        return Err(Unestimable::Confounded { what: format!("mode {mode}") });
+        return Err(Unestimable::Confounded { what: study.mode_name(*mode) });
     }
     let model = coded(study, study.modes, pair)?;
     let (df, column) = (model.mode_df(), 0);
@@ -192,8 +200,8 @@ fn coded(study: &ModeStudy, labels: &[usize], pair: [usize; 2]) -> Result<Model,
     order.retain(|mode| !pair.contains(mode));
     let order: Vec<usize> = pair.into_iter().chain(order).collect();
     let sessions: Vec<usize> = levels(study.sessions).into_iter().skip(1).collect();
-    let sessions = indicators("session", study.sessions, &sessions);
-    let mut columns = indicators("mode", labels, &order[1..]);
+    let sessions = indicators(|session| format!("session {session}"), study.sessions, &sessions);
+    let mut columns = indicators(|mode| study.mode_name(mode), labels, &order[1..]);
     columns.extend(sessions.iter().cloned());
     let answers = Answers::new(study.answers, study.points, &columns)?;
     let Some(direction) = answers.separated_along()? else {
@@ -214,7 +222,7 @@ fn coded(study: &ModeStudy, labels: &[usize], pair: [usize; 2]) -> Result<Model,
     for (mode, step) in order.iter().zip(&steps).skip(1) {
         let alike = |(_, other): &&(usize, f64)| (other - step).abs() <= rounding;
         if leaders.iter().any(|leader| alike(&leader)) {
-            columns.extend(indicators("mode", labels, &[*mode]));
+            columns.extend(indicators(|mode| study.mode_name(mode), labels, &[*mode]));
             held.push(None);
             continue;
         }
@@ -222,7 +230,7 @@ fn coded(study: &ModeStudy, labels: &[usize], pair: [usize; 2]) -> Result<Model,
         let group = order.iter().zip(&steps).filter(|(_, other)| (*other - step).abs() <= rounding);
         let group: Vec<usize> = group.map(|(mode, _)| *mode).collect();
         columns.push(Column {
-            name: format!("mode {mode}"),
+            name: study.mode_name(*mode),
             values: labels.iter().map(|mode| f64::from(u8::from(group.contains(mode)))).collect(),
         });
         held.push(Some(*step));
@@ -260,9 +268,9 @@ fn levels(labels: &[usize]) -> Vec<usize> {
 }
 
 /// A column per level: 1 where the label is the level.
-fn indicators(name: &str, labels: &[usize], levels: &[usize]) -> Vec<Column> {
+fn indicators(name: impl Fn(usize) -> String, labels: &[usize], levels: &[usize]) -> Vec<Column> {
     let column = |level: &usize| Column {
-        name: format!("{name} {level}"),
+        name: name(*level),
         values: labels.iter().map(|label| f64::from(u8::from(label == level))).collect(),
     };
     levels.iter().map(column).collect()

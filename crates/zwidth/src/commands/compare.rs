@@ -26,9 +26,8 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
         bail!("{} has no answers after several modes to compare", layout.study());
     }
     let mut exit = make(&data, screen)?;
-    let files = plan::comparison(&layout, by.into(), &metric);
-    let tables =
-        files.iter().map(|file| Table::from_parquet(file)).collect::<Result<Vec<_>, _>>()?;
+    let printed = plan::comparison(&data, by.into(), &metric);
+    let tables = printed.iter().map(plan::Printed::read).collect::<Result<Vec<_>, _>>()?;
     if tables.iter().all(|table| table.height() == 0) {
         screen.warn(format!("there is nothing to compare: {}", why_empty(by, &metric)));
         exit = Exit::Partly;
@@ -40,12 +39,12 @@ pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::
     }
     let wording = Wording::of(&data.study);
     let width = screen.width();
-    for (file, table) in files.iter().zip(&tables).filter(|(_, table)| table.height() > 0) {
+    for table in tables.iter().filter(|table| table.height() > 0) {
         if let Some(width) = width {
             screen.result(table.for_terminal(&wording, width, &LEAST)? + "\n");
             continue;
         }
-        let wanted = [(Format::Markdown, file.as_path())];
+        let wanted = [(Format::Markdown, Path::new(table.name()))];
         for bytes in plan::write_table(table, &wanted, &wording, &BTreeMap::new())? {
             screen.file(&String::from_utf8(bytes)?);
         }

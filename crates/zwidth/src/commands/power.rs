@@ -11,10 +11,10 @@ use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
 use zwidth_plan as plan;
+use zwidth_results::{ModeDifference, Model, UnitOfAnalysis};
 use zwidth_stats::power::{self, Plan, PlannedTest, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
-use zwidth_study::{Study, contrast_label};
-use zwidth_tables::Table;
+use zwidth_study::Study;
 
 /// The power that a study is planned with.
 const TARGET: f64 = 0.8;
@@ -157,11 +157,9 @@ fn spread(
         );
     }
     super::compare::make(data, screen)?;
-    let [contrasts, models] =
-        plan::spreads(&data.layout, metric).map(|file| Table::from_parquet(&file));
-    let (contrasts, models) = (contrasts?, models?);
+    let (contrasts, models) = plan::spreads(data, &metric.parse()?)?;
     let repeats = f64::from(data.study.design.repeats);
-    let widest = widest(&contrasts, &models, repeats, &data.study)?;
+    let widest = widest(&contrasts, &models, repeats, &data.study);
     let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
     let mark = if simulated { "; SYNTHETIC: simulated data" } else { "" };
     let widest = widest.with_context(|| {
@@ -179,41 +177,29 @@ fn spread(
 /// model of all modes would pool those in which people differ little with those in which they
 /// differ much. None where the claims are not about participants.
 fn widest(
-    contrasts: &Table,
-    models: &Table,
+    contrasts: &[ModeDifference],
+    models: &[Model],
     repeats: f64,
     study: &Study,
-) -> anyhow::Result<Option<Spread>> {
-    let floats = |table: &Table, stem: &str| -> anyhow::Result<Vec<Option<f64>>> {
-        let name = table.column_of(stem)?.field.name.to_string();
-        Ok(table.floats(&name)?)
-    };
-    let (errors, n) = (floats(contrasts, "difference_std_error")?, contrasts.integers("n")?);
-    let (sessions, units) = (contrasts.integers("sessions")?, contrasts.texts("unit_of_analysis")?);
-    let (environments, names) = (contrasts.texts("environment")?, contrasts.texts("contrast")?);
-    let (participant, residual) =
-        (floats(models, "participant_sd")?, floats(models, "residual_sd")?);
-    let of_model = models.texts("environment")?;
-    let spread = |row: usize| {
-        let model = of_model.iter().position(|environment| *environment == environments[row])?;
-        let is_of_people = units[row].as_deref() == Some("participants");
-        let residual = residual[model].filter(|_| is_of_people)?;
-        let variance = errors[row]?.powi(2) * n[row]? as f64;
-        let of_repeats = 2.0 * residual.powi(2) / (repeats * sessions[row]?.max(1) as f64);
+) -> Option<Spread> {
+    let spread = |row: &ModeDifference| {
+        let model = models.iter().find(|model| model.environment == row.environment)?;
+        let is_of_people = row.unit_of_analysis == UnitOfAnalysis::Participants;
+        let residual = model.residual_sd.filter(|_| is_of_people)?;
+        let variance = row.difference_std_error?.powi(2) * row.n as f64;
+        let of_repeats = 2.0 * residual.powi(2) / (repeats * row.sessions?.max(1) as f64);
         let own = ((variance - of_repeats).max(0.0) / 2.0).sqrt();
-        let environment = environments[row].as_deref()?;
-        let known = study.environments.iter().find(|e| e.id.as_str() == environment);
+        let known = study.environments.iter().find(|e| e.id == row.environment);
         let source = format!(
             "{}, {}: the contrast in which participants differ most",
-            known.map_or(environment, |e| e.label.as_str()),
-            contrast_label(&study.modes, names[row].as_deref()?)
+            known.map_or(row.environment.as_str(), |e| e.label.as_str()),
+            row.contrast.label(&study.modes)
         );
-        let spread =
-            Spread { participant: participant[model]?, participant_mode: own, residual, source };
-        Some((variance, spread))
+        let participant = model.participant_sd?;
+        Some((variance, Spread { participant, participant_mode: own, residual, source }))
     };
-    let all = (0..contrasts.height()).filter_map(spread);
-    Ok(all.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, spread)| spread))
+    let all = contrasts.iter().filter_map(spread);
+    all.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, spread)| spread)
 }
 
 fn tell(result: &Planned, screen: &Screen) {
@@ -252,35 +238,47 @@ fn told(result: &Planned) -> [String; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
+    use zwidth_results::Verdict;
+    use zwidth_testing::results::{difference, metric};
 
-    fn table(unit: &str) -> [Table; 2] {
-        let float = |name, values: [f64; 2]| Column::float(name, "N", "", values.map(Some));
-        let text =
-            |name, values: [&str; 2]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
-        let whole = |name, values: [i64; 2]| Column::integer(name, "1", "", values.map(Some));
-        let contrasts = vec![
-            text("environment", ["spring", "spring"]),
-            text("contrast", ["hybrid − active", "hybrid − passive"]),
-            text("unit_of_analysis", [unit, unit]),
-            whole("n", [4, 4]),
-            whole("sessions", [1, 1]),
-            float("difference_std_error_n", [0.1, 0.2]),
-        ];
-        let models = vec![
-            text("environment", ["spring", "spring"]),
-            float("participant_sd_n", [0.3, 0.3]),
-            float("residual_sd_n", [0.2, 0.2]),
-        ];
-        [("contrasts", contrasts), ("models", models)]
-            .map(|(name, columns)| Table::new(name, "", columns).unwrap())
+    fn found(unit: UnitOfAnalysis) -> (Vec<ModeDifference>, Vec<Model>) {
+        let metric = metric("step_n", "N", "a step", unit);
+        let contrast = |against: &str, error: f64| ModeDifference {
+            contrast: format!("hybrid − {against}").parse().unwrap(),
+            n: 4,
+            difference_std_error: Some(error),
+            ..difference(&metric, Verdict::Undecided)
+        };
+        let model = Model {
+            metric: metric.metric.clone(),
+            unit: metric.unit.clone(),
+            environment: "spring".parse().unwrap(),
+            contrast: "hybrid − active".parse().unwrap(),
+            n: Some(4),
+            trials: 8,
+            difference: None,
+            difference_std_error: None,
+            difference_ci_low: None,
+            difference_ci_high: None,
+            df: None,
+            p_value: None,
+            df_satterthwaite: None,
+            p_satterthwaite: None,
+            participant_sd: Some(0.3),
+            participant_mode_sd: None,
+            residual_sd: Some(0.2),
+            random_terms: None,
+            singular: None,
+            remark: None,
+        };
+        (vec![contrast("active", 0.1), contrast("passive", 0.2)], vec![model])
     }
 
     /// Differences have variances 4 · 0.1² and 4 · 0.2², of which two repeats explain 2 · 0.2² / 2.
     #[test]
     fn the_spread_is_that_of_the_contrast_in_which_participants_differ_most() {
-        let [contrasts, models] = table("participants");
-        let found = widest(&contrasts, &models, 2.0, &zwidth_testing::study()).unwrap().unwrap();
+        let (contrasts, models) = found(UnitOfAnalysis::Participants);
+        let found = widest(&contrasts, &models, 2.0, &zwidth_testing::study()).unwrap();
         assert!((found.participant_mode - (0.12_f64 / 2.0).sqrt()).abs() < 1e-12);
         assert!((found.participant - 0.3).abs() < 1e-12 && (found.residual - 0.2).abs() < 1e-12);
         assert!(found.source.starts_with("Spring, Hybrid − Passive"), "{}", found.source);
@@ -288,7 +286,7 @@ mod tests {
 
     #[test]
     fn trials_of_one_participant_tell_no_spread_of_people() {
-        let [contrasts, models] = table("trials of P01");
-        assert!(widest(&contrasts, &models, 2.0, &zwidth_testing::study()).unwrap().is_none());
+        let (contrasts, models) = found(UnitOfAnalysis::TrialsOf("P01".parse().unwrap()));
+        assert!(widest(&contrasts, &models, 2.0, &zwidth_testing::study()).is_none());
     }
 }

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_store::StudyData;
-use zwidth_tables::{About, Table, Wording};
+use zwidth_tables::Wording;
 
 #[derive(Serialize)]
 struct Entry {
@@ -19,49 +19,43 @@ struct Entry {
     rows: usize,
 }
 
-impl Entry {
-    fn of(About { name, title, rows, .. }: About) -> Self {
-        Self { name, title, rows }
-    }
-}
-
 pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
-    let files: Vec<_> =
-        plan::printed_tables(&data).into_iter().filter(|(f, _)| f.exists()).collect();
-    if files.is_empty() {
+    let printed: Vec<_> =
+        plan::printed_tables(&data).into_iter().filter(plan::Printed::exists).collect();
+    if printed.is_empty() {
         bail!("{} has no tables yet; make them with `zwidth run {}`", asked.study, asked.study);
     }
-    let (mut tables, mut unread) = (Vec::new(), Vec::new());
-    for (file, simulated) in &files {
-        match Table::about(file) {
-            Ok(about) => tables.push((about, file, *simulated)),
-            Err(error) => unread.push(error),
-        }
-    }
     let Some(name) = &asked.name else {
-        list(tables.into_iter().map(|(about, ..)| Entry::of(about)).collect(), screen)?;
+        let (mut entries, mut unread) = (Vec::new(), Vec::new());
+        for table in &printed {
+            match table.about() {
+                Ok((title, rows)) => entries.push(Entry { name: table.name(), title, rows }),
+                Err(error) => unread.push(error),
+            }
+        }
+        list(entries, screen)?;
         unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
         return Ok(if unread.is_empty() { Exit::Fine } else { Exit::Partly });
     };
-    let Some((_, file, simulated)) = tables.iter().find(|(about, ..)| about.name == *name) else {
-        unread.iter().for_each(|error| screen.warn(format!("unreadable: {error}")));
-        let names = || tables.iter().map(|(about, ..)| about.name.as_str());
+    let Some(table) = printed.iter().find(|table| table.name() == *name) else {
+        let all: Vec<String> = printed.iter().map(plan::Printed::name).collect();
+        let names = || all.iter().map(String::as_str);
         // `contrasts` for contrasts_stiffness_n_per_rad, and others of its kind.
         let begun = names().find(|table| table.starts_with(name.as_str()));
         let begun = begun.map(|table| format!("; there is {table}"));
         bail!(
-            "{} has no table '{name}'{}{} (`zwidth table {}` lists them)",
+            "{} has no table '{name}'{} (`zwidth table {}` lists them)",
             asked.study,
-            if unread.is_empty() { "" } else { " that can be read" },
             begun.unwrap_or_else(|| did_you_mean(name, names())),
             asked.study
         );
     };
-    let table = Table::from_parquet(file)?.with_mark(*simulated);
-    let wanted = [(asked.format, file.as_path())];
-    for bytes in plan::write_table(&table, &wanted, &Wording::of(&data.study), &BTreeMap::new())? {
+    let wanted = [(asked.format, Path::new(name))];
+    for bytes in
+        plan::write_table(&table.read()?, &wanted, &Wording::of(&data.study), &BTreeMap::new())?
+    {
         screen.file(&String::from_utf8(bytes)?);
     }
     Ok(Exit::Fine)

@@ -5,21 +5,19 @@
 //! is not that of an average effect. Orders are redrawn for all participants and sessions together,
 //! by the rules and with the probabilities that drew theirs ([`zwidth_study::order`]).
 
-use crate::cells::{KEYS, whole};
+use crate::Parameters;
 use crate::measure::Measure;
-use crate::{CompareError, Parameters, columns};
+use crate::trials::Trials;
 use std::collections::{BTreeMap, BTreeSet};
+use zwidth_results::{Effect, OrderTest, RedrawnDifference};
 use zwidth_stats::Unestimable;
 use zwidth_stats::null::Sampling;
-use zwidth_stats::sharp_null::{Randomised, Statistic, Trials};
+use zwidth_stats::sharp_null::{self, Randomised, Statistic};
 use zwidth_study::order::{Rules, can_draw, draw_modes};
-use zwidth_tables::{Column, Table};
+use zwidth_study::{ParticipantId, SessionId};
 
 /// How many orders are drawn besides the actual one.
 pub(crate) const SAMPLING: Sampling = Sampling { draws: 9_999, seed: 1 };
-
-/// What the test between all modes is sensitive to.
-const ANY_EFFECT: &str = "any effect";
 
 /// Why there is no randomisation over orders.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -95,61 +93,32 @@ struct Redrawn {
 /// A trial without the metric is left out of every order alike: under the sharp null it would have
 /// had none in any mode.
 pub(crate) fn sharp_nulls(
-    metrics: &Table,
-    measure: &Measure,
+    trials: &Trials,
     parameters: &Parameters,
     sampling: Sampling,
-) -> Result<Vec<SharpNull>, CompareError> {
-    let by_session = by_session(metrics, measure, parameters)?;
-    Ok((0..parameters.environments.len())
-        .map(|environment| {
-            let here = by_session.iter().filter(|((of, _), _)| *of == environment);
-            let sessions: Vec<(&[String; 2], &Places)> =
-                here.map(|((_, session), places)| (session, places)).collect();
-            sharp_null(environment, &sessions, parameters, sampling)
-        })
-        .collect())
-}
-
-fn by_session(
-    metrics: &Table,
-    measure: &Measure,
-    parameters: &Parameters,
-) -> Result<BTreeMap<(usize, [String; 2]), Places>, CompareError> {
-    let [participants, sessions, environments, modes] = KEYS.map(|key| metrics.texts(key));
-    let (participants, sessions) = (participants?, sessions?);
-    let (environments, modes) = (environments?, modes?);
-    let (trials, values) = (metrics.integers("trial")?, metrics.floats(&measure.name)?);
-    let mut found: BTreeMap<_, Places> = BTreeMap::new();
-    for row in 0..metrics.height() {
-        let text = |column: &[Option<String>]| column[row].clone().unwrap_or_default();
-        let (environment, mode) = (text(&environments), text(&modes));
-        let Some([environment, mode]) = parameters.condition(&environment, &mode) else { continue };
-        let trial = trials[row].and_then(|trial| u32::try_from(trial).ok()).unwrap_or(0);
-        let session = [text(&participants), text(&sessions)];
-        found.entry((environment, session)).or_default().push((trial, mode, values[row]));
+) -> Vec<SharpNull> {
+    let mut environments: Vec<BTreeMap<(usize, usize), Places>> =
+        vec![BTreeMap::new(); parameters.environments.len()];
+    for trial in &trials.trials {
+        let session = (trial.participant, trial.session);
+        let places = environments[trial.environment].entry(session).or_default();
+        places.push((trial.number, trial.mode, trial.value));
     }
-    Ok(found)
-}
-
-fn sharp_null(
-    environment: usize,
-    sessions: &[(&[String; 2], &Places)],
-    parameters: &Parameters,
-    sampling: Sampling,
-) -> SharpNull {
-    let redrawn: Result<Vec<Redrawn>, NoTest> = sessions
-        .iter()
-        .map(|(session, places)| redrawn(environment, session, places, parameters))
-        .collect();
-    let found = redrawn.and_then(|sessions| tests(&sessions, parameters, sampling));
-    let values = sessions.iter().flat_map(|(_, places)| places.iter().map(|(_, _, value)| value));
-    let each = parameters.contrasts.len();
-    let (any_effect, contrasts) = match found {
-        Ok(found) => found,
-        Err(why) => (Err(why.clone()), vec![Err(why); each]),
+    let of_environment = |(environment, sessions): (usize, &BTreeMap<_, Places>)| {
+        let redrawn = sessions.iter().map(|(&(participant, session), places)| {
+            let who = (&trials.participants[participant], &trials.sessions[session]);
+            redrawn(environment, who, places, parameters)
+        });
+        let redrawn: Result<Vec<Redrawn>, NoTest> = redrawn.collect();
+        let found = redrawn.and_then(|sessions| tests(&sessions, parameters, sampling));
+        let (any_effect, contrasts) = match found {
+            Ok(found) => found,
+            Err(why) => (Err(why.clone()), vec![Err(why); parameters.contrasts.len()]),
+        };
+        let values = sessions.values().flatten().filter(|(.., value)| value.is_some());
+        SharpNull { sessions: sessions.len(), trials: values.count(), any_effect, contrasts }
     };
-    SharpNull { sessions: sessions.len(), trials: values.flatten().count(), any_effect, contrasts }
+    environments.iter().enumerate().map(of_environment).collect()
 }
 
 type Tests = (Result<Randomised, NoTest>, Vec<Result<Randomised, NoTest>>);
@@ -184,7 +153,7 @@ fn tests(
             group.push(start + place);
         }
     }
-    let trials = Trials::new(&values, &block, &actual, parameters.modes.len())?;
+    let trials = sharp_null::Trials::new(&values, &block, &actual, parameters.modes.len())?;
     let trials = trials.moving_together(&group)?;
     let groups: BTreeSet<usize> = group.into_iter().collect();
     let found = trials.each_against_drawn(&statistics, sampling, |seed| {
@@ -199,14 +168,14 @@ fn tests(
 /// A session's trials in one environment, if they are a whole order of its design.
 fn redrawn(
     environment: usize,
-    [participant, session]: &[String; 2],
+    (participant, session): (&ParticipantId, &SessionId),
     places: &Places,
     parameters: &Parameters,
 ) -> Result<Redrawn, NoTest> {
     let name = || format!("{participant} {session}");
     let mut orders = parameters.orders.iter();
     let order = orders
-        .find(|o| (o.participant.as_str(), o.session.as_str()) == (participant, session))
+        .find(|o| (&o.participant, &o.session) == (participant, session))
         .and_then(|order| order.drawn.as_ref());
     let order = order.ok_or_else(|| NoTest::NotDrawn { session: name() })?;
     let planned = order.rules.trials_per_block();
@@ -259,87 +228,55 @@ impl Source {
     }
 }
 
-/// The tests as a table: for each environment any effect, then each contrast.
-pub(crate) fn table(
+/// For each environment any effect, then each contrast.
+pub(crate) fn rows(
     tests: &[SharpNull],
     measure: &Measure,
     parameters: &Parameters,
-) -> Result<Table, CompareError> {
-    let mut names = vec![ANY_EFFECT.to_owned()];
-    names.extend(parameters.contrasts.iter().map(columns::name));
-    let all: Vec<(usize, &str, &Result<Randomised, NoTest>)> = tests
-        .iter()
-        .enumerate()
-        .filter(|(_, of)| of.trials > 0)
-        .flat_map(|(environment, of)| {
-            let found = [&of.any_effect].into_iter().chain(&of.contrasts);
-            names.iter().zip(found).map(move |(name, test)| (environment, name.as_str(), test))
-        })
-        .collect();
-    let number = |name, description, of: fn(&Randomised) -> f64| {
-        let values = all.iter().map(|(_, _, test)| test.as_ref().ok().map(of));
-        Column::float(name, "1", description, values)
-    };
-    let count = |name, description, of: fn(&SharpNull) -> usize| {
-        let values = all.iter().map(|(environment, ..)| whole(of(&tests[*environment])));
-        Column::integer(name, "1", description, values)
-    };
-    let columns = vec![
-        columns::environments(parameters, all.iter().map(|(environment, ..)| *environment)),
-        Column::text(
-            "effect",
-            "the effect to which the test is sensitive",
-            all.iter().map(|(_, name, _)| Some(*name)),
-        ),
-        count("sessions", "sessions whose orders are redrawn", |of| of.sessions),
-        count("trials", "trials that have the metric", |of| of.trials),
-        number("p_value", "p value of the sharp null, not adjusted", |test| test.p_value),
-        number("smallest_p", "the smallest that the design's orders reach", |test| test.smallest_p),
-        Column::text(
-            "remark",
-            "why there is no test",
-            all.iter().map(|(_, _, test)| test.as_ref().err().map(ToString::to_string)),
-        ),
-    ];
-    let title = format!("Randomised orders: {}", measure.description);
-    let table = Table::new(&format!("orders_{}", measure.name), &title, columns)?;
-    Ok(table.with_note(format!(
-        "The sharp null: no trial of anyone depended on mode, carry-over included. Not a test of an \
-         average effect. {} orders redrawn by the design's rules, for all participants together.",
-        SAMPLING.draws
-    )))
+) -> Vec<OrderTest> {
+    let mut rows = Vec::new();
+    for (environment, own) in parameters.environments.iter().zip(tests) {
+        if own.trials == 0 {
+            continue;
+        }
+        let contrasts = parameters.contrasts.iter().cloned().map(Effect::Of).zip(&own.contrasts);
+        for (effect, test) in [(Effect::Any, &own.any_effect)].into_iter().chain(contrasts) {
+            rows.push(OrderTest {
+                metric: measure.parameters.metric.clone(),
+                environment: environment.clone(),
+                effect,
+                sessions: own.sessions,
+                trials: own.trials,
+                p_value: test.as_ref().ok().map(|test| test.p_value),
+                smallest_p: test.as_ref().ok().map(|test| test.smallest_p),
+                remark: test.as_ref().err().map(ToString::to_string),
+            });
+        }
+    }
+    rows
 }
 
 /// Each contrast in the redrawn orders: a hundred differences that are equally probable under the
 /// sharp null, from the least on.
-pub(crate) fn redrawn_table(
+pub(crate) fn redrawn_differences(
     tests: &[SharpNull],
     measure: &Measure,
     parameters: &Parameters,
-) -> Result<Table, CompareError> {
-    let mut rows: Vec<(usize, String, f64)> = Vec::new();
-    for (environment, tests) in tests.iter().enumerate() {
-        for (contrast, test) in parameters.contrasts.iter().zip(&tests.contrasts) {
-            let Ok(test) = test else { continue };
-            let name = columns::name(contrast);
-            rows.extend(test.percentiles.iter().map(|one| (environment, name.clone(), *one)));
+) -> Vec<RedrawnDifference> {
+    let mut rows = Vec::new();
+    for (environment, own) in parameters.environments.iter().zip(tests) {
+        for (contrast, test) in parameters.contrasts.iter().zip(&own.contrasts) {
+            let percentiles = test.iter().flat_map(|test| &test.percentiles);
+            rows.extend(percentiles.map(|difference| RedrawnDifference {
+                metric: measure.parameters.metric.clone(),
+                unit: measure.unit.clone(),
+                environment: environment.clone(),
+                contrast: contrast.clone(),
+                difference: *difference,
+            }));
         }
     }
-    let columns = vec![
-        columns::environments(parameters, rows.iter().map(|(environment, ..)| *environment)),
-        Column::text(
-            "contrast",
-            "the modes compared: the one minus the other",
-            rows.iter().map(|(_, name, _)| Some(name.as_str())),
-        ),
-        measure.column(
-            "difference",
-            "difference of the modes' means in redrawn orders: each row is a hundredth of them",
-            rows.iter().map(|(.., difference)| Some(*difference)),
-        ),
-    ];
-    let title = format!("Differences in redrawn orders: {}", measure.description);
-    Ok(Table::new(&format!("redrawn_{}", measure.name), &title, columns)?)
+    rows
 }
 
 #[cfg(test)]

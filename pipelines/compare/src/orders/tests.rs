@@ -2,10 +2,12 @@
 
 use super::*;
 use crate::SessionOrder;
-use crate::{Compared, DrawnOrder, compare};
+use crate::tests::{Printed, compare};
+use crate::{DrawnOrder, MetricParameters};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use zwidth_study::{Contrast, Families, OrderScheme};
+use zwidth_tables::{Column, Table};
 
 const FEW: Sampling = Sampling { draws: 199, seed: 3 };
 const ENVIRONMENTS: [&str; 2] = ["spring", "wall"];
@@ -70,19 +72,21 @@ impl Demo {
         let mode = |id: &str| id.parse().unwrap();
         let last = MODES[modes - 1];
         let contrast = |with: &&str| Contrast { mode: mode(last), against: mode(with) };
-        let parameters = Parameters {
-            preregistered: None,
-            simulated: false,
-            metric: "step_n".to_owned(),
+        let step = MetricParameters {
+            metric: "step_n".parse().unwrap(),
             primary: true,
+            preregistered: None,
+            bounds: vec![None; ENVIRONMENTS.len()],
+            noticed: None,
+        };
+        let parameters = Parameters {
+            metrics: vec![step],
             environments: ENVIRONMENTS.map(|id| id.parse().unwrap()).to_vec(),
             modes: MODES[..modes].iter().map(|id| mode(id)).collect(),
             contrasts: MODES[..modes - 1].iter().map(contrast).collect(),
-            bounds: vec![None; ENVIRONMENTS.len()],
             families: Families::Metric,
             alpha: 0.05,
             level: 0.95,
-            noticed: None,
             effect_sizes: Vec::new(),
             orders,
         };
@@ -109,12 +113,16 @@ impl Demo {
 
     /// The tests of both environments.
     fn tests(&self, sampling: Sampling) -> Vec<SharpNull> {
-        let metrics = self.metrics();
-        let measure = Measure::of(&metrics, "step_n").unwrap();
-        sharp_nulls(&metrics, &measure, &self.parameters, sampling).unwrap()
+        sharp_nulls(&self.counting(), &self.parameters, sampling)
     }
 
-    fn compared(&self) -> Compared {
+    fn counting(&self) -> Trials {
+        let metrics = self.metrics();
+        let measure = Measure::new(&metrics, &self.parameters.metrics[0]).unwrap();
+        Trials::of(&metrics, &measure, &self.parameters).unwrap()
+    }
+
+    fn compared(&self) -> Printed {
         compare(&self.metrics(), &self.parameters).unwrap()
     }
 
@@ -179,12 +187,16 @@ fn a_strong_effect_reaches_the_smallest_p_of_the_design() {
 fn orders_redrawn_with_the_seed_that_drew_them_are_those_of_all_sessions() {
     for scheme in [OrderScheme::Williams, OrderScheme::Constrained] {
         let demo = Demo::of(scheme, 4, 0.0);
-        let metrics = demo.metrics();
-        let measure = Measure::of(&metrics, "step_n").unwrap();
-        for ((environment, session), places) in
-            by_session(&metrics, &measure, &demo.parameters).unwrap()
-        {
-            let found = redrawn(environment, &session, &places, &demo.parameters).unwrap();
+        let counting = demo.counting();
+        let mut sessions: BTreeMap<_, Places> = BTreeMap::new();
+        for trial in &counting.trials {
+            let session = (trial.environment, trial.participant, trial.session);
+            let places = sessions.entry(session).or_default();
+            places.push((trial.number, trial.mode, trial.value));
+        }
+        for ((environment, participant, session), places) in sessions {
+            let who = (&counting.participants[participant], &counting.sessions[session]);
+            let found = redrawn(environment, who, &places, &demo.parameters).unwrap();
             assert_eq!(found.source.redraw(SEED), found.source.actual);
             assert_ne!(found.source.redraw(SEED + 1), found.source.actual);
         }

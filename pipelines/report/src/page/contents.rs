@@ -2,8 +2,8 @@
 //! and each trial's row.
 
 use super::TURNED;
-use super::estimates::{Estimate, differences, means};
-use crate::compared::{ComparedMetric, words};
+use super::estimates::Estimate;
+use crate::compared::ComparedMetric;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -130,8 +130,10 @@ impl Contents {
     ) -> Result<Self, TableError> {
         let coordinate = planned.coordinate;
         let (angle_unit, angle_scale) = shown_unit("rad", coordinate);
-        let columns: Vec<(&ComparedMetric, &Column)> =
-            compared.iter().filter_map(|m| Some((m, metrics.column(m.name).ok()?))).collect();
+        let columns: Vec<(&ComparedMetric, &Column)> = compared
+            .iter()
+            .filter_map(|m| Some((m, metrics.column(m.metric.metric.as_str()).ok()?)))
+            .collect();
         Ok(Self {
             study: study.to_owned(),
             title: title.to_owned(),
@@ -141,10 +143,7 @@ impl Contents {
             force_unit: "N",
             environments: planned.environments.iter().map(EnvironmentOf::of).collect(),
             modes: planned.modes.iter().map(Labelled::of).collect(),
-            metrics: columns
-                .iter()
-                .map(|(m, column)| MetricOf::of(m, column, coordinate))
-                .collect::<Result<_, _>>()?,
+            metrics: columns.iter().map(|(metric, _)| MetricOf::of(metric, coordinate)).collect(),
             questions: ratings(planned).map(QuestionOf::of).collect(),
             trials: trials(metrics, &columns, &answered(planned, answers)?)?,
             turned: None,
@@ -175,16 +174,16 @@ impl Labelled {
 }
 
 impl MetricOf {
-    fn of(
-        metric: &ComparedMetric,
-        column: &Column,
-        coordinate: Coordinate,
-    ) -> Result<Self, TableError> {
-        let (unit, scale) = shown_unit(&column.field.unit, coordinate);
-        let label = words(metric.means).to_owned();
-        let unit = if unit == "1" { String::new() } else { unit };
-        let (means, differences) = (means(metric.means)?, differences(metric.contrasts)?);
-        Ok(Self { name: metric.name.to_owned(), label, unit, scale, means, differences })
+    fn of(metric: &ComparedMetric, coordinate: Coordinate) -> Self {
+        let (unit, scale) = shown_unit(&metric.metric.unit, coordinate);
+        Self {
+            name: metric.metric.metric.to_string(),
+            label: metric.metric.words.clone(),
+            unit: if unit == "1" { String::new() } else { unit },
+            scale,
+            means: metric.means.iter().map(Estimate::of_mean).collect(),
+            differences: metric.contrasts.iter().map(Estimate::of_difference).collect(),
+        }
     }
 }
 

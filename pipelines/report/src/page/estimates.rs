@@ -1,11 +1,10 @@
 //! What the stage `compare` estimated of a metric, as the page's script draws it: means and
 //! differences with their intervals.
 
-use crate::compared::floats;
 use serde::Serialize;
-use zwidth_tables::{Table, TableError};
+use zwidth_results::{Mean, ModeDifference};
 
-/// A mean in one condition, or a difference between two, in the table's unit.
+/// A mean in one condition, or a difference between two, in the metric's unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Estimate {
     environment: String,
@@ -16,38 +15,32 @@ pub(super) struct Estimate {
     low: Option<f64>,
     high: Option<f64>,
     /// Units of analysis, and what they are.
-    n: Option<i64>,
+    n: usize,
     unit_of_analysis: String,
 }
 
-/// The means by environment and mode.
-pub(super) fn means(table: &Table) -> Result<Vec<Estimate>, TableError> {
-    estimates(table, "mode", ["mean", "ci_low", "ci_high"])
-}
-
-/// The differences by environment and contrast.
-pub(super) fn differences(table: &Table) -> Result<Vec<Estimate>, TableError> {
-    estimates(table, "contrast", ["difference", "difference_ci_low", "difference_ci_high"])
-}
-
-fn estimates(table: &Table, of: &str, columns: [&str; 3]) -> Result<Vec<Estimate>, TableError> {
-    if table.height() == 0 {
-        return Ok(Vec::new());
+impl Estimate {
+    pub(super) fn of_mean(row: &Mean) -> Self {
+        Self {
+            environment: row.environment.to_string(),
+            of: row.mode.to_string(),
+            value: row.mean,
+            low: row.ci_low,
+            high: row.ci_high,
+            n: row.n,
+            unit_of_analysis: row.unit_of_analysis.to_string(),
+        }
     }
-    let (environments, ofs) = (table.texts("environment")?, table.texts(of)?);
-    let (units, n) = (table.texts("unit_of_analysis")?, table.integers("n")?);
-    let [value, low, high] = columns.map(|stem| floats(table, stem));
-    let (value, low, high) = (value?, low?, high?);
-    let estimate = |row: usize| {
-        Some(Estimate {
-            environment: environments[row].clone()?,
-            of: ofs[row].clone()?,
-            value: value[row]?,
-            low: low[row],
-            high: high[row],
-            n: n[row],
-            unit_of_analysis: units[row].clone().unwrap_or_default(),
-        })
-    };
-    Ok((0..table.height()).filter_map(estimate).collect())
+
+    pub(super) fn of_difference(row: &ModeDifference) -> Self {
+        Self {
+            environment: row.environment.to_string(),
+            of: row.contrast.to_string(),
+            value: row.difference,
+            low: row.difference_ci_low,
+            high: row.difference_ci_high,
+            n: row.n,
+            unit_of_analysis: row.unit_of_analysis.to_string(),
+        }
+    }
 }

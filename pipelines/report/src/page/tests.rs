@@ -2,8 +2,10 @@ use super::*;
 use crate::Summary;
 use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
 use std::collections::BTreeMap;
+use zwidth_results::{Mean, ModeDifference, UnitOfAnalysis, Verdict};
 use zwidth_study::{Setup, Source};
 use zwidth_tables::{Column, Table};
+use zwidth_testing::results::{difference, mean, metric};
 
 /// What nobody should be able to put into a page.
 const HOSTILE: &str = "</script><script>alert('x')</script>\"'&\u{7}\\ {{}} <!-- %";
@@ -64,35 +66,27 @@ fn metrics() -> Table {
     Table::new("metrics", "Metrics", columns).unwrap()
 }
 
-/// A table of the stage `compare` with one row, of which the upper end of the interval is not
-/// known.
-fn estimated(of: &'static str, which: &str, [value, low, high]: [&'static str; 3]) -> Table {
-    let text = |name, text: &str| Column::text(name, name, [Some(text.to_owned())]);
-    let columns = vec![
-        text("environment", "spring"),
-        text(of, which),
-        text("unit_of_analysis", "trials of P01"),
-        Column::integer("n", "1", "units", [Some(6)]),
-        Column::float(value, "rad", value, [Some(0.5)]),
-        Column::float(low, "rad", low, [Some(0.25)]),
-        Column::float(high, "rad", high, [None]),
-    ];
-    Table::new("means", "Means by condition: largest angle", columns).unwrap()
-}
-
 fn contents(planned: &Setup, title: &str) -> Contents {
     with_answer(planned, title, Column::integer("answer", "1", "answer", [Some(5)]))
 }
 
 fn with_answer(planned: &Setup, title: &str, answer: Column) -> Contents {
-    let means = estimated("mode", "active", ["mean_rad", "ci_low_rad", "ci_high_rad"]);
-    let columns = ["difference_rad", "difference_ci_low_rad", "difference_ci_high_rad"];
-    let contrasts = estimated("contrast", "hybrid − active", columns);
+    let of = UnitOfAnalysis::TrialsOf("P01".parse().unwrap());
+    let metric = metric("theta_max_rad", "rad", "largest angle", of);
+    // The upper ends of the intervals are not known.
+    let (low, high) = (Some(0.25), None);
+    let active = Mean { ci_low: low, ci_high: high, ..mean(&metric, "active", 0.5, None) };
+    let contrast = ModeDifference {
+        difference: 0.5,
+        difference_ci_low: low,
+        difference_ci_high: high,
+        ..difference(&metric, Verdict::Undecided)
+    };
     let compared = ComparedMetric {
-        name: "theta_max_rad",
-        role: crate::Role::Primary,
-        means: &means,
-        contrasts: &contrasts,
+        metric: &metric,
+        is_primary_by_default: false,
+        means: &[active],
+        contrasts: &[contrast],
     };
     let answers = Table::new(
         "answers",

@@ -6,7 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use zwidth_compare::{Compared, Parameters, compare};
+use zwidth_compare::{MetricParameters, Parameters, compare};
+use zwidth_results::{ModeDifference, Model};
 use zwidth_study::{Contrast, Families, ModeId};
 use zwidth_tables::Table;
 
@@ -63,101 +64,65 @@ fn draw(people: usize, seed: u64) -> Vec<usize> {
 }
 
 fn one_study(metrics: &Table) -> anyhow::Result<Vec<(What, Said)>> {
-    let mut found = Vec::new();
-    for (metric, name) in METRICS.into_iter().enumerate() {
-        let compared = compare(metrics, &parameters(metric, name)?)?;
-        found.extend(read(metric, &compared)?);
-    }
-    Ok(found)
+    let found = compare(metrics, &parameters()?)?;
+    Ok(found.contrasts.iter().filter_map(|row| said(row, &found.models)).collect())
 }
 
 /// No order is told: the sharp null is another hypothesis.
-fn parameters(metric: usize, name: &str) -> anyhow::Result<Parameters> {
+fn parameters() -> anyhow::Result<Parameters> {
     let mode = |id: &str| -> anyhow::Result<ModeId> { Ok(id.parse()?) };
     let contrast = |[of, against]: [&str; 2]| -> anyhow::Result<Contrast> {
         Ok(Contrast { mode: mode(of)?, against: mode(against)? })
     };
+    let metric = |(place, name): (usize, &str)| -> anyhow::Result<MetricParameters> {
+        Ok(MetricParameters {
+            metric: name.parse()?,
+            primary: place == 0,
+            preregistered: None,
+            bounds: vec![None; ENVIRONMENTS.len()],
+            noticed: None,
+        })
+    };
     Ok(Parameters {
-        preregistered: None,
-        metric: name.to_owned(),
-        primary: metric == 0,
-        simulated: true,
+        metrics: METRICS.into_iter().enumerate().map(metric).collect::<Result<_, _>>()?,
         environments: ENVIRONMENTS.iter().map(|id| id.parse()).collect::<Result<_, _>>()?,
-        bounds: vec![None; ENVIRONMENTS.len()],
         modes: MODES.into_iter().map(mode).collect::<Result<_, _>>()?,
         contrasts: CONTRASTS.into_iter().map(contrast).collect::<Result<_, _>>()?,
         families: Families::Metric,
         alpha: ALPHA,
         level: LEVEL,
-        noticed: None,
         effect_sizes: Vec::new(),
         orders: Vec::new(),
     })
 }
 
-/// The rows of the tables of contrasts and of models that have a test.
-fn read(metric: usize, compared: &Compared) -> anyhow::Result<Vec<(What, Said)>> {
-    let models: BTreeMap<What, usize> = rows(metric, &compared.models)?.collect();
-    let table = &compared.contrasts;
-    let [estimate, std_error, low, high, df, p, sign_flip, signed_rank] = numbers(
-        table,
-        [
-            "difference",
-            "difference_std_error",
-            "difference_ci_low",
-            "difference_ci_high",
-            "df",
-            "p_value",
-            "p_sign_flip",
-            "p_signed_rank",
-        ],
-    )?;
-    let [model_low, model_high, model_p] =
-        numbers(&compared.models, ["difference_ci_low", "difference_ci_high", "p_value"])?;
-    let model = |what: &What| {
-        let row = *models.get(what)?;
-        Some(([model_low[row]?, model_high[row]?], model_p[row]?))
+/// What a contrast that has a test says, with the mixed model beside it.
+fn said(row: &ModeDifference, models: &[Model]) -> Option<(What, Said)> {
+    let is_compared = |[mode, against]: &[&str; 2]| {
+        (row.contrast.mode.as_str(), row.contrast.against.as_str()) == (*mode, *against)
     };
-    let said = |(what, row): (What, usize)| {
-        let said = Said {
-            estimate: estimate[row]?,
-            std_error: std_error[row]?,
-            df: df[row]?,
-            interval: [low[row]?, high[row]?],
-            p_value: p[row]?,
-            p_exact: [sign_flip[row]?, signed_rank[row]?],
-            model: model(&what),
-        };
-        Some((what, said))
+    let what = What {
+        metric: METRICS.iter().position(|name| *name == row.metric.as_str())?,
+        environment: ENVIRONMENTS.iter().position(|id| *id == row.environment.as_str())?,
+        contrast: CONTRASTS.iter().position(is_compared)?,
     };
-    Ok(rows(metric, table)?.filter_map(said).collect())
-}
-
-fn numbers<const N: usize>(
-    table: &Table,
-    names: [&str; N],
-) -> anyhow::Result<[Vec<Option<f64>>; N]> {
-    let mut all = names.map(|_| Vec::new());
-    for (column, name) in all.iter_mut().zip(names) {
-        *column = table.floats(name)?;
-    }
-    Ok(all)
-}
-
-/// What the rows of a table are about.
-fn rows(metric: usize, table: &Table) -> anyhow::Result<impl Iterator<Item = (What, usize)>> {
-    let names = table.texts("environment")?.into_iter().zip(table.texts("contrast")?);
-    let known: Vec<(What, usize)> = names
-        .enumerate()
-        .filter_map(|(row, (environment, contrast))| {
-            let named = |[mode, against]: &[&str; 2]| Some(format!("{mode} − {against}"));
-            let environment =
-                ENVIRONMENTS.iter().position(|id| Some(*id) == environment.as_deref())?;
-            let contrast = CONTRASTS.iter().position(|of| named(of) == contrast)?;
-            Some((What { metric, environment, contrast }, row))
-        })
-        .collect();
-    Ok(known.into_iter())
+    let is_own = |model: &&Model| {
+        (&model.metric, &model.environment, &model.contrast)
+            == (&row.metric, &row.environment, &row.contrast)
+    };
+    let model = models.iter().find(is_own).and_then(|model| {
+        Some(([model.difference_ci_low?, model.difference_ci_high?], model.p_value?))
+    });
+    let said = Said {
+        estimate: row.difference,
+        std_error: row.difference_std_error?,
+        df: row.df?,
+        interval: [row.difference_ci_low?, row.difference_ci_high?],
+        p_value: row.p_value?,
+        p_exact: [row.p_sign_flip?, row.p_signed_rank?],
+        model,
+    };
+    Some((what, said))
 }
 
 #[cfg(test)]

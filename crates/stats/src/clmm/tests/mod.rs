@@ -297,6 +297,7 @@ fn one_answer_per_mode_of_people_who_differ_a_lot_has_all_its_intervals() {
             participants: &participants,
             modes: &modes,
             sessions: &[0; 80],
+            mode_names: &[],
         };
         let found = compare_modes(&study, &[[3, 0], [3, 1], [3, 2]], 0.95, 1).unwrap();
         assert!(found.sd_participant > 2.0, "{}", found.sd_participant);
@@ -484,6 +485,7 @@ fn modes_are_compared_against_the_reference_for_one_person() {
         participants: &study.participants,
         modes: &study.modes,
         sessions: &sessions,
+        mode_names: &[],
     };
     let found = compare_modes(&modes, &[[1, 0], [1, 2]], 0.95, 4).unwrap();
     assert_eq!((found.participants, found.odds_ratios.len()), (6, 2));
@@ -520,6 +522,7 @@ fn a_separated_mode_has_a_bound_and_a_ratio_test_and_leaves_the_others_their_est
         participants: &apart.participants,
         modes: &apart.modes,
         sessions: &sessions,
+        mode_names: &[],
     };
     let pairs = [[2, 0], [1, 0], [0, 2], [1, 2]];
     let found = compare_modes(&modes, &pairs, 0.95, 4).unwrap();
@@ -537,6 +540,7 @@ fn a_separated_mode_has_a_bound_and_a_ratio_test_and_leaves_the_others_their_est
         participants: &people,
         modes: &two,
         sessions: &once,
+        mode_names: &[],
     };
     let alone = compare_modes(&pair, &[[1, 0]], 0.95, 4).unwrap();
     let expect = alone.odds_ratios[0].as_ref().unwrap();
@@ -570,6 +574,7 @@ fn answers_that_two_modes_do_not_share_at_all_are_bounded_too() {
         participants: &participants,
         modes: &modes,
         sessions: &sessions,
+        mode_names: &[],
     };
     let found = compare_modes(&study, &[[0, 1]], 0.95, 4).unwrap();
     let ratio = found.odds_ratios[0].as_ref().unwrap();
@@ -661,6 +666,7 @@ fn one_answer_per_person_and_mode_is_compared_with_participants_alone() {
         participants: &participants,
         modes: &modes,
         sessions: &sessions,
+        mode_names: &[],
     };
     let found = compare_modes(&study, &[[2, 0], [2, 1]], 0.95, 1).unwrap();
     assert_eq!(found.participants, 8);

@@ -1,0 +1,131 @@
+//! Typed handles: a derived table knows its file and its rows.
+
+use std::marker::PhantomData;
+use std::path::{Path, PathBuf};
+use zwidth_results::Row;
+use zwidth_runner::{Inputs, JobError, Made, Making};
+use zwidth_study::MetricId;
+use zwidth_tables::{Table, TableError};
+
+/// A derived table of rows `R`.
+pub(crate) struct Derived<R> {
+    path: PathBuf,
+    rows: PhantomData<fn() -> R>,
+}
+
+impl<R> Clone for Derived<R> {
+    fn clone(&self) -> Self {
+        Self { path: self.path.clone(), rows: PhantomData }
+    }
+}
+
+impl<R: Row> Derived<R> {
+    /// That of a folder, named as its rows are.
+    pub(crate) fn within(folder: &Path) -> Self {
+        Self { path: folder.join(format!("{}.parquet", R::NAME)), rows: PhantomData }
+    }
+
+    /// Its file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its rows.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or has other rows.
+    pub(crate) fn read(&self) -> Result<Vec<R>, TableError> {
+        Table::from_parquet(&self.path)?.to_rows()
+    }
+
+    /// Its rows of a metric.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub(crate) fn read_of(&self, metric: &MetricId) -> Result<Vec<R>, TableError> {
+        Table::from_parquet(&self.path)?.with_text("metric", metric.as_str())?.to_rows()
+    }
+}
+
+impl<R: 'static> Inputs for Derived<R> {
+    fn files(&self) -> Vec<PathBuf> {
+        vec![self.path.clone()]
+    }
+}
+
+/// The tables that a job makes, each in that of its outputs which is named as its rows are.
+pub(crate) struct Written<'m> {
+    making: &'m Making<'m>,
+    simulated: bool,
+    made: Vec<Option<Vec<u8>>>,
+}
+
+impl<'m> Written<'m> {
+    /// Nothing yet. What is made of simulated data says so.
+    pub(crate) fn begin(making: &'m Making<'m>, simulated: bool) -> Self {
+        Self { making, simulated, made: vec![None; making.outputs.len()] }
+    }
+
+    /// With the table of some rows.
+    pub(crate) fn rows<R: Row>(self, rows: &[R]) -> Result<Self, JobError> {
+        self.table::<R>(Table::of_rows(rows)?)
+    }
+
+    /// With a table of rows `R` that has notes.
+    pub(crate) fn table<R: Row>(mut self, table: Table) -> Result<Self, JobError> {
+        let is_it = |path: &PathBuf| path.file_stem().is_some_and(|stem| stem == R::NAME);
+        let place = self.making.outputs.iter().position(is_it);
+        let place = place.ok_or_else(|| format!("the job has no output '{}'", R::NAME))?;
+        let table = table.with_mark(self.simulated);
+        self.made[place] = Some(table.to_parquet(self.making.from, &self.making.outputs[place])?);
+        Ok(self)
+    }
+
+    /// All of them.
+    pub(crate) fn end(self) -> Result<Made, JobError> {
+        let all: Option<Vec<Vec<u8>>> = self.made.into_iter().collect();
+        Ok(Made::of(all.ok_or("a table of the job was not made")?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use zwidth_results::{MetricNote, NoteKind, OrderTest};
+    use zwidth_runner::{Output, Provenance};
+    use zwidth_store::Lately;
+
+    fn note(metric: &str) -> MetricNote {
+        MetricNote {
+            metric: metric.parse().unwrap(),
+            table: "means".to_owned(),
+            kind: NoteKind::Care,
+            note: "few".to_owned(),
+        }
+    }
+
+    #[test]
+    fn rows_are_written_where_their_handle_reads_them_and_marked_where_simulated() {
+        let folder = tempfile::tempdir().unwrap();
+        let notes = Derived::<MetricNote>::within(folder.path());
+        let orders = Derived::<OrderTest>::within(folder.path());
+        let (from, trials) = (Provenance::new(), Lately::default());
+        let outputs = [orders.path().to_owned(), notes.path().to_owned()];
+        let making =
+            Making { from: &from, outputs: &outputs, root: folder.path(), trials: &trials };
+        let begun = Written::begin(&making, true).rows(&[note("a_n"), note("b_n")]).unwrap();
+        let made = begun.rows::<OrderTest>(&[]).unwrap().end().unwrap();
+        for (output, path) in made.outputs.into_iter().zip(&outputs) {
+            let Output::Whole(bytes) = output else { panic!("it is whole") };
+            fs::write(path, bytes).unwrap();
+        }
+        assert_eq!(notes.read().unwrap(), [note("a_n"), note("b_n")]);
+        assert_eq!(notes.read_of(&"b_n".parse().unwrap()).unwrap(), [note("b_n")]);
+        assert!(orders.read().unwrap().is_empty());
+        let table = Table::from_parquet(notes.path()).unwrap();
+        assert_eq!(table.notes(), [zwidth_tables::SYNTHETIC]);
+        let incomplete = Written::begin(&making, false).rows(&[note("a_n")]).unwrap().end();
+        assert!(incomplete.is_err());
+    }
+}

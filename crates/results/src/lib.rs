@@ -1,0 +1,42 @@
+//! What the stages find, as types: one struct for each derived table.
+//!
+//! A field is a column: its name, which ends in its unit, its unit and its meaning stand beside it,
+//! once ([`rows!`]). A stage returns rows, a figure or a sentence is made of rows, and a file has
+//! their columns ([`Row::columns`], [`Row::read`]). What is one of a few things is an enum, and what
+//! names something is an id: nobody reads a word to learn what it means.
+//!
+//! | rows | key | made by | read by |
+//! |---|---|---|---|
+//! | [`Compared`] | metric | `compare` | figures, page, summary, printed tables |
+//! | [`Cell`] | metric, participant, session, environment, mode | `compare` | figures |
+//! | [`Mean`] | metric, environment, mode | `compare` | figures, page, summary |
+//! | [`ModeDifference`] | metric, environment, contrast | `compare` | figures, page, summary, `power` |
+//! | [`PrintedDifference`] | metric, environment, contrast | `compare` | printed tables |
+//! | [`Omnibus`] | metric, environment | `compare` | printed tables |
+//! | [`Model`] | metric, environment, contrast | `compare` | `power` |
+//! | [`PersonDifference`] | metric, environment, contrast, participant | `compare` | figures |
+//! | [`SessionChange`] | metric, environment, mode, sessions | `compare` | figures, summary |
+//! | [`Learning`] | metric, environment, mode | `compare` | printed tables |
+//! | [`RepeatMean`] | metric, environment, mode, repeat | `compare` | figures |
+//! | [`OrderTest`] | metric, environment, effect | `compare` | printed tables |
+//! | [`RedrawnDifference`] | metric, environment, contrast, place | `compare` | figures |
+//! | [`AnswerDifference`] | question, environment, contrast | `compare` | figures, printed tables |
+//! | [`PersonSuperiority`] | question, environment, contrast, participant | `compare` | figures |
+//! | [`MetricNote`] | metric, table, place | `compare` | figures, summary, printed tables |
+
+mod column;
+mod comparison;
+mod note;
+mod row;
+mod value;
+
+pub use column::{Column, Field, Type, UNIT_OF_ROW, Values};
+pub use comparison::{
+    AnswerDifference, AnswerTest, Cell, Compared, Effect, Learning, Mean, MetricNote,
+    ModeDifference, Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority,
+    PrintedDifference, RedrawnDifference, RepeatMean, Role, SessionChange, SessionPair, Size,
+    UnitOfAnalysis, Verdict,
+};
+pub use note::NoteKind;
+pub use row::{ReadError, Row};
+pub use value::{Scalar, Value};

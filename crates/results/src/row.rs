@@ -1,0 +1,237 @@
+//! Rows of a derived table, and the one declaration that each has.
+
+use crate::column::{Column, Field, Type, Values};
+use crate::value::Value;
+
+/// What cannot be read as rows.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ReadError {
+    /// A column that is not there, or of another type.
+    #[error(
+        "there is no column '{column}' of type {kind:?}: another version wrote the file; make it again"
+    )]
+    NoColumn {
+        /// The column.
+        column: &'static str,
+        /// Its type.
+        kind: Type,
+    },
+    /// A place that holds nothing, or no such value.
+    #[error("row {row}, column '{column}': this is no {what}: the file is damaged; make it again")]
+    NoValue {
+        /// The row, from 1.
+        row: usize,
+        /// The column.
+        column: &'static str,
+        /// The type of the value.
+        what: &'static str,
+    },
+}
+
+/// A row of a derived table.
+pub trait Row: Sized {
+    /// The table's name.
+    const NAME: &'static str;
+    /// Its title, a phrase.
+    const TITLE: &'static str;
+
+    /// What the columns are, in their order.
+    fn fields() -> Vec<Field>;
+
+    /// The columns of some rows.
+    fn columns(rows: &[Self]) -> Vec<Column>;
+
+    /// The rows of columns, found by their names.
+    ///
+    /// # Errors
+    /// A column that is not there or of another type; a value that is none.
+    fn read(columns: &[Column]) -> Result<Vec<Self>, ReadError>;
+}
+
+/// A column that is read: its name and its values.
+pub(crate) struct Known<'a> {
+    name: &'static str,
+    values: &'a Values,
+}
+
+impl<'a> Known<'a> {
+    /// The column of that name and type.
+    ///
+    /// # Errors
+    /// There is none.
+    pub(crate) fn of(
+        columns: &'a [Column],
+        name: &'static str,
+        kind: Type,
+    ) -> Result<Known<'a>, ReadError> {
+        let found = columns.iter().find(|c| c.field.name == name && c.values.kind() == kind);
+        let values = &found.ok_or(ReadError::NoColumn { column: name, kind })?.values;
+        Ok(Known { name, values })
+    }
+
+    /// The value of a row.
+    ///
+    /// # Errors
+    /// Nothing, or no such value.
+    pub(crate) fn at<V: Value>(&self, row: usize) -> Result<V, ReadError> {
+        let none = || ReadError::NoValue {
+            row: row + 1,
+            column: self.name,
+            what: std::any::type_name::<V>(),
+        };
+        V::of(self.values.scalar(row)).ok_or_else(none)
+    }
+}
+
+/// The values of one field of some rows.
+pub(crate) fn values<'a, V: Value + 'a>(fields: impl ExactSizeIterator<Item = &'a V>) -> Values {
+    let mut values = Values::with_room(V::KIND, fields.len());
+    fields.for_each(|field| values.push(field.scalar()));
+    values
+}
+
+/// Declares the rows of derived tables: name and title of the table, and a field for each column
+/// with its meaning, its type and its unit (none for a pure number or a word).
+macro_rules! rows {
+    ($(
+        $(#[doc = $about:literal])+
+        $row:ident = $name:literal, $title:literal {
+            $($(#[doc = $meaning:literal])+ $field:ident: $kind:ty $(= $unit:expr)?,)+
+        }
+    )*) => {$(
+        $(#[doc = $about])+
+        #[derive(Debug, Clone, PartialEq)]
+        pub struct $row {
+            $($(#[doc = $meaning])+ pub $field: $kind,)+
+        }
+
+        impl $crate::row::Row for $row {
+            const NAME: &'static str = $name;
+            const TITLE: &'static str = $title;
+
+            fn fields() -> Vec<$crate::column::Field> {
+                vec![$($crate::column::Field {
+                    name: stringify!($field).into(),
+                    unit: $crate::row::unit([$($unit)?].first().copied()).into(),
+                    description: concat!($($meaning),+).trim().into(),
+                    kind: <$kind as $crate::value::Value>::KIND,
+                }),+]
+            }
+
+            fn columns(rows: &[Self]) -> Vec<$crate::column::Column> {
+                let values = [$($crate::row::values(rows.iter().map(|row| &row.$field))),+];
+                let fields = Self::fields().into_iter().zip(values);
+                fields.map(|(field, values)| $crate::column::Column { field, values }).collect()
+            }
+
+            fn read(
+                columns: &[$crate::column::Column],
+            ) -> Result<Vec<Self>, $crate::row::ReadError> {
+                $(let $field = $crate::row::Known::of(
+                    columns,
+                    stringify!($field),
+                    <$kind as $crate::value::Value>::KIND,
+                )?;)+
+                let rows = columns.first().map_or(0, |column| column.values.len());
+                (0..rows).map(|row| Ok(Self { $($field: $field.at(row)?),+ })).collect()
+            }
+        }
+    )*};
+}
+pub(crate) use rows;
+
+/// The unit that a declaration names; that of a pure number where it names none.
+pub(crate) fn unit(named: Option<&'static str>) -> &'static str {
+    named.unwrap_or("1")
+}
+
+#[cfg(test)]
+#[expect(unreachable_pub, reason = "the macros declare what others read")]
+mod tests {
+    use super::*;
+    use crate::UNIT_OF_ROW;
+    use crate::value::words;
+
+    words! {
+        /// A word.
+        Word {
+            /// One.
+            Small = "small",
+            /// Another.
+            Large = "large",
+        }
+    }
+
+    rows! {
+        /// A row.
+        One = "ones", "Some of them" {
+            /// a whole number
+            count: usize,
+            /// an angle
+            theta_rad: Option<f64> = "rad",
+            /// a number
+            bias: f64 = UNIT_OF_ROW,
+            /// a word
+            word: Word,
+            /// whether
+            is_it: bool,
+            /// a text
+            remark: Option<String>,
+        }
+    }
+
+    fn sample() -> Vec<One> {
+        let remark = Some("late".to_owned());
+        vec![
+            One {
+                count: 3,
+                theta_rad: Some(0.5),
+                bias: 1.0,
+                word: Word::Small,
+                is_it: true,
+                remark,
+            },
+            One {
+                count: 0,
+                theta_rad: None,
+                bias: -2.0,
+                word: Word::Large,
+                is_it: false,
+                remark: None,
+            },
+        ]
+    }
+
+    #[test]
+    fn a_declaration_gives_names_units_and_meanings() {
+        let fields = One::fields();
+        let told: Vec<[&str; 3]> =
+            fields.iter().map(|f| [&*f.name, &*f.unit, &*f.description]).collect();
+        assert_eq!(told[0], ["count", "1", "a whole number"]);
+        assert_eq!(told[1], ["theta_rad", "rad", "an angle"]);
+        assert_eq!(told[2], ["bias", UNIT_OF_ROW, "a number"]);
+        assert_eq!((One::NAME, One::TITLE), ("ones", "Some of them"));
+    }
+
+    #[test]
+    fn rows_come_back_from_their_columns_in_any_order() {
+        let mut columns = One::columns(&sample());
+        columns.reverse();
+        assert_eq!(One::read(&columns).unwrap(), sample());
+        assert_eq!(One::read(&One::columns(&[])).unwrap(), []);
+    }
+
+    #[test]
+    fn a_column_that_is_not_there_and_a_value_that_is_none_are_named() {
+        let mut columns = One::columns(&sample());
+        columns[3] = Column::text("word", "", ["small", "huge"].map(Some));
+        let error = One::read(&columns).unwrap_err().to_string();
+        assert!(error.starts_with("row 2, column 'word'"), "{error}");
+        columns[2] = Column::float("bias", "", "", [None, Some(1.0)]);
+        assert!(One::read(&columns).unwrap_err().to_string().contains("row 1, column 'bias'"));
+        columns[2] = Column::integer("bias", "", "", [Some(1), Some(1)]);
+        assert!(One::read(&columns).unwrap_err().to_string().contains("no column 'bias'"));
+        columns.remove(0);
+        assert!(One::read(&columns).unwrap_err().to_string().contains("no column 'count'"));
+    }
+}

@@ -1,0 +1,195 @@
+//! What a column of a table can hold, and what it is in memory.
+
+use crate::column::Type;
+use std::sync::Arc;
+use zwidth_study::{
+    Contrast, EnvironmentId, MetricId, ModeId, ParticipantId, QuestionId, SessionId,
+};
+
+/// One place of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scalar {
+    /// A number.
+    Float(f64),
+    /// A whole number.
+    Integer(i64),
+    /// A text.
+    Text(Arc<str>),
+    /// Yes or no.
+    Flag(bool),
+    /// Not applicable, or not known.
+    Null,
+}
+
+/// What a field of a row can be.
+pub trait Value: Sized {
+    /// The type of its column.
+    const KIND: Type;
+
+    /// As the table holds it.
+    fn scalar(&self) -> Scalar;
+
+    /// What the table holds, back; `None` where that is no such value.
+    fn of(scalar: Scalar) -> Option<Self>;
+}
+
+impl Value for f64 {
+    const KIND: Type = Type::Float;
+
+    fn scalar(&self) -> Scalar {
+        Scalar::Float(*self)
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        match scalar {
+            Scalar::Float(number) => Some(number),
+            _ => None,
+        }
+    }
+}
+
+impl Value for i64 {
+    const KIND: Type = Type::Integer;
+
+    fn scalar(&self) -> Scalar {
+        Scalar::Integer(*self)
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        match scalar {
+            Scalar::Integer(number) => Some(number),
+            _ => None,
+        }
+    }
+}
+
+impl Value for usize {
+    const KIND: Type = Type::Integer;
+
+    fn scalar(&self) -> Scalar {
+        // No number of things in memory is larger.
+        Scalar::Integer(i64::try_from(*self).unwrap_or(i64::MAX))
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        Self::try_from(i64::of(scalar)?).ok()
+    }
+}
+
+impl Value for bool {
+    const KIND: Type = Type::Flag;
+
+    fn scalar(&self) -> Scalar {
+        Scalar::Flag(*self)
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        match scalar {
+            Scalar::Flag(flag) => Some(flag),
+            _ => None,
+        }
+    }
+}
+
+impl Value for Arc<str> {
+    const KIND: Type = Type::Text;
+
+    fn scalar(&self) -> Scalar {
+        Scalar::Text(self.clone())
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        match scalar {
+            Scalar::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+}
+
+impl Value for String {
+    const KIND: Type = Type::Text;
+
+    fn scalar(&self) -> Scalar {
+        Scalar::Text(self.as_str().into())
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        Arc::<str>::of(scalar).map(|text| text.to_string())
+    }
+}
+
+impl<V: Value> Value for Option<V> {
+    const KIND: Type = V::KIND;
+
+    fn scalar(&self) -> Scalar {
+        self.as_ref().map_or(Scalar::Null, V::scalar)
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        match scalar {
+            Scalar::Null => Some(None),
+            scalar => V::of(scalar).map(Some),
+        }
+    }
+}
+
+/// A value whose column holds the text that stands for it.
+macro_rules! texts {
+    ($($name:ty),*) => {$(
+        impl $crate::value::Value for $name {
+            const KIND: $crate::column::Type = $crate::column::Type::Text;
+
+            fn scalar(&self) -> $crate::value::Scalar {
+                $crate::value::Scalar::Text(self.to_string().into())
+            }
+
+            fn of(scalar: $crate::value::Scalar) -> Option<Self> {
+                std::sync::Arc::<str>::of(scalar)?.parse().ok()
+            }
+        }
+    )*};
+}
+pub(crate) use texts;
+
+texts!(ParticipantId, SessionId, EnvironmentId, ModeId, MetricId, QuestionId, Contrast);
+
+/// One of a few things, each with the word that stands for it in tables.
+macro_rules! words {
+    ($($(#[$doc:meta])* $name:ident { $($(#[$about:meta])* $variant:ident = $word:literal,)* })*) => {$(
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum $name {
+            $($(#[$about])* $variant,)*
+        }
+
+        impl $name {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$variant,)*];
+
+            /// That of a word.
+            pub fn from_word(word: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|one| one.as_str() == word)
+            }
+
+            /// The word that stands for it.
+            pub fn as_str(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $word,)*
+                }
+            }
+        }
+
+        impl $crate::value::Value for $name {
+            const KIND: $crate::column::Type = $crate::column::Type::Text;
+
+            fn scalar(&self) -> $crate::value::Scalar {
+                $crate::value::Scalar::Text(self.as_str().into())
+            }
+
+            fn of(scalar: $crate::value::Scalar) -> Option<Self> {
+                Self::from_word(&*std::sync::Arc::<str>::of(scalar)?)
+            }
+        }
+    )*};
+}
+pub(crate) use words;

@@ -1,0 +1,89 @@
+//! One metric's rows of a table of all metrics, as a table of their own.
+
+use crate::unit::split_unit;
+use crate::{Column, Field, Table, TableError, UNIT_OF_ROW};
+use zwidth_results::{Compared, MetricNote};
+
+/// The rows of a metric: its columns are in its unit, which their names end with, and a column that
+/// none of them has a value of is left out. `notes` are those of all tables.
+///
+/// # Errors
+/// A table without a column `metric`.
+pub fn of_metric(
+    all: &Table,
+    metric: &Compared,
+    notes: &[MetricNote],
+) -> Result<Table, TableError> {
+    let id = metric.metric.as_str();
+    let own = all.with_text("metric", id)?.without_empty_columns();
+    let columns = own.columns().iter().filter(|c| !matches!(&*c.field.name, "metric" | "unit"));
+    let (_, suffix) = split_unit(id, &metric.unit);
+    let columns = columns.map(|column| in_unit(column.clone(), &metric.unit, suffix)).collect();
+    let name = format!("{}_{id}", all.name());
+    let table = Table::new(&name, &format!("{}: {}", all.title(), metric.words), columns)?;
+    let notes =
+        notes.iter().filter(|note| note.metric == metric.metric && note.table == all.name());
+    let table = notes.fold(table, |table, note| table.with_note_of(note.kind, note.note.as_str()));
+    Ok(table.with_notes_of(&own))
+}
+
+/// A column in the unit of its rows, as one of that unit.
+fn in_unit(column: Column, unit: &str, suffix: &str) -> Column {
+    if column.field.unit != UNIT_OF_ROW {
+        return column;
+    }
+    let name = (column.field.name.to_string() + suffix).into();
+    Column { field: Field { name, unit: unit.to_owned().into(), ..column.field }, ..column }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_results::{Cell, NoteKind, Role, UnitOfAnalysis};
+
+    fn cell(metric: &str, unit: &str, mean: Option<f64>) -> Cell {
+        Cell {
+            metric: metric.parse().unwrap(),
+            unit: unit.into(),
+            participant: "P01".parse().unwrap(),
+            session: "S01".parse().unwrap(),
+            environment: "spring".parse().unwrap(),
+            mode: "active".parse().unwrap(),
+            trials: 6,
+            n: 6,
+            mean,
+            sd: None,
+        }
+    }
+
+    #[test]
+    fn a_metric_has_its_rows_its_unit_and_its_notes_and_no_empty_column() {
+        let cells = [cell("past_rad", "rad", Some(0.1)), cell("length_s", "s", Some(2.0))];
+        let all = Table::of_rows(&cells).unwrap().with_mark(true);
+        let metric = Compared {
+            metric: "past_rad".parse().unwrap(),
+            unit: "rad".into(),
+            words: "angle past the wall".to_owned(),
+            role: Role::Primary,
+            unit_of_analysis: UnitOfAnalysis::Participants,
+        };
+        let note = |metric: &str, table: &str, note: &str| MetricNote {
+            metric: metric.parse().unwrap(),
+            table: table.to_owned(),
+            kind: NoteKind::Care,
+            note: note.to_owned(),
+        };
+        let notes = [
+            note("past_rad", "cells", "its own"),
+            note("length_s", "cells", "another's"),
+            note("past_rad", "means", "of another table"),
+        ];
+        let own = of_metric(&all, &metric, &notes).unwrap();
+        assert_eq!((own.name(), own.height()), ("cells_past_rad", 1));
+        assert_eq!(own.title(), "By participant, session and condition: angle past the wall");
+        assert_eq!(own.floats("mean_rad").unwrap(), [Some(0.1)]);
+        assert!(own.column("sd_rad").is_err() && own.column("unit").is_err());
+        assert_eq!(own.notes(), ["its own", crate::SYNTHETIC]);
+        assert_eq!(of_metric(&all, &metric, &[]).unwrap().notes(), [crate::SYNTHETIC]);
+    }
+}
