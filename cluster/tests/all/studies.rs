@@ -75,7 +75,7 @@ pub(crate) fn merge_here(root: &Path, from: &[&Path]) {
     let from: Vec<Results> = layouts.iter().map(|of| Results::new(of, &RealFiles)).collect();
     let own = Results::new(&layout, &RealFiles);
     let merged =
-        merge(&jobs, (&own, &from), &HashesRead::default(), &std::sync::Arc::default()).unwrap();
+        merge(&jobs, (&own, &from), &HashesRead::default(), &std::sync::Arc::default(), &|_| {}).unwrap();
     assert!(merged.survey.refused.is_empty());
 }
 

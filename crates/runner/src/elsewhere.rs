@@ -132,7 +132,8 @@ mod tests {
             .unwrap();
         }
         let merged =
-            merge(&planned, (&own, &laid), &HashesRead::default(), &Arc::default()).unwrap();
+            merge(&planned, (&own, &laid), &HashesRead::default(), &Arc::default(), &|_| {})
+                .unwrap();
         assert_eq!((merged.shards, merged.jobs), (BTreeSet::from([shard]), 4));
         assert_eq!(
             names(&due(&planned, &own, &HashesRead::default()).unwrap()),

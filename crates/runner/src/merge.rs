@@ -28,6 +28,9 @@ pub struct Merged<'r, 'j> {
 /// manifests in the study's own folder removed, because the records now say the same. So a merge
 /// that was killed at any point can be done again. Nothing is changed in other roots.
 ///
+/// `progress` is called after each job that was held against its results and each file that was
+/// copied, with how many of both there are.
+///
 /// # Errors
 /// A run of the study is still going on in its folder; a file that cannot be copied; records that
 /// cannot be written.
@@ -36,15 +39,17 @@ pub fn merge<'r, 'j>(
     (own, others): (&'r Results<'r>, &'r [Results<'r>]),
     known: &HashesRead,
     seen: &Arc<Seen>,
+    progress: &dyn Fn(usize),
 ) -> Result<Merged<'r, 'j>, StoreError> {
     let _held = own.hold_alone()?;
-    let mut survey = survey(jobs, (own, others), known, seen)?;
+    let mut survey = survey(jobs, (own, others), known, seen, progress)?;
+    let steps = survey.steps;
     // Before files are copied that other jobs wait for.
     let shares = survey.shares(jobs, None);
     let (mut shards, mut jobs, mut copied) = (BTreeSet::new(), BTreeSet::new(), 0);
     for offer in &survey.accepted {
         if !offer.is_own {
-            copied += copy(offer, own)?;
+            copied += copy(offer, own, &|| progress(steps))?;
         }
         let records = &offer.manifest.records;
         survey
@@ -66,7 +71,7 @@ pub fn merge<'r, 'j>(
 }
 
 /// Copies the files of a shard; how many.
-fn copy(offer: &Offer, own: &Results) -> Result<usize, StoreError> {
+fn copy(offer: &Offer, own: &Results, progress: &dyn Fn()) -> Result<usize, StoreError> {
     let outputs: Vec<(String, String)> = offer.manifest.records.outputs().collect();
     for (path, hash) in &outputs {
         let failed =
@@ -76,6 +81,7 @@ fn copy(offer: &Offer, own: &Results) -> Result<usize, StoreError> {
             return Err(failed("it has changed since the merge began".to_owned()));
         }
         own.write(&own.root().join(path), &bytes)?;
+        progress();
     }
     Ok(outputs.len())
 }
@@ -84,6 +90,7 @@ fn copy(offer: &Offer, own: &Results) -> Result<usize, StoreError> {
 mod tests {
     use super::*;
     use crate::{JobEnd, Made, Options, Records, Stage, run};
+    use std::cell::RefCell;
     use std::fs;
     use std::path::PathBuf;
     use tempfile::TempDir;
@@ -149,7 +156,7 @@ mod tests {
 
         fn merge(&self, others: &[Results]) -> (usize, Vec<String>) {
             let (jobs, own) = (self.jobs(), self.results());
-            let merged = merge(&jobs, (&own, others), &none(), &Arc::default()).unwrap();
+            let merged = merge(&jobs, (&own, others), &none(), &Arc::default(), &|_| {}).unwrap();
             let refused = merged.survey.refused.iter().map(ToString::to_string).collect();
             (merged.jobs, refused)
         }
@@ -206,8 +213,10 @@ mod tests {
         world.run(Some("1/1"));
         let fewer: Vec<Job> = world.jobs().into_iter().filter(|job| job.name != "own a").collect();
         let results = world.results();
-        let refused =
-            merge(&fewer, (&results, &[]), &none(), &Arc::default()).unwrap().survey.refused;
+        let refused = merge(&fewer, (&results, &[]), &none(), &Arc::default(), &|_| {})
+            .unwrap()
+            .survey
+            .refused;
         let why = refused[0].to_string();
         assert!(why.contains("the study has no job \"own a\" now"), "{why}");
         assert!(why.contains(&format!("--root {} run s", world.layout.root().display())), "{why}");
@@ -217,7 +226,7 @@ mod tests {
         run(&fewer, &results, &shard, &|_| {}).unwrap();
         assert!(!world.layout.derived().join("a").exists());
         assert!(world.layout.derived().join("b").exists());
-        let merged = merge(&fewer, (&results, &[]), &none(), &Arc::default()).unwrap();
+        let merged = merge(&fewer, (&results, &[]), &none(), &Arc::default(), &|_| {}).unwrap();
         assert_eq!((merged.jobs, merged.survey.refused), (2, Vec::new()));
     }
 
@@ -244,6 +253,20 @@ mod tests {
         assert!(other.shards().exists(), "nothing elsewhere is changed");
     }
 
+    /// Three jobs of parts are held against the study; of those, the shard elsewhere has three files.
+    #[test]
+    fn progress_counts_jobs_and_copied_files_up_to_their_number() {
+        let (world, other) = (World::new(), World::new());
+        other.run(Some("1/1"));
+        let steps = RefCell::new(Vec::new());
+        let keep = |all| steps.borrow_mut().push(all);
+        let (jobs, own, others) = (world.jobs(), world.results(), [other.results()]);
+        let merged = merge(&jobs, (&own, &others), &none(), &Arc::default(), &keep).unwrap();
+        let counted = steps.take();
+        assert!(counted.iter().all(|all| *all == counted.len()), "{counted:?}");
+        assert_eq!((merged.copied, counted.len()), (3, jobs.len() + 3));
+    }
+
     #[test]
     fn a_merge_waits_for_runs_and_one_that_was_cut_off_is_done_again() {
         let world = World::new();
@@ -252,7 +275,7 @@ mod tests {
         let text = fs::read(&manifest).unwrap();
         let (jobs, results) = (world.jobs(), world.results());
         let running = results.hold_beside_shards().unwrap();
-        let error = merge(&jobs, (&results, &[]), &none(), &Arc::default()).err().unwrap();
+        let error = merge(&jobs, (&results, &[]), &none(), &Arc::default(), &|_| {}).err().unwrap();
         assert!(
             error.to_string().contains("a run, a merge or a shard of the study goes on"),
             "{error}"
@@ -275,7 +298,7 @@ mod tests {
         }
         let (jobs, own) = (world.jobs(), world.results());
         let missing = |of| {
-            let found = survey(&jobs, (&own, &[]), &none(), &Arc::default()).unwrap();
+            let found = survey(&jobs, (&own, &[]), &none(), &Arc::default(), &|_| {}).unwrap();
             let shares = found.shares(&jobs, of).into_iter().filter(|s| !s.missing.is_empty());
             shares.map(|s| (s.shard, s.missing)).collect::<Vec<_>>()
         };

@@ -28,6 +28,8 @@ pub struct Survey<'r> {
     there: Vec<bool>,
     /// Whether each job has them by the study's own records.
     up_to_date: Vec<bool>,
+    /// Jobs that were held against their results, and files that a merge would copy.
+    pub(crate) steps: usize,
 }
 
 /// A shard's manifest, and where its results lie.
@@ -80,6 +82,8 @@ impl Survey<'_> {
 
 /// Looks at the manifests in the study's own results and in those of other roots. `known` are
 /// hashes of files that were read already, and `seen` what others were when they were last read.
+/// `progress` is called after each job that was held against its results, with how many there are,
+/// and how many files of other roots a merge would copy after them.
 ///
 /// # Errors
 /// Records or manifests that cannot be looked for: a link on the way to them.
@@ -88,6 +92,7 @@ pub fn survey<'r>(
     (own, others): (&'r Results<'r>, &'r [Results<'r>]),
     known: &HashesRead,
     seen: &Arc<Seen>,
+    progress: &dyn Fn(usize),
 ) -> Result<Survey<'r>, StoreError> {
     let (records, remarks) = Records::read(own)?;
     let (mut offers, mut refused, mut counts) = (Vec::new(), Vec::new(), BTreeSet::new());
@@ -104,44 +109,18 @@ pub fn survey<'r>(
             }
         }
     }
-    let (up_to_date, there) =
-        compare(jobs, own, &records, &mut offers, &Hashes::seen(known, seen.clone()));
-    refused.extend(offers.iter().filter_map(|offer| {
-        let why = offer.refused.as_ref()?;
-        Some(refusal(offer.results.layout(), offer.manifest.shard, &offer.path, why))
-    }));
-    offers.retain(|offer| offer.refused.is_none());
-    Ok(Survey { records, accepted: offers, refused, remarks, counts, there, up_to_date })
-}
-
-/// A job of a manifest that the study does not have.
-fn unplanned(jobs: &[Job], manifest: &Manifest) -> Option<String> {
-    let planned: BTreeSet<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
-    let mut names = manifest.records.iter().map(|(name, _)| name);
-    let other = names.find(|name| !planned.contains(name))?;
-    Some(format!("it was made from other inputs: the study has no job {other:?} now"))
-}
-
-/// Holds what shards offer against each job as a run would find it now: refuses those that made
-/// something of other inputs, and says which jobs have up-to-date results by the study's own
-/// records, and which have them anywhere.
-fn compare(
-    jobs: &[Job],
-    own: &Results,
-    records: &Records,
-    offers: &mut [Offer],
-    hashes: &Hashes,
-) -> (Vec<bool>, Vec<bool>) {
-    let root = own.root();
-    let mut is_own = vec![false; jobs.len()];
-    let mut offered: Vec<Vec<usize>> = vec![Vec::new(); jobs.len()];
+    let (root, hashes) = (own.root(), Hashes::seen(known, seen.clone()));
     // Those that others need first: what a shard made is what its next job read.
     let wanted = with_needs(jobs, |job| job.part.is_some());
+    let to_copy = offers.iter().filter(|offer| !offer.is_own && offer.refused.is_none());
+    let to_copy: usize = to_copy.map(|offer| offer.manifest.records.outputs().count()).sum();
+    let steps = wanted.iter().filter(|is_wanted| **is_wanted).count() + to_copy;
+    let mut up_to_date = vec![false; jobs.len()];
+    let mut offered: Vec<Vec<usize>> = vec![Vec::new(); jobs.len()];
     for i in levels(jobs, &wanted).into_iter().flatten() {
         let job = &jobs[i];
-        let now = Record::now(job, root, hashes);
-        let before = records.get(&job.name);
-        is_own[i] = before.is_some_and(|before| {
+        let now = Record::now(job, root, &hashes);
+        up_to_date[i] = records.get(&job.name).is_some_and(|before| {
             first_change(&before, &now, || hashes.of(root, &job.outputs)).is_none()
         });
         let mut first: Option<Arc<Record>> = None;
@@ -158,11 +137,26 @@ fn compare(
         for (path, hash) in first.iter().flat_map(|record| &record.outputs) {
             hashes.set(&root.join(path), hash);
         }
+        progress(steps);
     }
     // One that was refused for a later job offers nothing.
-    let is_there = |i: usize| is_own[i] || offered[i].iter().any(|k| offers[*k].refused.is_none());
+    let is_there =
+        |i: usize| up_to_date[i] || offered[i].iter().any(|k| offers[*k].refused.is_none());
     let there = (0..jobs.len()).map(is_there).collect();
-    (is_own, there)
+    refused.extend(offers.iter().filter_map(|offer| {
+        let why = offer.refused.as_ref()?;
+        Some(refusal(offer.results.layout(), offer.manifest.shard, &offer.path, why))
+    }));
+    offers.retain(|offer| offer.refused.is_none());
+    Ok(Survey { records, accepted: offers, refused, remarks, counts, there, up_to_date, steps })
+}
+
+/// A job of a manifest that the study does not have.
+fn unplanned(jobs: &[Job], manifest: &Manifest) -> Option<String> {
+    let planned: BTreeSet<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
+    let mut names = manifest.records.iter().map(|(name, _)| name);
+    let other = names.find(|name| !planned.contains(name))?;
+    Some(format!("it was made from other inputs: the study has no job {other:?} now"))
 }
 
 /// Why what a shard made of a job is not what a run would make now.

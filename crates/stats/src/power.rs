@@ -22,7 +22,7 @@ const KEY_BYTES: usize = 32;
 /// A search for participants ends here: no study of the kind has more.
 const MOST_PARTICIPANTS: usize = 10_000;
 /// Halvings of a searched difference: to a millionth of where it began.
-const HALVINGS: usize = 20;
+pub const HALVINGS: usize = 20;
 
 /// A planned study of one contrast: two modes, the others beside.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,8 +108,20 @@ pub fn power(plan: &Plan, simulation: &Simulation) -> Result<Power, Unestimable>
     })
 }
 
+/// How far a search is. It counts participants, because a simulated study takes as long as it has
+/// participants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Searched {
+    /// Participants simulated until now, of all simulated studies.
+    pub simulated: usize,
+    /// Participants still to be simulated. While the search looks for its first bound, as if this
+    /// was it.
+    pub to_come: usize,
+}
+
 /// The fewest participants whose power is at least `target`, with it; `None` if 10,000 do not have
-/// it. By doubling, then halving: power grows with participants.
+/// it. By doubling, then halving: power grows with participants. `progress` is called each time
+/// that studies of one size were simulated.
 ///
 /// # Errors
 /// As [`power`], `target` outside (0, 1).
@@ -117,17 +129,28 @@ pub fn participants_for(
     target: f64,
     plan: &Plan,
     simulation: &Simulation,
+    progress: &dyn Fn(Searched),
 ) -> Result<Option<(usize, Power)>, Unestimable> {
     check_level(target)?;
     let at = |participants| power(&Plan { participants, ..*plan }, simulation);
+    let mut simulated = 0;
+    let mut searched = |participants: usize, low: usize, high: usize| {
+        simulated += participants * simulation.studies;
+        // Each halving tries about the middle.
+        let halvings = (high - low).next_power_of_two().ilog2() as usize;
+        let to_come = halvings * (low + high) / 2 * simulation.studies;
+        progress(Searched { simulated, to_come });
+    };
     let (mut low, mut high) = (1, 2);
     let mut found = at(high)?;
+    searched(high, low, high);
     while found.estimate < target {
         if high >= MOST_PARTICIPANTS {
             return Ok(None);
         }
         (low, high) = (high, (2 * high).min(MOST_PARTICIPANTS));
         found = at(high)?;
+        searched(high, low, high);
     }
     while high - low > 1 {
         let middle = low + (high - low) / 2;
@@ -137,12 +160,13 @@ pub fn participants_for(
         } else {
             (high, found) = (middle, there);
         }
+        searched(middle, low, high);
     }
     Ok(Some((high, found)))
 }
 
 /// The smallest difference that the planned participants find with power `target`, in the unit of
-/// the plan's SDs.
+/// the plan's SDs. `progress` is called each time that studies with one difference were simulated.
 ///
 /// # Errors
 /// As [`power`], `target` outside (0, 1), SDs that are all zero.
@@ -150,23 +174,31 @@ pub fn smallest_difference(
     target: f64,
     plan: &Plan,
     simulation: &Simulation,
+    progress: &dyn Fn(Searched),
 ) -> Result<f64, Unestimable> {
     check_level(target)?;
-    let at = |difference| power(&Plan { difference, ..*plan }, simulation);
+    let participants = plan.participants * simulation.studies;
+    let mut simulated = 0;
+    let mut at = |difference: f64, halvings: usize| {
+        let found = power(&Plan { difference, ..*plan }, simulation)?;
+        simulated += participants;
+        progress(Searched { simulated, to_come: halvings * participants });
+        Ok::<_, Unestimable>(found)
+    };
     let mut high = contrast_sd(plan) / (plan.participants as f64).sqrt();
     if high <= 0.0 {
         return Err(Unestimable::Constant { units: "planned values" });
     }
     let mut low = 0.0;
-    while at(high)?.estimate < target {
+    while at(high, HALVINGS)?.estimate < target {
         (low, high) = (high, 2.0 * high);
         if !high.is_finite() {
             return Err(Unestimable::NotConverged { what: "the difference", slope: 0.0 });
         }
     }
-    for _ in 0..HALVINGS {
+    for halving in 1..=HALVINGS {
         let middle = low + (high - low) / 2.0;
-        if at(middle)?.estimate < target {
+        if at(middle, HALVINGS - halving)?.estimate < target {
             low = middle;
         } else {
             high = middle;
@@ -302,6 +334,7 @@ fn beta_quantile(share: f64, a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::RefCell;
 
     const PLAN: Plan = Plan {
         participant_sd: 1.0,
@@ -345,7 +378,7 @@ mod tests {
 
     #[test]
     fn the_fewest_participants_are_enough_and_one_fewer_are_not() {
-        let (n, found) = participants_for(0.8, &PLAN, &SIMULATION).unwrap().unwrap();
+        let (n, found) = participants_for(0.8, &PLAN, &SIMULATION, &|_| {}).unwrap().unwrap();
         assert!(found.estimate >= 0.8, "{found:?}");
         let fewer = power(&Plan { participants: n - 1, ..PLAN }, &SIMULATION).unwrap();
         assert!(fewer.estimate < 0.8);
@@ -353,15 +386,39 @@ mod tests {
         assert!(n.abs_diff(exact) <= 1, "{n} for {exact}");
         let hopeless = Plan { difference: 0.0, ..PLAN };
         let few = Simulation { studies: 5, ..SIMULATION };
-        assert_eq!(participants_for(0.8, &hopeless, &few).unwrap(), None);
+        assert_eq!(participants_for(0.8, &hopeless, &few, &|_| {}).unwrap(), None);
     }
 
     #[test]
     fn the_smallest_difference_is_found_with_its_power() {
-        let found = smallest_difference(0.8, &PLAN, &SIMULATION).unwrap();
+        let found = smallest_difference(0.8, &PLAN, &SIMULATION, &|_| {}).unwrap();
         assert!((found / DIFFERENCE_OF_R - 1.0).abs() < 0.04, "{found}");
         let none = Plan { interaction_sd: 0.0, residual_sd: 0.0, ..PLAN };
-        assert!(smallest_difference(0.8, &none, &SIMULATION).is_err());
+        assert!(smallest_difference(0.8, &none, &SIMULATION, &|_| {}).is_err());
+    }
+
+    #[test]
+    fn a_search_counts_what_it_simulates_and_ends_with_nothing_to_come() {
+        let few = Simulation { studies: 100, ..SIMULATION };
+        let steps = RefCell::new(Vec::new());
+        let keep = |searched| steps.borrow_mut().push(searched);
+        let (n, _) = participants_for(0.8, &PLAN, &few, &keep).unwrap().unwrap();
+        let of_participants = steps.take();
+        smallest_difference(0.8, &PLAN, &few, &keep).unwrap();
+        let of_difference = steps.take();
+        assert!(n > 16 && n < 64, "doubled to 32 or 64: {n}");
+        for all in [&of_participants, &of_difference] {
+            assert!(all.windows(2).all(|pair| pair[0].simulated < pair[1].simulated), "{all:?}");
+            assert_eq!(all.last().map(|last| last.to_come), Some(0), "{all:?}");
+        }
+        let first = of_difference[0];
+        assert_eq!(first, Searched { simulated: 1200, to_come: HALVINGS * 1200 });
+        // Once the number of participants has its bounds, what is to come is known but for where
+        // between them the search goes.
+        let bounded = of_participants.iter().rposition(|s| s.to_come > 0).unwrap();
+        let last = of_participants.last().unwrap().simulated;
+        let known = of_participants[bounded].simulated + of_participants[bounded].to_come;
+        assert!(known.abs_diff(last) <= 200, "{of_participants:?}");
     }
 
     #[test]
@@ -394,7 +451,7 @@ mod tests {
             assert!(power(&plan, &SIMULATION).is_err(), "{plan:?}");
         }
         assert!(power(&PLAN, &Simulation { alpha: 1.0, ..SIMULATION }).is_err());
-        assert!(participants_for(80.0, &PLAN, &SIMULATION).is_err());
+        assert!(participants_for(80.0, &PLAN, &SIMULATION, &|_| {}).is_err());
     }
 
     const POWER_OF_R: [(usize, f64); 3] =

@@ -130,6 +130,7 @@ pub use thin::{check_trial, read_thinned};
 pub use trial::{DOUBTS, GAPS, LOST, SOURCE, Samples, Trial, TrialFile, ZEROS};
 pub use verify::{
     CHECKED, Findings, against_plan, check_samples, findings, verify, verify_from, verify_kept,
+    verify_with,
 };
 pub use walk::files_below;
 pub use whole::{WholeSession, read_session, session_study};

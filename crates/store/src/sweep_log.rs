@@ -141,7 +141,8 @@ pub(crate) fn take_in(
 mod tests {
     use super::*;
     use crate::tests::crashes::{UTC, folder_with_study};
-    use crate::{Quantity, RealFiles, StudyData, recover, verify};
+    use crate::{Quantity, RealFiles, StudyData, recover, verify, verify_with};
+    use std::sync::Mutex;
     use zwidth_study::Source;
 
     fn write(layout: &Layout, number: u32, last: f64) -> (ActuatorId, u32, String) {
@@ -174,6 +175,9 @@ mod tests {
         let sweeps: Vec<_> = (1..=3).map(|n| write(&layout, n, 0.26)).collect();
         log_sweeps(&RealFiles, &layout, UTC, &sweeps).unwrap();
         assert_eq!((counting(&layout), verify(&layout)), (3, vec![]));
+        let counted = Mutex::new(Vec::new());
+        let found = verify_with(&layout, &|all| counted.lock().unwrap().push(all));
+        assert_eq!((found, counted.into_inner().unwrap()), (vec![], vec![3, 3, 3]));
         write(&layout, 2, 0.27);
         let [finding] = verify(&layout).try_into().unwrap();
         assert!(finding.what.contains("its hash differs from the log of the sweeps"), "{finding}");

@@ -27,27 +27,47 @@ pub fn verify(layout: &Layout) -> Vec<StoreError> {
     verify_from(&RealFiles, layout)
 }
 
+/// [`verify`] that calls `progress` after each trial and each sweep with the number of them all, from
+/// any thread.
+pub fn verify_with(layout: &Layout, progress: &(dyn Fn(usize) + Sync)) -> Vec<StoreError> {
+    verify_by(&RealFiles, layout, check_samples, progress)
+}
+
 /// [`verify`] on any file layer.
 pub fn verify_from(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
-    verify_by(files, layout, check_samples)
+    verify_by(files, layout, check_samples, &|_| {})
 }
 
 /// [`verify_from`] without whether a recording can be what it says: what is left was not kept as it
 /// was recorded.
 pub fn verify_kept(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
-    verify_by(files, layout, within_limits)
+    verify_by(files, layout, within_limits, &|_| {})
 }
 
 /// What samples say against their trial, of which it is known what was asked for.
 type Check = fn(&Asked, &Path, &dyn Columns) -> Vec<StoreError>;
 
-fn verify_by(files: &dyn Files, layout: &Layout, check: Check) -> Vec<StoreError> {
+fn verify_by(
+    files: &dyn Files,
+    layout: &Layout,
+    check: Check,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Vec<StoreError> {
     let mut all = match StudyData::load_from(files, layout) {
         Ok(data) => {
             let Findings { left_out, with_care } = findings(files, &data);
-            let trials: Vec<_> =
-                data.trials.par_iter().flat_map_iter(|t| trial(files, &data, t, check)).collect();
-            let sweeps = data.sweeps.par_iter().filter_map(|entry| sweep(files, entry));
+            let all = data.trials.len() + data.sweeps.len();
+            let trials = data.trials.par_iter().flat_map_iter(|entry| {
+                let found = trial(files, &data, entry, check);
+                progress(all);
+                found
+            });
+            let trials: Vec<_> = trials.collect();
+            let sweeps = data.sweeps.par_iter().filter_map(|entry| {
+                let found = sweep(files, entry);
+                progress(all);
+                found
+            });
             [left_out, with_care, trials, sweeps.collect()].concat()
         }
         // Behind a link nothing is looked at.

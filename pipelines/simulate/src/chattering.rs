@@ -27,7 +27,7 @@ struct Found {
 
 /// For each solver and step (s): reversals, the largest θ and its excess over the exact solver's,
 /// swings with their median amplitude, and the verdict. A run that fails has a row with its
-/// verdict and nothing else.
+/// verdict and nothing else. `progress` is called after each row.
 ///
 /// # Errors
 /// An unknown solver, a scene that makes no sense or that the exact solver cannot run (it is the
@@ -36,6 +36,7 @@ pub fn chattering_table(
     scene: &ModelScene,
     solvers: &[&str],
     steps_s: &[f64],
+    progress: &dyn Fn(),
 ) -> Result<Table, SimulateError> {
     let system = System::new(scene.clone())?;
     let exact = Exact::default().run(&system, &grid(&system, scene.step_s)?)?;
@@ -46,6 +47,7 @@ pub fn chattering_table(
         let solver = solver(name, DEFAULT_TOLERANCE)?;
         for &step_s in steps_s {
             rows.push(row(solver.as_ref(), &system, &reference, step_s)?);
+            progress();
         }
     }
     Ok(table(&scene.name, &rows, reference_rad)?)
@@ -110,11 +112,12 @@ fn table(scene: &str, rows: &[SolverRun], reference_rad: f64) -> Result<Table, T
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::Cell;
     use zwidth_dynamics::{DriveMode, Finger, FingerLaw, Input, table3};
 
     fn check(solver: &str, step_s: f64, reversals: i64, max_deg: f64) {
         let scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
-        let table = chattering_table(&scene, &[solver], &[step_s]).unwrap();
+        let table = chattering_table(&scene, &[solver], &[step_s], &|| {}).unwrap();
         let found = table.floats("theta_max_rad").unwrap()[0].unwrap().to_degrees();
         assert_eq!(table.integers("reversals").unwrap(), [Some(reversals)], "{solver} {step_s}");
         assert!((found - max_deg).abs() < 5e-4, "{solver} {step_s}: {found} instead of {max_deg}");
@@ -141,10 +144,13 @@ mod tests {
     fn solvers_that_know_sticking_turn_twice_at_every_step_and_are_smooth() {
         let scene = table3::scene(DriveMode::Hybrid, Input::sine(2.15));
         let solvers = ["exact", "dormand_prince", "tr_bdf2", "moreau_jean"];
-        let table = chattering_table(&scene, &solvers, &[8.3e-3, 0.83e-3]).unwrap();
+        let runs = Cell::new(0);
+        let progress = || runs.set(runs.get() + 1);
+        let table = chattering_table(&scene, &solvers, &[8.3e-3, 0.83e-3], &progress).unwrap();
         assert!(table.texts("verdict").unwrap().iter().all(|v| v.as_deref() == Some("smooth")));
         assert!(table.integers("reversals").unwrap().iter().all(|n| *n == Some(2)));
         assert!(table.integers("swings").unwrap().iter().all(|n| *n == Some(0)));
+        assert_eq!(runs.get(), solvers.len() * 2, "progress counts each run");
     }
 
     #[test]
@@ -155,7 +161,7 @@ mod tests {
         // bounds it.
         let finger = table3::finger(FingerLaw::Consistent);
         scene.finger = Some(Finger { stiffness_n_per_m: 1e12, length_m: None, ..finger });
-        let table = chattering_table(&scene, &["rk4_per_step"], &[8.3e-3]).unwrap();
+        let table = chattering_table(&scene, &["rk4_per_step"], &[8.3e-3], &|| {}).unwrap();
         assert_eq!(table.texts("verdict").unwrap()[0].as_deref(), Some("failed"));
         assert_eq!(table.integers("reversals").unwrap(), [None]);
     }

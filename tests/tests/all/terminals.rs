@@ -4,12 +4,16 @@ use crate::acquire::{Desk, Live, TRIALS, ended_after_all, holds_samples, journal
 use crate::binary::{binary, zwidth};
 use crate::folders::files;
 use crate::participant::{ends, screen, session};
+use crate::small::{Study, repeats};
 use serde_json::Value;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use zwidth_link::Window;
+
+/// The last line that a window shows after a program has ended in it.
+const ENDED: &str = "it has ended";
 
 /// A phase in which a window is closed, as the participant's screen tells it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -202,4 +206,43 @@ fn a_closed_window_ends_a_session_under_nohup_in_order() {
     assert_eq!(child.wait().unwrap().code(), Some(1));
     is_in_order(&desk, "nohup");
     assert!(desk.trials() > 0);
+}
+
+/// What a command writes to a terminal, until it has ended.
+fn drawn_by(root: &Path, more: &[&str]) -> String {
+    let script = format!("\"$0\" \"$@\"; echo {ENDED}");
+    let mut all: Vec<OsString> = vec!["-c".into(), script.into(), binary().into()];
+    all.extend(arguments(root, more));
+    let (window, mut child) = Window::open("sh", &all, false).unwrap();
+    loop {
+        let drawn = String::from_utf8_lossy(&window.drawn()).into_owned();
+        if drawn.contains(ENDED) {
+            child.wait().unwrap();
+            return drawn;
+        }
+        thread::yield_now();
+    }
+}
+
+#[test]
+fn what_may_take_long_tells_the_time_left_on_a_terminal_and_quiet_people_nothing() {
+    let study = Study::new("demo");
+    study.session("P01", &repeats("spring", "active", 1..=2));
+    let root = study.root();
+    zwidth(root, &["run", "demo", "--shard", "1/1"]).exits(0);
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/step.toml");
+    let sds = ["--participant-mode-sd", "0.1", "--residual-sd", "0.1", "--studies", "100"];
+    let power = [&["power", "demo", "--difference", "0.1"][..], &sds].concat();
+    for command in [
+        &["verify", "demo"][..],
+        &["shards", "demo"],
+        &["merge", "demo"],
+        &["simulate", scene],
+        &power,
+    ] {
+        let drawn = drawn_by(root, command);
+        assert!(drawn.contains("s left"), "{command:?}: {drawn:?}");
+        let quiet = drawn_by(root, &[&["--quiet"], command].concat());
+        assert!(!quiet.contains("s left"), "{command:?}: {quiet:?}");
+    }
 }

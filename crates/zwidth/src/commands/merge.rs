@@ -22,7 +22,14 @@ struct Outcome {
 pub(crate) fn merge(root: &Path, command: &Merge, screen: &Screen) -> anyhow::Result<Exit> {
     let sharded = Sharded::load(root, &command.study, &command.from)?;
     let (own, others) = sharded.results();
-    let merged = merge_shards(&sharded.jobs, (&own, &others), &sharded.known, &sharded.seen)?;
+    let bar = screen.bar(0);
+    let progress = |all: usize| {
+        bar.set_length(all as u64);
+        bar.inc(1);
+    };
+    let merged =
+        merge_shards(&sharded.jobs, (&own, &others), &sharded.known, &sharded.seen, &progress)?;
+    bar.finish_and_clear();
     let survey = &merged.survey;
     survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
     survey.refused.iter().for_each(|error| screen.error(&anyhow::anyhow!("{error}")));

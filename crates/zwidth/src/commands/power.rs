@@ -7,12 +7,13 @@ use crate::exit::Exit;
 use crate::screen::Screen;
 use crate::text::read_beside;
 use anyhow::{Context as _, bail};
+use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_results::{ModeDifference, Model, UnitOfAnalysis};
-use zwidth_stats::power::{self, Plan, PlannedTest, Simulation};
+use zwidth_stats::power::{self, HALVINGS, Plan, PlannedTest, Searched, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
 use zwidth_study::Study;
 
@@ -83,8 +84,18 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
         studies: usize::try_from(asked.studies)?,
         seed: asked.seed,
     };
+    // In participants of all simulated studies.
+    let bar = screen.bar(0);
+    let each = planned.participants * simulation.studies;
     let found = power::power(&planned, &simulation)?;
-    let needed = power::participants_for(TARGET, &planned, &simulation)?;
+    let needed = power::participants_for(TARGET, &planned, &simulation, &|searched| {
+        advance(&bar, searched, each, (HALVINGS + 1) * each);
+    })?;
+    let before = usize::try_from(bar.position())?;
+    let smallest = power::smallest_difference(TARGET, &planned, &simulation, &|searched| {
+        advance(&bar, searched, before, 0);
+    })?;
+    bar.finish_and_clear();
     let study_toml =
         read_beside(&layout.study_toml())?.context("there is no study.toml any more")?;
     let result = Planned {
@@ -108,7 +119,7 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
         power_ci_low: found.ci_low,
         power_ci_high: found.ci_high,
         participants_needed: needed.map(|(participants, _)| participants),
-        smallest_difference: power::smallest_difference(TARGET, &planned, &simulation)?,
+        smallest_difference: smallest,
     };
     if asked.plan {
         // The plan says how many trials there were before it.
@@ -130,6 +141,14 @@ pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Resu
         tell(&result, screen);
     }
     Ok(Exit::Fine)
+}
+
+/// How far the searches are: this one, after what was simulated `before` it, and with what the next
+/// will simulate at least.
+fn advance(bar: &ProgressBar, searched: Searched, before: usize, next: usize) {
+    let done = before + searched.simulated;
+    bar.set_length((done + searched.to_come + next) as u64);
+    bar.set_position(done as u64);
 }
 
 /// The SDs given, or those of the study's own trials.

@@ -19,7 +19,13 @@ struct Entry<'a> {
 pub(crate) fn shards(root: &Path, command: &Shards, screen: &Screen) -> anyhow::Result<Exit> {
     let sharded = Sharded::load(root, &command.study, &command.from)?;
     let (own, others) = sharded.results();
-    let survey = survey(&sharded.jobs, (&own, &others), &sharded.known, &sharded.seen)?;
+    let bar = screen.bar(0);
+    let progress = |all: usize| {
+        bar.set_length(all as u64);
+        bar.inc(1);
+    };
+    let survey = survey(&sharded.jobs, (&own, &others), &sharded.known, &sharded.seen, &progress)?;
+    bar.finish_and_clear();
     survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
     survey.refused.iter().for_each(|error| screen.error(&anyhow::anyhow!("{error}")));
     if command.of.or(survey.count()).is_none() {

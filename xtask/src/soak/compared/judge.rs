@@ -122,7 +122,7 @@ fn planned(people: &People, found: &Found) -> anyhow::Result<()> {
             seed: 1,
         };
         let [of_two, of_all] = [&CONTRASTS[what.contrast][..], &THESIS[..]];
-        let difference = smallest_difference(TARGET, &plan(of_two, 0.0)?, &simulation)?;
+        let difference = smallest_difference(TARGET, &plan(of_two, 0.0)?, &simulation, &|_| {})?;
         let predicted = power(&plan(of_two, difference)?, &simulation)?.estimate;
         let by_all = power(&plan(of_all, difference)?, &simulation)?.estimate;
         let claims = |said: &Said| -> anyhow::Result<bool> {

@@ -48,11 +48,17 @@ pub(crate) fn simulate(root: &Path, command: &Simulate, screen: &Screen) -> anyh
     check_stems(&command.scenes)?;
     let mut outcomes = Vec::new();
     let mut done = Vec::new();
-    for path in &command.scenes {
-        let result = one(path, &folder, command);
+    let cells = if command.chattering { SOLVERS.len() * CHATTERING_STEPS_S.len() } else { 0 };
+    let each = 1 + cells;
+    let bar = screen.bar(command.scenes.len() * each);
+    for (i, path) in command.scenes.iter().enumerate() {
+        let result = one(path, &folder, command, &|| bar.inc(1));
+        // A scene that failed has its part behind it too.
+        bar.set_position(((i + 1) * each) as u64);
         outcomes.push(outcome(path, &result));
         done.extend(result.ok());
     }
+    bar.finish_and_clear();
     if done.is_empty() {
         let errors = outcomes.into_iter().filter_map(|outcome| outcome.error);
         bail!("{}", errors.collect::<Vec<_>>().join("\n       "));
@@ -83,8 +89,13 @@ pub(super) fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Runs one scene and writes all that is its own.
-fn one(path: &Path, folder: &Path, command: &Simulate) -> anyhow::Result<Done> {
+/// Runs one scene and writes all that is its own. `progress` is called after each run.
+fn one(
+    path: &Path,
+    folder: &Path,
+    command: &Simulate,
+    progress: &dyn Fn(),
+) -> anyhow::Result<Done> {
     let mut file = SceneFile::read(path)?;
     if let Some(step_s) = command.step {
         file.scene.step_s = step_s;
@@ -99,12 +110,13 @@ fn one(path: &Path, folder: &Path, command: &Simulate) -> anyhow::Result<Done> {
     }
     let solver = solver(&command.solver, command.tolerance)?;
     let run = run_scene(file.scene.clone(), solver.as_ref()).map_err(|e| file.error(&e))?;
+    progress();
     let trajectory = trajectory_table(&run)?;
     output.figure(&stem, zwidth_figures::simulation(&[&trajectory], &[])?)?;
     output.table(&format!("{stem}.trajectory"), &trajectory)?;
     output.table(&format!("{stem}.events"), &events_table(&run)?)?;
     if command.chattering {
-        let table = chattering_table(&file.scene, &SOLVERS, &CHATTERING_STEPS_S)
+        let table = chattering_table(&file.scene, &SOLVERS, &CHATTERING_STEPS_S, progress)
             .map_err(|e| file.error(&e))?;
         output.figure(&format!("{stem}.chattering"), zwidth_figures::chattering(&table)?)?;
         output.table(&format!("{stem}.chattering"), &table)?;
