@@ -104,4 +104,4 @@ pub use words::{Words, mark};
 pub use work_precision::{WORK_PRECISION, work_precision, work_precision_of};
 
 /// Version of the figures' form: raised when a figure would look different from the same data.
-pub const VERSION: u32 = 27;
+pub const VERSION: u32 = 28;

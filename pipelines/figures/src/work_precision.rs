@@ -2,10 +2,12 @@
 //! person could feel.
 
 use crate::about::FigureKind;
+use crate::extent::ends;
 use crate::words::{model_mark, plain};
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{
-    Axis, Cell, Direction, Figure, Layer, Line, Panel, Points, Reference, TWO_COLUMNS_MM, Ticks,
+    Axis, Cell, Direction, Figure, Layer, Line, Panel, Points, Range, Reference, TWO_COLUMNS_MM,
+    Ticks,
 };
 use zwidth_dynamics::{NAMED_SOLVERS, solver_label};
 use zwidth_tables::{Table, TableError};
@@ -23,6 +25,8 @@ const PANEL_MM: f64 = 62.0;
 const LEAST_DEG: f64 = 1e-10;
 /// Shares of what is felt below this are drawn at it.
 const LEAST_SHARE: f64 = 1e-4;
+/// Radii of the ring about what is recommended, as shares of a decade of work and of error.
+const RING: (f64, f64) = (0.13, 0.4);
 /// Diameter of a point whose setting passes every gate, pt.
 const GOOD_PT: f64 = 3.4;
 /// And of one that does not.
@@ -39,17 +43,19 @@ struct Curve {
 }
 
 /// Error of the angle against work with the front that no setting beats, and the most that could be
-/// felt against work. `settings` is the stage `trade`'s table of one scene; `chosen` names what is
-/// recommended, by solver and work.
+/// felt against work. `settings` is the stage `trade`'s table of one scene; the axes hold that of
+/// all scenes which it is compared with, `beside`; `chosen` names what is recommended, by solver and
+/// work.
 ///
 /// # Errors
 /// A table that lacks a column.
 pub fn work_precision(
     settings: &Table,
+    beside: &Table,
     chosen: Option<(&str, u64)>,
     notes: &[String],
 ) -> Result<Figure, TableError> {
-    let curves = curves(settings)?;
+    let (curves, all) = (curves(settings)?, curves(beside)?);
     let mut error = layers(&curves, |curve| &curve.error_deg);
     error.insert(0, front(settings)?);
     let mut felt = layers(&curves, |curve| &curve.felt);
@@ -58,11 +64,19 @@ pub fn work_precision(
     {
         layers.extend(chosen.and_then(|chosen| ring(&curves, chosen, pick)));
     }
-    let powers = |label: &str, unit: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) };
-    let x = || powers("work, evaluations", "").linked("work");
+    let powers = |label: &str, unit: &str, pick: fn(&Curve) -> &Vec<f64>, ring: f64| {
+        let shown = ends(all.iter().flat_map(|curve| logarithms(pick(curve))));
+        // Wherever the ring of one scene lies, the axis is that of the others.
+        let range =
+            shown.map_or(Range::Auto, |(low, high)| Range::Holding(low - ring, high + ring));
+        Axis { ticks: Ticks::Powers, range, ..Axis::new(label, unit) }
+    };
+    let x = || powers("work, evaluations", "", |curve| &curve.work, RING.0).linked("work");
+    let y_error = powers("largest error of *θ*", "°", error_of, RING.1);
+    let y_felt = powers("error / what is just felt", "", felt_of, RING.1);
     let panels = vec![
-        panel(0, x(), powers("largest error of *θ*", "°"), error, "**a**  error"),
-        panel(1, x(), powers("error / what is just felt", ""), felt, "**b**  what could be felt"),
+        panel(0, x(), y_error, error, "**a**  error"),
+        panel(1, x(), y_felt, felt, "**b**  what could be felt"),
     ];
     Ok(Figure {
         title: Some(plain(settings.title())),
@@ -86,7 +100,8 @@ pub fn work_precision(
     })
 }
 
-/// The same of one scene of a study, with what is recommended for it as note.
+/// The same of one scene of a study, on the axes of all its scenes, with what is recommended for it
+/// as note.
 ///
 /// # Errors
 /// A table that lacks a column.
@@ -114,7 +129,7 @@ pub fn work_precision_of(
         ),
         None => "Nothing is recommended.".to_owned(),
     });
-    let figure = work_precision(&own, chosen, &notes)?;
+    let figure = work_precision(&own, settings, chosen, &notes)?;
     Ok(Figure { title: Some(plain(&title)), ..figure })
 }
 
@@ -226,13 +241,11 @@ fn ring(
     let is_it = |w: &f64| (*w - work as f64).abs() < 0.5;
     let i = curve.work.iter().position(is_it)?;
     let (x, y) = (libm::log10(curve.work[i]), libm::log10(pick(curve)[i]));
-    /// Radii, as shares of a decade of work and of error, and corners of the ring.
-    const RADII: (f64, f64) = (0.13, 0.4);
     const CORNERS: u32 = 48;
     let turn = |k: u32| f64::from(k) / f64::from(CORNERS) * std::f64::consts::TAU;
     Some(Layer::Line(Line {
-        x: (0..=CORNERS).map(|k| x + RADII.0 * libm::cos(turn(k))).collect(),
-        y: (0..=CORNERS).map(|k| y + RADII.1 * libm::sin(turn(k))).collect(),
+        x: (0..=CORNERS).map(|k| x + RING.0 * libm::cos(turn(k))).collect(),
+        y: (0..=CORNERS).map(|k| y + RING.1 * libm::sin(turn(k))).collect(),
         stroke: style::single(style::INK),
         ..Line::default()
     }))
@@ -293,10 +306,55 @@ mod tests {
     #[test]
     fn what_is_recommended_has_a_ring_in_both_panels() {
         let layers = |chosen| -> usize {
-            let figure = work_precision(&settings(), chosen, &[]).unwrap();
+            let figure = work_precision(&settings(), &settings(), chosen, &[]).unwrap();
             assert!(zwidth_draw::draw(&figure).is_ok());
             figure.panels.iter().map(|panel| panel.layers.len()).sum()
         };
         assert_eq!(layers(Some(("exact", 500))), layers(None) + 2);
+    }
+
+    /// The settings of two scenes: the second takes a thousandfold of the work and of the error.
+    #[test]
+    fn the_scenes_of_a_study_stand_on_the_same_axes() {
+        let (first, scale) = (settings(), [1.0, 1e3]);
+        let text = |name: &'static str| {
+            let values = first.texts(name).unwrap();
+            Column::text(name, "", values.iter().chain(&values).cloned())
+        };
+        let float = |name: &'static str| {
+            let values = first.floats(name).unwrap();
+            let scaled = |by: f64| values.iter().map(move |value| value.map(|v| v * by));
+            Column::float(name, "", "", scale.into_iter().flat_map(scaled).collect::<Vec<_>>())
+        };
+        let work = [Some(500), Some(2000), None, Some(500_000), Some(2_000_000), None];
+        let on_front = [true, false, false].map(Some);
+        let columns = vec![
+            Column::text("scene", "", ["s", "s", "s", "t", "t", "t"].map(|s| Some(s.to_owned()))),
+            text("solver"),
+            text("gate"),
+            float("theta_error_max_rad"),
+            float("felt_force_share"),
+            float("felt_angle_share"),
+            float("felt_vibration_share"),
+            Column::integer("work", "1", "", work),
+            Column::flag("on_front", "", [on_front, on_front].concat()),
+        ];
+        let both = Table::new("trade", "Trade", columns).unwrap();
+        let chosen = vec![
+            Column::text("scene", "", ["s", "t"].map(|s| Some(s.to_owned()))),
+            Column::text("solver", "", [Some("exact".to_owned()), None]),
+            Column::integer("work", "1", "", [Some(500), None]),
+            Column::text("yardstick", "", [None::<String>, None]),
+        ];
+        let summary = Table::new("trade_summary", "Trade", chosen).unwrap();
+        let axes = |scene| {
+            let figure = work_precision_of(scene, &both, &summary).unwrap();
+            assert!(zwidth_draw::draw(&figure).is_ok());
+            figure.panels.iter().map(|p| (p.x.range, p.y.range)).collect::<Vec<_>>()
+        };
+        assert_eq!(axes("s"), axes("t"));
+        let Range::Holding(least, most) = axes("s")[0].0 else { panic!("{:?}", axes("s")) };
+        assert!((least - (libm::log10(500.0) - RING.0)).abs() < 1e-9, "{least}");
+        assert!((most - (libm::log10(2e6) + RING.0)).abs() < 1e-9, "{most}");
     }
 }

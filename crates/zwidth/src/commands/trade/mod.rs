@@ -184,7 +184,7 @@ fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Resu
     let own = settings_table("trade", &title, std::slice::from_ref(trade))?;
     let chosen = trade.choice.as_ref().map(|choice| (choice.setting.solver, choice.evaluations));
     let notes = words::notes(trade);
-    let figure = zwidth_figures::work_precision(&own, chosen, &notes)?;
+    let figure = zwidth_figures::work_precision(&own, &own, chosen, &notes)?;
     output.figure(&format!("{stem}.trade"), figure)?;
     if let Some(scene) = recommended_scene(trade)? {
         output.text(&format!("{stem}.recommended"), "toml", &scene)?;
