@@ -18,6 +18,7 @@ import shutil
 import struct
 import subprocess
 import tempfile
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import axe_playwright_python
@@ -64,6 +65,7 @@ def main():
         cells_and_dots_open_trials(visit)
         dots_have_the_tables_intervals(visit)
         the_model_is_turned(visit)
+        labels_have_their_curves(visit)
         address_keeps_the_view(visit)
         saved_plots(visit, given.out)
         printed(visit, given.out)
@@ -73,6 +75,7 @@ def main():
         a_mean_opens_the_trials_of_everybody(browser, given.zwidth.resolve())
         screens(browser, visit.report, given)
         says_what_is_missing(browser, visit.report)
+        what_is_missing_has_no_label(browser, visit.report)
         nothing_left_the_page(visit)
         what_is_brought_in_does_nothing(browser, visit.report)
         as_one_file(browser, visit.report, given.zwidth.resolve())
@@ -440,6 +443,166 @@ def the_model_is_turned(visit):
 def with_its_unit(names, stem):
     """The column of a name without its unit: the first that begins so, `difference_n` before `difference_ci_low_n` and `difference_jnd`."""
     return next(name for name in names if name == stem or name.startswith(f"{stem}_"))
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+PANELS = ("theta", "velocity", "force", "states", "loop")
+
+
+class Drawn:
+    """A panel as the page saves it: what is drawn within its frame, and its texts."""
+
+    def __init__(self, content):
+        root = ElementTree.fromstring(content)
+        self.texts = list(root.iter(f"{SVG}text"))
+        clips = {clip.get("id"): clip.find(f"{SVG}rect") for clip in root.iter(f"{SVG}clipPath")}
+        self.lines, self.bars, self.marks = [], [], set()
+        for group in root.iter(f"{SVG}g"):
+            frame = clips[group.get("clip-path")[5:-1]]
+            left, top, width, height = (float(frame.get(name)) for name in ("x", "y", "width", "height"))
+            inside = lambda x, y: left <= x <= left + width and top <= y <= top + height
+            for path in group.iter(f"{SVG}path"):
+                if len(re.findall("[Lh]", path.get("d"))) and any(inside(float(x), float(y)) for x, y in re.findall(r"[ML](\S+?) (-?[\d.]+)", path.get("d"))):
+                    self.lines.append(path)
+            self.bars += [rect for rect in group.iter(f"{SVG}rect") if float(rect.get("x")) + float(rect.get("width")) >= left and float(rect.get("x")) <= left + width]
+            self.marks |= {text.text for text in group.iter(f"{SVG}text") if inside(float(text.get("x")), float(text.get("y")) - 4)}
+
+    def colours(self):
+        """Of the lines and bars that can be seen."""
+        return {line.get("stroke") for line in self.lines} | {bar.get("fill") for bar in self.bars}
+
+    def unlike(self):
+        """Labels that stand for nothing that is drawn."""
+        wrong = []
+        names = [text for text in self.texts if text.get("font-weight") == "600" and text.get("paint-order")]
+        wrong += [name.text for name in names if not any(line.get("stroke") == name.get("fill") for line in self.lines)]
+        walls = [text.text for text in self.texts if (text.text or "").startswith("wall ")]
+        wrong += walls if not any(line.get("stroke-dasharray") == "5,4" for line in self.lines) else []
+        for row in [text for text in self.texts if text.text in ("motor", "brake")]:
+            near = [bar for bar in self.bars if abs(float(bar.get("y")) + 5 - (float(row.get("y")) - 4)) < 8]
+            wrong += [] if near else [row.text]
+        return wrong
+
+
+def disagreements(visit):
+    """Labels of the trial browser without what they name: on the plots, in the boxes of the modes and in the note."""
+    page, wrong, panels = visit.page, [], {}
+    for panel in PANELS:
+        shown = page.locator(f'.plot[data-panel="{panel}"]').is_visible()
+        if not page.locator("#saves").get_attribute("open") == "":
+            page.locator("#saves > summary").click()
+        if page.locator(f'[data-export="{panel}.svg"]').is_visible() != shown:
+            wrong.append(f"{panel} can be saved, and is not shown")
+        if shown:
+            panels[panel] = Drawn(downloaded(visit, f"{panel}.svg")[0])
+            wrong += [f"{panel}: {label}" for label in panels[panel].unlike()]
+            if panel != "states" and not panels[panel].lines and not visit.zoomed:
+                wrong.append(f"{panel}: a panel without a curve")
+    colours = set().union(*[drawn.colours() for drawn in panels.values()])
+    light = page.evaluate("[...document.querySelectorAll('#pick-modes input')].map((_, i) => getComputedStyle(document.documentElement).getPropertyValue(`--mode-${i % 6}`).trim())")
+    boxes = page.evaluate("[...document.querySelectorAll('#pick-modes label')].map((label) => { const line = label.querySelector('.swatch'); return [label.querySelector('input').value, Boolean(line) && getComputedStyle(line).visibility === 'visible']; })")
+    wrong += [f"the line beside {mode}: shown {has}" for (mode, has), colour in zip(boxes, light) if has != (colour in colours)]
+    note = page.locator("#browser > p.caption").first.inner_text()
+    lines = [line for drawn in panels.values() for line in drawn.lines]
+    if "Thick:" in note and not any(line.get("stroke") in light and line.get("stroke-width") in ("2.5", "1.5") for line in lines):
+        wrong.append("the note: mean")
+    if "Fine dots:" in note and not any(line.get("stroke-dasharray") == "2,2" and line.get("stroke") in light for line in lines):
+        wrong.append("the note: command")
+    if "Replay:" in note and not any(line.get("stroke-dasharray") in ("7,3,1,3", "2,2") and line.get("stroke") not in light for line in lines):
+        wrong.append("the note: replay")
+    marks = set().union(*[drawn.marks for drawn in panels.values()])
+    wrong += [f"the note: {sign}" for sign in "○×△◇□" if sign in note and sign not in marks]
+    return wrong
+
+
+def agrees(visit, what, zoomed=False):
+    visit.zoomed = zoomed
+    checks.equal(f"labels and curves agree: {what}", disagreements(visit), [])
+
+
+def labels_have_their_curves(visit):
+    """After each choice that takes curves away, no label of the trial browser stands for one that is not drawn."""
+    page, everything = visit.page, ["repeats", "mean", "replay", "command", "states", "events"]
+    modes = [mode["id"] for mode in visit.study["modes"]]
+    for environment in visit.study["environments"]:
+        pick(visit, "environment", environment["id"])
+        only(visit, "modes", modes)
+        only(visit, "show", everything)
+        agrees(visit, f"{environment['id']}, all is shown")
+        for mode in modes:
+            only(visit, "modes", [mode])
+            agrees(visit, f"{environment['id']}, {mode} alone")
+            only(visit, "modes", modes)
+        for shown in (["repeats"], ["mean"], ["replay"], ["command"], ["repeats", "events"], ["mean", "events", "states"], []):
+            only(visit, "show", shown)
+            agrees(visit, f"{environment['id']}, shown: {', '.join(shown) or 'nothing'}")
+        only(visit, "show", everything)
+        address = page.url.split("#")[0]
+        for zoom in ("-9,-8", "0.4,0.41", "0,0.3", "1.2,1.25"):
+            page.goto("about:blank")
+            page.goto(f"{address}#trials?p={visit.study['trials'][0]['participant']}&s={visit.study['trials'][0]['session']}&e={environment['id']}&m={','.join(modes)}&t={zoom}&show={','.join(everything)}")
+            visit.ready()
+            agrees(visit, f"{environment['id']}, {zoom} s", zoomed=True)
+        if page.locator("#zoom-wall").is_visible():
+            visit.after(lambda: page.locator("#zoom-wall").click())
+            agrees(visit, f"{environment['id']}, at the wall", zoomed=True)
+        visit.after(lambda: page.locator("#zoom-reset").click())
+    if page.locator("#model-plot").count():
+        scroll_through(page)
+        wait_until(page, "document.querySelector('#model-plot')?.dataset.ready")
+        wrong = page.evaluate("""() => { const wrong = [];
+            for (const slider of document.querySelectorAll('#model-plot input[type=range]'))
+                for (const stop of [slider.min, slider.max]) {
+                    slider.value = stop;
+                    slider.dispatchEvent(new Event('input'));
+                    for (const name of ['recorded', 'model']) {
+                        const named = [...document.querySelectorAll('#model-plot text')].some((text) => text.textContent === name);
+                        if (named !== [...document.querySelectorAll(`#model-plot path.${name}`)].some((path) => path.getAttribute('d'))) wrong.push(`${slider.id} ${stop}: ${name}`);
+                    }
+                }
+            return wrong; }""")
+        checks.equal("labels and curves agree: the model, turned", wrong, [])
+    only(visit, "show", ["repeats", "mean", "states"])
+    checks.equal("no complaint about labels", visit.complaints(), [])
+
+
+def without(report, folder, trials, lacks):
+    """A copy of the page without the trials that `trials` names, and of the others' data without the columns that `lacks` gives for a file."""
+    copy = Path(folder) / report.name
+    shutil.copytree(report, copy)
+    page = (copy / "index.html").read_text()
+    begin = page.index(">", page.index('id="study-data"')) + 1
+    end = page.index("</script>", begin)
+    study = json.loads(page[begin:end])
+    study["trials"] = [trial for trial in study["trials"] if not trials(trial)]
+    (copy / "index.html").write_text(page[:begin] + json.dumps(study).replace("<", "\\u003c") + page[end:])
+    for file in (copy / "report-data").glob("*.js"):
+        text = file.read_text()
+        for column in lacks(file.stem):
+            text = text.replace(f'"{column}"', f'"no_{column}"')
+        file.write_text(text)
+    return copy
+
+
+def what_is_missing_has_no_label(browser, report):
+    """A mode without trials in an environment, one whose trials lack a signal, and a signal that no trial has."""
+    with tempfile.TemporaryDirectory() as folder:
+        study = json.loads(re.search(r'id="study-data"[^>]*>(.*?)</script>', (report / "index.html").read_text(), re.DOTALL)[1])
+        modes, environment = [mode["id"] for mode in study["modes"]], study["environments"][0]["id"]
+        first, last = modes[0], modes[-1]
+        cases = [
+            (f"{first} has no trial", lambda trial: trial["mode"] == first and trial["environment"] == environment, lambda stem: []),
+            (f"trials in {last} lack the force", lambda trial: False, lambda stem: ["force_ex_n"] if stem.endswith(f".{last}") else []),
+            ("no trial has an angle or a velocity", lambda trial: False, lambda stem: ["theta_rad", "theta_dot_rad_s"]),
+            ("no trial has a force", lambda trial: False, lambda stem: ["force_ex_n"]),
+        ]
+        for number, (what, trials, lacks) in enumerate(cases):
+            visit = Visit(browser, without(report, Path(folder) / str(number), trials, lacks)).ready()
+            pick(visit, "environment", environment) if len(study["environments"]) > 1 else None
+            only(visit, "show", ["repeats", "mean", "command", "states", "events"])
+            agrees(visit, what)
+            checks.equal(f"no complaint: {what}", visit.complaints(), [])
+            visit.context.close()
 
 
 def address_keeps_the_view(visit):

@@ -1,7 +1,8 @@
 // The trial browser on the page: what can be chosen.
 
 const parts = {}; // the browser's elements
-const screen = { theme: null, range: null, plots: new Map() };
+// What is on the screen: "rows" of actuator states, "last" the panel that has the title of the time, "seen" which modes and marks.
+const screen = { theme: null, range: null, plots: new Map(), rows: [], last: null, seen: { modes: new Set(), marks: new Set() } };
 
 function option(value, text, chosen) {
   return make("option", { value, selected: chosen }, short(text, 60));
@@ -82,11 +83,17 @@ function writeControls() {
   parts.pickAlign.replaceChildren(...Object.entries(ALIGN).map(([id, label]) => option(id, label, id === view.a)));
   keepFocus(parts.modes, study.modes.map((mode, i) => {
     const there = hasTrials(view.e, mode.id);
-    return tickBox([...(there ? [swatch(i)] : []), short(mode.label, 40)], view.m.includes(mode.id), (on) => change({ m: on ? [...view.m, mode.id] : view.m.filter((id) => id !== mode.id) }), { value: mode.id, disabled: !there });
+    return tickBox([swatch(i), short(mode.label, 40)], view.m.includes(mode.id), (on) => change({ m: on ? [...view.m, mode.id] : view.m.filter((id) => id !== mode.id) }), { value: mode.id, disabled: !there });
   }));
   keepFocus(parts.show, Object.entries(SHOW).map(([id, label]) => tickBox(label, view.show.has(id), (on) => { view.show[on ? "add" : "delete"](id); change({}); }, { value: id })));
+  showSwatches();
   byId("zoom-wall").hidden = wallOf(view.e) === null;
   byId("zoom-wall").setAttribute("aria-pressed", String(view.wall));
+}
+
+/** A mode has its line beside its name while a curve of it can be seen. */
+function showSwatches() {
+  for (const box of parts.modes.querySelectorAll("input")) box.parentElement.querySelector(".swatch").classList.toggle("absent", !screen.seen.modes.has(box.value));
 }
 
 /** Replaces a fieldset's boxes, and gives the focus back to the one that had it. */
@@ -115,7 +122,6 @@ async function refresh() {
   browser.index = browser.curves.length && browser.index !== null ? Math.min(browser.index, browser.curves[browser.active].n - 1) : null;
   browser.rows = findStateRows();
   keepHash();
-  writeNote();
   drawAll();
   writeReadout();
   closeTable();
@@ -125,17 +131,21 @@ const say = (text, bad = false) => { parts.status.textContent = text; parts.stat
 let touched = false; // the address stays as it was until somebody chooses something
 const keepHash = () => touched && history.replaceState(null, "", writeHash());
 
+/** What the plots show that is not named on them. */
 function writeNote() {
-  const notes = [];
+  const notes = [], { marks } = screen.seen;
   const sessions = distinct(browser.curves.map(({ who }) => `${who.p} ${who.s}`)).length, all = [...sessionsOf.values()].reduce((sum, some) => sum + some.size, 0);
   if (view.p === EVERY && all > MOST_TOGETHER) notes.push(`The first ${MOST_TOGETHER} of ${all} sessions are shown.`);
   else if (sessions > 1) notes.push(`${sessions} sessions are shown together; a curve says whose it is at the cursor.`);
-  if (view.show.has("mean") && view.a === "onset" && browser.curves.some((curve) => curve.kind === "mean" && !curve.overTime)) notes.push("Thick: mean of the repeats, over time from their onsets, over the angle by landmarks (start, contact, reversal and end meet).");
-  else if (browser.curves.some((curve) => curve.kind === "mean")) notes.push(`Thick: mean of the repeats, ${view.a === "landmarks" ? "by landmarks" : "from their onsets"}.`);
+  if (!browser.curves.length) notes.push("No curve is shown: choose repeats or the mean under “Show”.");
+  if (marks.has("mean") && view.a === "onset" && browser.curves.some((curve) => curve.kind === "mean" && !curve.overTime)) notes.push("Thick: mean of the repeats, over time from their onsets, over the angle by landmarks (start, contact, reversal and end meet).");
+  else if (marks.has("mean")) notes.push(`Thick: mean of the repeats, ${view.a === "landmarks" ? "by landmarks" : "from their onsets"}.`);
   if (view.a === "none" && view.show.has("mean")) notes.push("A mean needs a time from onset or by landmarks.");
-  if (view.show.has("command")) notes.push("Fine dots: commanded force, cut off where it goes far beyond the measured one.");
-  if (view.show.has("replay")) notes.push(browser.curves.some((curve) => curve.kind === "replay") ? "Replay: the model, given the recorded force." : "No replay of these trials is stored.");
-  if (view.show.has("events")) notes.push(`${Object.values(EVENTS).map(([sign, name]) => `${sign} ${name}`).join("  ")}.`);
+  if (marks.has("command")) notes.push("Fine dots: commanded force, cut off where it goes far beyond the measured one.");
+  if (marks.has("replay")) notes.push("Replay: the model, given the recorded force.");
+  else if (view.show.has("replay") && !browser.curves.some((curve) => curve.kind === "replay")) notes.push("No replay of these trials is stored.");
+  const events = Object.entries(EVENTS).filter(([kind]) => marks.has(kind)).map(([, [sign, name]]) => `${sign} ${name}`);
+  if (events.length) notes.push(`${events.join("  ")}.`);
   for (const curve of browser.curves.filter((one) => one.recorded > one.n)) notes.push(`${curve.label}: ${curve.n.toLocaleString("en")} of ${curve.recorded.toLocaleString("en")} recorded samples are shown, among them the extremes of each short stretch.`);
   parts.note.textContent = notes.join(" ");
 }

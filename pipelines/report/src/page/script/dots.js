@@ -157,7 +157,7 @@ function buildDots(host) {
     const all = facets.flatMap(({ groups, differences }) => [...groups, ...differences]);
     const bars = all.every(({ summary }) => summary.given) ? "Bars: mean and interval as in the tables." : all.some(({ summary }) => summary.given) ? "Bars: mean and interval as in the tables, else mean ± SD of the dots drawn." : "Bars: mean ± SD of the dots drawn.";
     tip.textContent = "Point at a dot for its trial; Enter or a click opens it.";
-    note.textContent = [`${many ? "Dots: means of participants." : "Dots: trials."}`, bars, single ? `Dots of differences: by repeat, within ${[...sessionsOf.keys()][0]}; nothing is said of anybody else.` : "Dots of differences: by participant, from each one's means."].join(" ");
+    note.textContent = [`${many ? "Dots: means of participants." : "Dots: trials."}`, bars, facets.every(({ differences }) => !differences.length) ? "" : single ? `Dots of differences: by repeat, within ${[...sessionsOf.keys()][0]}; nothing is said of anybody else.` : "Dots of differences: by participant, from each one's means."].join(" ");
   }
   draw();
   onWidth(charts, draw);

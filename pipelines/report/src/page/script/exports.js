@@ -75,7 +75,7 @@ function exportPlot(id, format) {
 
 function buildExports() {
   const save = (id, format, name) => make("button", { type: "button", "data-export": `${id}.${format}`, "aria-label": `${name} as ${format}`, onclick: () => exportPlot(id, format) }, format);
-  const rows = PANELS.map(({ id, name }) => make("li", {}, make("span", {}, name), save(id, "png", name), save(id, "svg", name)));
+  const rows = PANELS.map(({ id, name }) => make("li", { "data-save": id }, make("span", {}, name), save(id, "png", name), save(id, "svg", name)));
   const data = make("li", {}, make("span", {}, "Every sample shown"), make("button", { type: "button", "data-export": "csv", "aria-label": "Every sample shown as csv", onclick: () => download(`${fileName("samples")}.csv`, "text/csv", csv()) }, "csv"));
   return make("details", { id: "saves" }, make("summary", {}, "Save plots and samples"), make("ul", { class: "saves" }, ...rows, data));
 }

@@ -5,7 +5,7 @@ const PANELS = [
   { id: "theta", x: "t", y: "theta", name: LINEAR ? "Position" : "Angle", title: `${SYMBOL} (${study.angle_unit})`, height: 205 },
   { id: "velocity", x: "t", y: "velocity", name: "Velocity", title: `${SYMBOL}\u0307 (${study.angle_unit}/s)`, height: 180 },
   { id: "force", x: "t", y: "force", name: FORCE === "N" ? "Force" : "Torque", title: `${FORCE === "N" ? "F" : "τ"} of the user (${FORCE})`, height: 205 },
-  { id: "states", x: "t", y: null, name: "Actuators", title: "motor and brake on; darker: in more of the repeats", height: 0 },
+  { id: "states", x: "t", y: null, name: "Actuators", title: null, height: 0 },
   { id: "loop", x: "theta", y: "force", name: LINEAR ? "Force over position" : "Force over angle", title: `${FORCE === "N" ? "F" : "τ"} of the user (${FORCE})`, height: 0 },
 ];
 const UNIT_SCALE = { t: 1, theta: ANGLE_SCALE, velocity: ANGLE_SCALE, force: 1 };
@@ -70,8 +70,9 @@ function ranges() {
 
 /** Draws one panel with any pen, and gives the scales for the cursor. */
 function drawPanel(pen, panel, width, height, theme, range, exported) {
-  const bottom = panel.id === "force" && view.show.has("states") && !exported ? 22 : MARGIN.bottom;
-  const box = { x: MARGIN.left, y: MARGIN.top, width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - (["theta", "velocity"].includes(panel.id) && !exported ? 22 : bottom) };
+  // Of the panels over time the last one has their title.
+  const bottom = panel.x !== "t" || panel.id === screen.last || exported ? MARGIN.bottom : 22;
+  const box = { x: MARGIN.left, y: MARGIN.top, width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - bottom };
   const sx = scale(range[panel.x], box.x, box.x + box.width);
   if (panel.y === null) return drawStates(pen, panel, box, sx, theme, range);
   const sy = scale(range[panel.y], box.y + box.height, box.y);
@@ -86,6 +87,36 @@ function drawPanel(pen, panel, width, height, theme, range, exported) {
   drawLabels(pen, panel, box, sx, sy, theme, taken);
   return { box, sx, sy };
 }
+
+/** Whether a sample of a curve lies within a box. */
+function isWithin({ y, n, overTime }, panel, { box, sx, sy }, values) {
+  const xs = y[panel.x];
+  const from = panel.x === "t" && overTime ? lowerBound(xs, sx.low) : 0, to = panel.x === "t" && overTime ? Math.min(n, lowerBound(xs, sx.high) + 1) : n;
+  for (let i = from; i < to; i++) if (isInside(sx.k * xs[i] + sx.c, sy.k * values[i] + sy.c, box)) return true;
+  return false;
+}
+
+const isInside = (px, py, box) => px > box.x && px < box.x + box.width && py > box.y && py < box.y + box.height;
+
+/** What can be seen in a panel: the modes whose colour a curve has, and the kinds of curves and marks. The page explains these beside it. */
+function seenIn(panel, scales) {
+  const modes = new Set(), marks = new Set();
+  for (const curve of drawnIn(panel)) {
+    const see = (values, mark) => {
+      if (!isWithin(curve, panel, scales, values)) return;
+      marks.add(mark);
+      if (curve.kind !== "replay") modes.add(curve.mode);
+    };
+    see(curve.y[panel.y], curve.kind);
+    if (panel.y === "force" && view.show.has("command") && curve.y.command) see(curve.y.command, "command");
+  }
+  if (!view.show.has("events")) return { modes, marks };
+  for (const curve of drawnIn(panel)) for (const { kind, x, y } of eventsOn(curve, panel, scales.sx, scales.sy)) if (isInside(x, y, scales.box)) marks.add(kind);
+  return { modes, marks };
+}
+
+/** Whether a panel has anything to draw, whatever part of it is shown. */
+const hasCurve = (panel) => drawnIn(panel).some(({ y }) => y[panel.y].some(Number.isFinite));
 
 const drawnIn = (panel) => browser.curves.filter((curve) => (panel.id === "loop" ? curve.overAngle : curve.overTime) && curve.y[panel.x] && (panel.y === null || curve.y[panel.y]));
 
@@ -113,6 +144,8 @@ function drawWall(pen, panel, box, sx, sy, theme) {
   if (wall === null || (panel.x !== "theta" && panel.y !== "theta")) return [];
   const style = { colour: theme.quiet, width: 1.25, dash: [5, 4] };
   const label = `wall ${significant(wall * ANGLE_SCALE)}${LINEAR ? " mm" : "°"}`;
+  const { low, high } = panel.y === "theta" ? sy : sx;
+  if (wall < low || wall > high) return []; // beside a wall out of sight its name would stand alone
   if (panel.y === "theta") {
     const y = sy.k * wall + sy.c;
     pen.line([box.x, y, box.x + box.width, y], style);
@@ -145,19 +178,24 @@ function drawCurve(pen, panel, curve, sx, sy, theme) {
   if (marked && curve.overTime) pen.line(points(curve.y[panel.y], lowerBound(t, view.brush[0]), lowerBound(t, view.brush[1])), { ...style, dash: [], width: style.width + 1, opacity: curve.kind === "trial" && style.opacity ? 0.7 : 1 });
 }
 
-function drawEvents(pen, panel, curve, sx, sy, theme) {
-  if (panel.y === "velocity" || curve.kind !== "trial") return;
-  for (const { kind, t_s: time } of curve.events) {
+/** Where the events of a curve stand in a panel. */
+function eventsOn(curve, panel, sx, sy) {
+  if (panel.y === "velocity" || curve.kind !== "trial") return [];
+  return curve.events.filter(({ kind }) => Object.hasOwn(EVENTS, kind)).map(({ kind, t_s: time }) => {
     const i = nearestIndex(curve.stored.t_s, time);
-    if (Object.hasOwn(EVENTS, kind)) pen.text(EVENTS[kind][0], sx.k * curve.y[panel.x][i] + sx.c, sy.k * curve.y[panel.y][i] + sy.c, { colour: theme.ink, halo: theme.paper, size: 13, align: "center" });
-  }
+    return { kind, x: sx.k * curve.y[panel.x][i] + sx.c, y: sy.k * curve.y[panel.y][i] + sy.c };
+  }).filter(({ x, y }) => Number.isFinite(x) && Number.isFinite(y));
+}
+
+function drawEvents(pen, panel, curve, sx, sy, theme) {
+  for (const { kind, x, y } of eventsOn(curve, panel, sx, sy)) pen.text(EVENTS[kind][0], x, y, { colour: theme.ink, halo: theme.paper, size: 13, align: "center" });
 }
 
 /** Names on the curves themselves: for each mode the place farthest from all curves and other names, if there is room. */
 function drawLabels(pen, panel, box, sx, sy, theme, taken) {
   const drawn = drawnIn(panel);
   const chosen = study.modes.flatMap(({ id }) => {
-    const mine = drawn.filter((curve) => curve.mode === id);
+    const mine = drawn.filter((curve) => curve.mode === id && isWithin(curve, panel, { box, sx, sy }, curve.y[panel.y]));
     const strongest = mine.find((curve) => curve.kind === "mean") ?? mine.find((curve) => curve.kind === "trial");
     return [...(strongest ? [{ curve: strongest, text: short(labelOf(study.modes, id), 16) }] : []), ...mine.filter((curve) => curve.kind === "replay").map((curve) => ({ curve, text: `replay, ${curve.label.includes("fitted") ? "fitted" : "by eye"}` }))];
   });
@@ -211,10 +249,14 @@ function roomiest(points, half, box, crowd, others, placed) {
   return best;
 }
 
+/** The rows of actuator states of which something can be seen. */
+const rowsWithin = ([low, high]) => browser.rows.filter(({ bit, curves }) => curves.some((curve) => runs(curve, bit).some(([from, to]) => to >= low && from <= high)));
+
 function drawStates(pen, panel, box, sx, theme, range) {
-  const rows = browser.rows;
+  const rows = screen.rows;
   const foot = MARGIN.top + 16 * rows.length;
-  pen.text(panel.title, 6, 12, { colour: theme.quiet });
+  const title = `${distinct(rows.map(({ name }) => name)).join(" and ")} on${rows.some(({ curves }) => curves.length > 1) ? "; darker: in more of the repeats" : ""}`;
+  pen.text(title, 6, 12, { colour: theme.quiet });
   rows.forEach(({ mode, bit, name, curves }, row) => {
     const y = MARGIN.top + 16 * row;
     pen.text(name, box.x - 6, y + 6, { colour: theme.quiet, align: "end", size: 11 });

@@ -2,13 +2,16 @@
 
 const FONT = "system-ui, -apple-system, 'Segoe UI', 'Noto Sans', 'Liberation Sans', sans-serif";
 
+/** Whether no line goes on from the first point of one: a sample between missing ones is a dot. */
+const isAlone = (points, i) => !(points[i + 2] === points[i + 2]) || i + 2 >= points.length;
+
 function canvasPen(context) {
   const trace = (points) => {
     context.beginPath();
     for (let i = 0, down = false; i < points.length; i += 2) {
       if (points[i] !== points[i]) down = false;
       else if (down) context.lineTo(points[i], points[i + 1]);
-      else { context.moveTo(points[i], points[i + 1]); down = true; }
+      else { context.moveTo(points[i], points[i + 1]); down = true; if (isAlone(points, i)) context.lineTo(points[i] + 1, points[i + 1]); }
     }
   };
   return {
@@ -54,7 +57,7 @@ function svgPen(width, height, name) {
       let path = "";
       for (let i = 0, down = false; i < points.length; i += 2) {
         if (points[i] !== points[i]) { down = false; continue; }
-        path += `${down ? "L" : "M"}${n(points[i])} ${n(points[i + 1])}`;
+        path += `${down ? "L" : "M"}${n(points[i])} ${n(points[i + 1])}${!down && isAlone(points, i) ? "h1" : ""}`;
         down = true;
       }
       parts.push(`<path d="${path}" fill="none" stroke="${colour}" stroke-width="${stroke}" stroke-linejoin="round"${dash.length ? ` stroke-dasharray="${dash}"` : ""}${opacity < 1 ? ` opacity="${opacity}"` : ""}/>`);

@@ -14,18 +14,33 @@ function drawAll() {
   fineness = window.devicePixelRatio || 1;
   screen.theme = readTheme();
   screen.range = ranges();
-  const states = view.show.has("states") ? browser.rows.length : 0;
-  screen.plots.get("states").plot.hidden = states === 0;
+  screen.rows = view.show.has("states") ? rowsWithin(screen.range.t) : [];
+  // A panel without a curve would be the name of a signal that is not there.
+  for (const { panel, plot } of screen.plots.values()) {
+    plot.hidden = panel.id === "states" ? screen.rows.length === 0 : !hasCurve(panel);
+    parts.surface.parentElement.querySelector(`[data-save="${panel.id}"]`).hidden = plot.hidden;
+  }
+  const overTime = [...screen.plots.values()].filter(({ panel, plot }) => panel.x === "t" && !plot.hidden);
+  screen.last = overTime.at(-1)?.panel.id;
+  const heightOf = (panel) => (panel.id === "states" ? MARGIN.top + 16 * screen.rows.length + 34 : panel.height + (panel.id === screen.last ? 16 : 0));
   const stacked = matchMedia("(max-width: 720px)").matches;
-  const tall = PANELS.slice(0, 3).reduce((sum, panel) => sum + panel.height, 0) + (states ? MARGIN.top + 16 * states + 34 : 0);
+  const tall = Math.max(280, overTime.reduce((sum, { panel }) => sum + heightOf(panel), 0));
+  screen.seen = { modes: new Set(), marks: new Set() };
   for (const one of screen.plots.values()) {
+    if (one.plot.hidden) continue;
     one.width = one.plot.clientWidth;
-    one.height = one.panel.id === "states" ? MARGIN.top + 16 * states + 34 : one.panel.id === "loop" ? (stacked ? Math.min(420, Math.max(280, one.width)) : tall) : one.panel.height;
-    if (one.panel.id === "force" && !states) one.height += 16;
-    if (!one.width || one.plot.hidden) continue;
+    one.height = one.panel.id === "loop" ? (stacked ? Math.min(420, Math.max(280, one.width)) : tall) : heightOf(one.panel);
+    if (!one.width) continue;
     const context = sizeCanvas(one.base, one.width, one.height);
     one.scales = drawPanel(canvasPen(context), one.panel, one.width, one.height, screen.theme, screen.range, false);
+    if (one.panel.y === null) continue;
+    const { modes, marks } = seenIn(one.panel, one.scales);
+    modes.forEach((mode) => screen.seen.modes.add(mode));
+    marks.forEach((mark) => screen.seen.marks.add(mark));
   }
+  for (const { mode } of screen.rows) screen.seen.modes.add(mode);
+  showSwatches();
+  writeNote();
   drawCursor();
   const spans = view.brush.every(Number.isFinite);
   byId("zoom-span").disabled = !spans;

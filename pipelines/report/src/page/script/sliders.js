@@ -72,7 +72,12 @@ function modelChart(turned, run, width) {
   svg.append(svgText("time (s)", box.right, box.bottom + 34, { "text-anchor": "end", class: "group" }));
   const clip = (value) => Math.min(range[1], Math.max(range[0], value));
   const path = (values) => values.map((value, i) => (Number.isFinite(value) ? `${i && Number.isFinite(values[i - 1]) ? "L" : "M"}${(sx.k * turned.t[i] + sx.c).toFixed(1)} ${(sy.k * clip(value) + sy.c).toFixed(1)}` : "")).join("");
-  svg.append(makeSvg("path", { d: path(recorded), class: "recorded" }), makeSvg("path", { d: path(model), class: "model", style: `--own: var(--mode-${modeIndex(turned.mode) % MODE_COLOURS})` }));
-  svg.append(makeSvg("line", { x1: box.right - 190, x2: box.right - 160, y1: 12, y2: 12, class: "recorded" }), svgText("recorded", box.right - 154, 16), makeSvg("line", { x1: box.right - 90, x2: box.right - 60, y1: 12, y2: 12, class: "model", style: `--own: var(--mode-${modeIndex(turned.mode) % MODE_COLOURS})` }), svgText("model", box.right - 54, 16));
+  const style = `--own: var(--mode-${modeIndex(turned.mode) % MODE_COLOURS})`;
+  // A model that does not run has no curve, and so no name.
+  for (const [name, values, x, look] of [["recorded", recorded, box.right - 190, {}], ["model", model, box.right - 90, { style }]]) {
+    if (!values.some(Number.isFinite)) continue;
+    svg.append(makeSvg("path", { d: path(values), class: name, ...look }));
+    svg.append(makeSvg("line", { x1: x, x2: x + 30, y1: 12, y2: 12, class: name, ...look }), svgText(name, x + 36, 16));
+  }
   return svg;
 }
