@@ -17,6 +17,7 @@ import folders
 import foreign
 import made
 import mixed
+import people
 import recordings
 import results
 import walls
@@ -43,6 +44,7 @@ def main():
     real = os.environ.get("ZWIDTH_REAL_DATA")
     if real:
         recordings.all_sets(zwidth, Path(real), WORKSPACE / "studies")
+        people.check_all(zwidth, Path(real), WORKSPACE / "studies")
         walls.boundaries(zwidth, Path(real))
     else:
         print("skipped: ZWIDTH_REAL_DATA is not set")
