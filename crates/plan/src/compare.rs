@@ -316,7 +316,7 @@ pub(crate) fn tables(data: &StudyData) -> Vec<Printed> {
 /// The answers compared, if there are some after several modes.
 pub fn answers(data: &StudyData) -> Option<PathBuf> {
     let several = are_several(likert::ratings(data).map(|answer| &answer.condition.mode));
-    likert::long(data).filter(|_| several).map(|_| answers_of(&data.layout).0.path().to_owned())
+    likert::answers(data).filter(|_| several).map(|_| answers_of(&data.layout).0.path().to_owned())
 }
 
 /// The answers compared, and each participant's effects.
@@ -476,7 +476,7 @@ fn answers_job(data: &StudyData) -> Job {
     let simulated = data.sessions.iter().any(|session| session.record.source.is_simulated());
     let of = ComparingAnswers { stage, simulated };
     let outputs = answers_of(&data.layout).files();
-    Job::new(STAGE, "compare answers", of, likert::long(data), outputs, make_answers)
+    Job::new(STAGE, "compare answers", of, likert::answers(data), outputs, make_answers)
 }
 
 fn make_answers(
@@ -485,7 +485,7 @@ fn make_answers(
     making: &Making,
 ) -> Result<Made, JobError> {
     let answers = answers.as_deref().ok_or("there is no answer")?;
-    let answers = Table::from_parquet(answers)?;
+    let answers = likert::read_counting(answers)?;
     let found = zwidth_compare::compare_answers(&answers, &of.stage)?;
     Written::begin(making, of.simulated)
         .table::<AnswerDifference>(zwidth_compare::answers_table(&found.contrasts)?)?

@@ -8,11 +8,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_likert::{Blinding, Guess, Scheme};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Answer, StudyData, TrialEntry};
+use zwidth_store::{Answer, LeftOutAnswer, StudyData, TrialEntry};
 use zwidth_study::{
     AnswerValue, EnvironmentId, Kind, ModeId, ParticipantId, Question, QuestionId, SessionId,
     Status, Study, TrialMeta,
 };
+use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
 
@@ -22,6 +23,7 @@ const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
 struct Asked {
     scheme: Scheme,
     answers: Vec<Answer>,
+    left_out: Vec<LeftOutAnswer>,
     #[serde(skip_serializing_if = "Option::is_none")]
     blinding: Option<Blinding>,
 }
@@ -48,13 +50,27 @@ pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
 }
 
 /// Every answer of the study, one row each, if there is one.
-pub(crate) fn long(data: &StudyData) -> Option<PathBuf> {
-    (!data.answers.is_empty()).then(|| derived(&data.layout, "answers.parquet"))
+fn long(data: &StudyData) -> Option<PathBuf> {
+    let is_any = !data.answers.is_empty() || !data.answers_left_out.is_empty();
+    is_any.then(|| derived(&data.layout, "answers.parquet"))
 }
 
-/// Files an answer can stand in: trials that count, session records, event logs.
+/// The file of [`long`], if an answer in it counts: for [`read_counting`].
+pub(crate) fn answers(data: &StudyData) -> Option<PathBuf> {
+    long(data).filter(|_| !data.answers.is_empty())
+}
+
+/// The answers that count, from the file with all of them.
+pub(crate) fn read_counting(answers: &Path) -> Result<Table, TableError> {
+    let all = Table::from_parquet(answers)?;
+    let counts = all.flags(zwidth_likert::COUNTS)?;
+    let counting: Vec<usize> = (0..counts.len()).filter(|row| counts[*row] == Some(true)).collect();
+    Ok(all.rows(&counting))
+}
+
+/// Files an answer can stand in: trials, session records, event logs.
 fn origins(data: &StudyData) -> Vec<Arc<Path>> {
-    let trials = data.counting().map(|t| t.path.clone());
+    let trials = data.trials.iter().map(|t| t.path.clone());
     let logs =
         data.sessions.iter().flat_map(|s| [&s.path, &s.events_path]).map(|p| p.as_path().into());
     trials.chain(logs).collect()
@@ -134,7 +150,8 @@ fn asks(study: &Study, environment: &EnvironmentId, question: &Question) -> bool
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let job = |long: PathBuf| {
         let (scheme, answers) = (Scheme::of(&data.study), data.answers.clone());
-        let asked = Asked { scheme, answers, blinding: guessed(data) };
+        let left_out = data.answers_left_out.clone();
+        let asked = Asked { scheme, answers, left_out, blinding: guessed(data) };
         let outputs = tally(data).into_iter().chain([long]).chain(blinding(data)).collect();
         let job = Job::new(STAGE, "likert tallies", asked, (), outputs, make);
         job.told_by(origins(data))
@@ -143,12 +160,12 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 }
 
 fn make(asked: &Asked, (): &(), making: &Making) -> Result<Made, JobError> {
-    let Asked { scheme, answers, blinding } = asked;
+    let Asked { scheme, answers, left_out, blinding } = asked;
     let mut tables = Vec::new();
     if answers.iter().any(|answer| scheme.rates(answer)) {
         tables.push(zwidth_likert::tally(answers, scheme)?);
     }
-    tables.push(zwidth_likert::long(answers, scheme)?);
+    tables.push(zwidth_likert::long(answers, left_out, scheme)?);
     if let Some(blinding) = blinding {
         tables.push(zwidth_likert::blinding(blinding)?);
     }

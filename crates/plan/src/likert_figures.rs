@@ -1,7 +1,7 @@
 //! The figures of the stage `likert`, as many panels to a figure as fit on a page.
 
 use crate::drawing::{Drawing, Figured};
-use crate::likert::{long, ratings, tally};
+use crate::likert::{answers, ratings, read_counting, tally};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -24,15 +24,16 @@ pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
     let overview = (LIKERT, zwidth_figures::likert_overview(&asked));
     let items = (LIKERT_ITEMS, zwidth_figures::likert_items(&asked));
     let mut drawings = Vec::new();
-    let answers = long(data);
+    let answers_file = answers(data);
     for (kind, pages) in [overview, items] {
         for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
-            drawings.extend(answers.clone().map(|file| draw_page(data, kind, number, page, file)));
+            drawings
+                .extend(answers_file.clone().map(|file| draw_page(data, kind, number, page, file)));
         }
     }
     let pages = zwidth_figures::ratings_pages(&asked);
     for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
-        let files = [tally.clone()].into_iter().chain(long(data)).collect();
+        let files = [tally.clone()].into_iter().chain(answers_file.clone()).collect();
         drawings.push(draw_ratings(data, number, page, files));
     }
     drawings
@@ -83,7 +84,7 @@ fn draw_ratings(
 
 fn make_ratings(rated: &Rated, files: &Vec<PathBuf>) -> Figured {
     let [tally, answers] = files.as_slice() else { return Err("ratings are two tables".into()) };
-    let (tally, answers) = (Table::from_parquet(tally)?, Table::from_parquet(answers)?);
+    let (tally, answers) = (Table::from_parquet(tally)?, read_counting(answers)?);
     let Rated { about, page, sources } = rated;
     let figure = zwidth_figures::ratings(about, page, [&tally, &answers], sources)?;
     Ok((figure, Vec::new()))
@@ -105,7 +106,7 @@ pub(crate) fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)
 }
 
 fn draw(page: &Page, answers: &PathBuf) -> Figured {
-    let answers = Table::from_parquet(answers)?;
+    let answers = read_counting(answers)?;
     let Page { about, page, sources } = page;
     Ok((zwidth_figures::likert(about, page, &answers, sources)?, Vec::new()))
 }

@@ -31,7 +31,7 @@ fn longer_than(most: usize, data: &StudyData) -> BTreeSet<String> {
         ("replay", trials * replay::rows_of_a_trial(data)),
         ("identify.trials", identify::taken(data).0.len()),
         ("conditions", conditions),
-        ("answers", data.answers.len()),
+        ("answers", data.answers.len() + data.answers_left_out.len()),
     ];
     let rows = rows.map(|(name, rows)| (name.to_owned(), rows)).into_iter();
     let compared = compare::compared(data).into_iter();

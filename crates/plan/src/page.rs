@@ -270,7 +270,7 @@ fn index(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
     let turned = runs::turned(data).map(|(session, _)| session.ids());
     let torque = summary::has_torque_alone(data);
     let of = Index { summary, study, turned, torque, version: env!("CARGO_PKG_VERSION") };
-    let files = IndexFiles { summary: files, answers: likert::long(data) };
+    let files = IndexFiles { summary: files, answers: likert::answers(data) };
     Job::new(STAGE, JOB, of, files, vec![file(&data.layout)], make_index).tolerant()
 }
 
@@ -291,7 +291,8 @@ impl Inputs for IndexFiles {
 fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, JobError> {
     let summary::Gathered { summary, compared, metrics } =
         summary::gather(&of.summary, &files.summary, making)?;
-    let answers = summary::read(&files.answers)?;
+    let answers = files.answers.as_deref().filter(|file| file.exists());
+    let answers = answers.map(likert::read_counting).transpose()?;
     let planned = &of.summary.planned;
     let contents = metrics.map(|metrics| {
         let study = (of.study.as_str(), summary.title.as_str());

@@ -126,7 +126,7 @@ fn job_of_statements(data: &StudyData, figures: &[Drawing], output: PathBuf) -> 
         calibration,
         metrics: metrics::of_study(data),
         replays: replay::of_study(data).map(|[replays, _]| replays),
-        answers: likert::long(data),
+        answers: likert::answers(data),
         tally: likert::tally(data),
     };
     Job::new(STAGE, "thesis' statements", asked, files, vec![output], make_statements)
@@ -142,7 +142,9 @@ fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made
     let replays = files.replays.as_deref().map(|file| Table::gathered(file, &columns, asked_of));
     let metrics = files.metrics.as_deref().map(|file| metrics::looked_at(file, &[]));
     let (metrics, replays) = (metrics.transpose()?, replays.transpose()?);
-    let (answers, tally) = (read(&files.answers)?, read(&files.tally)?);
+    let answers = files.answers.as_deref().filter(|file| file.exists());
+    let answers = answers.map(likert::read_counting).transpose()?;
+    let tally = read(&files.tally)?;
     let Forced { planned, basis } = &asked.forced;
     let derived = Derived {
         known: Known { study: planned, calibration, metrics: metrics.as_ref() },

@@ -30,5 +30,6 @@ pub(crate) fn data() -> StudyData {
         problems: Vec::new(),
         warnings: Vec::new(),
         answers: Vec::new(),
+        answers_left_out: Vec::new(),
     }
 }

@@ -122,7 +122,8 @@ pub use sources::{TrialName, readable_records, sweep_sources, trial_sources};
 pub use stamp::Stamp;
 pub use stream::{Staged, TrialWriter, replace_by};
 pub use study::{
-    Answer, MOST_STUDY, Said, SessionLog, StudyData, SweepEntry, TrialEntry, read_study,
+    Answer, LeftOutAnswer, MOST_STUDY, Said, SessionLog, StudyData, SweepEntry, TrialEntry,
+    read_study,
 };
 pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
 pub use sweep_log::{log_sweeps, record_sweep};

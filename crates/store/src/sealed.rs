@@ -144,6 +144,10 @@ mod tests {
         assert!(data.sessions[0].is_sealed());
         assert_eq!((data.counting().count(), data.answers.len()), (0, 0));
         let why = |trial: usize| data.trials[trial - 1].why_not().unwrap();
+        for other in &data.answers_left_out {
+            assert_eq!(other.why_not, why(other.answer.trial as usize), "{other:?}");
+        }
+        assert!(data.answers_left_out.iter().any(|other| other.why_not == why(3)));
         assert_eq!(why(3), "sealed: unseal with `zwidth unseal demo -p P01 -s S01`");
         assert_eq!(
             (why(1).as_str(), why(2).as_str()),

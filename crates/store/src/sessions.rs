@@ -263,7 +263,7 @@ fn join_one(trial: &mut TrialEntry, events: &[Event]) -> Option<String> {
 }
 
 /// Whether the events leave a trial out.
-pub(crate) fn left_out(events: &[Event], trial: u32) -> bool {
+fn left_out(events: &[Event], trial: u32) -> bool {
     let mut of_it = events.iter().filter(|event| event.trial() == Some(trial));
     of_it.any(|event| matches!(event, Event::Superseded { .. } | Event::Excluded { .. }))
 }

@@ -6,7 +6,7 @@ use crate::fit::unfit;
 use crate::form::other_forms;
 use crate::laid::study_warning;
 use crate::regular::text;
-use crate::sessions::{join, left_out, read_sessions};
+use crate::sessions::{join, read_sessions};
 use crate::sweep::entry;
 use crate::sweep_log::logged_sweeps;
 use crate::walk::{below, files_below, strange};
@@ -168,6 +168,16 @@ pub struct Answer {
     pub time_ms: Option<u32>,
 }
 
+/// One answer that was given and does not count.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOutAnswer {
+    /// The answer. While a session is sealed, its condition has a code for a mode.
+    pub answer: Answer,
+    /// Why it does not count, in words: as its trial ([`TrialEntry::why_not`]), or another answer
+    /// took its place.
+    pub why_not: String,
+}
+
 /// A study as it lies on the disk.
 #[derive(Debug, Clone)]
 pub struct StudyData {
@@ -188,7 +198,14 @@ pub struct StudyData {
     /// Every answer that counts: from events, and from trial files for their environment's question
     /// (an event overrides the file). Sorted by participant, session, trial and question.
     pub answers: Vec<Answer>,
+    /// Every answer that does not count, sorted likewise; those to one question in the order in which
+    /// they were given.
+    pub answers_left_out: Vec<LeftOutAnswer>,
 }
+
+/// What was given, in this order, as an answer to a question after a trial of a session, and why the
+/// trial does not count.
+type Given = BTreeMap<((ParticipantId, SessionId, u32), QuestionId), Vec<(Answer, Option<String>)>>;
 
 impl StudyData {
     /// Reads the study: its `study.toml`, all footers, sessions and events. Samples are not read.
@@ -244,9 +261,19 @@ impl StudyData {
         let forms = other_forms(layout, &study, &trials);
         let warnings = changed.chain(beside).chain(forms).collect();
         let layout = layout.clone();
-        let answers = Vec::new();
-        let data = Self { layout, study, trials, sweeps, sessions, problems, warnings, answers };
-        Ok(Self { answers: data.given(), ..data })
+        let data = Self {
+            layout,
+            study,
+            trials,
+            sweeps,
+            sessions,
+            problems,
+            warnings,
+            answers: Vec::new(),
+            answers_left_out: Vec::new(),
+        };
+        let (answers, answers_left_out) = data.given();
+        Ok(Self { answers, answers_left_out, ..data })
     }
 
     /// The trials that may enter a mean, a metric table or a tally.
@@ -279,17 +306,17 @@ impl StudyData {
         sessions
     }
 
-    /// Every answer that counts.
-    fn given(&self) -> Vec<Answer> {
-        let mut answers = BTreeMap::new();
-        for t in self.counting() {
+    /// Every answer: those that count, and the others.
+    fn given(&self) -> (Vec<Answer>, Vec<LeftOutAnswer>) {
+        let mut given = Given::new();
+        for t in &self.trials {
             let question =
                 self.study.environment(&t.meta.environment).and_then(|e| e.question.clone());
             if let (Some(question), Some(value)) = (question, t.meta.likert) {
                 let m = &t.meta;
                 let who = (m.participant.clone(), m.session.clone(), m.trial);
                 let answer = new_answer(&who, m.condition(), &question, value.into(), None);
-                answers.insert((who, question), answer);
+                given.entry((who, question)).or_default().push((answer, t.why_not()));
             }
         }
         // Behind the files, each log in its order: what is put in later takes the place of an
@@ -297,38 +324,73 @@ impl StudyData {
         let trials = self.by_session();
         for log in &self.sessions {
             let of_session = trials.get(&(&log.record.participant, &log.record.session));
-            let conditions = self.counting_conditions(log, of_session.map_or(&[], Vec::as_slice));
+            let conditions = self.conditions(log, of_session.map_or(&[], Vec::as_slice));
             for event in &log.events {
                 let Event::Answer { trial, question, value, time_ms } = event else { continue };
-                let Some(condition) = conditions.get(trial) else { continue };
+                let Some((condition, why_not)) = conditions.get(trial) else { continue };
                 let who = (log.record.participant.clone(), log.record.session.clone(), *trial);
                 let answer = new_answer(&who, condition.clone(), question, *value, *time_ms);
-                answers.insert((who, question.clone()), answer);
+                let answers = given.entry((who, question.clone())).or_default();
+                answers.push((answer, why_not.clone()));
             }
         }
-        answers.into_values().collect()
+        let (mut counting, mut left_out) = (Vec::new(), Vec::new());
+        for mut answers in given.into_values() {
+            let Some((last, why_not)) = answers.pop() else { continue };
+            for i in 0..answers.len() {
+                let later = answers.get(i + 1).map_or(&last, |(later, _)| later);
+                // What stands in the trial's file and in the log too is one answer.
+                if answers[i].0.value == later.value {
+                    continue;
+                }
+                let (answer, why_not) = answers[i].clone();
+                let why_not = why_not.unwrap_or_else(|| "a later answer took its place".to_owned());
+                left_out.push(LeftOutAnswer { answer, why_not });
+            }
+            match why_not {
+                Some(why_not) => left_out.push(LeftOutAnswer { answer: last, why_not }),
+                None => counting.push(last),
+            }
+        }
+        (counting, left_out)
     }
 
-    /// The conditions of a session's trials that count, with or without samples. Those of a sealed
-    /// session are codes, which no study knows, and drop out.
-    fn counting_conditions(
+    /// The condition of each trial of a session, with or without samples, and why it does not count.
+    fn conditions(
         &self,
         log: &SessionLog,
         of_session: &[&TrialEntry],
-    ) -> BTreeMap<u32, Condition> {
-        let mut conditions: BTreeMap<u32, Condition> = log
-            .trials
-            .iter()
-            .filter(|p| p.kind == Kind::Trial && !p.samples && !left_out(&log.events, p.trial))
-            .map(|p| {
-                (p.trial, Condition { environment: p.environment.clone(), mode: p.mode.clone() })
-            })
-            .collect();
-        conditions.retain(|_, c| {
-            self.study.environment(&c.environment).is_some() && self.study.mode(&c.mode).is_some()
-        });
-        let counting = of_session.iter().filter(|trial| trial.counts());
-        conditions.extend(counting.map(|trial| (trial.meta.trial, trial.meta.condition())));
+    ) -> BTreeMap<u32, (Condition, Option<String>)> {
+        let mut left_out = BTreeMap::new();
+        for event in &log.events {
+            match event {
+                Event::Superseded { trial, by } => {
+                    left_out.insert(*trial, format!("superseded by trial {by}"));
+                }
+                Event::Excluded { trial, reason } => {
+                    left_out.entry(*trial).or_insert_with(|| format!("excluded: {reason}"));
+                }
+                _ => {}
+            }
+        }
+        let mut conditions = BTreeMap::new();
+        for p in &log.trials {
+            let condition = Condition { environment: p.environment.clone(), mode: p.mode.clone() };
+            let is_known = self.study.environment(&p.environment).is_some()
+                && self.study.mode(&p.mode).is_some();
+            let why_not = match left_out.remove(&p.trial) {
+                _ if p.kind == Kind::Familiarisation => Some("familiarisation".to_owned()),
+                Some(why_not) => Some(why_not),
+                None if p.samples => Some("its recording is missing or cannot be read".to_owned()),
+                None if is_known => None,
+                None if log.is_sealed() => Some("sealed".to_owned()),
+                None => Some("study.toml has no such environment or mode".to_owned()),
+            };
+            conditions.insert(p.trial, (condition, why_not));
+        }
+        // What is known of a recording comes before what was planned.
+        conditions
+            .extend(of_session.iter().map(|t| (t.meta.trial, (t.meta.condition(), t.why_not()))));
         conditions
     }
 }

@@ -13,13 +13,14 @@
 //! Answers pooled over a group come from the same people, so `n` there is a number of answers, not
 //! of independent ones; `participants` says of how many.
 //!
-//! [`long`] gives the answers themselves, one row each, as they were given.
+//! [`long`] gives the answers themselves, one row each, as they were given: those that count, and the
+//! others with the reason.
 //!
 //! The question which mode it was is none of these: its answers are names, in no tally. [`blinding`]
 //! counts how often they were right.
 //!
-//! Pure: answers in memory, table out. Only answers that count may come in (`StudyData::answers`
-//! gives those).
+//! Pure: answers in memory, table out. Only answers that count may come into a tally
+//! (`StudyData::answers` gives those).
 
 mod blinding;
 mod counts;
@@ -31,8 +32,8 @@ mod tally;
 mod tests;
 
 pub use blinding::{Blinding, Guess, blinding};
-pub use long::long;
+pub use long::{COUNTS, long};
 pub use tally::{LikertError, Scheme, tally};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;

@@ -112,7 +112,7 @@ fn answers_on_a_line_are_summed_up_by_their_own_numbers() {
     ] {
         assert!((of(column) - numpy).abs() < 1e-12, "{column}: {}", of(column));
     }
-    let numbers = long(&answers, &with_line()).unwrap().floats("answer").unwrap();
+    let numbers = long(&answers, &[], &with_line()).unwrap().floats("answer").unwrap();
     assert_eq!(numbers[..2], [Some(47.273), Some(100.0)]);
 }
 
@@ -120,7 +120,8 @@ fn answers_on_a_line_are_summed_up_by_their_own_numbers() {
 fn columns_of_answers_are_whole_numbers_in_a_study_without_a_line() {
     for (scheme, decimals) in [(scheme(), false), (with_line(), true)] {
         let answers = [given("felt_spring", 4_i16)];
-        let (tally, long) = (tally(&answers, &scheme).unwrap(), long(&answers, &scheme).unwrap());
+        let (tally, long) =
+            (tally(&answers, &scheme).unwrap(), long(&answers, &[], &scheme).unwrap());
         for (table, column) in [(&tally, "median_low"), (&tally, "median_high"), (&long, "answer")]
         {
             let whole = table.integers(column).ok();

@@ -40,7 +40,8 @@ pub(crate) fn answers(desk: &Desk) -> Vec<(i64, i64)> {
     let path = desk.root().join("derived/small/answers.parquet");
     let table = Table::from_parquet(&path).unwrap();
     let column = |name| table.integers(name).unwrap().into_iter().flatten();
-    column("trial").zip(column("answer")).collect()
+    let all = column("trial").zip(column("answer")).zip(table.flags("counts").unwrap());
+    all.filter(|(_, counts)| *counts == Some(true)).map(|(answer, _)| answer).collect()
 }
 
 #[test]
@@ -62,6 +63,13 @@ fn an_excluded_trial_never_counts_and_is_missing_until_it_is_done_again() {
     assert_eq!(session["left_out"][0], "trial 3: excluded: the phone rang");
     assert_eq!(listing(&desk.root().join("raw/small/trials")), files, "nothing is overwritten");
     assert_eq!(answers(&desk).len(), 5);
+    let all = Table::from_parquet(&desk.root().join("derived/small/answers.parquet")).unwrap();
+    let trials = all.integers("trial").unwrap().into_iter().flatten();
+    let why_not = all.texts("why_not").unwrap().into_iter();
+    let left_out: Vec<_> = trials.zip(why_not).filter_map(|(t, why)| Some((t, why?))).collect();
+    let reasons = [(1, "familiarisation"), (3, "excluded: the phone rang")];
+    assert_eq!(left_out, reasons.map(|(trial, why)| (trial, why.to_owned())));
+    assert_eq!(all.height(), 7, "what was given stays to be read");
     desk.verify();
     let ran = desk.acquire("start\n4\nquit\n", &[]).exits(0);
     assert!(ran.out.contains("ready 8 (place 3 of 7)"), "{}", ran.out);
