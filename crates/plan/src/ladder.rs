@@ -20,7 +20,7 @@ use zwidth_store::{Samples, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{
     Analysis, Control, Environment, Measured, Mode, Perception, ReplayModel, Study,
 };
-use zwidth_tables::Table;
+use zwidth_tables::{Table, TableError};
 
 pub(crate) const STAGE: Stage = Stage { name: "ladder", version: zwidth_ladder::VERSION };
 
@@ -93,9 +93,17 @@ fn is_asked(study: &Study) -> bool {
 }
 
 fn tables_of(data: &StudyData, condition: &Condition) -> Vec<PathBuf> {
-    let file =
-        |what: &str| derived(&data.layout, format!("ladder/{}.{what}.parquet", condition.key()));
-    ["models", "effects", "interactions"].map(file).to_vec()
+    let [models, effects] = models_and_effects(data, condition);
+    vec![models, effects, table_of(data, condition, "interactions")]
+}
+
+/// What a figure is drawn from.
+fn models_and_effects(data: &StudyData, condition: &Condition) -> [PathBuf; 2] {
+    ["models", "effects"].map(|what| table_of(data, condition, what))
+}
+
+fn table_of(data: &StudyData, condition: &Condition, what: &str) -> PathBuf {
+    derived(&data.layout, format!("ladder/{}.{what}.parquet", condition.key()))
 }
 
 fn held_out_of(data: &StudyData, environment: &Environment, mode: &Mode) -> PathBuf {
@@ -142,18 +150,25 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let all = if is_asked(&data.study) { conditions(data) } else { Vec::new() };
+    // All conditions have the same axes.
+    let beside: Vec<[PathBuf; 2]> =
+        all.iter().map(|condition| models_and_effects(data, condition)).collect();
     let one = |condition: &Condition| {
         let subject = [condition.environment.id.to_string(), condition.mode.id.to_string()];
         let synthetic = condition.trials.iter().any(|t| t.meta.source.is_simulated());
-        Drawing::new(data, LADDER, subject, synthetic, tables_of(data, condition), draw).of(1)
+        let inputs = (models_and_effects(data, condition), beside.clone());
+        Drawing::new(data, LADDER, subject, synthetic, inputs, draw).of(1)
     };
     all.iter().map(one).collect()
 }
 
-fn draw(synthetic: &bool, tables: &Vec<PathBuf>) -> Figured {
-    let tables = read_tables(tables)?;
-    let [models, effects, _] = &tables[..] else { return Err("a ladder has three tables".into()) };
-    Ok((zwidth_figures::ladder(models, effects, *synthetic)?, Vec::new()))
+fn draw(synthetic: &bool, (own, beside): &([PathBuf; 2], Vec<[PathBuf; 2]>)) -> Figured {
+    let read = |[models, effects]: &[PathBuf; 2]| -> Result<[Table; 2], TableError> {
+        Ok([Table::from_parquet(models)?, Table::from_parquet(effects)?])
+    };
+    let [models, effects] = read(own)?;
+    let beside = beside.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    Ok((zwidth_figures::ladder(&models, &effects, &beside, *synthetic)?, Vec::new()))
 }
 
 /// Models, effects and interactions of each condition of a study that has a recording, with so many

@@ -25,11 +25,16 @@ pub(crate) fn ends(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> 
     })
 }
 
+/// An axis that holds these values.
+pub(crate) fn holding(values: impl IntoIterator<Item = f64>) -> Range {
+    ends(values).map_or(Range::Auto, |(low, high)| Range::Holding(low, high))
+}
+
 /// The axis of a signal that holds every repeat of all these environments.
 pub(crate) fn shared(scenes: &[&EnvironmentData], words: Words, signal: Signal) -> Range {
     let repeats = scenes.iter().flat_map(|s| &s.modes).flat_map(|mode| &mode.repeats);
     let values = repeats.filter_map(|r| r.signal(signal)).flat_map(|v| on_axis(words, signal, v));
-    ends(values).map_or(Range::Auto, |(low, high)| Range::Holding(low, high))
+    holding(values)
 }
 
 /// The axis of time that holds the same.

@@ -2,6 +2,7 @@
 //! that.
 
 use crate::about::FigureKind;
+use crate::extent::holding;
 use crate::words::{mark, model_mark, plain};
 use zwidth_draw::style;
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Points, Reference, Ticks};
@@ -25,12 +26,20 @@ const MOST_OFF: f64 = 1e3;
 
 /// Every model's error against its work, the choice marked; and the error that decides whether the
 /// choice has a term, the largest first.
-/// `models` and `effects` are tables of the stage `ladder`;
-/// `synthetic` says that the scene's force was simulated as if it had been recorded.
+/// `models` and `effects` are tables of the stage `ladder`; the axes hold those of the conditions that
+/// the figure is compared with, `beside`; `synthetic` says that the scene's force was simulated as if it had been recorded.
 ///
 /// # Errors
 /// A table that lacks a column.
-pub fn ladder(models: &Table, effects: &Table, synthetic: bool) -> Result<Figure, TableError> {
+pub fn ladder(
+    models: &Table,
+    effects: &Table,
+    beside: &[[Table; 2]],
+    synthetic: bool,
+) -> Result<Figure, TableError> {
+    let all_models: Vec<&Table> = beside.iter().map(|[models, _]| models).chain([models]).collect();
+    let all_effects: Vec<&Table> =
+        beside.iter().map(|[_, effects]| effects).chain([effects]).collect();
     let scene = models.title().strip_suffix(": models").unwrap_or(models.title());
     let title = format!("{scene}: which terms of the model are needed");
     Ok(Figure {
@@ -42,21 +51,31 @@ pub fn ladder(models: &Table, effects: &Table, synthetic: bool) -> Result<Figure
              choice without it where it is kept, of the fullest model without it where it is left out.",
             models.title()
         ),
-        panels: vec![costs(models)?, terms(effects)?],
+        panels: vec![costs(models, &all_models)?, terms(effects, &all_effects)?],
         footnotes: models.notes().iter().map(|note| plain(note)).collect(),
         mark: if synthetic { mark([Source::Twin]) } else { model_mark() },
         ..Figure::default()
     })
 }
 
-fn costs(models: &Table) -> Result<Panel, TableError> {
+/// The place of an error on its axis.
+fn place(off: Option<f64>) -> f64 {
+    libm::log10(off.unwrap_or(MOST_OFF).clamp(LEAST_OFF, MOST_OFF))
+}
+
+/// The models of a scene, on the axes of all.
+fn costs(models: &Table, all: &[&Table]) -> Result<Panel, TableError> {
     let (work, off) = (models.floats("evaluations")?, models.floats("furthest_off")?);
+    let (mut works, mut offs) = (Vec::new(), Vec::new());
+    for table in all {
+        works.extend(table.floats("evaluations")?.into_iter().flatten().map(libm::log10));
+        offs.extend(table.floats("furthest_off")?.into_iter().map(place));
+    }
     let (enough, chosen) = (models.flags("is_enough")?, models.flags("is_chosen")?);
     let points = |name: &str, is: &dyn Fn(usize) -> bool, colour, diameter_pt| {
         let at: Vec<usize> = (0..models.height()).filter(|i| is(*i)).collect();
         let x = at.iter().map(|i| work[*i].map_or(f64::NAN, libm::log10)).collect();
-        let place = |i: &usize| libm::log10(off[*i].unwrap_or(MOST_OFF).clamp(LEAST_OFF, MOST_OFF));
-        let y = at.iter().map(place).collect();
+        let y = at.iter().map(|i| place(off[*i])).collect();
         let name = Some(name.to_owned()).filter(|_| !at.is_empty());
         Layer::Points(Points { x, y, colour, diameter_pt, name, ..Points::default() })
     };
@@ -78,8 +97,13 @@ fn costs(models: &Table) -> Result<Panel, TableError> {
         points("enough", &|i| is(&enough, i) && !is(&chosen, i), style::environment_colour(0), 3.0),
         points("chosen", &|i| is(&chosen, i), style::INK, 6.0),
     ];
-    let powers = |label: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, "") };
-    let (x, y) = (powers("work of a run, evaluations"), powers("largest error over what is felt"));
+    let powers = |label: &str, values: Vec<f64>| Axis {
+        ticks: Ticks::Powers,
+        range: holding(values),
+        ..Axis::new(label, "")
+    };
+    let x = powers("work of a run, evaluations", works);
+    let y = powers("largest error over what is felt", offs);
     let panel = Panel::new(Cell::at(0, 0), x, y, layers).titled("**a**  models");
     Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
 }
@@ -91,8 +115,15 @@ struct Decided {
     is_kept: bool,
 }
 
-fn terms(effects: &Table) -> Result<Panel, TableError> {
+/// The terms of a scene, on the axis of all.
+fn terms(effects: &Table, all: &[&Table]) -> Result<Panel, TableError> {
     let (names, offs) = (effects.texts("term")?, effects.floats("deciding_off")?);
+    let mut shown = Vec::new();
+    for table in all {
+        let judged = table.flags("is_judged")?;
+        let offs = table.floats("deciding_off")?.into_iter().zip(judged);
+        shown.extend(offs.filter(|(_, is)| *is == Some(true)).map(|(off, _)| place(off)));
+    }
     let (judged, kept) = (effects.flags("is_judged")?, effects.flags("is_kept")?);
     let mut terms: Vec<Decided> = Vec::new();
     for (i, name) in names.into_iter().enumerate() {
@@ -122,7 +153,8 @@ fn terms(effects: &Table) -> Result<Panel, TableError> {
         points(true, "kept", style::INK),
         points(false, "left out", style::environment_colour(0)),
     ];
-    let x = Axis { ticks: Ticks::Powers, ..Axis::new("largest error without it", "") };
+    let range = holding(shown);
+    let x = Axis { ticks: Ticks::Powers, range, ..Axis::new("largest error without it", "") };
     let y = Axis::categories(terms.iter().map(|term| term.name.replace('_', " ")));
     let panel = Panel::new(Cell::at(0, 1), x, y, layers).titled("**b**  terms");
     Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
@@ -131,7 +163,7 @@ fn terms(effects: &Table) -> Result<Panel, TableError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_draw::draw;
+    use zwidth_draw::{Range, draw};
     use zwidth_tables::Column;
 
     fn models() -> Table {
@@ -156,7 +188,7 @@ mod tests {
 
     #[test]
     fn terms_stand_in_the_order_of_the_error_that_decides() {
-        let panel = terms(&effects()).unwrap();
+        let panel = terms(&effects(), &[&effects()]).unwrap();
         let Ticks::Categories(names) = &panel.y.ticks else { panic!("{:?}", panel.y) };
         assert_eq!(names, &["friction", "motor lag"], "what judges nothing is not shown");
         let points = |layer: &Layer| match layer {
@@ -170,10 +202,31 @@ mod tests {
 
     #[test]
     fn it_is_drawn_with_every_letter_and_says_what_it_was_made_of() {
-        let figure = ladder(&models(), &effects(), false).unwrap();
+        let figure = ladder(&models(), &effects(), &[], false).unwrap();
         assert!(figure.mark.as_deref().is_some_and(|mark| mark.starts_with("SIMULATION")));
         draw(&figure).unwrap();
-        let synthetic = ladder(&models(), &effects(), true).unwrap();
+        let synthetic = ladder(&models(), &effects(), &[], true).unwrap();
         assert!(synthetic.mark.is_some_and(|mark| mark.starts_with("SYNTHETIC")));
+    }
+
+    #[test]
+    fn the_conditions_of_a_study_stand_on_the_same_axes() {
+        let columns = vec![
+            Column::float("evaluations", "1", "work", [5e4, 9e4].map(Some)),
+            Column::float("furthest_off", "1", "error", [Some(0.4), None]),
+            Column::flag("is_enough", "enough", [true, false].map(Some)),
+            Column::flag("is_chosen", "chosen", [true, false].map(Some)),
+        ];
+        let other = [Table::new("ladder.models", "step: models", columns).unwrap(), effects()];
+        let own = [models(), effects()];
+        let axes = |[models, effects]: &[Table; 2], beside: &[[Table; 2]]| {
+            let figure = ladder(models, effects, beside, false).unwrap();
+            figure.panels.iter().map(|p| (p.x.range, p.y.range)).collect::<Vec<_>>()
+        };
+        let all = [own.clone(), other.clone()];
+        assert_eq!(axes(&own, &all), axes(&other, &all));
+        assert_ne!(axes(&own, &[]), axes(&other, &[]));
+        let range = Range::Holding(libm::log10(500.0), libm::log10(9e4));
+        assert_eq!(axes(&own, &all)[0].0, range);
     }
 }

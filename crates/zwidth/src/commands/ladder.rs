@@ -15,6 +15,7 @@ use zwidth_runner::Provenance;
 use zwidth_simulate::ModelScene;
 use zwidth_store::StudyData;
 use zwidth_study::{Control, Perception, StudyId, counted};
+use zwidth_tables::Table;
 
 /// The loop of a scene that no study names: the thesis' h, s (Table 3).
 const THESIS_PERIOD_S: f64 = 0.0083;
@@ -40,8 +41,12 @@ pub(crate) fn ladder(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Res
     for name in named(root, asked)? {
         match climbed(root, &name, asked, screen) {
             Ok(ladders) => {
-                for ladder in ladders {
-                    outcomes.push(written(&folder, asked, &ladder)?);
+                let mut tables = Vec::new();
+                for (_, ladder, _) in &ladders {
+                    tables.push([zwidth_ladder::models(ladder)?, zwidth_ladder::effects(ladder)?]);
+                }
+                for ladder in &ladders {
+                    outcomes.push(written(&folder, asked, ladder, &tables)?);
                 }
             }
             Err(error) => outcomes.push(Outcome {
@@ -151,15 +156,17 @@ fn of_scene(path: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Climb
     Ok((stem(path), ladder, false))
 }
 
+/// Writes a ladder, its figure on axes that hold those of all conditions, `beside`.
 fn written(
     folder: &Path,
     asked: &Asked,
     (name, ladder, synthetic): &Climbed,
+    beside: &[[Table; 2]],
 ) -> anyhow::Result<Outcome> {
     let mut output = Output::new(folder, origin(ladder, asked, *synthetic));
     let models = zwidth_ladder::models(ladder)?;
     let effects = zwidth_ladder::effects(ladder)?;
-    output.figure(name, zwidth_figures::ladder(&models, &effects, *synthetic)?)?;
+    output.figure(name, zwidth_figures::ladder(&models, &effects, beside, *synthetic)?)?;
     output.table(&format!("{name}.models"), &models)?;
     output.table(&format!("{name}.effects"), &effects)?;
     output.table(&format!("{name}.interactions"), &zwidth_ladder::interactions(ladder)?)?;
