@@ -205,15 +205,16 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
         Some(_) => None,
         None => panel.layers.iter().map(|layer| extent(layer)[which]).fold(None, union),
     };
+    let held = match axis.range {
+        Range::Holding(low, high) => union(covered, Some((low.min(high), low.max(high)))),
+        _ => covered,
+    };
     let ends = match (&axis.ticks, axis.range) {
         (Ticks::Categories(names), _) => Some((-0.5, names.len() as f64 - 0.5)),
         (_, Range::Fixed(low, high)) => Some((low, high)),
-        (Ticks::Powers, _) => covered.map(|ends| two_powers(widen(ends, ROOM))),
+        (Ticks::Powers, _) => held.map(|ends| two_powers(widen(ends, ROOM))),
         (_, Range::Tight) => covered.map(|ends| widen(ends, 0.0)),
-        (_, Range::Holding(low, high)) => {
-            union(covered, Some((low.min(high), low.max(high)))).map(|ends| widen(ends, ROOM))
-        }
-        (_, Range::Auto) => covered.map(|ends| widen(ends, ROOM)),
+        (_, Range::Holding(..) | Range::Auto) => held.map(|ends| widen(ends, ROOM)),
     };
     let largest = if axis.ticks == Ticks::Powers { LARGEST_POWER } else { LARGEST };
     let drawable = |(low, high): Ends| {
@@ -322,6 +323,16 @@ mod tests {
         far.y.ticks = Ticks::Powers;
         let error = ends(&Figure { panels: vec![far], ..Figure::default() });
         assert!(matches!(error, Err(Error::Range { .. })), "10^400 is no number");
+    }
+
+    #[test]
+    fn axes_of_numbers_and_of_powers_hold_what_they_are_to_hold() {
+        for ticks in [Ticks::Numbers, Ticks::Powers] {
+            let mut held = panel(vec![0.0, 1.0], vec![2.0, 3.0]);
+            held.y = Axis { ticks, ..Axis::new("y", "").ranged(Range::Holding(-4.0, 6.0)) };
+            let ends = ends(&Figure { panels: vec![held], ..Figure::default() }).unwrap();
+            assert_eq!(ends[0][1], Some(widen((-4.0, 6.0), ROOM)));
+        }
     }
 
     #[test]
