@@ -200,15 +200,19 @@ fn agree(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<St
     }
 }
 
+/// Why no trial of a session counts whose modes are sealed.
+pub(crate) fn why_sealed(layout: &Layout, record: &SessionRecord) -> String {
+    let (participant, session) = (&record.participant, &record.session);
+    let command = format!("zwidth unseal {} -p {participant} -s {session}", layout.study());
+    format!("sealed: unseal with `{command}`")
+}
+
 /// Gives a trial of a sealed session its mode, or says how it gets one; what does not fit is an
 /// error, and leaves it out.
 fn open(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<StoreError> {
     log.record.commitment.as_ref()?;
     let Some(seal) = &log.seal else {
-        let m = &trial.meta;
-        let command =
-            format!("zwidth unseal {} -p {} -s {}", layout.study(), m.participant, m.session);
-        trial.sealed = Some(format!("sealed: unseal with `{command}`"));
+        trial.sealed = Some(why_sealed(layout, &log.record));
         return None;
     };
     let planned = log.trials.iter().find(|t| t.trial == trial.meta.trial);

@@ -6,7 +6,7 @@ use crate::fit::unfit;
 use crate::form::other_forms;
 use crate::laid::study_warning;
 use crate::regular::text;
-use crate::sessions::{join, read_sessions};
+use crate::sessions::{join, read_sessions, why_sealed};
 use crate::sweep::entry;
 use crate::sweep_log::logged_sweeps;
 use crate::walk::{below, files_below, strange};
@@ -383,7 +383,7 @@ impl StudyData {
                 Some(why_not) => Some(why_not),
                 None if p.samples => Some("its recording is missing or cannot be read".to_owned()),
                 None if is_known => None,
-                None if log.is_sealed() => Some("sealed".to_owned()),
+                None if log.is_sealed() => Some(why_sealed(&self.layout, &log.record)),
                 None => Some("study.toml has no such environment or mode".to_owned()),
             };
             conditions.insert(p.trial, (condition, why_not));
