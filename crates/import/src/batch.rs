@@ -149,7 +149,13 @@ impl Batch {
     ///
     /// # Errors
     /// The write that failed, saying what was removed, and any file that could not be removed.
-    pub(super) fn write(&self, disk: &dyn Files, layout: &Layout, utc: &str) -> Result<(), Errors> {
+    pub(super) fn write(
+        &self,
+        disk: &dyn Files,
+        layout: &Layout,
+        utc: &str,
+        written: &dyn Fn(usize),
+    ) -> Result<(), Errors> {
         if self.outputs.is_empty() && self.sweeps.is_empty() && self.added.is_empty() {
             return Ok(());
         }
@@ -175,14 +181,18 @@ impl Batch {
         let added = self.added.iter().map(|(log, events)| (log.as_path(), events.as_slice()));
         let appended: Vec<(&Path, &[Event])> =
             added.chain([(log.as_path(), sweeps.as_slice())]).collect();
-        let written = Change::of(disk, layout, utc.into(), &hashes, &appended)
+        let made = Change::of(disk, layout, utc.into(), &hashes, &appended)
             .map_err(|error| vec![error])
             .and_then(|change| {
                 change.make("imported", || {
-                    files.iter().try_for_each(|(path, output)| output.write(disk, path))
+                    for (path, output) in &files {
+                        output.write(disk, path)?;
+                        written(files.len());
+                    }
+                    Ok(())
                 })
             });
-        written.map_err(|errors| {
+        made.map_err(|errors| {
             self.discard(disk);
             errors.into_iter().collect()
         })

@@ -98,11 +98,23 @@ use zwidth_store::{
 };
 use zwidth_study::{Study, printable};
 
+/// A piece of an import's work that is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// So many bytes of the recordings were read and converted.
+    Read(u64),
+    /// One of so many files of the study was written. Nothing is read any more.
+    Written {
+        /// How many there are.
+        all: usize,
+    },
+}
+
 /// Imports `files` into the study at `layout`, as `mapping` says.
 ///
 /// `study` is the content of the study's `study.toml`; `utc` is the time in RFC 3339, for the event
 /// log; `software` is the program with its version, for the session records; `disk` holds the
-/// study; `progress` is told the bytes of long texts as they are read, from any thread. The caller
+/// study; `progress` is told each step, from any thread. The caller
 /// holds the study's lock. What an import before this one left because it was killed is removed
 /// first.
 ///
@@ -116,7 +128,7 @@ pub fn import(
     files: &[PathBuf],
     (utc, software): (&str, &str),
     disk: &dyn Files,
-    progress: &(dyn Fn(u64) + Sync),
+    progress: &(dyn Fn(Step) + Sync),
 ) -> Result<Report, FirstErrors> {
     // What the last import left would stand in the way of what this one writes.
     all(settle(disk, layout))?;
@@ -147,7 +159,7 @@ pub fn import(
         // They add to logs that are there.
         Content::Exclusions(form) => return exclusions::import(&context, form, files, utc),
     };
-    batch.write(disk, layout, utc)?;
+    batch.write(disk, layout, utc, &|all| progress(Step::Written { all }))?;
     let odd = against_plan_of(disk, layout, &batch);
     Ok(batch.report(layout, odd))
 }
@@ -207,11 +219,9 @@ fn append(errors: &mut Errors, found: impl Into<Errors>) {
     errors.count(found.more());
 }
 
-/// The bytes of those files that are read block by block: what progress is told of.
-pub fn long_bytes(mapping: &Mapping, files: &[PathBuf]) -> u64 {
-    let of_samples = matches!(mapping.content, Content::Trials { .. });
-    let long = files.iter().filter(|path| of_samples && blocks::is_long(path, &mapping.file));
-    long.filter_map(|path| std::fs::metadata(path).ok()).map(|found| found.len()).sum()
+/// The bytes of these files: all that [`Step::Read`] tells of.
+pub fn bytes_of(files: &[PathBuf]) -> u64 {
+    files.iter().filter_map(|path| std::fs::metadata(path).ok()).map(|found| found.len()).sum()
 }
 
 /// What every file of an import is converted with.
@@ -225,8 +235,8 @@ struct Context<'a> {
     study_blake3: String,
     /// Where the study lies.
     files: &'a dyn Files,
-    /// Is told the bytes of long texts.
-    progress: &'a (dyn Fn(u64) + Sync),
+    /// Is told each step.
+    progress: &'a (dyn Fn(Step) + Sync),
 }
 
 impl Context<'_> {
@@ -249,6 +259,7 @@ impl Context<'_> {
             let mut recording =
                 Recording::read(path, &self.mapping.file, self.mapping.name.as_ref(), take)?;
             let made = convert(&mut recording)?;
+            (self.progress)(Step::Read(bytes_of(std::slice::from_ref(path))));
             Ok::<_, Errors>(Converted { path: recording.path, blake3: recording.blake3, made })
         };
         let mut found = Vec::new();

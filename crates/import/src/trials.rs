@@ -14,8 +14,8 @@ use super::report::{FileReport, RowsDropped, null_columns};
 use super::stream::{Growing, Source as LongText};
 use super::table::{Cells, ColumnRef};
 use super::{
-    Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, all, counter, once, outline, unit,
-    zero,
+    Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, Step, all, counter, once, outline,
+    unit, zero,
 };
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -218,7 +218,8 @@ fn streamed(
     let mut encoded: Vec<Encoded> = Vec::new();
     let mut open: Option<Open> = None;
     let mut report = None;
-    let walked = source.walk(context.progress, &mut |stretch| {
+    let read = |bytes| (context.progress)(Step::Read(bytes));
+    let walked = source.walk(&read, &mut |stretch| {
         if stretch.begins {
             encoded.extend(open.take().map(|open| open.end(context)).transpose()?);
             let (piece, number) = pieces.next().ok_or_else(changed)?;

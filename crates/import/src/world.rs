@@ -1,7 +1,8 @@
 //! A small study in a temporary folder, for the tests of import.
 
-use super::{Mapping, Report, import};
+use super::{Mapping, Report, Step, bytes_of, import};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use tempfile::TempDir;
 use zwidth_store::{Files, Layout, RealFiles, StoreError, StudyData, Trial, read_trial, verify};
 use zwidth_store::{Signal, read_events};
@@ -87,7 +88,29 @@ impl World {
     ) -> Result<Report, Vec<StoreError>> {
         let mapping = Mapping::from_toml(map, Path::new("map.toml"))?;
         let said = (UTC, "zwidth test");
-        Ok(import(&self.layout, &self.study, &mapping, files, said, disk, &|_| {})?)
+        self.followed(&mapping, files, said, disk)
+    }
+
+    /// Imports, and holds what progress is told against what there is.
+    fn followed(
+        &self,
+        mapping: &Mapping,
+        files: &[PathBuf],
+        said: (&str, &str),
+        disk: &dyn Files,
+    ) -> Result<Report, Vec<StoreError>> {
+        let told = Mutex::new((0, Vec::new()));
+        let progress = |step: Step| match step {
+            Step::Read(bytes) => told.lock().unwrap().0 += bytes,
+            Step::Written { all } => told.lock().unwrap().1.push(all),
+        };
+        let report = import(&self.layout, &self.study, mapping, files, said, disk, &progress)?;
+        let (read, written) = told.into_inner().unwrap();
+        // Each block of a long text has its header again.
+        let (most, all) = (2 * bytes_of(files), bytes_of(files));
+        assert!((all..=most).contains(&read), "progress reaches the end: {read} of {all} bytes");
+        assert!(written.iter().all(|all| *all == written.len()), "{written:?}");
+        Ok(report)
     }
 
     /// The same with every text read block by block.
@@ -99,7 +122,7 @@ impl World {
         let mut mapping = Mapping::from_toml(map, Path::new("map.toml"))?;
         mapping.file.long_from = 0;
         let (said, disk) = ((UTC, "zwidth test"), &RealFiles);
-        Ok(import(&self.layout, &self.study, &mapping, files, said, disk, &|_| {})?)
+        self.followed(&mapping, files, said, disk)
     }
 
     pub(super) fn import(&self, map: &str, files: &[PathBuf]) -> Result<Report, Vec<StoreError>> {

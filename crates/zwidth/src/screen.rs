@@ -110,7 +110,7 @@ impl Screen {
     pub(crate) fn bytes(&self, length: u64) -> ProgressBar {
         let target = if length > 0 { self.target() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(length), target);
-        bar.with_style(style("{bar:30} {bytes}/{total_bytes} {eta}"))
+        bar.with_style(style("{bar:30} {bytes}/{total_bytes} {eta} left"))
     }
 
     /// A progress bar a stage, one below the other, in the order given; none where nobody looks.

@@ -8,7 +8,7 @@ use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use zwidth_import::{Guess, Mapping, guess, import as import_files, long_bytes};
+use zwidth_import::{Guess, Mapping, Step, bytes_of, guess, import as import_files};
 use zwidth_store::commit::settle;
 use zwidth_store::{Raw, RealFiles, read_study};
 
@@ -60,12 +60,23 @@ pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::
     }
     let utc = now();
     let software = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
-    // Long texts alone take long enough to be looked at.
-    let bar = screen.bytes(long_bytes(&mapping, &command.files));
-    let progress = |bytes: u64| bar.inc(bytes);
+    let (read, written) = (screen.bytes(bytes_of(&command.files)), screen.bar(0));
+    let progress = |step: Step| match step {
+        Step::Read(bytes) => read.inc(bytes),
+        Step::Written { all } => {
+            if !read.is_finished() {
+                read.finish_and_clear();
+                written.set_length(all as u64);
+                // Its time begins now.
+                written.reset();
+            }
+            written.inc(1);
+        }
+    };
     let files = &command.files;
     let report = import_files(&layout, &study, &mapping, files, (&utc, software), &raw, &progress);
-    bar.finish_and_clear();
+    read.finish_and_clear();
+    written.finish_and_clear();
     let report = report.map_err(|findings| sum_up(&findings))?;
     if screen.json {
         screen.listing(&report)?;

@@ -21,24 +21,22 @@ struct Finding<'a> {
 
 pub(crate) fn verify(root: &Path, named: Vec<StudyId>, screen: &Screen) -> anyhow::Result<Exit> {
     let nameless = nameless(root, &named);
-    let bar = screen.bar(0);
-    let progress = |all: usize| {
-        bar.set_length(all as u64);
-        bar.inc(1);
-    };
     let checked: Vec<(StudyId, Vec<StoreError>)> = studies(root, named)?
         .into_iter()
         .map(|l| {
             let asked = read_study(&l).map(|study| zwidth_plan::asked_in_vain(&study));
             let vain = asked.unwrap_or_default().into_iter();
             let vain = vain.map(|what| StoreError::new(&l.study_toml(), what, "correct it there"));
-            bar.reset();
-            bar.set_message(l.study().to_string());
-            let found = zwidth_store::verify_with(&l, &progress).into_iter().chain(vain);
+            let bar = screen.bar(0).with_message(l.study().to_string());
+            let findings = zwidth_store::verify_with(&l, &|all| {
+                bar.set_length(all as u64);
+                bar.inc(1);
+            });
+            bar.finish_and_clear();
+            let found = findings.into_iter().chain(vain);
             (l.study().clone(), found.chain(zwidth_plan::plan_finding(&l)).collect())
         })
         .collect();
-    bar.finish_and_clear();
     if screen.json {
         let rows =
             checked.iter().flat_map(|(study, all)| all.iter().map(|f| finding(study.as_str(), f)));
