@@ -169,14 +169,14 @@ const NAME_PT: [f64; 4] = [80.0, 120.0, 160.0, 220.0];
 const TURNED_PT: [f64; 4] = [60.0, 90.0, 130.0, 200.0];
 
 /// Names in lines, and whether they had to be turned.
-fn categories(
-    fonts: &Fonts,
+fn categories<'f>(
+    fonts: &Fonts<'f>,
     names: &[String],
     ends: Ends,
     direction: Direction,
     length_pt: f64,
 ) -> Result<(Vec<PlannedTick>, bool), Error> {
-    let set = |width_pt: f64, lines: SetLines| -> Result<Vec<PlannedTick>, Error> {
+    let set = |width_pt: f64, lines: SetLines<'f>| -> Result<Vec<PlannedTick>, Error> {
         let tick = |(i, name): (usize, &String)| {
             let lines = lines(fonts, name, SMALL_PT, width_pt)?;
             Ok(PlannedTick { at: i as f64, lines, minor: false })
@@ -217,7 +217,7 @@ fn categories(
 }
 
 /// How a text becomes lines of a size within a width.
-type SetLines = fn(&Fonts, &str, f64, f64) -> Result<Vec<Label>, Error>;
+type SetLines<'f> = fn(&Fonts<'f>, &str, f64, f64) -> Result<Vec<Label>, Error>;
 
 #[cfg(test)]
 mod tests {

@@ -12,7 +12,6 @@ use plotters_backend::{
     FontTransform,
 };
 
-use crate::font::{ASCENT_EM, CAP_EM};
 use crate::legend;
 use crate::sheet::{At, Rect, Sheet};
 use crate::style::{Colour, Dash, Marker, Stroke};
@@ -32,8 +31,8 @@ fn on_page((x, y): BackendCoord) -> At {
 type Outcome = Result<(), DrawingErrorKind<Infallible>>;
 
 /// plotters' hand on a sheet of the given size.
-pub(crate) struct Pen<'s> {
-    pub(crate) sheet: &'s mut Sheet,
+pub(crate) struct Pen<'s, 'f> {
+    pub(crate) sheet: &'s mut Sheet<'f>,
     pub(crate) size_pt: (f64, f64),
 }
 
@@ -48,7 +47,7 @@ fn stroke<S: BackendStyle>(style: &S) -> Stroke {
     Stroke { colour, opacity, width_pt, dash: Dash::Solid, from_pt: 0.0 }
 }
 
-impl DrawingBackend for Pen<'_> {
+impl DrawingBackend for Pen<'_, '_> {
     type ErrorType = Infallible;
 
     fn get_size(&self) -> (u32, u32) {
@@ -140,8 +139,8 @@ impl DrawingBackend for Pen<'_> {
             HPos::Right => label.width_pt,
         };
         let down = match style.anchor().v_pos {
-            VPos::Top => ASCENT_EM * size_pt,
-            VPos::Center => CAP_EM * size_pt / 2.0,
+            VPos::Top => label.ascent_pt(),
+            VPos::Center => label.cap_pt() / 2.0,
             VPos::Bottom => 0.0,
         };
         let (x, y) = on_page(at);
@@ -181,11 +180,11 @@ impl<'a> PointCollection<'a, (f64, f64)> for &'a Curve {
     }
 }
 
-impl Drawable<Pen<'_>> for Curve {
+impl Drawable<Pen<'_, '_>> for Curve {
     fn draw<I: Iterator<Item = BackendCoord>>(
         &self,
         points: I,
-        pen: &mut Pen<'_>,
+        pen: &mut Pen<'_, '_>,
         _: (u32, u32),
     ) -> Outcome {
         let points: Vec<At> = points.map(on_page).collect();
@@ -210,11 +209,11 @@ impl<'a> PointCollection<'a, (f64, f64)> for &'a Mark {
     }
 }
 
-impl Drawable<Pen<'_>> for Mark {
+impl Drawable<Pen<'_, '_>> for Mark {
     fn draw<I: Iterator<Item = BackendCoord>>(
         &self,
         points: I,
-        pen: &mut Pen<'_>,
+        pen: &mut Pen<'_, '_>,
         _: (u32, u32),
     ) -> Outcome {
         points
@@ -240,7 +239,7 @@ mod tests {
     fn check<E>(element: E, expect: &[&str])
     where
         for<'a> &'a E: PointCollection<'a, (i32, i32)>,
-        E: for<'s> Drawable<Pen<'s>>,
+        E: for<'s, 'f> Drawable<Pen<'s, 'f>>,
     {
         let mut sheet = Sheet::new(Fonts::bundled().unwrap());
         Pen { sheet: &mut sheet, size_pt: (100.0, 50.0) }

@@ -109,13 +109,21 @@ pub enum Error {
         /// The room there is.
         have_pt: f64,
     },
-    /// A text uses a letter that the bundled font lacks.
+    /// A text uses a letter that neither the bundled font nor one's own has.
     #[error("\"{text}\" holds U+{:04X}, which the bundled font (Latin, Greek, Cyrillic, common symbols) lacks; write it otherwise", u32::from(*.letter))]
     Letter {
         /// The markup.
         text: String,
         /// The letter.
         letter: char,
+    },
+    /// A font file cannot be drawn with.
+    #[error("{file} cannot be the font of a figure: {reason}")]
+    FontFile {
+        /// The file, or the files of the font.
+        file: String,
+        /// What is wrong with it.
+        reason: String,
     },
     /// The bundled font cannot be read.
     #[error("the bundled font cannot be read; this is a fault of the build, not of the figure")]

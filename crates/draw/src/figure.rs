@@ -6,6 +6,7 @@
 //! In every array of data NaN means "no value here" and leaves a gap; an infinity is an error.
 
 use crate::style::{self, Colour, Marker, Stroke};
+use crate::typeface::Font;
 
 /// Width of one column of a thesis or journal page, in mm.
 pub const ONE_COLUMN_MM: f64 = 85.0;
@@ -39,6 +40,8 @@ pub struct Figure {
     /// Whether heading and small print are left to a caption beside it. The stamp stays, and the
     /// files keep their title.
     pub bare: bool,
+    /// The font of its words; the bundled Noto Sans where there is none.
+    pub font: Option<Font>,
     /// Where the figure comes from (hashes, parameters, versions), stored in the files and not
     /// shown.
     pub provenance: Option<String>,
@@ -57,6 +60,7 @@ impl Default for Figure {
             footnotes: Vec::new(),
             mark: None,
             bare: false,
+            font: None,
             provenance: None,
         }
     }

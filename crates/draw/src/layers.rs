@@ -20,8 +20,8 @@ use crate::sheet::Sheet;
 use crate::style::{self, BAND_OPACITY, Colour, LEAST_PT, SMALL_PT, Stroke};
 
 /// A panel's plot area as plotters sees it.
-struct Plot<'s> {
-    area: DrawingArea<Pen<'s>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
+struct Plot<'s, 'f> {
+    area: DrawingArea<Pen<'s, 'f>, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
     window: Window,
     x: Scale,
     y: Scale,
@@ -58,7 +58,7 @@ pub(crate) fn draw(sheet: &mut Sheet, plan: &PanelPlan<'_>, size_pt: (f64, f64))
     })
 }
 
-impl Plot<'_> {
+impl Plot<'_, '_> {
     fn curve(&self, points: Vec<Point>, stroke: Stroke) -> Outcome {
         self.area.draw(&Curve { points, stroke }).map_err(refused)
     }

@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use crate::figure::{Cell, Figure, LegendPlace, Panel, Ticks};
-use crate::font::{self, CAP_EM, Fonts, Label};
+use crate::font::{self, Fonts, Label};
 use crate::grid::{self, Decor};
 use crate::legend::{self, Legend};
 use crate::panel::{self, PanelPlan};
@@ -141,7 +141,7 @@ fn mark(figure: &Figure, fonts: &Fonts, width_pt: f64) -> Result<Option<(Label, 
     }
     let right = width_pt - PAGE_MARGIN_PT;
     let left = right - label.width_pt - 2.0 * MARK_PAD_PT.0;
-    let bottom = PAGE_MARGIN_PT + CAP_EM * SMALL_PT + 2.0 * MARK_PAD_PT.1;
+    let bottom = PAGE_MARGIN_PT + label.cap_pt() + 2.0 * MARK_PAD_PT.1;
     Ok(Some((label, Rect { left, right, top: PAGE_MARGIN_PT, bottom })))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::figure::{Direction, Figure, Layer, LegendPlace};
-use crate::font::{CAP_EM, Fonts, Label};
+use crate::font::{Fonts, Label};
 use crate::sheet::{At, Rect, Sheet};
 use crate::style::{self, Colour, INK, Marker, SMALL_PT, Stroke};
 
@@ -152,7 +152,7 @@ pub(crate) fn draw(sheet: &mut Sheet, legend: &Legend, (left, top): At) {
             for sample in &entry.samples {
                 draw_sample(sheet, sample, (x + entry.sample_pt / 2.0, middle));
             }
-            let base = middle + CAP_EM * SMALL_PT / 2.0;
+            let base = middle + entry.label.cap_pt() / 2.0;
             sheet.text(&entry.label, (x + entry.sample_pt + NAME_GAP_PT, base), INK, false);
         }
     }

@@ -52,6 +52,7 @@ mod sheet;
 pub mod style;
 mod svg;
 mod ticks;
+mod typeface;
 mod words;
 
 pub use error::Error;
@@ -59,10 +60,12 @@ pub use figure::{
     Axis, Band, Cell, Direction, Figure, Intervals, Layer, LegendPlace, Likert, LikertScale, Line,
     ONE_COLUMN_MM, Panel, Points, Range, Reference, TWO_COLUMNS_MM, Text, TextPlace, Ticks, dodge,
 };
+pub use typeface::{Font, FontFile};
 
 use font::Fonts;
 use sheet::{Shape, Sheet};
 use svg::Head;
+use typeface::with_font;
 
 /// Resolution of PNGs for screens, in dots an inch.
 pub const DEFAULT_DPI: f64 = 200.0;
@@ -74,6 +77,7 @@ pub struct Drawing {
     size_pt: (f64, f64),
     title: String,
     description: String,
+    font: Option<Font>,
     provenance: Option<String>,
 }
 
@@ -81,18 +85,21 @@ pub struct Drawing {
 ///
 /// # Errors
 /// Data that do not fit together, nothing to draw, an impossible range or size, a text that finds
-/// no room: see [`Error`].
+/// no room, a font that cannot be drawn with: see [`Error`].
 pub fn draw(figure: &Figure) -> Result<Drawing, Error> {
-    let fonts = Fonts::bundled()?;
-    let plan = layout::plan(figure, fonts)?;
-    let mut sheet = Sheet::new(fonts);
-    page::draw(&mut sheet, &plan)?;
-    Ok(Drawing {
-        shapes: sheet.shapes,
-        size_pt: (plan.width_pt, plan.height_pt),
-        title: figure.title.as_deref().map(markup::plain).unwrap_or_default(),
-        description: figure.description.clone(),
-        provenance: figure.provenance.clone(),
+    with_font(figure.font.as_ref(), || {
+        let fonts = Fonts::new(figure.font.as_ref())?;
+        let plan = layout::plan(figure, &fonts)?;
+        let mut sheet = Sheet::new(&fonts);
+        page::draw(&mut sheet, &plan)?;
+        Ok(Drawing {
+            shapes: sheet.shapes,
+            size_pt: (plan.width_pt, plan.height_pt),
+            title: figure.title.as_deref().map(markup::plain).unwrap_or_default(),
+            description: figure.description.clone(),
+            font: figure.font.clone(),
+            provenance: figure.provenance.clone(),
+        })
     })
 }
 
@@ -101,21 +108,27 @@ impl Drawing {
     /// to show it.
     ///
     /// # Errors
-    /// [`Error::Font`] as [`draw`].
+    /// [`Error::Font`] and [`Error::FontFile`] as [`draw`].
     pub fn svg(&self) -> Result<String, Error> {
-        let words = svg::Words::Outlines;
-        Ok(svg::svg(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head(), words))
+        self.svg_of(svg::Words::Outlines)
     }
 
     /// The SVG with its words as text, to be edited and searched, in the font of this name where it is
-    /// installed, else in Noto Sans. The figure is laid out by the widths of Noto Sans; with another
-    /// font each word is stretched to the width that it had.
+    /// installed, else in the figure's own. The figure is laid out by the widths of its own font;
+    /// in another each word is stretched to the width that it had.
     ///
     /// # Errors
-    /// [`Error::Font`] as [`draw`].
+    /// As [`svg`](Self::svg).
     pub fn svg_with_text(&self, font: Option<&str>) -> Result<String, Error> {
-        let words = svg::Words::Text(font);
-        Ok(svg::svg(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head(), words))
+        let own = self.font.as_ref().and_then(Font::family);
+        self.svg_of(svg::Words::Text(font.or(own)))
+    }
+
+    fn svg_of(&self, words: svg::Words<'_>) -> Result<String, Error> {
+        with_font(self.font.as_ref(), || {
+            let fonts = Fonts::new(self.font.as_ref())?;
+            Ok(svg::svg(&self.shapes, &fonts, self.size_pt, &self.head(), words))
+        })
     }
 
     /// An opaque PNG at `dpi` dots an inch ([`DEFAULT_DPI`] for screens), provenance in its
@@ -123,18 +136,24 @@ impl Drawing {
     ///
     /// # Errors
     /// [`Error::Size`] if `dpi` is not positive or the image would pass 100 megapixels,
-    /// [`Error::Encode`] if the libraries refuse the drawing, [`Error::Font`] as [`draw`].
+    /// [`Error::Encode`] if the libraries refuse the drawing, otherwise as [`svg`](Self::svg).
     pub fn png(&self, dpi: f64) -> Result<Vec<u8>, Error> {
-        png::png(&self.shapes, Fonts::bundled()?, self.size_pt, dpi, self.provenance.as_deref())
+        with_font(self.font.as_ref(), || {
+            let fonts = Fonts::new(self.font.as_ref())?;
+            png::png(&self.shapes, &fonts, self.size_pt, dpi, self.provenance.as_deref())
+        })
     }
 
     /// A one-page PDF of the figure's size, its font embedded so that words can be searched and
     /// copied, provenance among its keywords.
     ///
     /// # Errors
-    /// [`Error::Encode`] if the libraries refuse the drawing, [`Error::Font`] as [`draw`].
+    /// [`Error::Encode`] if the libraries refuse the drawing, otherwise as [`svg`](Self::svg).
     pub fn pdf(&self) -> Result<Vec<u8>, Error> {
-        pdf::pdf(&self.shapes, Fonts::bundled()?, self.size_pt, &self.head())
+        with_font(self.font.as_ref(), || {
+            let fonts = Fonts::new(self.font.as_ref())?;
+            pdf::pdf(&self.shapes, &fonts, self.font.as_ref(), self.size_pt, &self.head())
+        })
     }
 
     /// Every two words whose letters lie on each other: none, where a figure has the room that its
@@ -145,7 +164,7 @@ impl Drawing {
     pub fn overlapping_words(&self) -> Result<Vec<[String; 2]>, Error> {
         /// An italic letter may lean over the subscript after it, in pt.
         const LEAN_PT: f32 = 1.1;
-        let words = self.words(Fonts::bundled()?);
+        let words = self.words(&Fonts::new(self.font.as_ref())?);
         let mut overlapping = Vec::new();
         for (i, (word, a)) in words.iter().enumerate() {
             for (other, b) in &words[..i] {

@@ -3,16 +3,14 @@
 use crate::axis::{PLOT_GAP_PT, PlannedTick, TICK_GAP_PT};
 use crate::error::Error;
 use crate::figure::{Direction, Layer};
-use crate::font::{self, ASCENT_EM, CAP_EM, Label};
+use crate::font::{self, Label};
 use crate::layers;
 use crate::layout::{MARK_PAD_PT, Plan};
 use crate::legend;
 use crate::panel::PanelPlan;
 use crate::scale::Scale;
 use crate::sheet::{At, Rect, Sheet, centred, lines};
-use crate::style::{
-    self, AXIS_PT, Dash, GREY, GRID, GRID_PT, INK, MARK, PAPER, SMALL_PT, Stroke, TICK_PT,
-};
+use crate::style::{self, AXIS_PT, Dash, GREY, GRID, GRID_PT, INK, MARK, PAPER, Stroke, TICK_PT};
 use crate::words;
 
 /// Draws the page.
@@ -143,7 +141,7 @@ fn y_labels(sheet: &mut Sheet, plan: &PanelPlan<'_>) {
         // centred by the capitals' height, which is what digits have
         let line_pt = tick.lines.first().map_or(0.0, Label::height_pt);
         let first = y - (tick.lines.len().saturating_sub(1)) as f64 * line_pt / 2.0
-            + CAP_EM * SMALL_PT / 2.0;
+            + tick.lines.first().map_or(0.0, Label::cap_pt) / 2.0;
         for (i, line) in tick.lines.iter().enumerate() {
             sheet.text(line, (right - line.width_pt, first + i as f64 * line_pt), INK, false);
         }
@@ -161,7 +159,7 @@ fn upwards(
     from_top: impl Fn(&Label) -> f64,
 ) {
     for line in block {
-        let base = (left + ASCENT_EM * line.size_pt, top + from_top(line) + line.width_pt);
+        let base = (left + line.ascent_pt(), top + from_top(line) + line.width_pt);
         sheet.text(line, base, INK, true);
         left += line.height_pt();
     }

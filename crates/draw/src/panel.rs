@@ -3,7 +3,7 @@
 use crate::axis::{self, AxisPlan, PLOT_GAP_PT};
 use crate::error::Error;
 use crate::figure::{Cell, Direction, Figure, Panel, Ticks};
-use crate::font::{self, ASCENT_EM, Fonts, Label};
+use crate::font::{self, Fonts, Label};
 use crate::grid::Decor;
 use crate::references::{self, Word};
 use crate::scale::{self, Ends, Scale};
@@ -103,8 +103,7 @@ fn decor(x: &AxisPlan, y: &AxisPlan, title: &[Label], references: &[Word], plot:
     let (x_before, x_after) = x.overhang_pt(Direction::Horizontal, plot.width());
     let (y_before, y_after) = y.overhang_pt(Direction::Vertical, plot.height());
     let words_right = references.iter().map(|word| word.at.0 + word.label.width_pt - plot.right);
-    let words_top =
-        references.iter().map(|word| plot.top - word.at.1 + ASCENT_EM * word.label.size_pt);
+    let words_top = references.iter().map(|word| plot.top - word.at.1 + word.label.ascent_pt());
     let heading = if title.is_empty() { 0.0 } else { PLOT_GAP_PT + font::height_pt(title) };
     Decor {
         left: y.depth_pt(Direction::Vertical).max(x_before),

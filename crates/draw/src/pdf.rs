@@ -1,4 +1,4 @@
-//! Writes a sheet as PDF, words as text in the bundled font, so that they can be found and copied.
+//! Writes a sheet as PDF, words as text in embedded fonts, so that they can be found and copied.
 
 use std::sync::LazyLock;
 
@@ -10,28 +10,32 @@ use krilla::num::NormalizedF32;
 use krilla::page::PageSettings;
 use krilla::paint::{Fill, LineCap, LineJoin, Stroke, StrokeDash};
 use krilla::surface::Surface;
-use krilla::text::{Font, GlyphId, KrillaGlyph};
+use krilla::text::{GlyphId, KrillaGlyph};
 use rustybuzz::ttf_parser::OutlineBuilder;
 
 use crate::error::Error;
-use crate::font::{Fonts, Glyph, Piece, Style};
+use crate::font::{Fonts, Glyph, Piece};
 use crate::sheet::{At, Form, Ink, Shape};
 use crate::style::{self, Colour};
 use crate::svg::Head;
+use crate::typeface::{Font, Style, Typeface};
 
 fn fault(reason: &dyn std::fmt::Display) -> Error {
     Error::Encode { format: "PDF", reason: reason.to_string() }
 }
 
-/// A one-page PDF of a size on paper with the font embedded; the provenance is its keyword.
+/// A one-page PDF of a size on paper with its fonts embedded; the provenance is its keyword. The
+/// `fonts` are those of `font`, or the bundled ones.
 pub(crate) fn pdf(
     shapes: &[Shape],
     fonts: &Fonts,
+    font: Option<&Font>,
     (width_pt, height_pt): (f64, f64),
     head: &Head<'_>,
 ) -> Result<Vec<u8>, Error> {
     let size = Size::from_wh(width_pt as f32, height_pt as f32)
         .ok_or_else(|| fault(&"the page is empty"))?;
+    let faces = Faces { fonts, own: Style::ALL.map(|style| own_face(font, style)) };
     let mut document = Document::new();
     let metadata =
         Metadata::new().title(head.title.to_owned()).description(head.description.to_owned());
@@ -41,13 +45,34 @@ pub(crate) fn pdf(
     });
     let mut page = document.start_page_with(PageSettings::new(size));
     let mut surface = page.surface();
-    shapes.iter().try_for_each(|shape| draw(&mut surface, shape, fonts))?;
+    shapes.iter().try_for_each(|shape| draw(&mut surface, shape, &faces))?;
     surface.finish();
     page.finish();
     document.finish().map_err(|error| fault(&format!("{error:?}")))
 }
 
-fn draw(surface: &mut Surface<'_>, shape: &Shape, fonts: &Fonts) -> Result<(), Error> {
+/// The faces of a document, as they are laid out and as they are embedded.
+struct Faces<'a> {
+    fonts: &'a Fonts<'a>,
+    own: [Option<krilla::text::Font>; 3],
+}
+
+impl Faces<'_> {
+    /// A face to be embedded; those of the bundled font are parsed once a process.
+    fn embedded(&self, Typeface { is_own, style }: Typeface) -> Result<krilla::text::Font, Error> {
+        static BUNDLED: LazyLock<[Option<krilla::text::Font>; 3]> = LazyLock::new(|| {
+            Style::ALL.map(|style| krilla::text::Font::new(style.bundled().into(), 0))
+        });
+        let faces = if is_own { &self.own } else { &*BUNDLED };
+        faces[style as usize].clone().ok_or(Error::Font)
+    }
+}
+
+fn own_face(font: Option<&Font>, style: Style) -> Option<krilla::text::Font> {
+    krilla::text::Font::new(font?.file(style)?.bytes.clone().into(), 0)
+}
+
+fn draw(surface: &mut Surface<'_>, shape: &Shape, faces: &Faces<'_>) -> Result<(), Error> {
     let (fill, stroke) = match &shape.ink {
         Ink::Fill(colour, opacity) => (Some(fill(*colour, *opacity)), None),
         Ink::Stroke(pen) => (None, Some(stroke(pen))),
@@ -55,10 +80,10 @@ fn draw(surface: &mut Surface<'_>, shape: &Shape, fonts: &Fonts) -> Result<(), E
     surface.set_fill(fill);
     surface.set_stroke(stroke);
     if let Form::Words { piece, start, turned } = &shape.form {
-        return write(surface, piece, *start, *turned, fonts);
+        return write(surface, piece, *start, *turned, faces);
     }
     let mut paper = Paper(PathBuilder::new());
-    shape.form.trace(fonts, &mut paper);
+    shape.form.trace(faces.fonts, &mut paper);
     if let Some(path) = paper.0.finish() {
         surface.draw_path(&path);
     }
@@ -70,9 +95,9 @@ fn write(
     piece: &Piece,
     (x, y): At,
     turned: bool,
-    fonts: &Fonts,
+    faces: &Faces<'_>,
 ) -> Result<(), Error> {
-    let em = fonts.units_per_em(piece.style);
+    let em = faces.fonts.units_per_em(piece.face);
     let place = |k: usize| piece.glyphs.get(k).map_or(piece.advance, |glyph| glyph.x);
     let glyph = |(k, glyph): (usize, &Glyph)| {
         let advance = f64::from(place(k + 1) - glyph.x) / em;
@@ -99,20 +124,13 @@ fn write(
     surface.draw_glyphs(
         from,
         &glyphs,
-        face(piece.style)?,
+        faces.embedded(piece.face)?,
         &piece.text,
         piece.size_pt as f32,
         outlined,
     );
     surface.pop();
     Ok(())
-}
-
-/// A face of the bundled font, parsed once a process.
-fn face(style: Style) -> Result<Font, Error> {
-    static FACES: LazyLock<[Option<Font>; 3]> =
-        LazyLock::new(|| Style::ALL.map(|style| Font::new(style.bytes().into(), 0)));
-    FACES[style as usize].clone().ok_or(Error::Font)
 }
 
 fn colour(Colour { r, g, b }: Colour) -> rgb::Color {

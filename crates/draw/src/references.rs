@@ -3,7 +3,7 @@
 use crate::axis::{LABEL_GAP_PT, PLOT_GAP_PT};
 use crate::error::Error;
 use crate::figure::{Direction, Layer, Panel, Reference};
-use crate::font::{CAP_EM, DESCENT_EM, Fonts, Label};
+use crate::font::{Fonts, Label};
 use crate::scale::Scale;
 use crate::sheet::{At, Rect};
 use crate::style::SMALL_PT;
@@ -63,8 +63,7 @@ fn over(labels: Vec<(f64, Label)>, mut row_ends: Vec<f64>, plot: &Rect) -> Vec<W
         let row = free.unwrap_or(row_ends.len());
         row_ends.resize(row_ends.len().max(row + 1), 0.0);
         row_ends[row] = left + label.width_pt;
-        let base =
-            plot.top - PLOT_GAP_PT - DESCENT_EM * label.size_pt - row as f64 * label.height_pt();
+        let base = plot.top - PLOT_GAP_PT - label.descent_pt() - row as f64 * label.height_pt();
         words.push(Word { label, at: (left, base) });
     }
     words
@@ -75,7 +74,7 @@ fn stack_beside(labels: Vec<(f64, Label)>, plot: &Rect) -> Vec<Word> {
     let mut lowest = f64::NEG_INFINITY;
     let mut words = Vec::new();
     for (at, label) in labels {
-        let base = (at + CAP_EM * label.size_pt / 2.0).max(lowest + label.height_pt());
+        let base = (at + label.cap_pt() / 2.0).max(lowest + label.height_pt());
         lowest = base;
         words.push(Word { label, at: (plot.right + PLOT_GAP_PT, base) });
     }

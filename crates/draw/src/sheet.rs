@@ -2,7 +2,7 @@
 
 use rustybuzz::ttf_parser::OutlineBuilder;
 
-use crate::font::{ASCENT_EM, Fonts, Label, Piece};
+use crate::font::{Fonts, Label, Piece};
 use crate::style::{Colour, Stroke};
 
 /// Points a millimetre.
@@ -68,13 +68,13 @@ pub(crate) struct Shape {
 }
 
 /// A page being drawn.
-pub(crate) struct Sheet {
-    pub(crate) fonts: &'static Fonts,
+pub(crate) struct Sheet<'f> {
+    pub(crate) fonts: &'f Fonts<'f>,
     pub(crate) shapes: Vec<Shape>,
 }
 
-impl Sheet {
-    pub(crate) fn new(fonts: &'static Fonts) -> Self {
+impl<'f> Sheet<'f> {
+    pub(crate) fn new(fonts: &'f Fonts<'f>) -> Self {
         Self { fonts, shapes: Vec::new() }
     }
 
@@ -180,11 +180,11 @@ impl Form {
             }
             Self::Box(rect, r) => rounded(rect, *r, pen),
             Self::Words { piece, start, turned } => {
-                let scale = piece.size_pt / fonts.units_per_em(piece.style);
+                let scale = piece.size_pt / fonts.units_per_em(piece.face);
                 for glyph in &piece.glyphs {
                     let from = (f64::from(glyph.x), f64::from(glyph.y));
                     let placed = &mut Placed { pen, scale, from, start: *start, turned: *turned };
-                    fonts.trace(piece.style, glyph.id, placed);
+                    fonts.trace(piece.face, glyph.id, placed);
                 }
             }
         }
@@ -263,7 +263,7 @@ impl OutlineBuilder for Placed<'_> {
 /// Lines one under the other, the first one's upper edge at `top`.
 pub(crate) fn lines(sheet: &mut Sheet, lines: &[Label], (left, mut top): At, colour: Colour) {
     for line in lines {
-        sheet.text(line, (left, top + ASCENT_EM * line.size_pt), colour, false);
+        sheet.text(line, (left, top + line.ascent_pt()), colour, false);
         top += line.height_pt();
     }
 }

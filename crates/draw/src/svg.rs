@@ -8,9 +8,10 @@ use std::fmt::Write as _;
 
 use rustybuzz::ttf_parser::OutlineBuilder;
 
-use crate::font::{Fonts, Piece, Style};
+use crate::font::{Fonts, Piece};
 use crate::sheet::{At, Form, Ink, PT_PER_MM, Rect, Shape};
 use crate::style::{Colour, Stroke};
+use crate::typeface::{Style, Typeface};
 
 /// Texts stored in the file and not shown.
 pub(crate) struct Head<'a> {
@@ -68,13 +69,13 @@ pub(crate) fn svg(
 
 /// The shapes, as they are written.
 struct Body<'a> {
-    fonts: &'a Fonts,
+    fonts: &'a Fonts<'a>,
     words: Words<'a>,
     text: String,
     /// Style of the group that is open.
     open: Option<Ink>,
     /// Outlines in use, by face and glyph.
-    glyphs: BTreeMap<(Style, u16), String>,
+    glyphs: BTreeMap<(Typeface, u16), String>,
 }
 
 impl Body<'_> {
@@ -123,10 +124,10 @@ impl Body<'_> {
 
     /// Text as long as its outlines, whatever the font.
     fn as_text(&mut self, piece: &Piece, (x, y): At, turned: bool) {
-        let scale = piece.size_pt / self.fonts.units_per_em(piece.style);
+        let scale = piece.size_pt / self.fonts.units_per_em(piece.face);
         let length = number(f64::from(piece.advance) * scale);
         let (x, y, size) = (number(x), number(y), number(piece.size_pt));
-        let face = match piece.style {
+        let face = match piece.face.style {
             Style::Regular => "",
             Style::Italic => " font-style=\"italic\"",
             Style::Bold => " font-weight=\"bold\"",
@@ -148,14 +149,14 @@ impl Body<'_> {
         let (label, place) = (escape(&piece.text), transform(piece, fonts, start, turned));
         let _ = write!(self.text, "<g aria-label=\"{label}\" transform=\"{place}\">");
         for glyph in &piece.glyphs {
-            let outline = self.glyphs.entry((piece.style, glyph.id)).or_insert_with(|| {
+            let outline = self.glyphs.entry((piece.face, glyph.id)).or_insert_with(|| {
                 let mut path = PathData(String::new());
-                fonts.trace(piece.style, glyph.id, &mut path);
+                fonts.trace(piece.face, glyph.id, &mut path);
                 path.0
             });
             if !outline.is_empty() {
                 let _ =
-                    write!(self.text, "<use xlink:href=\"#{}\"", glyph_name(piece.style, glyph.id));
+                    write!(self.text, "<use xlink:href=\"#{}\"", glyph_name(piece.face, glyph.id));
                 attribute(&mut self.text, "x", glyph.x);
                 attribute(&mut self.text, "y", glyph.y);
                 self.text.push_str("/>");
@@ -166,9 +167,8 @@ impl Body<'_> {
 
     fn defs(&self) -> String {
         let mut defs = String::from("<defs>\n");
-        for ((style, id), outline) in self.glyphs.iter().filter(|(_, outline)| !outline.is_empty())
-        {
-            let _ = writeln!(defs, "<path id=\"{}\" d=\"{outline}\"/>", glyph_name(*style, *id));
+        for ((face, id), outline) in self.glyphs.iter().filter(|(_, outline)| !outline.is_empty()) {
+            let _ = writeln!(defs, "<path id=\"{}\" d=\"{outline}\"/>", glyph_name(*face, *id));
         }
         defs + "</defs>\n"
     }
@@ -180,7 +180,7 @@ fn stored(name: &str, text: &str) -> String {
 
 /// Transform from a piece's own units, y upwards, to the page.
 fn transform(piece: &Piece, fonts: &Fonts, (x, y): At, turned: bool) -> String {
-    let scale = piece.size_pt / fonts.units_per_em(piece.style);
+    let scale = piece.size_pt / fonts.units_per_em(piece.face);
     let (along, down) = (factor(scale), factor(-scale));
     let (x, y) = (number(x), number(y));
     match turned {
@@ -196,11 +196,14 @@ fn factor(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-fn glyph_name(style: Style, id: u16) -> String {
-    let letter = match style {
-        Style::Regular => 'r',
-        Style::Italic => 'i',
-        Style::Bold => 'b',
+fn glyph_name(Typeface { is_own, style }: Typeface, id: u16) -> String {
+    let letter = match (style, is_own) {
+        (Style::Regular, false) => 'r',
+        (Style::Italic, false) => 'i',
+        (Style::Bold, false) => 'b',
+        (Style::Regular, true) => 'R',
+        (Style::Italic, true) => 'I',
+        (Style::Bold, true) => 'B',
     };
     format!("{letter}{id}")
 }

@@ -1,7 +1,7 @@
 //! Facts about whole figures: every one of the gallery, and figures of odd numbers.
 
 use std::collections::BTreeMap;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use proptest::prelude::*;
 use resvg::usvg::{Node, Options, Tree};
@@ -9,6 +9,8 @@ use tiny_skia::{Color, Pixmap, Rect, Transform};
 
 use super::*;
 use crate::sheet::PT_PER_MM;
+use crate::typeface::Style;
+use crate::typeface::tests::{file, file_with_letters};
 
 static GALLERY: LazyLock<BTreeMap<&str, Drawing>> = LazyLock::new(|| {
     let figures = gallery::figures().into_iter().chain(crowded());
@@ -504,5 +506,94 @@ proptest! {
             prop_assert!(!svg.contains("NaN") && !svg.contains("inf"));
             prop_assert!(drawing.png(20.0).is_ok() && drawing.pdf().is_ok());
         }
+    }
+}
+
+/// A figure of the gallery in a font of these files.
+fn in_font(files: &[FontFile]) -> Drawing {
+    let (_, figure) = gallery::figures().remove(0);
+    draw(&Figure { font: Some(Font::new(files).unwrap()), ..figure }).unwrap()
+}
+
+#[test]
+fn a_figure_in_a_font_of_ones_own_is_laid_out_by_its_widths_and_embeds_it() {
+    let (_, figure) = gallery::figures().remove(0);
+    let usual = draw(&figure).unwrap();
+    let same = in_font(&Style::ALL.map(file));
+    let bold = in_font(&[file(Style::Bold)]);
+    assert_eq!(same.size_pt, usual.size_pt);
+    let width = |drawing: &Drawing| -> f64 {
+        let advance = |shape: &Shape| match &shape.form {
+            sheet::Form::Words { piece, .. } => f64::from(piece.advance) * piece.size_pt,
+            _ => 0.0,
+        };
+        drawing.shapes.iter().map(advance).sum()
+    };
+    assert_eq!(width(&same), width(&usual), "the bundled font as one of one's own");
+    assert!(width(&bold) > 1.02 * width(&usual), "bold letters are wider");
+    assert_eq!(bold.overlapping_words().unwrap(), [] as [[String; 2]; 0]);
+    let embeds = |drawing: &Drawing, name: &[u8]| {
+        drawing.pdf().unwrap().windows(name.len()).any(|bytes| bytes == name)
+    };
+    assert!(embeds(&bold, b"NotoSans-Bold") && !embeds(&bold, b"NotoSans-Italic"));
+    assert!(embeds(&usual, b"NotoSans-Italic"));
+    assert!(bold.png(50.0).unwrap() != usual.png(50.0).unwrap());
+    assert!(!bold.svg().unwrap().contains("\"#r"), "no glyph of the bundled font");
+    assert!(bold.svg_with_text(None).unwrap().contains("font-family=\"'Noto Sans', "));
+}
+
+#[test]
+fn a_letter_that_a_font_of_ones_own_lacks_is_set_in_the_bundled_one_and_found_in_the_text() {
+    let file = file_with_letters(Style::Bold, " adehnstv");
+    let (_, figure) = gallery::figures().remove(0);
+    let title = Some("the dashed θ̇ stands at 5 ṣ̂".to_owned());
+    let font = Some(Font::new(&[file]).unwrap());
+    let drawing = draw(&Figure { title, font, ..figure }).unwrap();
+    let pieces: Vec<(&str, bool)> = drawing
+        .shapes
+        .iter()
+        .filter_map(|shape| match &shape.form {
+            sheet::Form::Words { piece, .. } => Some((piece.text.as_str(), piece.face.is_own)),
+            _ => None,
+        })
+        .collect();
+    let title = [("the dashed ", true), ("θ̇", false), (" stands at ", true), ("5", false)];
+    assert_eq!(pieces[..4], title, "{pieces:?}");
+    assert!(drawing.svg().is_ok() && drawing.pdf().is_ok() && drawing.png(50.0).is_ok());
+    let lacking = Figure {
+        title: Some("中".into()),
+        font: drawing.font.clone(),
+        ..gallery::figures().remove(0).1
+    };
+    assert!(matches!(draw(&lacking), Err(Error::Letter { letter: '中', .. })));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn a_damaged_font_gives_a_drawing_or_an_error_never_a_panic(
+        places in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..200),
+        cut in prop::option::of(any::<prop::sample::Index>()),
+    ) {
+        let mut damaged = file(Style::Regular);
+        let bytes = Arc::make_mut(&mut damaged.bytes);
+        for (place, value) in places {
+            // The first bytes say where everything is: half of the damage is done there.
+            let reach = if value % 2 == 0 { 1000 } else { bytes.len() };
+            let place = place.index(reach);
+            bytes[place] = value;
+        }
+        if let Some(cut) = cut {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        let (_, figure) = gallery::figures().remove(0);
+        // Where letters seem to be wider than they are, the error is that a text has no room.
+        let _ = Font::new(&[damaged]).and_then(|font| {
+            let drawing = draw(&Figure { font: Some(font), ..figure })?;
+            drawing.svg()?;
+            drawing.png(30.0)?;
+            drawing.pdf()
+        });
     }
 }

@@ -156,7 +156,7 @@ fn fitted(fonts: &Fonts, lines: &[String], room: &Rect) -> Result<Vec<Label>, Er
         }
     }
     in_box(&cut(fits), LEAST_PT)?.ok_or_else(|| {
-        let need_pt = lines.len() as f64 * font::line_height_pt(LEAST_PT);
+        let need_pt = lines.len() as f64 * fonts.line_height_pt(LEAST_PT);
         Error::TextTooLong { text: lines.join(" / "), need_pt, have_pt: room.height() }
     })
 }

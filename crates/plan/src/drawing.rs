@@ -1,6 +1,7 @@
 //! A figure as a job of the stage `figures`: SVG, PDF and PNG, with its data and its caption beside
 //! it.
 
+use crate::font;
 use serde::{Serialize, Serializer};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -69,7 +70,8 @@ impl Drawing {
         let outputs = files_of(&data.layout, &stem);
         let (of, inputs) = (Arc::new(Described { parameters, describe }), Arc::new(inputs));
         let own = (Shared(of.clone()), Shared(inputs.clone()));
-        let job = Job::new(STAGE, format!("figure {stem}"), own.0, own.1, outputs, make);
+        let inputs_of_job = (own.1, font::files(data));
+        let job = Job::new(STAGE, format!("figure {stem}"), own.0, inputs_of_job, outputs, make);
         let describe = Box::new(move || (of.describe)(&of.parameters, &inputs));
         Self { caption, job, describe }
     }
@@ -101,7 +103,7 @@ fn files_of(layout: &Layout, stem: &str) -> Vec<PathBuf> {
 /// A figure in every form, with its data and its caption.
 fn make<P, I>(
     Shared(of): &Shared<Described<P, I>>,
-    Shared(inputs): &Shared<I>,
+    (Shared(inputs), font): &(Shared<I>, Vec<PathBuf>),
     making: &Making,
 ) -> Result<Made, JobError> {
     let (figure, problems) = (of.describe)(&of.parameters, inputs)?;
@@ -113,7 +115,7 @@ fn make<P, I>(
     let origin = making.from.get(ORIGIN).map(|origin| format!("\n{origin}\n"));
     let caption = zwidth_figures::caption_text(&figure) + &origin.unwrap_or_default();
     let provenance = Some(serde_json::to_string(making.from)?);
-    let drawing = draw(&Figure { provenance, ..figure })?;
+    let drawing = draw(&Figure { provenance, font: font::read(font)?, ..figure })?;
     let others = || -> Result<_, JobError> {
         let table = table.to_parquet(making.from, data_file)?;
         Ok((drawing.svg()?.into_bytes(), drawing.pdf()?, table))

@@ -17,6 +17,7 @@ mod courses;
 mod design;
 mod drawing;
 mod figures;
+mod font;
 mod freemotion;
 mod handle;
 mod identify;
@@ -52,6 +53,7 @@ pub use compare::{
     By, answers, asked_in_vain, compared, comparison, is_metric, metric_in_words, spreads,
 };
 pub use figures::{captions, chosen_in_vain, describe, on_demand};
+pub use font::font;
 pub use ladder::ladders;
 pub use methods::recorded;
 pub use oscillations::{Oscillations, oscillations};

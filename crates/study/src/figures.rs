@@ -47,6 +47,9 @@ pub enum OwnFigures {
 pub struct Figures {
     /// Which sessions have figures of their own.
     pub own: OwnFigures,
+    /// Files of the font in which they are set, below the study's folder: one, or one for each of
+    /// upright, italic and bold. None: in the program's own.
+    pub font: Vec<String>,
     /// By the beginning of a figure's id, cut at a dot; the empty text stands for every figure.
     pub(crate) alignment: BTreeMap<String, Alignment>,
 }
@@ -56,6 +59,9 @@ impl Figures {
     /// `modes.<participant>.<session>.<environment>` and `loops.<participant>.<session>`. What stands
     /// against position knows no alignment; one for `loops` was once chosen, and is read still.
     pub(crate) const WITH_MEANS: [&'static str; 2] = ["modes", "loops"];
+
+    /// How many files a font may have.
+    pub const MOST_FONT_FILES: usize = 3;
 
     /// A study of more sessions has no figures of each unless it asks for them: those of 50
     /// sessions of 36 trials took 560 MB.

@@ -1,6 +1,7 @@
 //! `[figures]` of a `study.toml`: tables within tables along the dots of a figure's id.
 
 use super::check::Check;
+use super::scenes::is_below;
 use crate::{Alignment, Figures, OwnFigures, ParticipantId, SessionId};
 use std::collections::BTreeMap;
 use toml::{Table, Value};
@@ -9,7 +10,9 @@ use toml::{Table, Value};
 const ALIGNMENT: &str = "alignment";
 /// The key, of all figures alone, that says which sessions have figures of their own.
 const SESSIONS: &str = "sessions";
-/// Its word for all of them.
+/// The key, likewise, that names the files of the font.
+const FONT: &str = "font";
+/// The word for all sessions.
 const ALL: &str = "all";
 
 impl Check<'_> {
@@ -18,6 +21,9 @@ impl Check<'_> {
         let mut table = table.clone();
         if let Some(value) = table.remove(SESSIONS) {
             figures.own = self.own(&value);
+        }
+        if let Some(value) = table.remove(FONT) {
+            figures.font = self.font(value);
         }
         self.choices(&table, "", environments, &mut figures.alignment);
         figures
@@ -37,6 +43,23 @@ impl Check<'_> {
             self.error(&key, format!("{value} {what}"));
             OwnFigures::default()
         })
+    }
+
+    /// The files of a font: a list, or one alone.
+    fn font(&mut self, value: Value) -> Vec<String> {
+        let list = if let Value::Array(list) = value { list } else { vec![value] };
+        let is_file = |file: &&str| is_below(file, &["ttf", "otf"]);
+        let files = list.iter().map(|value| value.as_str().filter(is_file).map(str::to_owned));
+        let files = files.collect::<Option<Vec<String>>>();
+        files.filter(|files| (1..=Figures::MOST_FONT_FILES).contains(&files.len())).unwrap_or_else(
+            || {
+                let list = Value::Array(list);
+                let what = "must be a font file in the study's folder such as \"fonts/My-Font.ttf\" (or .otf; \
+                            letters, digits, '.', '_' and '-'), or a list of up to three: upright, italic, bold";
+                self.error(&format!("figures.{FONT}"), format!("{list} {what}"));
+                Vec::new()
+            },
+        )
     }
 
     /// The choices of `table`, which is for figures whose id begins with `id`.
@@ -110,6 +133,10 @@ pub(super) fn table(figures: &Figures) -> Table {
             let names = named.iter().map(|[p, s]| Value::String(format!("{p}.{s}")));
             all.insert(SESSIONS.to_owned(), Value::Array(names.collect()));
         }
+    }
+    if !figures.font.is_empty() {
+        let files = figures.font.iter().map(|file| Value::String(file.clone()));
+        all.insert(FONT.to_owned(), Value::Array(files.collect()));
     }
     for (id, alignment) in figures.choices() {
         let mut here = &mut all;

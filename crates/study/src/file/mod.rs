@@ -209,6 +209,29 @@ mod tests {
     }
 
     #[test]
+    fn a_study_chooses_the_font_of_its_figures() {
+        let font = |text: &str| with_figures(text).map(|study| study.figures.font);
+        assert_eq!(font("").unwrap(), [""; 0]);
+        assert_eq!(font("font = \"fonts/My-Font.ttf\"").unwrap(), ["fonts/My-Font.ttf"]);
+        let three = with_figures("font = [\"a.otf\", \"b.ttf\", \"c.ttf\"]").unwrap();
+        assert_eq!(three.figures.font, ["a.otf", "b.ttf", "c.ttf"]);
+        assert_eq!(Study::from_toml(&three.to_toml().unwrap()).unwrap(), three);
+        for wrong in [
+            "font = \"../My-Font.ttf\"",
+            "font = \"/usr/share/fonts/My-Font.ttf\"",
+            "font = \"Helvetica\"",
+            "font = \"a.woff\"",
+            "font = []",
+            "font = [\"a.ttf\", 1]",
+            "font = [\"a.ttf\", \"b.ttf\", \"c.ttf\", \"d.ttf\"]",
+        ] {
+            let errors = font(wrong).unwrap_err();
+            assert_eq!((errors.len(), errors[0].key.as_str()), (1, "figures.font"), "{wrong}");
+            assert!(errors[0].problem.contains("fonts/My-Font.ttf"), "{}", errors[0]);
+        }
+    }
+
+    #[test]
     fn a_choice_that_is_not_possible_is_one_error_that_lists_what_is() {
         for (figures, key, words) in [
             ("alignment = \"landmark\"", "figures.alignment", "must be \"onset\" or \"landmarks\""),

@@ -16,7 +16,7 @@ impl Check<'_> {
             if !(1..=most).contains(&n) {
                 self.error(&at("files"), format!("has {n} files; such a figure takes 1 to {most}"));
             }
-            for file in figure.files.iter().filter(|file| !is_below(file)) {
+            for file in figure.files.iter().filter(|file| !is_below(file, &["toml"])) {
                 let problem = format!(
                     "'{file}' is not a scene file in the study's folder; write a path such as \"scenes/sine.toml\""
                 );
@@ -31,13 +31,14 @@ impl Check<'_> {
     }
 }
 
-/// Whether a path stays below the folder it is read from, on any machine, and ends in `.toml`.
-fn is_below(file: &str) -> bool {
+/// Whether a path stays below the folder it is read from, on any machine, and ends in one of these
+/// extensions.
+pub(super) fn is_below(file: &str, extensions: &[&str]) -> bool {
     let path = Path::new(file);
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-".contains(c);
     file.chars().all(is_plain)
         && path.components().all(|part| matches!(part, Component::Normal(_)))
-        && path.extension().is_some_and(|e| e == "toml")
+        && path.extension().is_some_and(|e| extensions.iter().any(|extension| e == *extension))
         && path.file_stem().is_some()
 }
 

@@ -753,10 +753,14 @@ pub(crate) struct Figure {
     /// Words of an SVG as text, to be edited and searched, in place of outlines
     #[arg(long)]
     pub(crate) text: bool,
-    /// Font of these words, such as the document's; each keeps the width that it has in the
-    /// program's own font, by which the figure is laid out
+    /// Font of these words, such as the document's, by its name; each keeps the width that it has
+    /// in the font by which the figure is laid out
     #[arg(long, value_name = "NAME", requires = "text")]
     pub(crate) font: Option<String>,
+    /// Font file (.ttf, .otf) in which the figure is laid out and set, in every format; give it up
+    /// to three times, for upright, italic and bold [default: that of study.toml, else Noto Sans]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) font_file: Vec<PathBuf>,
     /// Dots per inch of a PNG
     #[arg(long, value_name = "DPI", default_value_t = zwidth_draw::DEFAULT_DPI, value_parser = positive)]
     pub(crate) dpi: f64,

@@ -7,15 +7,16 @@ use super::{join_findings, study};
 use crate::args::{Figure as Asked, FigureFormat};
 use crate::exit::Exit;
 use crate::screen::Screen;
-use anyhow::{anyhow, bail};
+use anyhow::{Context as _, anyhow, bail};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use zwidth_acquire::Unsynced;
-use zwidth_draw::Figure;
+use zwidth_draw::{Figure, Font, FontFile};
 use zwidth_figures::caption_text;
 use zwidth_plan as plan;
 use zwidth_runner::{JobEnd, ORIGIN, Options, Report, Results, origins, run as run_jobs};
-use zwidth_store::{Layout, RealFiles, StudyData, findings};
+use zwidth_store::{Layout, RealFiles, StudyData, findings, read_named};
 use zwidth_study::StudyId;
 
 #[derive(Serialize)]
@@ -29,7 +30,8 @@ pub(crate) fn figure(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Res
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     let captions = plan::captions(&data);
     let Some(name) = &asked.name else {
-        if asked.size.is_some() || asked.bare || asked.text || asked.out.is_some() {
+        let has_form = asked.size.is_some() || asked.bare || asked.text || asked.out.is_some();
+        if has_form || !asked.font_file.is_empty() {
             bail!("name the figure that is to be made; `zwidth figure {}` lists them", asked.study);
         }
         let entry = |(name, shows)| Entry { name, shows };
@@ -43,7 +45,12 @@ pub(crate) fn figure(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Res
     let (figure, problems) = plan::describe(&data, name)
         .ok_or_else(|| anyhow!(no_figure(&asked.study, name, [])))?
         .map_err(|error| anyhow!("{name} cannot be drawn: {error}"))?;
-    let files = write(name, resized(figure, asked), &folder, origin, asked)?;
+    let font = match asked.font_file.as_slice() {
+        [] => plan::font(&data).map_err(|error| anyhow!("{error}"))?,
+        files => Some(font(files)?),
+    };
+    let figure = Figure { font, ..resized(figure, asked) };
+    let files = write(name, figure, &folder, origin, asked)?;
     problems.iter().for_each(|problem| screen.warn(format!("left out: {problem}")));
     if screen.json {
         screen.listing(&files)?;
@@ -114,6 +121,21 @@ fn resized(figure: Figure, asked: &Asked) -> Figure {
     Figure { width_mm, height_mm, bare: asked.bare, ..figure }
 }
 
+/// The font of files that were named.
+fn font(files: &[PathBuf]) -> anyhow::Result<Font> {
+    if files.len() > Font::MOST_FILES {
+        bail!("--font-file: give at most one file for each of upright, italic and bold");
+    }
+    let file = |path: &PathBuf| -> anyhow::Result<FontFile> {
+        let name = path.display().to_string();
+        let bytes = read_named(path, Font::MOST_BYTES)
+            .with_context(|| format!("the font file {name} cannot be read"))?;
+        Ok(FontFile { name, bytes: Arc::new(bytes) })
+    };
+    let files: Vec<FontFile> = files.iter().map(file).collect::<anyhow::Result<_>>()?;
+    Ok(Font::new(&files)?)
+}
+
 fn write(
     name: &str,
     figure: Figure,
@@ -132,7 +154,9 @@ fn write(
         None => format!("{} mm wide", figure.width_mm),
     };
     // Its own form beside the job's origin: with both the same file can be made again.
-    let form = if figure.bare { format!("{size}, bare") } else { size };
+    let bare = if figure.bare { ", bare" } else { "" };
+    let font = figure.font.as_ref().map(|font| format!(", set in {}", font.name()));
+    let form = format!("{size}{bare}{}", font.unwrap_or_default());
     let made_from = [
         ("job", Some(format!("figure {name}"))),
         ("form", Some(form)),

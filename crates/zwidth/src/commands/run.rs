@@ -259,13 +259,12 @@ fn tell(layout: &Layout, reports: &[Report], outcome: &Outcome, command: &Run, s
     if screen.verbose || command.dry_run {
         outcome.made.iter().for_each(|e| screen.say(of_job(e, screen.verbose)));
     }
-    let told = |lines| once(lines, screen.verbose).into_iter();
+    let told = |lines: &Vec<String>| once(lines, screen.verbose).into_iter();
     told(&outcome.left_out).for_each(|what| screen.warn(format!("left out: {what}")));
     told(&outcome.read_with_care).for_each(|what| screen.warn(format!("read with care: {what}")));
-    outcome
-        .failed
-        .iter()
-        .for_each(|e| screen.warn(format!("{} could not be made: {}", e.name, e.why)));
+    let failed = outcome.failed.iter().map(|e| format!("{} could not be made: {}", e.name, e.why));
+    // One file can stop every figure.
+    told(&failed.collect()).for_each(|what| screen.warn(what));
     let of = command.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
     screen.result(format!(
         "{}{of}: {} {verb}, {} up to date, in {:.2} s",
