@@ -43,7 +43,7 @@ cargo xtask bits                       the main job's bytes: one thread, many, o
 cargo xtask bits --without-origin      only their content, without what files say of their making, against what is written down
 cargo xtask bits renew                 writes that content down
 cargo xtask sheet [FOLDER]             every figure at print size, in grey and as without green cones, beside its caption [reports/thesis-twin/figures]
-cargo xtask room [FOLDER STUDY]        no two words of any figure of three studies, or of one, lie on each other, in one column and in two
+cargo xtask room [FOLDER STUDY]        no two words of any figure of three studies, or of one, lie on each other or are below 7 pt, in one column and in two
 cargo xtask pictures [renew]           the figures in README and docs are what the program makes of the study that comes along; or makes them anew
 cargo xtask stale [ONE_IN]             each field of study.toml (or one in so many), a session and each stage's parameters changed: no stale result
 cargo xtask soak coverage [SEEDS]      how often intervals of identified parameters hold the twin's truth [400]

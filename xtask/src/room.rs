@@ -1,8 +1,10 @@
-//! `cargo xtask room`: whether the words of every figure have room, in one column and in two.
+//! `cargo xtask room`: whether the words of every figure have room and are large enough to be read,
+//! in one column and in two.
 
 use anyhow::{Context as _, ensure};
 use std::path::Path;
 use std::process::Command;
+use zwidth_draw::style::SMALL_PT;
 use zwidth_draw::{Figure, draw};
 use zwidth_store::{Layout, StudyData};
 
@@ -40,7 +42,7 @@ pub(crate) fn look(root: &Path, study: &str) -> anyhow::Result<()> {
     let data = StudyData::load(&Layout::new(root, study.parse()?)).map_err(|findings| {
         anyhow::anyhow!("{study}: {} findings; see `zwidth verify`", findings.len())
     })?;
-    let (mut drawn, mut crowded) = (0, Vec::new());
+    let (mut drawn, mut crowded, mut small) = (0, Vec::new(), Vec::new());
     for (name, _) in zwidth_plan::captions(&data) {
         let Some(described) = zwidth_plan::describe(&data, &name) else { continue };
         let (figure, _) = described.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
@@ -56,11 +58,18 @@ pub(crate) fn look(root: &Path, study: &str) -> anyhow::Result<()> {
                             .into_iter()
                             .map(|[a, b]| format!("{name} at {width_mm} mm: “{a}” and “{b}”")),
                     );
+                    small.extend(
+                        drawing
+                            .small_words()
+                            .into_iter()
+                            .map(|word| format!("{name} at {width_mm} mm: “{word}”")),
+                    );
                 }
             }
         }
     }
     println!("{study}: {drawn} figures drawn");
+    ensure!(small.is_empty(), "{study}: words below {SMALL_PT} pt\n{}", small.join("\n"));
     ensure!(crowded.is_empty(), "{study}: words lie on each other\n{}", crowded.join("\n"));
     Ok(())
 }

@@ -159,7 +159,7 @@ fn apart(
     })
 }
 
-/// Share of a horizontal axis' slot that a name may fill.
+/// Share of a horizontal axis' slot that names beside each other fill on average.
 const SLOT_SHARE: f64 = 0.92;
 /// Widths that names beside a vertical axis may take, in pt: the first at which all are lower than
 /// their rows.
@@ -188,18 +188,20 @@ fn categories<'f>(
     };
     let slot_pt = length_pt / (ends.1 - ends.0);
     if direction == Direction::Horizontal {
-        return match set(SLOT_SHARE * slot_pt, Fonts::block) {
-            Err(Error::TextTooLong { .. }) => {
-                let mut turned = set(TURNED_PT[0], Fonts::parted)?;
-                for length_pt in &TURNED_PT[1..] {
-                    if height_pt(&turned) > slot_pt {
-                        turned = set(*length_pt, Fonts::parted)?;
-                    }
-                }
-                Ok((turned, true))
+        let upright = set(SLOT_SHARE * slot_pt, Fonts::wrap)?;
+        let widths: Vec<f64> = upright.iter().map(|tick| font::widest_pt(&tick.lines)).collect();
+        // A name may fill its slot where those beside it leave room.
+        let is_apart = |pair: &[f64]| (pair[0] + pair[1]) / 2.0 <= SLOT_SHARE * slot_pt;
+        if widths.iter().all(|width| *width <= slot_pt) && widths.windows(2).all(is_apart) {
+            return Ok((upright, false));
+        }
+        let mut turned = set(TURNED_PT[0], Fonts::parted)?;
+        for length_pt in &TURNED_PT[1..] {
+            if height_pt(&turned) > slot_pt {
+                turned = set(*length_pt, Fonts::parted)?;
             }
-            upright => Ok((upright?, false)),
-        };
+        }
+        return Ok((turned, true));
     }
     for width_pt in NAME_PT {
         match set(width_pt, Fonts::block) {
@@ -274,8 +276,13 @@ mod tests {
 
     #[test]
     fn long_names_wrap_and_those_that_cannot_are_turned() {
-        let wrapped = horizontal(&Axis::categories(["session 9", "session 10"]), (-0.5, 1.5), 50.0);
+        let sessions = Axis::categories(["session 9", "session 10"]);
+        let wrapped = horizontal(&sessions, (-0.5, 1.5), 60.0);
         assert_eq!((text(&wrapped.ticks[0].lines).as_str(), wrapped.turned), ("session/9", false));
+        assert!(horizontal(&sessions, (-0.5, 1.5), 50.0).turned, "no name is set smaller");
+        let modes = |names: [&str; 3]| horizontal(&Axis::categories(names), (-0.5, 2.5), 78.0);
+        assert!(!modes(["Active", "Passive", "Hybrid"]).turned, "one is wide between two narrow");
+        assert!(modes(["Passive", "Passive", "Passive"]).turned);
         let turned =
             horizontal(&Axis::categories(["administration", "configuration"]), (-0.5, 1.5), 40.0);
         assert!(turned.turned);

@@ -13,7 +13,7 @@ use rustybuzz::{BufferClusterLevel, Face, UnicodeBuffer};
 
 use crate::error::Error;
 use crate::markup::{self, Run, Script};
-use crate::style::LEAST_PT;
+use crate::style::SMALL_PT;
 use crate::typeface::{Font, Style, Typeface};
 
 /// Size of lowered and raised letters, relative to the others.
@@ -80,6 +80,8 @@ pub(crate) struct Piece {
     pub(crate) x_pt: f64,
     pub(crate) y_pt: f64,
     pub(crate) size_pt: f64,
+    /// Size of its line, of which lowered and raised letters are a share.
+    pub(crate) line_pt: f64,
     pub(crate) glyphs: Vec<Glyph>,
     /// From its start to what stands behind it, in font units.
     pub(crate) advance: i32,
@@ -264,6 +266,7 @@ impl<'a> Fonts<'a> {
             x_pt,
             y_pt: -raise_em * size_pt,
             size_pt: piece_size,
+            line_pt: size_pt,
             glyphs,
             advance,
         };
@@ -314,7 +317,7 @@ impl<'a> Fonts<'a> {
         Ok(lines.into_iter().map(|(_, label)| label).collect())
     }
 
-    /// Sets markup in lines no wider than `width_pt`: at `size_pt`, or smaller down to [`LEAST_PT`]
+    /// Sets markup in lines no wider than `width_pt`: at `size_pt`, or smaller down to [`SMALL_PT`]
     /// where a word is too long.
     pub(crate) fn block(
         &self,
@@ -323,7 +326,7 @@ impl<'a> Fonts<'a> {
         width_pt: f64,
     ) -> Result<Vec<Label>, Error> {
         let mut widest = 0.0;
-        for size_pt in [size_pt, (size_pt + LEAST_PT) / 2.0, LEAST_PT] {
+        for size_pt in [size_pt, (size_pt + SMALL_PT) / 2.0, SMALL_PT] {
             let lines = self.wrap(markup, size_pt, width_pt)?;
             widest = widest_pt(&lines);
             if widest <= width_pt {
@@ -349,7 +352,7 @@ impl<'a> Fonts<'a> {
         let mut lines: Vec<(Vec<Run>, Label)> = Vec::new();
         for word in markup::words(markup) {
             let fits = |runs: &[Run]| -> Result<Option<Label>, Error> {
-                let set = self.line(runs, LEAST_PT, markup)?;
+                let set = self.line(runs, SMALL_PT, markup)?;
                 Ok((set.width_pt <= width_pt).then_some(set))
             };
             let mut parts: Vec<(Vec<Run>, Label)> = Vec::new();
@@ -359,7 +362,7 @@ impl<'a> Fonts<'a> {
                 match (parts.last_mut(), longer, set) {
                     (Some(part), Some(longer), Some(set)) => *part = (longer, set),
                     _ => {
-                        let set = self.line(&letter, LEAST_PT, markup)?;
+                        let set = self.line(&letter, SMALL_PT, markup)?;
                         parts.push((letter, set));
                     }
                 }

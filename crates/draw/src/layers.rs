@@ -17,7 +17,7 @@ use crate::likert::{self, Segment};
 use crate::panel::PanelPlan;
 use crate::scale::{Ends, Scale};
 use crate::sheet::Sheet;
-use crate::style::{self, BAND_OPACITY, Colour, LEAST_PT, SMALL_PT, Stroke};
+use crate::style::{self, BAND_OPACITY, Colour, SMALL_PT, Stroke};
 
 /// A panel's plot area as plotters sees it.
 struct Plot<'s, 'f> {
@@ -215,27 +215,21 @@ impl Plot<'_, '_> {
         taken_pt: f64,
     ) -> Result<f64, Error> {
         let (text, middle_pt) = (count.to_string(), (room_pt.0 + room_pt.1) / 2.0);
-        let style = |size_pt: f64, ink: Colour, vertical| {
-            let font = ("sans-serif", size_pt * UNITS_PER_PT).into_font();
-            TextStyle {
-                font,
-                color: rgb(ink).to_backend_color(),
-                pos: Pos::new(HPos::Center, vertical),
-            }
+        let style = |ink: Colour, vertical| TextStyle {
+            font: ("sans-serif", SMALL_PT * UNITS_PER_PT).into_font(),
+            color: rgb(ink).to_backend_color(),
+            pos: Pos::new(HPos::Center, vertical),
         };
-        let mut width_pt = 0.0;
-        for size_pt in [SMALL_PT, LEAST_PT] {
-            let inside = style(size_pt, style::text_on(ground), VPos::Center);
-            let (width, _) = self.area.estimate_text_size(&text, &inside).map_err(refused)?;
-            width_pt = f64::from(width) / UNITS_PER_PT;
-            if width_pt <= room_pt.1 - room_pt.0 - 2.0 * SEAM_PT {
-                let words = Words::new(text, (self.x.value(middle_pt), row), inside);
-                return self.area.draw(&words).map_err(refused).map(|()| taken_pt);
-            }
+        let inside = style(style::text_on(ground), VPos::Center);
+        let (width, _) = self.area.estimate_text_size(&text, &inside).map_err(refused)?;
+        let width_pt = f64::from(width) / UNITS_PER_PT;
+        if width_pt <= room_pt.1 - room_pt.0 - 2.0 * SEAM_PT {
+            let words = Words::new(text, (self.x.value(middle_pt), row), inside);
+            return self.area.draw(&words).map_err(refused).map(|()| taken_pt);
         }
         let middle_pt = middle_pt.max(taken_pt + width_pt / 2.0 + COUNTS_APART_PT);
         let over = (self.x.value(middle_pt), row - HALF_BAR - COUNT_OFF);
-        let words = Words::new(text, over, style(LEAST_PT, style::INK, VPos::Bottom));
+        let words = Words::new(text, over, style(style::INK, VPos::Bottom));
         self.area.draw(&words).map_err(refused).map(|()| middle_pt + width_pt / 2.0)
     }
 }

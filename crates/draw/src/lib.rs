@@ -180,6 +180,18 @@ impl Drawing {
         Ok(overlapping)
     }
 
+    /// Every word of a line whose letters are smaller than those of small print
+    /// ([`style::SMALL_PT`]), its lowered and raised letters apart: none.
+    pub fn small_words(&self) -> Vec<String> {
+        let small = |shape: &Shape| match &shape.form {
+            sheet::Form::Words { piece, .. } if piece.line_pt < style::SMALL_PT => {
+                Some(piece.text.clone())
+            }
+            _ => None,
+        };
+        self.shapes.iter().filter_map(small).collect()
+    }
+
     /// The words with what their letters cover on the page, pt.
     fn words(&self, fonts: &Fonts) -> Vec<(String, tiny_skia::Rect)> {
         let word = |shape: &Shape| match &shape.form {

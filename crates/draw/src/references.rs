@@ -3,7 +3,7 @@
 use crate::axis::{LABEL_GAP_PT, PLOT_GAP_PT};
 use crate::error::Error;
 use crate::figure::{Direction, Layer, Panel, Reference};
-use crate::font::{Fonts, Label};
+use crate::font::{self, Fonts, Label};
 use crate::scale::Scale;
 use crate::sheet::{At, Rect};
 use crate::style::SMALL_PT;
@@ -16,7 +16,8 @@ pub(crate) struct Word {
 }
 
 /// Places the labels of a panel's reference lines: those of horizontal lines right of the plot,
-/// those of vertical lines over it, beside its heading where there is room.
+/// those of vertical lines over it, in lines no wider than it is, beside its heading where there is
+/// room.
 pub(crate) fn plan(
     fonts: &Fonts,
     panel: &Panel,
@@ -25,20 +26,23 @@ pub(crate) fn plan(
     plot: &Rect,
 ) -> Result<Vec<Word>, Error> {
     let title_ends = title.iter().rev().map(|line| plot.left + line.width_pt).collect();
-    let mut words = over(labels(fonts, panel, Direction::Vertical, x)?, title_ends, plot);
-    words.extend(stack_beside(labels(fonts, panel, Direction::Horizontal, y)?, plot));
+    let mut upright = Vec::new();
+    for (at, markup) in labels(panel, Direction::Vertical, x) {
+        upright.push((at, fonts.wrap(markup, SMALL_PT, plot.width())?));
+    }
+    let mut beside = Vec::new();
+    for (at, markup) in labels(panel, Direction::Horizontal, y) {
+        beside.push((at, fonts.label(markup, SMALL_PT)?));
+    }
+    let mut words = over(upright, title_ends, plot);
+    words.extend(stack_beside(beside, plot));
     Ok(words)
 }
 
 /// Labels of the lines of one direction with their places on the page, in order. Lines outside of
 /// the axis have none.
-fn labels(
-    fonts: &Fonts,
-    panel: &Panel,
-    direction: Direction,
-    scale: Option<Scale>,
-) -> Result<Vec<(f64, Label)>, Error> {
-    let Some(scale) = scale else { return Ok(Vec::new()) };
+fn labels(panel: &Panel, direction: Direction, scale: Option<Scale>) -> Vec<(f64, &str)> {
+    let Some(scale) = scale else { return Vec::new() };
     let seen = |line: &&Reference| (scale.ends.0..=scale.ends.1).contains(&line.at);
     let lines = panel.layers.iter().filter_map(|layer| match layer {
         Layer::Reference(line) if line.direction == direction => Some(line),
@@ -47,24 +51,30 @@ fn labels(
     let mut labels = Vec::new();
     for line in lines.filter(seen) {
         if let Some(markup) = &line.label {
-            labels.push((scale.pt(line.at), fonts.label(markup, SMALL_PT)?));
+            labels.push((scale.pt(line.at), markup.as_str()));
         }
     }
     labels.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(labels)
+    labels
 }
 
 /// Rows over the plot; `row_ends` says how far each row, from the lowest up, is taken already.
-fn over(labels: Vec<(f64, Label)>, mut row_ends: Vec<f64>, plot: &Rect) -> Vec<Word> {
+fn over(labels: Vec<(f64, Vec<Label>)>, mut row_ends: Vec<f64>, plot: &Rect) -> Vec<Word> {
     let mut words = Vec::new();
-    for (at, label) in labels {
-        let left = (at - label.width_pt / 2.0).min(plot.right - label.width_pt).max(plot.left);
-        let free = row_ends.iter().position(|&end| end + LABEL_GAP_PT < left);
-        let row = free.unwrap_or(row_ends.len());
-        row_ends.resize(row_ends.len().max(row + 1), 0.0);
-        row_ends[row] = left + label.width_pt;
-        let base = plot.top - PLOT_GAP_PT - label.descent_pt() - row as f64 * label.height_pt();
-        words.push(Word { label, at: (left, base) });
+    for (at, lines) in labels {
+        let width_pt = font::widest_pt(&lines);
+        let left = (at - width_pt / 2.0).min(plot.right - width_pt).max(plot.left);
+        let is_free = |row: &usize| {
+            row_ends[*row..].iter().take(lines.len()).all(|end| end + LABEL_GAP_PT < left)
+        };
+        let lowest = (0..row_ends.len()).find(is_free).unwrap_or(row_ends.len());
+        row_ends.resize(row_ends.len().max(lowest + lines.len()), 0.0);
+        for (i, label) in lines.into_iter().rev().enumerate() {
+            let row = lowest + i;
+            row_ends[row] = left + width_pt;
+            let base = plot.top - PLOT_GAP_PT - label.descent_pt() - row as f64 * label.height_pt();
+            words.push(Word { label, at: (left, base) });
+        }
     }
     words
 }
@@ -93,7 +103,8 @@ mod tests {
 
     #[test]
     fn a_word_over_the_plot_stays_between_its_edges() {
-        let words = over(vec![(50.0, label("start")), (150.0, label("wall"))], Vec::new(), &PLOT);
+        let [start, wall] = ["start", "wall"].map(|markup| vec![label(markup)]);
+        let words = over(vec![(50.0, start), (150.0, wall)], Vec::new(), &PLOT);
         assert_eq!(words[0].at.0, PLOT.left);
         assert!(words[1].at.0 + words[1].label.width_pt <= PLOT.right);
         assert_eq!(words[0].at.1, words[1].at.1);
@@ -101,9 +112,28 @@ mod tests {
 
     #[test]
     fn words_that_would_touch_go_to_different_rows() {
-        let words = over(vec![(100.0, label("wall")), (104.0, label("stop"))], Vec::new(), &PLOT);
+        let [wall, stop] = ["wall", "stop"].map(|markup| vec![label(markup)]);
+        let words = over(vec![(100.0, wall), (104.0, stop)], Vec::new(), &PLOT);
         assert!(words[1].at.1 < words[0].at.1 - SMALL_PT);
         let beside = stack_beside(vec![(70.0, label("wall")), (71.0, label("stop"))], &PLOT);
         assert!(beside[1].at.1 > beside[0].at.1 + SMALL_PT);
+    }
+
+    #[test]
+    fn a_label_longer_than_the_plot_is_wide_breaks_at_spaces_over_it() {
+        let layers = ["brake: none below 1.01 V of the command", "stop"].map(|label| {
+            let (direction, label) = (Direction::Vertical, Some(label.to_owned()));
+            let stroke = crate::style::reference();
+            Layer::Reference(Reference { direction, at: 1.0, label, stroke, name: None })
+        });
+        let [x, y] = [0, 1].map(|_| crate::figure::Axis::new("", ""));
+        let cell = crate::figure::Cell::at(0, 0);
+        let panel = Panel::new(cell, x, y, layers.to_vec());
+        let x = Scale { ends: (0.0, 2.0), page_pt: (PLOT.left, PLOT.right) };
+        let words = plan(Fonts::bundled().unwrap(), &panel, (Some(x), None), &[], &PLOT).unwrap();
+        let texts: Vec<String> = words.iter().map(|word| word.label.text()).collect();
+        assert_eq!(texts, ["the command", "brake: none below 1.01 V of", "stop"]);
+        assert!(words.iter().all(|word| word.at.0 + word.label.width_pt <= PLOT.right));
+        assert!(words[1].at.1 < words[0].at.1 && words[2].at.1 < words[1].at.1, "{words:?}");
     }
 }

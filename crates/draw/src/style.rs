@@ -397,10 +397,9 @@ pub const TICK_PT: f64 = 2.6;
 pub const TITLE_PT: f64 = 9.0;
 /// Size of axis labels and panel headings, in pt.
 pub const LABEL_PT: f64 = 8.0;
-/// Size of tick labels, legends, notes and small print, in pt.
+/// Size of tick labels, legends, notes and small print, in pt: no line has smaller letters.
+/// Headings and labels are shrunk to it where room is short.
 pub const SMALL_PT: f64 = 7.0;
-/// The smallest size that text is shrunk to where room is short, in pt.
-pub const LEAST_PT: f64 = 5.5;
 
 #[cfg(test)]
 mod tests {

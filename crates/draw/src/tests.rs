@@ -118,6 +118,18 @@ fn nothing_lies_outside_of_the_page() {
 }
 
 #[test]
+fn no_line_is_smaller_than_small_print_at_any_width() {
+    let crowded = crowded().into_iter().filter(|(name, _)| *name != "survey");
+    for (name, figure) in gallery::figures().into_iter().chain(crowded) {
+        for width_mm in [ONE_COLUMN_MM, TWO_COLUMNS_MM] {
+            let drawing = draw(&Figure { width_mm, ..figure.clone() }).unwrap();
+            assert_eq!(drawing.small_words(), [""; 0], "{name} at {width_mm} mm");
+            assert_eq!(drawing.overlapping_words().unwrap(), [] as [[String; 2]; 0], "{name}");
+        }
+    }
+}
+
+#[test]
 fn no_two_words_overlap() {
     for (name, drawing) in GALLERY.iter() {
         let words = drawing.words(Fonts::bundled().unwrap());

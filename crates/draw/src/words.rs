@@ -6,7 +6,7 @@ use crate::figure::{Layer, Text, TextPlace};
 use crate::font::{self, Fonts, Label};
 use crate::panel::PanelPlan;
 use crate::sheet::{Rect, Sheet, centred, lines};
-use crate::style::{INK, LEAST_PT, SMALL_PT};
+use crate::style::{INK, SMALL_PT};
 
 /// Distance of words from the plot's edges and from the point they name, in pt.
 const OFF_PT: f64 = 3.0;
@@ -33,7 +33,7 @@ pub(crate) fn draw(
         centred(sheet, &block, ((left + right) / 2.0, top), INK);
         return Ok(());
     }
-    let block = wrapped(sheet.fonts, &text.lines, SMALL_PT, plot.width())?;
+    let block = wrapped(sheet.fonts, &text.lines, plot.width())?;
     let (width, height) = (font::widest_pt(&block), font::height_pt(&block));
     if height > plot.height() {
         let text = text.lines.join(" / ");
@@ -116,47 +116,37 @@ fn free(wish: Rect, plot: &Rect, taken: &[Rect]) -> Rect {
     nearest.map_or(wish, |(_, rect)| rect)
 }
 
-/// Lines wrapped to a width; a word may be wider, where smaller letters do not help.
-fn wrapped(
-    fonts: &Fonts,
-    lines: &[String],
-    size_pt: f64,
-    width_pt: f64,
-) -> Result<Vec<Label>, Error> {
+/// Lines wrapped to a width.
+fn wrapped(fonts: &Fonts, lines: &[String], width_pt: f64) -> Result<Vec<Label>, Error> {
     let mut block = Vec::new();
     for line in lines {
-        block.extend(fonts.block(line, size_pt, width_pt)?);
+        block.extend(fonts.block(line, SMALL_PT, width_pt)?);
     }
     Ok(block)
 }
 
-/// Lines in a box: wrapped, set smaller where they must be, and cut off where that is not enough.
+/// Lines in a box: wrapped, and cut off where that is not enough.
 fn fitted(fonts: &Fonts, lines: &[String], room: &Rect) -> Result<Vec<Label>, Error> {
-    let in_box = |lines: &[String], size_pt| {
-        let block = wrapped(fonts, lines, size_pt, room.width());
-        match block {
-            Err(Error::TextTooLong { .. }) => Ok(None),
-            Err(error) => Err(error),
-            Ok(block) => Ok(Some(block).filter(|b| font::height_pt(b) <= room.height())),
-        }
+    let in_box = |lines: &[String]| match wrapped(fonts, lines, room.width()) {
+        Err(Error::TextTooLong { .. }) => Ok(None),
+        Err(error) => Err(error),
+        Ok(block) => Ok(Some(block).filter(|b| font::height_pt(b) <= room.height())),
     };
-    for size_pt in [SMALL_PT, (SMALL_PT + LEAST_PT) / 2.0, LEAST_PT] {
-        if let Some(block) = in_box(lines, size_pt)? {
-            return Ok(block);
-        }
+    if let Some(block) = in_box(lines)? {
+        return Ok(block);
     }
     let cut = |most: usize| lines.iter().map(|l| shortened(l, most)).collect::<Vec<String>>();
     let longest = lines.iter().map(|l| l.chars().count()).max().unwrap_or(0);
     let (mut fits, mut too_long) = (0, longest);
     while too_long - fits > 1 {
         let most = usize::midpoint(fits, too_long);
-        match in_box(&cut(most), LEAST_PT)? {
+        match in_box(&cut(most))? {
             Some(_) => fits = most,
             None => too_long = most,
         }
     }
-    in_box(&cut(fits), LEAST_PT)?.ok_or_else(|| {
-        let need_pt = lines.len() as f64 * fonts.line_height_pt(LEAST_PT);
+    in_box(&cut(fits))?.ok_or_else(|| {
+        let need_pt = lines.len() as f64 * fonts.line_height_pt(SMALL_PT);
         Error::TextTooLong { text: lines.join(" / "), need_pt, have_pt: room.height() }
     })
 }
@@ -247,11 +237,12 @@ mod tests {
     }
 
     #[test]
-    fn words_in_a_box_wrap_then_shrink_then_are_cut_off() {
+    fn words_in_a_box_wrap_then_are_cut_off_and_never_shrink() {
         let text = |block: &[Label]| block.iter().map(Label::text).collect::<Vec<_>>();
         let wide = in_box(&["equations of motion"], (60.0, 30.0));
         assert_eq!((text(&wide).len(), wide[0].size_pt), (2, SMALL_PT));
-        assert!(in_box(&["equations of motion"], (60.0, 16.0))[0].size_pt < SMALL_PT);
+        let low = in_box(&["equations of motion"], (60.0, 16.0));
+        assert_eq!((text(&low), low[0].size_pt), (vec!["equations of mo…".to_owned()], SMALL_PT));
         let cut = text(&in_box(&["one", &"W".repeat(1000)], (60.0, 30.0)));
         assert_eq!(cut[0], "one");
         assert!(cut[1].starts_with("WWW") && cut[1].ends_with('…'), "{cut:?}");

@@ -159,7 +159,7 @@ fn ends(about: &About, curve: &Characteristic, max_v: Voltage) -> Vec<Layer> {
         let of = about.modes.iter().filter(|mode| max_v(mode) == Some(at));
         let names: Vec<String> = of.map(|mode| plain(&mode.label)).collect();
         layers.push(Layer::Points(Points { x: vec![at], y: vec![force_n], ..Points::default() }));
-        let lines = vec![format!("{} {at} V", names.join(", "))];
+        let lines = vec![format!("{}\u{a0}{at}\u{a0}V", names.join(", "))];
         layers.push(Layer::Text(Text { lines, place: TextPlace::Over(at, force_n) }));
     }
     layers
