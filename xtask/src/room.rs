@@ -42,12 +42,14 @@ pub(crate) fn look(root: &Path, study: &str) -> anyhow::Result<()> {
     let data = StudyData::load(&Layout::new(root, study.parse()?)).map_err(|findings| {
         anyhow::anyhow!("{study}: {} findings; see `zwidth verify`", findings.len())
     })?;
+    let font = zwidth_plan::font(&data).map_err(|error| anyhow::anyhow!("{study}: {error}"))?;
     let (mut drawn, mut crowded, mut small) = (0, Vec::new(), Vec::new());
     for (name, _) in zwidth_plan::captions(&data) {
         let Some(described) = zwidth_plan::describe(&data, &name) else { continue };
         let (figure, _) = described.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
         for width_mm in WIDTHS_MM {
-            match draw(&Figure { width_mm, height_mm: None, ..figure.clone() }) {
+            let font = font.clone();
+            match draw(&Figure { width_mm, height_mm: None, font, ..figure.clone() }) {
                 // What has no room is refused, with what to do, and not drawn over itself.
                 Err(error) => println!("{study}, {name} at {width_mm} mm is refused: {error}"),
                 Ok(drawing) => {

@@ -106,6 +106,10 @@ fn a_figure_that_is_not_there_a_size_that_is_none_and_a_folder_of_recordings_are
     let raw = root.path().join("raw/thesis-twin");
     ask(&[NAME, "--out", raw.to_str().unwrap()]).exits(1).one_error().says(&["another folder"]);
     ask(&[NAME, "--size", "20"]).exits(1).one_error();
+    let no_font = raw.join("study.toml");
+    let no_font = [NAME, "--font-file", no_font.to_str().unwrap()];
+    ask(&no_font).exits(1).one_error().says(&["study.toml", "no TrueType or OpenType font"]);
+    ask(&["--font-file", "a.ttf"]).exits(1).one_error().says(&["name the figure"]);
     ask(&["--size", "85"]).exits(1).one_error().says(&["name the figure", "lists them"]);
     let listed = ask(&[]).exits(0);
     assert!(listed.out.lines().count() > 30 && listed.out.contains(NAME), "{listed:#?}");
