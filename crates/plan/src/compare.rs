@@ -4,7 +4,7 @@ use crate::drawing::{Drawing, Figured};
 use crate::handle::{Derived, Written};
 use crate::making::derived;
 use crate::preregistered::preregistered;
-use crate::tables::Printed;
+use crate::printed::Printed;
 use crate::{likert, likert_figures, metrics};
 use serde::Serialize;
 use std::collections::BTreeSet;

@@ -1,11 +1,25 @@
 //! Columns: what each is, and its values.
 
-use crate::value::Scalar;
 use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The unit of a column whose every row has its own, named by the text column `unit`.
 pub const UNIT_OF_ROW: &str = "";
+
+/// One place of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scalar {
+    /// A number.
+    Float(f64),
+    /// A whole number.
+    Integer(i64),
+    /// A text.
+    Text(Arc<str>),
+    /// Yes or no.
+    Flag(bool),
+    /// Not applicable, or not known.
+    Null,
+}
 
 /// Type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -30,7 +30,7 @@ mod note;
 mod row;
 mod value;
 
-pub use column::{Column, Field, Type, UNIT_OF_ROW, Values};
+pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
 pub use comparison::{
     AnswerDifference, AnswerTest, Cell, Compared, Effect, Learning, Mean, MetricNote,
     ModeDifference, Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority,
@@ -39,4 +39,4 @@ pub use comparison::{
 };
 pub use note::NoteKind;
 pub use row::{ReadError, Row};
-pub use value::{Scalar, Value};
+pub use value::Value;

@@ -1,25 +1,10 @@
 //! What a column of a table can hold, and what it is in memory.
 
-use crate::column::Type;
+use crate::column::{Scalar, Type};
 use std::sync::Arc;
 use zwidth_study::{
     Contrast, EnvironmentId, MetricId, ModeId, ParticipantId, QuestionId, SessionId,
 };
-
-/// One place of a table.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Scalar {
-    /// A number.
-    Float(f64),
-    /// A whole number.
-    Integer(i64),
-    /// A text.
-    Text(Arc<str>),
-    /// Yes or no.
-    Flag(bool),
-    /// Not applicable, or not known.
-    Null,
-}
 
 /// What a field of a row can be.
 pub trait Value: Sized {
@@ -139,11 +124,11 @@ macro_rules! texts {
         impl $crate::value::Value for $name {
             const KIND: $crate::column::Type = $crate::column::Type::Text;
 
-            fn scalar(&self) -> $crate::value::Scalar {
-                $crate::value::Scalar::Text(self.to_string().into())
+            fn scalar(&self) -> $crate::column::Scalar {
+                $crate::column::Scalar::Text(self.to_string().into())
             }
 
-            fn of(scalar: $crate::value::Scalar) -> Option<Self> {
+            fn of(scalar: $crate::column::Scalar) -> Option<Self> {
                 std::sync::Arc::<str>::of(scalar)?.parse().ok()
             }
         }
@@ -182,11 +167,11 @@ macro_rules! words {
         impl $crate::value::Value for $name {
             const KIND: $crate::column::Type = $crate::column::Type::Text;
 
-            fn scalar(&self) -> $crate::value::Scalar {
-                $crate::value::Scalar::Text(self.as_str().into())
+            fn scalar(&self) -> $crate::column::Scalar {
+                $crate::column::Scalar::Text(self.as_str().into())
             }
 
-            fn of(scalar: $crate::value::Scalar) -> Option<Self> {
+            fn of(scalar: $crate::column::Scalar) -> Option<Self> {
                 Self::from_word(&*std::sync::Arc::<str>::of(scalar)?)
             }
         }

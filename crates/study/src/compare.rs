@@ -1,6 +1,6 @@
 //! What a study compares: contrasts of modes, metrics, what difference would matter.
 
-use crate::{IdError, MetricId, Mode, ModeId};
+use crate::{IdError, MetricId, ModeId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -42,14 +42,6 @@ pub struct Contrast {
 impl Contrast {
     /// Between the two modes of a contrast, in a text. No id has a space.
     pub const MINUS: &str = " − ";
-
-    /// The contrast by the labels of its modes; by their ids where they are others.
-    pub fn label(&self, modes: &[Mode]) -> String {
-        let [mode, against] = [&self.mode, &self.against].map(|id| {
-            modes.iter().find(|mode| mode.id == *id).map_or(id.as_str(), |mode| &mode.label)
-        });
-        format!("{mode}{}{against}", Self::MINUS)
-    }
 }
 
 impl fmt::Display for Contrast {

@@ -1,5 +1,7 @@
 //! Labels that people gave to modes and environments, in the middle of a sentence.
 
+use crate::{Contrast, Mode};
+
 /// A label where no sentence begins: the first letter is small unless its word is written large
 /// throughout (PD) or inside (McRuer); the rest is as it was given.
 pub fn in_a_sentence(label: &str) -> String {
@@ -12,6 +14,13 @@ pub fn in_a_sentence(label: &str) -> String {
         true => first.to_lowercase().chain(rest.chars()).collect(),
         false => label.to_owned(),
     }
+}
+
+/// A contrast by the labels of its modes; by their ids where they are others.
+pub fn contrast_label(modes: &[Mode], contrast: &Contrast) -> String {
+    let [mode, against] = [&contrast.mode, &contrast.against]
+        .map(|id| modes.iter().find(|mode| mode.id == *id).map_or(id.as_str(), |mode| &mode.label));
+    format!("{mode}{}{against}", Contrast::MINUS)
 }
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ pub use id::{
     ActuatorId, ChannelId, EnvironmentId, ExperimenterId, IdError, MetricId, ModeId, ParticipantId,
     QuestionId, SceneFigureId, SessionId, StudyId,
 };
-pub use label::in_a_sentence;
+pub use label::{contrast_label, in_a_sentence};
 pub use law::{ActuatorKind, ModeLaw};
 pub use locate::{line_of, toml_error};
 pub use model::{

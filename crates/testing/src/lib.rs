@@ -1,8 +1,6 @@
 //! What the tests of several crates begin with. Only dev-dependencies lead here.
 #![expect(clippy::unwrap_used, reason = "a fixture that cannot be made is a failed test")]
 
-pub mod results;
-
 use zwidth_study::{Kind, Source, Status, Study, TrialMeta, template};
 
 /// The study of the template, called `demo`: a spring and a spring with a wall, each rendered by

@@ -9,7 +9,9 @@ use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Points, Range, Reference, dodge,
 };
 use zwidth_results::{AnswerDifference, PersonSuperiority};
-use zwidth_study::{Contrast, Environment, EnvironmentId, Mode, Question, QuestionId, Source};
+use zwidth_study::{
+    Contrast, Environment, EnvironmentId, Mode, Question, QuestionId, Source, contrast_label,
+};
 
 /// The figure [`answers_compared`].
 pub const ANSWERS_COMPARED: FigureKind = FigureKind {
@@ -148,7 +150,7 @@ fn panel(
         range: Range::Fixed(-0.04, 1.04),
         ..Axis::new("share of pairs of answers", "").linked("share")
     };
-    let names = rows.iter().map(|row| row.contrast.label(modes));
+    let names = rows.iter().map(|row| contrast_label(modes, &row.contrast));
     let y = Axis::categories(names.map(|name| plain(&name.replace(Contrast::MINUS, " above "))));
     let height_mm = Some(CONTRAST_MM * (rows.len() as f64 + 0.5));
     Panel { height_mm, ..Panel::new(cell, x, y, layers).titled(plain(title)) }

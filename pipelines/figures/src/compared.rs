@@ -14,7 +14,9 @@ use zwidth_results::{
     Compared, Mean, MetricNote, ModeDifference, NoteKind, PersonDifference, RedrawnDifference,
     RepeatMean, Role, Row as _, SessionChange, UnitOfAnalysis,
 };
-use zwidth_study::{Environment, EnvironmentId, Mode, ParticipantId, Source, in_a_sentence};
+use zwidth_study::{
+    Environment, EnvironmentId, Mode, ParticipantId, Source, contrast_label, in_a_sentence,
+};
 use zwidth_tables::{in_coordinate, p_value, shown_unit};
 
 /// The figure [`modes_compared`].
@@ -136,11 +138,12 @@ pub fn modes_compared(
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel.titled(title) });
         let contrasts: Vec<&ModeDifference> =
             found.contrasts.iter().filter(|row| row.environment == environment.id).collect();
-        let verdict =
-            |row: &&ModeDifference| format!("{}: {}", row.contrast.label(&about.modes), told(row));
+        let verdict = |row: &&ModeDifference| {
+            format!("{}: {}", contrast_label(&about.modes, &row.contrast), told(row))
+        };
         let names = contrasts.iter().map(|row| match contrasts.len() <= TOLD {
             true => plain(&verdict(row)),
-            false => plain(&row.contrast.label(&about.modes)),
+            false => plain(&contrast_label(&about.modes, &row.contrast)),
         });
         let names = Axis::categories(names);
         let (cell, y) = (Cell::at(row, 1), axis("difference"));
@@ -425,7 +428,7 @@ pub fn participants_compared(
         let mut column = 0;
         for contrast in contrasts {
             let panel = caterpillar(contrast, &shown, found);
-            let label = contrast.contrast.label(&about.modes);
+            let label = contrast_label(&about.modes, &contrast.contrast);
             let title = format!("{}: {}", plain(&environment.label), plain(&label));
             panels.push(Panel { cell: Cell::at(row, column), ..panel.titled(title) });
             column += 1;

@@ -4,7 +4,7 @@ use crate::findings::Finding;
 use crate::gallery::Shown;
 use serde::Serialize;
 use zwidth_results::{Compared, Mean, ModeDifference, Role, UnitOfAnalysis, Verdict};
-use zwidth_study::{Coordinate, EnvironmentId, ModeId, Setup};
+use zwidth_study::{Coordinate, EnvironmentId, ModeId, Setup, contrast_label};
 use zwidth_tables::{in_coordinate, number, p_value, shown_unit, with_unit};
 
 /// What was found of a metric.
@@ -240,7 +240,11 @@ fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Told> {
         // Of several effect sizes the first is told.
         let effects = [("g_av", row.g_av), ("g_z", row.g_z), ("d_av", row.d_av), ("d_z", row.d_z)];
         Told {
-            place: format!("{}, {}", label(&row.environment), row.contrast.label(&study.modes)),
+            place: format!(
+                "{}, {}",
+                label(&row.environment),
+                contrast_label(&study.modes, &row.contrast)
+            ),
             amount: with_unit(&shown(row.difference), &unit),
             interval: row
                 .difference_ci_low
@@ -272,12 +276,87 @@ fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Told> {
 const NEITHER: &str = ", neither a difference nor its absence was shown";
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
-    use zwidth_testing::results::{difference, mean, metric};
 
     fn study() -> Setup {
         Setup::of(&zwidth_testing::study())
+    }
+
+    /// A primary metric.
+    pub(crate) fn metric(id: &str, unit: &str, words: &str, of: UnitOfAnalysis) -> Compared {
+        Compared {
+            metric: id.parse().unwrap(),
+            unit: unit.into(),
+            words: words.to_owned(),
+            role: Role::Primary,
+            unit_of_analysis: of,
+        }
+    }
+
+    /// A metric's mean of six in a mode of `spring`.
+    pub(crate) fn mean(metric: &Compared, mode: &str, mean: f64, sd: Option<f64>) -> Mean {
+        Mean {
+            metric: metric.metric.clone(),
+            unit: metric.unit.clone(),
+            environment: "spring".parse().unwrap(),
+            mode: mode.parse().unwrap(),
+            unit_of_analysis: metric.unit_of_analysis.clone(),
+            n: 6,
+            trials: 6,
+            trials_with_value: 6,
+            mean,
+            sd,
+            ci_low: None,
+            ci_high: None,
+        }
+    }
+
+    /// A metric's difference between hybrid and active in `spring`: −0.1 [−0.15, −0.05].
+    pub(crate) fn difference(metric: &Compared, verdict: Verdict) -> ModeDifference {
+        let people = metric.unit_of_analysis == UnitOfAnalysis::Participants;
+        let of_people = |value: f64| people.then_some(value);
+        ModeDifference {
+            metric: metric.metric.clone(),
+            unit: metric.unit.clone(),
+            environment: "spring".parse().unwrap(),
+            contrast: "hybrid − active".parse().unwrap(),
+            unit_of_analysis: metric.unit_of_analysis.clone(),
+            n: 6,
+            sessions: Some(1),
+            mean_first: 0.1,
+            mean_second: 0.2,
+            difference: -0.1,
+            difference_std_error: Some(0.02),
+            difference_ci_low: Some(-0.15),
+            difference_ci_high: Some(-0.05),
+            statistic: of_people(-5.0),
+            df: Some(5.0),
+            p_value: None,
+            p_adjusted: Some(0.0123),
+            smallest_p_adjusted: None,
+            g_av: None,
+            d_av: of_people(-1.25),
+            d_av_ci_low: None,
+            d_av_ci_high: None,
+            g_z: None,
+            d_z: None,
+            d_z_ci_low: None,
+            d_z_ci_high: None,
+            p_sign_flip: None,
+            p_signed_rank: None,
+            p_sharp_null: None,
+            commanded: None,
+            jnd: None,
+            difference_jnd: None,
+            difference_jnd_ci_low: None,
+            difference_jnd_ci_high: None,
+            size: None,
+            bound: None,
+            p_not_equivalent: None,
+            verdict,
+            remark: None,
+        }
     }
 
     fn past(of: UnitOfAnalysis) -> Compared {

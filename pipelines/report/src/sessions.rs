@@ -52,8 +52,8 @@ pub fn changes(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compared::tests::metric;
     use zwidth_results::UnitOfAnalysis;
-    use zwidth_testing::results::metric;
 
     fn told(n: [usize; 2]) -> Option<String> {
         let peak = metric("peak_n", "N", "peak force", UnitOfAnalysis::Participants);

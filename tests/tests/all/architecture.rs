@@ -10,8 +10,8 @@ use std::path::Path;
 /// it.
 const FLOORS: [(u8, &[&str]); 8] = [
     (0, &["crates/study", "crates/numerics", "crates/arrow"]),
-    (1, &["crates/dynamics", "crates/results", "crates/store", "crates/stats"]),
-    (2, &["crates/device", "crates/draw", "crates/tables", "crates/import", "crates/testing"]),
+    (1, &["crates/dynamics", "crates/results", "crates/store", "crates/stats", "crates/testing"]),
+    (2, &["crates/device", "crates/draw", "crates/tables", "crates/import"]),
     (3, &["crates/frames", "crates/link"]),
     (4, &["crates/runner", "pipelines/*"]),
     (5, &["crates/plan", "crates/acquire"]),

@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Circles that stand: the reason, the crate, the modules (`crate` is `lib.rs` or `main.rs`).
-const KNOWN: [(&str, &str, &[&str]); 13] = [
+const KNOWN: [(&str, &str, &[&str]); 12] = [
     (
         "a job says its provenance, which is read back from records, which are made of jobs",
         "crates/runner",
@@ -93,11 +93,6 @@ const KNOWN: [(&str, &str, &[&str]); 13] = [
         "a trial's form follows from its study, which lists the form's channels",
         "crates/study",
         &["form", "model"],
-    ),
-    (
-        "an error names a column's type, and columns give errors",
-        "crates/tables",
-        &["error", "table"],
     ),
     (
         "a layout is of shown cells, shown within the layout's widths",

@@ -15,7 +15,7 @@ use zwidth_plan as plan;
 use zwidth_results::{ModeDifference, Model, UnitOfAnalysis};
 use zwidth_stats::power::{self, HALVINGS, Plan, PlannedTest, Searched, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
-use zwidth_study::Study;
+use zwidth_study::{Study, contrast_label};
 
 /// The power that a study is planned with.
 const TARGET: f64 = 0.8;
@@ -212,7 +212,7 @@ fn widest(
         let source = format!(
             "{}, {}: the contrast in which participants differ most",
             known.map_or(row.environment.as_str(), |e| e.label.as_str()),
-            row.contrast.label(&study.modes)
+            contrast_label(&study.modes, &row.contrast)
         );
         let participant = model.participant_sd?;
         Some((variance, Spread { participant, participant_mode: own, residual, source }))
@@ -258,19 +258,52 @@ fn told(result: &Planned) -> [String; 4] {
 mod tests {
     use super::*;
     use zwidth_results::Verdict;
-    use zwidth_testing::results::{difference, metric};
 
     fn found(unit: UnitOfAnalysis) -> (Vec<ModeDifference>, Vec<Model>) {
-        let metric = metric("step_n", "N", "a step", unit);
         let contrast = |against: &str, error: f64| ModeDifference {
+            metric: "step_n".parse().unwrap(),
+            unit: "N".into(),
+            environment: "spring".parse().unwrap(),
             contrast: format!("hybrid − {against}").parse().unwrap(),
+            unit_of_analysis: unit.clone(),
             n: 4,
+            sessions: Some(1),
+            mean_first: 0.1,
+            mean_second: 0.2,
+            difference: -0.1,
             difference_std_error: Some(error),
-            ..difference(&metric, Verdict::Undecided)
+            difference_ci_low: Some(-0.15),
+            difference_ci_high: Some(-0.05),
+            statistic: None,
+            df: Some(5.0),
+            p_value: None,
+            p_adjusted: Some(0.0123),
+            smallest_p_adjusted: None,
+            g_av: None,
+            d_av: None,
+            d_av_ci_low: None,
+            d_av_ci_high: None,
+            g_z: None,
+            d_z: None,
+            d_z_ci_low: None,
+            d_z_ci_high: None,
+            p_sign_flip: None,
+            p_signed_rank: None,
+            p_sharp_null: None,
+            commanded: None,
+            jnd: None,
+            difference_jnd: None,
+            difference_jnd_ci_low: None,
+            difference_jnd_ci_high: None,
+            size: None,
+            bound: None,
+            p_not_equivalent: None,
+            verdict: Verdict::Undecided,
+            remark: None,
         };
         let model = Model {
-            metric: metric.metric.clone(),
-            unit: metric.unit.clone(),
+            metric: "step_n".parse().unwrap(),
+            unit: "N".into(),
             environment: "spring".parse().unwrap(),
             contrast: "hybrid − active".parse().unwrap(),
             n: Some(4),

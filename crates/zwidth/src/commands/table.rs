@@ -52,10 +52,15 @@ pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Resu
             asked.study
         );
     };
+    let table = match table.read() {
+        Ok(table) => table,
+        Err(error) => {
+            screen.warn(format!("unreadable: {error}"));
+            bail!("{} has no table '{name}' that can be read", asked.study);
+        }
+    };
     let wanted = [(asked.format, Path::new(name))];
-    for bytes in
-        plan::write_table(&table.read()?, &wanted, &Wording::of(&data.study), &BTreeMap::new())?
-    {
+    for bytes in plan::write_table(&table, &wanted, &Wording::of(&data.study), &BTreeMap::new())? {
         screen.file(&String::from_utf8(bytes)?);
     }
     Ok(Exit::Fine)

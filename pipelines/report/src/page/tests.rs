@@ -1,11 +1,11 @@
 use super::*;
 use crate::Summary;
+use crate::compared::tests::{difference, mean, metric};
 use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
 use std::collections::BTreeMap;
 use zwidth_results::{Mean, ModeDifference, UnitOfAnalysis, Verdict};
 use zwidth_study::{Setup, Source};
 use zwidth_tables::{Column, Table};
-use zwidth_testing::results::{difference, mean, metric};
 
 /// What nobody should be able to put into a page.
 const HOSTILE: &str = "</script><script>alert('x')</script>\"'&\u{7}\\ {{}} <!-- %";
