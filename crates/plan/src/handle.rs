@@ -25,6 +25,11 @@ impl<R: Row> Derived<R> {
         Self { path: folder.join(format!("{}.parquet", R::NAME)), rows: PhantomData }
     }
 
+    /// That of a subject, under a path of its own.
+    pub(crate) fn at(path: PathBuf) -> Self {
+        Self { path, rows: PhantomData }
+    }
+
     /// Its file.
     pub(crate) fn path(&self) -> &Path {
         &self.path
@@ -36,6 +41,23 @@ impl<R: Row> Derived<R> {
     /// A file that cannot be read, or has other rows.
     pub(crate) fn read(&self) -> Result<Vec<R>, TableError> {
         Table::from_parquet(&self.path)?.to_rows()
+    }
+
+    /// Its rows, and the notes below them.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub(crate) fn read_with_notes(&self) -> Result<(Vec<R>, Vec<String>), TableError> {
+        let table = Table::from_parquet(&self.path)?;
+        Ok((table.to_rows()?, table.notes().to_vec()))
+    }
+
+    /// Its rows, where it was made.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub(crate) fn read_if_made(&self) -> Result<Option<Vec<R>>, TableError> {
+        self.path.exists().then(|| self.read()).transpose()
     }
 
     /// Its rows of a metric.

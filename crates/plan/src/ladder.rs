@@ -5,22 +5,27 @@
 
 use crate::conditions::{Repeats, repeats};
 use crate::drawing::{Drawing, Figured};
-use crate::making::{derived, read_tables, write_tables};
+use crate::handle::Derived;
+use crate::making::{derived, write_tables};
 use crate::measured::model_trial;
 use crate::replayable::{is_replayable, rendering};
 use crate::trials::{OfTrials, Recordings, files, name, read_all};
-use serde::Serialize;
-use std::path::PathBuf;
+use serde::{Serialize, Serializer};
+use std::path::{Path, PathBuf};
 use zwidth_device::{TwinParameters, Velocity};
-use zwidth_figures::LADDER;
-use zwidth_ladder::{Course, Ladder, LadderTerm, Loop, Recorded, Settings, TermSet};
+use zwidth_figures::{LADDER, LadderRows};
+use zwidth_ladder::{Course, Ladder, Loop, Recorded, Settings};
 use zwidth_replay::{Drive, Rendering, Which};
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_results::{
+    HeldOutModel, LadderChoice, LadderCondition, LadderModel, LadderTerm, TermEffect, TermPair,
+    TermSet,
+};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Samples, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{
     Analysis, Control, Environment, Measured, Mode, Perception, ReplayModel, Study,
 };
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::TableError;
 
 pub(crate) const STAGE: Stage = Stage { name: "ladder", version: zwidth_ladder::VERSION };
 
@@ -31,7 +36,8 @@ const MOST_TRIALS: usize = 12;
 /// What the ladder of a condition depends on besides its trials.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Laddered {
-    name: String,
+    #[serde(rename = "name", serialize_with = "as_text")]
+    condition: LadderCondition,
     renderings: Vec<Rendering>,
     metrics: zwidth_metrics::Parameters,
     metrics_version: u32,
@@ -39,6 +45,48 @@ pub(crate) struct Laddered {
     perception: Perception,
     points: usize,
     synthetic: bool,
+}
+
+fn as_text<S: Serializer>(condition: &LadderCondition, into: S) -> Result<S::Ok, S::Error> {
+    into.collect_str(condition)
+}
+
+/// What is found of a condition's ladder, a table for each kind of row.
+#[derive(Clone)]
+struct LadderTables {
+    models: Derived<LadderModel>,
+    effects: Derived<TermEffect>,
+    interactions: Derived<TermPair>,
+}
+
+/// What a figure is drawn from.
+#[derive(Clone)]
+struct Drawn {
+    models: Derived<LadderModel>,
+    effects: Derived<TermEffect>,
+}
+
+impl Drawn {
+    fn of(tables: LadderTables) -> Self {
+        Self { models: tables.models, effects: tables.effects }
+    }
+
+    fn read(&self) -> Result<LadderRows, TableError> {
+        Ok(LadderRows { models: self.models.read()?, effects: self.effects.read()? })
+    }
+}
+
+impl Inputs for LadderTables {
+    fn files(&self) -> Vec<PathBuf> {
+        let Self { models, effects, interactions } = self;
+        [models.path(), effects.path(), interactions.path()].map(Path::to_owned).to_vec()
+    }
+}
+
+impl Inputs for Drawn {
+    fn files(&self) -> Vec<PathBuf> {
+        [self.models.files(), self.effects.files()].concat()
+    }
 }
 
 /// A condition of a study, all sessions together.
@@ -57,7 +105,10 @@ impl Condition<'_> {
         let study = &data.study;
         let how = |t: &&TrialEntry| rendering(data, &t.meta, self.environment, self.mode);
         Laddered {
-            name: format!("{} {}", self.environment.id, self.mode.id),
+            condition: LadderCondition {
+                environment: self.environment.id.clone(),
+                mode: self.mode.id.clone(),
+            },
             renderings: self.trials.iter().map(how).collect(),
             metrics: zwidth_metrics::Parameters::of(study, self.environment, self.mode),
             metrics_version: zwidth_metrics::VERSION,
@@ -92,35 +143,32 @@ fn is_asked(study: &Study) -> bool {
     study.replay == ReplayModel::Auto
 }
 
-fn tables_of(data: &StudyData, condition: &Condition) -> Vec<PathBuf> {
-    let [models, effects] = models_and_effects(data, condition);
-    vec![models, effects, table_of(data, condition, "interactions")]
+fn tables_of(data: &StudyData, condition: &Condition) -> LadderTables {
+    let file =
+        |what: &str| derived(&data.layout, format!("ladder/{}.{what}.parquet", condition.key()));
+    LadderTables {
+        models: Derived::at(file("models")),
+        effects: Derived::at(file("effects")),
+        interactions: Derived::at(file("interactions")),
+    }
 }
 
-/// What a figure is drawn from.
-fn models_and_effects(data: &StudyData, condition: &Condition) -> [PathBuf; 2] {
-    ["models", "effects"].map(|what| table_of(data, condition, what))
+fn held_out_of(data: &StudyData, environment: &Environment, mode: &Mode) -> Derived<HeldOutModel> {
+    let name = format!("ladder/{}.{}.held_out.parquet", environment.id, mode.id);
+    Derived::at(derived(&data.layout, name))
 }
 
-fn table_of(data: &StudyData, condition: &Condition, what: &str) -> PathBuf {
-    derived(&data.layout, format!("ladder/{}.{what}.parquet", condition.key()))
-}
-
-fn held_out_of(data: &StudyData, environment: &Environment, mode: &Mode) -> PathBuf {
-    derived(&data.layout, format!("ladder/{}.{}.held_out.parquet", environment.id, mode.id))
-}
-
-/// The table that says with which model a condition is replayed; `None` where a study replays by
-/// eye, or no trial of the condition can be.
-pub(crate) fn of_replay(data: &StudyData, of: &Repeats) -> Option<PathBuf> {
+/// The models that say how a condition is replayed; `None` where a study replays by eye, or no trial
+/// of the condition can be.
+pub(crate) fn of_replay(data: &StudyData, of: &Repeats) -> Option<Derived<HeldOutModel>> {
     let is_any = of.trials.iter().any(|t| is_replayable(data, t));
     (is_asked(&data.study) && is_any).then(|| held_out_of(data, of.environment, of.mode))
 }
 
-/// The choices of all conditions in one table, where a study asks for them.
-pub(crate) fn of_study(data: &StudyData) -> Option<PathBuf> {
+/// The choices of all conditions, where a study asks for them.
+pub(crate) fn of_study(data: &StudyData) -> Option<Derived<LadderChoice>> {
     (is_asked(&data.study) && !conditions(data).is_empty())
-        .then(|| derived(&data.layout, "ladder.parquet"))
+        .then(|| Derived::within(&data.layout.derived()))
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
@@ -134,9 +182,9 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let first = &trials[..1];
         let of = OfTrials::new(laddered.clone(), first);
         let name = format!("ladder {key}");
-        let job = Job::new(STAGE, name, of, files(first), tables.clone(), make);
+        let job = Job::new(STAGE, name, of, files(first), tables.files(), make);
         jobs.push(job.of_part(&key));
-        let outputs = vec![held_out_of(data, condition.environment, condition.mode)];
+        let outputs = held_out_of(data, condition.environment, condition.mode).files();
         let inputs = (files(trials), tables);
         let of = OfTrials::new(laddered, trials);
         let name = format!("ladder held out {key}");
@@ -144,31 +192,29 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     }
     let of = |c: &Condition| held_out_of(data, c.environment, c.mode);
     let held_out = conditions.iter().map(of).collect::<Vec<_>>();
-    jobs.push(Job::new(STAGE, "ladder of the study", (), held_out, vec![whole], make_study));
+    jobs.push(Job::new(STAGE, "ladder of the study", (), held_out, whole.files(), make_study));
     jobs
 }
 
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     let all = if is_asked(&data.study) { conditions(data) } else { Vec::new() };
     // All conditions have the same axes.
-    let beside: Vec<[PathBuf; 2]> =
-        all.iter().map(|condition| models_and_effects(data, condition)).collect();
+    let drawn = |condition: &Condition| Drawn::of(tables_of(data, condition));
+    let beside: Vec<Drawn> = all.iter().map(drawn).collect();
     let one = |condition: &Condition| {
         let subject = [condition.environment.id.to_string(), condition.mode.id.to_string()];
         let synthetic = condition.trials.iter().any(|t| t.meta.source.is_simulated());
-        let inputs = (models_and_effects(data, condition), beside.clone());
+        let inputs = (drawn(condition), beside.clone());
         Drawing::new(data, LADDER, subject, synthetic, inputs, draw).of(1)
     };
     all.iter().map(one).collect()
 }
 
-fn draw(synthetic: &bool, (own, beside): &([PathBuf; 2], Vec<[PathBuf; 2]>)) -> Figured {
-    let read = |[models, effects]: &[PathBuf; 2]| -> Result<[Table; 2], TableError> {
-        Ok([Table::from_parquet(models)?, Table::from_parquet(effects)?])
-    };
-    let [models, effects] = read(own)?;
-    let beside = beside.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    Ok((zwidth_figures::ladder(&models, &effects, &beside, *synthetic)?, Vec::new()))
+fn draw(synthetic: &bool, (own, beside): &(Drawn, Vec<Drawn>)) -> Figured {
+    let (models, notes) = own.models.read_with_notes()?;
+    let own = LadderRows { models, effects: own.effects.read()? };
+    let beside = beside.iter().map(Drawn::read).collect::<Result<Vec<_>, _>>()?;
+    Ok((zwidth_figures::ladder(&own, &beside, &notes, *synthetic), Vec::new()))
 }
 
 /// Models, effects and interactions of each condition of a study that has a recording, with so many
@@ -209,7 +255,7 @@ fn looped(control: &Control) -> Result<Loop, JobError> {
 fn recorded(of: &Laddered, trial: &Trial, rendering: &Rendering) -> Result<Recorded, JobError> {
     let drive = Drive::new(trial, rendering)?;
     let mut scene = drive.scene().clone();
-    scene.name.clone_from(&of.name);
+    scene.name = of.condition.to_string();
     let twin = TwinParameters::default().plant(None);
     scene.plant.mass_kg = twin.inertia_kg_m2 / (twin.lever_m * twin.lever_m);
     let seen = drive.recorded();
@@ -227,7 +273,7 @@ fn ladder_of(
         looped: looped(&of.control)?,
         points: of.points,
         bounds: of.perception.clone(),
-        offered: OFFERED.both(TermSet::possible(&scene)),
+        offered: OFFERED.both(zwidth_ladder::possible(&scene)),
     };
     let measure = |course: &Course| measured(course, trial, &of.metrics);
     Ok(zwidth_ladder::ladder(&scene, &settings, &measure, progress)?)
@@ -254,20 +300,20 @@ fn make(of: &OfTrials<Laddered>, files: &Recordings, making: &Making) -> Result<
     let trial = trials.first().ok_or_else(|| problems.join("; "))?;
     let ladder = ladder_of(&of.stage, trial, &|| ())?;
     let tables = [
-        zwidth_ladder::models(&ladder)?,
-        zwidth_ladder::effects(&ladder)?,
-        zwidth_ladder::interactions(&ladder)?,
+        zwidth_ladder::models_table(&ladder)?,
+        zwidth_ladder::effects_table(&ladder)?,
+        zwidth_ladder::interactions_table(&ladder)?,
     ];
     write_tables(&tables, making, problems)
 }
 
 fn make_held_out(
     of: &OfTrials<Laddered>,
-    (files, tables): &(Recordings, Vec<PathBuf>),
+    (files, tables): &(Recordings, LadderTables),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let models = Table::from_parquet(tables.first().ok_or("there is no ladder")?)?;
-    let choice = zwidth_ladder::chosen(&models)?.ok_or("the ladder has no choice")?;
+    let choice = zwidth_ladder::chosen(&tables.models.read()?);
+    let choice = choice.ok_or("the ladder has no choice")?;
     let looped = looped(&of.stage.control)?;
     let (mut recordings, mut problems) = (Vec::new(), Vec::new());
     for (i, rendering) in of.stage.renderings.iter().enumerate().take(files.len()) {
@@ -281,13 +327,19 @@ fn make_held_out(
         }
     }
     let tried = zwidth_ladder::tried(&recordings, choice, OFFERED, &looped);
-    let Laddered { name, perception, .. } = &of.stage;
-    let table = zwidth_ladder::held_out_table(name, &tried, recordings.len(), perception)?;
-    write_tables(&[table], making, problems)
+    let Laddered { condition, perception, .. } = &of.stage;
+    let models = zwidth_ladder::held_out_models(condition, &tried, recordings.len(), perception);
+    write_tables(&[zwidth_ladder::held_out_table(&models)?], making, problems)
 }
 
-fn make_study(_: &(), tables: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    write_tables(&[zwidth_ladder::join_held_out(&read_tables(tables)?)?], making, Vec::new())
+fn make_study(
+    (): &(),
+    conditions: &Vec<Derived<HeldOutModel>>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let models = conditions.iter().map(Derived::read).collect::<Result<Vec<_>, _>>()?;
+    let choices = zwidth_ladder::choices(&models);
+    write_tables(&[zwidth_ladder::held_out_table(&choices)?], making, Vec::new())
 }
 
 /// The model of a condition's replays: its terms, and what was fitted.
@@ -302,15 +354,15 @@ impl Auto {
         Self { control: study.control, version: zwidth_ladder::VERSION }
     }
 
-    /// A recorded trial by the model that a table of held-out errors names as the choice.
+    /// A recorded trial by the model that is the choice among those held against the condition.
     pub(crate) fn replay(
         &self,
         trial: &Trial,
         rendering: &Rendering,
         analysis: &Analysis,
-        held_out: &Table,
+        held_out: &[HeldOutModel],
     ) -> Result<Vec<zwidth_replay::TrialReplay>, JobError> {
-        let Some((set, knobs)) = zwidth_ladder::fitted(held_out)? else {
+        let Some((set, knobs)) = zwidth_ladder::fitted(held_out) else {
             return Err("no trial could be fitted, so there is no model: say [replay] model = \"by_eye\" in study.toml".into());
         };
         let looped = looped(&self.control)?;

@@ -4,6 +4,7 @@
 //! agree.
 
 use crate::conditions::{Repeats, repeats};
+use crate::handle::Derived;
 use crate::identify;
 use crate::ladder::{self, Auto};
 use crate::making::{derived, join_sessions, read_shared, read_tables, split, write_tables};
@@ -13,6 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_replay::{Causality, Parameters, Rendering, TrialReplay, Which};
+use zwidth_results::HeldOutModel;
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{Analysis, Scene};
@@ -165,10 +167,10 @@ fn make_fitted(
 /// By the model that the ladder chose. The job by eye reports trials that cannot be replayed.
 fn make_auto(
     of: &OfTrials<Chosen>,
-    (files, chosen): &(Recordings, PathBuf),
+    (files, chosen): &(Recordings, Derived<HeldOutModel>),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let chosen = Table::from_parquet(chosen)?;
+    let chosen = chosen.read()?;
     let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
         of.stage.auto.replay(trial, rendering, analysis, &chosen)
     };

@@ -2,6 +2,7 @@
 
 use crate::compare::Comparison;
 use crate::drawing::Drawing;
+use crate::handle::Derived;
 use crate::methods::recorded;
 use crate::trials::name;
 use crate::{average, compare, freemotion, ladder, likert, metrics, report, tables, trade};
@@ -14,7 +15,7 @@ use zwidth_report::{
     ComparedMetric, Finding, Gallery, Made as Listed, Remark, Shown, Summary, Told, TrialNames,
     changes, findings, laddered, summary_markdown, survey, traded, uneven_ranges,
 };
-use zwidth_results::{Compared, Mean, MetricNote, ModeDifference, SessionChange};
+use zwidth_results::{Compared, LadderChoice, Mean, MetricNote, ModeDifference, SessionChange};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene, Setup};
@@ -72,7 +73,7 @@ pub(crate) struct Files {
     statements: Option<PathBuf>,
     /// What is recommended for each scene of the study, and which terms it requires.
     trade: Option<PathBuf>,
-    ladder: Option<PathBuf>,
+    ladder: Option<Derived<LadderChoice>>,
     /// The metrics compared.
     compared: Option<Comparison>,
     /// Whether changes between sessions are told.
@@ -82,8 +83,9 @@ pub(crate) struct Files {
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
         let Self { metrics, tally, statements, trade, ladder, .. } = self;
-        let tables = [metrics, tally, statements, trade, ladder].into_iter();
-        let numbers: Vec<PathBuf> = tables.flatten().cloned().collect();
+        let numbers =
+            [metrics.files(), tally.files(), statements.files(), trade.files(), ladder.files()]
+                .concat();
         let compared = self.compared.iter().flat_map(|found| {
             let Comparison { metrics, means, contrasts, sessions, notes, .. } = found;
             let told = self.are_sessions_told.then(|| sessions.files());
@@ -216,8 +218,10 @@ fn list_runs(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, 
     if let Some(table) = read(&files.trade)? {
         found.extend(traded(&page.planned, &table)?);
     }
-    if let Some(table) = read(&files.ladder)? {
-        found.extend(laddered(&page.planned, &table)?);
+    if let Some(ladder) = &files.ladder
+        && let Some(choices) = ladder.read_if_made()?
+    {
+        found.extend(laddered(&page.planned, &choices));
     }
     let listed = |finding: Finding| {
         let file = page.gallery.file(&finding.shown);

@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_metrics::by_mode;
-use zwidth_runner::{Job, JobError, Made, Making, Output, Stage};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Output, Stage};
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::MetricId;
 use zwidth_tables::{Format, Table, TableError, Wording, write_csv};
@@ -48,7 +48,7 @@ fn of_trials(data: &StudyData) -> Vec<PathBuf> {
     }
     tables.extend(freemotion::planes(data));
     tables.extend(freemotion::plants(data));
-    tables.extend(ladder::of_study(data));
+    tables.extend(ladder::of_study(data).files());
     tables.extend(replay::of_study(data).into_iter().flatten());
     tables.extend(identify::tables(data));
     tables

@@ -23,9 +23,15 @@
 //! | [`AnswerDifference`] | question, environment, contrast | `compare` | figures, printed tables |
 //! | [`PersonSuperiority`] | question, environment, contrast, participant | `compare` | figures |
 //! | [`MetricNote`] | metric, table, place | `compare` | figures, summary, printed tables |
+//! | [`LadderModel`] | scene, terms | `ladder` | figures, the choice's own fit |
+//! | [`TermEffect`] | scene, quantity, term | `ladder` | figures |
+//! | [`TermPair`] | scene, quantity, two terms | `ladder` | nothing but the file |
+//! | [`HeldOutModel`] | condition, model | `ladder` | `ladder`, `replay` |
+//! | [`LadderChoice`] | condition | `ladder` | summary, printed tables |
 
 mod column;
 mod comparison;
+mod ladder;
 mod note;
 mod row;
 mod value;
@@ -36,6 +42,10 @@ pub use comparison::{
     ModeDifference, Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority,
     PrintedDifference, RedrawnDifference, RepeatMean, Role, SessionChange, SessionPair, Size,
     UnitOfAnalysis, Verdict,
+};
+pub use ladder::{
+    BorneOut, HeldOutModel, LadderChoice, LadderCondition, LadderModel, LadderTerm, NoLadderText,
+    TermEffect, TermPair, TermSet, TriedModel,
 };
 pub use note::NoteKind;
 pub use row::{ReadError, Row};

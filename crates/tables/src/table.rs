@@ -50,6 +50,12 @@ impl Table {
         Self::new(R::NAME, R::TITLE, R::columns(rows))
     }
 
+    /// The same table under another name and title: that of one subject.
+    #[must_use]
+    pub fn called(self, name: impl Into<String>, title: impl Into<String>) -> Self {
+        Self { name: name.into(), title: title.into(), ..self }
+    }
+
     /// Its rows as those of a declaration.
     ///
     /// # Errors

@@ -6,8 +6,8 @@ use crate::extent::holding;
 use crate::words::{mark, model_mark, plain};
 use zwidth_draw::style;
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Panel, Points, Reference, Ticks};
+use zwidth_results::{LadderModel, LadderTerm, TermEffect};
 use zwidth_study::Source;
-use zwidth_tables::{Table, TableError};
 
 /// Which terms a scene needs.
 pub const LADDER: FigureKind = FigureKind {
@@ -24,38 +24,41 @@ const LEAST_OFF: f64 = 1e-3;
 /// A model that does not run, or lacks a number, is drawn here.
 const MOST_OFF: f64 = 1e3;
 
+/// The ladder of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LadderRows {
+    /// Every model.
+    pub models: Vec<LadderModel>,
+    /// What each term does to each quantity.
+    pub effects: Vec<TermEffect>,
+}
+
 /// Every model's error against its work, the choice marked; and the error that decides whether the
-/// choice has a term, the largest first.
-/// `models` and `effects` are tables of the stage `ladder`; the axes hold those of the conditions that
-/// the figure is compared with, `beside`; `synthetic` says that the scene's force was simulated as if it had been recorded.
-///
-/// # Errors
-/// A table that lacks a column.
+/// choice has a term, the largest first. The axes hold those of the conditions that the figure is
+/// compared with, `beside`. `notes` stand below the table of models, and below the figure;
+/// `synthetic` says that the scene's force was simulated as if it had been recorded.
 pub fn ladder(
-    models: &Table,
-    effects: &Table,
-    beside: &[[Table; 2]],
+    own: &LadderRows,
+    beside: &[LadderRows],
+    notes: &[String],
     synthetic: bool,
-) -> Result<Figure, TableError> {
-    let all_models: Vec<&Table> = beside.iter().map(|[models, _]| models).chain([models]).collect();
-    let all_effects: Vec<&Table> =
-        beside.iter().map(|[_, effects]| effects).chain([effects]).collect();
-    let scene = models.title().strip_suffix(": models").unwrap_or(models.title());
+) -> Figure {
+    let all: Vec<&LadderRows> = beside.iter().chain([own]).collect();
+    let scene = own.models.first().map_or("", |model| &*model.scene);
     let title = format!("{scene}: which terms of the model are needed");
-    Ok(Figure {
+    Figure {
         title: Some(plain(&title)),
         description: format!(
-            "{}. On the left each point is a model with some of the terms: its work in evaluations against how far \
-             it is off the fullest model, over what a person can feel, both on logarithmic axes; the choice is the \
-             cheapest below one. On the right, in the same measure, the error that decides about each term: of the \
-             choice without it where it is kept, of the fullest model without it where it is left out.",
-            models.title()
+            "{scene}: models. On the left each point is a model with some of the terms: its work in evaluations \
+             against how far it is off the fullest model, over what a person can feel, both on logarithmic axes; the \
+             choice is the cheapest below one. On the right, in the same measure, the error that decides about each \
+             term: of the choice without it where it is kept, of the fullest model without it where it is left out."
         ),
-        panels: vec![costs(models, &all_models)?, terms(effects, &all_effects)?],
-        footnotes: models.notes().iter().map(|note| plain(note)).collect(),
+        panels: vec![costs(&own.models, &all), terms(&own.effects, &all)],
+        footnotes: notes.iter().map(|note| plain(note)).collect(),
         mark: if synthetic { mark([Source::Twin]) } else { model_mark() },
         ..Figure::default()
-    })
+    }
 }
 
 /// The place of an error on its axis.
@@ -64,22 +67,21 @@ fn place(off: Option<f64>) -> f64 {
 }
 
 /// The models of a scene, on the axes of all.
-fn costs(models: &Table, all: &[&Table]) -> Result<Panel, TableError> {
-    let (work, off) = (models.floats("evaluations")?, models.floats("furthest_off")?);
-    let (mut works, mut offs) = (Vec::new(), Vec::new());
-    for table in all {
-        works.extend(table.floats("evaluations")?.into_iter().flatten().map(libm::log10));
-        offs.extend(table.floats("furthest_off")?.into_iter().map(place));
-    }
-    let (enough, chosen) = (models.flags("is_enough")?, models.flags("is_chosen")?);
-    let points = |name: &str, is: &dyn Fn(usize) -> bool, colour, diameter_pt| {
-        let at: Vec<usize> = (0..models.height()).filter(|i| is(*i)).collect();
-        let x = at.iter().map(|i| work[*i].map_or(f64::NAN, libm::log10)).collect();
-        let y = at.iter().map(|i| place(off[*i])).collect();
-        let name = Some(name.to_owned()).filter(|_| !at.is_empty());
-        Layer::Points(Points { x, y, colour, diameter_pt, name, ..Points::default() })
+fn costs(models: &[LadderModel], all: &[&LadderRows]) -> Panel {
+    let shown = || all.iter().flat_map(|ladder| &ladder.models);
+    let works = shown().map(|model| libm::log10(model.evaluations)).collect();
+    let offs = shown().map(|model| place(model.furthest_off)).collect();
+    let points = |name: &str, is: fn(&LadderModel) -> bool, colour, diameter_pt| {
+        let some = || models.iter().filter(|model| is(model));
+        Layer::Points(Points {
+            x: some().map(|model| libm::log10(model.evaluations)).collect(),
+            y: some().map(|model| place(model.furthest_off)).collect(),
+            colour,
+            diameter_pt,
+            name: some().next().map(|_| name.to_owned()),
+            ..Points::default()
+        })
     };
-    let is = |flags: &[Option<bool>], i: usize| flags[i] == Some(true);
     let layers = vec![
         Layer::Reference(Reference {
             direction: Direction::Horizontal,
@@ -90,12 +92,17 @@ fn costs(models: &Table, all: &[&Table]) -> Result<Panel, TableError> {
         }),
         points(
             "off by more than can be felt",
-            &|i| !is(&enough, i),
+            |model| !model.is_enough,
             style::environment_colour(4),
             3.0,
         ),
-        points("enough", &|i| is(&enough, i) && !is(&chosen, i), style::environment_colour(0), 3.0),
-        points("chosen", &|i| is(&chosen, i), style::INK, 6.0),
+        points(
+            "enough",
+            |model| model.is_enough && !model.is_chosen,
+            style::environment_colour(0),
+            3.0,
+        ),
+        points("chosen", |model| model.is_chosen, style::INK, 6.0),
     ];
     let powers = |label: &str, values: Vec<f64>| Axis {
         ticks: Ticks::Powers,
@@ -105,40 +112,36 @@ fn costs(models: &Table, all: &[&Table]) -> Result<Panel, TableError> {
     let x = powers("work of a run, evaluations", works);
     let y = powers("largest error over what is felt", offs);
     let panel = Panel::new(Cell::at(0, 0), x, y, layers).titled("**a**  models");
-    Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
+    Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
-/// A term: its name, the largest error of the model that decides about it, and whether it is kept.
+/// A term, the place of the largest error of the model that decides about it, and whether it is
+/// kept.
 struct Decided {
-    name: String,
+    term: LadderTerm,
     off: f64,
     is_kept: bool,
 }
 
 /// The terms of a scene, on the axis of all.
-fn terms(effects: &Table, all: &[&Table]) -> Result<Panel, TableError> {
-    let (names, offs) = (effects.texts("term")?, effects.floats("deciding_off")?);
-    let mut shown = Vec::new();
-    for table in all {
-        let judged = table.flags("is_judged")?;
-        let offs = table.floats("deciding_off")?.into_iter().zip(judged);
-        shown.extend(offs.filter(|(_, is)| *is == Some(true)).map(|(off, _)| place(off)));
-    }
-    let (judged, kept) = (effects.flags("is_judged")?, effects.flags("is_kept")?);
+fn terms(effects: &[TermEffect], all: &[&LadderRows]) -> Panel {
+    let judged = all.iter().flat_map(|ladder| &ladder.effects).filter(|effect| effect.is_judged);
+    let shown: Vec<f64> = judged.map(|effect| place(effect.deciding_off)).collect();
     let mut terms: Vec<Decided> = Vec::new();
-    for (i, name) in names.into_iter().enumerate() {
-        let Some(name) = name.filter(|_| judged[i] == Some(true)) else { continue };
-        let off = offs[i].unwrap_or(MOST_OFF).clamp(LEAST_OFF, MOST_OFF);
-        match terms.iter_mut().find(|term| term.name == name) {
-            Some(term) => term.off = term.off.max(off),
-            None => terms.push(Decided { name, off, is_kept: kept[i] == Some(true) }),
+    for effect in effects.iter().filter(|effect| effect.is_judged) {
+        let off = place(effect.deciding_off);
+        match terms.iter_mut().find(|decided| decided.term == effect.term) {
+            Some(decided) => decided.off = decided.off.max(off),
+            None => {
+                let is_kept = effect.is_kept == Some(true);
+                terms.push(Decided { term: effect.term, off, is_kept });
+            }
         }
     }
     terms.sort_by(|a, b| b.off.total_cmp(&a.off));
     let points = |is_kept: bool, name: &str, colour| {
         let rows = terms.iter().enumerate().filter(|(_, term)| term.is_kept == is_kept);
-        let (x, y): (Vec<f64>, Vec<f64>) =
-            rows.map(|(row, term)| (libm::log10(term.off), row as f64)).unzip();
+        let (x, y): (Vec<f64>, Vec<f64>) = rows.map(|(row, term)| (term.off, row as f64)).unzip();
         let name = Some(name.to_owned()).filter(|_| !x.is_empty());
         Layer::Points(Points { x, y, colour, diameter_pt: 5.0, name, ..Points::default() })
     };
@@ -155,40 +158,77 @@ fn terms(effects: &Table, all: &[&Table]) -> Result<Panel, TableError> {
     ];
     let range = holding(shown);
     let x = Axis { ticks: Ticks::Powers, range, ..Axis::new("largest error without it", "") };
-    let y = Axis::categories(terms.iter().map(|term| term.name.replace('_', " ")));
+    let y = Axis::categories(terms.iter().map(|decided| decided.term.title()));
     let panel = Panel::new(Cell::at(0, 1), x, y, layers).titled("**b**  terms");
-    Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
+    Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use zwidth_draw::{Range, draw};
-    use zwidth_tables::Column;
+    use zwidth_results::TermSet;
 
-    fn models() -> Table {
-        let columns = vec![
-            Column::float("evaluations", "1", "work", [500.0, 900.0, 3000.0].map(Some)),
-            Column::float("furthest_off", "1", "error", [None, Some(0.4), Some(0.0)]),
-            Column::flag("is_enough", "enough", [false, true, true].map(Some)),
-            Column::flag("is_chosen", "chosen", [false, true, false].map(Some)),
-        ];
-        Table::new("ladder.models", "sine: models", columns).unwrap()
+    fn model(
+        evaluations: f64,
+        furthest_off: Option<f64>,
+        is_enough: bool,
+        is_chosen: bool,
+    ) -> LadderModel {
+        LadderModel {
+            scene: "sine".into(),
+            terms: TermSet::NONE,
+            number_of_terms: 0,
+            evaluations,
+            steps: 0.0,
+            products: 0.0,
+            exponentials: 0.0,
+            decisions: 0.0,
+            furthest_off,
+            furthest_quantity: None,
+            is_enough,
+            is_chosen,
+        }
     }
 
-    fn effects() -> Table {
-        let columns = vec![
-            Column::text("term", "term", ["motor_lag", "friction", "friction", "delay"].map(Some)),
-            Column::float("deciding_off", "1", "off", [0.2, 0.5, 9.0, 70.0].map(Some)),
-            Column::flag("is_judged", "judged", [true, true, true, false].map(Some)),
-            Column::flag("is_kept", "kept", [false, true, true, false].map(Some)),
-        ];
-        Table::new("ladder.effects", "sine: effects", columns).unwrap()
+    fn models() -> Vec<LadderModel> {
+        vec![
+            model(500.0, None, false, false),
+            model(900.0, Some(0.4), true, true),
+            model(3000.0, Some(0.0), true, false),
+        ]
+    }
+
+    fn effects() -> Vec<TermEffect> {
+        let effect = |term, deciding_off, is_judged, is_kept| TermEffect {
+            scene: "sine".into(),
+            quantity: "theta_rad".into(),
+            is_judged,
+            term,
+            total_effect: None,
+            first_order: None,
+            strongest_partner: None,
+            partner_second_order: None,
+            off_without: None,
+            deciding_off: Some(deciding_off),
+            is_kept: Some(is_kept),
+            reason: None,
+        };
+        vec![
+            effect(LadderTerm::MotorLag, 0.2, true, false),
+            effect(LadderTerm::Friction, 0.5, true, true),
+            effect(LadderTerm::Friction, 9.0, true, true),
+            effect(LadderTerm::Delay, 70.0, false, false),
+        ]
+    }
+
+    fn own() -> LadderRows {
+        LadderRows { models: models(), effects: effects() }
     }
 
     #[test]
     fn terms_stand_in_the_order_of_the_error_that_decides() {
-        let panel = terms(&effects(), &[&effects()]).unwrap();
+        let panel = terms(&effects(), &[&own()]);
         let Ticks::Categories(names) = &panel.y.ticks else { panic!("{:?}", panel.y) };
         assert_eq!(names, &["friction", "motor lag"], "what judges nothing is not shown");
         let points = |layer: &Layer| match layer {
@@ -202,25 +242,19 @@ mod tests {
 
     #[test]
     fn it_is_drawn_with_every_letter_and_says_what_it_was_made_of() {
-        let figure = ladder(&models(), &effects(), &[], false).unwrap();
+        let figure = ladder(&own(), &[], &[], false);
         assert!(figure.mark.as_deref().is_some_and(|mark| mark.starts_with("SIMULATION")));
         draw(&figure).unwrap();
-        let synthetic = ladder(&models(), &effects(), &[], true).unwrap();
+        let synthetic = ladder(&own(), &[], &[], true);
         assert!(synthetic.mark.is_some_and(|mark| mark.starts_with("SYNTHETIC")));
     }
 
     #[test]
     fn the_conditions_of_a_study_stand_on_the_same_axes() {
-        let columns = vec![
-            Column::float("evaluations", "1", "work", [5e4, 9e4].map(Some)),
-            Column::float("furthest_off", "1", "error", [Some(0.4), None]),
-            Column::flag("is_enough", "enough", [true, false].map(Some)),
-            Column::flag("is_chosen", "chosen", [true, false].map(Some)),
-        ];
-        let other = [Table::new("ladder.models", "step: models", columns).unwrap(), effects()];
-        let own = [models(), effects()];
-        let axes = |[models, effects]: &[Table; 2], beside: &[[Table; 2]]| {
-            let figure = ladder(models, effects, beside, false).unwrap();
+        let more = vec![model(5e4, Some(0.4), true, true), model(9e4, None, false, false)];
+        let (own, other) = (own(), LadderRows { models: more, effects: effects() });
+        let axes = |own: &LadderRows, beside: &[LadderRows]| {
+            let figure = ladder(own, beside, &[], false);
             figure.panels.iter().map(|p| (p.x.range, p.y.range)).collect::<Vec<_>>()
         };
         let all = [own.clone(), other.clone()];

@@ -85,7 +85,7 @@ pub use finding::{Felt, finding};
 pub use freemotion::{FREE_MOTION, free_motion};
 pub use frequency::impedance_frequency;
 pub use impedance::impedance;
-pub use ladder::{LADDER, ladder};
+pub use ladder::{LADDER, LadderRows, ladder};
 pub use less::{LESS, less};
 pub use likert::{LIKERT, LIKERT_ITEMS, LikertPage, likert, likert_items, likert_overview};
 pub use loaded::{Averages, Loaded, Of};

@@ -3,11 +3,11 @@
 use crate::model::{Loop, model};
 use crate::ranges::Point;
 use crate::run::{Course, Frame, run};
-use crate::terms::{LadderTerm, TermSet};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use zwidth_dynamics::{DynamicsError, ModelScene};
 use zwidth_numerics::series::interpolate;
+use zwidth_results::{LadderTerm, TermSet, TriedModel};
 
 /// A recorded trial: its scene with the recorded force as input, and the angle that was seen.
 #[derive(Debug, Clone)]
@@ -169,40 +169,18 @@ pub fn held_out(trials: &[Recorded], set: TermSet, looped: &Loop) -> Option<Held
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tried {
     /// What it is.
-    pub role: Role,
+    pub role: TriedModel,
     /// How well it predicts.
     pub held_out: HeldOut,
-}
-
-/// What a model that is held against recordings is to the choice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
-    /// The choice itself.
-    Choice,
-    /// The choice without one of its terms.
-    Without(LadderTerm),
-    /// The fullest model.
-    Fullest,
-}
-
-impl Role {
-    /// Its word in tables.
-    pub(crate) fn words(self) -> String {
-        match self {
-            Self::Choice => "choice".to_owned(),
-            Self::Without(term) => format!("without {}", term.as_str()),
-            Self::Fullest => "fullest".to_owned(),
-        }
-    }
 }
 
 /// The choice, the choice without each of its terms in turn, and the fullest model, each fitted
 /// anew and judged on the other trials; nothing without trials.
 pub fn tried(trials: &[Recorded], choice: TermSet, fullest: TermSet, looped: &Loop) -> Vec<Tried> {
-    let less = choice.terms().map(|term| (Role::Without(term), choice.without(term)));
-    let sets = std::iter::once((Role::Choice, choice)).chain(less);
-    let sets: Vec<(Role, TermSet)> = sets.chain([(Role::Fullest, fullest)]).collect();
-    let one = |(role, set): &(Role, TermSet)| {
+    let less = choice.terms().map(|term| (TriedModel::Without(term), choice.without(term)));
+    let sets = std::iter::once((TriedModel::Choice, choice)).chain(less);
+    let sets: Vec<(TriedModel, TermSet)> = sets.chain([(TriedModel::Fullest, fullest)]).collect();
+    let one = |(role, set): &(TriedModel, TermSet)| {
         Some(Tried { role: *role, held_out: held_out(trials, *set, looped)? })
     };
     sets.par_iter().filter_map(one).collect()
@@ -291,7 +269,7 @@ mod tests {
     fn a_weight_that_the_recordings_do_not_have_is_fitted_away_and_not_missed() {
         let choice = FRICTION.with(LadderTerm::Gravity);
         let rows = tried(&trials(Knobs::USUAL), choice, choice, &looped());
-        let roles: Vec<String> = rows.iter().map(|row| row.role.words()).collect();
+        let roles: Vec<String> = rows.iter().map(|row| row.role.to_string()).collect();
         assert_eq!(roles, ["choice", "without gravity", "without friction", "fullest"]);
         let rmse = |i: usize| rows[i].held_out.held_out_rad;
         assert!(rows[0].held_out.knobs.weight < 0.13, "{:?}", rows[0].held_out.knobs);

@@ -5,9 +5,10 @@ use crate::model::{Loop, model};
 use crate::quantities::{Full, off_course};
 use crate::ranges::Point;
 use crate::run::{Cost, Course, Frame, run};
-use crate::terms::{LadderTerm, TermSet};
+use crate::terms::in_scene;
 use rayon::prelude::*;
 use zwidth_dynamics::ModelScene;
+use zwidth_results::{LadderTerm, TermSet};
 use zwidth_stats::sensitivity::SwitchVariance;
 use zwidth_study::{Measured, Perception};
 
@@ -82,7 +83,7 @@ pub struct Ladder {
     pub points: usize,
     /// The terms that were offered.
     pub offered: TermSet,
-    /// The terms whose numbers the scene gives ([`TermSet::in_scene`]).
+    /// The terms whose numbers the scene gives, and those of the digital loop.
     pub in_scene: TermSet,
     /// The quantities; first θ and the force against time.
     pub quantities: Vec<Quantity>,
@@ -163,7 +164,7 @@ pub fn ladder(
         scene: scene.name.clone(),
         points,
         offered: settings.offered,
-        in_scene: TermSet::in_scene(scene),
+        in_scene: in_scene(scene),
         rungs: sets.iter().enumerate().map(|(i, set)| rung(*set, i, &found)).collect(),
         quantities: added_up(found),
     })

@@ -1,13 +1,13 @@
 //! Stage: which terms of the model a scene needs ("model only what a scene requires").
 //!
-//! [`ladder`] runs a scene with every set of eight terms ([`LadderTerm`]: 2⁸ models) at points of
+//! [`ladder`] runs a scene with every set of eight terms ([`zwidth_results::LadderTerm`]: 2⁸ models) at points of
 //! Sobol's sequence over the ranges of the twin's parameters, and holds each against the fullest
 //! model at the same point. [`Ladder::choice`] is the cheapest set whose difference nobody could
 //! feel at any point; total effects and interactions say how much each term does. Proper
 //! modelling: B. H. Wilson & J. L. Stein, ASME Winter Annual Meeting, DSC 41 (1992) 47–58; T. Ersal
 //! et al., J. Dyn. Syst. Meas. Control 130 (2008) 061008.
 //!
-//! Pure: scenes in memory, tables out; the same scene gives the same bits on any number of
+//! Pure: scenes in memory, rows out; the same scene gives the same bits on any number of
 //! threads.
 
 mod borne_out;
@@ -25,10 +25,10 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-pub use borne_out::{fitted, held_out_table, join_held_out};
+pub use borne_out::{choices, fitted, held_out_models, held_out_table};
 pub use error::LadderError;
 pub use held_out::{
-    HeldOut, Knobs, Plant, Recorded, Role, Tried, fit, held_out, plant, predict, rmse_rad, tried,
+    HeldOut, Knobs, Plant, Recorded, Tried, fit, held_out, plant, predict, rmse_rad, tried,
 };
 pub use ladder::{
     DEFAULT_POINTS, Ladder, MOST_PERIODS, MOST_POINTS, Quantity, Rung, Settings, ladder,
@@ -38,8 +38,10 @@ pub use quantities::own;
 pub use ranges::{Point, Range, ranges};
 pub use reason::{reason, told};
 pub use run::{Cost, Course};
-pub use table::{chosen, effects, interactions, models};
-pub use terms::{LadderTerm, TermSet};
+pub use table::{
+    chosen, effects, effects_table, interactions, interactions_table, models, models_table,
+};
+pub use terms::possible;
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 3;

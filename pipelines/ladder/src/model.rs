@@ -6,9 +6,9 @@
 //! delay is shortened by half of one, which is what the hold delays by itself.
 
 use crate::ranges::Point;
-use crate::terms::{LadderTerm, TermSet};
 use zwidth_device::{TwinParameters, Velocity};
 use zwidth_dynamics::{Brake, Finger, FingerLaw, Friction, Gravity, ModelScene, Motor, Plant};
+use zwidth_results::{LadderTerm, TermSet};
 
 /// Distance of the weight's centre from the axis, m: assumed.
 const WEIGHT_RADIUS_M: f64 = 0.04;

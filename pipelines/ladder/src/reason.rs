@@ -1,7 +1,7 @@
 //! Why a term is in the model or not, in words.
 
 use crate::ladder::{Ladder, Rung};
-use crate::terms::{LadderTerm, TermSet};
+use zwidth_results::{LadderTerm, TermSet};
 
 /// Whether a term is in the choice, and why: one sentence.
 pub fn reason(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {

@@ -2,13 +2,13 @@
 
 use crate::model::{Loop, Model};
 use crate::sensors::{Seen, Sensors};
-use crate::terms::LadderTerm;
 use std::collections::VecDeque;
 use zwidth_device::{FORWARD_RAD_S, HOLDING_RAD_S};
 use zwidth_dynamics::{
     DriveMode, DynamicsError, Exact, Grid, HeldCommand, HeldRun, HeldScene, Solver, System,
     WorkCounts,
 };
+use zwidth_results::LadderTerm;
 
 /// Width of the chords of a weight, rad: 10°, which miss it by 0.4 % of its largest force.
 const CHORD_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;

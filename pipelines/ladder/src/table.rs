@@ -1,193 +1,124 @@
-//! The ladder as tables.
+//! The ladder as rows, and its tables.
 
 use crate::ladder::{Ladder, Quantity, Rung};
 use crate::reason::{reason, told};
-use crate::terms::{LadderTerm, TermSet};
+use std::sync::Arc;
+use zwidth_results::{LadderModel, LadderTerm, Row, TermEffect, TermPair, TermSet};
 use zwidth_study::counted;
-use zwidth_tables::{Column, Table, TableError};
+use zwidth_tables::{Table, TableError};
 
 /// Every model: its terms, what it costs, and how far it is off. The choice is marked.
+pub fn models(ladder: &Ladder) -> Vec<LadderModel> {
+    let scene = Arc::<str>::from(ladder.scene.as_str());
+    let choice = ladder.choice().map(|rung| rung.set);
+    let model = |rung: &Rung| {
+        let furthest = rung.furthest();
+        let [steps, products, exponentials, decisions] = rung.counts;
+        LadderModel {
+            scene: scene.clone(),
+            terms: rung.set,
+            number_of_terms: rung.set.len(),
+            evaluations: rung.evaluations,
+            steps,
+            products,
+            exponentials,
+            decisions,
+            furthest_off: furthest.map(|(_, off)| off).filter(|off| off.is_finite()),
+            furthest_quantity: furthest
+                .and_then(|(at, _)| Some(ladder.quantities.get(at)?.name.as_str().into())),
+            is_enough: rung.is_enough(),
+            is_chosen: Some(rung.set) == choice,
+        }
+    };
+    ladder.rungs.iter().map(model).collect()
+}
+
+/// What each term does to each quantity, and why it is kept or not.
+pub fn effects(ladder: &Ladder) -> Vec<TermEffect> {
+    let scene = Arc::<str>::from(ladder.scene.as_str());
+    let choice = ladder.choice();
+    let effect = |at: usize, quantity: &Quantity, term: LadderTerm| {
+        let switch = ladder.switch(term);
+        let partner = strongest(ladder, quantity, term);
+        // How far a model is off at this quantity.
+        let off = |rung: &Rung| rung.worst.get(at).copied().filter(|off| off.is_finite());
+        TermEffect {
+            scene: scene.clone(),
+            quantity: quantity.name.as_str().into(),
+            is_judged: quantity.is_judged,
+            term,
+            total_effect: switch.and_then(|switch| quantity.variance.total(switch)),
+            first_order: switch.and_then(|switch| quantity.variance.first(switch)),
+            strongest_partner: partner.map(|(other, _)| other),
+            partner_second_order: partner.map(|(_, share)| share),
+            off_without: ladder.rung(ladder.offered.without(term)).and_then(off),
+            deciding_off: choice.and_then(|choice| ladder.deciding(choice, term)).and_then(off),
+            is_kept: choice.map(|choice| choice.set.has(term)),
+            reason: choice.map(|choice| reason(ladder, choice, term)),
+        }
+    };
+    let quantities = ladder.quantities.iter().enumerate();
+    quantities
+        .flat_map(|(at, quantity)| {
+            ladder.offered.terms().map(move |term| effect(at, quantity, term))
+        })
+        .collect()
+}
+
+/// Second-order indices of every pair of terms.
+pub fn interactions(ladder: &Ladder) -> Vec<TermPair> {
+    let scene = Arc::<str>::from(ladder.scene.as_str());
+    let mut pairs = Vec::new();
+    for quantity in &ladder.quantities {
+        for term in ladder.offered.terms() {
+            for other_term in ladder.offered.terms().filter(|other| term < *other) {
+                let switches = ladder.switch(term).zip(ladder.switch(other_term));
+                pairs.push(TermPair {
+                    scene: scene.clone(),
+                    quantity: quantity.name.as_str().into(),
+                    term,
+                    other_term,
+                    second_order: switches.and_then(|(a, b)| quantity.variance.second(a, b)),
+                });
+            }
+        }
+    }
+    pairs
+}
+
+/// The table of [`models`], with the choice in a sentence.
 ///
 /// # Errors
 /// A number that is not finite where one must be.
-pub fn models(ladder: &Ladder) -> Result<Table, TableError> {
-    let rungs = &ladder.rungs;
-    let choice = ladder.choice().map(|rung| rung.set);
-    let number = |name, about, get: &dyn Fn(&Rung) -> Option<f64>| {
-        Column::float(name, "1", about, rungs.iter().map(get))
-    };
-    let furthest = |rung: &Rung| rung.furthest();
-    let name = |rung: &Rung| {
-        let (at, _) = furthest(rung)?;
-        ladder.quantities.get(at).map(|quantity| quantity.name.clone())
-    };
-    let columns = vec![
-        Column::text("scene", "the scene", rungs.iter().map(|_| Some(ladder.scene.clone()))),
-        Column::text(
-            "terms",
-            "the model's terms; rigid for none",
-            rungs.iter().map(|r| Some(r.set.words())),
-        ),
-        Column::integer(
-            "number_of_terms",
-            "1",
-            "how many terms it has",
-            rungs.iter().map(|r| Some(r.set.len() as i64)),
-        ),
-        number(
-            "evaluations",
-            "work of a run, mean over the points: products with a flow, n for an exponential of n entries, one a decision",
-            &|r| Some(r.evaluations),
-        ),
-        number("steps", "steps of a run, mean over the points", &|r| Some(r.counts[0])),
-        number("products", "products with a flow, mean over the points", &|r| Some(r.counts[1])),
-        number("exponentials", "exponentials made, mean over the points", &|r| Some(r.counts[2])),
-        number("decisions", "decisions of the controller, mean over the points", &|r| {
-            Some(r.counts[3])
-        }),
-        number(
-            "furthest_off",
-            "largest difference to the fullest model over what can be felt, over all judged quantities and points; null where the model does not run or lacks a number",
-            &|r| furthest(r).map(|(_, off)| off).filter(|off| off.is_finite()),
-        ),
-        Column::text(
-            "furthest_quantity",
-            "the quantity that is furthest off",
-            rungs.iter().map(name),
-        ),
-        Column::flag(
-            "is_enough",
-            "whether no quantity is off by more than can be felt at any point",
-            rungs.iter().map(|r| Some(r.is_enough())),
-        ),
-        Column::flag(
-            "is_chosen",
-            "the cheapest of those that are enough",
-            rungs.iter().map(|r| Some(Some(r.set) == choice)),
-        ),
-    ];
-    let table = Table::new("ladder.models", &format!("{}: models", ladder.scene), columns)?;
+pub fn models_table(ladder: &Ladder) -> Result<Table, TableError> {
+    let table = of_scene(ladder, &models(ladder))?;
     let told = ladder.choice().map(|choice| told(ladder, choice)).unwrap_or_default();
     Ok(table.with_note(told).with_note(note(ladder)))
 }
 
-/// What each term does to each quantity, and why it is kept or not.
+/// The table of [`effects`].
 ///
 /// # Errors
-/// A number that is not finite where one must be.
-pub fn effects(ladder: &Ladder) -> Result<Table, TableError> {
-    let choice = ladder.choice();
-    let rows: Vec<(usize, &Quantity, LadderTerm)> = ladder
-        .quantities
-        .iter()
-        .enumerate()
-        .flat_map(|(i, q)| ladder.offered.terms().map(move |term| (i, q, term)))
-        .collect();
-    let number = |name, about, get: &dyn Fn(usize, &Quantity, LadderTerm) -> Option<f64>| {
-        Column::float(name, "1", about, rows.iter().map(|(i, q, term)| get(*i, q, *term)))
-    };
-    let text = |name, about, get: &dyn Fn(&Quantity, LadderTerm) -> Option<String>| {
-        Column::text(name, about, rows.iter().map(|(_, q, term)| get(q, *term)))
-    };
-    let switch = |term| ladder.switch(term);
-    let partner = |q: &Quantity, term| strongest(ladder, q, term);
-    let alone = |i: usize, _: &Quantity, term| {
-        let rung = ladder.rung(ladder.offered.without(term))?;
-        rung.worst.get(i).copied().filter(|off| off.is_finite())
-    };
-    let deciding = |i: usize, _: &Quantity, term| {
-        let off = *ladder.deciding(choice?, term)?.worst.get(i)?;
-        Some(off).filter(|off| off.is_finite())
-    };
-    let columns = vec![
-        text("scene", "the scene", &|_, _| Some(ladder.scene.clone())),
-        text("quantity", "what is compared", &|q, _| Some(q.name.clone())),
-        Column::flag(
-            "is_judged",
-            "whether a bound is known for it",
-            rows.iter().map(|(_, q, _)| Some(q.is_judged)),
-        ),
-        text("term", "the term", &|_, term| Some(term.as_str().to_owned())),
-        number(
-            "total_effect",
-            "share of the variance that switching terms makes which this one has a part in, S_T",
-            &|_, q, term| q.variance.total(switch(term)?),
-        ),
-        number("first_order", "share that it makes alone, S", &|_, q, term| {
-            q.variance.first(switch(term)?)
-        }),
-        text("strongest_partner", "the term with which it interacts most", &|q, term| {
-            partner(q, term).map(|(t, _)| t.as_str().to_owned())
-        }),
-        number(
-            "partner_second_order",
-            "share that the two make together and neither alone",
-            &|_, q, term| partner(q, term).map(|(_, share)| share),
-        ),
-        number(
-            "off_without",
-            "how far the fullest model without it is off, over what can be felt, at the worst point",
-            &alone,
-        ),
-        number(
-            "deciding_off",
-            "the same of the model that decides: of a term that is kept the choice without it, of one that is left out the fullest model without it, or the choice",
-            &deciding,
-        ),
-        Column::flag(
-            "is_kept",
-            "whether the choice has it",
-            rows.iter().map(|(_, _, term)| choice.map(|c| c.set.has(*term))),
-        ),
-        text("reason", "why", &|_, term| choice.map(|choice| reason(ladder, choice, term))),
-    ];
-    let table =
-        Table::new("ladder.effects", &format!("{}: what each term does", ladder.scene), columns)?;
-    Ok(table.with_note(note(ladder)))
+/// Those of [`models_table`].
+pub fn effects_table(ladder: &Ladder) -> Result<Table, TableError> {
+    Ok(of_scene(ladder, &effects(ladder))?.with_note(note(ladder)))
 }
 
-/// Second-order indices of every pair of terms.
+/// The table of [`interactions`].
 ///
 /// # Errors
-/// A number that is not finite where one must be.
-pub fn interactions(ladder: &Ladder) -> Result<Table, TableError> {
-    let pairs: Vec<(LadderTerm, LadderTerm)> = ladder
-        .offered
-        .terms()
-        .flat_map(|a| ladder.offered.terms().filter(move |b| a < *b).map(move |b| (a, b)))
-        .collect();
-    let rows: Vec<(&Quantity, (LadderTerm, LadderTerm))> =
-        ladder.quantities.iter().flat_map(|q| pairs.iter().map(move |pair| (q, *pair))).collect();
-    let text = |name, about, get: &dyn Fn(&Quantity, LadderTerm, LadderTerm) -> String| {
-        Column::text(name, about, rows.iter().map(|(q, (a, b))| Some(get(q, *a, *b))))
-    };
-    let share = |(q, (a, b)): &(&Quantity, (LadderTerm, LadderTerm))| {
-        q.variance.second(ladder.switch(*a)?, ladder.switch(*b)?)
-    };
-    let columns = vec![
-        text("scene", "the scene", &|_, _, _| ladder.scene.clone()),
-        text("quantity", "what is compared", &|q, _, _| q.name.clone()),
-        text("term", "one term", &|_, a, _| a.as_str().to_owned()),
-        text("other_term", "the other", &|_, _, b| b.as_str().to_owned()),
-        Column::float(
-            "second_order",
-            "1",
-            "share of the variance that the two make together and neither alone",
-            rows.iter().map(share),
-        ),
-    ];
-    let title = format!("{}: which terms work together", ladder.scene);
-    Ok(Table::new("ladder.interactions", &title, columns)?.with_note(note(ladder)))
+/// Those of [`models_table`].
+pub fn interactions_table(ladder: &Ladder) -> Result<Table, TableError> {
+    Ok(of_scene(ladder, &interactions(ladder))?.with_note(note(ladder)))
 }
 
-/// The set that a table of [`models`] marks as chosen; `None` if no set is marked.
-///
-/// # Errors
-/// A table that is not one of those.
-pub fn chosen(models: &Table) -> Result<Option<TermSet>, TableError> {
-    let (terms, flags) = (models.texts("terms")?, models.flags("is_chosen")?);
-    let at = flags.iter().position(|flag| *flag == Some(true));
-    Ok(at.and_then(|at| terms[at].as_deref()).and_then(TermSet::of_words))
+fn of_scene<R: Row>(ladder: &Ladder, rows: &[R]) -> Result<Table, TableError> {
+    Ok(Table::of_rows(rows)?.called(R::NAME, format!("{}: {}", ladder.scene, R::TITLE)))
+}
+
+/// The set that is marked as chosen; `None` if none is.
+pub fn chosen(models: &[LadderModel]) -> Option<TermSet> {
+    models.iter().find(|model| model.is_chosen).map(|model| model.terms)
 }
 
 fn strongest(ladder: &Ladder, q: &Quantity, term: LadderTerm) -> Option<(LadderTerm, f64)> {

@@ -5,13 +5,15 @@ use crate::model::{Loop, model};
 use crate::ranges::Point;
 use crate::run::{Frame, run};
 use crate::{
-    Course, Ladder, LadderError, LadderTerm, Settings, TermSet, chosen, effects, models, own, told,
+    Course, Ladder, LadderError, Settings, chosen, effects, effects_table, interactions,
+    interactions_table, models, models_table, own, possible, told,
 };
 use zwidth_device::Velocity;
 use zwidth_dynamics::{
     Brake, BrakeLaw, DriveMode, Environment, Exact, Grid, Input, ModelScene, Motor, Plant, Solver,
     Start, System, Terms,
 };
+use zwidth_results::{LadderModel, LadderTerm, TermEffect, TermPair, TermSet};
 use zwidth_study::{Perception, VelocityFilter};
 
 /// A lever of the prototype's size on a spring, pushed slowly by the motor's side.
@@ -83,7 +85,7 @@ fn a_scene_in_which_nothing_happens_needs_none_of_the_terms() {
 fn a_slow_push_into_a_spring_needs_friction_alone() {
     let found = climbed(&pushed(), 0.001, 4, DRIVE);
     let choice = found.choice().unwrap();
-    assert_eq!(choice.set, TermSet::NONE.with(LadderTerm::Friction), "{}", choice.set.words());
+    assert_eq!(choice.set, TermSet::NONE.with(LadderTerm::Friction), "{}", choice.set);
     let theta = &found.quantities[0].variance;
     let friction = found.switch(LadderTerm::Friction).unwrap();
     assert!(theta.total(friction).unwrap() > 0.8, "{:?}", theta.total(friction));
@@ -157,21 +159,24 @@ fn a_term_that_is_out_costs_nothing() {
 #[test]
 fn the_tables_say_the_choice_and_read_it_back() {
     let found = climbed(&pushed(), 0.001, 2, DRIVE);
-    let table = models(&found).unwrap();
-    assert_eq!(table.height(), 64);
-    assert_eq!(chosen(&table).unwrap(), found.choice().map(|rung| rung.set));
-    let effects = effects(&found).unwrap();
-    let reasons = effects.texts("reason").unwrap();
-    let of = |i: usize| reasons[i].clone().unwrap();
-    assert!(of(0).starts_with("friction is kept: a model without it"), "{}", of(0));
-    assert!(of(1).starts_with("motor lag is left out"), "{}", of(1));
+    let table = models_table(&found).unwrap();
+    assert_eq!((table.name(), table.title()), ("ladder.models", "known: models"));
+    let rows: Vec<LadderModel> = table.to_rows().unwrap();
+    assert_eq!((rows.len(), &rows), (64, &models(&found)));
+    assert_eq!(chosen(&rows), found.choice().map(|rung| rung.set));
+    let effects: Vec<TermEffect> = effects_table(&found).unwrap().to_rows().unwrap();
+    let reason = |row: usize| effects[row].reason.clone().unwrap();
+    assert!(reason(0).starts_with("friction is kept: a model without it"), "{}", reason(0));
+    assert!(reason(1).starts_with("motor lag is left out"), "{}", reason(1));
+    let pairs: Vec<TermPair> = interactions_table(&found).unwrap().to_rows().unwrap();
+    assert_eq!(pairs, interactions(&found));
+    assert_eq!(pairs.len(), found.quantities.len() * 15, "of six terms there are 15 pairs");
 }
 
 #[test]
 fn a_scene_is_not_offered_a_term_of_a_part_that_it_lacks() {
-    let possible = |mode| {
-        TermSet::possible(&scene(mode, Environment::spring(4.0, 0.0, -0.785), Input::constant(1.0)))
-    };
+    let possible =
+        |mode| possible(&scene(mode, Environment::spring(4.0, 0.0, -0.785), Input::constant(1.0)));
     let lacks = |set: TermSet| TermSet::ALL.terms().filter(|t| !set.has(*t)).collect::<Vec<_>>();
     assert_eq!(lacks(possible(DriveMode::Active)), [LadderTerm::Finger, LadderTerm::BrakeLag]);
     assert_eq!(lacks(possible(DriveMode::Passive)), [LadderTerm::Finger, LadderTerm::MotorLag]);
@@ -199,8 +204,7 @@ fn the_number_that_decides_is_beyond_what_is_felt_of_kept_terms_alone() {
         let (_, off) = found.deciding(choice, term).unwrap().furthest().unwrap();
         assert_eq!(off > 1.0, choice.set.has(term), "{}: {off}", term.as_str());
     }
-    let table = effects(&found).unwrap();
-    let off = table.floats("deciding_off").unwrap();
+    let off: Vec<Option<f64>> = effects(&found).iter().map(|row| row.deciding_off).collect();
     assert!(off.iter().all(Option::is_some), "{off:?}");
 }
 

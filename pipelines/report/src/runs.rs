@@ -4,6 +4,7 @@
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use zwidth_dynamics::solver_label;
+use zwidth_results::{LadderChoice, LadderCondition, TermSet};
 use zwidth_study::{Setup, in_a_sentence};
 use zwidth_tables::{Table, TableError, quantity};
 
@@ -46,42 +47,43 @@ pub fn traded(study: &Setup, table: &Table) -> Result<Vec<Finding>, TableError> 
     Ok(found)
 }
 
-/// Which terms of the model each condition requires, and whether its recordings bear that out, from
-/// the table `ladder`: one sentence per condition.
-///
-/// # Errors
-/// A table that lacks a column.
-pub fn laddered(study: &Setup, table: &Table) -> Result<Vec<Finding>, TableError> {
-    let (conditions, terms) = (table.texts("condition")?, table.texts("terms")?);
-    let (errors, felt) = (table.floats("held_out_rmse_rad")?, table.floats("felt_share")?);
-    let verdicts = table.texts("recordings")?;
-    let mut found = Vec::new();
-    for (row, name) in conditions.iter().enumerate() {
-        let (Some(name), Some(terms)) = (name, &terms[row]) else { continue };
-        let needs = match terms.as_str() {
-            "rigid" => "a rigid lever without further terms is enough".to_owned(),
-            terms => {
-                format!("the model requires {}", terms.replace(' ', ", ").replace('_', " "))
-            }
+/// Which terms of the model each condition requires, and whether its recordings bear that out: one
+/// sentence per condition.
+pub fn laddered(study: &Setup, choices: &[LadderChoice]) -> Vec<Finding> {
+    let one = |choice: &LadderChoice| {
+        let needs = match choice.terms {
+            TermSet::NONE => "a rigid lever without further terms is enough".to_owned(),
+            terms => format!("the model requires {}", terms.titles()),
         };
-        let missed = errors[row].zip(felt[row]).map(|(rad, share)| {
+        let missed = choice.held_out_rmse_rad.zip(choice.felt_share).map(|(rad, share)| {
             format!(
                 "; trials that it was not fitted to it misses by {}, {} of what is just felt",
                 quantity(rad, "rad", study.coordinate),
                 quantity(share, "1", study.coordinate)
             )
         });
-        let borne_out =
-            verdicts[row].as_ref().map(|verdict| format!("; by the recordings: {verdict}"));
+        let borne_out = choice.recordings.map(|verdict| format!("; by the recordings: {verdict}"));
         let text = format!(
             "{}: {needs}{}{}.",
-            condition(study, name, ' '),
+            rendered(study, &choice.condition),
             missed.unwrap_or_default(),
             borne_out.unwrap_or_default()
         );
-        found.push(Finding { text, shown: Shown::Ladder });
+        Finding { text, shown: Shown::Ladder }
+    };
+    choices.iter().map(one).collect()
+}
+
+/// A condition in people's words: `Spring, active`.
+fn rendered(study: &Setup, condition: &LadderCondition) -> String {
+    let environment = study.environments.iter().find(|e| e.id == condition.environment);
+    let mode = study.modes.iter().find(|m| m.id == condition.mode);
+    match environment.zip(mode) {
+        Some((environment, mode)) => {
+            format!("{}, {}", environment.label, in_a_sentence(&mode.label))
+        }
+        None => condition.to_string(),
     }
-    Ok(found)
 }
 
 /// What the table of the trade says where two solvers do not agree on the right run.
@@ -110,6 +112,7 @@ fn condition(study: &Setup, name: &str, between: char) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_results::{BorneOut, LadderTerm};
     use zwidth_tables::Column;
 
     fn planned() -> Setup {
@@ -150,22 +153,37 @@ mod tests {
 
     #[test]
     fn the_ladder_is_told_by_the_terms_that_a_condition_requires() {
-        let columns = vec![
-            text("condition", [Some("spring active"), Some("spring passive")]),
-            text("terms", [Some("rigid"), Some("friction end_stop")]),
-            Column::float("held_out_rmse_rad", "rad", "", [None, Some(0.01)]),
-            Column::float("felt_share", "1", "", [None, Some(0.25)]),
-            text("recordings", [None, Some("better without weight")]),
-        ];
-        let table = Table::new("ladder", "", columns).unwrap();
-        let found = laddered(&planned(), &table).unwrap();
+        let choice = |mode: &str, terms, recordings| LadderChoice {
+            condition: format!("spring {mode}").parse().unwrap(),
+            terms,
+            trials: 6,
+            fitted_rmse_rad: None,
+            held_out_rmse_rad: None,
+            felt_share: None,
+            fullest_rmse_rad: None,
+            least_missed: None,
+            least_missed_rmse_rad: None,
+            most_missed: None,
+            most_missed_rmse_rad: None,
+            recordings,
+        };
+        let terms = TermSet::NONE.with(LadderTerm::Friction).with(LadderTerm::BrakeLag);
+        let verdict = Some(BorneOut::BetterWithout(LadderTerm::Gravity));
+        let passive = LadderChoice {
+            held_out_rmse_rad: Some(0.01),
+            felt_share: Some(0.25),
+            ..choice("passive", terms, verdict)
+        };
+        let rows = [choice("active", TermSet::NONE, None), passive, choice("other", terms, None)];
+        let found = laddered(&planned(), &rows);
         let told: Vec<&str> = found.iter().map(|finding| finding.text.as_str()).collect();
         assert_eq!(
             told,
             [
                 "Spring, active: a rigid lever without further terms is enough.",
-                "Spring, passive: the model requires friction, end stop; trials that it was not fitted to it misses by \
-                 0.573°, 0.250 of what is just felt; by the recordings: better without weight.",
+                "Spring, passive: the model requires friction, brake lag; trials that it was not fitted to it misses by \
+                 0.573°, 0.250 of what is just felt; by the recordings: better without gravity.",
+                "spring other: the model requires friction, brake lag.",
             ]
         );
     }

@@ -10,12 +10,16 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_device::Velocity;
-use zwidth_ladder::{Ladder, Loop, Settings, TermSet, ladder as climb, own, reason, told};
+use zwidth_figures::LadderRows;
+use zwidth_ladder::{
+    Ladder, Loop, Settings, effects, effects_table, interactions_table, ladder as climb, models,
+    models_table, own, possible, reason, told,
+};
+use zwidth_results::LadderTerm;
 use zwidth_runner::Provenance;
 use zwidth_simulate::ModelScene;
 use zwidth_store::StudyData;
 use zwidth_study::{Control, Perception, StudyId, counted};
-use zwidth_tables::Table;
 
 /// The loop of a scene that no study names: the thesis' h, s (Table 3).
 const THESIS_PERIOD_S: f64 = 0.0083;
@@ -41,12 +45,10 @@ pub(crate) fn ladder(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Res
     for name in named(root, asked)? {
         match climbed(root, &name, asked, screen) {
             Ok(ladders) => {
-                let mut tables = Vec::new();
-                for (_, ladder, _) in &ladders {
-                    tables.push([zwidth_ladder::models(ladder)?, zwidth_ladder::effects(ladder)?]);
-                }
+                let rows: Vec<LadderRows> =
+                    ladders.iter().map(|(_, ladder, _)| rows(ladder)).collect();
                 for ladder in &ladders {
-                    outcomes.push(written(&folder, asked, ladder, &tables)?);
+                    outcomes.push(written(&folder, asked, ladder, &rows)?);
                 }
             }
             Err(error) => outcomes.push(Outcome {
@@ -144,7 +146,7 @@ fn of_scene(path: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Climb
         looped: Loop { period_s: asked.rate.map_or(THESIS_PERIOD_S, |hz| 1.0 / hz), velocity },
         points: asked.points,
         bounds: Perception::default(),
-        offered: TermSet::possible(&scene),
+        offered: possible(&scene),
     };
     let points = counted(asked.points, "points");
     let models = 1_usize << settings.offered.len();
@@ -156,26 +158,31 @@ fn of_scene(path: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Climb
     Ok((stem(path), ladder, false))
 }
 
+/// What a figure is drawn from.
+fn rows(ladder: &Ladder) -> LadderRows {
+    LadderRows { models: models(ladder), effects: effects(ladder) }
+}
+
 /// Writes a ladder, its figure on axes that hold those of all conditions, `beside`.
 fn written(
     folder: &Path,
     asked: &Asked,
     (name, ladder, synthetic): &Climbed,
-    beside: &[[Table; 2]],
+    beside: &[LadderRows],
 ) -> anyhow::Result<Outcome> {
     let mut output = Output::new(folder, origin(ladder, asked, *synthetic));
-    let models = zwidth_ladder::models(ladder)?;
-    let effects = zwidth_ladder::effects(ladder)?;
-    output.figure(name, zwidth_figures::ladder(&models, &effects, beside, *synthetic)?)?;
-    output.table(&format!("{name}.models"), &models)?;
-    output.table(&format!("{name}.effects"), &effects)?;
-    output.table(&format!("{name}.interactions"), &zwidth_ladder::interactions(ladder)?)?;
+    let table = models_table(ladder)?;
+    let figure = zwidth_figures::ladder(&rows(ladder), beside, table.notes(), *synthetic);
+    output.figure(name, figure)?;
+    output.table(&format!("{name}.models"), &table)?;
+    output.table(&format!("{name}.effects"), &effects_table(ladder)?)?;
+    output.table(&format!("{name}.interactions"), &interactions_table(ladder)?)?;
     let choice = ladder.choice();
     let why = choice
         .iter()
         .flat_map(|choice| ladder.offered.terms().map(|term| reason(ladder, choice, term)));
     let told = choice.iter().map(|choice| told(ladder, choice)).chain(why).collect();
-    let words = |term: zwidth_ladder::LadderTerm| term.as_str().to_owned();
+    let words = |term: LadderTerm| term.as_str().to_owned();
     Ok(Outcome {
         scene: name.clone(),
         terms: choice.map(|choice| choice.set.terms().map(words).collect()),
