@@ -67,6 +67,25 @@ impl<R: Row> Derived<R> {
     pub(crate) fn read_of(&self, metric: &MetricId) -> Result<Vec<R>, TableError> {
         Table::from_parquet(&self.path)?.with_text("metric", metric.as_str())?.to_rows()
     }
+
+    /// Its rows in parts, for a table of any length.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub(crate) fn parts(
+        &self,
+    ) -> Result<impl Iterator<Item = Result<Vec<R>, TableError>> + use<R>, TableError> {
+        Ok(Table::parts(&self.path)?.map(|part| part?.to_rows()))
+    }
+
+    /// The notes below its rows.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub(crate) fn notes(&self) -> Result<Vec<String>, TableError> {
+        let notes = Table::about(&self.path)?.notes;
+        Ok(notes.into_iter().map(|(_, note)| note).collect())
+    }
 }
 
 impl<R: 'static> Inputs for Derived<R> {

@@ -61,7 +61,7 @@ pub use oscillations::{Oscillations, oscillations};
 pub use page::{JOB as PAGE, file as page_file};
 pub use preregistered::{analysis, plan_file, plan_finding, plan_text};
 pub use printed::Printed;
-pub use rehearsed::{Rehearsal, TwinOf, rehearsal, rehearsed, rehearsed_trials};
+pub use rehearsed::{OtherSetups, Rehearsal, TwinOf, rehearsal, rehearsed, rehearsed_trials};
 pub use report::built_in;
 pub use responses::{Responses, responses};
 pub use tables::{printed as printed_tables, write as write_table};

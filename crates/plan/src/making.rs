@@ -59,9 +59,9 @@ const SESSIONS_AT_ONCE: usize = 64;
 
 /// A long table of the study, the job's only output: what `join` makes of the tables of each session,
 /// one after the other. A note of one is a note of the whole.
-pub(crate) fn join_sessions(
-    sessions: &[Vec<PathBuf>],
-    join: impl Fn(&[PathBuf]) -> Result<Table, JobError> + Send + Sync + 'static,
+pub(crate) fn join_sessions<T: Clone + Send + Sync + 'static>(
+    sessions: &[Vec<T>],
+    join: impl Fn(&[T]) -> Result<Table, JobError> + Send + Sync + 'static,
     making: &Making,
 ) -> Made {
     let (sessions, from) = (sessions.to_vec(), making.from.clone());

@@ -8,13 +8,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 use zwidth_device::Twin;
 use zwidth_metrics::{Parameters, TrialMetrics};
+use zwidth_results::{MetricShift, SetupSummary};
 use zwidth_runner::JobError;
 use zwidth_store::{Samples, StudyData, Trial, TrialEntry};
 use zwidth_study::{Calibration, ParticipantId, SessionId, Source, Study, TrialMeta};
-use zwidth_tables::Table;
-use zwidth_trade::{
-    Bounds, Rehearsed, Setup, Stops, join_twin, rehearse, twin_summary, twin_table,
-};
+use zwidth_trade::{Bounds, Rehearsed, Setup, Stops, rehearse, setup_shifts, twin_summary};
 
 /// At most so many trials are simulated again: each a dozen times.
 const MOST_TRIALS: usize = 600;
@@ -65,7 +63,18 @@ pub fn rehearsed_trials(data: &StudyData) -> usize {
     trials * (1 + Setup::others(&data.study).len())
 }
 
-/// Every metric at every setup, one row per condition, and the same in short. Any number of threads
+/// What other setups do to a study's metrics.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OtherSetups {
+    /// Every metric of every condition at every setup.
+    pub shifts: Vec<MetricShift>,
+    /// The same in short, a row a setup.
+    pub summary: Vec<SetupSummary>,
+    /// The trials that safety stopped.
+    pub stops: Vec<Stops>,
+}
+
+/// Every metric at every setup; `None` where no condition has angle and force. Any number of threads
 /// gives the same bits.
 ///
 /// # Errors
@@ -74,17 +83,17 @@ pub fn rehearsed(
     data: &StudyData,
     twin_of: &TwinOf<'_>,
     progress: &(dyn Fn() + Sync),
-) -> Result<Option<[Table; 2]>, JobError> {
+) -> Result<Option<OtherSetups>, JobError> {
     let calibration = scenes_calibration(data);
-    let (mut tables, mut stops) = (Vec::new(), Vec::new());
-    for repeats in conditions(data) {
-        let made = condition(data, &repeats, &calibration, twin_of, progress)?;
-        tables.push(made.0);
+    let (mut shifts, mut stops) = (Vec::new(), Vec::new());
+    let conditions = conditions(data);
+    for repeats in &conditions {
+        let made = condition(data, repeats, &calibration, twin_of, progress)?;
+        shifts.extend(made.0);
         stops.extend(made.1);
     }
-    let Some(all) = join_twin(tables)? else { return Ok(None) };
-    let short = twin_summary(&all, &stops)?;
-    Ok(Some([all, short]))
+    let summary = twin_summary(&shifts, &stops);
+    Ok((!conditions.is_empty()).then_some(OtherSetups { shifts, summary, stops }))
 }
 
 /// A condition of a session at every setup.
@@ -94,7 +103,7 @@ fn condition(
     calibration: &Calibration,
     twin_of: &TwinOf<'_>,
     progress: &(dyn Fn() + Sync),
-) -> Result<(Table, Vec<Stops>), JobError> {
+) -> Result<(Vec<MetricShift>, Vec<Stops>), JobError> {
     let Some(first) = repeats.trials.first() else { return Err("a condition has trials".into()) };
     let twin = twin_of(&first.meta.participant, &first.meta.session)?;
     let at = |setup: Setup| -> Vec<Result<TrialMetrics, String>> {
@@ -128,7 +137,7 @@ fn condition(
     }
     let lever_m = data.study.device.lever_m.unwrap_or(0.0);
     let bounds = Bounds { perception: &data.study.perception, lever_m };
-    Ok((twin_table(&repeats.key, &rehearsals, &bounds)?, stops))
+    Ok((setup_shifts(&repeats.key, &rehearsals, &bounds), stops))
 }
 
 /// The metrics of a trial at a setup, or why there are none, in words.
@@ -155,7 +164,7 @@ mod tests {
     use crate::tests::data;
     use zwidth_device::{Person, TwinParameters};
 
-    fn made() -> [Table; 2] {
+    fn made() -> OtherSetups {
         let of = |_: &ParticipantId, _: &SessionId| -> Result<Twin, JobError> {
             Ok(Twin::new(TwinParameters::default(), Person::typical(7), 3)?)
         };
@@ -164,21 +173,19 @@ mod tests {
 
     #[test]
     fn every_setup_has_a_row_and_a_mode_that_safety_refuses_is_counted_and_told() {
-        let [all, short] = made();
-        let setups: Vec<String> = short.texts("setup").unwrap().into_iter().flatten().collect();
+        let found = made();
+        let setups: Vec<String> = found.summary.iter().map(|row| row.setup.to_string()).collect();
         let mut asked: Vec<String> =
             Setup::others(&data().study).into_iter().map(Setup::words).collect();
-        let mut found = setups.clone();
+        let mut sorted = setups.clone();
         asked.sort();
-        found.sort();
-        assert_eq!(found, asked);
+        sorted.sort();
+        assert_eq!(sorted, asked);
         let at = setups.iter().position(|setup| setup == "force at 10 Hz").unwrap();
-        assert_eq!(short.integers("stopped").unwrap()[at], Some(2), "the loop switches on it");
-        assert!(short.notes().iter().any(|note| note.contains("2 of 2 trials")), "{short:?}");
-        let metrics = all.texts("metric").unwrap();
-        assert!(metrics.contains(&Some("theta_max_rad".to_owned())));
-        let again = format!("{:?}", made());
-        assert_eq!(again, format!("{:?}", [all, short]), "the same every time");
+        assert_eq!(found.summary[at].stopped, 2, "the loop switches on it");
+        assert!(found.stops.iter().any(|stop| stop.why.contains("2 of 2 trials")), "{found:?}");
+        assert!(found.shifts.iter().any(|shift| &*shift.metric == "theta_max_rad"));
+        assert_eq!(made(), found, "the same every time");
     }
 
     #[test]

@@ -15,7 +15,9 @@ use zwidth_report::{
     ComparedMetric, Finding, Gallery, Made as Listed, Remark, Shown, Summary, Told, TrialNames,
     changes, findings, laddered, summary_markdown, survey, traded, uneven_ranges,
 };
-use zwidth_results::{Compared, LadderChoice, Mean, MetricNote, ModeDifference, SessionChange};
+use zwidth_results::{
+    Compared, LadderChoice, Mean, MetricNote, ModeDifference, SessionChange, TradeChoice,
+};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene, Setup};
@@ -72,7 +74,7 @@ pub(crate) struct Files {
     /// The thesis' statements, as judged.
     statements: Option<PathBuf>,
     /// What is recommended for each scene of the study, and which terms it requires.
-    trade: Option<PathBuf>,
+    trade: Option<Derived<TradeChoice>>,
     ladder: Option<Derived<LadderChoice>>,
     /// The metrics compared.
     compared: Option<Comparison>,
@@ -215,8 +217,10 @@ fn list_findings(
 /// terms that each condition requires.
 fn list_runs(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, TableError> {
     let mut found = Vec::new();
-    if let Some(table) = read(&files.trade)? {
-        found.extend(traded(&page.planned, &table)?);
+    if let Some(trade) = &files.trade
+        && let Some(choices) = trade.read_if_made()?
+    {
+        found.extend(traded(&page.planned, &choices));
     }
     if let Some(ladder) = &files.ladder
         && let Some(choices) = ladder.read_if_made()?

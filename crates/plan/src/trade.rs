@@ -3,7 +3,8 @@
 
 use crate::conditions::{Repeats, spread};
 use crate::drawing::{Drawing, Figured};
-use crate::making::{derived, join_sessions, read_tables, split, write_tables};
+use crate::handle::{Derived, Written};
+use crate::making::{derived, join_sessions, split, write_tables};
 use crate::measured::measured;
 use crate::replay::rendered;
 use crate::trials::{OfTrials, Recordings, files as trial_files, name, read_all};
@@ -12,13 +13,15 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_figures::{FigureKind, LESS, WORK_PRECISION};
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_results::{MetricShift, Row, TradeChoice, TradeSetting};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Samples, Signal, StudyData, Trial, TrialEntry, TrialFile};
 use zwidth_study::{Calibration, Kind, Measured, Perception, Source, Status, TrialMeta};
 use zwidth_tables::Table;
 use zwidth_trade::{
-    Bounds, Course, LONGEST, Less, Metrics, ModelScene, Parameters, Trade, TradeError,
-    condition_scene, data_table, lessened, settings_table, summary_table, trade,
+    Bounds, Course, LONGEST, Less, Metrics, ModelScene, Parameters, Trade, TradeError, choice,
+    choices_table, condition_scene, less_shifts, lessened, recordings_table, settings,
+    settings_table, trade,
 };
 
 const STAGE: Stage = Stage { name: "trade", version: zwidth_trade::VERSION };
@@ -100,20 +103,35 @@ pub fn scenes(data: &StudyData) -> Vec<Traded> {
     conditions.filter_map(traded).collect()
 }
 
-/// Every setting of every scene, and what is recommended.
-fn files(layout: &Layout) -> [PathBuf; 2] {
-    ["trade.parquet", "trade_summary.parquet"].map(|name| derived(layout, name))
+/// What is found of the scenes, a table for each kind of row.
+#[derive(Clone)]
+struct OfScenes {
+    settings: Derived<TradeSetting>,
+    choices: Derived<TradeChoice>,
+}
+
+impl OfScenes {
+    fn of(layout: &Layout) -> Self {
+        let folder = layout.derived();
+        Self { settings: Derived::within(&folder), choices: Derived::within(&folder) }
+    }
+}
+
+impl Inputs for OfScenes {
+    fn files(&self) -> Vec<PathBuf> {
+        [self.settings.files(), self.choices.files()].concat()
+    }
 }
 
 /// The derived tables, where there are scenes. What less of the recordings does has thousands of
 /// rows: it is drawn, and read from its Parquet file.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
-    if scenes(data).is_empty() { Vec::new() } else { files(&data.layout).to_vec() }
+    if scenes(data).is_empty() { Vec::new() } else { OfScenes::of(&data.layout).files() }
 }
 
 /// What is recommended for each scene, where there are any.
-pub(crate) fn recommended(data: &StudyData) -> Option<PathBuf> {
-    tables(data).pop()
+pub(crate) fn recommended(data: &StudyData) -> Option<Derived<TradeChoice>> {
+    (!scenes(data).is_empty()).then(|| OfScenes::of(&data.layout).choices)
 }
 
 /// The conditions that were rendered and recorded with angle and force: others have no metric of
@@ -152,9 +170,9 @@ struct Share {
 }
 
 /// What less of the recordings does, where there are any.
-fn data_table_of(data: &StudyData) -> Option<PathBuf> {
+fn shifts_of(data: &StudyData) -> Option<Derived<MetricShift>> {
     let is_any = measured_conditions(data).any(|r| r.trials.iter().any(|t| t.rows <= LONGEST));
-    is_any.then(|| derived(&data.layout, "trade_data.parquet"))
+    is_any.then(|| Derived::within(&data.layout.derived()))
 }
 
 /// What the trade of a study depends on. Recordings are not part of it.
@@ -166,7 +184,7 @@ struct OfStudy {
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let of = OfStudy { scenes: scenes(data), perception: data.study.perception.clone() };
-    let outputs = files(&data.layout).to_vec();
+    let outputs = OfScenes::of(&data.layout).files();
     let scenes = (!of.scenes.is_empty())
         .then(|| Job::new(STAGE, "trade of the study's conditions", of, (), outputs, make));
     scenes.into_iter().chain(data_jobs(data)).collect()
@@ -175,7 +193,9 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 /// What less of a condition's recordings does, and all of them joined.
 fn data_jobs(data: &StudyData) -> Vec<Job> {
     let (conditions, share) = lessened_conditions(data);
-    let table = |r: &Repeats| derived(&data.layout, format!("trade/{}.parquet", r.key));
+    let table = |r: &Repeats| -> Derived<MetricShift> {
+        Derived::at(derived(&data.layout, format!("trade/{}.parquet", r.key)))
+    };
     let one = |r: &Repeats| {
         let metrics = zwidth_metrics::Parameters::of(&data.study, r.environment, r.mode);
         let of = OfTrials::new(
@@ -183,15 +203,15 @@ fn data_jobs(data: &StudyData) -> Vec<Job> {
             &r.trials,
         );
         let name = format!("less of {}", r.who);
-        Job::new(STAGE, name, of, trial_files(&r.trials), vec![table(r)], make_data)
+        Job::new(STAGE, name, of, trial_files(&r.trials), table(r).files(), make_data)
     };
     let mut jobs: Vec<Job> = conditions.iter().map(one).collect();
     if !conditions.is_empty() {
-        let tables: Vec<Vec<PathBuf>> = conditions
+        let tables: Vec<Vec<Derived<MetricShift>>> = conditions
             .chunk_by(Repeats::is_of_session_of)
             .map(|session| session.iter().map(table).collect())
             .collect();
-        let output = vec![derived(&data.layout, "trade_data.parquet")];
+        let output = Derived::<MetricShift>::within(&data.layout.derived()).files();
         jobs.push(Job::new(
             STAGE,
             "less of the study's recordings",
@@ -230,20 +250,22 @@ fn make_data(of: &OfTrials<OfData>, files: &Recordings, making: &Making) -> Resu
     let less = Less::ALL.into_iter().enumerate().map(|(k, less)| Ok((less, table(k + 1)?)));
     let less = less.collect::<Result<Vec<_>, zwidth_tables::TableError>>()?;
     let bounds = Bounds { perception, lever_m: metrics.lever_m.unwrap_or(0.0) };
-    write_tables(&[data_table(condition, &whole, &less, &bounds)?], making, problems)
+    let shifts = less_shifts(condition, &whole, &less, &bounds);
+    write_tables(&[recordings_table(&shifts)?], making, problems)
 }
 
 fn join_data(
     share: &Option<Share>,
-    sessions: &Vec<Vec<PathBuf>>,
+    sessions: &Vec<Vec<Derived<MetricShift>>>,
     making: &Making,
 ) -> Result<Made, JobError> {
     let note = share.as_ref().map(|Share { taken, of }| {
         format!("Of {of} trials, those of participants evenly spread over the list were taken: {taken} trials.")
     });
-    let join = move |tables: &[PathBuf]| {
-        let joined = zwidth_trade::join_conditions(read_tables(tables)?)?;
-        Ok(note.iter().fold(joined.ok_or("there is no trial")?, Table::with_note))
+    let join = move |conditions: &[Derived<MetricShift>]| {
+        let shifts = conditions.iter().map(Derived::read).collect::<Result<Vec<_>, _>>()?;
+        let joined = recordings_table(&shifts.concat())?;
+        Ok(note.iter().fold(joined, Table::with_note))
     };
     Ok(join_sessions(sessions, join, making))
 }
@@ -254,22 +276,23 @@ fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
         traded.trade(scene, &Parameters::reduced(scene, &of.perception), &|| ())
     };
     let trades: Vec<Trade> = of.scenes.par_iter().map(one).collect::<Result<_, _>>()?;
-    let title = "Speed against accuracy";
-    let tables =
-        [settings_table("trade", title, &trades)?, summary_table("trade_summary", title, &trades)?];
-    write_tables(&tables, making, Vec::new())
+    let choices: Vec<TradeChoice> = trades.iter().map(choice).collect();
+    Written::begin(making, false)
+        .table::<TradeSetting>(settings_table(TradeSetting::TITLE, &settings(&trades))?)?
+        .table::<TradeChoice>(choices_table(TradeChoice::TITLE, &choices)?)?
+        .end()
 }
 
 /// One figure per scene.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     const KIND: FigureKind = WORK_PRECISION;
-    let [settings, summary] = files(&data.layout);
+    let found = OfScenes::of(&data.layout);
     let one = |Traded { scene, .. }: Traded| {
-        let inputs = vec![settings.clone(), summary.clone()];
+        let inputs = found.clone();
         Drawing::new(data, KIND, [scene.name.replace('.', "_")], scene.name, inputs, draw)
     };
     let scenes = scenes(data).into_iter().map(one);
-    let less = data_table_of(data).map(|table| {
+    let less = shifts_of(data).map(|table| {
         let sources: BTreeSet<Source> = data.counting().map(|t| t.meta.source).collect();
         let sources: Vec<Source> = sources.into_iter().collect();
         let all = || data.counting().filter(|t| t.rows <= LONGEST).count();
@@ -279,13 +302,12 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     scenes.chain(less).collect()
 }
 
-fn draw_less(sources: &Vec<Source>, table: &PathBuf) -> Figured {
-    Ok((zwidth_figures::less(Table::parts(table)?, sources)?, Vec::new()))
+fn draw_less(sources: &Vec<Source>, table: &Derived<MetricShift>) -> Figured {
+    let (notes, parts) = (table.notes()?, table.parts()?);
+    Ok((zwidth_figures::less(MetricShift::TITLE, &notes, parts, sources)?, Vec::new()))
 }
 
-fn draw(scene: &String, files: &Vec<PathBuf>) -> Figured {
-    let [settings, summary] = files.as_slice() else { return Err("a trade has two tables".into()) };
-    let (settings, summary) = (Table::from_parquet(settings)?, Table::from_parquet(summary)?);
-    let figure = zwidth_figures::work_precision_of(scene, &settings, &summary)?;
-    Ok((figure, Vec::new()))
+fn draw(scene: &String, found: &OfScenes) -> Figured {
+    let (settings, choices) = (found.settings.read()?, found.choices.read()?);
+    Ok((zwidth_figures::work_precision_of(scene, &settings, &choices), Vec::new()))
 }

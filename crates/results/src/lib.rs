@@ -28,12 +28,19 @@
 //! | [`TermPair`] | scene, quantity, two terms | `ladder` | nothing but the file |
 //! | [`HeldOutModel`] | condition, model | `ladder` | `ladder`, `replay` |
 //! | [`LadderChoice`] | condition | `ladder` | summary, printed tables |
+//! | [`TradeSetting`] | scene, model, solver, step or tolerance | `trade` | figures, printed tables |
+//! | [`TradeChoice`] | scene, model | `trade` | figures, summary, printed tables |
+//! | [`TradeMetric`] | scene, solver, step or tolerance, metric | `zwidth trade` | nothing but the file |
+//! | [`RunTime`] | solver, step or tolerance | `zwidth trade` | nothing but the file |
+//! | [`MetricShift`] | condition, what is less, metric | `trade`, `zwidth trade` | figures |
+//! | [`SetupSummary`] | setup | `zwidth trade` | `zwidth trade` |
 
 mod column;
 mod comparison;
 mod ladder;
 mod note;
 mod row;
+mod trade;
 mod value;
 
 pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
@@ -49,4 +56,8 @@ pub use ladder::{
 };
 pub use note::NoteKind;
 pub use row::{ReadError, Row};
+pub use trade::{
+    Gate, LessKind, MetricShift, NoReason, Proof, RunTime, SetupSummary, TradeChoice, TradeMetric,
+    TradeRun, TradeSetting, WhyNot,
+};
 pub use value::Value;

@@ -48,6 +48,19 @@ impl Value for i64 {
     }
 }
 
+impl Value for u64 {
+    const KIND: Type = Type::Integer;
+
+    fn scalar(&self) -> Scalar {
+        // No count of work is larger.
+        Scalar::Integer(i64::try_from(*self).unwrap_or(i64::MAX))
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        Self::try_from(i64::of(scalar)?).ok()
+    }
+}
+
 impl Value for usize {
     const KIND: Type = Type::Integer;
 

@@ -7,7 +7,7 @@ use zwidth_draw::{
     Axis, Cell, Figure, Layer, Line, Panel, Points, Range, TWO_COLUMNS_MM, Text, TextPlace, Ticks,
 };
 use zwidth_dynamics::NAMED_SOLVERS;
-use zwidth_tables::{Table, TableError};
+use zwidth_results::{TradeRun, TradeSetting};
 
 /// Heights of the panels, mm.
 const COURSES_MM: f64 = 48.0;
@@ -32,16 +32,15 @@ pub struct Felt<'a> {
     pub solver: &'a str,
     /// Whether it can be felt, in a sentence.
     pub sentence: String,
+    /// What its scene is called.
+    pub title: String,
 }
 
-/// The finding. `courses` has the runs (the coarsest first, the one that finds events last),
-/// `settings` is the stage `trade`'s table of the scene.
-///
-/// # Errors
-/// A table that lacks a column.
-pub fn finding(courses: &Table, settings: &Table, felt: &Felt) -> Result<Figure, TableError> {
-    let runs = runs(courses)?;
-    let steps = steps(settings, felt.solver)?;
+/// The finding. `runs` are the coarsest first, the one that finds events last; `settings` are those
+/// of the scene.
+pub fn finding(runs: &[TradeRun], settings: &[TradeSetting], felt: &Felt) -> Figure {
+    let runs: Vec<Run> = runs.iter().map(Run::of).collect();
+    let steps = Steps::of(settings, felt.solver);
     let changes = runs.iter().find(|run| run.step_ms.is_none()).map_or(0, |run| run.changes);
     let powers = |label: &str, unit: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) };
     let x = || powers("step *h*", "ms").linked("step");
@@ -71,48 +70,38 @@ pub fn finding(courses: &Table, settings: &Table, felt: &Felt) -> Result<Figure,
             "**c**  … and twice as many",
         ),
     ];
-    Ok(Figure {
+    Figure {
         title: Some("The oscillation is the method’s, not the device’s".to_owned()),
         description: format!(
             "{}. Top: the lever's angle, run with a coarse step, a tenth of it, and with events found. Bottom left: \
              the size of a swing goes to zero with the step. Bottom right: their number goes to infinity.",
-            settings.title()
+            felt.title
         ),
         width_mm: TWO_COLUMNS_MM,
         panels,
         footnotes: vec![plain(&felt.sentence)],
         mark: model_mark(),
         ..Figure::default()
-    })
+    }
 }
 
-/// A run of the table of courses.
+/// A run as it stands on the axes.
 struct Run {
     step_ms: Option<f64>,
-    changes: i64,
+    changes: usize,
     t_s: Vec<f64>,
     theta_deg: Vec<f64>,
 }
 
-/// Rows that follow each other with one solver and one step.
-fn runs(courses: &Table) -> Result<Vec<Run>, TableError> {
-    let (solvers, steps) = (courses.texts("solver")?, courses.floats("step_s")?);
-    let (t, theta) = (courses.floats("t_s")?, courses.floats("theta_rad")?);
-    let changes = courses.integers("motion_changes")?;
-    let mut runs: Vec<Run> = Vec::new();
-    for i in 0..courses.height() {
-        let key = |i: usize| (&solvers[i], steps[i].map(f64::to_bits));
-        if i == 0 || key(i) != key(i - 1) {
-            let step_ms = steps[i].map(|s| MS_PER_S * s);
-            let changes = changes[i].unwrap_or_default();
-            runs.push(Run { step_ms, changes, t_s: Vec::new(), theta_deg: Vec::new() });
-        }
-        if let Some(run) = runs.last_mut() {
-            run.t_s.push(t[i].unwrap_or(f64::NAN));
-            run.theta_deg.push(theta[i].map_or(f64::NAN, f64::to_degrees));
+impl Run {
+    fn of(run: &TradeRun) -> Self {
+        Self {
+            step_ms: run.step_s.map(|step_s| MS_PER_S * step_s),
+            changes: run.motion_changes,
+            t_s: run.t_s.clone(),
+            theta_deg: run.theta_rad.iter().map(|rad| rad.to_degrees()).collect(),
         }
     }
-    Ok(runs)
 }
 
 /// The angle while the lever should rest at its top, and a little before and after, of each run.
@@ -169,23 +158,23 @@ struct Steps {
     reversals: Vec<f64>,
 }
 
-fn steps(settings: &Table, solver: &str) -> Result<Steps, TableError> {
-    let solvers = settings.texts("solver")?;
-    let swings = settings.integers("swings")?;
-    let (steps, amplitudes) = (settings.floats("step_s")?, settings.floats("swing_amplitude_rad")?);
-    let reversals = settings.integers("reversals")?;
-    let rows = (0..solvers.len()).filter(|i| {
-        solvers[*i].as_deref() == Some(solver) && swings[*i].is_some_and(|swings| swings > 0)
-    });
-    let rows: Vec<usize> = rows.collect();
-    let pick = |get: &dyn Fn(usize) -> Option<f64>| -> Vec<f64> {
-        rows.iter().map(|i| get(*i).unwrap_or(f64::NAN)).collect()
-    };
-    Ok(Steps {
-        step_ms: pick(&|i| steps[i].map(|s| MS_PER_S * s)),
-        amplitude_deg: pick(&|i| amplitudes[i].filter(|a| *a > LEAST_RAD).map(f64::to_degrees)),
-        reversals: pick(&|i| reversals[i].map(|n| n as f64)),
-    })
+impl Steps {
+    /// Those of a solver that swings.
+    fn of(settings: &[TradeSetting], solver: &str) -> Self {
+        let is_it = |setting: &&TradeSetting| {
+            *setting.solver == *solver && setting.swings.is_some_and(|swings| swings > 0)
+        };
+        let pick = |get: fn(&TradeSetting) -> Option<f64>| -> Vec<f64> {
+            settings.iter().filter(is_it).map(|s| get(s).unwrap_or(f64::NAN)).collect()
+        };
+        Self {
+            step_ms: pick(|s| s.step_s.map(|step_s| MS_PER_S * step_s)),
+            amplitude_deg: pick(|s| {
+                s.swing_amplitude_rad.filter(|rad| *rad > LEAST_RAD).map(f64::to_degrees)
+            }),
+            reversals: pick(|s| s.reversals.map(|n| n as f64)),
+        }
+    }
 }
 
 /// What an axis of powers of ten takes; what is not above zero has no place on it.
@@ -196,57 +185,48 @@ fn logarithms(values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
+    use crate::tests::trade_setting;
 
     /// A coarse run that overshoots, and one that finds events and rests from 1 s to 2 s.
-    fn courses() -> Table {
-        let t: Vec<f64> = (0..40).map(|i| f64::from(i) * 0.1).collect();
-        let right = |t: f64| if t < 1.0 { 0.2 * t } else { 0.2 - 0.1 * (t - 2.0).max(0.0) };
-        let coarse = t.iter().map(|t| right(*t) + 0.05);
-        let theta: Vec<Option<f64>> = coarse.chain(t.iter().map(|t| right(*t))).map(Some).collect();
-        let both = |a: Option<f64>, b| (0..80).map(move |i| if i < 40 { a } else { b });
-        let columns = vec![
-            Column::text(
-                "solver",
-                "",
-                (0..80).map(|i| Some(if i < 40 { "rk4_per_step" } else { "exact" }.to_owned())),
-            ),
-            Column::float("step_s", "s", "", both(Some(8.3e-3), None)),
-            Column::float("t_s", "s", "", t.iter().chain(&t).map(|t| Some(*t))),
-            Column::float("theta_rad", "rad", "", theta),
-            Column::integer("motion_changes", "1", "", (0..80).map(|_| Some(3))),
-        ];
-        Table::new("courses", "Courses", columns).unwrap()
+    fn courses() -> [TradeRun; 2] {
+        let t_s: Vec<f64> = (0..40).map(|i| f64::from(i) * 0.1).collect();
+        let right = |t: &f64| if *t < 1.0 { 0.2 * t } else { 0.2 - 0.1 * (t - 2.0).max(0.0) };
+        let run = |solver: &str, step_s, above| TradeRun {
+            solver: solver.into(),
+            step_s,
+            motion_changes: 3,
+            theta_rad: t_s.iter().map(|t| right(t) + above).collect(),
+            t_s: t_s.clone(),
+        };
+        [run("rk4_per_step", Some(8.3e-3), 0.05), run("exact", None, 0.0)]
     }
 
     #[test]
     fn the_top_panel_shows_the_time_at_which_the_lever_should_rest() {
-        let runs = runs(&courses()).unwrap();
-        assert_eq!(runs.len(), 2);
-        let (top_deg, from, to) = rest(&runs[1]);
+        let (top_deg, from, to) = rest(&Run::of(&courses()[1]));
         assert!((top_deg - 0.2_f64.to_degrees()).abs() < 1e-9);
         assert!((from - 0.65).abs() < 0.05 && (to - 2.35).abs() < 0.05, "{from} {to}");
     }
 
     #[test]
     fn swings_of_a_solver_are_drawn_by_step_and_it_is_said_whether_they_are_felt() {
-        let float = |name, unit, values: [Option<f64>; 3]| Column::float(name, unit, "", values);
-        let columns = vec![
-            Column::text(
-                "solver",
-                "",
-                ["exact", "rk4_per_step", "rk4_per_step"].map(|s| Some(s.to_owned())),
-            ),
-            float("step_s", "s", [None, Some(1e-3), Some(2e-3)]),
-            float("swing_amplitude_rad", "rad", [Some(0.0), Some(1e-3), Some(4e-3)]),
-            Column::integer("swings", "1", "", [0, 20, 10].map(Some)),
-            Column::integer("reversals", "1", "", [2, 20, 10].map(Some)),
-        ];
-        let settings = Table::new("trade", "Trade", columns).unwrap();
-        let felt = Felt { solver: "rk4_per_step", sentence: "It is felt.".to_owned() };
-        let figure = finding(&courses(), &settings, &felt).unwrap();
+        let rk4 = |step_s, amplitude_rad, n| TradeSetting {
+            step_s: Some(step_s),
+            swing_amplitude_rad: Some(amplitude_rad),
+            swings: Some(n),
+            reversals: Some(n),
+            ..trade_setting("rk4_per_step")
+        };
+        let exact = TradeSetting { swings: Some(0), reversals: Some(2), ..trade_setting("exact") };
+        let settings = [exact, rk4(1e-3, 1e-3, 20), rk4(2e-3, 4e-3, 10)];
+        let felt = Felt {
+            solver: "rk4_per_step",
+            sentence: "It is felt.".to_owned(),
+            title: "Trade".to_owned(),
+        };
+        let figure = finding(&courses(), &settings, &felt);
         assert_eq!((figure.panels.len(), figure.footnotes.len()), (3, 1));
         assert!(zwidth_draw::draw(&figure).is_ok());
-        assert_eq!(steps(&settings, "rk4_per_step").unwrap().step_ms, [1.0, 2.0]);
+        assert_eq!(Steps::of(&settings, "rk4_per_step").step_ms, [1.0, 2.0]);
     }
 }

@@ -4,12 +4,14 @@
 use crate::about::FigureKind;
 use crate::words::plain;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use zwidth_draw::style::{self, Colour, Marker};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Reference, TWO_COLUMNS_MM, Ticks, dodge,
 };
+use zwidth_results::{LessKind, MetricShift};
 use zwidth_study::Source;
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::TableError;
 
 /// What less of the recordings does.
 pub const LESS: FigureKind = FigureKind {
@@ -53,53 +55,44 @@ fn row_words(metric: &str) -> String {
 }
 
 /// One panel per kind of less, a row a metric whose unit has a change that is just felt, a marker a
-/// degree of it. `changes` is a table of the stage `trade`, in parts: of recordings, or of the
-/// simulated device.
+/// degree of it. `changes` come in parts, for there may be many; `title` and `notes` are those of
+/// their table.
 ///
 /// # Errors
-/// Those of the parts; a table that lacks a column.
+/// Those of the parts.
 pub fn less(
-    changes: impl Iterator<Item = Result<Table, TableError>>,
+    title: &str,
+    notes: &[String],
+    changes: impl Iterator<Item = Result<Vec<MetricShift>, TableError>>,
     sources: &[Source],
 ) -> Result<Figure, TableError> {
     let mut rows = Rows::default();
-    let mut panels: Vec<(String, Vec<String>)> = Vec::new();
-    let mut about = None;
+    let mut panels: Vec<(LessKind, Vec<Arc<str>>)> = Vec::new();
     for part in changes {
-        let part = part?;
-        let words = part.words("kind")?.zip(part.words("less")?).zip(part.words("metric")?);
-        let shares = part.floats("median_share")?.into_iter().zip(part.floats("p90_share")?);
-        for (words, shares) in words.zip(shares) {
-            let (((Some(kind), Some(less)), Some(metric)), (Some(median), Some(p90))) =
-                (words, shares)
-            else {
-                continue;
-            };
+        for MetricShift { kind, less, metric, median_share, p90_share, .. } in part? {
+            let Some((median, p90)) = median_share.zip(p90_share) else { continue };
             if metric.contains(INTERVAL) {
                 continue; // the ends of an interval change with its metric
             }
             match panels.iter_mut().find(|panel| panel.0 == kind) {
-                Some(panel) if panel.1.iter().any(|known| known == less) => {}
-                Some(panel) => panel.1.push(less.to_owned()),
-                None => panels.push((kind.to_owned(), vec![less.to_owned()])),
+                Some(panel) if panel.1.contains(&less) => {}
+                Some(panel) => panel.1.push(less.clone()),
+                None => panels.push((kind, vec![less.clone()])),
             }
             rows.add(less, metric, [median, p90]);
         }
-        about.get_or_insert_with(|| (part.title().to_owned(), part.notes().to_vec()));
     }
-    let (title, notes) = about.unwrap_or_default();
     let mut before = 0;
     let panels = panels.iter().enumerate().map(|(column, (kind, less))| {
-        let panel = rows.panel(column, before, kind, less);
+        let panel = rows.panel(column, before, *kind, less);
         before += less.len();
         panel
     });
     Ok(Figure {
-        title: Some(plain(&title)),
+        title: Some(plain(title)),
         description: format!(
-            "{}: for each kind a panel, for each metric a row: its change over what is just felt, in the median trial \
-             and up to the 90th percentile of the trials.",
-            title
+            "{title}: for each kind a panel, for each metric a row: its change over what is just felt, in the median trial \
+             and up to the 90th percentile of the trials."
         ),
         width_mm: TWO_COLUMNS_MM,
         panels: panels.collect(),
@@ -114,31 +107,31 @@ pub fn less(
 /// Of each degree and metric, the change of the condition whose median trial changes most.
 #[derive(Default)]
 struct Rows {
-    names: Vec<String>,
+    names: Vec<Arc<str>>,
     /// Median and 90th percentile, by degree and metric.
-    most: BTreeMap<(String, String), [f64; 2]>,
+    most: BTreeMap<(Arc<str>, Arc<str>), [f64; 2]>,
 }
 
 impl Rows {
-    fn add(&mut self, less: &str, metric: &str, share: [f64; 2]) {
-        if !self.names.iter().any(|name| name == metric) {
-            self.names.push(metric.to_owned());
+    fn add(&mut self, less: Arc<str>, metric: Arc<str>, share: [f64; 2]) {
+        if !self.names.contains(&metric) {
+            self.names.push(metric.clone());
         }
-        let most = self.most.entry((less.to_owned(), metric.to_owned())).or_insert(share);
+        let most = self.most.entry((less, metric)).or_insert(share);
         if share[0] > most[0] {
             *most = share;
         }
     }
 
     /// `before` degrees stand in the panels to the left.
-    fn panel(&self, column: usize, before: usize, kind: &str, less: &[String]) -> Panel {
+    fn panel(&self, column: usize, before: usize, kind: LessKind, less: &[Arc<str>]) -> Panel {
         let (direction, stroke) = (Direction::Vertical, style::reference());
         let felt = Reference { direction, at: 0.0, label: None, stroke, name: None };
         let mut layers = vec![Layer::Reference(felt)];
         let degrees = less.len();
         layers.extend(less.iter().enumerate().map(|(number, less)| {
             let place = |row: usize| row as f64 + dodge(number, degrees);
-            let share = |metric: &String, which: usize| {
+            let share = |metric: &Arc<str>, which: usize| {
                 let shares = self.most.get(&(less.clone(), metric.clone()));
                 shares.map_or(f64::NAN, |shares| libm::log10(shares[which].max(LEAST)))
             };
@@ -157,7 +150,7 @@ impl Rows {
         let x =
             Axis { ticks: Ticks::Powers, ..Axis::new("change ÷ just felt", "") }.linked("share");
         let y = Axis::categories(self.names.iter().map(|name| row_words(name))).linked("metric");
-        let panel = Panel::new(Cell::at(0, column), x, y, layers).titled(plain(kind));
+        let panel = Panel::new(Cell::at(0, column), x, y, layers).titled(plain(kind.as_str()));
         Panel { height_mm: Some(FRAME_MM + ROW_MM * self.names.len() as f64), ..panel }
     }
 }
@@ -177,21 +170,38 @@ fn colour(number: usize) -> Colour {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
 
     /// Two kinds, the first with two degrees of which the first has two conditions.
-    fn table() -> Table {
-        let text =
-            |name, values: [&str; 5]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
-        let share = |name, values| Column::float(name, "1", "", values);
-        let columns = vec![
-            text("kind", ["fewer samples", "fewer samples", "fewer samples", "angle", "angle"]),
-            text("less", ["1 of 2", "1 of 2", "1 of 4", "10 bits", "10 bits"]),
-            text("metric", ["peak_n", "peak_n", "peak_n", "peak_n", "theta_max_rad"]),
-            share("median_share", [Some(0.1), Some(10.0), Some(2.0), Some(1.0), None]),
-            share("p90_share", [Some(50.0), Some(20.0), Some(3.0), Some(1.0), None]),
-        ];
-        Table::new("trade_data", "Less", columns).unwrap()
+    fn shifts() -> Vec<MetricShift> {
+        let shift = |kind, less: &str, metric: &str, median_share, p90_share| MetricShift {
+            condition: "P01.S01.spring.hybrid".into(),
+            kind,
+            less: less.into(),
+            metric: metric.into(),
+            unit: "N".into(),
+            trials: 6,
+            lost: 0,
+            mean: 1.0,
+            change: 0.0,
+            median_change: 0.0,
+            p90_change: 0.0,
+            largest_change: 0.0,
+            bound: None,
+            median_share,
+            p90_share,
+        };
+        let (samples, angle) = (LessKind::Samples, LessKind::Angle);
+        vec![
+            shift(samples, "1 of 2", "peak_n", Some(0.1), Some(50.0)),
+            shift(samples, "1 of 2", "peak_n", Some(10.0), Some(20.0)),
+            shift(samples, "1 of 4", "peak_n", Some(2.0), Some(3.0)),
+            shift(angle, "10 bits", "peak_n", Some(1.0), Some(1.0)),
+            shift(angle, "10 bits", "theta_max_rad", None, None),
+        ]
+    }
+
+    fn figure(sources: &[Source]) -> Figure {
+        less("Less", &[], [shifts()].map(Ok).into_iter(), sources).unwrap()
     }
 
     fn intervals(figure: &Figure) -> Vec<&Intervals> {
@@ -207,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_panel_a_kind_a_row_a_metric_and_the_condition_that_changes_most() {
-        let figure = less([table()].map(Ok).into_iter(), &[Source::Twin]).unwrap();
+        let figure = figure(&[Source::Twin]);
         assert_eq!(figure.panels.len(), 2);
         assert!(figure.mark.is_some() && zwidth_draw::draw(&figure).is_ok());
         let first = intervals(&figure)[0];
@@ -219,7 +229,7 @@ mod tests {
 
     #[test]
     fn no_two_degrees_of_a_figure_look_alike() {
-        let figure = less([table()].map(Ok).into_iter(), &[]).unwrap();
+        let figure = figure(&[]);
         let mut colours: Vec<Colour> = intervals(&figure).iter().map(|i| i.colour).collect();
         colours.dedup();
         assert_eq!(colours.len(), 3);

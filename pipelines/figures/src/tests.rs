@@ -6,9 +6,75 @@ use crate::{
     rendering_range, repeats,
 };
 use zwidth_draw::{Axis, Figure, Layer, Line, Range, style};
+use zwidth_results::{Gate, Proof, TradeChoice, TradeSetting};
 use zwidth_store::{Samples, Signal, Trial};
 use zwidth_study::{Alignment, Environment, Source, TrialMeta};
 use zwidth_tables::{Column, Table};
+
+/// A setting of the scene `s` of which nothing is known.
+pub(crate) fn trade_setting(solver: &str) -> TradeSetting {
+    TradeSetting {
+        scene: "s".into(),
+        mode: "hybrid".into(),
+        model: "no finger".into(),
+        solver: solver.into(),
+        step_s: None,
+        tolerance: None,
+        verdict: "smooth".into(),
+        gate: Gate::Verdict,
+        theta_error_max_rad: None,
+        theta_error_rms_rad: None,
+        theta_dot_error_max_rad_s: None,
+        theta_dot_error_rms_rad_s: None,
+        force_error_max_n: None,
+        force_error_rms_n: None,
+        impulse_error_ns: None,
+        event_error_s: None,
+        peak_error_rad: None,
+        felt_force_share: None,
+        felt_angle_share: None,
+        felt_vibration_share: None,
+        vibration_hz: None,
+        vibration_m: None,
+        reversals: None,
+        swings: None,
+        swing_amplitude_rad: None,
+        creep_rad: None,
+        steps: None,
+        rejected: None,
+        evaluations: None,
+        factorisations: None,
+        work: None,
+        on_front: false,
+        metric: None,
+        metric_share: None,
+        metrics_felt: None,
+        metrics_lost: None,
+    }
+}
+
+/// The scene `s`, for which nothing is recommended.
+pub(crate) fn trade_choice() -> TradeChoice {
+    TradeChoice {
+        scene: "s".into(),
+        mode: "hybrid".into(),
+        model: "no finger".into(),
+        yardstick: Proof::Proven,
+        by: "exact".into(),
+        against: "dormand_prince".into(),
+        apart_rad: None,
+        apart_s: None,
+        motion_changes: 3,
+        solver: None,
+        step_s: None,
+        tolerance: None,
+        work: None,
+        neighbours: None,
+        passed: None,
+        next_cheaper: None,
+        why_not: None,
+    }
+}
 
 /// The template, as figures see it.
 struct Studied {

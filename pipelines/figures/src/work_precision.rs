@@ -10,7 +10,7 @@ use zwidth_draw::{
     Ticks,
 };
 use zwidth_dynamics::{NAMED_SOLVERS, solver_label};
-use zwidth_tables::{Table, TableError};
+use zwidth_results::{Gate, Row, TradeChoice, TradeSetting};
 
 /// A scene's errors and work.
 pub const WORK_PRECISION: FigureKind = FigureKind {
@@ -43,26 +43,25 @@ struct Curve {
 }
 
 /// Error of the angle against work with the front that no setting beats, and the most that could be
-/// felt against work. `settings` is the stage `trade`'s table of one scene; the axes hold that of
-/// all scenes which it is compared with, `beside`; `chosen` names what is recommended, by solver and
-/// work.
-///
-/// # Errors
-/// A table that lacks a column.
+/// felt against work. `settings` are those of a scene and of all that it is compared with: the axes
+/// hold them all. `choice` says what is recommended for the scene.
 pub fn work_precision(
-    settings: &Table,
-    beside: &Table,
-    chosen: Option<(&str, u64)>,
+    title: &str,
+    scene: &str,
+    settings: &[TradeSetting],
+    choice: Option<&TradeChoice>,
     notes: &[String],
-) -> Result<Figure, TableError> {
-    let (curves, all) = (curves(settings)?, curves(beside)?);
+) -> Figure {
+    let own: Vec<&TradeSetting> =
+        settings.iter().filter(|setting| *setting.scene == *scene).collect();
+    let (curves, all) = (curves(&own), curves(&settings.iter().collect::<Vec<_>>()));
     let mut error = layers(&curves, |curve| &curve.error_deg);
-    error.insert(0, front(settings)?);
+    error.insert(0, front(&own));
     let mut felt = layers(&curves, |curve| &curve.felt);
     felt.insert(0, just_felt());
     for (layers, pick) in [(&mut error, error_of as fn(&Curve) -> &Vec<f64>), (&mut felt, felt_of)]
     {
-        layers.extend(chosen.and_then(|chosen| ring(&curves, chosen, pick)));
+        layers.extend(choice.and_then(|choice| ring(&curves, choice, pick)));
     }
     let powers = |label: &str, unit: &str, pick: fn(&Curve) -> &Vec<f64>, ring: f64| {
         let shown = ends(all.iter().flat_map(|curve| logarithms(pick(curve))));
@@ -78,13 +77,12 @@ pub fn work_precision(
         panel(0, x(), y_error, error, "**a**  error"),
         panel(1, x(), y_felt, felt, "**b**  what could be felt"),
     ];
-    Ok(Figure {
-        title: Some(plain(settings.title())),
+    Figure {
+        title: Some(plain(title)),
         description: format!(
-            "{}. Left: largest error of the angle against work for every solver and step or tolerance, with the front \
+            "{title}. Left: largest error of the angle against work for every solver and step or tolerance, with the front \
              that no setting beats. Right: the largest of slow force, slow angle and vibration over what is just felt, \
-             against work. All axes are logarithmic. Large points pass every gate, small ones do not.",
-            settings.title()
+             against work. All axes are logarithmic. Large points pass every gate, small ones do not."
         ),
         width_mm: TWO_COLUMNS_MM,
         panels,
@@ -97,40 +95,29 @@ pub fn work_precision(
         .collect(),
         mark: model_mark(),
         ..Figure::default()
-    })
+    }
 }
 
 /// The same of one scene of a study, on the axes of all its scenes, with what is recommended for it
 /// as note.
-///
-/// # Errors
-/// A table that lacks a column.
 pub fn work_precision_of(
     scene: &str,
-    settings: &Table,
-    summary: &Table,
-) -> Result<Figure, TableError> {
-    let of = |table: &Table| -> Result<Vec<usize>, TableError> {
-        let scenes = table.texts("scene")?;
-        Ok((0..scenes.len()).filter(|i| scenes[*i].as_deref() == Some(scene)).collect())
-    };
-    let own = settings.rows(&of(settings)?);
-    let title = format!("{scene}: speed against accuracy");
-    let (solver, work) = (summary.texts("solver")?, summary.integers("work")?);
-    let yardstick = summary.texts("yardstick")?;
-    let row = of(summary)?.first().copied();
-    let chosen = row.and_then(|i| Some((solver[i].as_deref()?, u64::try_from(work[i]?).ok()?)));
-    let proof = row.and_then(|i| yardstick[i].clone()).unwrap_or_default();
-    let mut notes = vec![format!("Yardstick: {proof}.")];
-    notes.push(match chosen {
+    settings: &[TradeSetting],
+    choices: &[TradeChoice],
+) -> Figure {
+    let choice = choices.iter().find(|choice| *choice.scene == *scene);
+    let proof = choice.map_or("", |choice| choice.yardstick.as_str());
+    let recommended = choice.and_then(|choice| choice.solver.as_deref().zip(choice.work));
+    let recommended = match recommended {
         Some((solver, work)) => format!(
             "Cheapest that passes: {}, {work} evaluations; not tried on neighbours of the scene (zwidth trade does).",
             solver_label(solver)
         ),
         None => "Nothing is recommended.".to_owned(),
-    });
-    let figure = work_precision(&own, settings, chosen, &notes)?;
-    Ok(Figure { title: Some(plain(&title)), ..figure })
+    };
+    let notes = [format!("Yardstick: {proof}."), recommended];
+    let figure = work_precision(TradeSetting::TITLE, scene, settings, choice, &notes);
+    Figure { title: Some(plain(&format!("{scene}: speed against accuracy"))), ..figure }
 }
 
 fn error_of(curve: &Curve) -> &Vec<f64> {
@@ -152,53 +139,49 @@ fn just_felt() -> Layer {
     Layer::Reference(Reference { direction, at: 0.0, label, stroke, name: None })
 }
 
-fn curves(table: &Table) -> Result<Vec<Curve>, TableError> {
-    let solvers: Vec<String> = table.texts("solver")?.into_iter().flatten().collect();
-    let gates: Vec<String> = table.texts("gate")?.into_iter().flatten().collect();
-    let work = work(table)?;
-    let error = table.floats("theta_error_max_rad")?;
-    let shares = ["felt_force_share", "felt_angle_share", "felt_vibration_share"];
-    let shares = shares.map(|name| table.floats(name));
-    let shares: Vec<Vec<Option<f64>>> = shares.into_iter().collect::<Result<_, _>>()?;
-    let most = |i: usize| {
-        let known = shares.iter().filter_map(|share| share[i]);
-        known.fold(f64::NAN, |most, share| most.max(share).max(LEAST_SHARE))
-    };
+fn curves(settings: &[&TradeSetting]) -> Vec<Curve> {
     let mut curves = Vec::new();
     for (number, named) in NAMED_SOLVERS.into_iter().enumerate() {
-        let rows: Vec<usize> = (0..solvers.len()).filter(|i| solvers[*i] == named.name).collect();
-        if rows.is_empty() {
+        let own = || settings.iter().filter(|setting| *setting.solver == *named.name);
+        if own().next().is_none() {
             continue;
         }
-        let degrees = |i: &usize| error[*i].map_or(f64::NAN, |rad| rad.to_degrees().max(LEAST_DEG));
         curves.push(Curve {
             name: named.label.to_owned(),
             stroke: style::single(style::solver_colour(number)).dashed(style::dash(number)),
-            work: rows.iter().map(|i| work[*i]).collect(),
-            error_deg: rows.iter().map(degrees).collect(),
-            felt: rows.iter().map(|i| most(*i)).collect(),
-            good: rows.iter().map(|i| gates[*i] == "passed").collect(),
+            work: own().map(|setting| work(setting)).collect(),
+            error_deg: own().map(|setting| error_deg(setting)).collect(),
+            felt: own().map(|setting| most_felt(setting)).collect(),
+            good: own().map(|setting| setting.gate == Gate::Passed).collect(),
         });
     }
-    Ok(curves)
+    curves
 }
 
-fn work(table: &Table) -> Result<Vec<f64>, TableError> {
-    Ok(table.integers("work")?.into_iter().map(|n| n.map_or(f64::NAN, |n| n as f64)).collect())
+fn work(setting: &TradeSetting) -> f64 {
+    setting.work.map_or(f64::NAN, |work| work as f64)
+}
+
+fn error_deg(setting: &TradeSetting) -> f64 {
+    setting.theta_error_max_rad.map_or(f64::NAN, |rad| rad.to_degrees().max(LEAST_DEG))
+}
+
+/// The largest of the shares of what is felt.
+fn most_felt(setting: &TradeSetting) -> f64 {
+    let TradeSetting { felt_force_share, felt_angle_share, felt_vibration_share, .. } = setting;
+    let known = [felt_force_share, felt_angle_share, felt_vibration_share].into_iter().flatten();
+    known.fold(f64::NAN, |most, share| most.max(*share).max(LEAST_SHARE))
 }
 
 /// Settings that no other beats in work and error of the angle, joined.
-fn front(table: &Table) -> Result<Layer, TableError> {
-    let (on, work) = (table.flags("on_front")?, work(table)?);
-    let error = table.floats("theta_error_max_rad")?;
-    let mut pairs: Vec<(f64, f64)> = (0..on.len())
-        .filter(|i| on[*i] == Some(true))
-        .map(|i| (work[i], error[i].map_or(f64::NAN, |rad| rad.to_degrees().max(LEAST_DEG))))
-        .collect();
+fn front(settings: &[&TradeSetting]) -> Layer {
+    let on_front = settings.iter().filter(|setting| setting.on_front);
+    let mut pairs: Vec<(f64, f64)> =
+        on_front.map(|setting| (work(setting), error_deg(setting))).collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (x, y): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
     let stroke = Stroke { width_pt: 3.0, ..style::mean(style::GRID) };
-    Ok(Layer::Line(Line { x: logarithms(&x), y: logarithms(&y), stroke, ..Line::default() }))
+    Layer::Line(Line { x: logarithms(&x), y: logarithms(&y), stroke, ..Line::default() })
 }
 
 fn layers(curves: &[Curve], pick: fn(&Curve) -> &Vec<f64>) -> Vec<Layer> {
@@ -231,11 +214,8 @@ fn layers(curves: &[Curve], pick: fn(&Curve) -> &Vec<f64>) -> Vec<Layer> {
 }
 
 /// A ring about what is recommended.
-fn ring(
-    curves: &[Curve],
-    (solver, work): (&str, u64),
-    pick: fn(&Curve) -> &Vec<f64>,
-) -> Option<Layer> {
+fn ring(curves: &[Curve], choice: &TradeChoice, pick: fn(&Curve) -> &Vec<f64>) -> Option<Layer> {
+    let (solver, work) = choice.solver.as_deref().zip(choice.work)?;
     let label = NAMED_SOLVERS.into_iter().find(|named| named.name == solver)?.label;
     let curve = curves.iter().find(|curve| curve.name == label)?;
     let is_it = |w: &f64| (*w - work as f64).abs() < 0.5;
@@ -259,29 +239,33 @@ fn logarithms(values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
+    use crate::tests::{trade_choice, trade_setting};
 
-    fn settings() -> Table {
-        let text =
-            |name, values: [&str; 3]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
-        let float = |name, values: [Option<f64>; 3]| Column::float(name, "", "", values);
-        let columns = vec![
-            text("scene", ["s", "s", "s"]),
-            text("solver", ["exact", "rk4_per_step", "rk4_per_step"]),
-            text("gate", ["passed", "verdict", "verdict"]),
-            float("theta_error_max_rad", [Some(0.0), Some(1e-2), None]),
-            float("felt_force_share", [Some(0.0), Some(3.0), None]),
-            float("felt_angle_share", [Some(0.0), Some(0.1), None]),
-            float("felt_vibration_share", [Some(0.8), None, None]),
-            Column::integer("work", "1", "", [Some(500), Some(2000), None]),
-            Column::flag("on_front", "", [Some(true), Some(false), Some(false)]),
-        ];
-        Table::new("trade", "Trade", columns).unwrap()
+    fn settings() -> Vec<TradeSetting> {
+        let exact = TradeSetting {
+            gate: Gate::Passed,
+            theta_error_max_rad: Some(0.0),
+            felt_force_share: Some(0.0),
+            felt_angle_share: Some(0.0),
+            felt_vibration_share: Some(0.8),
+            work: Some(500),
+            on_front: true,
+            ..trade_setting("exact")
+        };
+        let coarse = TradeSetting {
+            theta_error_max_rad: Some(1e-2),
+            felt_force_share: Some(3.0),
+            felt_angle_share: Some(0.1),
+            work: Some(2000),
+            ..trade_setting("rk4_per_step")
+        };
+        vec![exact, coarse, trade_setting("rk4_per_step")]
     }
 
     #[test]
     fn a_failed_setting_has_no_point_and_the_largest_share_counts() {
-        let curves = curves(&settings()).unwrap();
+        let settings = settings();
+        let curves = curves(&settings.iter().collect::<Vec<_>>());
         let rk4 = &curves[1];
         assert!((rk4.felt[0] - 3.0).abs() < 1e-12, "{:?}", rk4.felt);
         assert!(rk4.felt[1].is_nan() && rk4.work[1].is_nan() && rk4.error_deg[1].is_nan());
@@ -293,62 +277,47 @@ mod tests {
 
     #[test]
     fn without_an_error_a_setting_stands_at_the_foot() {
-        let zero = |name| Column::float(name, "", "", [Some(0.0), Some(0.0), Some(0.0)]);
-        let shares = ["felt_force_share", "felt_angle_share", "felt_vibration_share"];
-        let table = settings();
-        let is_kept = |column: &&Column| !shares.contains(&column.field.name.as_ref());
-        let mut columns: Vec<Column> = table.columns().iter().filter(is_kept).cloned().collect();
-        columns.extend(shares.map(zero));
-        let table = Table::new("trade", "Trade", columns).unwrap();
-        assert_eq!(curves(&table).unwrap()[0].felt, [LEAST_SHARE]);
+        let zero = Some(0.0);
+        let exact = TradeSetting {
+            felt_force_share: zero,
+            felt_angle_share: zero,
+            felt_vibration_share: zero,
+            ..trade_setting("exact")
+        };
+        assert_eq!(curves(&[&exact])[0].felt, [LEAST_SHARE]);
     }
 
     #[test]
     fn what_is_recommended_has_a_ring_in_both_panels() {
-        let layers = |chosen| -> usize {
-            let figure = work_precision(&settings(), &settings(), chosen, &[]).unwrap();
+        let settings = settings();
+        let layers = |choice: &TradeChoice| -> usize {
+            let figure = work_precision_of("s", &settings, std::slice::from_ref(choice));
             assert!(zwidth_draw::draw(&figure).is_ok());
             figure.panels.iter().map(|panel| panel.layers.len()).sum()
         };
-        assert_eq!(layers(Some(("exact", 500))), layers(None) + 2);
+        let none = trade_choice();
+        let exact = TradeChoice { solver: Some("exact".into()), work: Some(500), ..trade_choice() };
+        assert_eq!(layers(&exact), layers(&none) + 2);
     }
 
     /// The settings of two scenes: the second takes a thousandfold of the work and of the error.
     #[test]
     fn the_scenes_of_a_study_stand_on_the_same_axes() {
-        let (first, scale) = (settings(), [1.0, 1e3]);
-        let text = |name: &'static str| {
-            let values = first.texts(name).unwrap();
-            Column::text(name, "", values.iter().chain(&values).cloned())
-        };
-        let float = |name: &'static str| {
-            let values = first.floats(name).unwrap();
-            let scaled = |by: f64| values.iter().map(move |value| value.map(|v| v * by));
-            Column::float(name, "", "", scale.into_iter().flat_map(scaled).collect::<Vec<_>>())
-        };
-        let work = [Some(500), Some(2000), None, Some(500_000), Some(2_000_000), None];
-        let on_front = [true, false, false].map(Some);
-        let columns = vec![
-            Column::text("scene", "", ["s", "s", "s", "t", "t", "t"].map(|s| Some(s.to_owned()))),
-            text("solver"),
-            text("gate"),
-            float("theta_error_max_rad"),
-            float("felt_force_share"),
-            float("felt_angle_share"),
-            float("felt_vibration_share"),
-            Column::integer("work", "1", "", work),
-            Column::flag("on_front", "", [on_front, on_front].concat()),
-        ];
-        let both = Table::new("trade", "Trade", columns).unwrap();
-        let chosen = vec![
-            Column::text("scene", "", ["s", "t"].map(|s| Some(s.to_owned()))),
-            Column::text("solver", "", [Some("exact".to_owned()), None]),
-            Column::integer("work", "1", "", [Some(500), None]),
-            Column::text("yardstick", "", [None::<String>, None]),
-        ];
-        let summary = Table::new("trade_summary", "Trade", chosen).unwrap();
+        let scaled = |number: Option<f64>| number.map(|number| 1e3 * number);
+        let second = settings().into_iter().map(|setting| TradeSetting {
+            scene: "t".into(),
+            theta_error_max_rad: scaled(setting.theta_error_max_rad),
+            felt_force_share: scaled(setting.felt_force_share),
+            felt_angle_share: scaled(setting.felt_angle_share),
+            felt_vibration_share: scaled(setting.felt_vibration_share),
+            work: setting.work.map(|work| 1000 * work),
+            ..setting
+        });
+        let both: Vec<TradeSetting> = settings().into_iter().chain(second).collect();
+        let first = TradeChoice { solver: Some("exact".into()), work: Some(500), ..trade_choice() };
+        let choices = [first, TradeChoice { scene: "t".into(), ..trade_choice() }];
         let axes = |scene| {
-            let figure = work_precision_of(scene, &both, &summary).unwrap();
+            let figure = work_precision_of(scene, &both, &choices);
             assert!(zwidth_draw::draw(&figure).is_ok());
             figure.panels.iter().map(|p| (p.x.range, p.y.range)).collect::<Vec<_>>()
         };

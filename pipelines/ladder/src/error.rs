@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 use zwidth_dynamics::DynamicsError;
-use zwidth_tables::TableError;
 
 /// Every error of this crate.
 #[derive(Debug, Error)]
@@ -49,7 +48,4 @@ pub enum LadderError {
         "the twin has more parameters than Sobol's sequence has coordinates: add direction numbers"
     )]
     TooManyRanges,
-    /// A table that cannot be.
-    #[error(transparent)]
-    Table(#[from] TableError),
 }

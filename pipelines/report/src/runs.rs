@@ -4,28 +4,18 @@
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use zwidth_dynamics::solver_label;
-use zwidth_results::{LadderChoice, LadderCondition, TermSet};
-use zwidth_study::{Setup, in_a_sentence};
-use zwidth_tables::{Table, TableError, quantity};
+use zwidth_results::{LadderChoice, LadderCondition, Proof, TermSet, TradeChoice};
+use zwidth_study::{Environment, Mode, Setup, in_a_sentence};
+use zwidth_tables::quantity;
 
-/// The cheapest run of each scene of a study that a person could not tell from the right one, from
-/// the table `trade_summary`: one sentence per scene. They speak of the model, not of trials.
-///
-/// # Errors
-/// A table that lacks a column.
-pub fn traded(study: &Setup, table: &Table) -> Result<Vec<Finding>, TableError> {
-    let (scenes, solvers) = (table.texts("scene")?, table.texts("solver")?);
-    let (steps, tolerances) = (table.floats("step_s")?, table.floats("tolerance")?);
-    let work = table.integers("work")?;
-    let (cheaper, why) = (table.texts("next_cheaper")?, table.texts("why_not")?);
-    let proofs = table.texts("yardstick")?;
-    let mut found = Vec::new();
-    for (row, scene) in scenes.iter().enumerate() {
-        let Some(scene) = scene else { continue };
-        let text = match (&solvers[row], work[row], &proofs[row]) {
-            (Some(solver), Some(work), _) => {
-                let setting = setting(solver, steps[row], tolerances[row]);
-                let not = cheaper[row].as_ref().zip(why[row].as_ref());
+/// The cheapest run of each scene of a study that a person could not tell from the right one: one
+/// sentence per scene. They speak of the model, not of trials.
+pub fn traded(study: &Setup, choices: &[TradeChoice]) -> Vec<Finding> {
+    let one = |choice: &TradeChoice| {
+        let text = match (choice.solver.as_deref(), choice.work) {
+            (Some(solver), Some(work)) => {
+                let setting = setting(solver, choice.step_s, choice.tolerance);
+                let not = choice.next_cheaper.as_ref().zip(choice.why_not);
                 let not = not.map(|(next, why)| {
                     format!(" The next cheaper run ({next}) is no such run: {why}.")
                 });
@@ -35,16 +25,28 @@ pub fn traded(study: &Setup, table: &Table) -> Result<Vec<Finding>, TableError> 
                     not.unwrap_or_default()
                 )
             }
-            (.., Some(proof)) if proof.as_str() == UNPROVEN => {
+            _ if choice.yardstick == Proof::Unproven => {
                 "no run of the model is known to be right: two solvers differ.".to_owned()
             }
             _ => "a person could tell each run of the model that was tried from the right one."
                 .to_owned(),
         };
-        let text = format!("{}: {text}", condition(study, scene, '.'));
-        found.push(Finding { text, shown: Shown::Trade(scene.replace('.', "_")) });
-    }
-    Ok(found)
+        let text = format!("{}: {text}", of_scene(study, &choice.scene));
+        Finding { text, shown: Shown::Trade(choice.scene.replace('.', "_")) }
+    };
+    choices.iter().map(one).collect()
+}
+
+/// The scene of a condition in people's words: `Spring, active`; another scene by its name.
+fn of_scene(study: &Setup, scene: &str) -> String {
+    let conditions =
+        study.environments.iter().flat_map(|e| study.modes.iter().map(move |mode| (e, mode)));
+    let mut own = conditions.filter(|(e, mode)| format!("{}.{}", e.id, mode.id) == scene);
+    own.next().map_or_else(|| scene.to_owned(), |(e, mode)| in_words(e, mode))
+}
+
+fn in_words(environment: &Environment, mode: &Mode) -> String {
+    format!("{}, {}", environment.label, in_a_sentence(&mode.label))
 }
 
 /// Which terms of the model each condition requires, and whether its recordings bear that out: one
@@ -79,15 +81,10 @@ fn rendered(study: &Setup, condition: &LadderCondition) -> String {
     let environment = study.environments.iter().find(|e| e.id == condition.environment);
     let mode = study.modes.iter().find(|m| m.id == condition.mode);
     match environment.zip(mode) {
-        Some((environment, mode)) => {
-            format!("{}, {}", environment.label, in_a_sentence(&mode.label))
-        }
+        Some((environment, mode)) => in_words(environment, mode),
         None => condition.to_string(),
     }
 }
-
-/// What the table of the trade says where two solvers do not agree on the right run.
-const UNPROVEN: &str = "unproven";
 
 /// A solver and its step or tolerance.
 fn setting(solver: &str, step_s: Option<f64>, tolerance: Option<f64>) -> String {
@@ -99,44 +96,46 @@ fn setting(solver: &str, step_s: Option<f64>, tolerance: Option<f64>) -> String 
     }
 }
 
-/// A condition by its ids, in people's words: `Spring, active`.
-fn condition(study: &Setup, name: &str, between: char) -> String {
-    let of = |environment: &zwidth_study::Environment| {
-        let mode = name.strip_prefix(environment.id.as_str())?.strip_prefix(between)?;
-        let mode = study.modes.iter().find(|m| m.id.as_str() == mode)?;
-        Some(format!("{}, {}", environment.label, in_a_sentence(&mode.label)))
-    };
-    study.environments.iter().find_map(of).unwrap_or_else(|| name.to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_results::{BorneOut, LadderTerm};
-    use zwidth_tables::Column;
+    use zwidth_results::{BorneOut, Gate, LadderTerm, WhyNot};
 
     fn planned() -> Setup {
         Setup::of(&zwidth_testing::study())
     }
 
-    fn text<const N: usize>(name: &'static str, values: [Option<&str>; N]) -> Column {
-        Column::text(name, name, values.map(|value| value.map(str::to_owned)))
-    }
-
     #[test]
     fn the_trade_is_told_by_what_is_cheap_and_right_and_what_is_not() {
-        let columns = vec![
-            text("scene", [Some("spring.active"), Some("spring_wall.hybrid"), Some("other")]),
-            text("yardstick", [Some("proven"), Some("unproven"), Some("proven")]),
-            text("solver", [Some("moreau_jean"), None, None]),
-            Column::float("step_s", "s", "", [Some(0.001_024), None, None]),
-            Column::float("tolerance", "1", "", [None, None, None]),
-            Column::integer("work", "1", "", [Some(480), None, None]),
-            text("next_cheaper", [Some("symplectic Euler, 2.048 ms"), None, None]),
-            text("why_not", [Some("it breaks the bound of the angle"), None, None]),
-        ];
-        let table = Table::new("trade_summary", "", columns).unwrap();
-        let found = traded(&planned(), &table).unwrap();
+        let scene = |scene: &str, yardstick| TradeChoice {
+            scene: scene.into(),
+            mode: "active".into(),
+            model: "no finger".into(),
+            yardstick,
+            by: "exact".into(),
+            against: "dormand_prince".into(),
+            apart_rad: None,
+            apart_s: None,
+            motion_changes: 3,
+            solver: None,
+            step_s: None,
+            tolerance: None,
+            work: None,
+            neighbours: None,
+            passed: None,
+            next_cheaper: None,
+            why_not: None,
+        };
+        let active = TradeChoice {
+            solver: Some("moreau_jean".into()),
+            step_s: Some(0.001_024),
+            work: Some(480),
+            next_cheaper: Some("symplectic Euler, 2.048 ms".to_owned()),
+            why_not: Some(WhyNot::Breaks(Gate::Angle)),
+            ..scene("spring.active", Proof::Proven)
+        };
+        let hybrid = scene("spring_wall.hybrid", Proof::Unproven);
+        let found = traded(&planned(), &[active, hybrid, scene("other", Proof::Proven)]);
         let told: Vec<&str> = found.iter().map(|finding| finding.text.as_str()).collect();
         assert_eq!(
             told,

@@ -9,53 +9,25 @@ use zwidth_dynamics::{
     ExistingSwings, Grid, Judgement, ModelScene, Reference, RunVerdict, Solver, System, Trajectory,
     WorkCounts,
 };
+use zwidth_results::Gate;
 
 /// More samples are not kept.
 pub(crate) const MOST_SAMPLES: usize = 5_000_000;
 
-/// What keeps a setting from being recommended: the first that holds, in this order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Gate {
-    /// Nothing: a person could not tell the run from the right one.
-    Passed,
-    /// The verdict: it failed, is unstable, chatters, creeps, or is not known; or it does not show what the
-    /// model does.
-    Verdict,
-    /// The slow part of the force.
-    Force,
-    /// The slow part of the angle.
-    Angle,
-    /// A vibration, or no stretch that is calm enough to compare it.
-    Vibration,
-}
-
-impl Gate {
-    /// Its word in tables.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Passed => "passed",
-            Self::Verdict => "verdict",
-            Self::Force => "force",
-            Self::Angle => "angle",
-            Self::Vibration => "vibration",
-        }
-    }
-
-    /// The first gate that a run does not pass.
-    pub(crate) fn of(judgement: &Judgement, errors: Option<&Errors>) -> Self {
-        let Some(felt) = errors.map(|errors| errors.felt).filter(|_| is_sound(judgement)) else {
-            return Self::Verdict;
-        };
-        let above = |share: f64| share > 1.0 || share.is_nan();
-        if above(felt.force_share) {
-            Self::Force
-        } else if above(felt.angle_share) {
-            Self::Angle
-        } else if felt.vibration_share.is_none_or(above) {
-            Self::Vibration
-        } else {
-            Self::Passed
-        }
+/// The first gate that a run does not pass.
+fn gate(judgement: &Judgement, errors: Option<&Errors>) -> Gate {
+    let Some(felt) = errors.map(|errors| errors.felt).filter(|_| is_sound(judgement)) else {
+        return Gate::Verdict;
+    };
+    let above = |share: f64| share > 1.0 || share.is_nan();
+    if above(felt.force_share) {
+        Gate::Force
+    } else if above(felt.angle_share) {
+        Gate::Angle
+    } else if felt.vibration_share.is_none_or(above) {
+        Gate::Vibration
+    } else {
+        Gate::Passed
     }
 }
 
@@ -154,7 +126,7 @@ pub(crate) fn cell(
     let work = work(setting, scene, system, &run, solver.as_ref());
     Ok(Cell {
         setting,
-        gate: Gate::of(&judgement, Some(&errors)),
+        gate: gate(&judgement, Some(&errors)),
         judgement,
         errors: Some(errors),
         work,

@@ -1,11 +1,12 @@
 //! The cheapest setting whose error a person could not feel.
 
-use crate::cells::{Cell, Gate, cell};
+use crate::cells::{Cell, cell};
 use crate::perturb::neighbour;
 use crate::setting::Setting;
-use crate::yardstick::{Proof, Yardstick};
+use crate::yardstick::Yardstick;
 use rayon::prelude::*;
 use zwidth_dynamics::{ModelScene, Reference};
+use zwidth_results::{Gate, Proof, WhyNot};
 use zwidth_study::Perception;
 
 /// A setting that is recommended, and why.
@@ -19,33 +20,6 @@ pub struct Choice {
     pub confirmed: (usize, usize),
     /// The cheaper setting that costs most, and why it is not it.
     pub next_cheaper: Option<(Setting, WhyNot)>,
-}
-
-/// Why a cheaper setting is not recommended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WhyNot {
-    /// It does not pass this gate.
-    Breaks(Gate),
-    /// It passes, but a finer one of its solver does not pass this gate: it passes by chance.
-    FinerBreaks(Gate),
-    /// It passes here, but only on so many neighbours of the scene.
-    Neighbours(usize),
-}
-
-impl WhyNot {
-    /// In words.
-    pub fn words(self) -> String {
-        match self {
-            Self::Breaks(gate) => format!("it breaks the bound of the {}", gate.as_str()),
-            Self::FinerBreaks(gate) => {
-                format!(
-                    "a finer one breaks the bound of the {}, so that it meets it by chance",
-                    gate.as_str()
-                )
-            }
-            Self::Neighbours(n) => format!("it passes on {n} of the scene's neighbours only"),
-        }
-    }
 }
 
 /// Chooses from the cells of each solver, finest first. Nothing is chosen where the right answer is

@@ -4,39 +4,61 @@ use crate::TradeError;
 use crate::cells::grid;
 use crate::setting::Setting;
 use crate::story::Story;
+use crate::table::MODEL;
 use zwidth_dynamics::{ModelScene, System};
-use zwidth_tables::{Column, Table};
+use zwidth_results::TradeRun;
+use zwidth_tables::{Column, Table, TableError};
 
-/// One row per sample of each run: the setting's solver and step, time, angle. A run that fails has
-/// none.
+/// The run of each setting; one that fails has none.
 ///
 /// # Errors
 /// A scene that makes no sense, or more samples than are kept.
-pub fn courses_table(
-    name: &str,
-    scene: &ModelScene,
-    settings: &[Setting],
-) -> Result<Table, TradeError> {
+pub fn courses(scene: &ModelScene, settings: &[Setting]) -> Result<Vec<TradeRun>, TradeError> {
     let system = System::new(scene.clone())?;
-    let (mut solver, mut step, mut t, mut theta, mut changes) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut runs = Vec::new();
     for setting in settings {
         let grid = grid(scene, setting.step_s().unwrap_or(1e-3))?;
         let Ok(run) = setting.solver().run(&system, &grid) else { continue };
-        let n = Story::of(&system, &run).motion_changes() as i64;
-        solver.extend(std::iter::repeat_n(Some(setting.solver.to_owned()), run.len()));
-        step.extend(std::iter::repeat_n(setting.step_s(), run.len()));
-        changes.extend(std::iter::repeat_n(Some(n), run.len()));
-        t.extend(run.t_s.iter().copied().map(Some));
-        theta.extend(run.theta_rad().map(Some));
+        runs.push(TradeRun {
+            solver: setting.solver.into(),
+            step_s: setting.step_s(),
+            motion_changes: Story::of(&system, &run).motion_changes(),
+            theta_rad: run.theta_rad().collect(),
+            t_s: run.t_s,
+        });
     }
+    Ok(runs)
+}
+
+/// A row a sample of each run. There are too many for rows of a type.
+///
+/// # Errors
+/// None that finished runs can cause.
+pub fn courses_table(scene: &ModelScene, runs: &[TradeRun]) -> Result<Table, TableError> {
+    let each = |run: &TradeRun| run.t_s.len();
+    let steps = runs.iter().flat_map(|run| std::iter::repeat_n(run.step_s, each(run)));
+    let changes = |run: &TradeRun| std::iter::repeat_n(Some(run.motion_changes as i64), each(run));
     let columns = vec![
-        Column::text("solver", "the solver", solver),
-        Column::float("step_s", "s", "its step; none for one that finds events", step),
-        Column::float("t_s", "s", "time", t),
-        Column::float("theta_rad", "rad", "lever angle", theta),
-        Column::integer("motion_changes", "1", "changes of the way of moving in the run", changes),
+        Column::text(
+            "solver",
+            "the solver",
+            runs.iter().flat_map(|run| std::iter::repeat_n(Some(run.solver.clone()), each(run))),
+        ),
+        Column::float("step_s", "s", "its step; none for one that finds events", steps),
+        Column::float("t_s", "s", "time", runs.iter().flat_map(|run| &run.t_s).copied().map(Some)),
+        Column::float(
+            "theta_rad",
+            "rad",
+            "lever angle",
+            runs.iter().flat_map(|run| &run.theta_rad).copied().map(Some),
+        ),
+        Column::integer(
+            "motion_changes",
+            "1",
+            "changes of the way of moving in the run",
+            runs.iter().flat_map(changes),
+        ),
     ];
-    let table = Table::new(name, &format!("{}: courses", scene.name), columns)?;
-    Ok(table.with_note("Model runs, not measurements."))
+    let table = Table::new("courses", &format!("{}: courses", scene.name), columns)?;
+    Ok(table.with_note(MODEL))
 }

@@ -1,23 +1,28 @@
-//! What less of a recording, or another setup of the simulated device, does to the metrics, as
-//! tables.
+//! What less of a recording, or another setup of the simulated device, does to the metrics.
 
+use crate::Less;
 use crate::setup::Rehearsed;
-use crate::{Less, TradeError};
+use zwidth_results::{LessKind, MetricShift, Row};
 use zwidth_study::{Perception, is_felt};
-use zwidth_tables::{Column, Table};
+use zwidth_tables::{Table, TableError};
 
-/// A table's name, title and note.
-type About = [&'static str; 3];
-const RECORDINGS: About = [
-    "trade_data",
-    "What coarser recordings do to the metrics",
-    "Each trial is compared with itself. What is just felt is known for forces, angles, ways, work, stiffnesses and viscosities alone.",
-];
-const TWIN: About = [
-    "trade_twin",
-    "What another setup of the simulated device does to the metrics",
-    "Each simulated trial is compared with the one of the same intent at the study's own setup; the loop runs with the setup, and the hand feels it.",
-];
+/// What a table of shifts is called, and what stands below it.
+pub(crate) struct About {
+    name: &'static str,
+    title: &'static str,
+    pub(crate) note: &'static str,
+}
+
+const RECORDINGS: About = About {
+    name: MetricShift::NAME,
+    title: MetricShift::TITLE,
+    note: "Each trial is compared with itself. What is just felt is known for forces, angles, ways, work, stiffnesses and viscosities alone.",
+};
+pub(crate) const TWIN: About = About {
+    name: "trade_twin",
+    title: "What another setup of the simulated device does to the metrics",
+    note: "Each simulated trial is compared with the one of the same intent at the study's own setup; the loop runs with the setup, and the hand feels it.",
+};
 
 /// What the bounds of metrics depend on.
 #[derive(Debug, Clone, Copy)]
@@ -36,58 +41,44 @@ impl Bounds<'_> {
     }
 }
 
-/// A metric with less of the recordings, or with another setup.
-struct Row {
-    kind: &'static str,
-    less: String,
-    metric: String,
-    unit: String,
-    trials: usize,
-    lost: usize,
-    mean: f64,
-    change: f64,
-    /// Of the changes' sizes: the median, the 90th percentile, the largest.
-    sizes: [f64; 3],
-    bound: Option<f64>,
-}
-
 /// For everything that is taken from the recordings and each metric: its mean with all of them, how
 /// its changes are spread over the trials, how many trials lose it, and the change that a person
 /// would feel, where one is known for its unit. `whole` and each of `lessened` have one row per
 /// trial, in the same order.
-///
-/// # Errors
-/// None that tables of one form can cause.
-pub fn data_table(
+pub fn less_shifts(
     condition: &str,
     whole: &Table,
     lessened: &[(Less, Table)],
     bounds: &Bounds<'_>,
-) -> Result<Table, TradeError> {
-    let of =
-        |(less, table): &(Less, Table)| rows((less.kind(), less.words()), whole, table, bounds);
-    table(RECORDINGS, condition, &lessened.iter().flat_map(of).collect::<Vec<_>>())
+) -> Vec<MetricShift> {
+    let of = |(less, table): &(Less, Table)| {
+        let taken = Taken { condition, kind: less.kind(), less: &less.words() };
+        shifts(&taken, whole, table, bounds)
+    };
+    lessened.iter().flat_map(of).collect()
 }
 
 /// The same for other setups of the simulated device, each beside the study's own.
-///
-/// # Errors
-/// None that tables of one form can cause.
-pub fn twin_table(
+pub fn setup_shifts(
     condition: &str,
     rehearsed: &[Rehearsed],
     bounds: &Bounds<'_>,
-) -> Result<Table, TradeError> {
-    let of = |r: &Rehearsed| rows((r.setup.kind(), r.setup.words()), &r.own, &r.changed, bounds);
-    table(TWIN, condition, &rehearsed.iter().flat_map(of).collect::<Vec<_>>())
+) -> Vec<MetricShift> {
+    let of = |Rehearsed { setup, own, changed }: &Rehearsed| {
+        let taken = Taken { condition, kind: setup.kind(), less: &setup.words() };
+        shifts(&taken, own, changed, bounds)
+    };
+    rehearsed.iter().flat_map(of).collect()
 }
 
-fn rows(
-    (kind, less): (&'static str, String),
-    whole: &Table,
-    table: &Table,
-    bounds: &Bounds<'_>,
-) -> Vec<Row> {
+/// Where something is taken away or set otherwise, and what.
+struct Taken<'a> {
+    condition: &'a str,
+    kind: LessKind,
+    less: &'a str,
+}
+
+fn shifts(taken: &Taken, whole: &Table, table: &Table, bounds: &Bounds<'_>) -> Vec<MetricShift> {
     let mut rows = Vec::new();
     for field in whole.fields() {
         let (Ok(a), Ok(b)) = (whole.floats(&field.name), table.floats(&field.name)) else {
@@ -102,17 +93,24 @@ fn rows(
         let mean = mean(pairs.iter().map(|pair| pair.0));
         let mut sizes: Vec<f64> = changes.iter().map(|x| x.abs()).collect();
         sizes.sort_by(f64::total_cmp);
-        rows.push(Row {
-            kind,
-            less: less.clone(),
-            metric: field.name.to_string(),
-            unit: field.unit.to_string(),
+        let [median, p90, largest] = [0.5, 0.9, 1.0].map(|level| quantile(&sizes, level));
+        let bound = bounds.of(&field.name, &field.unit, mean);
+        rows.push(MetricShift {
+            condition: taken.condition.into(),
+            kind: taken.kind,
+            less: taken.less.into(),
+            metric: (&*field.name).into(),
+            unit: (&*field.unit).into(),
             trials: pairs.len(),
             lost: pairs.len() - changes.len(),
             mean,
             change: self::mean(changes.iter().copied()),
-            sizes: [0.5, 0.9, 1.0].map(|level| quantile(&sizes, level)),
-            bound: bounds.of(&field.name, &field.unit, mean),
+            median_change: median,
+            p90_change: p90,
+            largest_change: largest,
+            bound,
+            median_share: bound.map(|bound| median / bound),
+            p90_share: bound.map(|bound| p90 / bound),
         });
     }
     rows
@@ -131,65 +129,30 @@ fn quantile(sorted: &[f64], level: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
-fn table([name, title, note]: About, condition: &str, rows: &[Row]) -> Result<Table, TradeError> {
-    let text = |name, about, get: fn(&Row) -> &str| {
-        Column::text(name, about, rows.iter().map(|row| Some(get(row).to_owned())))
-    };
-    let float = |name, about, get: fn(&Row) -> Option<f64>| {
-        Column::float(name, "1", about, rows.iter().map(get))
-    };
-    let count = |name, about, get: fn(&Row) -> usize| {
-        Column::integer(name, "1", about, rows.iter().map(|row| Some(get(row) as i64)))
-    };
-    let share = |row: &Row, which: usize| row.bound.map(|bound| row.sizes[which] / bound);
-    let shares = |which: usize| rows.iter().map(move |row| share(row, which));
-    let columns = vec![
-        Column::text(
-            "condition",
-            "participant, session, environment and mode",
-            rows.iter().map(|_| Some(condition.to_owned())),
-        ),
-        text("kind", "what that is a degree of", |row| row.kind),
-        text("less", "what is taken away or set otherwise", |row| &row.less),
-        text("metric", "the metric", |row| &row.metric),
-        text("unit", "the unit of mean, changes and bound", |row| &row.unit),
-        count("trials", "trials that have it as they are", |row| row.trials),
-        count("lost", "those of them that have it no longer", |row| row.lost),
-        float("mean", "mean of the trials as they are", |row| Some(row.mean)),
-        float("change", "mean of its changes", |row| Some(row.change)),
-        float("median_change", "median of the changes' sizes", |row| Some(row.sizes[0])),
-        float("p90_change", "their 90th percentile", |row| Some(row.sizes[1])),
-        float("largest_change", "the largest of them", |row| Some(row.sizes[2])),
-        float("bound", "change that is just felt", |row| row.bound),
-        Column::float("median_share", "1", "median change over that", shares(0)),
-        Column::float("p90_share", "1", "90th percentile over that", shares(1)),
-    ];
-    Ok(Table::new(name, title, columns)?.with_note(note))
-}
-
-/// The tables of conditions, one after the other.
+/// The table of [`less_shifts`], of one condition or of many.
 ///
 /// # Errors
-/// Tables that are not of this stage.
-pub fn join_conditions(conditions: Vec<Table>) -> Result<Option<Table>, TradeError> {
-    join(RECORDINGS, conditions)
+/// A number that is not finite.
+pub fn recordings_table(rows: &[MetricShift]) -> Result<Table, TableError> {
+    table(&RECORDINGS, rows)
 }
 
-/// The same for tables of the simulated device.
+/// The table of [`setup_shifts`], of one condition or of many.
 ///
 /// # Errors
-/// Tables that are not of [`twin_table`].
-pub fn join_twin(conditions: Vec<Table>) -> Result<Option<Table>, TradeError> {
-    join(TWIN, conditions)
+/// A number that is not finite.
+pub fn twin_table(rows: &[MetricShift]) -> Result<Table, TableError> {
+    table(&TWIN, rows)
 }
 
-fn join([name, title, note]: About, tables: Vec<Table>) -> Result<Option<Table>, TradeError> {
-    Ok(Table::concat(name, title, tables)?.map(|table| table.with_note(note)))
+fn table(about: &About, rows: &[MetricShift]) -> Result<Table, TableError> {
+    Ok(Table::of_rows(rows)?.called(about.name, about.title).with_note(about.note))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_tables::Column;
 
     fn peaks(values: [Option<f64>; 3]) -> Table {
         Table::new("m", "M", vec![Column::float("peak_n", "N", "", values)]).unwrap()
@@ -201,13 +164,16 @@ mod tests {
         let less = peaks([Some(4.5), None, Some(5.0)]);
         let lessened = [(Less::AngleBits(8), less)];
         let bounds = Bounds { perception: &Perception::default(), lever_m: 0.045 };
-        let found = data_table("P01.S01.spring.hybrid", &whole, &lessened, &bounds).unwrap();
-        let float = |name: &str| found.floats(name).unwrap()[0].unwrap();
-        assert!((float("mean") - 5.0).abs() < 1e-12 && (float("change") + 0.25).abs() < 1e-12);
-        assert!((float("largest_change") - 1.0).abs() < 1e-12);
-        assert!((float("median_share") - 0.75 / 0.35).abs() < 1e-12);
-        assert!((float("p90_change") - 0.95).abs() < 1e-12);
-        assert_eq!(found.integers("lost").unwrap(), [Some(1)]);
+        let found = less_shifts("P01.S01.spring.hybrid", &whole, &lessened, &bounds);
+        let shift = &found[0];
+        assert!((shift.mean - 5.0).abs() < 1e-12 && (shift.change + 0.25).abs() < 1e-12);
+        assert!((shift.largest_change - 1.0).abs() < 1e-12);
+        assert!((shift.median_share.unwrap() - 0.75 / 0.35).abs() < 1e-12);
+        assert!((shift.p90_change - 0.95).abs() < 1e-12);
+        assert_eq!((shift.lost, shift.kind), (1, LessKind::Angle));
+        let table = recordings_table(&found).unwrap();
+        assert_eq!(table.to_rows::<MetricShift>().unwrap(), found);
+        assert_eq!(twin_table(&found).unwrap().name(), "trade_twin");
     }
 
     #[test]

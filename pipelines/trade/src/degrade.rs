@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 use std::f64::consts::TAU;
+use zwidth_results::LessKind;
 use zwidth_store::{Samples, Signal, Trial};
 
 /// Shaft turns in a turn of the lever (§4.2: 75 mm over 11 mm): the angle sensor's bits are of a
@@ -45,12 +46,12 @@ impl Less {
     ];
 
     /// What it is a degree of.
-    pub fn kind(self) -> &'static str {
+    pub fn kind(self) -> LessKind {
         match self {
-            Self::OneSampleOf(_) => "fewer samples",
-            Self::AngleBits(_) => "a coarser angle",
-            Self::ForceRateHz(_) => "a slower force",
-            Self::VelocityCutoffHz(_) | Self::VelocityDifference => "another filter",
+            Self::OneSampleOf(_) => LessKind::Samples,
+            Self::AngleBits(_) => LessKind::Angle,
+            Self::ForceRateHz(_) => LessKind::Force,
+            Self::VelocityCutoffHz(_) | Self::VelocityDifference => LessKind::Filter,
         }
     }
 

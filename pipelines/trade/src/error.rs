@@ -1,7 +1,6 @@
 //! What can keep a scene from a trade.
 
 use zwidth_dynamics::DynamicsError;
-use zwidth_tables::TableError;
 
 /// Every error of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -21,7 +20,4 @@ pub enum TradeError {
     /// The scene makes no sense, or no solver could run it.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    /// A table could not be made.
-    #[error(transparent)]
-    Table(#[from] TableError),
 }

@@ -13,7 +13,7 @@
 //! passes on neighbours of the scene as well. Nothing is recommended where the right answer is
 //! unproven. `docs/trade.md` has the definitions and their sources.
 //!
-//! Pure: a scene in memory, tables out. It reads no clock: how long runs take is measured by those
+//! Pure: a scene in memory, rows out. It reads no clock: how long runs take is measured by those
 //! who call it.
 
 mod cells;
@@ -37,24 +37,24 @@ mod tests;
 mod trade;
 mod yardstick;
 
-pub use cells::{Cell, Gate};
-pub use choice::{Choice, WhyNot};
+pub use cells::Cell;
+pub use choice::Choice;
 pub use condition::condition_scene;
-pub use course::courses_table;
-pub use data::{Bounds, data_table, join_conditions, join_twin, twin_table};
+pub use course::{courses, courses_table};
+pub use data::{Bounds, less_shifts, recordings_table, setup_shifts, twin_table};
 pub use degrade::{LONGEST, Less, lessened};
 pub use error::TradeError;
 pub use errors::{Errors, Size};
 pub use measured::{Course, Measure, MetricChange, Metrics};
-pub use metric_table::metrics_table;
+pub use metric_table::{metrics, metrics_table};
 pub use perturb::neighbour;
 pub use setting::{Fan, Fineness, Setting};
 pub use setup::{Rehearsed, Setup, Stopped, rehearse};
-pub use short::{Stops, twin_summary};
-pub use table::{model_words, recommended_scene, settings_table, summary_table};
+pub use short::{Stops, twin_summary, twin_summary_table};
+pub use table::{choice, choices_table, model_words, recommended_scene, settings, settings_table};
 pub use trade::{Parameters, Trade, models, pareto_front, trade};
-pub use yardstick::{Proof, Yardstick};
+pub use yardstick::Yardstick;
 pub use zwidth_dynamics::{DynamicsError, ModelScene};
 
 /// Version of the algorithms and of the tables' form.
-pub const VERSION: u32 = 10;
+pub const VERSION: u32 = 11;

@@ -54,6 +54,11 @@ impl Setting {
         if let Fineness::StepS(step_s) = self.fineness { Some(step_s) } else { None }
     }
 
+    /// Its tolerance, if it is given one.
+    pub fn tolerance(&self) -> Option<f64> {
+        if let Fineness::Tolerance(tolerance) = self.fineness { Some(tolerance) } else { None }
+    }
+
     /// In words, for people: `RK4, switched per step, 8.3 ms`.
     pub fn words(&self) -> String {
         let label = named(self.solver).label;

@@ -11,6 +11,7 @@ use zwidth_device::{
     Angle, Capabilities, Controller, Cue, Device, DeviceError, Guard, Limits, Reading, Refusal,
     SimulatedClock, TrialEnd, TrialPlan, Trip, Twin, run_trial,
 };
+use zwidth_results::LessKind;
 use zwidth_store::Samples;
 use zwidth_study::{
     AnswerScale, Calibration, Environment, Mode, Sample, Study, VelocityFilter, Voltages,
@@ -54,13 +55,13 @@ impl Setup {
     ];
 
     /// What it is a degree of.
-    pub fn kind(self) -> &'static str {
+    pub fn kind(self) -> LessKind {
         match self {
-            Self::Own => "as it is",
-            Self::SampleRateHz(_) => "another rate",
-            Self::AngleBits(_) => "a coarser angle",
-            Self::ForceRateHz(_) => "a slower force",
-            Self::VelocityCutoffHz(_) | Self::VelocityDifference => "another filter",
+            Self::Own => LessKind::AsItIs,
+            Self::SampleRateHz(_) => LessKind::Rate,
+            Self::AngleBits(_) => LessKind::Angle,
+            Self::ForceRateHz(_) => LessKind::Force,
+            Self::VelocityCutoffHz(_) | Self::VelocityDifference => LessKind::Filter,
         }
     }
 

@@ -1,7 +1,9 @@
 //! What the thesis' scene comes to.
 
 use crate::*;
+use crate::{choice as choice_of, settings as settings_of};
 use zwidth_dynamics::{DriveMode, Environment, Gravity, Input, RunVerdict, table3};
+use zwidth_results::{Gate, Proof, TradeChoice, TradeMetric, TradeSetting};
 use zwidth_study::{Measured, Perception};
 
 fn sticking() -> ModelScene {
@@ -70,12 +72,9 @@ fn a_setting_that_lets_a_held_lever_creep_is_not_recommended_and_its_way_is_in_t
     assert_eq!(cell.judgement.verdict, RunVerdict::NumericalCreep);
     assert_eq!(cell.gate, Gate::Verdict);
     assert!(cell.judgement.creep_rad > 0.01, "{:?}", cell.judgement);
-    let table = settings_table("trade", "", &[trade]).unwrap();
-    let ways = table.floats("creep_rad").unwrap();
-    let solvers = table.texts("solver").unwrap();
-    for (way, solver) in ways.iter().zip(&solvers) {
-        let held = ["exact", "moreau_jean"].contains(&solver.as_deref().unwrap());
-        assert!(way.is_some_and(|way| !held || way < 1e-300), "{solver:?} {way:?}");
+    for setting in settings_of(&[trade]) {
+        let held = ["exact", "moreau_jean"].contains(&&*setting.solver);
+        assert!(setting.creep_rad.is_some_and(|way| !held || way < 1e-300), "{setting:?}");
     }
 }
 
@@ -116,11 +115,17 @@ fn what_is_recommended_passes_the_gates_on_its_neighbours_and_what_is_cheaper_do
 #[test]
 fn tables_have_a_row_a_setting_and_a_row_a_scene() {
     let trade = reduced(&sticking());
-    let settings = settings_table("trade", "Trade", std::slice::from_ref(&trade)).unwrap();
-    assert_eq!(settings.height(), trade.cells.len());
-    assert!(settings.flags("on_front").unwrap().contains(&Some(true)));
-    let summary = summary_table("trade.summary", "Trade", std::slice::from_ref(&trade)).unwrap();
-    assert_eq!(summary.texts("yardstick").unwrap(), [Some("proven".to_owned())]);
+    let settings = settings_of(std::slice::from_ref(&trade));
+    assert_eq!(settings.len(), trade.cells.len());
+    assert!(settings.iter().any(|setting| setting.on_front));
+    let table = settings_table("Trade", &settings).unwrap();
+    assert_eq!((table.name(), table.title()), ("trade", "Trade"));
+    assert_eq!(table.to_rows::<TradeSetting>().unwrap(), settings);
+    let choices = [choice_of(&trade)];
+    assert_eq!(choices[0].yardstick, Proof::Proven);
+    assert!(choices[0].why_not.is_some(), "{choices:?}");
+    let table = choices_table("Trade", &choices).unwrap();
+    assert_eq!(table.to_rows::<TradeChoice>().unwrap(), choices);
 }
 
 /// The largest angle and the mean of the user's force, the second in a unit without a bound.
@@ -149,11 +154,12 @@ fn a_study_s_metrics_of_a_setting_are_held_against_those_of_the_right_run() {
     assert!((share - 3.529 / 2.0).abs() < 0.01, "{share}");
     assert!(cell.metrics[1].change().unwrap().abs() < 1e-12, "the push is an input");
     assert!(find(&trade, "exact", 0.0).metrics.is_empty());
-    let table = metrics_table("m", "M", std::slice::from_ref(&trade)).unwrap();
+    let rows = crate::metrics(std::slice::from_ref(&trade));
     let cells = trade.cells.iter().filter(|cell| !cell.metrics.is_empty()).count();
-    assert_eq!(table.height(), 2 * cells);
-    let settings = settings_table("trade", "T", std::slice::from_ref(&trade)).unwrap();
-    assert!(settings.texts("metric").unwrap().contains(&Some("theta_max_rad".to_owned())));
+    assert_eq!(rows.len(), 2 * cells);
+    assert_eq!(metrics_table("M", &rows).unwrap().to_rows::<TradeMetric>().unwrap(), rows);
+    let settings = settings_of(std::slice::from_ref(&trade));
+    assert!(settings.iter().any(|s| s.metric.as_deref() == Some("theta_max_rad")));
 }
 
 #[test]

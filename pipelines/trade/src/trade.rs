@@ -5,10 +5,11 @@ use crate::cells::{Cell, cells};
 use crate::choice::{Choice, choose};
 use crate::measured::Metrics;
 use crate::setting::{Fan, Fineness, Setting};
-use crate::yardstick::{Proof, Yardstick};
+use crate::yardstick::Yardstick;
 use rayon::prelude::*;
 use serde::Serialize;
 use zwidth_dynamics::{Finger, FingerLaw, ModelScene, Reference};
+use zwidth_results::Proof;
 use zwidth_study::Perception;
 
 /// What a trade is made of.

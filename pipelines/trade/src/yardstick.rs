@@ -6,6 +6,7 @@ use zwidth_dynamics::{
     DormandPrince, Exact, FeltMotion, FeltReference, Grid, ModelScene, Solver, System, Tolerances,
     TrBdf2, Trajectory,
 };
+use zwidth_results::Proof;
 use zwidth_study::Perception;
 
 /// Time between the samples that a yardstick is compared with another solver at, s.
@@ -21,34 +22,13 @@ const FINE: f64 = 1e-12;
 /// Tolerance of the other one of those two.
 const OTHER: f64 = 1e-10;
 
-/// How far the right answer is proven.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Proof {
-    /// Two independent solvers agree to 1e-9 rad and 1e-9 s.
-    Proven,
-    /// They agree, but for times of events to 3.2e-5 s: something is grazed.
-    Grazing,
-    /// They do not: nothing is recommended.
-    Unproven,
-}
-
-impl Proof {
-    /// Its word in tables.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Proven => "proven",
-            Self::Grazing => "proven, times to 3.2e-5 s (grazing)",
-            Self::Unproven => "unproven",
-        }
-    }
-
-    fn of(theta_rad: f64, events_s: Option<f64>) -> Self {
-        match events_s {
-            _ if theta_rad > AGREE_RAD || theta_rad.is_nan() => Self::Unproven,
-            Some(apart_s) if apart_s <= AGREE_S => Self::Proven,
-            Some(apart_s) if apart_s <= GRAZING_S => Self::Grazing,
-            _ => Self::Unproven,
-        }
+/// How far an answer is proven by another solver's, from how far the two are apart.
+fn proof(theta_rad: f64, events_s: Option<f64>) -> Proof {
+    match events_s {
+        _ if theta_rad > AGREE_RAD || theta_rad.is_nan() => Proof::Unproven,
+        Some(apart_s) if apart_s <= AGREE_S => Proof::Proven,
+        Some(apart_s) if apart_s <= GRAZING_S => Proof::Grazing,
+        _ => Proof::Unproven,
     }
 }
 
@@ -126,7 +106,7 @@ impl Yardstick {
             let apart_rad = apart.fold(0.0, f64::max);
             found.apart_rad = Some(apart_rad);
             found.apart_s = found.story.apart_s(&Story::of(&found.system, &second));
-            found.proof = Proof::of(apart_rad, found.apart_s);
+            found.proof = proof(apart_rad, found.apart_s);
         }
         Ok(found)
     }

@@ -17,9 +17,10 @@ use source::{Asked, Source, asked};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::Felt;
+use zwidth_results::TradeChoice;
 use zwidth_trade::{
-    Fineness, Parameters, Setting, Trade, courses_table, metrics_table, models, recommended_scene,
-    settings_table, summary_table, trade as trade_scene,
+    Fineness, Parameters, Setting, Trade, choice, choices_table, courses, courses_table, metrics,
+    metrics_table, models, recommended_scene, settings, settings_table, trade as trade_scene,
 };
 
 /// What `--json` prints of a scene.
@@ -171,38 +172,33 @@ fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Re
 fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Result<()> {
     let [trade, ..] = trades else { return Ok(()) };
     let (stem, title) = (&source.stem, format!("{}: speed against accuracy", source.title));
-    let settings = settings_table("trade", &title, trades)?;
-    output.table(&format!("{stem}.trade"), &settings)?;
-    output.table(
-        &format!("{stem}.trade.summary"),
-        &summary_table("trade_summary", &title, trades)?,
-    )?;
+    let choices: Vec<TradeChoice> = trades.iter().map(choice).collect();
+    output.table(&format!("{stem}.trade"), &settings_table(&title, &settings(trades))?)?;
+    output.table(&format!("{stem}.trade.summary"), &choices_table(&title, &choices)?)?;
     if source.traded.is_some() {
-        let metrics = metrics_table("trade_metrics", &title, trades)?;
-        output.table(&format!("{stem}.trade.metrics"), &metrics)?;
+        output
+            .table(&format!("{stem}.trade.metrics"), &metrics_table(&title, &metrics(trades))?)?;
     }
-    let own = settings_table("trade", &title, std::slice::from_ref(trade))?;
-    let chosen = trade.choice.as_ref().map(|choice| (choice.setting.solver, choice.evaluations));
+    let own = settings(std::slice::from_ref(trade));
     let notes = words::notes(trade);
-    let figure = zwidth_figures::work_precision(&own, &own, chosen, &notes)?;
+    let (scene, choice) = (&trade.scene.name, choices.first());
+    let figure = zwidth_figures::work_precision(&title, scene, &own, choice, &notes);
     output.figure(&format!("{stem}.trade"), figure)?;
     if let Some(scene) = recommended_scene(trade)? {
         output.text(&format!("{stem}.recommended"), "toml", &scene)?;
     }
     if let Some(solver) = words::chatters(trade) {
-        let courses = courses_table("courses", &trade.scene, &shown(solver, trade.scene.step_s))?;
-        let felt = Felt { solver, sentence: words::felt(trade, solver) };
-        output.table(&format!("{stem}.courses"), &courses)?;
-        output.figure(
-            &format!("{stem}.chattering"),
-            zwidth_figures::finding(&courses, &own, &felt)?,
-        )?;
+        let runs = courses(&trade.scene, &beside(solver, trade.scene.step_s))?;
+        let felt = Felt { solver, sentence: words::felt(trade, solver), title };
+        output.table(&format!("{stem}.courses"), &courses_table(&trade.scene, &runs)?)?;
+        let figure = zwidth_figures::finding(&runs, &own, &felt);
+        output.figure(&format!("{stem}.chattering"), figure)?;
     }
     Ok(())
 }
 
 /// The scene's own step, a tenth of it, and events found.
-fn shown(solver: &'static str, step_s: f64) -> [Setting; 3] {
+fn beside(solver: &'static str, step_s: f64) -> [Setting; 3] {
     [Fineness::StepS(step_s), Fineness::StepS(0.1 * step_s), Fineness::None].map(|fineness| {
         let solver = if fineness == Fineness::None { "exact" } else { solver };
         Setting { solver, fineness }

@@ -9,12 +9,12 @@ use anyhow::anyhow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_device::{Device as _, Twin};
-use zwidth_plan::{Rehearsal, rehearsal, rehearsed, rehearsed_trials};
+use zwidth_plan::{OtherSetups, Rehearsal, rehearsal, rehearsed, rehearsed_trials};
+use zwidth_results::SetupSummary;
 use zwidth_runner::JobError;
 use zwidth_store::StudyData;
 use zwidth_study::{ParticipantId, SessionId, Source};
-use zwidth_tables::Table;
-use zwidth_trade::VERSION;
+use zwidth_trade::{VERSION, twin_summary_table, twin_table};
 
 /// What the files are called.
 pub(super) const STEM: &str = "trade_twin";
@@ -75,17 +75,22 @@ pub(super) fn setups(
         return Ok(Some(Made::default()));
     }
     let made = rehearsed(&study.data, &of, progress).map_err(|e| anyhow!("{}: {e}", study.name))?;
-    let Some([all, short]) = made else { return Ok(None) };
+    let Some(made) = made else { return Ok(None) };
+    let table = twin_table(&made.shifts)?;
     let made_from = BTreeMap::from([
         ("study".to_owned(), study.name.clone()),
         ("source".to_owned(), "twin, not measured".to_owned()),
     ]);
     let mut output = Output::new(&study.folder, made_from);
-    output.table(STEM, &all)?;
+    output.table(STEM, &table)?;
+    let short = twin_summary_table(&made.summary, &made.stops)?;
     output.table(&format!("{STEM}.summary"), &short)?;
-    output.figure(STEM, zwidth_figures::less(std::iter::once(Ok(all)), &[Source::Twin])?)?;
+    let lines = words(&made);
+    let shifts = std::iter::once(Ok(made.shifts));
+    let figure = zwidth_figures::less(table.title(), table.notes(), shifts, &[Source::Twin])?;
+    output.figure(STEM, figure)?;
     output.text(STEM, "json", &key)?;
-    Ok(Some(Made { files: output.files, lines: words(&short)? }))
+    Ok(Some(Made { files: output.files, lines }))
 }
 
 /// All that its files depend on, as text.
@@ -116,25 +121,22 @@ fn key(
     Ok(format!("{key:#}\n"))
 }
 
-/// A line a setup: what it changes most.
-fn words(short: &Table) -> anyhow::Result<Vec<String>> {
-    let (setups, metrics) = (short.texts("setup")?, short.texts("metric")?);
-    let (felt, of) = (short.integers("felt")?, short.integers("metrics")?);
-    let (median, stopped) = (short.floats("median_share")?, short.integers("stopped")?);
-    let line = |i: usize| {
-        let most = metrics[i].as_ref().zip(median[i]).map_or(String::new(), |(metric, share)| {
+/// A line a setup: what it changes most; and why safety stopped trials.
+fn words(made: &OtherSetups) -> Vec<String> {
+    let line = |row: &SetupSummary| {
+        let most = row.metric.as_ref().zip(row.median_share);
+        let most = most.map_or(String::new(), |(metric, share)| {
             format!("; {metric} most, by {share:.1} times what is just felt in the median trial")
         });
-        let stopped = stopped[i].filter(|n| *n > 0);
-        let stopped = stopped.map_or(String::new(), |n| format!("; safety stops {n} trials"));
+        let stopped = match row.stopped {
+            0 => String::new(),
+            n => format!("; safety stops {n} trials"),
+        };
         format!(
             "{}: {} of {} metrics change by more than is just felt{most}{stopped}.",
-            setups[i].as_deref().unwrap_or_default(),
-            felt[i].unwrap_or(0),
-            of[i].unwrap_or(0),
+            row.setup, row.felt, row.metrics
         )
     };
-    let cares = short.notes_by_kind().filter(|(kind, _)| *kind == zwidth_tables::NoteKind::Care);
-    let cares = cares.map(|(_, note)| note.to_owned());
-    Ok((0..short.height()).map(line).chain(cares).collect())
+    let stops = made.stops.iter().map(|stop| stop.why.clone());
+    made.summary.iter().map(line).chain(stops).collect()
 }

@@ -3,7 +3,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 use zwidth_dynamics::{Grid, System};
-use zwidth_tables::{Column, Table};
+use zwidth_results::{Row, RunTime};
+use zwidth_tables::Table;
 use zwidth_trade::{Cell, Trade};
 
 /// Times a setting is run, and the ranks, from 0, of the ends of the median's interval: of 15 the
@@ -21,45 +22,22 @@ const MOST_WORK: u64 = 200_000;
 pub(super) fn table(trade: &Trade) -> anyhow::Result<Table> {
     let system = System::new(trade.scene.clone())?;
     let short = |cell: &&Cell| cell.errors.is_some() && cell.evaluations <= MOST_WORK;
-    let rows: Vec<(&Cell, [f64; 3])> =
-        trade.cells.iter().filter(short).map(|cell| (cell, time_s(cell, trade, &system))).collect();
-    let time = |name, about, which: usize| {
-        Column::float(name, "s", about, rows.iter().map(move |row| Some(row.1[which])))
+    let row = |cell: &Cell| {
+        let [median_s, low_s, high_s] = time_s(cell, trade, &system);
+        RunTime {
+            solver: cell.setting.solver.into(),
+            step_s: cell.setting.step_s(),
+            tolerance: cell.setting.tolerance(),
+            work: cell.evaluations,
+            time_s: median_s,
+            time_low_s: low_s,
+            time_high_s: high_s,
+            time_share: median_s / trade.scene.duration_s,
+        }
     };
-    let duration_s = trade.scene.duration_s;
-    let columns = vec![
-        Column::text(
-            "solver",
-            "the solver",
-            rows.iter().map(|row| Some(row.0.setting.solver.to_owned())),
-        ),
-        Column::float("step_s", "s", "its step", rows.iter().map(|row| row.0.setting.step_s())),
-        Column::float(
-            "tolerance",
-            "1",
-            "its tolerance",
-            rows.iter().map(|row| {
-                let is = row.0.setting.step_s().is_none() && row.0.setting.size() > 0.0;
-                is.then(|| row.0.setting.size())
-            }),
-        ),
-        Column::integer(
-            "work",
-            "1",
-            "its work in evaluations",
-            rows.iter().map(|row| Some(row.0.evaluations as i64)),
-        ),
-        time("time_s", "median time of a run", 0),
-        time("time_low_s", "lower end of its interval", 1),
-        time("time_high_s", "upper end of it", 2),
-        Column::float(
-            "time_share",
-            "1",
-            "time of a run over the time that it simulates",
-            rows.iter().map(|row| Some(row.1[0] / duration_s)),
-        ),
-    ];
-    let table = Table::new("timing", &format!("{}: time of runs", trade.scene.name), columns)?;
+    let rows: Vec<RunTime> = trade.cells.iter().filter(short).map(row).collect();
+    let title = format!("{}: {}", trade.scene.name, RunTime::TITLE);
+    let table = Table::of_rows(&rows)?.called(RunTime::NAME, title);
     Ok(table
         .with_note("Measured on the machine that made it, one run at a time; another run gives other numbers.")
         .with_note(

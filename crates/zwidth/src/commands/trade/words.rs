@@ -1,7 +1,7 @@
 //! What a trade comes to, in sentences.
 
 use zwidth_dynamics::RunVerdict;
-use zwidth_trade::{Cell, Trade, WhyNot};
+use zwidth_trade::{Cell, Trade};
 
 /// The thesis' method, with either time of switching; the one that chatters more comes first.
 const THESIS: [&str; 2] = ["rk4_per_step", "rk4_per_stage"];
@@ -38,7 +38,7 @@ pub(super) fn notes(trade: &Trade) -> Vec<String> {
         choice.evaluations
     ));
     if let Some((setting, why)) = choice.next_cheaper {
-        lines.push(format!("Next cheaper: {}; {}.", setting.words(), WhyNot::words(why)));
+        lines.push(format!("Next cheaper: {}; {why}.", setting.words()));
     }
     lines
 }
