@@ -34,12 +34,20 @@
 //! | [`RunTime`] | solver, step or tolerance | `zwidth trade` | nothing but the file |
 //! | [`MetricShift`] | condition, what is less, metric | `trade`, `zwidth trade` | figures |
 //! | [`SetupSummary`] | setup | `zwidth trade` | `zwidth trade` |
+//! | [`WallCell`] | place on a map | `zwidth stability` | nothing but the file |
+//! | [`LimitPoint`] | map, limit, piece, place | `zwidth stability` | figures |
+//! | [`StiffestWall`] | limit | `zwidth stability` | `zwidth stability` |
+//! | [`BoundaryExtent`] | boundary | `zwidth stability` | nothing but the file |
+//! | [`WallBound`] | mode, push, damping | `zwidth characterise` | figures |
+//! | [`ZWidth`] | mode, push | `zwidth characterise` | nothing but the file |
+//! | [`ImpedancePoint`] | environment, mode, frequency | `zwidth characterise` | figures |
 
 mod column;
 mod comparison;
 mod ladder;
 mod note;
 mod row;
+mod stability;
 mod trade;
 mod value;
 
@@ -56,6 +64,10 @@ pub use ladder::{
 };
 pub use note::NoteKind;
 pub use row::{ReadError, Row};
+pub use stability::{
+    BoundaryExtent, ImpedancePoint, LimitKind, LimitName, LimitPoint, StiffestWall, WallBound,
+    WallCell, WallLimit, WallQuantity, ZWidth,
+};
 pub use trade::{
     Gate, LessKind, MetricShift, NoReason, Proof, RunTime, SetupSummary, TradeChoice, TradeMetric,
     TradeRun, TradeSetting, WhyNot,

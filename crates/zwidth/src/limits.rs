@@ -1,7 +1,7 @@
 //! What numbers on the command line can be: none of them decides without a limit how much memory or
 //! time is taken.
 
-use zwidth_stability::Quantity;
+use zwidth_results::WallQuantity;
 
 /// Threads at most: more than any machine that is known to run this has cores.
 pub(crate) const MOST_THREADS: i64 = 1024;
@@ -41,10 +41,10 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 /// A quantity of the sampled wall, by its word.
-fn quantity(word: &str) -> Result<Quantity, String> {
-    let words = Quantity::ALL.map(Quantity::as_str);
-    let found = Quantity::ALL.into_iter().find(|quantity| quantity.as_str() == word);
-    found.ok_or_else(|| format!("{word:?} is not a quantity; take one of {}", words.join(", ")))
+fn quantity(word: &str) -> Result<WallQuantity, String> {
+    let words = || WallQuantity::ALL.iter().map(|quantity| quantity.as_str()).collect::<Vec<_>>();
+    WallQuantity::from_word(word)
+        .ok_or_else(|| format!("{word:?} is not a quantity; take one of {}", words().join(", ")))
 }
 
 /// Lengths on paper, mm: from a stamp to ISO A0.
@@ -58,13 +58,13 @@ pub(crate) fn size(text: &str) -> Result<(f64, Option<f64>), String> {
 }
 
 /// A quantity with its value: `delay=0.0083`.
-pub(crate) fn setting(text: &str) -> Result<(Quantity, f64), String> {
+pub(crate) fn setting(text: &str) -> Result<(WallQuantity, f64), String> {
     let (word, value) = text.split_once('=').ok_or("write QUANTITY=VALUE, as delay=0.0083")?;
     Ok((quantity(word)?, within(value, QUANTITIES)?))
 }
 
 /// A quantity with the ends of an axis, or without: `stiffness=10..2000`, `stiffness`.
-pub(crate) fn span(text: &str) -> Result<(Quantity, Option<[f64; 2]>), String> {
+pub(crate) fn span(text: &str) -> Result<(WallQuantity, Option<[f64; 2]>), String> {
     let Some((word, ends)) = text.split_once('=') else { return Ok((quantity(text)?, None)) };
     let (from, to) = ends.split_once("..").ok_or("write QUANTITY=FROM..TO, as delay=0..0.05")?;
     Ok((quantity(word)?, Some([within(from, QUANTITIES)?, within(to, QUANTITIES)?])))

@@ -1,9 +1,10 @@
 //! Impedance against frequency with its coherence, an environment a column.
 
 use crate::words::plain;
+use std::sync::Arc;
 use zwidth_draw::style;
 use zwidth_draw::{Axis, Band, Cell, Figure, Layer, Line, Panel, Range, Ticks};
-use zwidth_tables::{Table, TableError};
+use zwidth_results::{ImpedancePoint, Row};
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 46.0;
@@ -18,7 +19,7 @@ enum Shows {
 
 /// One mode of an environment, as it stands on the axes.
 struct Curve {
-    mode: String,
+    mode: Arc<str>,
     frequency: Vec<f64>,
     /// NaN where the coherence may be chance.
     magnitude: Vec<[f64; 3]>,
@@ -27,20 +28,20 @@ struct Curve {
     chance: Vec<f64>,
 }
 
-/// |Z|, phase and coherence against frequency; `responses` is the table of responses. Where the coherence
-/// may be chance, |Z| and phase are not drawn.
-///
-/// # Errors
-/// A table that lacks a column.
+/// |Z|, phase and coherence against frequency. Where the coherence may be chance, |Z| and phase are
+/// not drawn.
 pub fn impedance_frequency(
-    responses: &Table,
+    points: &[ImpedancePoint],
     notes: &[String],
     mark: Option<String>,
-) -> Result<Figure, TableError> {
-    let environments = distinct(&responses.texts("environment")?);
+) -> Figure {
+    let environments = distinct(points.iter().map(|point| &point.environment));
     let mut panels = Vec::new();
     for (column, environment) in environments.iter().enumerate() {
-        let curves = curves(responses, environment)?;
+        let own: Vec<&ImpedancePoint> =
+            points.iter().filter(|point| point.environment == *environment).collect();
+        let modes = distinct(own.iter().map(|point| &point.mode));
+        let curves: Vec<Curve> = modes.into_iter().map(|mode| Curve::of(mode, &own)).collect();
         let all = [Shows::Magnitude, Shows::Phase, Shows::Coherence];
         panels.extend(all.into_iter().enumerate().map(|(row, shows)| {
             let panel = panel(&curves, shows, Cell::at(row, column));
@@ -49,8 +50,8 @@ pub fn impedance_frequency(
             panel.titled(format!("**{letter}**  {of}"))
         }));
     }
-    Ok(Figure {
-        title: Some(plain(responses.title())),
+    Figure {
+        title: Some(plain(ImpedancePoint::TITLE)),
         description: "Size and phase of the impedance that a user feels at the lever's end, force over velocity, and \
                       their coherence, against frequency, for each mode; bands are intervals."
             .to_owned(),
@@ -58,59 +59,48 @@ pub fn impedance_frequency(
         footnotes: notes.iter().map(|note| plain(note)).collect(),
         mark,
         ..Figure::default()
-    })
+    }
 }
 
-fn distinct(words: &[Option<String>]) -> Vec<String> {
-    let mut seen: Vec<String> = Vec::new();
-    for word in words.iter().flatten() {
-        if !seen.contains(word) {
-            seen.push(word.clone());
+fn distinct<'a>(names: impl Iterator<Item = &'a Arc<str>>) -> Vec<Arc<str>> {
+    let mut seen: Vec<Arc<str>> = Vec::new();
+    for name in names {
+        if !seen.contains(name) {
+            seen.push(name.clone());
         }
     }
     seen
 }
 
-fn curves(table: &Table, environment: &str) -> Result<Vec<Curve>, TableError> {
-    let (environments, modes) = (table.texts("environment")?, table.texts("mode")?);
-    let float = |name| table.floats(name);
-    let frequency = float("frequency_hz")?;
-    let (size, low, high) = (float("magnitude_ns_per_m")?, float("ci_low")?, float("ci_high")?);
-    let (phase, half) = (float("phase_rad")?, float("phase_half_interval_rad")?);
-    let (coherence, chance) = (float("coherence")?, float("chance")?);
-    let is_here = |i: &usize| environments[*i].as_deref() == Some(environment);
-    let here: Vec<usize> = (0..table.height()).filter(is_here).collect();
-    let own: Vec<Option<String>> = here.iter().map(|i| modes[*i].clone()).collect();
-    let curve = |mode: String| {
-        let rows: Vec<usize> =
-            here.iter().copied().filter(|i| modes[*i].as_ref() == Some(&mode)).collect();
-        let known = |i: &usize| coherence[*i] > chance[*i];
-        let log = |value: Option<f64>| value.filter(|v| *v > 0.0).map_or(f64::NAN, libm::log10);
-        let degrees = |value: Option<f64>| value.map_or(f64::NAN, f64::to_degrees);
-        let magnitude = |i: &usize| match known(i) {
-            true => [log(size[*i]), log(low[*i]), log(high[*i])],
+impl Curve {
+    /// That of a mode, from the points of its environment.
+    fn of(mode: Arc<str>, points: &[&ImpedancePoint]) -> Self {
+        let own: Vec<&ImpedancePoint> =
+            points.iter().copied().filter(|point| point.mode == mode).collect();
+        let is_known = |point: &ImpedancePoint| point.coherence > point.chance;
+        let log = |value: f64| if value > 0.0 { libm::log10(value) } else { f64::NAN };
+        let end = |value: Option<f64>| value.map_or(f64::NAN, log);
+        let magnitude = |point: &&ImpedancePoint| match is_known(point) {
+            true => [log(point.magnitude_ns_per_m), end(point.ci_low), end(point.ci_high)],
             false => [f64::NAN; 3],
         };
-        let turned = |i: &usize| match known(i) {
+        let phase = |point: &&ImpedancePoint| match is_known(point) {
             true => {
-                let (at, by) = (degrees(phase[*i]), degrees(half[*i]).min(180.0));
+                let half = point.phase_half_interval_rad.map_or(f64::NAN, f64::to_degrees);
+                let (at, by) = (point.phase_rad.to_degrees(), half.min(180.0));
                 [at, at - by, at + by]
             }
             false => [f64::NAN; 3],
         };
-        let value = |values: &[Option<f64>]| -> Vec<f64> {
-            rows.iter().map(|i| values[*i].unwrap_or(f64::NAN)).collect()
-        };
-        Curve {
-            frequency: rows.iter().map(|i| log(frequency[*i])).collect(),
-            magnitude: rows.iter().map(magnitude).collect(),
-            phase: rows.iter().map(turned).collect(),
-            coherence: value(&coherence),
-            chance: value(&chance),
+        Self {
+            frequency: own.iter().map(|point| log(point.frequency_hz)).collect(),
+            magnitude: own.iter().map(magnitude).collect(),
+            phase: own.iter().map(phase).collect(),
+            coherence: own.iter().map(|point| point.coherence).collect(),
+            chance: own.iter().map(|point| point.chance).collect(),
             mode,
         }
-    };
-    Ok(distinct(&own).into_iter().map(curve).collect())
+    }
 }
 
 fn panel(curves: &[Curve], shows: Shows, cell: Cell) -> Panel {
@@ -164,28 +154,38 @@ fn panel(curves: &[Curve], shows: Shows, cell: Cell) -> Panel {
 mod tests {
     use super::*;
     use zwidth_draw::draw;
-    use zwidth_tables::Column;
 
     #[test]
     fn three_panels_an_environment_and_chance_is_not_drawn() {
-        let float = |name, values: [f64; 4]| Column::float(name, "", "", values.map(Some));
-        let text = |name, values: [&str; 4]| {
-            Column::text(name, "", values.map(|value| Some(value.to_owned())))
+        let point = |environment: &str, mode: &str, frequency_hz, magnitude_ns_per_m, coherence| {
+            ImpedancePoint {
+                environment: environment.into(),
+                mode: mode.into(),
+                frequency_hz,
+                magnitude_ns_per_m,
+                ci_low: Some(magnitude_ns_per_m - 1.0),
+                ci_high: Some(magnitude_ns_per_m + 1.0),
+                phase_rad: -1.0,
+                phase_half_interval_rad: Some(0.1),
+                real_ns_per_m: 1.0,
+                imaginary_ns_per_m: -1.0,
+                coherence,
+                chance: 0.2,
+                velocity_density: 1.0,
+                force_density: 1.0,
+                averages: 20.0,
+                segments: 28,
+                segment_samples: 128,
+                rate_hz: 80.0,
+            }
         };
-        let columns = vec![
-            text("environment", ["spring", "spring", "spring", "wall"]),
-            text("mode", ["active", "active", "hybrid", "active"]),
-            float("frequency_hz", [1.0, 2.0, 1.0, 1.0]),
-            float("magnitude_ns_per_m", [10.0, 5.0, 8.0, 9.0]),
-            float("ci_low", [9.0, 4.0, 0.0, 8.0]),
-            float("ci_high", [11.0, 6.0, 9.0, 10.0]),
-            float("phase_rad", [-1.5, -1.4, -1.0, -1.0]),
-            float("phase_half_interval_rad", [0.1, 0.1, 0.1, 0.1]),
-            float("coherence", [0.9, 0.1, 0.8, 0.7]),
-            float("chance", [0.2, 0.2, 0.2, 0.2]),
+        let points = [
+            point("spring", "active", 1.0, 10.0, 0.9),
+            point("spring", "active", 2.0, 5.0, 0.1),
+            ImpedancePoint { ci_low: Some(0.0), ..point("spring", "hybrid", 1.0, 8.0, 0.8) },
+            point("wall", "active", 1.0, 9.0, 0.7),
         ];
-        let table = Table::new("frequency", "Impedance against frequency", columns).unwrap();
-        let figure = impedance_frequency(&table, &[], None).unwrap();
+        let figure = impedance_frequency(&points, &[], None);
         assert_eq!(figure.panels.len(), 6);
         let Layer::Line(line) = &figure.panels[0].layers[1] else { panic!("no line") };
         assert!((line.y[0] - 1.0).abs() < 1e-12 && line.y[1].is_nan());

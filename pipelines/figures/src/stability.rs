@@ -7,7 +7,7 @@ use zwidth_draw::{
     Ticks,
 };
 use zwidth_dynamics::NAMED_SOLVERS;
-use zwidth_tables::{Table, TableError};
+use zwidth_results::{LimitKind, LimitName, LimitPoint, Row, WallLimit, WallQuantity};
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 66.0;
@@ -15,8 +15,8 @@ const PANEL_MM: f64 = 66.0;
 /// An axis of a panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Side {
-    /// Its quantity as the table of curves has it.
-    pub quantity: &'static str,
+    /// Its quantity.
+    pub quantity: WallQuantity,
     /// Its name as markup.
     pub label: &'static str,
     /// Its unit on the axis.
@@ -69,43 +69,32 @@ impl Side {
 
 /// One limit of a panel.
 struct Limit {
-    kind: String,
+    name: LimitName,
+    kind: LimitKind,
     label: String,
     x: Vec<f64>,
     y: Vec<f64>,
 }
 
-/// The limits of a table of the stage `stability`, a panel for each pair of its axes.
-///
-/// # Errors
-/// A table that lacks a column.
-pub fn stability(
-    curves: &Table,
-    panels: &[StabilityPanel],
-    notes: &[String],
-) -> Result<Figure, TableError> {
+/// The limits of some maps, a panel for each pair of axes.
+pub fn stability(curves: &[LimitPoint], panels: &[StabilityPanel], notes: &[String]) -> Figure {
     let drawn = panels.iter().enumerate().map(|(i, sides)| panel(curves, i, sides, panels.len()));
-    Ok(Figure {
-        title: Some(plain(curves.title())),
+    Figure {
+        title: Some(plain(LimitPoint::TITLE)),
         description: "Which walls a sampled device bears. Shaded: stable. Diamond or dotted line: the device itself. \
                       Black: exact linear stability of the lifted map; points: the \
                       same found by simulating the loop. Indigo: passivity. Dashed: closed forms of the literature, \
                       which are approximations. Thin: where the step of a solver becomes unstable."
             .to_owned(),
-        panels: drawn.collect::<Result<_, _>>()?,
+        panels: drawn.collect(),
         footnotes: notes.iter().map(|note| plain(note)).collect(),
         mark: model_mark(),
         ..Figure::default()
-    })
+    }
 }
 
-fn panel(
-    curves: &Table,
-    number: usize,
-    sides: &StabilityPanel,
-    count: usize,
-) -> Result<Panel, TableError> {
-    let limits = limits(curves, sides)?;
+fn panel(curves: &[LimitPoint], number: usize, sides: &StabilityPanel, count: usize) -> Panel {
+    let limits = limits(curves, sides);
     let mut layers: Vec<Layer> = sides.stable.iter().map(|area| shade(area, sides)).collect();
     layers.extend(limits.iter().map(layer));
     layers.extend(device(sides));
@@ -123,7 +112,7 @@ fn panel(
         Panel::new(cell, x, y, layers)
     };
     let panel = if count > 1 { panel.titled(title) } else { panel };
-    Ok(Panel { height_mm: Some(PANEL_MM), ..panel })
+    Panel { height_mm: Some(PANEL_MM), ..panel }
 }
 
 fn shade(area: &StableArea, sides: &StabilityPanel) -> Layer {
@@ -166,62 +155,54 @@ fn device(sides: &StabilityPanel) -> Option<Layer> {
     })
 }
 
-const SYMPLECTIC_EULER: &str = "a step of symplectic Euler is stable below";
-const ABBOTT_OKAMURA: &str = "Abbott–Okamura";
-const DIOLAITI: &str = "Diolaiti";
-
 /// What a limit is called; `None` for one that another draws: the passive walls of Colgate &
 /// Schenkel's closed form are those of the maximum over frequency.
-fn label(limit: &str) -> Option<&'static str> {
+fn label(limit: WallLimit) -> Option<&'static str> {
     match limit {
-        "lifted_map" => Some("stable below (exact)"),
-        "passivity" => Some("passive below"),
-        "measured" => Some("the same, the loop simulated"),
-        "rk4_per_step" => Some("a step of RK4 is stable below"),
-        "symplectic_euler" => Some(SYMPLECTIC_EULER),
-        "hulin" => Some("Hulin"),
-        "abbott_okamura" => Some(ABBOTT_OKAMURA),
-        "diolaiti" => Some(DIOLAITI),
-        _ => None,
+        WallLimit::LiftedMap => Some("stable below (exact)"),
+        WallLimit::Passivity => Some("passive below"),
+        WallLimit::Measured => Some("the same, the loop simulated"),
+        WallLimit::Rk4 => Some("a step of RK4 is stable below"),
+        WallLimit::SymplecticEuler => Some("a step of symplectic Euler is stable below"),
+        WallLimit::Hulin => Some("Hulin"),
+        WallLimit::AbbottOkamura => Some("Abbott–Okamura"),
+        WallLimit::Diolaiti => Some("Diolaiti"),
+        WallLimit::ColgateSchenkel => None,
     }
 }
 
-fn limits(curves: &Table, sides: &StabilityPanel) -> Result<Vec<Limit>, TableError> {
-    let texts = |name| curves.texts(name);
-    let (xs, ys) = (texts("x_quantity")?, texts("y_quantity")?);
-    let (words, kinds) = (texts("limit")?, texts("kind")?);
-    let pieces = curves.integers("piece")?;
-    let (x, y) = (curves.floats("x")?, curves.floats("y")?);
-    let mut limits: Vec<(String, Option<i64>, Limit)> = Vec::new();
-    for i in 0..curves.height() {
-        let is = |text: &Option<String>, word: &str| text.as_deref() == Some(word);
-        if !is(&xs[i], sides.x.quantity) || !is(&ys[i], sides.y.quantity) {
-            continue;
-        }
-        let (Some(word), Some(kind), Some(x), Some(y)) = (&words[i], &kinds[i], x[i], y[i]) else {
-            continue;
+fn limits(curves: &[LimitPoint], sides: &StabilityPanel) -> Vec<Limit> {
+    let axes = (sides.x.quantity, sides.y.quantity);
+    let own = curves.iter().filter(|point| (point.x_quantity, point.y_quantity) == axes);
+    let mut limits: Vec<Limit> = Vec::new();
+    let mut piece = 0;
+    for point in own {
+        let label = match &point.limit {
+            _ if point.kind == LimitKind::Others => Some(plain(&point.limit.to_string())),
+            LimitName::Computed(limit) => label(*limit).map(str::to_owned),
+            LimitName::Others(_) => None,
         };
-        let of_others = (kind == "others").then(|| plain(word));
-        let Some(label) = of_others.or_else(|| label(word).map(str::to_owned)) else { continue };
-        if limits.last().is_none_or(|last| last.0 != *word) {
-            let limit = Limit { kind: kind.clone(), label, x: Vec::new(), y: Vec::new() };
-            limits.push((word.clone(), pieces[i], limit));
+        let Some(label) = label else { continue };
+        if limits.last().is_none_or(|last| last.name != point.limit) {
+            let (name, kind) = (point.limit.clone(), point.kind);
+            limits.push(Limit { name, kind, label, x: Vec::new(), y: Vec::new() });
+            piece = point.piece;
         }
-        let Some((_, piece, limit)) = limits.last_mut() else { continue };
-        if *piece != pieces[i] {
+        let Some(limit) = limits.last_mut() else { continue };
+        if piece != point.piece {
             limit.x.push(f64::NAN);
             limit.y.push(f64::NAN);
-            *piece = pieces[i];
+            piece = point.piece;
         }
-        limit.x.push(sides.x.place(x));
-        limit.y.push(sides.y.place(y));
+        limit.x.push(sides.x.place(point.x));
+        limit.y.push(sides.y.place(point.y));
     }
-    Ok(limits.into_iter().map(|(_, _, limit)| limit).collect())
+    limits
 }
 
 fn layer(limit: &Limit) -> Layer {
     let (x, y, name) = (limit.x.clone(), limit.y.clone(), Some(limit.label.clone()));
-    if limit.kind == "measured" {
+    if limit.kind == LimitKind::Measured {
         return Layer::Points(Points { x, y, name, diameter_pt: 4.0, ..Points::default() });
     }
     Layer::Line(Line { x, y, name, stroke: stroke(limit), ..Line::default() })
@@ -233,14 +214,16 @@ fn stroke(limit: &Limit) -> Stroke {
         let number = NAMED_SOLVERS.iter().position(|named| named.name == name);
         style::single(style::solver_colour(number.unwrap_or(0)))
     };
-    match (limit.kind.as_str(), limit.label.as_str()) {
-        ("exact", _) => style::mean(style::INK),
-        ("passivity", _) => style::mean(style::environment_colour(0)),
-        ("others", _) => style::mean(style::environment_colour(4)),
-        ("method", SYMPLECTIC_EULER) => solver("symplectic_euler").dashed(Dash::Dotted),
-        ("method", _) => solver("rk4_per_step"),
-        (_, ABBOTT_OKAMURA) => book(5),
-        (_, DIOLAITI) => book(3),
+    match (limit.kind, &limit.name) {
+        (LimitKind::Exact, _) => style::mean(style::INK),
+        (LimitKind::Passivity, _) => style::mean(style::environment_colour(0)),
+        (LimitKind::Others, _) => style::mean(style::environment_colour(4)),
+        (LimitKind::Method, LimitName::Computed(WallLimit::SymplecticEuler)) => {
+            solver("symplectic_euler").dashed(Dash::Dotted)
+        }
+        (LimitKind::Method, _) => solver("rk4_per_step"),
+        (_, LimitName::Computed(WallLimit::AbbottOkamura)) => book(5),
+        (_, LimitName::Computed(WallLimit::Diolaiti)) => book(3),
         _ => book(2),
     }
 }
@@ -323,38 +306,41 @@ pub fn boundaries(
 mod tests {
     use super::*;
     use zwidth_draw::draw;
-    use zwidth_tables::Column;
 
-    fn side(quantity: &'static str, is_logarithmic: bool) -> Side {
+    fn side(quantity: WallQuantity, is_logarithmic: bool) -> Side {
         let ends = if is_logarithmic { [10.0, 1e4] } else { [0.0, 4.0] };
-        Side { quantity, label: quantity, unit: "N/m", per_si: 1.0, ends, is_logarithmic }
+        let label = quantity.as_str();
+        Side { quantity, label, unit: "N/m", per_si: 1.0, ends, is_logarithmic }
     }
 
-    fn panel_of(x: &'static str) -> StabilityPanel {
-        let (x, y) = (side(x, false), side("stiffness", true));
+    fn panel_of(x: WallQuantity) -> StabilityPanel {
+        let (x, y) = (side(x, false), side(WallQuantity::Stiffness, true));
         StabilityPanel { x, y, stable: Vec::new(), device: [None; 2] }
     }
 
-    fn curves() -> Table {
-        let text = |name, values: [&str; 4]| {
-            Column::text(name, "", values.map(|value| Some(value.to_owned())))
+    fn curves() -> Vec<LimitPoint> {
+        let point = |limit, kind, piece, x, y| LimitPoint {
+            x_quantity: WallQuantity::Damping,
+            y_quantity: WallQuantity::Stiffness,
+            limit: LimitName::Computed(limit),
+            kind,
+            piece,
+            x,
+            y,
         };
-        let columns = vec![
-            text("x_quantity", ["damping"; 4]),
-            text("y_quantity", ["stiffness"; 4]),
-            text("limit", ["lifted_map", "lifted_map", "lifted_map", "measured"]),
-            text("kind", ["exact", "exact", "exact", "measured"]),
-            Column::integer("piece", "1", "", [0, 0, 1, 0].map(Some)),
-            Column::float("x", "SI", "", [1.0, 2.0, 3.0, 1.5].map(Some)),
-            Column::float("y", "SI", "", [100.0, 200.0, 300.0, 150.0].map(Some)),
-        ];
-        Table::new("curves", "Limits", columns).unwrap()
+        let exact = |piece, x, y| point(WallLimit::LiftedMap, LimitKind::Exact, piece, x, y);
+        vec![
+            exact(0, 1.0, 100.0),
+            exact(0, 2.0, 200.0),
+            exact(1, 3.0, 300.0),
+            point(WallLimit::Measured, LimitKind::Measured, 0, 1.5, 150.0),
+        ]
     }
 
     #[test]
     fn every_limit_has_its_name_and_pieces_are_apart() {
-        let sides = panel_of("damping");
-        let figure = stability(&curves(), &[sides], &[]).unwrap();
+        let sides = panel_of(WallQuantity::Damping);
+        let figure = stability(&curves(), &[sides], &[]);
         draw(&figure).unwrap();
         let layers = &figure.panels[0].layers;
         let lines = layers.iter().find_map(|layer| match layer {
@@ -378,9 +364,9 @@ mod tests {
         let device = |y| StabilityPanel {
             stable: vec![stable.clone()],
             device: [Some(2.0), y],
-            ..panel_of("damping")
+            ..panel_of(WallQuantity::Damping)
         };
-        let layers = |y| stability(&curves(), &[device(y)], &[]).unwrap().panels[0].layers.clone();
+        let layers = |y| stability(&curves(), &[device(y)], &[]).panels[0].layers.clone();
         let known = layers(Some(1000.0));
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(matches!(&known[0], Layer::Band(band) if near(band.high[0], 2.0)));
@@ -389,13 +375,13 @@ mod tests {
         assert!(matches!(layers(None).last(), Some(Layer::Reference(r)) if near(r.at, 2.0)));
         let outside = layers(Some(1e6));
         assert!(!matches!(outside.last(), Some(Layer::Intervals(_) | Layer::Reference(_))));
-        draw(&stability(&curves(), &[device(None)], &[]).unwrap()).unwrap();
+        draw(&stability(&curves(), &[device(None)], &[])).unwrap();
     }
 
     #[test]
     fn a_panel_without_limits_says_so() {
-        let sides = panel_of("delay");
-        let figure = stability(&curves(), &[sides], &[]).unwrap();
+        let sides = panel_of(WallQuantity::Delay);
+        let figure = stability(&curves(), &[sides], &[]);
         assert!(figure.panels[0].note.is_some());
         draw(&figure).unwrap();
     }

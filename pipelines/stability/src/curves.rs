@@ -1,9 +1,10 @@
 //! The limits of a map as lines.
 
 use crate::contour::Field;
-use crate::map::{Cell, METHODS, Map, Methods, placed};
+use crate::map::{Cell, Map, Methods, placed};
 use rayon::prelude::*;
-use zwidth_dynamics::{NAMED_SOLVERS, Textbook};
+use zwidth_dynamics::Textbook;
+use zwidth_results::{LimitKind, LimitName, WallLimit};
 
 /// A radius or growth up to this is 1: rounding of the estimate.
 const ONE: f64 = 1.0 + 1e-6;
@@ -11,42 +12,37 @@ const ONE: f64 = 1.0 + 1e-6;
 /// A limit on a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Its word in tables.
-    pub limit: String,
-    /// `exact`, `passivity`, `method`, `textbook`, `measured`, `others`.
-    pub kind: &'static str,
-    /// What stands at it in a figure.
-    pub label: String,
+    /// Its name.
+    pub limit: LimitName,
+    /// What it is.
+    pub kind: LimitKind,
     /// Its pieces, each a list of x and y in SI units.
     pub pieces: Vec<Vec<[f64; 2]>>,
 }
 
-/// A formula's word in this stage's tables, where a quantity is called `delay` already.
-pub(crate) fn word(formula: Textbook) -> &'static str {
-    if formula == Textbook::Delay { "hulin" } else { formula.as_str() }
+/// The limit that a formula is.
+pub(crate) fn of_textbook(formula: Textbook) -> WallLimit {
+    match formula {
+        Textbook::ColgateSchenkel => WallLimit::ColgateSchenkel,
+        Textbook::Delay => WallLimit::Hulin,
+        Textbook::AbbottOkamura => WallLimit::AbbottOkamura,
+        Textbook::Diolaiti => WallLimit::Diolaiti,
+    }
 }
 
-/// What a limit is called: its word, its kind, its label.
-pub(crate) fn names() -> [(&'static str, &'static str, String); 8] {
-    let method = |i: usize| {
-        let label = NAMED_SOLVERS.iter().find(|named| named.name == METHODS[i]);
-        // All of RK4's ways of switching have one map.
-        let label = label.map_or(METHODS[i], |named| named.label).split(',').next();
-        (METHODS[i], "method", label.unwrap_or_default().to_owned())
-    };
-    let book = |formula: Textbook| {
-        let label = match formula {
-            Textbook::ColgateSchenkel => "Colgate–Schenkel",
-            Textbook::Delay => "Hulin",
-            Textbook::AbbottOkamura => "Abbott–Okamura",
-            Textbook::Diolaiti => "Diolaiti",
-        };
-        (word(formula), "textbook", label.to_owned())
-    };
-    let [a, b, c, d] = Textbook::ALL.map(book);
-    let exact = ("lifted_map", "exact", "stable".to_owned());
-    let passive = ("passivity", "passivity", "passive".to_owned());
-    [exact, passive, method(0), method(1), a, b, c, d]
+/// The limits of a cell, in the order of [`Cell::values`].
+fn of_cell() -> [(WallLimit, LimitKind); 8] {
+    let [a, b, c, d] = Textbook::ALL.map(|formula| (of_textbook(formula), LimitKind::Textbook));
+    [
+        (WallLimit::LiftedMap, LimitKind::Exact),
+        (WallLimit::Passivity, LimitKind::Passivity),
+        (WallLimit::Rk4, LimitKind::Method),
+        (WallLimit::SymplecticEuler, LimitKind::Method),
+        a,
+        b,
+        c,
+        d,
+    ]
 }
 
 /// Whether a limit is passed in a cell.
@@ -57,10 +53,10 @@ pub(crate) fn passes(cell: &Cell, limit: usize) -> Option<bool> {
 
 /// The limits of a map that cross it.
 pub fn curves(map: &Map) -> Vec<Curve> {
-    let made: Vec<Curve> = names()
+    let made: Vec<Curve> = of_cell()
         .into_par_iter()
         .enumerate()
-        .map(|(limit, (word, kind, label))| {
+        .map(|(limit, (computed, kind))| {
             let methods = Methods::new();
             let spans = [map.x, map.y];
             let above = |i: usize, j: usize| passes(&map.cells[j * map.x.cells + i], limit);
@@ -76,7 +72,7 @@ pub fn curves(map: &Map) -> Vec<Curve> {
             };
             let si = |share: &[f64; 2]| [map.x.at(share[0]), map.y.at(share[1])];
             let pieces = field.lines().iter().map(|line| line.iter().map(si).collect()).collect();
-            Curve { limit: word.to_owned(), kind, label, pieces }
+            Curve { limit: LimitName::Computed(computed), kind, pieces }
         })
         .collect();
     made.into_iter().filter(|curve| !curve.pieces.is_empty()).collect()

@@ -1,7 +1,6 @@
 //! What can keep a wall from being mapped.
 
 use zwidth_dynamics::DynamicsError;
-use zwidth_tables::TableError;
 
 /// Every error of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -45,7 +44,4 @@ pub enum StabilityError {
     /// A wall that makes no sense.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    /// A table could not be made.
-    #[error(transparent)]
-    Table(#[from] TableError),
 }

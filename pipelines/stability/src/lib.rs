@@ -1,12 +1,12 @@
 //! Stage: which walls a sampled device bears, mapped over pairs of quantities.
 //!
-//! [`map`] looks at every cell of a grid over two quantities ([`Quantity`]) and keeps the limits
+//! [`map`] looks at every cell of a grid over two quantities ([`zwidth_results::WallQuantity`]) and keeps the limits
 //! apart: the lifted map's spectral radius, passivity, each solver's growth, and the closed forms
 //! of the literature. [`curves`] are the lines on which one of them is 1, and [`measured`] are
 //! points that a simulated loop gives. [`limits`] sums them up at one point, each with its error
 //! against the exact one. `docs/stability.md` has equations, sources and numbers.
 //!
-//! Pure: a wall in memory, tables out.
+//! Pure: a wall in memory, rows out.
 
 mod contour;
 mod curves;
@@ -24,13 +24,15 @@ mod tests;
 
 pub use curves::{Curve, curves};
 pub use error::StabilityError;
-pub use limits::{Limit, limits};
+pub use limits::limits;
 pub use map::{Area, Cell, METHODS, Map, Span, map};
 pub use measured::measured;
 pub use others::{Boundary, Extent};
-pub use quantity::{Point, Quantity};
+pub use quantity::Point;
 pub use scene::of_scene;
-pub use table::{cells_table, curves_table, extents_table, limits_table};
+pub use table::{
+    cells, cells_table, curves_table, extent, extents_table, limit_points, limits_table,
+};
 
 /// Version of the algorithms and of the tables' form.
 pub const VERSION: u32 = 2;

@@ -1,70 +1,54 @@
 //! The stiffest wall by every limit at one point.
 
-use crate::curves::word;
+use crate::curves::of_textbook;
 use crate::error::StabilityError;
 use crate::measured::TICKS;
 use crate::quantity::Point;
 use zwidth_dynamics::Textbook;
+use zwidth_results::{LimitKind, StiffestWall, WallLimit};
 
-/// What one limit says of the stiffest wall.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Limit {
-    /// Its word in tables.
-    pub limit: String,
-    /// `exact`, `passivity`, `textbook`, `measured`.
-    pub kind: &'static str,
-    /// Its equation.
-    pub equation: String,
-    /// Where it comes from.
-    pub source: String,
-    /// K, N/m.
-    pub stiffness_n_per_m: Option<f64>,
-    /// Its error against the exact one, as a share of that.
-    pub error_share: Option<f64>,
-}
-
-impl Limit {
-    /// Whether a wall that it allows is unstable.
-    pub fn is_unsafe(&self) -> Option<bool> {
-        /// A difference below this is that of the search.
-        const ROUNDING: f64 = 1e-6;
-        self.error_share.filter(|_| self.kind != "measured").map(|error| error > ROUNDING)
-    }
-}
+/// An error above this makes a limit unsafe: below, it is that of the search.
+const ROUNDING: f64 = 1e-6;
 
 /// The stiffest wall at a point, by every limit.
 ///
 /// # Errors
 /// A point that makes no sense.
-pub fn limits(point: &Point) -> Result<Vec<Limit>, StabilityError> {
+pub fn limits(point: &Point) -> Result<Vec<StiffestWall>, StabilityError> {
     let wall = &point.wall;
     let exact = wall.stiffest_stable()?;
-    let of = |limit: &str, kind, equation: &str, source: &str, stiffness: Option<f64>| Limit {
-        limit: limit.to_owned(),
-        kind,
-        equation: equation.to_owned(),
-        source: source.to_owned(),
-        stiffness_n_per_m: stiffness,
-        error_share: exact
+    let of = |limit, kind, equation: &str, source: &str, stiffness: Option<f64>| {
+        let error_share = exact
             .zip(stiffness)
             .filter(|(exact, _)| *exact > 0.0)
-            .map(|(exact, stiffness)| stiffness / exact - 1.0),
+            .map(|(exact, stiffness)| stiffness / exact - 1.0);
+        // What is measured is no claim about walls.
+        let claimed = error_share.filter(|_| kind != LimitKind::Measured);
+        StiffestWall {
+            limit,
+            kind,
+            equation: equation.to_owned(),
+            source: source.to_owned(),
+            stiffness_n_per_m: stiffness,
+            error_share,
+            is_unsafe: claimed.map(|error| error > ROUNDING),
+        }
     };
     let lifted = "the lifted map x' = A x over a period: ρ(A) = 1";
     let passive = "b = max (T/2) Re{(1 − e^(−jωT)) H}/(1 − cos ωT)";
     let simulated = "the loop simulated: swings neither grow nor die";
     let mut limits = vec![
-        of("lifted_map", "exact", lifted, "this software", exact),
+        of(WallLimit::LiftedMap, LimitKind::Exact, lifted, "this software", exact),
         of(
-            "measured",
-            "measured",
+            WallLimit::Measured,
+            LimitKind::Measured,
             simulated,
             "this software",
             wall.stiffest_measured(TICKS, 1e-3)?,
         ),
         of(
-            "passivity",
-            "passivity",
+            WallLimit::Passivity,
+            LimitKind::Passivity,
             passive,
             Textbook::ColgateSchenkel.citation(),
             wall.stiffest_passive(),
@@ -72,7 +56,8 @@ pub fn limits(point: &Point) -> Result<Vec<Limit>, StabilityError> {
     ];
     limits.extend(Textbook::ALL.map(|formula| {
         let stiffest = formula.stiffest(wall, point.dry);
-        of(word(formula), "textbook", formula.formula(), formula.citation(), stiffest)
+        let limit = of_textbook(formula);
+        of(limit, LimitKind::Textbook, formula.formula(), formula.citation(), stiffest)
     }));
     Ok(limits)
 }

@@ -1,10 +1,10 @@
 //! Every limit in every cell of a grid.
 
 use crate::error::StabilityError;
-use crate::quantity::{Point, Quantity};
+use crate::quantity::Point;
 use rayon::prelude::*;
-use serde::Serialize;
 use zwidth_dynamics::{NAMED_SOLVERS, Solver, Textbook};
+use zwidth_results::WallQuantity;
 
 /// The solvers whose step has a limit on the wall, one of those that share it.
 pub const METHODS: [&str; 2] = ["rk4_per_step", "symplectic_euler"];
@@ -12,10 +12,10 @@ pub const METHODS: [&str; 2] = ["rk4_per_step", "symplectic_euler"];
 const MOST: usize = 2000;
 
 /// An axis of a map.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
     /// What runs along it.
-    pub quantity: Quantity,
+    pub quantity: WallQuantity,
     /// Its ends, SI.
     pub ends: [f64; 2],
     /// Its cells.
@@ -24,7 +24,7 @@ pub struct Span {
 
 impl Span {
     /// The usual axis of a quantity.
-    pub fn usual(quantity: Quantity, cells: usize) -> Self {
+    pub fn usual(quantity: WallQuantity, cells: usize) -> Self {
         Self { quantity, ends: quantity.usual(), cells }
     }
 
@@ -160,8 +160,8 @@ pub fn map(point: &Point, x: Span, y: Span) -> Result<Map, StabilityError> {
 
 /// The point at shares of both axes.
 pub(crate) fn placed(point: &Point, [x, y]: [Span; 2], share: [f64; 2]) -> Point {
-    let point = x.quantity.put(point, x.at(share[0]));
-    y.quantity.put(&point, y.at(share[1]))
+    let point = point.with(x.quantity, x.at(share[0]));
+    point.with(y.quantity, y.at(share[1]))
 }
 
 /// The solvers, ready.

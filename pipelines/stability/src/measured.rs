@@ -3,6 +3,7 @@
 use crate::curves::{Curve, passes};
 use crate::map::{Map, placed};
 use rayon::prelude::*;
+use zwidth_results::{LimitKind, LimitName, WallLimit};
 
 /// Ticks of a simulated loop: at 0.5 % beyond the limit its swings change by more than rounding.
 pub(crate) const TICKS: usize = 3000;
@@ -20,9 +21,8 @@ pub fn measured(map: &Map) -> Option<Curve> {
     let points: Vec<[f64; 2]> =
         crossings.into_par_iter().filter_map(|(i, j)| point(map, i, j)).collect();
     (!points.is_empty()).then(|| Curve {
-        limit: "measured".to_owned(),
-        kind: "measured",
-        label: "measured (simulated loop)".to_owned(),
+        limit: LimitName::Computed(WallLimit::Measured),
+        kind: LimitKind::Measured,
         pieces: vec![points],
     })
 }

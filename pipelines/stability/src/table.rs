@@ -1,176 +1,109 @@
-//! The stage's tables.
+//! The stage's rows, and their tables.
 
-use crate::curves::{Curve, names};
-use crate::error::StabilityError;
-use crate::limits::Limit;
-use crate::map::{Cell, Map};
-use crate::others::Extent;
-use zwidth_tables::{Column, Table};
+use crate::curves::Curve;
+use crate::map::Map;
+use crate::others::Boundary;
+use zwidth_results::{BoundaryExtent, LimitPoint, Row, StiffestWall, WallCell};
+use zwidth_tables::{Table, TableError};
 
 const MODEL: &str = "Model runs, not measurements.";
 
 /// A row a cell of a map: where it is, and how far each limit is passed (above 1).
+pub fn cells(map: &Map) -> Vec<WallCell> {
+    let (x, y) = (map.x, map.y);
+    let row = |(number, cell): (usize, &crate::map::Cell)| {
+        let [colgate_schenkel, hulin, abbott_okamura, diolaiti] = cell.textbook;
+        let [rk4_per_step, symplectic_euler] = cell.growth;
+        WallCell {
+            x: x.at(x.share(number % x.cells)),
+            y: y.at(y.share(number / x.cells)),
+            lifted_map: cell.radius,
+            passivity: cell.passivity,
+            rk4_per_step,
+            symplectic_euler,
+            colgate_schenkel,
+            hulin,
+            abbott_okamura,
+            diolaiti,
+        }
+    };
+    map.cells.iter().enumerate().map(row).collect()
+}
+
+/// The table of [`cells`]: the places are called after the quantities that run along the axes.
 ///
 /// # Errors
 /// None that a map can cause.
-pub fn cells_table(name: &str, map: &Map) -> Result<Table, StabilityError> {
-    let (x, y) = (map.x, map.y);
-    let at = |number: usize| (number % x.cells, number / x.cells);
-    let float = |name: &'static str, about: &'static str, get: &dyn Fn(&Cell) -> Option<f64>| {
-        Column::float(name, "1", about, map.cells.iter().map(get))
-    };
-    let count = map.cells.len();
-    let mut columns = vec![
-        Column::float(
-            x.quantity.as_str(),
-            si_unit(&x),
-            "place along x",
-            (0..count).map(|n| Some(x.at(x.share(at(n).0)))),
-        ),
-        Column::float(
-            y.quantity.as_str(),
-            si_unit(&y),
-            "place along y",
-            (0..count).map(|n| Some(y.at(y.share(at(n).1)))),
-        ),
-    ];
-    for (i, (limit, kind, _)) in names().into_iter().enumerate() {
-        let about = match kind {
-            "exact" => "spectral radius of the lifted map; stable below 1",
-            "passivity" => "damping that passivity asks for over the device's; passive below 1",
-            "method" => "growth of a step over the exact flow's; stable up to 1",
-            _ => "stiffness over the stiffest by this formula, an approximation",
-        };
-        columns.push(float(limit, about, &|cell| cell.values()[i]));
+pub fn cells_table(map: &Map) -> Result<Table, TableError> {
+    let quantities = [map.x.quantity, map.y.quantity];
+    let mut columns = WallCell::columns(&cells(map));
+    for (column, quantity) in columns.iter_mut().zip(quantities) {
+        column.field.name = quantity.as_str().into();
+        column.field.unit = quantity.si_unit().into();
     }
-    let title = format!("{} against {}", y.quantity.as_str(), x.quantity.as_str());
-    Ok(Table::new(name, &title, columns)?.with_note(MODEL))
+    let [x, y] = quantities.map(|quantity| quantity.as_str());
+    Ok(Table::new(WallCell::NAME, &format!("{y} against {x}"), columns)?.with_note(MODEL))
 }
 
-/// The SI unit of an axis.
-fn si_unit(span: &crate::map::Span) -> &'static str {
-    match span.quantity.unit() {
-        "ms" => "s",
-        "mm" => "m",
-        unit => unit,
+/// A row a point of every limit of a map.
+pub fn limit_points(map: &Map, curves: &[Curve]) -> Vec<LimitPoint> {
+    let mut rows = Vec::new();
+    for curve in curves {
+        for (piece, points) in curve.pieces.iter().enumerate() {
+            rows.extend(points.iter().map(|[x, y]| LimitPoint {
+                x_quantity: map.x.quantity,
+                y_quantity: map.y.quantity,
+                limit: curve.limit.clone(),
+                kind: curve.kind,
+                piece,
+                x: *x,
+                y: *y,
+            }));
+        }
     }
+    rows
 }
 
-/// A row a point of every limit of every map.
+/// The table of [`limit_points`].
 ///
 /// # Errors
 /// None that curves can cause.
-pub fn curves_table(name: &str, maps: &[(&Map, Vec<Curve>)]) -> Result<Table, StabilityError> {
-    struct Row<'a>(&'a Map, &'a Curve, usize, [f64; 2]);
-    let mut rows = Vec::new();
-    for (map, curves) in maps {
-        for curve in curves {
-            for (piece, points) in curve.pieces.iter().enumerate() {
-                rows.extend(points.iter().map(|at| Row(map, curve, piece, *at)));
-            }
-        }
-    }
-    let text = |name, about, get: fn(&Row) -> String| {
-        Column::text(name, about, rows.iter().map(|row| Some(get(row))))
-    };
-    let columns = vec![
-        text("x_quantity", "what runs along x", |r| r.0.x.quantity.as_str().to_owned()),
-        text("y_quantity", "what runs along y", |r| r.0.y.quantity.as_str().to_owned()),
-        text("limit", "the limit", |r| r.1.limit.clone()),
-        text(
-            "kind",
-            "exact, passivity, method, textbook, measured or others (their measurement)",
-            |r| r.1.kind.to_owned(),
-        ),
-        Column::integer(
-            "piece",
-            "1",
-            "number of the line, where a limit has several",
-            rows.iter().map(|row| Some(row.2 as i64)),
-        ),
-        Column::float(
-            "x",
-            "SI",
-            "place along x, in its SI unit",
-            rows.iter().map(|r| Some(r.3[0])),
-        ),
-        Column::float(
-            "y",
-            "SI",
-            "place along y, in its SI unit",
-            rows.iter().map(|r| Some(r.3[1])),
-        ),
-    ];
-    Ok(Table::new(name, "Limits of a sampled wall", columns)?.with_note(MODEL))
+pub fn curves_table(rows: &[LimitPoint]) -> Result<Table, TableError> {
+    Ok(Table::of_rows(rows)?.with_note(MODEL))
 }
 
-/// A row a limit: the stiffest wall, and its error against the exact one.
+/// The table of [`crate::limits`].
 ///
 /// # Errors
 /// None that limits can cause.
-pub fn limits_table(name: &str, limits: &[Limit]) -> Result<Table, StabilityError> {
-    let text = |name, about, get: fn(&Limit) -> String| {
-        Column::text(name, about, limits.iter().map(|limit| Some(get(limit))))
-    };
-    let columns = vec![
-        text("limit", "the limit", |l| l.limit.clone()),
-        text("kind", "exact, passivity, textbook or measured", |l| l.kind.to_owned()),
-        text("equation", "what it says", |l| l.equation.clone()),
-        text("source", "where it comes from", |l| l.source.clone()),
-        Column::float(
-            "stiffness_n_per_m",
-            "N/m",
-            "the stiffest wall that it allows",
-            limits.iter().map(|l| l.stiffness_n_per_m),
-        ),
-        Column::float(
-            "error_share",
-            "1",
-            "its error against the exact one",
-            limits.iter().map(|l| l.error_share),
-        ),
-        Column::flag(
-            "is_unsafe",
-            "it allows walls that are unstable",
-            limits.iter().map(Limit::is_unsafe),
-        ),
-    ];
-    let table = Table::new(name, "The stiffest wall by every limit", columns)?;
-    Ok(table.with_note(MODEL).with_note("Formulas of textbooks are approximations."))
+pub fn limits_table(rows: &[StiffestWall]) -> Result<Table, TableError> {
+    let table = Table::of_rows(rows)?.with_note(MODEL);
+    Ok(table.with_note("Formulas of textbooks are approximations."))
 }
 
-/// A row a boundary that others measured: its name, whether its units are SI, its extent.
+/// The extent of a boundary that others measured.
+pub fn extent(name: &str, boundary: &Boundary) -> BoundaryExtent {
+    let extent = boundary.extent();
+    let [damping_from, damping_to] = extent.damping;
+    BoundaryExtent {
+        boundary: name.to_owned(),
+        stiffness_undamped: extent.undamped,
+        stiffness_largest: extent.largest,
+        damping_of_largest: extent.largest_at,
+        damping_from,
+        damping_to,
+        area: extent.area,
+        fullness: extent.fullness(),
+        is_si: boundary.is_si,
+    }
+}
+
+/// The table of each [`extent`].
 ///
 /// # Errors
 /// None that extents can cause.
-pub fn extents_table(
-    name: &str,
-    extents: &[(String, bool, Extent)],
-) -> Result<Table, StabilityError> {
-    let float = |name, about, get: fn(&Extent) -> Option<f64>| {
-        Column::float(name, "as measured", about, extents.iter().map(|(_, _, extent)| get(extent)))
-    };
-    let columns = vec![
-        Column::text("boundary", "the file", extents.iter().map(|(name, ..)| Some(name.clone()))),
-        float("stiffness_undamped", "largest stiffness at no damping", |e| e.undamped),
-        float("stiffness_largest", "largest stiffness", |e| Some(e.largest)),
-        float("damping_of_largest", "its damping", |e| Some(e.largest_at)),
-        float("damping_from", "least damping", |e| Some(e.damping[0])),
-        float("damping_to", "most damping", |e| Some(e.damping[1])),
-        float("area", "integral of stiffness over damping, by trapezia", |e| Some(e.area)),
-        float(
-            "fullness",
-            "area over that of the rectangle of undamped stiffness and most damping",
-            |e| e.fullness(),
-        ),
-        Column::flag(
-            "is_si",
-            "whether units are N/m and N s/m",
-            extents.iter().map(|(_, is_si, _)| Some(*is_si)),
-        ),
-    ];
-    let table = Table::new(name, "Boundaries measured by others", columns)?;
-    Ok(table.with_note(
+pub fn extents_table(rows: &[BoundaryExtent]) -> Result<Table, TableError> {
+    Ok(Table::of_rows(rows)?.with_note(
         "Measured by others. Where is_si says so, in N/m and N s/m at the lever's end; else their files state no \
          units.",
     ))

@@ -2,6 +2,9 @@
 
 use super::*;
 use zwidth_dynamics::{DryLimits, SampledWall};
+use zwidth_results::{
+    BoundaryExtent, LimitKind, LimitName, LimitPoint, StiffestWall, WallLimit, WallQuantity,
+};
 
 fn point() -> Point {
     let wall = SampledWall { stiffness_n_per_m: 300.0, ..SampledWall::bare(0.0972, 2.6, 8.3e-3) };
@@ -9,16 +12,16 @@ fn point() -> Point {
     Point { wall, lever_m: 0.045, step_s: 8.3e-3, dry }
 }
 
-fn spans(x: Quantity, y: Quantity, cells: usize) -> [Span; 2] {
+fn spans(x: WallQuantity, y: WallQuantity, cells: usize) -> [Span; 2] {
     [Span::usual(x, cells), Span::usual(y, cells)]
 }
 
 #[test]
 fn the_line_of_the_lifted_map_goes_through_the_stiffest_wall_at_each_delay() {
-    let [x, y] = spans(Quantity::Delay, Quantity::Stiffness, 31);
+    let [x, y] = spans(WallQuantity::Delay, WallQuantity::Stiffness, 31);
     let map = map(&point(), x, y).unwrap();
     let curves = curves(&map);
-    let exact = curves.iter().find(|curve| curve.kind == "exact").unwrap();
+    let exact = curves.iter().find(|curve| curve.kind == LimitKind::Exact).unwrap();
     let points = exact.pieces.concat();
     assert!(points.len() > 25);
     for [delay_s, k] in points.iter().step_by(5) {
@@ -26,13 +29,15 @@ fn the_line_of_the_lifted_map_goes_through_the_stiffest_wall_at_each_delay() {
         let stiffest = wall.stiffest_stable().unwrap().unwrap();
         assert!((k / stiffest - 1.0).abs() < 2e-3, "{delay_s}: {k}, not {stiffest}");
     }
-    let words: Vec<&str> = curves.iter().map(|curve| curve.limit.as_str()).collect();
-    assert!(words.contains(&"diolaiti") && words.contains(&"hulin"), "{words:?}");
+    let has = |limit| curves.iter().any(|curve| curve.limit == LimitName::Computed(limit));
+    assert!(has(WallLimit::Diolaiti) && has(WallLimit::Hulin), "{curves:?}");
+    let rows = limit_points(&map, &curves);
+    assert_eq!(curves_table(&rows).unwrap().to_rows::<LimitPoint>().unwrap(), rows);
 }
 
 #[test]
 fn the_stable_area_ends_at_the_line_of_the_lifted_map() {
-    let [x, y] = spans(Quantity::Delay, Quantity::Stiffness, 61);
+    let [x, y] = spans(WallQuantity::Delay, WallQuantity::Stiffness, 61);
     let map = map(&point(), x, y).unwrap();
     let areas = map.stable();
     assert_eq!(areas.len(), 1, "stable below, unstable above");
@@ -48,7 +53,7 @@ fn the_stable_area_ends_at_the_line_of_the_lifted_map() {
 
 #[test]
 fn the_measured_points_lie_on_the_line_to_half_a_percent() {
-    let [x, y] = spans(Quantity::WallDamping, Quantity::Stiffness, 24);
+    let [x, y] = spans(WallQuantity::WallDamping, WallQuantity::Stiffness, 24);
     let x = Span { ends: [0.0, 6.0], ..x };
     let map = map(&point(), x, y).unwrap();
     let points = measured(&map).unwrap().pieces.concat();
@@ -66,26 +71,28 @@ fn the_measured_points_lie_on_the_line_to_half_a_percent() {
 fn each_limit_has_its_error_and_the_textbook_that_allows_too_much_is_named() {
     let late = SampledWall { wall_damping_ns_per_m: 2.0, delay_s: 8.3e-3, ..point().wall };
     let limits = limits(&Point { wall: late, ..point() }).unwrap();
-    let of = |word: &str| limits.iter().find(|limit| limit.limit == word).unwrap();
-    assert!((of("lifted_map").stiffness_n_per_m.unwrap() - 328.583_824).abs() < 1e-4);
-    assert!((of("hulin").stiffness_n_per_m.unwrap() - 369.477_9).abs() < 1e-3);
-    assert_eq!(of("hulin").is_unsafe(), Some(true));
-    assert_eq!(of("passivity").is_unsafe(), Some(false));
-    assert_eq!(of("abbott_okamura").stiffness_n_per_m, None);
-    assert!(of("measured").error_share.unwrap().abs() < 5e-3);
-    assert_eq!(limits_table("limits", &limits).unwrap().height(), 7);
+    let of = |wanted| limits.iter().find(|limit| limit.limit == wanted).unwrap();
+    assert!((of(WallLimit::LiftedMap).stiffness_n_per_m.unwrap() - 328.583_824).abs() < 1e-4);
+    assert!((of(WallLimit::Hulin).stiffness_n_per_m.unwrap() - 369.477_9).abs() < 1e-3);
+    assert_eq!(of(WallLimit::Hulin).is_unsafe, Some(true));
+    assert_eq!(of(WallLimit::Passivity).is_unsafe, Some(false));
+    assert_eq!(of(WallLimit::AbbottOkamura).stiffness_n_per_m, None);
+    assert!(of(WallLimit::Measured).error_share.unwrap().abs() < 5e-3);
+    assert_eq!(of(WallLimit::Measured).is_unsafe, None);
+    assert_eq!(limits.len(), 7);
+    assert_eq!(limits_table(&limits).unwrap().to_rows::<StiffestWall>().unwrap(), limits);
 }
 
 #[test]
 fn a_lever_twice_as_long_is_half_as_stiff_at_its_end() {
-    let long = Quantity::Lever.put(&point(), 0.09);
+    let long = point().with(WallQuantity::Lever, 0.09);
     assert!((long.wall.stiffness_n_per_m - 150.0).abs() < 1e-12);
     assert!((long.wall.damping_ns_per_m - 1.3).abs() < 1e-12);
 }
 
 #[test]
 fn an_axis_that_makes_no_sense_is_an_error_that_says_so() {
-    let [x, y] = spans(Quantity::Delay, Quantity::Stiffness, 5);
+    let [x, y] = spans(WallQuantity::Delay, WallQuantity::Stiffness, 5);
     let error = |x, y| map(&point(), x, y).unwrap_err().to_string();
     assert!(error(x, x).contains("both axes are delay"));
     assert!(error(x, Span { ends: [0.0, 5.0], ..y }).contains("stiffness from 0 to 5"));
@@ -94,10 +101,21 @@ fn an_axis_that_makes_no_sense_is_an_error_that_says_so() {
 
 #[test]
 fn a_cell_without_a_limit_is_empty_in_the_table_and_nothing_is_no_number() {
-    let [x, y] = spans(Quantity::Delay, Quantity::Rate, 9);
+    let [x, y] = spans(WallQuantity::Delay, WallQuantity::Rate, 9);
     let map = map(&point(), x, y).unwrap();
-    let table = cells_table("cells", &map).unwrap();
-    assert_eq!(table.height(), 81);
-    let radius = table.floats("lifted_map").unwrap();
-    assert!(radius.iter().any(Option::is_none), "more than 25 periods of delay");
+    let rows = cells(&map);
+    assert_eq!(rows.len(), 81);
+    assert!(rows.iter().any(|cell| cell.lifted_map.is_none()), "more than 25 periods of delay");
+    let table = cells_table(&map).unwrap();
+    assert_eq!((table.height(), table.title()), (81, "rate against delay"));
+    let of_places: Vec<_> = table.fields().take(2).map(|f| (&*f.name, &*f.unit)).collect();
+    assert_eq!(of_places, [("delay", "s"), ("rate", "Hz")]);
+}
+
+#[test]
+fn the_extent_of_a_boundary_comes_back_from_its_table() {
+    let boundary = Boundary::from_csv("K,B\n4.0,0.0\n2.0,0.5\n0.0,1.0\n", 1.0).unwrap();
+    let rows = [extent("triangle", &boundary)];
+    assert_eq!((rows[0].fullness, rows[0].is_si), (Some(0.5), false));
+    assert_eq!(extents_table(&rows).unwrap().to_rows::<BoundaryExtent>().unwrap(), rows);
 }

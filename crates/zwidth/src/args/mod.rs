@@ -10,9 +10,9 @@ use clap::{Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use zwidth_acquire::Target;
 use zwidth_report::MethodsForm;
+use zwidth_results::WallQuantity;
 use zwidth_runner::{MOST_SHARDS, Shard};
 use zwidth_simulate::{DEFAULT_SOLVER, SOLVERS};
-use zwidth_stability::Quantity;
 use zwidth_study::{AnswerValue, ExperimenterId, ParticipantId, QuestionId, SessionId, StudyId};
 use zwidth_tables::Format;
 
@@ -611,13 +611,13 @@ pub(crate) struct Stability {
     /// Another value of a quantity, in SI units: delay=0.0083, wall_damping=2; each may be given.
     /// Quantities: step, mass, damping, wall_damping, stiffness, lever, finger, delay, rate
     #[arg(long, value_name = "QUANTITY=VALUE", value_parser = setting)]
-    pub(crate) at: Vec<(Quantity, f64)>,
+    pub(crate) at: Vec<(WallQuantity, f64)>,
     /// What runs along x, with its ends in SI units; with --y one map in place of six
     #[arg(long, value_name = "QUANTITY[=FROM..TO]", value_parser = span, requires = "y")]
-    pub(crate) x: Option<(Quantity, Option<[f64; 2]>)>,
+    pub(crate) x: Option<(WallQuantity, Option<[f64; 2]>)>,
     /// What runs along y
     #[arg(long, value_name = "QUANTITY[=FROM..TO]", value_parser = span, requires = "x")]
-    pub(crate) y: Option<(Quantity, Option<[f64; 2]>)>,
+    pub(crate) y: Option<(WallQuantity, Option<[f64; 2]>)>,
     /// Cells a side of a map
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=MOST_CELLS))]
     pub(crate) cells: u32,

@@ -14,11 +14,12 @@ use std::path::Path;
 use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};
 use zwidth_dynamics::{DriveMode, PushedWall, SampledWall};
 use zwidth_stability::impedance::{
-    ACTUATOR, Bound, Ending, Found, Probe, Region, Response, Tried, bounds_table, probes, regions,
-    regions_table, responses_table, search,
+    ACTUATOR, Bound, Ending, Found, Probe, Region, Response, Tried, bounds, impedance_points,
+    probes, regions, search, z_widths, z_widths_table,
 };
 use zwidth_store::{Quantity, Raw, StudyData, Sweep, hex_blake3, read_sweep, record_sweep};
 use zwidth_study::{ActuatorId, ActuatorKind, Mode, Source, Study};
+use zwidth_tables::Table;
 
 /// Pushes, m.
 const PUSHES_M: [f64; 2] = [5e-3, 1e-3];
@@ -218,16 +219,16 @@ fn written(root: &Path, bench: &Bench, regions: &[Region], screen: &Screen) -> a
         ("version".to_owned(), zwidth_stability::VERSION.to_string()),
     ]);
     let mut output = Output::new(&folder, made_from);
-    let bounds = bounds_table("impedance", regions)?;
+    let bounds = bounds(regions);
     let notes = [
         "Lever let go of at rest, a push deep in a bilateral wall; a wall is rendered if the swings end. Bars: repeats. \
          ≥: an actuator saturated first, or no wall of up to 50 kN/m swung."
             .to_owned(),
     ];
     let linear = linear(bench)?;
-    output.figure("impedance", zwidth_figures::impedance(&bounds, &linear, &notes, true)?)?;
-    output.table("impedance", &bounds)?;
-    output.table("zwidth", &regions_table("zwidth", regions)?)?;
+    output.figure("impedance", zwidth_figures::impedance(&bounds, &linear, &notes, true))?;
+    output.table("impedance", &Table::of_rows(&bounds)?)?;
+    output.table("zwidth", &z_widths_table(&z_widths(regions))?)?;
     let frequencies = frequency(bench, &mut output, screen)?;
     if screen.json {
         return screen.listing(&regions.iter().map(told).collect::<Vec<_>>());
@@ -248,7 +249,10 @@ fn frequency(bench: &Bench, output: &mut Output, screen: &Screen) -> anyhow::Res
     if found.responses.is_empty() {
         return Ok(Vec::new());
     }
-    let table = responses_table("frequency", &found.responses)?;
+    let responses = found.responses.iter();
+    let points = responses
+        .flat_map(|([environment, mode], response)| impedance_points(environment, mode, response));
+    let points: Vec<_> = points.collect();
     let notes = [
         "Force over velocity at the lever's end, H1; Hann windows that overlap by half, all trials that count. Bands: \
          intervals. Dotted: coherence that chance alone stays below; |Z| and phase are drawn where it is exceeded. A \
@@ -256,8 +260,8 @@ fn frequency(bench: &Bench, output: &mut Output, screen: &Screen) -> anyhow::Res
             .to_owned(),
     ];
     let mark = zwidth_figures::mark(found.sources);
-    output.figure("frequency", zwidth_figures::impedance_frequency(&table, &notes, mark)?)?;
-    output.table("frequency", &table)?;
+    output.figure("frequency", zwidth_figures::impedance_frequency(&points, &notes, mark))?;
+    output.table("frequency", &Table::of_rows(&points)?)?;
     Ok(found.responses.iter().map(|([environment, mode], r)| heard(environment, mode, r)).collect())
 }
 

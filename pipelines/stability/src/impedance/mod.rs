@@ -21,4 +21,4 @@ pub const ACTUATOR: &str = "impedance";
 pub use frequency::{Recording, Response, ResponsePoint, response};
 pub use region::{Bound, Region, regions};
 pub use search::{Ending, Found, Probe, Tried, probes, search};
-pub use tables::{bounds_table, regions_table, responses_table};
+pub use tables::{bounds, impedance_points, z_widths, z_widths_table};

@@ -3,6 +3,8 @@
 use super::*;
 use rayon::prelude::*;
 use zwidth_dynamics::{DriveMode, Pushed, PushedWall, SampledWall};
+use zwidth_results::{ImpedancePoint, WallBound, ZWidth};
+use zwidth_tables::Table;
 
 /// Pushes of a device whose boundary is known; it saturates from `saturates` on.
 fn device(
@@ -55,8 +57,12 @@ fn repeats_widen_the_interval_and_a_triangle_has_half_its_rectangle() {
     let [area, low, high] = regions[0].area();
     let expect = 0.5 * (1150.0 + 500.0) + 0.5 * (500.0 + 25.0);
     assert!((area / expect - 1.0).abs() < 0.03 && low < area && area < high, "{area}");
-    assert_eq!(regions_table("zwidth", &regions).unwrap().height(), 1);
-    assert_eq!(bounds_table("bounds", &regions).unwrap().height(), 3);
+    let widths = z_widths(&regions);
+    assert_eq!(widths.len(), 1);
+    assert_eq!(z_widths_table(&widths).unwrap().to_rows::<ZWidth>().unwrap(), widths);
+    let walls = bounds(&regions);
+    assert_eq!(walls.len(), 3);
+    assert_eq!(Table::of_rows(&walls).unwrap().to_rows::<WallBound>().unwrap(), walls);
 }
 
 /// The simulated device with friction, counts and a motor of 4.16 N.
@@ -131,10 +137,12 @@ fn a_response_has_a_row_a_frequency_and_no_interval_where_nothing_is_coherent() 
     };
     let (spring, none) = (of(&theta), of(&vec![0.0; t_s.len()]));
     let rows = spring.points.len();
-    let names = |mode: &str| ["spring".to_owned(), mode.to_owned()];
-    let both = [(names("active"), spring), (names("passive"), none)];
-    let table = responses_table("frequency", &both).unwrap();
-    assert_eq!(table.height(), 2 * rows);
-    let high = table.floats("ci_high").unwrap();
-    assert!(high[0].is_some() && high[rows].is_none(), "{high:?}");
+    let both = [
+        impedance_points("spring", "active", &spring),
+        impedance_points("spring", "passive", &none),
+    ]
+    .concat();
+    assert_eq!(both.len(), 2 * rows);
+    assert!(both[0].ci_high.is_some() && both[rows].ci_high.is_none(), "{:?}", both[rows]);
+    assert_eq!(Table::of_rows(&both).unwrap().to_rows::<ImpedancePoint>().unwrap(), both);
 }

@@ -14,25 +14,26 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::{BoundaryOf, Side, StabilityPanel, StableArea};
+use zwidth_results::{BoundaryExtent, LimitKind, LimitName, StiffestWall, WallQuantity};
 use zwidth_stability::{
-    Area, Boundary, Curve, Extent, Limit, Map, Point, Quantity, Span, VERSION, cells_table, curves,
-    curves_table, extents_table, limits, limits_table, map, measured,
+    Area, Boundary, Curve, Map, Point, Span, VERSION, cells_table, curves, curves_table, extent,
+    extents_table, limit_points, limits, limits_table, map, measured,
 };
 
 /// What runs along x where nothing is asked for; the stiffness runs along y.
-const USUAL: [Quantity; 6] = [
-    Quantity::WallDamping,
-    Quantity::Delay,
-    Quantity::Rate,
-    Quantity::Mass,
-    Quantity::Finger,
-    Quantity::Step,
+const USUAL: [WallQuantity; 6] = [
+    WallQuantity::WallDamping,
+    WallQuantity::Delay,
+    WallQuantity::Rate,
+    WallQuantity::Mass,
+    WallQuantity::Finger,
+    WallQuantity::Step,
 ];
 
 /// What `--json` prints of a limit.
 #[derive(Serialize)]
 struct LimitOut {
-    limit: String,
+    limit: &'static str,
     kind: &'static str,
     stiffness_n_per_m: Option<f64>,
     error_share: Option<f64>,
@@ -93,7 +94,7 @@ fn spans(command: &Command) -> Vec<[Span; 2]> {
     };
     match (command.x, command.y) {
         (Some((x, x_ends)), Some((y, y_ends))) => vec![[span(x, x_ends), span(y, y_ends)]],
-        _ => USUAL.map(|x| [span(x, None), span(Quantity::Stiffness, None)]).to_vec(),
+        _ => USUAL.map(|x| [span(x, None), span(WallQuantity::Stiffness, None)]).to_vec(),
     }
 }
 
@@ -101,39 +102,40 @@ fn write(
     name: &str,
     point: &Point,
     (maps, boundaries): (&[Map], &[(String, Boundary)]),
-    limits: &[Limit],
+    limits: &[StiffestWall],
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let all = |map| curves(map).into_iter().chain(measured(map)).chain(of_others(map, boundaries));
-    let with_curves: Vec<_> = maps.iter().map(|map| (map, all(map).collect())).collect();
-    let curves = curves_table("stability", &with_curves)?;
+    let points = maps.iter().flat_map(|map| {
+        let own = curves(map).into_iter().chain(measured(map));
+        limit_points(map, &own.chain(of_others(map, boundaries)).collect::<Vec<_>>())
+    });
+    let points: Vec<_> = points.collect();
     let stable = |area: Area| StableArea { x: area.x, low: area.low, high: area.high };
     let panel = |map: &Map| StabilityPanel {
         x: side(map.x),
         y: side(map.y),
         stable: map.stable().into_iter().map(stable).collect(),
-        device: [map.x, map.y].map(|span| span.quantity.value(point)),
+        device: [map.x, map.y].map(|span| point.value(span.quantity)),
     };
     let panels: Vec<StabilityPanel> = maps.iter().map(panel).collect();
     let notes = words::notes(point);
-    output.figure(name, zwidth_figures::stability(&curves, &panels, &notes)?)?;
-    output.table(&format!("{name}.curves"), &curves)?;
-    output.table(&format!("{name}.limits"), &limits_table("limits", limits)?)?;
+    output.figure(name, zwidth_figures::stability(&points, &panels, &notes))?;
+    output.table(&format!("{name}.curves"), &curves_table(&points)?)?;
+    output.table(&format!("{name}.limits"), &limits_table(limits)?)?;
     for map in maps {
-        let table = cells_table("cells", map)?;
-        output.table(&format!("{name}.{}", pair(map)), &table)?;
+        output.table(&format!("{name}.{}", pair(map)), &cells_table(map)?)?;
     }
     Ok(())
 }
 
 /// Boundaries whose units are known, on a map of stiffness against the wall's damping.
 fn of_others(map: &Map, boundaries: &[(String, Boundary)]) -> Vec<Curve> {
-    let is_map = (map.x.quantity, map.y.quantity) == (Quantity::WallDamping, Quantity::Stiffness);
+    let is_map =
+        (map.x.quantity, map.y.quantity) == (WallQuantity::WallDamping, WallQuantity::Stiffness);
     let known = boundaries.iter().filter(|(_, boundary)| is_map && boundary.is_si);
     let curve = |(name, boundary): &(String, Boundary)| Curve {
-        limit: name.clone(),
-        kind: "others",
-        label: name.clone(),
+        limit: LimitName::Others(name.as_str().into()),
+        kind: LimitKind::Others,
         // A logarithmic axis has no place for a wall of no stiffness.
         pieces: vec![boundary.points.iter().copied().filter(|p| p[1] > 0.0).collect()],
     };
@@ -147,7 +149,7 @@ fn pair(map: &Map) -> String {
 fn side(span: Span) -> Side {
     let quantity = span.quantity;
     Side {
-        quantity: quantity.as_str(),
+        quantity,
         label: quantity.label(),
         unit: quantity.unit(),
         per_si: quantity.per_si(),
@@ -193,20 +195,18 @@ fn write_boundaries(
         [words::of_others(boundaries.iter().all(|(_, boundary)| boundary.is_si)).to_owned()];
     let figure = zwidth_figures::boundaries(&drawn, linear.as_deref(), &notes);
     output.figure("measured_by_others", figure)?;
-    let extents: Vec<(String, bool, Extent)> = boundaries
-        .iter()
-        .map(|(name, boundary)| (name.clone(), boundary.is_si, boundary.extent()))
-        .collect();
-    output.table("measured_by_others", &extents_table("measured_by_others", &extents)?)
+    let extents: Vec<BoundaryExtent> =
+        boundaries.iter().map(|(name, boundary)| extent(name, boundary)).collect();
+    output.table("measured_by_others", &extents_table(&extents)?)
 }
 
-fn out(limit: &Limit) -> LimitOut {
+fn out(limit: &StiffestWall) -> LimitOut {
     LimitOut {
-        limit: limit.limit.clone(),
-        kind: limit.kind,
+        limit: limit.limit.as_str(),
+        kind: limit.kind.as_str(),
         stiffness_n_per_m: limit.stiffness_n_per_m,
         error_share: limit.error_share,
-        is_unsafe: limit.is_unsafe(),
+        is_unsafe: limit.is_unsafe,
     }
 }
 

@@ -20,10 +20,9 @@ pub(super) fn of(command: &Command) -> anyhow::Result<(String, Point)> {
         }
         None => ("twin".to_owned(), twin()),
     };
-    let put = |point: Point, (quantity, value): &(zwidth_stability::Quantity, f64)| {
-        quantity.put(&point, *value)
-    };
-    Ok((name, command.at.iter().fold(point, put)))
+    let with =
+        command.at.iter().fold(point, |point, (quantity, value)| point.with(*quantity, *value));
+    Ok((name, with))
 }
 
 /// The simulated device, whose closed winding damps; its friction and its counts for the formulas

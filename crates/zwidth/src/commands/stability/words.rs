@@ -1,9 +1,10 @@
 //! What limits come to, in sentences.
 
-use zwidth_stability::{Boundary, Limit, Point};
+use zwidth_results::{LimitKind, StiffestWall};
+use zwidth_stability::{Boundary, Point};
 
 /// The point, and a line a limit.
-pub(super) fn of(point: &Point, limits: &[Limit]) -> Vec<String> {
+pub(super) fn of(point: &Point, limits: &[StiffestWall]) -> Vec<String> {
     let mut lines = vec![format!("Stiffest wall of a device of {}:", device(point))];
     lines.extend(limits.iter().map(line));
     lines
@@ -35,18 +36,19 @@ fn device(point: &Point) -> String {
     parts.join(", ")
 }
 
-fn line(limit: &Limit) -> String {
+fn line(limit: &StiffestWall) -> String {
+    let name = limit.limit.as_str();
     let Some(stiffness) = limit.stiffness_n_per_m else {
-        return format!("  {:<17} says nothing here", limit.limit);
+        return format!("  {name:<17} says nothing here");
     };
-    let error = limit.error_share.filter(|_| limit.kind != "exact");
+    let error = limit.error_share.filter(|_| limit.kind != LimitKind::Exact);
     let error = error.map_or(String::new(), |error| format!("  {:+.1} %", 100.0 * error));
-    let warning = if limit.is_unsafe() == Some(true) && limit.kind == "textbook" {
+    let warning = if limit.is_unsafe == Some(true) && limit.kind == LimitKind::Textbook {
         "  UNSAFE: it allows unstable walls"
     } else {
         ""
     };
-    format!("  {:<17} {stiffness:8.1} N/m{error}{warning}  ({})", limit.limit, limit.equation)
+    format!("  {name:<17} {stiffness:8.1} N/m{error}{warning}  ({})", limit.equation)
 }
 
 /// What stands under the figure of boundaries that others measured.
