@@ -1,19 +1,21 @@
 //! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor; the
 //! calibration.
 
-use crate::making::{derived, write_tables};
+use crate::handle::{Derived, Written};
+use crate::making::derived;
 use crate::trials::{Found, readable};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use zwidth_characterise::{
-    Settings, Subject, calibrated, chosen_from, curve_table, models_table, parameters_table,
+use zwidth_characterise::{Fit, Settings, Subject, calibrated, curve_points};
+use zwidth_results::{
+    CurvePoint, FittedModel, FittedParameter, Row, UNIT_OF_COMMAND, UNIT_OF_RESPONSE,
 };
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_stability::impedance::ACTUATOR;
 use zwidth_store::{Layout, StoreError, StudyData, Sweep, read_sweep};
 use zwidth_study::{ActuatorId, Calibration, Characteristic};
-use zwidth_tables::Table;
+use zwidth_tables::{Table, TableError};
 
 const STAGE: Stage = Stage { name: "characterise", version: zwidth_characterise::VERSION };
 /// Bootstrap resamples: the ends of a 95 % interval rest on 10 resamples each.
@@ -21,10 +23,49 @@ const RESAMPLES: usize = 400;
 /// Seed of the bootstrap; part of the result.
 const SEED: u64 = 1;
 
-/// Tables of an actuator: models, parameters, curve.
-pub(crate) fn tables_of(layout: &Layout, actuator: &ActuatorId) -> [PathBuf; 3] {
-    ["characteristic", "parameters", "curve"]
-        .map(|what| derived(layout, format!("characterise/{what}.{actuator}.parquet")))
+/// What the stage finds of an actuator.
+#[derive(Clone)]
+pub(crate) struct Characterisation {
+    pub(crate) models: Derived<FittedModel>,
+    pub(crate) parameters: Derived<FittedParameter>,
+    pub(crate) curve: Derived<CurvePoint>,
+}
+
+impl Characterisation {
+    pub(crate) fn of(layout: &Layout, actuator: &ActuatorId) -> Self {
+        fn table<R: Row>(layout: &Layout, actuator: &ActuatorId) -> Derived<R> {
+            let name = format!("characterise/{}.{actuator}.parquet", R::NAME);
+            Derived::at(derived(layout, name))
+        }
+        Self {
+            models: table(layout, actuator),
+            parameters: table(layout, actuator),
+            curve: table(layout, actuator),
+        }
+    }
+
+    /// What was found.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or has other rows.
+    pub(crate) fn read(&self) -> Result<Fit, TableError> {
+        let curve = Table::from_parquet(self.curve.path())?;
+        let unit = |open| curve.unit_for::<CurvePoint>(open).unwrap_or_default().to_owned();
+        Ok(Fit {
+            models: self.models.read()?,
+            parameters: self.parameters.read()?,
+            curve: curve.to_rows()?,
+            command_unit: unit(UNIT_OF_COMMAND),
+            response_unit: unit(UNIT_OF_RESPONSE),
+        })
+    }
+}
+
+impl Inputs for Characterisation {
+    fn files(&self) -> Vec<PathBuf> {
+        let Self { models, parameters, curve } = self;
+        [models.files(), parameters.files(), curve.files()].concat()
+    }
 }
 
 /// Every actuator or sensor with sweeps, and their files.
@@ -71,14 +112,14 @@ struct OfActuator {
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let level = data.study.analysis.confidence;
     let characteristic = |(actuator, files): (&ActuatorId, Vec<PathBuf>)| {
-        let outputs = tables_of(&data.layout, actuator).to_vec();
+        let outputs = Characterisation::of(&data.layout, actuator).files();
         let name = format!("characteristic of {actuator}");
         let of = OfActuator { actuator: actuator.clone(), level, resamples: RESAMPLES, seed: SEED };
         Job::new(STAGE, name, of, files, outputs, make_characteristic)
     };
     let tables = |name: &str| {
         let (actuator, _) = actuators(data).into_iter().find(|(id, _)| id.as_str() == name)?;
-        Some(tables_of(&data.layout, actuator))
+        Some(Characterisation::of(&data.layout, actuator))
     };
     let both = tables("motor").zip(tables("brake")).zip(calibration(data));
     let calibration = both
@@ -105,12 +146,14 @@ fn make_characteristic(
     let samples: Vec<_> = sweeps.iter().map(samples).collect();
     let subject = Subject { actuator: of.actuator.as_str(), command_unit, response_unit };
     let found = zwidth_characterise::characterise(&samples, &settings)?;
-    let tables = [
-        models_table(subject, &found)?,
-        parameters_table(subject, &found)?,
-        curve_table(subject, &samples, &found, of.level)?,
-    ];
-    write_tables(&tables, making, problems)
+    let curve = curve_points(&samples, &found, of.level)?;
+    // What is swept on a simulated device is marked where it is printed.
+    let made = Written::begin(making, false)
+        .table(subject.models_table(&found)?)?
+        .table(subject.parameters_table(&found)?)?
+        .table(subject.curve_table(&curve)?)?
+        .end()?;
+    Ok(Made { problems, ..made })
 }
 
 fn samples(sweep: &Sweep) -> zwidth_characterise::Sweep<'_> {
@@ -121,7 +164,7 @@ fn samples(sweep: &Sweep) -> zwidth_characterise::Sweep<'_> {
 /// that the same curves give the same hash, whoever writes them.
 fn calibrate(
     (): &(),
-    (motor, brake): &([PathBuf; 3], [PathBuf; 3]),
+    (motor, brake): &(Characterisation, Characterisation),
     _: &Making,
 ) -> Result<Made, JobError> {
     let (motor, brake) = (characteristic("motor", motor)?, characteristic("brake", brake)?);
@@ -130,11 +173,10 @@ fn calibrate(
     Ok(Made::of(vec![text.into_bytes()]))
 }
 
-/// The characteristic by knots, from an actuator's tables.
+/// The characteristic by knots, from what was found of an actuator.
 fn characteristic(
     actuator: &'static str,
-    tables: &[PathBuf; 3],
+    found: &Characterisation,
 ) -> Result<Characteristic, JobError> {
-    let [models, parameters, curve] = tables.each_ref().map(|file| Table::from_parquet(file));
-    Ok(calibrated(actuator, &chosen_from(actuator, &models?, &parameters?, &curve?)?)?)
+    Ok(calibrated(actuator, &found.read()?.chosen(actuator)?)?)
 }

@@ -443,7 +443,7 @@ fn make(of: &Comparing, metrics: &PathBuf, making: &Making) -> Result<Made, JobE
         .rows(&found.cells)?
         .rows(&found.means)?
         .rows(&found.contrasts)?
-        .table::<PrintedDifference>(printed)?
+        .table(printed)?
         .rows(&found.omnibus)?
         .rows(&found.models)?
         .rows(&found.participants)?
@@ -488,7 +488,7 @@ fn make_answers(
     let answers = likert::read_counting(answers)?;
     let found = zwidth_compare::compare_answers(&answers, &of.stage)?;
     Written::begin(making, of.simulated)
-        .table::<AnswerDifference>(zwidth_compare::answers_table(&found.contrasts)?)?
+        .table(zwidth_compare::answers_table(&found.contrasts)?)?
         .rows(&found.participants)?
         .end()
 }

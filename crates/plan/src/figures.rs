@@ -1,14 +1,16 @@
 //! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
 
+use crate::characterise::{self, Characterisation};
 use crate::conditions::{Repeats, Session, sessions};
 use crate::drawing::{Drawing, Figured};
 use crate::trials::{Known, MOST_DRAWN, Recordings, describe_trials, files, read_drawn};
 use crate::{
-    average, characterise, compare, design, freemotion, ladder, likert_figures, replay_figures,
-    scenes, schematics, trade,
+    average, compare, design, freemotion, ladder, likert_figures, replay_figures, scenes,
+    schematics, trade,
 };
 use serde::Serialize;
 use std::path::PathBuf;
+use zwidth_characterise::Fit;
 use zwidth_draw::Figure;
 use zwidth_figures::{
     About, Averages, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, Found, LOOPS, Loaded,
@@ -61,9 +63,9 @@ fn of(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
     }
     drawings.extend(characterise::actuators(data).into_iter().map(|(actuator, sweeps)| {
         let of = (actuator.to_string(), data.study.analysis.confidence);
-        let tables = characterise::tables_of(&data.layout, actuator);
+        let found = Characterisation::of(&data.layout, actuator);
         let (subject, n) = ([actuator.to_string()], sweeps.len());
-        Drawing::new(data, CHARACTERISTIC, subject, of, (sweeps, tables), characteristic).of(n)
+        Drawing::new(data, CHARACTERISTIC, subject, of, (sweeps, found), characteristic).of(n)
     }));
     drawings.extend(freemotion::planes(data).map(|table| {
         Drawing::new(data, FREE_MOTION, [""; 0], About::of(&data.study), table, free_motion)
@@ -381,13 +383,12 @@ fn draw_loops(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
 
 fn characteristic(
     (actuator, level): &(String, f64),
-    (sweeps, tables): &(Vec<PathBuf>, [PathBuf; 3]),
+    (sweeps, found): &(Vec<PathBuf>, Characterisation),
 ) -> Figured {
     let (read, problems) = characterise::read_sweeps(sweeps)?;
-    let [models, parameters, curve] = tables.each_ref().map(|file| Table::from_parquet(file));
-    let (models, parameters, curve) = (&models?, &parameters?, &curve?);
-    let of = Characterised { models, parameters, curve, level: *level };
-    Ok((zwidth_figures::characteristic(actuator, &read, of)?, problems))
+    let Fit { models, parameters, curve, .. } = &found.read()?;
+    let found = Characterised { models, parameters, curve, level: *level };
+    Ok((zwidth_figures::characteristic(actuator, &read, found), problems))
 }
 
 fn free_motion(about: &About, table: &PathBuf) -> Figured {

@@ -94,7 +94,7 @@ impl<R: 'static> Inputs for Derived<R> {
     }
 }
 
-/// The tables that a job makes, each in that of its outputs which is named as its rows are.
+/// The tables that a job makes, each in that of its outputs which is named as it is.
 pub(crate) struct Written<'m> {
     making: &'m Making<'m>,
     simulated: bool,
@@ -109,14 +109,14 @@ impl<'m> Written<'m> {
 
     /// With the table of some rows.
     pub(crate) fn rows<R: Row>(self, rows: &[R]) -> Result<Self, JobError> {
-        self.table::<R>(Table::of_rows(rows)?)
+        self.table(Table::of_rows(rows)?)
     }
 
-    /// With a table of rows `R` that has notes.
-    pub(crate) fn table<R: Row>(mut self, table: Table) -> Result<Self, JobError> {
-        let is_it = |path: &PathBuf| path.file_stem().is_some_and(|stem| stem == R::NAME);
+    /// With a table that has notes, or the name of a subject.
+    pub(crate) fn table(mut self, table: Table) -> Result<Self, JobError> {
+        let is_it = |path: &PathBuf| path.file_stem().is_some_and(|stem| stem == table.name());
         let place = self.making.outputs.iter().position(is_it);
-        let place = place.ok_or_else(|| format!("the job has no output '{}'", R::NAME))?;
+        let place = place.ok_or_else(|| format!("the job has no output '{}'", table.name()))?;
         let table = table.with_mark(self.simulated);
         self.made[place] = Some(table.to_parquet(self.making.from, &self.making.outputs[place])?);
         Ok(self)

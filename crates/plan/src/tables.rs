@@ -1,11 +1,10 @@
 //! Stage `tables`: every derived table that people read, in every format; one that is too long to be
 //! read, for programs alone.
 
+use crate::characterise::{self, Characterisation};
 use crate::long::for_programs;
 use crate::printed::Printed;
-use crate::{
-    characterise, compare, freemotion, identify, ladder, likert, metrics, replay, report, trade,
-};
+use crate::{compare, freemotion, identify, ladder, likert, metrics, replay, report, trade};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -57,9 +56,8 @@ fn of_trials(data: &StudyData) -> Vec<PathBuf> {
 /// What is made of the sweeps: models and parameters. The curve is data of a figure.
 fn of_sweeps(data: &StudyData) -> Vec<PathBuf> {
     let actuators = characterise::actuators(data).into_iter();
-    actuators
-        .flat_map(|(id, _)| characterise::tables_of(&data.layout, id).into_iter().take(2))
-        .collect()
+    let found = actuators.map(|(id, _)| Characterisation::of(&data.layout, id));
+    found.flat_map(|found| [found.models.files(), found.parameters.files()].concat()).collect()
 }
 
 /// Where a printed table lies in a format.

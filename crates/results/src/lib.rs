@@ -41,7 +41,11 @@
 //! | [`WallBound`] | mode, push, damping | `zwidth characterise` | figures |
 //! | [`ZWidth`] | mode, push | `zwidth characterise` | nothing but the file |
 //! | [`ImpedancePoint`] | environment, mode, frequency | `zwidth characterise` | figures |
+//! | [`FittedModel`] | model, a table for each actuator | `characterise` | figures, calibration, printed tables |
+//! | [`FittedParameter`] | model, branch, parameter | `characterise` | figures, calibration, printed tables |
+//! | [`CurvePoint`] | branch, command | `characterise` | figures, calibration |
 
+mod characteristic;
 mod column;
 mod comparison;
 mod ladder;
@@ -51,6 +55,10 @@ mod stability;
 mod trade;
 mod value;
 
+pub use characteristic::{
+    CandidateVerdict, CommandWay, CurveModel, CurvePoint, CurveShape, CurveSymbol, FittedModel,
+    FittedParameter, UNIT_OF_COMMAND, UNIT_OF_RESPONSE,
+};
 pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
 pub use comparison::{
     AnswerDifference, AnswerTest, Cell, Compared, Effect, Learning, Mean, MetricNote,

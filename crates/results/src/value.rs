@@ -3,7 +3,7 @@
 use crate::column::{Scalar, Type};
 use std::sync::Arc;
 use zwidth_study::{
-    Contrast, EnvironmentId, MetricId, ModeId, ParticipantId, QuestionId, SessionId,
+    Contrast, EnvironmentId, MetricId, ModeId, ParticipantId, QuestionId, SessionId, Source,
 };
 
 /// What a field of a row can be.
@@ -71,6 +71,30 @@ impl Value for usize {
 
     fn of(scalar: Scalar) -> Option<Self> {
         Self::try_from(i64::of(scalar)?).ok()
+    }
+}
+
+impl Value for u32 {
+    const KIND: Type = Type::Integer;
+
+    fn scalar(&self) -> Scalar {
+        Scalar::Integer((*self).into())
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        Self::try_from(i64::of(scalar)?).ok()
+    }
+}
+
+impl Value for Source {
+    const KIND: Type = Type::Text;
+
+    fn scalar(&self) -> Scalar {
+        Scalar::Text(self.as_str().into())
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        Self::from_word(&Arc::<str>::of(scalar)?)
     }
 }
 

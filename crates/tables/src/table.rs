@@ -56,6 +56,22 @@ impl Table {
         Self { name: name.into(), title: title.into(), ..self }
     }
 
+    /// The same table, `unit` in the place of one that a declaration leaves open.
+    #[must_use]
+    pub fn with_unit(mut self, open: &str, unit: &str) -> Self {
+        for column in self.columns.iter_mut().filter(|column| column.field.unit == open) {
+            column.field.unit = unit.to_owned().into();
+        }
+        self
+    }
+
+    /// The unit in the place of one that the declaration of rows `R` leaves open.
+    pub fn unit_for<R: Row>(&self, open: &str) -> Option<&str> {
+        let declared = R::fields().into_iter().find(|field| field.unit == open)?;
+        let own = self.fields().find(|field| field.name == declared.name)?;
+        Some(&own.unit)
+    }
+
     /// Its rows as those of a declaration.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use crate::error::CharacteriseError;
 use crate::models::{Model, Quantity};
 use zwidth_numerics::branch::Branch;
+use zwidth_results::CurveSymbol;
 use zwidth_study::Characteristic;
 
 /// Places at which a curve is looked at, evenly over its voltages; breaks and plateaus come on top.
@@ -143,7 +144,7 @@ impl Chosen {
 
     /// Voltages to look at, rising: an even grid with the curve's own kinks and other `corners`.
     fn places(&self, low: f64, high: f64, corners: [f64; 2]) -> Vec<f64> {
-        let is_kink = |(_, _, q): &(Option<Branch>, &str, Quantity)| {
+        let is_kink = |(_, _, q): &(Option<Branch>, CurveSymbol, Quantity)| {
             matches!(q, Quantity::Break | Quantity::Plateau)
         };
         let parameters = self.model.parameters();
@@ -198,11 +199,12 @@ fn knots(curve: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models;
+    use zwidth_results::CurveModel;
     use zwidth_study::Calibration;
 
     fn chosen(name: &str, parameters: &[f64], voltage_v: (f64, f64)) -> Chosen {
-        Chosen { model: models::by_name(name).unwrap(), parameters: parameters.to_vec(), voltage_v }
+        let model = Model::of(CurveModel::from_word(name).unwrap());
+        Chosen { model, parameters: parameters.to_vec(), voltage_v }
     }
 
     fn made(name: &str, parameters: &[f64], voltage_v: (f64, f64)) -> Characteristic {

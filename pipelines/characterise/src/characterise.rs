@@ -7,9 +7,10 @@ use crate::models::{self, Model, Quantity, break_range};
 use crate::noise::noise;
 use crate::samples::{Samples, Sweep};
 use crate::uncertainty::resampled;
-use crate::verdict::{self, CandidateVerdict, significant};
+use crate::verdict::{self, significant};
 use core::ops::Range;
 use rayon::prelude::*;
+use zwidth_results::CandidateVerdict;
 use zwidth_stats::aicc::aicc;
 use zwidth_stats::autocorrelation::lag1;
 use zwidth_stats::interval::sd;
@@ -17,7 +18,7 @@ use zwidth_stats::interval::sd;
 /// Commands are gathered into this many bins at most for AICc.
 const BINS: usize = 50;
 
-/// Fits every candidate of [`models::ALL`] to the sweeps, judges each and chooses one (rule: see
+/// Fits every candidate of [`models::all`] to the sweeps, judges each and chooses one (rule: see
 /// the crate). Candidates with hysteresis are there only if the command went both up and down.
 ///
 /// # Errors
@@ -33,8 +34,7 @@ pub fn characterise(
     let grouping = if samples.sweeps.len() > 1 { Grouping::Sweep } else { Grouping::Block };
     let folds = folds(&samples);
     let both = samples.has_both_branches();
-    let models: Vec<Model> =
-        models::ALL.into_iter().filter(|model| both || !model.hysteresis).collect();
+    let models: Vec<Model> = models::all().filter(|model| both || !model.hysteresis).collect();
     let fitted = models.par_iter().map(|model| candidate(model, &samples, &folds, noise, settings));
     let mut candidates = fitted.collect::<Result<Vec<_>, _>>()?;
     let left_out = format!("{} {}s", folds.len(), grouping.name());
@@ -70,7 +70,7 @@ fn candidate(
         parameters: Vec::new(),
         quality: None,
         verdict: CandidateVerdict::NotFitted,
-        verdict_text: String::new(),
+        reason: String::new(),
         left_out: Vec::new(),
         independent: (samples.sweeps.len() > 1).then_some(samples.sweeps.len()),
         resampled: Vec::new(),
@@ -204,6 +204,7 @@ fn edge_note(
 mod tests {
     use super::*;
     use zwidth_numerics::branch::branches;
+    use zwidth_results::{CurveModel, CurveSymbol};
 
     /// At 95 % one of the many intervals below would miss its truth.
     fn settings() -> Settings {
@@ -221,7 +222,7 @@ mod tests {
     }
 
     fn candidate<'a>(found: &'a Characteristic, name: &str) -> &'a Candidate {
-        found.candidates.iter().find(|c| c.name == name).unwrap()
+        found.candidates.iter().find(|c| c.name.as_str() == name).unwrap()
     }
 
     /// 0 … `top` and back, in steps of 0.05.
@@ -232,7 +233,7 @@ mod tests {
 
     /// `sweeps` of these commands through the model of that name with uniform noise of ± 0.2.
     fn simulate(name: &str, truth: &[f64], sweeps: u64, command: &[f64]) -> Characteristic {
-        let (model, branch) = (models::by_name(name).unwrap(), branches(command));
+        let (model, branch) = (Model::of(CurveModel::from_word(name).unwrap()), branches(command));
         let run = |seed| {
             let noise = scatter(command.len(), 0.2, seed);
             let at = |i: usize| model.predict(truth, command[i], branch[i]) + noise[i];
@@ -248,7 +249,7 @@ mod tests {
     fn check_recovered(name: &str, truth: &[f64], sweeps: u64, command: &[f64]) {
         let found = simulate(name, truth, sweeps, command);
         let chosen = &found.candidates[found.chosen];
-        assert_eq!(chosen.name, name, "{}", found.reason);
+        assert_eq!(chosen.name.as_str(), name, "{}", found.reason);
         for (p, truth) in chosen.parameters.iter().zip(truth) {
             let (low, high) = (p.ci_low.unwrap(), p.ci_high.unwrap());
             assert!(low <= *truth && *truth <= high, "{sweeps} sweeps: {p:?} for {truth}");
@@ -301,9 +302,9 @@ mod tests {
                 CandidateVerdict::NotNeeded
             ]
         );
-        let text = &candidate(&found, "line").verdict_text;
+        let text = &candidate(&found, "line").reason;
         assert!(
-            text.starts_with("rejected: RMS ") && text.contains(" times the noise, residual auto"),
+            text.starts_with("RMS ") && text.contains(" times the noise, residual auto"),
             "{text}"
         );
         assert_eq!(
@@ -323,14 +324,14 @@ mod tests {
         let response: Vec<f64> = command.iter().zip(&noise).map(|(x, e)| law(*x) + e).collect();
         let found =
             characterise(&[Sweep { command: &command, response: &response }], &settings()).unwrap();
-        assert_eq!(found.candidates[found.chosen].name, "spline", "{}", found.reason);
+        assert_eq!(found.candidates[found.chosen].name, CurveModel::Spline, "{}", found.reason);
     }
 
     #[test]
     fn one_way_sweeps_have_no_candidates_with_hysteresis() {
         let ramp: Vec<f64> = (0..=200).map(|i| f64::from(i) * 0.05).collect();
         let found = simulate("hinge", &[0.0, 1.0, 4.0], 3, &ramp);
-        assert!(found.candidates.iter().all(|c| !c.name.ends_with("up_down")));
+        assert!(found.candidates.iter().all(|c| !c.name.has_hysteresis()));
     }
 
     /// A brake that does not slip below 2 V: those samples were not recorded.
@@ -356,7 +357,7 @@ mod tests {
         let notes: Vec<Option<&str>> = parameters("hinge").map(|p| p.note.as_deref()).collect();
         assert_eq!(notes[..2], [None, None]);
         assert!(notes[2].unwrap().contains("edge of the data"), "{notes:?}");
-        let plateau = parameters("saturation").find(|p| p.name == "x1").unwrap();
+        let plateau = parameters("saturation").find(|p| p.name == CurveSymbol::X1).unwrap();
         assert!(plateau.note.as_deref().unwrap().contains("edge of the data"), "{plateau:?}");
     }
 

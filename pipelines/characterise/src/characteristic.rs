@@ -1,8 +1,8 @@
 //! What is found: plain data, ready for a table.
 
 use crate::models::Quantity;
-use crate::verdict::CandidateVerdict;
 use zwidth_numerics::branch::Branch;
+use zwidth_results::{CandidateVerdict, CurveModel, CurveSymbol};
 use zwidth_stats::StatsError;
 use zwidth_stats::bootstrap::{expanded_level, percentile_interval};
 
@@ -71,8 +71,8 @@ pub struct Characteristic {
 /// One candidate on these sweeps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Name of the model, as in [`crate::models::Model::name`].
-    pub name: &'static str,
+    /// The model.
+    pub name: CurveModel,
     /// Its equation.
     pub formula: String,
     /// Number of parameters that are fitted.
@@ -83,8 +83,8 @@ pub struct Candidate {
     pub quality: Option<Quality>,
     /// Chosen or not.
     pub verdict: CandidateVerdict,
-    /// The verdict with its reason, in words.
-    pub verdict_text: String,
+    /// Why, in words.
+    pub reason: String,
     /// Mean squared error on each part left out of the fit, unit of the response squared; empty if
     /// it could not be fitted.
     pub left_out: Vec<f64>,
@@ -112,7 +112,7 @@ impl Candidate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// Its symbol in the formula.
-    pub name: &'static str,
+    pub name: CurveSymbol,
     /// The branch whose curve it belongs to; `None` for both.
     pub branch: Option<Branch>,
     /// What it stands for.

@@ -72,8 +72,8 @@ fn mean_square(model: &Model, samples: &Samples, parameters: &[f64], fold: &Rang
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::by_name;
     use crate::samples::Sweep;
+    use zwidth_results::CurveModel;
 
     #[test]
     fn sweeps_are_folds_and_a_single_sweep_is_cut_into_blocks() {
@@ -98,7 +98,8 @@ mod tests {
             Sweep { command: &x, response: &x.map(|x| x + 1.0) },
         ];
         let samples = Samples::new(&sweeps).unwrap();
-        let found = cross_validate(&by_name("line").unwrap(), &samples, &folds(&samples)).unwrap();
+        let found =
+            cross_validate(&Model::of(CurveModel::Line), &samples, &folds(&samples)).unwrap();
         assert!((found.rms - 1.0).abs() < 1e-14 && found.std_error < 1e-14);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::characteristic::Candidate;
 use crate::error::CharacteriseError;
-use crate::models;
+use crate::models::Model;
 use crate::samples::Sweep;
 use zwidth_numerics::branch::{Branch, branches};
 use zwidth_stats::student_t::critical_value;
@@ -26,16 +26,6 @@ pub struct Curve {
 }
 
 impl Curve {
-    pub(crate) fn append(&mut self, mut other: Self) {
-        let Self { command, fit, ci_low, ci_high, prediction_low, prediction_high } = &mut other;
-        self.command.append(command);
-        self.fit.append(fit);
-        self.ci_low.append(ci_low);
-        self.ci_high.append(ci_high);
-        self.prediction_low.append(prediction_low);
-        self.prediction_high.append(prediction_high);
-    }
-
     pub(crate) fn push(&mut self, x: f64, fit: f64, mean: (f64, f64), new: (f64, f64)) {
         self.command.push(x);
         self.fit.push(fit);
@@ -61,9 +51,10 @@ pub fn curve(
     branch: Branch,
     level: f64,
 ) -> Result<Option<Curve>, CharacteriseError> {
-    let Some((model, quality)) = models::by_name(candidate.name).zip(candidate.quality) else {
+    let Some(quality) = candidate.quality else {
         return Ok(None);
     };
+    let model = Model::of(candidate.name);
     let (df, n) = (quality.df as f64, (quality.df + candidate.complexity) as f64);
     let spread = critical_value(level, df)? * quality.rms * (n / df).sqrt();
     let fitted: Vec<f64> = candidate.parameters.iter().map(|p| p.estimate).collect();

@@ -1,8 +1,8 @@
 //! Stage: what an actuator or sensor does with its command: candidate models, the chosen one, why.
 //!
 //! [`characterise`] takes sweeps (command against response, in the caller's units) and gives every
-//! candidate of [`models`] with its parameters, their bootstrap intervals, its errors and a verdict
-//! in words, and the one that is chosen. No files and no clock: the same sweeps, settings and seed
+//! candidate of [`models`] with its parameters, their bootstrap intervals, its errors, a verdict and
+//! its reason in words, and the one that is chosen. No files and no clock: the same sweeps, settings and seed
 //! give the same bits.
 //!
 //! # What is fitted
@@ -67,9 +67,8 @@ pub use curve::{Curve, curve};
 pub use error::CharacteriseError;
 pub use first_order::{FirstOrder, first_order};
 pub use samples::Sweep;
-pub use table::{StageError, Subject, chosen_from, curve_table, models_table, parameters_table};
-pub use verdict::CandidateVerdict;
+pub use table::{Fit, Subject, curve_points, fitted_models, fitted_parameters};
 pub use zwidth_numerics::branch::{Branch, branches};
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;

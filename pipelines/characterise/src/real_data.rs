@@ -1,7 +1,8 @@
 //! Facts of recordings made by others, read where `ZWIDTH_REAL_DATA` points.
 
-use crate::{CandidateVerdict, Characteristic, Settings, Sweep, characterise, first_order};
+use crate::{Characteristic, Settings, Sweep, characterise, first_order};
 use std::path::PathBuf;
+use zwidth_results::{CandidateVerdict, CurveModel};
 
 /// Rows of numbers of a comma-separated file under the folder of real recordings; `skip` header
 /// lines; empty cells end a row.
@@ -26,11 +27,17 @@ fn check(command: &[f64], response: &[f64], units: (&str, &str)) -> Characterist
     };
     let found = characterise(&[Sweep { command, response }], &settings).unwrap();
     for candidate in &found.candidates {
-        println!("{}: {} {:?}", candidate.name, candidate.verdict_text, candidate.quality);
+        let name = candidate.name.as_str();
+        println!("{name}: {:?}, {} {:?}", candidate.verdict, candidate.reason, candidate.quality);
         for p in &candidate.parameters {
             println!(
                 "  {} = {} {} [{:?}, {:?}] {:?}",
-                p.name, p.estimate, p.unit, p.ci_low, p.ci_high, p.note
+                p.name.as_str(),
+                p.estimate,
+                p.unit,
+                p.ci_low,
+                p.ci_high,
+                p.note
             );
         }
     }
@@ -47,7 +54,7 @@ fn the_motor_of_the_haptic_paddle_has_the_published_line() {
     assert!((line.slope.estimate + 0.42852).abs() < 5e-6);
     assert!((line.intercept.estimate - 1.06768).abs() < 5e-6);
     let found = check(&voltage, &current, ("V", "A"));
-    assert_eq!(found.candidates[found.chosen].name, "line");
+    assert_eq!(found.candidates[found.chosen].name, CurveModel::Line);
 }
 
 #[test]
@@ -62,7 +69,7 @@ fn the_load_cell_of_the_haptic_paddle_has_the_published_line() {
     assert!((line.slope.estimate - 3.5855).abs() < 5e-5);
     assert!((line.intercept.estimate - (0.057404 - 3.5855 * 0.118712)).abs() < 5e-5);
     let found = check(&volts, &force_n, ("V", "N"));
-    assert_eq!(found.candidates[found.chosen].name, "line");
+    assert_eq!(found.candidates[found.chosen].name, CurveModel::Line);
     assert_eq!(found.candidates[3].verdict, CandidateVerdict::NotFitted);
 }
 
@@ -74,7 +81,7 @@ fn the_particle_brake_is_a_power_law_above_a_break() {
     let torque_mnm: Vec<f64> =
         adc.iter().map(|a| -(20.0 / 4095.0) * (a - adc[0]) * 7.0616).collect();
     let found = check(&counts, &torque_mnm, ("counts", "mN·m"));
-    let named = |name: &str| found.candidates.iter().find(|c| c.name == name).unwrap();
+    let named = |name: &str| found.candidates.iter().find(|c| c.name.as_str() == name).unwrap();
     for (name, rms, verdict) in [
         ("line", 3.086, CandidateVerdict::Rejected),
         ("hinge", 1.340, CandidateVerdict::Rejected),
@@ -84,5 +91,5 @@ fn the_particle_brake_is_a_power_law_above_a_break() {
         assert!((candidate.quality.unwrap().rms - rms).abs() < 5e-4, "{candidate:?}");
         assert_eq!(candidate.verdict, verdict);
     }
-    assert!(found.candidates.iter().all(|c| !c.name.ends_with("up_down")), "one upward sweep");
+    assert!(found.candidates.iter().all(|c| !c.name.has_hysteresis()), "one upward sweep");
 }

@@ -141,9 +141,10 @@ impl Gathered<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::by_name;
+    use crate::models::Model;
     use crate::samples::{Samples, Sweep};
     use zwidth_numerics::lsq;
+    use zwidth_results::CurveModel;
 
     #[test]
     fn a_step_is_one_command_and_its_points_are_means_by_branch() {
@@ -184,7 +185,7 @@ mod tests {
             .map(|i| 0.26 * x[i as usize] + f64::from(i * 7919 % 1009) / 1009.0)
             .collect();
         let samples = Samples::new(&[Sweep { command: &x, response: &y }]).unwrap();
-        let found = by_name("line").unwrap().fit(&samples.gathered(), None).unwrap();
+        let found = Model::of(CurveModel::Line).fit(&samples.gathered(), None).unwrap();
         let exact = lsq::fit(&[&vec![1.0; x.len()], &x], &y).unwrap();
         (found[1] - exact.coefficients[1]).abs() / exact.std_errors()[1]
     }

@@ -1,24 +1,13 @@
-//! The stage's tables: models, parameters, curve.
+//! What the stage finds as rows: models, parameters, curve.
 
 use crate::curve::mean_response;
-use crate::models;
-use crate::{
-    Branch, Candidate, CandidateVerdict, CharacteriseError, Characteristic, Chosen, Curve,
-    Parameter, Sweep, curve, first_order,
+use crate::models::Model;
+use crate::{Branch, CharacteriseError, Characteristic, Chosen, Curve, Sweep, curve, first_order};
+use zwidth_results::{
+    CandidateVerdict, CommandWay, CurvePoint, FittedModel, FittedParameter, Row, UNIT_OF_COMMAND,
+    UNIT_OF_RESPONSE,
 };
-use std::borrow::Cow;
-use zwidth_tables::{Column, Field, Table, TableError, Type, Values};
-
-/// What a table of this stage can fail with.
-#[derive(Debug, thiserror::Error)]
-pub enum StageError {
-    /// The fit failed.
-    #[error(transparent)]
-    Characterise(#[from] CharacteriseError),
-    /// A table failed.
-    #[error(transparent)]
-    Table(#[from] TableError),
-}
+use zwidth_tables::{Table, TableError};
 
 /// What was characterised: names and units for the tables.
 #[derive(Debug, Clone, Copy)]
@@ -31,90 +20,106 @@ pub struct Subject<'a> {
     pub response_unit: &'a str,
 }
 
-/// One row a candidate model: its errors, and why it was chosen or rejected.
-pub fn models_table(of: Subject, c: &Characteristic) -> Result<Table, TableError> {
-    let all = &c.candidates;
-    let text = |name, about, get: fn(&Candidate) -> &str| {
-        Column::text(name, about, all.iter().map(|m| Some(get(m).to_owned())))
-    };
-    let error = |name, about, get: fn(&crate::Quality) -> Option<f64>| {
-        float(
-            name,
-            of.response_unit,
-            about,
-            all.iter().map(|m| m.quality.as_ref().and_then(get)).collect(),
-        )
-    };
-    let number = |name, about, get: fn(&crate::Quality) -> Option<f64>| {
-        float(name, "1", about, all.iter().map(|m| m.quality.as_ref().and_then(get)).collect())
-    };
-    let table = Table::new(
-        &format!("characteristic.{}", of.actuator),
-        &format!("Characteristic of the {}: candidate models", of.actuator.replace('_', " ")),
-        vec![
-            text("model", "candidate model", |m| m.name),
-            text("formula", "its equation", |m| &m.formula),
-            error("rms", "root mean square of the residuals", |q| Some(q.rms)),
-            error("left_out_rms", "root mean square error on what was left out of the fit", |q| {
-                Some(q.cv_rms)
-            }),
-            number("rms_over_noise", "rms over the scatter that no curve explains", |q| {
-                q.rms_over_noise
-            }),
-            number("r2", "coefficient of determination R²", |q| q.r2),
-            number(
-                "autocorrelation",
-                "of neighbouring residuals; near 0 for a fit that fits",
-                |q| q.autocorrelation,
-            ),
-            number("aicc", "AICc on per-command bins; reported, not decisive", |q| q.aicc),
-            text("verdict", "chosen or not, and why", |m| &m.verdict_text),
-        ],
-    )?;
-    let noise =
-        c.noise.map(|n| format!("Scatter that no curve explains: {n:.3} {}.", of.response_unit));
-    let plural = if c.sweeps == 1 { "" } else { "s" };
-    let (sweeps, points, folds, grouping) = (c.sweeps, c.points, c.folds, c.grouping.name());
-    let sweeps =
-        format!("{sweeps} sweep{plural}, {points} points; left out in turn: {folds} {grouping}s.");
-    let notes = [Some(c.reason.clone()), Some(sweeps), noise];
-    Ok(notes.into_iter().flatten().fold(table, Table::with_note))
+impl Subject<'_> {
+    /// The table of its candidate models, with the reason of the choice, what it rests on and the
+    /// noise below.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn models_table(&self, found: &Characteristic) -> Result<Table, TableError> {
+        let table = self.table(&fitted_models(found), "candidate models")?;
+        let (sweeps, points, folds) = (found.sweeps, found.points, found.folds);
+        let plural = if sweeps == 1 { "" } else { "s" };
+        let grouping = found.grouping.name();
+        let data = format!(
+            "{sweeps} sweep{plural}, {points} points; left out in turn: {folds} {grouping}s."
+        );
+        let table = table.with_note(found.reason.clone()).with_note(data);
+        Ok(match found.noise {
+            Some(noise) => table.with_note(format!(
+                "Scatter that no curve explains: {noise:.3} {}.",
+                self.response_unit
+            )),
+            None => table,
+        })
+    }
+
+    /// The table of their parameters.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn parameters_table(&self, found: &Characteristic) -> Result<Table, TableError> {
+        self.table(&fitted_parameters(found), "parameters")
+    }
+
+    /// The table of the chosen curve.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn curve_table(&self, points: &[CurvePoint]) -> Result<Table, TableError> {
+        self.table(points, "fitted curve")
+    }
+
+    /// Rows under the subject's name and in its units.
+    fn table<R: Row>(&self, rows: &[R], what: &str) -> Result<Table, TableError> {
+        let actuator = self.actuator.replace('_', " ");
+        let name = format!("{}.{}", R::NAME, self.actuator);
+        Ok(Table::of_rows(rows)?
+            .called(name, format!("Characteristic of the {actuator}: {what}"))
+            .with_unit(UNIT_OF_COMMAND, self.command_unit)
+            .with_unit(UNIT_OF_RESPONSE, self.response_unit))
+    }
 }
 
-/// One row a parameter of each candidate model, with its bootstrap interval.
-pub fn parameters_table(of: Subject, c: &Characteristic) -> Result<Table, TableError> {
-    let rows: Vec<(&Candidate, &Parameter)> =
-        c.candidates.iter().flat_map(|m| m.parameters.iter().map(move |p| (m, p))).collect();
-    let text = |name, about, get: fn(&(&Candidate, &Parameter)) -> Option<String>| {
-        Column::text(name, about, rows.iter().map(get))
-    };
-    let value = |name, about, get: fn(&Parameter) -> Option<f64>| {
-        Column::float(name, "1", about, rows.iter().map(|(_, p)| get(p)))
-    };
-    Table::new(
-        &format!("parameters.{}", of.actuator),
-        &format!("Characteristic of the {}: parameters", of.actuator.replace('_', " ")),
-        vec![
-            text("model", "candidate model", |(m, _)| Some(m.name.to_owned())),
-            text("parameter", "symbol in the model's equation", |(_, p)| Some(p.name.to_owned())),
-            text("branch", "way of the command whose curve it belongs to", |(_, p)| {
-                Some(branch_name(p.branch).to_owned())
-            }),
-            value("estimate", "least-squares estimate, in `unit`", |p| Some(p.estimate)),
-            value("std_error", "standard deviation over the bootstrap resamples", |p| p.std_error),
-            value("ci_low", "lower end of the bootstrap interval", |p| p.ci_low),
-            value("ci_high", "upper end of the bootstrap interval", |p| p.ci_high),
-            text("unit", "unit of the estimate", |(_, p)| Some(p.unit.clone())),
-            text("note", "what the number must not be taken for", |(_, p)| p.note.clone()),
-        ],
-    )
+/// The candidate models: their errors, and why each was chosen or rejected.
+pub fn fitted_models(found: &Characteristic) -> Vec<FittedModel> {
+    let mut rows = Vec::new();
+    for candidate in &found.candidates {
+        let quality = candidate.quality.as_ref();
+        rows.push(FittedModel {
+            model: candidate.name,
+            formula: candidate.formula.clone(),
+            rms: quality.map(|q| q.rms),
+            left_out_rms: quality.map(|q| q.cv_rms),
+            rms_over_noise: quality.and_then(|q| q.rms_over_noise),
+            r2: quality.and_then(|q| q.r2),
+            autocorrelation: quality.and_then(|q| q.autocorrelation),
+            aicc: quality.and_then(|q| q.aicc),
+            verdict: candidate.verdict,
+            reason: candidate.reason.clone(),
+        });
+    }
+    rows
 }
 
-/// What a table says for both branches at once.
-pub(crate) const BOTH: &str = "both";
+/// The parameters of every candidate model, with their bootstrap intervals.
+pub fn fitted_parameters(found: &Characteristic) -> Vec<FittedParameter> {
+    let mut rows = Vec::new();
+    for candidate in &found.candidates {
+        for parameter in &candidate.parameters {
+            rows.push(FittedParameter {
+                model: candidate.name,
+                parameter: parameter.name,
+                branch: way(parameter.branch),
+                estimate: parameter.estimate,
+                std_error: parameter.std_error,
+                ci_low: parameter.ci_low,
+                ci_high: parameter.ci_high,
+                unit: parameter.unit.as_str().into(),
+                note: parameter.note.clone(),
+            });
+        }
+    }
+    rows
+}
 
-fn branch_name(branch: Option<Branch>) -> &'static str {
-    branch.map_or(BOTH, Branch::name)
+/// The way of the command that a curve of a branch is of; that of none is of both.
+fn way(branch: Option<Branch>) -> CommandWay {
+    match branch {
+        None => CommandWay::Both,
+        Some(Branch::Up) => CommandWay::Up,
+        Some(Branch::Down) => CommandWay::Down,
+    }
 }
 
 /// Points of the curve's grid.
@@ -122,117 +127,149 @@ const GRID_POINTS: usize = 201;
 
 /// The chosen fit with its bands, the mean of the samples and the first-order fit, on an even grid
 /// over the commands; up and then down if the chosen model has hysteresis.
-pub fn curve_table(
-    of: Subject,
-    sweeps: &[Sweep],
-    c: &Characteristic,
-    level: f64,
-) -> Result<Table, StageError> {
-    let step = (c.command_max - c.command_min) / (GRID_POINTS - 1) as f64;
-    let grid: Vec<f64> = (0..GRID_POINTS).map(|i| c.command_min + step * i as f64).collect();
-    let line = first_order(sweeps, level)?.curve(&grid);
-    let chosen = &c.candidates[c.chosen];
-    let (mut all, mut names, mut mean, mut first_order) =
-        (Curve::default(), vec![], vec![], vec![]);
-    for branch in models::by_name(chosen.name).map_or(&[None][..], |model| model.branches()) {
-        let curve = curve(chosen, &grid, branch.unwrap_or(Branch::Up), level)?;
-        all.append(curve.unwrap_or_else(|| line.clone()));
-        names.extend(vec![Some(branch_name(*branch).to_owned()); GRID_POINTS]);
-        mean.extend(mean_response(sweeps, &grid, *branch));
-        first_order.extend_from_slice(&line.fit);
-    }
-    let response = |name, about, values: &[f64]| {
-        float(name, of.response_unit, about, values.iter().copied().map(Some).collect())
-    };
-    Ok(Table::new(
-        &format!("curve.{}", of.actuator),
-        &format!("Characteristic of the {}: fitted curve", of.actuator.replace('_', " ")),
-        vec![
-            Column::text("branch", "way of the command: up, down or both", names),
-            float(
-                "command",
-                of.command_unit,
-                "command",
-                all.command.iter().copied().map(Some).collect(),
-            ),
-            float(
-                "mean",
-                of.response_unit,
-                "mean of all samples within half a step of the command",
-                mean,
-            ),
-            response("fit", "chosen model", &all.fit),
-            response("ci_low", "lower end of the band of the mean", &all.ci_low),
-            response("ci_high", "upper end of the band of the mean", &all.ci_high),
-            response(
-                "prediction_low",
-                "lower end of the band of a new response",
-                &all.prediction_low,
-            ),
-            response(
-                "prediction_high",
-                "upper end of the band of a new response",
-                &all.prediction_high,
-            ),
-            response(
-                "first_order",
-                "straight line over all samples, as in the thesis",
-                &first_order,
-            ),
-        ],
-    )?)
-}
-
-/// The chosen curve of `actuator` (`motor` or `brake`), read back from its tables.
 ///
 /// # Errors
-/// Tables that are not those of this stage, units other than N against V, no chosen model.
-pub fn chosen_from(
-    actuator: &'static str,
-    models: &Table,
-    parameters: &Table,
-    curve: &Table,
-) -> Result<Chosen, StageError> {
-    let refuse =
-        |problem: &str| CharacteriseError::Calibration { actuator, problem: problem.to_owned() };
-    let unit = |name: &str| curve.fields().find(|f| f.name == name).map_or("", |f| f.unit.as_ref());
-    if (unit("command"), unit("fit")) != ("V", "N") {
-        let problem = format!(
-            "its sweeps hold {} against {}, not N against V: convert them on import, or give them another actuator's name",
-            unit("fit"),
-            unit("command")
-        );
-        return Err(refuse(&problem).into());
-    }
-    let remedy = "its tables do not hold a chosen model; make them again";
-    let names = models.texts("model")?;
-    let row = chosen_row(models)?.and_then(|row| names[row].clone());
-    let (name, model) =
-        row.and_then(|n| models::by_name(&n).map(|m| (n, m))).ok_or_else(|| refuse(remedy))?;
-    let of = parameters.texts("model")?;
-    let mine =
-        of.iter().zip(parameters.floats("estimate")?).filter(|(of, _)| of.as_ref() == Some(&name));
-    let parameters: Vec<f64> = mine.filter_map(|(_, estimate)| estimate).collect();
-    let command: Vec<f64> = curve.floats("command")?.into_iter().flatten().collect();
-    match (command.first(), command.last()) {
-        (Some(&low), Some(&high)) if parameters.len() == model.parameters().len() => {
-            Ok(Chosen { model, parameters, voltage_v: (low, high) })
+/// A confidence level outside (0, 1); sweeps that no line can be fitted to.
+pub fn curve_points(
+    sweeps: &[Sweep],
+    found: &Characteristic,
+    level: f64,
+) -> Result<Vec<CurvePoint>, CharacteriseError> {
+    let step = (found.command_max - found.command_min) / (GRID_POINTS - 1) as f64;
+    let grid: Vec<f64> = (0..GRID_POINTS).map(|i| found.command_min + step * i as f64).collect();
+    let line = first_order(sweeps, level)?.curve(&grid);
+    let chosen = &found.candidates[found.chosen];
+    let mut points = Vec::new();
+    for branch in Model::of(chosen.name).branches() {
+        let own = curve(chosen, &grid, branch.unwrap_or(Branch::Up), level)?;
+        let Curve { command, fit, ci_low, ci_high, prediction_low, prediction_high } =
+            own.unwrap_or_else(|| line.clone());
+        let mean = mean_response(sweeps, &grid, *branch);
+        for i in 0..GRID_POINTS {
+            points.push(CurvePoint {
+                branch: way(*branch),
+                command: command[i],
+                mean: mean[i],
+                fit: fit[i],
+                ci_low: ci_low[i],
+                ci_high: ci_high[i],
+                prediction_low: prediction_low[i],
+                prediction_high: prediction_high[i],
+                first_order: line.fit[i],
+            });
         }
-        _ => Err(refuse(remedy).into()),
+    }
+    Ok(points)
+}
+
+/// What was found of an actuator, with the units of its sweeps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// The candidate models.
+    pub models: Vec<FittedModel>,
+    /// Their parameters.
+    pub parameters: Vec<FittedParameter>,
+    /// The chosen curve.
+    pub curve: Vec<CurvePoint>,
+    /// Unit of the command.
+    pub command_unit: String,
+    /// Unit of the response.
+    pub response_unit: String,
+}
+
+impl Fit {
+    /// The chosen curve of `actuator` (`motor` or `brake`).
+    ///
+    /// # Errors
+    /// Units other than N against V, no chosen model.
+    pub fn chosen(&self, actuator: &'static str) -> Result<Chosen, CharacteriseError> {
+        let (command, response) = (self.command_unit.as_str(), self.response_unit.as_str());
+        if (command, response) != ("V", "N") {
+            let problem = format!(
+                "its sweeps hold {response} against {command}, not N against V: convert them on import, or give them another actuator's name"
+            );
+            return Err(CharacteriseError::Calibration { actuator, problem });
+        }
+        let none = || {
+            let problem = "its tables do not hold a chosen model; make them again".to_owned();
+            CharacteriseError::Calibration { actuator, problem }
+        };
+        let is_chosen = |row: &&FittedModel| row.verdict == CandidateVerdict::Chosen;
+        let name = self.models.iter().find(is_chosen).ok_or_else(none)?.model;
+        let own = self.parameters.iter().filter(|row| row.model == name);
+        let parameters: Vec<f64> = own.map(|row| row.estimate).collect();
+        let model = Model::of(name);
+        let ends = self.curve.first().zip(self.curve.last());
+        let (first, last) = ends.ok_or_else(none)?;
+        if parameters.len() != model.parameters().len() {
+            return Err(none());
+        }
+        Ok(Chosen { model, parameters, voltage_v: (first.command, last.command) })
     }
 }
 
-/// Row of the chosen model in a [`models_table`].
-fn chosen_row(models: &Table) -> Result<Option<usize>, TableError> {
-    let is_chosen = |text: &Option<String>| {
-        text.as_deref().is_some_and(|t| t.starts_with(CandidateVerdict::Chosen.name()))
-    };
-    Ok(models.texts("verdict")?.iter().position(is_chosen))
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Settings, characterise};
+    use zwidth_results::CurveModel;
 
-/// A column whose unit is only known from the sweep.
-fn float(name: &'static str, unit: &str, about: &'static str, values: Vec<Option<f64>>) -> Column {
-    let unit = Cow::Owned(unit.to_owned());
-    let field = Field { name: name.into(), unit, description: about.into(), kind: Type::Float };
-    Column { field, values: Values::Float(values) }
+    /// A straight line up and down, with a scatter of a hundredth.
+    fn found() -> (Subject<'static>, Characteristic, Vec<CurvePoint>) {
+        let command: Vec<f64> = (0..=40).chain((0..40).rev()).map(|i| 0.1 * f64::from(i)).collect();
+        let scatter = |i: usize| ((7 * i) % 11) as f64 * 2e-3;
+        let response: Vec<f64> =
+            command.iter().enumerate().map(|(i, x)| 0.3 + 2.0 * x + scatter(i)).collect();
+        let settings = Settings {
+            resamples: 40,
+            seed: 1,
+            level: 0.95,
+            command_unit: "V".to_owned(),
+            response_unit: "N".to_owned(),
+        };
+        let sweeps = [Sweep { command: &command, response: &response }];
+        let found = characterise(&sweeps, &settings).unwrap();
+        let points = curve_points(&sweeps, &found, 0.95).unwrap();
+        (Subject { actuator: "brake_2", command_unit: "V", response_unit: "N" }, found, points)
+    }
+
+    #[test]
+    fn rows_come_back_from_their_tables_with_the_units_of_the_sweeps() {
+        let (subject, found, points) = found();
+        let (models, parameters, curve) = (
+            subject.models_table(&found).unwrap(),
+            subject.parameters_table(&found).unwrap(),
+            subject.curve_table(&points).unwrap(),
+        );
+        assert_eq!(models.to_rows::<FittedModel>().unwrap(), fitted_models(&found));
+        assert_eq!(parameters.to_rows::<FittedParameter>().unwrap(), fitted_parameters(&found));
+        assert_eq!(curve.to_rows::<CurvePoint>().unwrap(), points);
+        assert_eq!(curve.unit_for::<CurvePoint>(UNIT_OF_COMMAND), Some("V"));
+        assert_eq!(curve.unit_for::<CurvePoint>(UNIT_OF_RESPONSE), Some("N"));
+        assert_eq!(models.name(), "characteristic.brake_2");
+        assert_eq!(models.title(), "Characteristic of the brake 2: candidate models");
+        assert_eq!(models.column("rms").unwrap().field.unit, "N");
+        assert_eq!(models.notes().len(), 3);
+    }
+
+    #[test]
+    fn a_chosen_curve_is_of_newtons_against_volts_and_has_all_its_parameters() {
+        let (_, found, curve) = found();
+        let fit = Fit {
+            models: fitted_models(&found),
+            parameters: fitted_parameters(&found),
+            curve,
+            command_unit: "V".to_owned(),
+            response_unit: "N".to_owned(),
+        };
+        let chosen = fit.chosen("motor").unwrap();
+        assert_eq!(chosen.model.name, CurveModel::Line);
+        assert_eq!((chosen.parameters.len(), chosen.voltage_v), (2, (0.0, 4.0)));
+        let refused = |fit: Fit| fit.chosen("motor").err().unwrap().to_string();
+        let counts = Fit { response_unit: "counts".to_owned(), ..fit.clone() };
+        assert!(refused(counts).contains("counts against V"));
+        let few = Fit { parameters: Vec::new(), ..fit.clone() };
+        assert!(refused(few).contains("make them again"));
+        assert!(refused(Fit { models: Vec::new(), ..fit }).contains("make them again"));
+    }
 }

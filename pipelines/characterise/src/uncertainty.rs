@@ -74,8 +74,8 @@ fn by_block(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::by_name;
     use crate::samples::Sweep;
+    use zwidth_results::CurveModel;
 
     const SETTINGS: Settings = Settings {
         resamples: 300,
@@ -90,7 +90,7 @@ mod tests {
         let sweeps: Vec<_> =
             responses.iter().map(|response| Sweep { command: &X, response }).collect();
         let samples = Samples::new(&sweeps).unwrap();
-        let line = by_name("line").unwrap();
+        let line = Model::of(CurveModel::Line);
         let fitted = line.fit(&samples.gathered(), None).unwrap();
         resampled(&line, &samples, &fitted, &SETTINGS).iter().map(|p| p[1]).collect()
     }

@@ -2,7 +2,8 @@
 
 use crate::characteristic::{Candidate, Quality};
 use crate::crossval::mean_and_error;
-use crate::models;
+use crate::models::Model;
+use zwidth_results::CandidateVerdict;
 
 /// Residuals that exceed the noise by more than this show that the curve is wrong.
 const LACK_OF_FIT: f64 = 1.5;
@@ -13,31 +14,6 @@ const STD_ERRORS: f64 = 2.0;
 
 /// Two errors closer than this share of themselves are the same but for rounding.
 const SAME: f64 = 1e-9;
-
-/// What became of a candidate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CandidateVerdict {
-    /// It is the one to use.
-    Chosen,
-    /// Its residuals exceed the noise, or it predicts worse than the chosen one.
-    Rejected,
-    /// It predicts no better than the chosen one, with more parameters.
-    NotNeeded,
-    /// There are too few points for its parameters.
-    NotFitted,
-}
-
-impl CandidateVerdict {
-    /// The verdict as a table says it: `chosen`, `rejected`, `not_needed`, `not_fitted`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Chosen => "chosen",
-            Self::Rejected => "rejected",
-            Self::NotNeeded => "not_needed",
-            Self::NotFitted => "not_fitted",
-        }
-    }
-}
 
 /// Chooses a candidate, writes every verdict, and gives the chosen one's index with the reason in a
 /// sentence. `left_out` says what cross-validation left out (`10 blocks`), `unit` is that of the
@@ -52,7 +28,7 @@ pub(crate) fn judge(
     let winner = candidates[chosen].clone();
     for (index, candidate) in candidates.iter_mut().enumerate() {
         candidate.verdict = verdict(candidate, &winner, index == chosen);
-        candidate.verdict_text = words(candidate, &winner, unit);
+        candidate.reason = words(candidate, &winner, unit);
     }
     Some((chosen, reason))
 }
@@ -95,7 +71,7 @@ fn is_as_good(candidate: &Candidate, best: &Candidate) -> bool {
 }
 
 fn is_law(candidate: &Candidate) -> bool {
-    models::by_name(candidate.name).is_none_or(|model| model.shape.is_law())
+    Model::of(candidate.name).shape.is_law()
 }
 
 fn reason(
@@ -109,15 +85,15 @@ fn reason(
     let error = best.quality.map(|q| left_out_error(&q, unit)).unwrap_or_default();
     let smallest = format!("the smallest cross-validated RMS ({error}, {left_out})");
     let simplest = candidates.iter().all(|c| c.complexity >= winner.complexity);
+    let name = winner.name.as_str();
     match (winner.name == best.name, simplest) {
-        (true, true) => format!("{} is the simplest candidate and has {smallest}.", winner.name),
+        (true, true) => format!("{name} is the simplest candidate and has {smallest}."),
         (true, false) => format!(
-            "{} has {smallest}; no simpler candidate is as good within the standard errors.",
-            winner.name
+            "{name} has {smallest}; no simpler candidate is as good within the standard errors."
         ),
         (false, _) => format!(
-            "{} is the simplest candidate as good, within the standard errors, as that with {smallest}, {}.",
-            winner.name, best.name
+            "{name} is the simplest candidate as good, within the standard errors, as that with {smallest}, {}.",
+            best.name.as_str()
         ),
     }
 }
@@ -136,27 +112,27 @@ fn verdict(candidate: &Candidate, winner: &Candidate, chosen: bool) -> Candidate
 fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
     let Some((q, best)) = candidate.quality.zip(winner.quality) else {
         return format!(
-            "not fitted: too few points, less those left out, for {} parameters",
+            "too few points, less those left out, for {} parameters",
             candidate.complexity
         );
     };
     let against =
         || format!("{} against {}", left_out_error(&q, unit), left_out_error(&best, unit));
+    let name = winner.name.as_str();
     match candidate.verdict {
-        CandidateVerdict::Chosen => format!("chosen: {}{}", residuals(&q, unit), warning(&q)),
+        CandidateVerdict::Chosen => format!("{}{}", residuals(&q, unit), warning(&q)),
         CandidateVerdict::NotNeeded if !is_law(candidate) && is_law(winner) => {
             format!(
-                "not needed: {} is a law and {} (RMS on data left out {})",
-                winner.name,
+                "{name} is a law and {} (RMS on data left out {})",
                 if lacks_fit(&best) { "fits as well" } else { "leaves the noise alone" },
                 against()
             )
         }
         CandidateVerdict::NotNeeded => {
-            format!("not needed: RMS on data left out {} for {}", against(), winner.name)
+            format!("RMS on data left out {} for {name}", against())
         }
-        _ if fits_worse(&q, Some(best)) => format!("rejected: {}", residuals(&q, unit)),
-        _ => format!("rejected: RMS on data left out {} for {}", against(), winner.name),
+        _ if fits_worse(&q, Some(best)) => residuals(&q, unit),
+        _ => format!("RMS on data left out {} for {name}", against()),
     }
 }
 
@@ -202,6 +178,7 @@ pub(crate) fn significant(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_results::CurveModel;
 
     #[test]
     fn numbers_have_three_significant_digits() {
@@ -217,7 +194,7 @@ mod tests {
     }
 
     /// A candidate with these squared errors on the parts left out, and that RMS over the noise.
-    fn candidate(name: &'static str, left_out: &[f64], rms_over_noise: f64) -> Candidate {
+    fn candidate(name: CurveModel, left_out: &[f64], rms_over_noise: f64) -> Candidate {
         let (mean, std_error) = mean_and_error(left_out);
         let rms = mean.sqrt();
         let quality = Quality {
@@ -230,7 +207,7 @@ mod tests {
             autocorrelation: None,
             rms_over_noise: Some(rms_over_noise),
         };
-        let model = models::by_name(name).unwrap();
+        let model = Model::of(name);
         Candidate {
             name,
             formula: model.formula(),
@@ -238,7 +215,7 @@ mod tests {
             parameters: vec![],
             quality: Some(quality),
             verdict: CandidateVerdict::NotFitted,
-            verdict_text: String::new(),
+            reason: String::new(),
             left_out: left_out.to_vec(),
             independent: None,
             resampled: vec![],
@@ -248,10 +225,12 @@ mod tests {
     fn check(candidates: &[(&'static str, [f64; 4], f64)], chosen: &str, reason: &str) {
         let mut candidates: Vec<Candidate> = candidates
             .iter()
-            .map(|(name, errors, ratio)| candidate(name, errors, *ratio))
+            .map(|(name, errors, ratio)| {
+                candidate(CurveModel::from_word(name).unwrap(), errors, *ratio)
+            })
             .collect();
         let (found, why) = judge(&mut candidates, "4 sweeps", "N").unwrap();
-        assert_eq!((candidates[found].name, why.as_str()), (chosen, reason));
+        assert_eq!((candidates[found].name.as_str(), why.as_str()), (chosen, reason));
     }
 
     /// The misfit is in one block only, and large there: the difference varies from block to block

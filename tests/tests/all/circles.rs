@@ -100,11 +100,6 @@ const KNOWN: [(&str, &str, &[&str]); 12] = [
         &["layout", "shown", "width"],
     ),
     (
-        "an error names the grouping it failed in, and candidates carry their verdict",
-        "pipelines/characterise",
-        &["characteristic", "crossval", "error", "samples", "verdict"],
-    ),
-    (
         "models share the list they stand in, and points come from steps gathered for them",
         "pipelines/characterise",
         &[

@@ -2,6 +2,7 @@
 
 use super::{Point, Points, Quantity, Shape};
 use core::ops::{Add, Sub};
+use zwidth_results::CurveSymbol;
 
 /// Two sums of squares closer than this share of the total are the same but for rounding; then the
 /// lower break is taken.
@@ -16,8 +17,12 @@ impl Shape for Hinge {
         "y = a + b max(x - x0, 0)"
     }
 
-    fn parameters(&self) -> &'static [(&'static str, Quantity)] {
-        &[("a", Quantity::Response), ("b", Quantity::Slope), ("x0", Quantity::Break)]
+    fn parameters(&self) -> &'static [(CurveSymbol, Quantity)] {
+        &[
+            (CurveSymbol::A, Quantity::Response),
+            (CurveSymbol::B, Quantity::Slope),
+            (CurveSymbol::X0, Quantity::Break),
+        ]
     }
 
     /// The global minimum, without a starting value (Hudson 1966, J. Amer. Statist. Assoc.

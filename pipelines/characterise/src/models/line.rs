@@ -1,6 +1,7 @@
 //! A straight line, as in the thesis.
 
 use super::{Points, Quantity, Shape, weighted_line};
+use zwidth_results::CurveSymbol;
 
 /// y = a + b x.
 #[derive(Debug, Clone, Copy)]
@@ -11,8 +12,8 @@ impl Shape for Line {
         "y = a + b x"
     }
 
-    fn parameters(&self) -> &'static [(&'static str, Quantity)] {
-        &[("a", Quantity::Response), ("b", Quantity::Slope)]
+    fn parameters(&self) -> &'static [(CurveSymbol, Quantity)] {
+        &[(CurveSymbol::A, Quantity::Response), (CurveSymbol::B, Quantity::Slope)]
     }
 
     fn fit(&self, points: &Points, _near: Option<&[f64]>) -> Option<Vec<f64>> {

@@ -1,6 +1,7 @@
 //! The candidates: each is a curve with parameters, one file each, with or without hysteresis.
 //!
-//! A new one is a file with a unit struct that implements [`Shape`], and two lines in [`ALL`].
+//! A new one is a file with a unit struct that implements [`Shape`], and a word of
+//! [`CurveModel`] with its curve.
 
 mod hinge;
 mod line;
@@ -16,24 +17,11 @@ pub use power_law::PowerLaw;
 pub use saturation::Saturation;
 pub use spline::Spline;
 use zwidth_numerics::branch::Branch;
+use zwidth_results::{CurveModel, CurveShape, CurveSymbol};
 
 /// The candidates, by number of free parameters.
-pub const ALL: [Model; 10] = [
-    Model { name: "line", shape: &Line, hysteresis: false },
-    Model { name: "hinge", shape: &Hinge, hysteresis: false },
-    Model { name: "saturation", shape: &Saturation, hysteresis: false },
-    Model { name: "power_law", shape: &PowerLaw, hysteresis: false },
-    Model { name: "line_up_down", shape: &Line, hysteresis: true },
-    Model { name: "hinge_up_down", shape: &Hinge, hysteresis: true },
-    Model { name: "spline", shape: &Spline, hysteresis: false },
-    Model { name: "saturation_up_down", shape: &Saturation, hysteresis: true },
-    Model { name: "power_law_up_down", shape: &PowerLaw, hysteresis: true },
-    Model { name: "spline_up_down", shape: &Spline, hysteresis: true },
-];
-
-/// The candidate of that name.
-pub fn by_name(name: &str) -> Option<Model> {
-    ALL.into_iter().find(|model| model.name == name)
+pub fn all() -> impl Iterator<Item = Model> {
+    CurveModel::ALL.iter().map(|name| Model::of(*name))
 }
 
 /// A candidate: one curve for all commands, or (hysteresis) one for rising and one for falling
@@ -41,8 +29,8 @@ pub fn by_name(name: &str) -> Option<Model> {
 /// voltage than it takes hold at.
 #[derive(Clone, Copy)]
 pub struct Model {
-    /// Name in tables and files.
-    pub name: &'static str,
+    /// Which of the candidates it is.
+    pub name: CurveModel,
     /// Its curve.
     pub shape: &'static dyn Shape,
     /// Whether the two branches have a curve each.
@@ -50,6 +38,18 @@ pub struct Model {
 }
 
 impl Model {
+    /// The candidate of that name.
+    pub fn of(name: CurveModel) -> Self {
+        let shape: &'static dyn Shape = match name.shape() {
+            CurveShape::Line => &Line,
+            CurveShape::Hinge => &Hinge,
+            CurveShape::Saturation => &Saturation,
+            CurveShape::PowerLaw => &PowerLaw,
+            CurveShape::Spline => &Spline,
+        };
+        Self { name, shape, hysteresis: name.has_hysteresis() }
+    }
+
     /// Its branches: `None` stands for both at once.
     pub fn branches(&self) -> &'static [Option<Branch>] {
         if self.hysteresis { &[Some(Branch::Up), Some(Branch::Down)] } else { &[None] }
@@ -68,7 +68,7 @@ impl Model {
 
     /// The parameters in the order in which they stand wherever they are listed: branch, name,
     /// meaning.
-    pub fn parameters(&self) -> Vec<(Option<Branch>, &'static str, Quantity)> {
+    pub fn parameters(&self) -> Vec<(Option<Branch>, CurveSymbol, Quantity)> {
         let of = |branch: &Option<Branch>| {
             let branch = *branch;
             self.shape.parameters().iter().map(move |(name, quantity)| (branch, *name, *quantity))
@@ -101,8 +101,8 @@ pub trait Shape: Sync {
     /// The equation, x the command and y the response.
     fn formula(&self) -> &'static str;
 
-    /// Name and meaning of each parameter, in the order of [`Shape::fit`].
-    fn parameters(&self) -> &'static [(&'static str, Quantity)];
+    /// Symbol and meaning of each parameter, in the order of [`Shape::fit`].
+    fn parameters(&self) -> &'static [(CurveSymbol, Quantity)];
 
     /// The parameters with the smallest weighted sum of squares; `None` if the points cannot
     /// determine them. A search that could end in another minimum elsewhere may start from

@@ -2,6 +2,7 @@
 
 use super::{Points, Quantity, Shape, weighted_line};
 use zwidth_numerics::nonlinear::{Bounds, least_squares};
+use zwidth_results::CurveSymbol;
 
 /// Smallest exponent tried: below it the curve is a step at the break.
 const MIN_EXPONENT: f64 = 0.2;
@@ -23,12 +24,12 @@ impl Shape for PowerLaw {
         "y = a + b max(x - x0, 0)^p"
     }
 
-    fn parameters(&self) -> &'static [(&'static str, Quantity)] {
+    fn parameters(&self) -> &'static [(CurveSymbol, Quantity)] {
         &[
-            ("a", Quantity::Response),
-            ("b", Quantity::Gain),
-            ("x0", Quantity::Break),
-            ("p", Quantity::Exponent),
+            (CurveSymbol::A, Quantity::Response),
+            (CurveSymbol::B, Quantity::Gain),
+            (CurveSymbol::X0, Quantity::Break),
+            (CurveSymbol::P, Quantity::Exponent),
         ]
     }
 

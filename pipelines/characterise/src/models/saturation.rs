@@ -4,6 +4,7 @@
 use super::hinge::{self, Fit, Scale};
 use super::{Point, Points, Quantity, Shape};
 use zwidth_numerics::nonlinear::{Bounds, least_squares};
+use zwidth_results::CurveSymbol;
 
 /// Places at which the search for the plateau begins, evenly over the commands.
 const COARSE: usize = 24;
@@ -21,12 +22,12 @@ impl Shape for Saturation {
         "y = a + b (min(max(x, x0), x1) - x0)"
     }
 
-    fn parameters(&self) -> &'static [(&'static str, Quantity)] {
+    fn parameters(&self) -> &'static [(CurveSymbol, Quantity)] {
         &[
-            ("a", Quantity::Response),
-            ("b", Quantity::Slope),
-            ("x0", Quantity::Break),
-            ("x1", Quantity::Plateau),
+            (CurveSymbol::A, Quantity::Response),
+            (CurveSymbol::B, Quantity::Slope),
+            (CurveSymbol::X0, Quantity::Break),
+            (CurveSymbol::X1, Quantity::Plateau),
         ]
     }
 

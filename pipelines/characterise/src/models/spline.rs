@@ -2,6 +2,7 @@
 
 use super::nonnegative::nonnegative;
 use super::{Point, Points, Quantity, Shape};
+use zwidth_results::CurveSymbol;
 
 /// Knots: six equal pieces follow a dead zone, a bend and a plateau in one curve, and need no
 /// choice of knots.
@@ -18,18 +19,18 @@ impl Shape for Spline {
         "y = a + integral of s from x0 to x"
     }
 
-    fn parameters(&self) -> &'static [(&'static str, Quantity)] {
+    fn parameters(&self) -> &'static [(CurveSymbol, Quantity)] {
         &[
-            ("a", Quantity::Response),
-            ("x0", Quantity::Knot),
-            ("x1", Quantity::Knot),
-            ("s0", Quantity::Slope),
-            ("s1", Quantity::Slope),
-            ("s2", Quantity::Slope),
-            ("s3", Quantity::Slope),
-            ("s4", Quantity::Slope),
-            ("s5", Quantity::Slope),
-            ("s6", Quantity::Slope),
+            (CurveSymbol::A, Quantity::Response),
+            (CurveSymbol::X0, Quantity::Knot),
+            (CurveSymbol::X1, Quantity::Knot),
+            (CurveSymbol::S0, Quantity::Slope),
+            (CurveSymbol::S1, Quantity::Slope),
+            (CurveSymbol::S2, Quantity::Slope),
+            (CurveSymbol::S3, Quantity::Slope),
+            (CurveSymbol::S4, Quantity::Slope),
+            (CurveSymbol::S5, Quantity::Slope),
+            (CurveSymbol::S6, Quantity::Slope),
         ]
     }
 

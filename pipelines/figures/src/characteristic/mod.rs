@@ -3,15 +3,16 @@
 
 mod words;
 
-use self::words::{Parameter, about, chosen, parameters, row_of, significant, why_not_calibrated};
+use self::words::{about, significant, why_not_calibrated};
 use crate::FigureKind;
-use crate::data::gaps;
 use crate::words::{mark, percent, plain};
 use zwidth_draw::style::{self, Colour, Dash};
 use zwidth_draw::{Axis, Band, Cell, Direction, Figure, Layer, Line, Panel, Points, Reference};
 use zwidth_numerics::branch::{Branch, branches};
+use zwidth_results::{
+    CandidateVerdict, CommandWay, CurveModel, CurvePoint, CurveSymbol, FittedModel, FittedParameter,
+};
 use zwidth_store::{Quantity, Sweep};
-use zwidth_tables::{Table, TableError};
 
 /// The figure [`characteristic`].
 pub const CHARACTERISTIC: FigureKind = FigureKind {
@@ -40,50 +41,55 @@ const BROAD_PT: f64 = 2.4;
 /// Pen of the mean of the sweeps on it, pt.
 const THIN_PT: f64 = 0.6;
 
-/// The stage's tables of one actuator or sensor.
+/// What the stage found of one actuator or sensor.
 #[derive(Debug, Clone, Copy)]
 pub struct Characterised<'a> {
     /// Candidate models.
-    pub models: &'a Table,
+    pub models: &'a [FittedModel],
     /// Their parameters.
-    pub parameters: &'a Table,
+    pub parameters: &'a [FittedParameter],
     /// The chosen curve.
-    pub curve: &'a Table,
+    pub curve: &'a [CurvePoint],
     /// Level of their intervals.
     pub level: f64,
+}
+
+impl<'a> Characterised<'a> {
+    /// The model that was chosen.
+    fn chosen(&self) -> Option<&'a FittedModel> {
+        self.models.iter().find(|row| row.verdict == CandidateVerdict::Chosen)
+    }
 }
 
 /// The characteristic of one actuator or sensor: all sweeps faint, their mean, the first-order fit
 /// with its R², the chosen fit, and where it begins and ends to rise; below, from the chosen fit
 /// on, the band for a new response and the samples. Its coefficients stand in their table.
-pub fn characteristic(
-    actuator: &str,
-    sweeps: &[Sweep],
-    of: Characterised,
-) -> Result<Figure, TableError> {
+pub fn characteristic(actuator: &str, sweeps: &[Sweep], found: Characterised) -> Figure {
     let quantity =
         |of: fn(&Sweep) -> &Quantity| sweeps.first().map(of).cloned().unwrap_or_else(nothing);
     let (command, response) = (quantity(|s| &s.command), quantity(|s| &s.response));
-    let chosen = chosen(of.models)?;
-    let mut layers = samples(sweeps, are_seen(of.models, &chosen, sweeps)?);
-    layers.extend(curves(of, &chosen, sweeps.len())?);
-    layers.extend(corners(of.parameters, &chosen, &command.unit)?);
+    let chosen = found.chosen();
+    let mut layers = samples(sweeps, are_seen(chosen, sweeps));
+    layers.extend(curves(found, sweeps.len()));
+    layers.extend(corners(found, &command.unit));
     let x = || axis(&command).linked("command");
     let panel = Panel::new(Cell::at(0, 0), x(), axis(&response), layers);
     let off = Axis::new("off the fit", plain(&response.unit));
-    let below = residuals(of, sweeps)?.map(|layers| Panel {
+    let below = residuals(found, sweeps).map(|layers| Panel {
         height_mm: Some(RESIDUALS_MM),
         ..Panel::new(Cell::at(1, 0), x(), off, layers)
     });
     let panel = Panel { height_mm: Some(PANEL_MM), ..panel };
-    let mut footnotes = about(of.models, &chosen, &response.unit, actuator)?;
+    let mut footnotes = Vec::new();
+    footnotes.extend(chosen.map(|chosen| about(chosen, &response.unit, actuator)));
     if actuator == "motor" {
-        footnotes.extend(why_not_calibrated(of.curve, &command.unit, &response.unit)?);
+        footnotes.extend(why_not_calibrated(found.curve, &command.unit, &response.unit));
     }
-    Ok(Figure {
+    let name = chosen.map_or("", |chosen| chosen.model.as_str());
+    Figure {
         title: Some(format!("Characteristic: {}", plain(&actuator.replace('_', " ")))),
         description: format!(
-            "{} against {} of the {actuator}: {} sweeps, the first-order fit, the chosen fit ({chosen}) and its band for \
+            "{} against {} of the {actuator}: {} sweeps, the first-order fit, the chosen fit ({name}) and its band for \
              a new response.",
             response.name,
             command.name,
@@ -94,7 +100,7 @@ pub fn characteristic(
         footnotes,
         mark: mark(sweeps.iter().map(|s| s.source)),
         ..Figure::default()
-    })
+    }
 }
 
 fn nothing() -> Quantity {
@@ -107,14 +113,11 @@ fn axis(quantity: &Quantity) -> Axis {
 
 /// Whether samples stand out from under the fits: not if the chosen one misses them by less than
 /// half its own width in print. What cannot be seen does not stand in the legend.
-fn are_seen(models: &Table, chosen: &str, sweeps: &[Sweep]) -> Result<bool, TableError> {
-    let rms = match row_of(models, chosen)? {
-        Some(row) => models.floats("rms")?[row],
-        None => None,
-    };
+fn are_seen(chosen: Option<&FittedModel>, sweeps: &[Sweep]) -> bool {
+    let rms = chosen.and_then(|chosen| chosen.rms);
     let all = crate::extent::ends(sweeps.iter().flat_map(|s| &s.response_values).copied());
     let off_pt = rms.zip(all).map(|(rms, (low, high))| rms / (high - low) * PANEL_PT);
-    Ok(off_pt.is_none_or(|off_pt| off_pt.is_nan() || off_pt > BROAD_PT / 2.0))
+    off_pt.is_none_or(|off_pt| off_pt.is_nan() || off_pt > BROAD_PT / 2.0)
 }
 
 /// All samples as points, or each sweep as a faint line where points would be a blot; named where
@@ -160,35 +163,37 @@ fn step_means(x: &[f64], y: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
     samples.chunk_by(|a, b| place(a.0) == place(b.0)).map(mean).unzip()
 }
 
-/// One branch of the chosen curve: a part of the curve's table.
-struct Part {
+/// One branch of the chosen curve.
+struct Part<'a> {
     /// `, up`; nothing of the only one.
     name: String,
     /// Which way of the command it is; none: both.
     way: Option<Branch>,
-    rows: core::ops::Range<usize>,
+    points: &'a [CurvePoint],
     colour: Colour,
     dash: Dash,
 }
 
-/// The branches in the curve's table: one, or up and down.
-fn parts(curve: &Table) -> Result<Vec<Part>, TableError> {
-    let names = curve.texts("branch")?;
+/// The branches of the curve: one, or up and down.
+fn parts(curve: &[CurvePoint]) -> Vec<Part<'_>> {
     let mut parts: Vec<Part> = Vec::new();
-    for same in names.chunk_by(|a, b| a == b) {
-        let start = parts.last().map_or(0, |p| p.rows.end);
-        let way = Branch::ALL.into_iter().find(|way| same[0].as_deref() == Some(way.name()));
+    for points in curve.chunk_by(|a, b| a.branch == b.branch) {
+        let way = match points[0].branch {
+            CommandWay::Both => None,
+            CommandWay::Up => Some(Branch::Up),
+            CommandWay::Down => Some(Branch::Down),
+        };
         let name = way.map(|way| format!(", {}", way.name())).unwrap_or_default();
         let (colour, dash) = (style::direction_colour(parts.len()), style::dash(parts.len()));
-        parts.push(Part { name, way, rows: start..start + same.len(), colour, dash });
+        parts.push(Part { name, way, points, colour, dash });
     }
-    Ok(parts)
+    parts
 }
 
-impl Part {
-    /// A column of the branch; null becomes a gap.
-    fn column(&self, curve: &Table, name: &str) -> Result<Vec<f64>, TableError> {
-        Ok(gaps(curve.floats(name)?)[self.rows.clone()].to_vec())
+impl Part<'_> {
+    /// A number of each point.
+    fn column(&self, number: impl Fn(&CurvePoint) -> f64) -> Vec<f64> {
+        self.points.iter().map(number).collect()
     }
 
     /// How far a sweep's samples of this branch lie off its fit; which these are is told by the
@@ -205,7 +210,7 @@ impl Part {
 
 /// The samples off the chosen fit, and the band for a new response on them; `None` where there is
 /// no fit.
-fn residuals(of: Characterised, sweeps: &[Sweep]) -> Result<Option<Vec<Layer>>, TableError> {
+fn residuals(found: Characterised, sweeps: &[Sweep]) -> Option<Vec<Layer>> {
     let zero = Reference {
         direction: Direction::Horizontal,
         at: 0.0,
@@ -217,14 +222,11 @@ fn residuals(of: Characterised, sweeps: &[Sweep]) -> Result<Option<Vec<Layer>>, 
     let stride = n.div_ceil(MOST_POINTS).max(1);
     let named = (stride > 1).then(|| format!("one sample of {stride}, off the fit"));
     let (mut layers, mut bands) = (vec![Layer::Reference(zero)], Vec::new());
-    for part in parts(of.curve)? {
-        let (x, fit) = (part.column(of.curve, "command")?, part.column(of.curve, "fit")?);
-        let off = |name: &str| -> Result<Vec<f64>, TableError> {
-            let values = part.column(of.curve, name)?;
-            Ok(values.iter().zip(&fit).map(|(value, fit)| value - fit).collect())
-        };
-        let (low, high) = (off("prediction_low")?, off("prediction_high")?);
-        let name = Some(format!("{} prediction band{}", percent(of.level), part.name));
+    for part in parts(found.curve) {
+        let (x, fit) = (part.column(|p| p.command), part.column(|p| p.fit));
+        let low = part.column(|p| p.prediction_low - p.fit);
+        let high = part.column(|p| p.prediction_high - p.fit);
+        let name = Some(format!("{} prediction band{}", percent(found.level), part.name));
         let curve = (x.as_slice(), fit.as_slice());
         let off = sweeps.iter().flat_map(|sweep| part.residuals(sweep, curve));
         let (at, y) = off.step_by(stride).unzip();
@@ -237,7 +239,7 @@ fn residuals(of: Characterised, sweeps: &[Sweep]) -> Result<Option<Vec<Layer>>, 
     let any =
         layers.iter().any(|l| matches!(l, Layer::Points(p) if p.y.iter().any(|y| y.is_finite())));
     layers.extend(bands);
-    Ok(any.then_some(layers))
+    any.then_some(layers)
 }
 
 /// The value of a rising curve at `x`, on the straight line between its points; `None` outside.
@@ -251,50 +253,54 @@ fn value_at((xs, ys): (&[f64], &[f64]), x: f64) -> Option<f64> {
 /// Fits, means and the first-order fit, in the order in which they lie over each other: the mean is
 /// thin on the broad chosen fit, so that both are seen where they agree. Where the line was chosen
 /// it is the first-order fit.
-fn curves(of: Characterised, chosen: &str, sweeps: usize) -> Result<Vec<Layer>, TableError> {
-    let parts = parts(of.curve)?;
-    let line = |y: &str, part: &Part, stroke, name: String| {
-        let (x, y) = (part.column(of.curve, "command")?, part.column(of.curve, y)?);
-        Ok::<_, TableError>(Layer::Line(Line { x, y, stroke, name: Some(name), ..Line::default() }))
+fn curves(found: Characterised, sweeps: usize) -> Vec<Layer> {
+    let parts = parts(found.curve);
+    let line = |y: fn(&CurvePoint) -> f64, part: &Part, stroke, name: String| {
+        let (x, y) = (part.column(|p| p.command), part.column(y));
+        Layer::Line(Line { x, y, stroke, name: Some(name), ..Line::default() })
     };
-    let first_order = format!("first-order fit{}", r_squared(of.models)?);
-    let fit =
-        if chosen == "line" { format!("{first_order} (chosen)") } else { "chosen fit".to_owned() };
+    let first_order = format!("first-order fit{}", r_squared(found.models));
+    let is_line = found.chosen().is_some_and(|chosen| chosen.model == CurveModel::Line);
+    let fit = if is_line { format!("{first_order} (chosen)") } else { "chosen fit".to_owned() };
     let mut layers = Vec::new();
     for part in &parts {
         let usual = style::mean(part.colour).dashed(part.dash);
         let pen = if sweeps > 1 { style::Stroke { width_pt: BROAD_PT, ..usual } } else { usual };
-        layers.push(line("fit", part, pen, format!("{fit}{}", part.name))?);
+        layers.push(line(|p| p.fit, part, pen, format!("{fit}{}", part.name)));
     }
     for part in parts.iter().filter(|_| sweeps > 1) {
         let thin = style::Stroke { width_pt: THIN_PT, ..style::single(style::INK) };
-        layers.push(line("mean", part, thin, "mean of the sweeps".to_owned())?);
+        // Without samples near by there is a gap.
+        let mean = |p: &CurvePoint| p.mean.unwrap_or(f64::NAN);
+        layers.push(line(mean, part, thin, "mean of the sweeps".to_owned()));
     }
-    if let Some(part) = parts.first().filter(|_| chosen != "line") {
+    if let Some(part) = parts.first().filter(|_| !is_line) {
         let dashed = style::Stroke { colour: style::INK, width_pt: 0.9, ..style::reference() };
-        layers.push(line("first_order", part, dashed, first_order)?);
+        layers.push(line(|p| p.first_order, part, dashed, first_order));
     }
-    Ok(layers)
+    layers
 }
 
 /// `, R² = 0.9894` of the line.
-fn r_squared(models: &Table) -> Result<String, TableError> {
-    let r2 = match row_of(models, "line")? {
-        Some(row) => models.floats("r2")?[row],
-        None => None,
-    };
-    Ok(r2.map(|r2| format!(", *R*^{{2}} = {r2:.4}")).unwrap_or_default())
+fn r_squared(models: &[FittedModel]) -> String {
+    let line = models.iter().find(|row| row.model == CurveModel::Line);
+    let r2 = line.and_then(|line| line.r2);
+    r2.map(|r2| format!(", *R*^{{2}} = {r2:.4}")).unwrap_or_default()
 }
 
 /// Where the chosen curve begins and ends to rise, where the data can tell.
-fn corners(table: &Table, chosen: &str, unit: &str) -> Result<Vec<Layer>, TableError> {
-    let corner = |p: &Parameter| {
-        let what = match p.symbol.as_str() {
-            "x0" => "begins at",
-            "x1" => "ends at",
+fn corners(found: Characterised, unit: &str) -> Vec<Layer> {
+    let chosen = found.chosen().map(|chosen| chosen.model);
+    let corner = |p: &FittedParameter| {
+        let what = match p.parameter {
+            CurveSymbol::X0 => "begins at",
+            CurveSymbol::X1 => "ends at",
             _ => return None,
         };
-        let way = if p.branch == "both" { String::new() } else { format!(" ({})", p.branch) };
+        let way = match p.branch {
+            CommandWay::Both => String::new(),
+            way => format!(" ({})", way.as_str()),
+        };
         Some(Layer::Reference(Reference {
             direction: Direction::Vertical,
             at: p.estimate,
@@ -303,7 +309,8 @@ fn corners(table: &Table, chosen: &str, unit: &str) -> Result<Vec<Layer>, TableE
             name: None,
         }))
     };
-    Ok(parameters(table, chosen)?.iter().filter(|p| p.note.is_empty()).filter_map(corner).collect())
+    let own = found.parameters.iter().filter(|p| Some(p.model) == chosen);
+    own.filter(|p| p.note.is_none()).filter_map(corner).collect()
 }
 
 #[cfg(test)]
@@ -311,7 +318,6 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
     use zwidth_study::Source;
-    use zwidth_tables::Column;
 
     /// `n` sweeps of `samples` up to 8 V, 2 N/V above 1 V.
     fn sweeps(n: u32, samples: u32, source: Source) -> Vec<Sweep> {
@@ -333,62 +339,90 @@ mod tests {
         (1..=n).map(sweep).collect()
     }
 
-    fn texts(name: &'static str, values: &[&str]) -> Column {
-        Column::text(name, "", values.iter().map(|v| Some((*v).to_owned())).collect::<Vec<_>>())
+    fn models() -> Vec<FittedModel> {
+        let model = |model, formula: &str, rms, r2, verdict| FittedModel {
+            model,
+            formula: formula.to_owned(),
+            rms: Some(rms),
+            left_out_rms: None,
+            rms_over_noise: None,
+            r2: Some(r2),
+            autocorrelation: None,
+            aicc: None,
+            verdict,
+            reason: String::new(),
+        };
+        let hinge = "y = a + b max(x - x0, 0), up and down apart";
+        vec![
+            model(CurveModel::Line, "y = a + b x", 1.0, 0.987_65, CandidateVerdict::Rejected),
+            model(CurveModel::HingeUpDown, hinge, 0.1, 0.999, CandidateVerdict::Chosen),
+        ]
     }
 
-    fn floats(name: &'static str, values: &[f64]) -> Column {
-        Column::float(name, "1", "", values.iter().copied().map(Some).collect::<Vec<_>>())
-    }
-
-    fn models() -> Table {
-        let columns = vec![
-            texts("model", &["line", "hinge_up_down"]),
-            texts("formula", &["y = a + b x", "y = a + b max(x - x0, 0), up and down apart"]),
-            texts("verdict", &["rejected: RMS 1 N", "chosen: RMS 0.1 N"]),
-            floats("rms", &[1.0, 0.1]),
-            floats("r2", &[0.987_65, 0.999]),
+    /// The last one with a note, if it is not empty.
+    fn parameters(note: &str) -> Vec<FittedParameter> {
+        use CommandWay::{Both, Down, Up};
+        use CurveModel::{HingeUpDown, Line};
+        use CurveSymbol::{A, B, X0};
+        let rows = [
+            (Line, A, Both, -1.0),
+            (Line, B, Both, 1.7),
+            (HingeUpDown, A, Up, 0.0),
+            (HingeUpDown, B, Up, 2.0),
+            (HingeUpDown, X0, Up, 1.0),
+            (HingeUpDown, A, Down, 0.0),
+            (HingeUpDown, B, Down, 2.0),
+            (HingeUpDown, X0, Down, 0.5),
         ];
-        Table::new("models", "Models", columns).unwrap()
+        let row = |(model, parameter, branch, estimate)| FittedParameter {
+            model,
+            parameter,
+            branch,
+            estimate,
+            std_error: None,
+            ci_low: None,
+            ci_high: None,
+            unit: "N".into(),
+            note: None,
+        };
+        let mut rows: Vec<FittedParameter> = rows.into_iter().map(row).collect();
+        if let Some(last) = rows.last_mut().filter(|_| !note.is_empty()) {
+            last.note = Some(note.to_owned());
+        }
+        rows
     }
 
-    fn parameters_of(note: &str) -> Table {
-        let (up, down) = (["a", "b", "x0"], ["a", "b", "x0"]);
-        let columns = vec![
-            texts("model", &[["line"; 2].as_slice(), &["hinge_up_down"; 6]].concat()),
-            texts("parameter", &[&["a", "b"][..], &up, &down].concat()),
-            texts("branch", &[["both"; 2].as_slice(), &["up"; 3], &["down"; 3]].concat()),
-            floats("estimate", &[-1.0, 1.7, 0.0, 2.0, 1.0, 0.0, 2.0, 0.5]),
-            floats("ci_low", &[-1.1, 1.6, 0.0, 1.9, 0.9, 0.0, 1.9, 0.4]),
-            floats("ci_high", &[-0.9, 1.8, 0.0, 2.1, 1.1, 0.0, 2.1, 0.6]),
-            texts("unit", &["N", "N/V", "N", "N/V", "V", "N", "N/V", "V"]),
-            texts("note", &["", "", "", "", "", "", "", note]),
-        ];
-        Table::new("parameters", "Parameters", columns).unwrap()
-    }
-
-    fn curve() -> Table {
-        let numbers =
-            ["command", "mean", "fit", "prediction_low", "prediction_high", "first_order"];
-        let mut columns = vec![texts("branch", &["up", "up", "down", "down"])];
-        columns.extend(numbers.map(|name| floats(name, &[0.0, 8.0, 0.0, 8.0])));
-        Table::new("curve", "Curve", columns).unwrap()
+    fn curve() -> Vec<CurvePoint> {
+        let mut points = Vec::new();
+        for branch in [CommandWay::Up, CommandWay::Down] {
+            points.extend([0.0, 8.0].map(|at| CurvePoint {
+                branch,
+                command: at,
+                mean: Some(at),
+                fit: at,
+                ci_low: at,
+                ci_high: at,
+                prediction_low: at,
+                prediction_high: at,
+                first_order: at,
+            }));
+        }
+        points
     }
 
     fn figure(sweeps: &[Sweep], note: &str) -> Figure {
-        let (models, parameters, curve) = (models(), parameters_of(note), curve());
-        let of =
+        let (models, parameters, curve) = (models(), parameters(note), curve());
+        let found =
             Characterised { models: &models, parameters: &parameters, curve: &curve, level: 0.95 };
-        characteristic("brake", sweeps, of).unwrap()
+        characteristic("brake", sweeps, found)
     }
 
     #[test]
     fn a_force_with_friction_in_it_says_why_the_calibration_gives_another() {
-        let note = why_not_calibrated(&curve(), "V", "N").unwrap().unwrap();
+        let note = why_not_calibrated(&curve(), "V", "N").unwrap();
         assert!(note.contains("8.00 N at 8.00 V") && note.contains("rendering"), "{note}");
-        let one_way = curve().rows(&[0, 1]);
-        assert_eq!(why_not_calibrated(&one_way, "V", "N").unwrap(), None);
-        assert_eq!(why_not_calibrated(&curve(), "V", "counts").unwrap(), None);
+        assert_eq!(why_not_calibrated(&curve()[..2], "V", "N"), None);
+        assert_eq!(why_not_calibrated(&curve(), "V", "counts"), None);
     }
 
     fn names(figure: &Figure) -> Vec<&str> {
@@ -425,7 +459,7 @@ mod tests {
         let part = |way: Option<Branch>| Part {
             name: String::new(),
             way,
-            rows: 0..2,
+            points: &[],
             colour: style::INK,
             dash: Dash::Solid,
         };
