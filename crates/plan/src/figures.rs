@@ -3,6 +3,7 @@
 use crate::characterise::{self, Characterisation};
 use crate::conditions::{Repeats, Session, sessions};
 use crate::drawing::{Drawing, Figured};
+use crate::handle::Derived;
 use crate::trials::{Known, MOST_DRAWN, Recordings, describe_trials, files, read_drawn};
 use crate::{
     average, compare, design, freemotion, ladder, likert_figures, replay_figures, scenes,
@@ -16,6 +17,7 @@ use zwidth_figures::{
     About, Averages, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, Found, LOOPS, Loaded,
     MODES, REPEATS, with_care, with_thinned,
 };
+use zwidth_results::FreePlane;
 use zwidth_runner::{Inputs, Job, JobError};
 use zwidth_store::{Asked, StoreError, StudyData, TrialEntry, check_trial};
 use zwidth_study::{Alignment, Environment, ModeId, OwnFigures};
@@ -391,7 +393,7 @@ fn characteristic(
     Ok((zwidth_figures::characteristic(actuator, &read, found), problems))
 }
 
-fn free_motion(about: &About, table: &PathBuf) -> Figured {
-    let fits = Table::from_parquet(table)?;
-    Ok((zwidth_figures::free_motion(about, &fits)?, Vec::new()))
+fn free_motion(about: &About, fits: &Derived<FreePlane>) -> Figured {
+    let (fits, notes) = fits.read_with_notes()?;
+    Ok((zwidth_figures::free_motion(about, &fits, &notes), Vec::new()))
 }

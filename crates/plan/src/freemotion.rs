@@ -1,25 +1,33 @@
 //! Stage `freemotion`: in a free environment, the plane fit of every trial that brings an
 //! acceleration, the plant of every other that has an angle.
 
-use crate::making::{derived, split, write_tables};
+use crate::handle::{Derived, Written};
+use crate::making::split;
 use crate::trials::{Found, OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_freemotion::{FreeMotionError, Parameters};
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_results::{FreePlane, FreePlant};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Signal, StoreError, StudyData, Trial, TrialEntry};
 use zwidth_study::Scene;
 
 const STAGE: Stage = Stage { name: "freemotion", version: zwidth_freemotion::VERSION };
 
 /// The plane fits of the study, if any trial has one.
-pub(crate) fn planes(data: &StudyData) -> Option<PathBuf> {
-    (!trials(data).1.is_empty()).then(|| derived(&data.layout, "free_motion.parquet"))
+pub(crate) fn planes(data: &StudyData) -> Option<Derived<FreePlane>> {
+    (!trials(data).1.is_empty()).then(|| Derived::within(&data.layout.derived()))
 }
 
 /// The plants of the study, if any trial has one.
-pub(crate) fn plants(data: &StudyData) -> Option<PathBuf> {
-    (!trials(data).0.is_empty()).then(|| derived(&data.layout, "plant.parquet"))
+fn plants(data: &StudyData) -> Option<Derived<FreePlant>> {
+    (!trials(data).0.is_empty()).then(|| Derived::within(&data.layout.derived()))
+}
+
+/// The tables of the stage.
+pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
+    let planes = planes(data).into_iter().flat_map(|table| table.files());
+    planes.chain(plants(data).into_iter().flat_map(|table| table.files())).collect()
 }
 
 /// Trials of free motion that count: those for a plant, and those for a plane fit.
@@ -41,11 +49,11 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let of = |trials: &[&TrialEntry]| OfTrials::new(Parameters::of(&data.study), trials);
     let plane = planes(data).map(|output| {
         let (of, files) = (of(&with_plane), files(&with_plane));
-        Job::new(STAGE, "plane fits of free motion", of, files, vec![output], make_planes)
+        Job::new(STAGE, "plane fits of free motion", of, files, output.files(), make_planes)
     });
     let plant = plants(data).map(|output| {
         let (of, files) = (of(&with_plant), files(&with_plant));
-        Job::new(STAGE, "plant in free motion", of, files, vec![output], make_plants)
+        Job::new(STAGE, "plant in free motion", of, files, output.files(), make_plants)
     });
     plane.into_iter().chain(plant).collect()
 }
@@ -56,7 +64,8 @@ fn make_planes(
     making: &Making,
 ) -> Result<Made, JobError> {
     let (fits, problems) = fit_all(of, files, zwidth_freemotion::plane_fit)?;
-    write_tables(&[zwidth_freemotion::table(&fits)?], making, problems)
+    let table = zwidth_freemotion::plane_table(&fits)?;
+    Ok(Made { problems, ..Written::begin(making, false).table(table)?.end()? })
 }
 
 fn make_plants(
@@ -65,7 +74,8 @@ fn make_plants(
     making: &Making,
 ) -> Result<Made, JobError> {
     let (fits, problems) = fit_all(of, files, zwidth_freemotion::plant_fit)?;
-    write_tables(&[zwidth_freemotion::plant_table(&fits)?], making, problems)
+    let table = zwidth_freemotion::plant_table(&fits)?;
+    Ok(Made { problems, ..Written::begin(making, false).table(table)?.end()? })
 }
 
 /// The fits of the trials that can be read and fitted, and what is wrong with the others.

@@ -109,9 +109,8 @@ pub(crate) fn job(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Jo
 /// What the summary depends on.
 pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> (Page, Files) {
     let compared = compare::compared(data);
-    let fits = freemotion::planes(data).into_iter().chain(freemotion::plants(data));
     let files = Files {
-        noted: average::at_onset(data).into_iter().chain(fits).collect(),
+        noted: average::at_onset(data).into_iter().chain(freemotion::tables(data)).collect(),
         of_trials: metrics::of_sessions(data),
         figures: figures.iter().map(Drawing::picture).collect(),
         tables: tables::files(data),

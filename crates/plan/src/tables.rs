@@ -45,8 +45,7 @@ fn of_trials(data: &StudyData) -> Vec<PathBuf> {
         let [trials, conditions] = metrics::study_files(&data.layout);
         tables.extend([conditions, trials]);
     }
-    tables.extend(freemotion::planes(data));
-    tables.extend(freemotion::plants(data));
+    tables.extend(freemotion::tables(data));
     tables.extend(ladder::of_study(data).files());
     tables.extend(replay::of_study(data).into_iter().flatten());
     tables.extend(identify::tables(data));

@@ -44,10 +44,20 @@
 //! | [`FittedModel`] | model, a table for each actuator | `characterise` | figures, calibration, printed tables |
 //! | [`FittedParameter`] | model, branch, parameter | `characterise` | figures, calibration, printed tables |
 //! | [`CurvePoint`] | branch, command | `characterise` | figures, calibration |
+//! | [`PlantEstimate`] | parameter | `identify` | replay, metrics, page, printed tables |
+//! | [`PlantCovariance`] | parameter, other | `identify` | metrics, printed tables |
+//! | [`PlantProfile`] | parameter, value | `identify` | printed tables |
+//! | [`ThresholdBracket`] | threshold | `identify` | printed tables |
+//! | [`HeldOutError`] | environment, mode | `identify` | printed tables |
+//! | [`PlantTrialError`] | participant, session, trial | `identify` | printed tables |
+//! | [`FreePlane`] | participant, session, trial | `freemotion` | figures, printed tables |
+//! | [`FreePlant`] | participant, session, trial | `freemotion` | printed tables |
 
 mod characteristic;
 mod column;
 mod comparison;
+mod free_motion;
+mod identification;
 mod ladder;
 mod note;
 mod row;
@@ -65,6 +75,11 @@ pub use comparison::{
     ModeDifference, Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority,
     PrintedDifference, RedrawnDifference, RepeatMean, Role, SessionChange, SessionPair, Size,
     UnitOfAnalysis, Verdict,
+};
+pub use free_motion::{FreePlane, FreePlant};
+pub use identification::{
+    FitPart, HeldOutError, Identifiability, OneOrAll, PlantCovariance, PlantEstimate,
+    PlantParameter, PlantProfile, PlantTrialError, Threshold, ThresholdBracket, UnitProduct,
 };
 pub use ladder::{
     BorneOut, HeldOutModel, LadderChoice, LadderCondition, LadderModel, LadderTerm, NoLadderText,

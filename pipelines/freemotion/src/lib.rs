@@ -26,7 +26,7 @@
 //! bandwidth, and intervals are t with 9 degrees of freedom ([`zwidth_stats::recording`]). They
 //! speak of one recording; sessions differ by more than that.
 //!
-//! Pure: samples in memory, table out; the same samples give the same bits. Only trials that count
+//! Pure: samples in memory, rows out; the same samples give the same bits. Only trials that count
 //! may come in (`StudyData::counting`): the caller filters.
 
 mod average;
@@ -38,7 +38,7 @@ mod table;
 
 pub use fit::{FreeMotionError, Parameters, PlaneFit, plane_fit};
 pub use plant::{PlantFit, plant_fit};
-pub use table::{plant_table, table};
+pub use table::{plane_table, plant_table};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 4;

@@ -1,109 +1,97 @@
-//! The fits as tables: SI units, one row per trial.
+//! The fits as rows: SI units, one per trial.
 
 use crate::{PlaneFit, PlantFit};
+use zwidth_results::{FreePlane, FreePlant};
 use zwidth_stats::interval::Estimate;
-use zwidth_tables::{Column, Table, TableError, identity};
+use zwidth_tables::{Table, TableError};
 
-/// What a coefficient is, the names of its four columns, its unit, and where it stands.
-type Coefficient<F> = (&'static str, [&'static str; 4], &'static str, fn(&F) -> Estimate);
-
-const OFFSET: [&str; 4] =
-    ["offset_nm", "offset_std_error_nm", "offset_ci_low_nm", "offset_ci_high_nm"];
-const INERTIA: [&str; 4] =
-    ["inertia_kg_m2", "inertia_std_error_kg_m2", "inertia_ci_low_kg_m2", "inertia_ci_high_kg_m2"];
-const DAMPING: [&str; 4] = [
-    "damping_nm_s_per_rad",
-    "damping_std_error_nm_s_per_rad",
-    "damping_ci_low_nm_s_per_rad",
-    "damping_ci_high_nm_s_per_rad",
-];
-const FRICTION: [&str; 4] =
-    ["friction_nm", "friction_std_error_nm", "friction_ci_low_nm", "friction_ci_high_nm"];
-const STIFFNESS: [&str; 4] = [
-    "stiffness_nm_per_rad",
-    "stiffness_std_error_nm_per_rad",
-    "stiffness_ci_low_nm_per_rad",
-    "stiffness_ci_high_nm_per_rad",
-];
-
-const PLANE: [Coefficient<PlaneFit>; 3] = [
-    ("offset c", OFFSET, "N·m", |f| f.offset_nm),
-    ("inertia I", INERTIA, "kg·m²", |f| f.inertia_kg_m2),
-    ("damping b", DAMPING, "N·m·s/rad", |f| f.damping_nm_s_per_rad),
-];
-
-const PLANT: [Coefficient<PlantFit>; 5] = [
-    ("offset c", OFFSET, "N·m", |f| f.offset_nm),
-    ("inertia I", INERTIA, "kg·m²", |f| f.inertia_kg_m2),
-    ("damping b", DAMPING, "N·m·s/rad", |f| f.damping_nm_s_per_rad),
-    ("dry friction", FRICTION, "N·m", |f| f.friction_nm),
-    ("stiffness", STIFFNESS, "N·m/rad", |f| f.stiffness_nm_per_rad),
-];
-
-/// What a column of a coefficient holds: in words, and from where.
-type Part = (&'static str, fn(Estimate) -> f64);
-
-const PARTS: [Part; 4] = [
-    ("estimate", |e| e.estimate),
-    ("standard error (Newey-West, a tenth of the recording)", |e| e.std_error),
-    ("lower end of the interval within this recording", |e| e.ci_low),
-    ("upper end of the interval within this recording", |e| e.ci_high),
-];
-
-/// One row per trial, in the order given: which trial it is; c, I and b of τ = c + I θ̈ + b θ̇,
-/// each with standard error and interval; how well the plane fits.
+/// The table of the plane fits, with what to doubt of them below.
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn table(fits: &[PlaneFit]) -> Result<Table, TableError> {
-    let mut columns = identity(&fits.iter().map(|f| &f.meta).collect::<Vec<_>>());
-    columns.extend(coefficients(&PLANE, fits));
-    columns.extend([
-        r2("R² of the plane", fits.iter().map(|f| f.r2)),
-        rms(fits.iter().map(|f| f.rms_nm)),
-        count("samples", "samples of the fit", fits.iter().map(|f| f.samples)),
-        count("lags", "lags of the covariance, samples", fits.iter().map(|f| f.lags)),
-        bandwidth(fits.iter().map(|f| f.bandwidth_s)),
-    ]);
-    let title = "Plane fits of free motion: torque = c + I·acceleration + b·velocity";
-    Ok(doubts(fits).into_iter().fold(Table::new("free_motion", title, columns)?, Table::with_note))
+pub fn plane_table(fits: &[PlaneFit]) -> Result<Table, TableError> {
+    let rows: Vec<FreePlane> = fits.iter().map(FreePlane::from).collect();
+    Ok(doubts(fits).into_iter().fold(Table::of_rows(&rows)?, Table::with_note))
 }
 
-/// One row per trial, in the order given: which trial it is; c, I, b, τ_c and κ of
-/// τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ, each with standard error and interval; how well they
-/// fit. A note names what the recording does not show.
+/// The table of the plants. A note names what the recordings do not show.
 ///
 /// # Errors
 /// A number that is not finite.
 pub fn plant_table(fits: &[PlantFit]) -> Result<Table, TableError> {
-    let mut columns = identity(&fits.iter().map(|f| &f.meta).collect::<Vec<_>>());
-    columns.extend(coefficients(&PLANT, fits));
-    columns.extend([
-        r2("R² of the fit", fits.iter().map(|f| f.r2)),
-        rms(fits.iter().map(|f| f.rms_nm)),
-        count("samples", "slipping stretches of the fit", fits.iter().map(|f| f.samples)),
-        count("lags", "lags of the covariance, stretches", fits.iter().map(|f| f.lags)),
-        bandwidth(fits.iter().map(|f| f.bandwidth_s)),
-    ]);
-    let title = "The plant in free motion: torque = c + I·acceleration + b·velocity + friction·direction + stiffness·angle";
-    Ok(unseen(fits)
-        .into_iter()
-        .chain(impossible(fits))
-        .fold(Table::new("plant", title, columns)?, Table::with_note))
+    let rows: Vec<FreePlant> = fits.iter().map(FreePlant::from).collect();
+    let notes = unseen(fits).into_iter().chain(impossible(fits));
+    Ok(notes.fold(Table::of_rows(&rows)?, Table::with_note))
 }
 
-fn coefficients<'a, F>(
-    of: &'a [Coefficient<F>],
-    fits: &'a [F],
-) -> impl Iterator<Item = Column> + 'a {
-    of.iter().flat_map(move |(what, names, unit, get)| {
-        names.iter().zip(PARTS).map(move |(name, (meaning, part))| {
-            let mut column =
-                Column::float(name, unit, meaning, fits.iter().map(|f| Some(part(get(f)))));
-            column.field.description = format!("{what}: {meaning}").into();
-            column
-        })
-    })
+impl From<&PlaneFit> for FreePlane {
+    fn from(fit: &PlaneFit) -> Self {
+        Self {
+            participant: fit.meta.participant.clone(),
+            session: fit.meta.session.clone(),
+            trial: fit.meta.trial,
+            repeat: fit.meta.repeat,
+            environment: fit.meta.environment.clone(),
+            mode: fit.meta.mode.clone(),
+            source: fit.meta.source,
+            offset_nm: fit.offset_nm.estimate,
+            offset_std_error_nm: fit.offset_nm.std_error,
+            offset_ci_low_nm: fit.offset_nm.ci_low,
+            offset_ci_high_nm: fit.offset_nm.ci_high,
+            inertia_kg_m2: fit.inertia_kg_m2.estimate,
+            inertia_std_error_kg_m2: fit.inertia_kg_m2.std_error,
+            inertia_ci_low_kg_m2: fit.inertia_kg_m2.ci_low,
+            inertia_ci_high_kg_m2: fit.inertia_kg_m2.ci_high,
+            damping_nm_s_per_rad: fit.damping_nm_s_per_rad.estimate,
+            damping_std_error_nm_s_per_rad: fit.damping_nm_s_per_rad.std_error,
+            damping_ci_low_nm_s_per_rad: fit.damping_nm_s_per_rad.ci_low,
+            damping_ci_high_nm_s_per_rad: fit.damping_nm_s_per_rad.ci_high,
+            r2: fit.r2,
+            rms_nm: fit.rms_nm,
+            samples: fit.samples,
+            lags: fit.lags,
+            bandwidth_s: fit.bandwidth_s,
+        }
+    }
+}
+
+impl From<&PlantFit> for FreePlant {
+    fn from(fit: &PlantFit) -> Self {
+        Self {
+            participant: fit.meta.participant.clone(),
+            session: fit.meta.session.clone(),
+            trial: fit.meta.trial,
+            repeat: fit.meta.repeat,
+            environment: fit.meta.environment.clone(),
+            mode: fit.meta.mode.clone(),
+            source: fit.meta.source,
+            offset_nm: fit.offset_nm.estimate,
+            offset_std_error_nm: fit.offset_nm.std_error,
+            offset_ci_low_nm: fit.offset_nm.ci_low,
+            offset_ci_high_nm: fit.offset_nm.ci_high,
+            inertia_kg_m2: fit.inertia_kg_m2.estimate,
+            inertia_std_error_kg_m2: fit.inertia_kg_m2.std_error,
+            inertia_ci_low_kg_m2: fit.inertia_kg_m2.ci_low,
+            inertia_ci_high_kg_m2: fit.inertia_kg_m2.ci_high,
+            damping_nm_s_per_rad: fit.damping_nm_s_per_rad.estimate,
+            damping_std_error_nm_s_per_rad: fit.damping_nm_s_per_rad.std_error,
+            damping_ci_low_nm_s_per_rad: fit.damping_nm_s_per_rad.ci_low,
+            damping_ci_high_nm_s_per_rad: fit.damping_nm_s_per_rad.ci_high,
+            friction_nm: fit.friction_nm.estimate,
+            friction_std_error_nm: fit.friction_nm.std_error,
+            friction_ci_low_nm: fit.friction_nm.ci_low,
+            friction_ci_high_nm: fit.friction_nm.ci_high,
+            stiffness_nm_per_rad: fit.stiffness_nm_per_rad.estimate,
+            stiffness_std_error_nm_per_rad: fit.stiffness_nm_per_rad.std_error,
+            stiffness_ci_low_nm_per_rad: fit.stiffness_nm_per_rad.ci_low,
+            stiffness_ci_high_nm_per_rad: fit.stiffness_nm_per_rad.ci_high,
+            r2: fit.r2,
+            rms_nm: fit.rms_nm,
+            samples: fit.samples,
+            lags: fit.lags,
+            bandwidth_s: fit.bandwidth_s,
+        }
+    }
 }
 
 /// A fit that explains less of the torque than this share does not count as a fit.
@@ -158,40 +146,32 @@ fn impossible(fits: &[PlantFit]) -> Vec<String> {
     found.into_iter().flatten().collect()
 }
 
+/// One coefficient of a plant.
+type Coefficient = fn(&PlantFit) -> Estimate;
+
 /// The coefficients whose interval holds 0: the movements do not show them.
 fn unseen(fits: &[PlantFit]) -> Vec<String> {
-    let note = |(what, _, _, get): &Coefficient<PlantFit>| {
+    let coefficients: [(&str, Coefficient); 5] = [
+        ("offset c", |f| f.offset_nm),
+        ("inertia I", |f| f.inertia_kg_m2),
+        ("damping b", |f| f.damping_nm_s_per_rad),
+        ("dry friction", |f| f.friction_nm),
+        ("stiffness", |f| f.stiffness_nm_per_rad),
+    ];
+    let mut notes = Vec::new();
+    for (what, get) in coefficients {
         let around_zero = |f: &&PlantFit| get(f).ci_low <= 0.0 && get(f).ci_high >= 0.0;
         let count = fits.iter().filter(around_zero).count();
-        let of = if fits.len() == 1 {
-            String::new()
-        } else {
-            format!(" in {count} of {} recordings", fits.len())
+        let among = match fits.len() {
+            1 => String::new(),
+            all => format!(" in {count} of {all} recordings"),
         };
         let says = "its interval holds 0, so these movements bound it and do not show it";
-        (count > 0).then(|| format!("The {what} is not identified{of}: {says}."))
-    };
-    PLANT.iter().filter_map(note).collect()
-}
-
-fn r2(description: &'static str, values: impl Iterator<Item = Option<f64>>) -> Column {
-    Column::float("r2", "1", description, values)
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> Column {
-    Column::float("rms_nm", "N·m", "RMS of the residuals", values.map(Some))
-}
-
-fn count(
-    name: &'static str,
-    description: &'static str,
-    values: impl Iterator<Item = usize>,
-) -> Column {
-    Column::integer(name, "1", description, values.map(|n| Some(n as i64)))
-}
-
-fn bandwidth(values: impl Iterator<Item = f64>) -> Column {
-    Column::float("bandwidth_s", "s", "the lags in time", values.map(Some))
+        if count > 0 {
+            notes.push(format!("The {what} is not identified{among}: {says}."));
+        }
+    }
+    notes
 }
 
 #[cfg(test)]
@@ -212,13 +192,21 @@ mod tests {
             (Signal::ThetaDot, series(5)),
             (Signal::TorqueEx, series(7)),
         ];
-        let table = table(&[plane_fit(&trial(columns), &parameters()).unwrap()]).unwrap();
+        let fit = plane_fit(&trial(columns), &parameters()).unwrap();
+        let table = plane_table(std::slice::from_ref(&fit)).unwrap();
+        let rows: Vec<FreePlane> = table.to_rows().unwrap();
+        assert_eq!(rows, [FreePlane::from(&fit)]);
+        let FreePlane { inertia_kg_m2, inertia_ci_low_kg_m2, inertia_ci_high_kg_m2, .. } = rows[0];
+        assert!(inertia_ci_low_kg_m2 < inertia_kg_m2 && inertia_kg_m2 < inertia_ci_high_kg_m2);
+        // Each column of a coefficient is from where its name says.
         let value = |name: &str| table.floats(name).unwrap()[0].unwrap();
-        for (_, names, _, _) in PLANE {
-            let [estimate, std_error, low, high] = names.map(value);
-            assert!(std_error > 0.0 && low < estimate && estimate < high, "{names:?}");
+        for (what, unit) in [("offset", "nm"), ("inertia", "kg_m2"), ("damping", "nm_s_per_rad")] {
+            let [estimate, std_error, low, high] = ["", "_std_error", "_ci_low", "_ci_high"]
+                .map(|part| value(&format!("{what}{part}_{unit}")));
+            assert!(std_error > 0.0 && low < estimate && estimate < high, "{what}");
         }
     }
+
     #[test]
     fn a_coefficient_whose_interval_holds_zero_is_said_to_be_unseen() {
         let of = |estimate: f64| Estimate {
@@ -245,7 +233,9 @@ mod tests {
             lags: 1,
             bandwidth_s: 0.1,
         };
-        let notes = plant_table(&[fit]).unwrap().notes().to_vec();
+        let table = plant_table(std::slice::from_ref(&fit)).unwrap();
+        assert_eq!(table.to_rows::<FreePlant>().unwrap(), [FreePlant::from(&fit)]);
+        let notes = table.notes().to_vec();
         assert_eq!(notes.len(), 1);
         assert!(
             notes[0].starts_with("The inertia I is not identified: its interval"),

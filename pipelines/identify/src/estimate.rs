@@ -4,8 +4,9 @@ use crate::IdentifyError;
 use crate::fit::{Block, Problem, sum};
 use crate::profile::{Curve, Point};
 use crate::slopes::Parameter;
-use crate::verdict::{Identifiability, inflation, verdict};
+use crate::verdict::{inflation, verdict};
 use zwidth_numerics::nonlinear::Minimum;
+use zwidth_results::Identifiability;
 use zwidth_stats::student_t::critical_value;
 
 /// A fitted parameter; unit as the parameter.
@@ -214,6 +215,7 @@ mod tests {
     use super::*;
     use crate::testing::each;
     use crate::{Recording, Task, identify};
+    use zwidth_results::PlantParameter;
 
     /// Five trials of a line through two columns made of whole numbers, every other repeat held
     /// out.
@@ -236,7 +238,8 @@ mod tests {
             metas.iter().zip(&y).map(|(meta, observed)| Recording { meta, observed }).collect();
         let parameter =
             |name, lower| Parameter { name, unit: "1", by_eye: 0.5, lower, upper: 10.0 };
-        let parameters = [parameter("x", -10.0), parameter("z", lower)];
+        let parameters =
+            [parameter(PlantParameter::Mass, -10.0), parameter(PlantParameter::Damping, lower)];
         let task = Task { parameters: &parameters, starts: &[], level: 0.95 };
         let explain = |i: usize, p: &[f64; 2]| {
             Some(rows[i].iter().map(|r| p[0] * r[0] + p[1] * r[1]).collect())

@@ -5,6 +5,7 @@ use crate::estimate::{Estimate, covariance, estimates, free, stepped};
 use crate::fit::{Block, Problem, sum};
 use crate::slopes::Parameter;
 use rayon::prelude::*;
+use zwidth_results::{FitPart, PlantTrialError};
 use zwidth_study::TrialMeta;
 
 /// A trial of which something is to be explained.
@@ -27,37 +28,13 @@ pub struct Task<'a, const P: usize> {
     pub level: f64,
 }
 
-/// What a trial was used for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
-    /// It was fitted.
-    Fitted,
-    /// It was only judged.
-    HeldOut,
-}
-
-/// Errors of the model's θ on one trial.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrialErrors {
-    /// Which trial.
-    pub meta: TrialMeta,
-    /// What it was used for.
-    pub part: Part,
-    /// Root mean square error by eye, rad; `None` where the model does not run.
-    pub rmse_by_eye_rad: Option<f64>,
-    /// That of the fit.
-    pub rmse_fitted_rad: Option<f64>,
-    /// That with the parameters that the other fitted trials give; `None` for trials held out.
-    pub rmse_left_out_rad: Option<f64>,
-}
-
 /// Fitted parameters, and how good they are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
     /// The parameters, in their order.
     pub estimates: Vec<Estimate>,
     /// Errors, in the order of the recordings.
-    pub trials: Vec<TrialErrors>,
+    pub trials: Vec<PlantTrialError>,
     /// Covariance of the parameters by leaving out each trial in turn, a row each, in the product
     /// of their units; 0 for one on its bound. `None` where the trials do not determine them, or
     /// not without one of them.
@@ -81,7 +58,7 @@ pub fn identify<const P: usize>(
     judge: impl Fn(usize, &[f64; P]) -> Option<f64> + Sync,
 ) -> Result<Identified, IdentifyError> {
     let parts = parts(recordings);
-    let fitted: Vec<usize> = (0..parts.len()).filter(|i| parts[*i] == Part::Fitted).collect();
+    let fitted: Vec<usize> = (0..parts.len()).filter(|i| parts[*i] == FitPart::Fitted).collect();
     if fitted.len() < 2 {
         return Err(IdentifyError::TooFew { trials: fitted.len() });
     }
@@ -97,8 +74,15 @@ pub fn identify<const P: usize>(
     let one = |(i, recording): (usize, &Recording)| {
         let error = |p: &[f64; P]| judge(i, p).filter(|error| error.is_finite());
         let place = fitted.binary_search(&i).ok();
-        TrialErrors {
-            meta: recording.meta.clone(),
+        let meta = recording.meta;
+        PlantTrialError {
+            participant: meta.participant.clone(),
+            session: meta.session.clone(),
+            trial: meta.trial,
+            repeat: meta.repeat,
+            environment: meta.environment.clone(),
+            mode: meta.mode.clone(),
+            source: meta.source,
             part: parts[i],
             rmse_by_eye_rad: error(&by_eye),
             rmse_fitted_rad: error(&minimum.parameters),
@@ -115,13 +99,13 @@ pub fn identify<const P: usize>(
 }
 
 /// Every other repeat of a condition is held out, by participant and session.
-fn parts(recordings: &[Recording]) -> Vec<Part> {
+fn parts(recordings: &[Recording]) -> Vec<FitPart> {
     let same = |a: &TrialMeta, b: &TrialMeta| {
         a.participant == b.participant && a.session == b.session && a.condition() == b.condition()
     };
     let part = |i: usize| {
         let before = recordings[..i].iter().filter(|r| same(r.meta, recordings[i].meta)).count();
-        if before.is_multiple_of(2) { Part::Fitted } else { Part::HeldOut }
+        if before.is_multiple_of(2) { FitPart::Fitted } else { FitPart::HeldOut }
     };
     (0..recordings.len()).map(part).collect()
 }
@@ -143,8 +127,8 @@ fn without_each<const P: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Identifiability;
     use crate::testing::{PARAMETERS, STARTS, TRUE, each, metas, pushed};
+    use zwidth_results::Identifiability;
 
     fn recordings<'a>(metas: &'a [TrialMeta], observed: &'a [Vec<f64>]) -> Vec<Recording<'a>> {
         metas.iter().zip(observed).map(|(meta, observed)| Recording { meta, observed }).collect()
@@ -180,7 +164,7 @@ mod tests {
                 assert!(covariance[j][k].abs() <= most * (1.0 + 1e-12), "{covariance:?}");
             }
         }
-        let held: Vec<_> = found.trials.iter().filter(|t| t.part == Part::HeldOut).collect();
+        let held: Vec<_> = found.trials.iter().filter(|t| t.part == FitPart::HeldOut).collect();
         assert_eq!(held.len(), 4);
         for trial in held {
             let errors = (trial.rmse_fitted_rad.unwrap(), trial.rmse_by_eye_rad.unwrap());

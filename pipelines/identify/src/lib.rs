@@ -14,10 +14,10 @@
 //!   t has Satterthwaite's degrees of freedom, because a parameter may show in few of the trials.
 //! * **Left out**: a trial's error with the parameters that the other fitted trials give, by one
 //!   Gauss–Newton step.
-//! * **Identifiability**: see [`Identifiability`].
+//! * **Identifiability**: see [`Identifiability`](zwidth_results::Identifiability).
 //! * **Threshold**: see [`Bracket`].
 //!
-//! Pure: recordings in memory, tables out; the same bits with any number of threads.
+//! Pure: recordings in memory, rows out; the same bits with any number of threads.
 
 mod bracket;
 mod error;
@@ -34,11 +34,10 @@ mod verdict;
 pub use bracket::{Bracket, Switching};
 pub use error::IdentifyError;
 pub use estimate::Estimate;
-pub use identify::{Identified, Part, Recording, Task, TrialErrors, identify};
+pub use identify::{Identified, Recording, Task, identify};
 pub use profile::Point;
 pub use slopes::Parameter;
-pub use table::{against_eye, covariances, estimates, nothing_fitted, profiles, threshold, trials};
-pub use verdict::Identifiability;
+pub use table::{covariances, estimates_table, held_out, nothing_fitted, profiles, threshold};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 10;

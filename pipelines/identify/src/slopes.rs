@@ -1,11 +1,14 @@
 //! Errors of a trial and their slopes by the parameters, from runs of the model.
-use serde::Serialize;
+
+use serde::{Serialize, Serializer};
+use zwidth_results::PlantParameter;
 
 /// A parameter of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Parameter {
-    /// Its name in tables.
-    pub name: &'static str,
+    /// Which one it is.
+    #[serde(serialize_with = "word")]
+    pub name: PlantParameter,
     /// Its unit.
     pub unit: &'static str,
     /// What was chosen by eye.
@@ -14,6 +17,11 @@ pub struct Parameter {
     pub lower: f64,
     /// Largest value allowed.
     pub upper: f64,
+}
+
+/// A parameter as tables name it.
+fn word<S: Serializer>(name: &PlantParameter, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(name.as_str())
 }
 
 /// Share of a parameter's size by which it is changed to see a slope: its square is lost to
@@ -75,7 +83,7 @@ mod tests {
     const X: [f64; 3] = [0.0, 1.0, 2.0];
 
     fn parameter(lower: f64) -> Parameter {
-        Parameter { name: "a", unit: "1", by_eye: 1.0, lower, upper: 10.0 }
+        Parameter { name: PlantParameter::Mass, unit: "1", by_eye: 1.0, lower, upper: 10.0 }
     }
 
     #[test]

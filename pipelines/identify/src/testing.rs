@@ -5,17 +5,18 @@ use zwidth_dynamics::{
     DriveMode, Environment, Exact, Friction, Grid, Input, ModelScene, Plant, Series, Solver, Start,
     System, table3,
 };
+use zwidth_results::PlantParameter;
 use zwidth_study::TrialMeta;
 
-const fn parameter(name: &'static str, unit: &'static str, by_eye: f64, upper: f64) -> Parameter {
+const fn parameter(name: PlantParameter, unit: &'static str, by_eye: f64, upper: f64) -> Parameter {
     Parameter { name, unit, by_eye, lower: 0.0, upper }
 }
 
 /// Mass, damping, dry friction.
 pub(crate) const PARAMETERS: [Parameter; 3] = [
-    Parameter { lower: 1e-4, ..parameter("mass", "kg", 0.1, 10.0) },
-    parameter("damping", "N·s/rad", 1.0, 100.0),
-    parameter("friction", "N", 0.0, 5.0),
+    Parameter { lower: 1e-4, ..parameter(PlantParameter::Mass, "kg", 0.1, 10.0) },
+    parameter(PlantParameter::Damping, "N·s/rad", 1.0, 100.0),
+    parameter(PlantParameter::Friction, "N", 0.0, 5.0),
 ];
 pub(crate) const STARTS: [[f64; 3]; 1] = [[0.1, 0.2, 0.05]];
 /// What the trials are simulated with.

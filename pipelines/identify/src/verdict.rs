@@ -3,42 +3,10 @@
 use crate::Estimate;
 use crate::estimate::{inverse, on_bound};
 use crate::fit::Block;
+use zwidth_results::Identifiability;
 
 /// Above this variance inflation the other parameters explain 99 % of what a parameter does.
 const MOST_INFLATION: f64 = 100.0;
-
-/// Whether the trials say what a parameter is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Identifiability {
-    /// They do: no reason below applies.
-    Identifiable,
-    /// The recordings do not depend on it.
-    Insensitive,
-    /// The best value is a bound: a better one may lie beyond.
-    OnBound,
-    /// Other parameters can stand in for it: its variance inflation is above 100.
-    Confounded,
-    /// Its profile stays within the level up to a bound: on that side nothing is known of it (Raue
-    /// et al. 2009, Bioinformatics 25:1923).
-    Flat,
-    /// Its interval is wider than twice its value, or there is none because too few trials tell of
-    /// it.
-    Uncertain,
-}
-
-impl Identifiability {
-    /// The word in the table.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Identifiable => "identifiable",
-            Self::Insensitive => "insensitive",
-            Self::OnBound => "on_bound",
-            Self::Confounded => "confounded",
-            Self::Flat => "flat",
-            Self::Uncertain => "uncertain",
-        }
-    }
-}
 
 /// The verdict of an estimate; `curvature` is its entry in JᵀJ.
 pub(crate) fn verdict(estimate: &Estimate, curvature: f64) -> Identifiability {
@@ -73,10 +41,17 @@ pub(crate) fn inflation<const P: usize>(all: &Block<P>, free: &[bool; P]) -> [Op
 mod tests {
     use super::*;
     use crate::Parameter;
+    use zwidth_results::PlantParameter;
 
     fn check(change: impl Fn(&mut Estimate), expect: Identifiability) {
         let mut estimate = Estimate {
-            parameter: Parameter { name: "mass", unit: "kg", by_eye: 1.0, lower: 0.0, upper: 10.0 },
+            parameter: Parameter {
+                name: PlantParameter::Mass,
+                unit: "kg",
+                by_eye: 1.0,
+                lower: 0.0,
+                upper: 10.0,
+            },
             fitted: 2.0,
             std_error: Some(0.1),
             df: Some(5.0),

@@ -3,16 +3,21 @@
 //! meet, because they do not know each other.
 
 use crate::conditions::spread;
-use crate::making::{derived, split, write_tables};
+use crate::handle::{Derived, Written};
+use crate::making::split;
 use crate::replayable::{rendering, replayable};
 use crate::trials::{OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zwidth_identify::{Bracket, IdentifyError, Parameter, Recording, Switching, Task};
 use zwidth_metrics::Plant;
 use zwidth_replay::{Balance, Drive, Judged, Parameters, Rendering, ReplayError};
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_results::{
+    HeldOutError, PlantCovariance, PlantEstimate, PlantParameter, PlantProfile, PlantTrialError,
+    ThresholdBracket,
+};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StoreError, StudyData, Trial, TrialEntry};
 use zwidth_study::TrialMeta;
 use zwidth_tables::{Table, TableError};
@@ -25,16 +30,21 @@ const P: usize = 6;
 /// The parameters, in the order in which a fit has them. Bounds: what a lever moved by a finger can
 /// have at all.
 const PLANT: [Parameter; P] = [
-    parameter("mass", "kg", Parameters::BY_EYE.mass_kg, [1e-3, 2.0]),
-    parameter("damping", "N·s/rad", Parameters::BY_EYE.damping_ns_per_rad, [0.0, 10.0]),
-    parameter("friction", "N", Parameters::BY_EYE.friction_n, [0.0, 2.0]),
-    parameter("motor_lag", "s", Parameters::BY_EYE.motor_lag_s, [0.0, 0.05]),
-    parameter("brake_on", "s", Parameters::BY_EYE.brake_on_s, [0.0, 0.2]),
-    parameter("brake_off", "s", Parameters::BY_EYE.brake_off_s, [0.0, 0.2]),
+    parameter(PlantParameter::Mass, "kg", Parameters::BY_EYE.mass_kg, [1e-3, 2.0]),
+    parameter(
+        PlantParameter::Damping,
+        "N·s/rad",
+        Parameters::BY_EYE.damping_ns_per_rad,
+        [0.0, 10.0],
+    ),
+    parameter(PlantParameter::Friction, "N", Parameters::BY_EYE.friction_n, [0.0, 2.0]),
+    parameter(PlantParameter::MotorLag, "s", Parameters::BY_EYE.motor_lag_s, [0.0, 0.05]),
+    parameter(PlantParameter::BrakeOn, "s", Parameters::BY_EYE.brake_on_s, [0.0, 0.2]),
+    parameter(PlantParameter::BrakeOff, "s", Parameters::BY_EYE.brake_off_s, [0.0, 0.2]),
 ];
 
 const fn parameter(
-    name: &'static str,
+    name: PlantParameter,
     unit: &'static str,
     by_eye: f64,
     [lower, upper]: [f64; 2],
@@ -46,33 +56,65 @@ const fn parameter(
 const STARTS: [[f64; P]; 2] =
     [[0.05, 0.1, 0.1, 1e-4, 0.01, 0.01], [0.3, 0.3, 0.2, 1e-3, 0.05, 0.05]];
 
-const NAMES: [&str; 6] = [
-    "identify",
-    "identify.profile",
-    "identify.threshold",
-    "identify.held_out",
-    "identify.trials",
-    "identify.covariance",
-];
+/// What the stage finds: the parameters, their profiles, the threshold's bracket, by eye against
+/// fitted on trials held out, the errors trial by trial, and the parameters' covariance.
+struct Identification {
+    estimates: Derived<PlantEstimate>,
+    profiles: Derived<PlantProfile>,
+    threshold: Derived<ThresholdBracket>,
+    held_out: Derived<HeldOutError>,
+    trials: Derived<PlantTrialError>,
+    covariances: Derived<PlantCovariance>,
+}
 
-/// The parameters, their profiles, the threshold's bracket, by eye against fitted on trials held
-/// out, the errors trial by trial, and the parameters' covariance; empty where no trial can be
-/// replayed.
+impl Identification {
+    fn of(layout: &Layout) -> Self {
+        let folder = layout.derived();
+        Self {
+            estimates: Derived::within(&folder),
+            profiles: Derived::within(&folder),
+            threshold: Derived::within(&folder),
+            held_out: Derived::within(&folder),
+            trials: Derived::within(&folder),
+            covariances: Derived::within(&folder),
+        }
+    }
+}
+
+impl Inputs for Identification {
+    fn files(&self) -> Vec<PathBuf> {
+        let Self { estimates, profiles, threshold, held_out, trials, covariances } = self;
+        [
+            estimates.path(),
+            profiles.path(),
+            threshold.path(),
+            held_out.path(),
+            trials.path(),
+            covariances.path(),
+        ]
+        .map(Path::to_owned)
+        .to_vec()
+    }
+}
+
+/// The tables of the stage; empty where no trial can be replayed.
 pub(crate) fn tables(data: &StudyData) -> Vec<PathBuf> {
-    let is_any = replayable(data).next().is_some();
-    let names = NAMES.iter().filter(|_| is_any);
-    names.map(|name| derived(&data.layout, format!("{name}.parquet"))).collect()
+    match replayable(data).next() {
+        Some(_) => Identification::of(&data.layout).files(),
+        None => Vec::new(),
+    }
 }
 
 /// The parameters.
 pub(crate) fn plant_of(layout: &Layout) -> PathBuf {
-    derived(layout, format!("{}.parquet", NAMES[0]))
+    Identification::of(layout).estimates.path().to_owned()
 }
 
 /// The parameters and their covariance, where a trial can be replayed.
 pub(crate) fn known_plant(data: &StudyData) -> Option<[PathBuf; 2]> {
-    let file = |name: &str| derived(&data.layout, format!("{name}.parquet"));
-    replayable(data).next().map(|_| [file(NAMES[0]), file(NAMES[5])])
+    let found = Identification::of(&data.layout);
+    let files = [found.estimates.path(), found.covariances.path()].map(Path::to_owned);
+    replayable(data).next().map(|_| files)
 }
 
 /// Mass, damping and friction of both tables, as metrics take them; `None` where nothing was fitted
@@ -82,23 +124,19 @@ pub(crate) fn plant_with_spread(
     covariances: &Table,
 ) -> Result<Option<Plant>, TableError> {
     let Some(fitted) = fitted(estimates)? else { return Ok(None) };
-    let names = [0, 1, 2].map(|j| PLANT[j].name);
-    let (parameters, df) = (estimates.texts("parameter")?, estimates.floats("df")?);
-    let is = |text: &Option<String>, name: &str| text.as_deref() == Some(name);
-    let told = parameters.iter().zip(df).filter(|(p, _)| names.iter().any(|n| is(p, n)));
-    let Some(df) = told.filter_map(|(_, df)| df).reduce(f64::min) else { return Ok(None) };
-    let (of, other) = (covariances.texts("parameter")?, covariances.texts("other")?);
-    let values = covariances.floats("covariance")?;
-    let pair = |j: usize, k: usize| {
-        let [a, b] = [j.min(k), j.max(k)].map(|i| names[i]);
-        let row = (0..values.len()).find(|row| is(&of[*row], a) && is(&other[*row], b))?;
-        values[row]
-    };
+    let names = [PlantParameter::Mass, PlantParameter::Damping, PlantParameter::Friction];
+    let estimates: Vec<PlantEstimate> = estimates.to_rows()?;
+    let own = estimates.iter().filter(|row| names.contains(&row.parameter));
+    let Some(df) = own.filter_map(|row| row.df).reduce(f64::min) else { return Ok(None) };
+    let pairs: Vec<PlantCovariance> = covariances.to_rows()?;
     let mut covariance = [[0.0; 3]; 3];
     for (j, row) in covariance.iter_mut().enumerate() {
         for (k, value) in row.iter_mut().enumerate() {
-            let Some(found) = pair(j, k) else { return Ok(None) };
-            *value = found;
+            // Each pair stands once, in the order of the names.
+            let pair = (names[j.min(k)], names[j.max(k)]);
+            let found = pairs.iter().find(|row| (row.parameter, row.other) == pair);
+            let Some(found) = found else { return Ok(None) };
+            *value = found.covariance;
         }
     }
     let Parameters { mass_kg, damping_ns_per_rad, friction_n, .. } = fitted;
@@ -107,7 +145,8 @@ pub(crate) fn plant_with_spread(
 
 /// The plant of a table of parameters; `None` where nothing was fitted.
 pub(crate) fn fitted(table: &Table) -> Result<Option<Parameters>, TableError> {
-    let values: Vec<f64> = table.floats("fitted")?.into_iter().flatten().collect();
+    let rows: Vec<PlantEstimate> = table.to_rows()?;
+    let values: Vec<f64> = rows.iter().map(|row| row.fitted).collect();
     Ok(<[f64; P]>::try_from(values).ok().map(|values| plant(&values)))
 }
 
@@ -188,17 +227,26 @@ fn make(of: &OfTrials<Fit>, files: &Recordings, making: &Making) -> Result<Made,
     let (fitted, more) = split(fitted);
     problems.extend(more);
     let fitted: Vec<Fitted> = fitted.into_iter().flatten().collect();
-    let mut tables = tables_of(&fitted, fit)?;
-    tables.insert(2, zwidth_identify::threshold(&bracket, fit.let_go_n)?);
-    if let Some(there) = fit.of_trials {
+    let threshold = zwidth_identify::threshold(&bracket, fit.let_go_n);
+    let found = identified(&fitted, fit)?;
+    let mut tables = vec![
+        found.estimates,
+        Table::of_rows(&found.profiles)?,
+        Table::of_rows(threshold.as_slice())?,
+        Table::of_rows(&found.held_out)?,
+        Table::of_rows(&found.trials)?,
+        Table::of_rows(&found.covariances)?,
+    ];
+    if let Some(all) = fit.of_trials {
         let note = format!(
-            "Of {there} trials that a plant can be fitted to, those of participants evenly spread over \
+            "Of {all} trials that a plant can be fitted to, those of participants evenly spread over \
              the list were taken: {} trials.",
             files.len()
         );
         tables = tables.into_iter().map(|table| table.with_note(note.clone())).collect();
     }
-    write_tables(&tables, making, problems)
+    let made = tables.into_iter().try_fold(Written::begin(making, false), Written::table)?.end()?;
+    Ok(Made { problems, ..made })
 }
 
 /// A trial that can be fitted and replayed.
@@ -235,8 +283,19 @@ fn switching<'t>(trial: &'t Trial, how: &Rendering) -> Option<Switching<'t>> {
     })
 }
 
-/// The tables of a fit. If there is too little to fit, they are empty and say why.
-fn tables_of(trials: &[Fitted], fit: &Fit) -> Result<Vec<Table>, JobError> {
+/// What was found of the plant.
+struct Found {
+    /// The parameters, with notes.
+    estimates: Table,
+    profiles: Vec<PlantProfile>,
+    held_out: Vec<HeldOutError>,
+    trials: Vec<PlantTrialError>,
+    covariances: Vec<PlantCovariance>,
+}
+
+/// The plant that fits some trials best. If there is too little to fit, there are no rows and a note
+/// that says why.
+fn identified(trials: &[Fitted], fit: &Fit) -> Result<Found, JobError> {
     let recordings: Vec<Recording> = trials
         .iter()
         .map(|t| Recording { meta: &t.meta, observed: t.balance.measured_ns() })
@@ -248,20 +307,20 @@ fn tables_of(trials: &[Fitted], fit: &Fit) -> Result<Vec<Table>, JobError> {
     };
     let judge = |i: usize, p: &[f64; P]| trials[i].judged.rmse_rad(&plant(p));
     match zwidth_identify::identify(&recordings, &task, explain, judge) {
-        Ok(found) => Ok(vec![
-            zwidth_identify::estimates(&found)?,
-            zwidth_identify::profiles(&found.estimates)?,
-            zwidth_identify::against_eye(&found.trials)?,
-            zwidth_identify::trials(&found.trials)?,
-            zwidth_identify::covariances(Some(&found))?,
-        ]),
-        Err(why @ IdentifyError::TooFew { .. }) => Ok(vec![
-            zwidth_identify::nothing_fitted(&why.to_string())?,
-            zwidth_identify::profiles(&[])?,
-            zwidth_identify::against_eye(&[])?,
-            zwidth_identify::trials(&[])?,
-            zwidth_identify::covariances(None)?,
-        ]),
+        Ok(found) => Ok(Found {
+            estimates: zwidth_identify::estimates_table(&found)?,
+            profiles: zwidth_identify::profiles(&found.estimates),
+            held_out: zwidth_identify::held_out(&found.trials),
+            covariances: zwidth_identify::covariances(&found),
+            trials: found.trials,
+        }),
+        Err(why @ IdentifyError::TooFew { .. }) => Ok(Found {
+            estimates: zwidth_identify::nothing_fitted(&why.to_string())?,
+            profiles: Vec::new(),
+            held_out: zwidth_identify::held_out(&[]),
+            covariances: Vec::new(),
+            trials: Vec::new(),
+        }),
         Err(error) => Err(error.into()),
     }
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::conditions::spread_within;
 use zwidth_device::{Controller, TwinParameters};
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, Hand, Tissue, table3};
-use zwidth_identify::Identifiability;
+use zwidth_results::Identifiability;
 use zwidth_store::{Samples, TrialFile};
 use zwidth_study::ParticipantId;
 use zwidth_study::{Calibration, Scene, Spring, Study, TrialMeta, template};
@@ -131,13 +131,13 @@ fn without_noise_every_parameter_comes_back_to_a_millionth() {
         off,
     ];
     for (estimate, expect) in found.estimates.iter().zip(expect) {
-        let (name, fitted) = (estimate.parameter.name, estimate.fitted);
+        let (name, fitted) = (estimate.parameter.name.as_str(), estimate.fitted);
         assert!((fitted / expect - 1.0).abs() < 1e-6, "{name}: {fitted} instead of {expect}");
         assert_eq!(estimate.verdict, Identifiability::Identifiable, "{name}");
     }
     let tables = [
-        zwidth_identify::estimates(&found).unwrap(),
-        zwidth_identify::covariances(Some(&found)).unwrap(),
+        zwidth_identify::estimates_table(&found).unwrap(),
+        Table::of_rows(&zwidth_identify::covariances(&found)).unwrap(),
     ];
     let plant = plant_with_spread(&tables[0], &tables[1]).unwrap().unwrap();
     let known = [plant.mass_kg, plant.damping_ns_per_rad, plant.friction_n];
