@@ -17,9 +17,9 @@ use zwidth_figures::{
     PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED, answers_compared,
 };
 use zwidth_results::{
-    AnswerDifference, Cell, Compared, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus,
-    OrderTest, PersonDifference, PersonSuperiority, PrintedDifference, RedrawnDifference,
-    RepeatMean, SessionChange,
+    AnswerDifference, Cell, Compared, GivenAnswer, Learning, Mean, MetricNote, ModeDifference,
+    Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority, PrintedDifference,
+    RedrawnDifference, RepeatMean, SessionChange,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, StudyData};
@@ -481,11 +481,10 @@ fn answers_job(data: &StudyData) -> Job {
 
 fn make_answers(
     of: &ComparingAnswers,
-    answers: &Option<PathBuf>,
+    answers: &Option<Derived<GivenAnswer>>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let answers = answers.as_deref().ok_or("there is no answer")?;
-    let answers = likert::read_counting(answers)?;
+    let answers = likert::read_counting(answers.as_ref().ok_or("there is no answer")?)?;
     let found = zwidth_compare::compare_answers(&answers, &of.stage)?;
     Written::begin(making, of.simulated)
         .table(zwidth_compare::answers_table(&found.contrasts)?)?

@@ -1,19 +1,20 @@
 //! Stage `likert`: tallies by question, and by group of questions; the answers themselves; the
 //! blinding index where it was asked which mode it was.
 
-use crate::making::{derived, write_tables};
+use crate::handle::{Derived, Written};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_likert::{Blinding, Guess, Scheme};
-use zwidth_runner::{Job, JobError, Made, Making, Stage};
+use zwidth_results::{AnswerTally, BlindingIndex, GivenAnswer};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, LeftOutAnswer, StudyData, TrialEntry};
 use zwidth_study::{
     AnswerValue, EnvironmentId, Kind, ModeId, ParticipantId, Question, QuestionId, SessionId,
     Status, Study, TrialMeta,
 };
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::TableError;
 
 const STAGE: Stage = Stage { name: "likert", version: zwidth_likert::VERSION };
 
@@ -35,37 +36,38 @@ pub(crate) fn ratings(data: &StudyData) -> impl Iterator<Item = &Answer> {
 }
 
 /// The tallies of the study, if there is such an answer.
-pub(crate) fn tally(data: &StudyData) -> Option<PathBuf> {
-    ratings(data).next().map(|_| derived(&data.layout, "likert.parquet"))
+pub(crate) fn tally(data: &StudyData) -> Option<Derived<AnswerTally>> {
+    ratings(data).next().map(|_| Derived::within(&data.layout.derived()))
 }
 
 /// The blinding index, if it was answered which mode it was.
-pub(crate) fn blinding(data: &StudyData) -> Option<PathBuf> {
-    guessed(data).map(|_| derived(&data.layout, "blinding.parquet"))
+pub(crate) fn blinding(data: &StudyData) -> Option<Derived<BlindingIndex>> {
+    guessed(data).map(|_| Derived::within(&data.layout.derived()))
 }
 
 /// The tables of the stage that people read.
 pub(crate) fn printed(data: &StudyData) -> Vec<PathBuf> {
-    tally(data).into_iter().chain(blinding(data)).chain(long(data)).collect()
+    [tally(data).files(), blinding(data).files(), long(data).files()].concat()
 }
 
 /// Every answer of the study, one row each, if there is one.
-fn long(data: &StudyData) -> Option<PathBuf> {
+fn long(data: &StudyData) -> Option<Derived<GivenAnswer>> {
     let is_any = !data.answers.is_empty() || !data.answers_left_out.is_empty();
-    is_any.then(|| derived(&data.layout, "answers.parquet"))
+    is_any.then(|| Derived::within(&data.layout.derived()))
 }
 
-/// The file of [`long`], if an answer in it counts: for [`read_counting`].
-pub(crate) fn answers(data: &StudyData) -> Option<PathBuf> {
+/// The table of [`long`], if an answer in it counts: for [`read_counting`].
+pub(crate) fn answers(data: &StudyData) -> Option<Derived<GivenAnswer>> {
     long(data).filter(|_| !data.answers.is_empty())
 }
 
-/// The answers that count, from the file with all of them.
-pub(crate) fn read_counting(answers: &Path) -> Result<Table, TableError> {
-    let all = Table::from_parquet(answers)?;
-    let counts = all.flags(zwidth_likert::COUNTS)?;
-    let counting: Vec<usize> = (0..counts.len()).filter(|row| counts[*row] == Some(true)).collect();
-    Ok(all.rows(&counting))
+/// The answers that count, of the table with all of them.
+pub(crate) fn read_counting(
+    answers: &Derived<GivenAnswer>,
+) -> Result<Vec<GivenAnswer>, TableError> {
+    let mut all = answers.read()?;
+    all.retain(|answer| answer.counts);
+    Ok(all)
 }
 
 /// Files an answer can stand in: trials, session records, event logs.
@@ -148,11 +150,11 @@ fn asks(study: &Study, environment: &EnvironmentId, question: &Question) -> bool
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
-    let job = |long: PathBuf| {
+    let job = |long: Derived<GivenAnswer>| {
         let (scheme, answers) = (Scheme::of(&data.study), data.answers.clone());
         let left_out = data.answers_left_out.clone();
         let asked = Asked { scheme, answers, left_out, blinding: guessed(data) };
-        let outputs = tally(data).into_iter().chain([long]).chain(blinding(data)).collect();
+        let outputs = [tally(data).files(), long.files(), blinding(data).files()].concat();
         let job = Job::new(STAGE, "likert tallies", asked, (), outputs, make);
         job.told_by(origins(data))
     };
@@ -161,13 +163,17 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 fn make(asked: &Asked, (): &(), making: &Making) -> Result<Made, JobError> {
     let Asked { scheme, answers, left_out, blinding } = asked;
-    let mut tables = Vec::new();
+    // Answers of simulated sessions are marked where they are printed.
+    let mut written = Written::begin(making, false);
     if answers.iter().any(|answer| scheme.rates(answer)) {
-        tables.push(zwidth_likert::tally(answers, scheme)?);
+        let rows = zwidth_likert::tally(answers, scheme)?;
+        written = written.table(zwidth_likert::tally_table(&rows, scheme)?)?;
     }
-    tables.push(zwidth_likert::long(answers, left_out, scheme)?);
+    let rows = zwidth_likert::long(answers, left_out);
+    written = written.table(zwidth_likert::long_table(&rows, scheme)?)?;
     if let Some(blinding) = blinding {
-        tables.push(zwidth_likert::blinding(blinding)?);
+        let rows = zwidth_likert::blinding(blinding)?;
+        written = written.table(zwidth_likert::blinding_table(&rows, blinding)?)?;
     }
-    write_tables(&tables, making, Vec::new())
+    written.end()
 }

@@ -1,14 +1,14 @@
 //! The figures of the stage `likert`, as many panels to a figure as fit on a page.
 
 use crate::drawing::{Drawing, Figured};
+use crate::handle::Derived;
 use crate::likert::{answers, ratings, read_counting, tally};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 use zwidth_figures::{About, FigureKind, LIKERT, LIKERT_ITEMS, LikertPage, RATINGS, RatingsPage};
+use zwidth_results::{AnswerTally, GivenAnswer};
 use zwidth_store::StudyData;
 use zwidth_study::{Environment, Question, Source};
-use zwidth_tables::Table;
 
 /// What a page depends on besides the answers.
 #[derive(Serialize)]
@@ -19,22 +19,20 @@ struct Page {
 }
 
 pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
-    let Some(tally) = tally(data) else { return Vec::new() };
+    let Some((tally, answers)) = tally(data).zip(answers(data)) else { return Vec::new() };
     let asked = list_asked(data);
     let overview = (LIKERT, zwidth_figures::likert_overview(&asked));
     let items = (LIKERT_ITEMS, zwidth_figures::likert_items(&asked));
     let mut drawings = Vec::new();
-    let answers_file = answers(data);
     for (kind, pages) in [overview, items] {
         for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
-            drawings
-                .extend(answers_file.clone().map(|file| draw_page(data, kind, number, page, file)));
+            drawings.push(draw_page(data, kind, number, page, answers.clone()));
         }
     }
     let pages = zwidth_figures::ratings_pages(&asked);
     for (number, page) in number_pages(pages.len()).into_iter().zip(pages) {
-        let files = [tally.clone()].into_iter().chain(answers_file.clone()).collect();
-        drawings.push(draw_ratings(data, number, page, files));
+        let tables = (tally.clone(), answers.clone());
+        drawings.push(draw_ratings(data, number, page, tables));
     }
     drawings
 }
@@ -49,7 +47,7 @@ fn draw_page(
     kind: FigureKind,
     number: Option<String>,
     page: LikertPage,
-    answers_file: PathBuf,
+    given: Derived<GivenAnswer>,
 ) -> Drawing {
     let of_page = |answer: &&zwidth_store::Answer| {
         let question = data.study.question(&answer.question);
@@ -58,7 +56,7 @@ fn draw_page(
     let answers = data.answers.iter().filter(of_page).count();
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let page = Page { about: About::of(&data.study), page, sources };
-    Drawing::new(data, kind, number, page, answers_file, draw).of(answers)
+    Drawing::new(data, kind, number, page, given, draw).of(answers)
 }
 
 /// What a page of answers on scales of many points depends on besides the tables.
@@ -73,21 +71,21 @@ fn draw_ratings(
     data: &StudyData,
     number: Option<String>,
     page: RatingsPage,
-    files: Vec<PathBuf>,
+    tables: (Derived<AnswerTally>, Derived<GivenAnswer>),
 ) -> Drawing {
     let of_page = |a: &&zwidth_store::Answer| page.shows(&a.condition.environment, &a.question);
     let answers = data.answers.iter().filter(of_page).count();
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let rated = Rated { about: About::of(&data.study), page, sources };
-    Drawing::new(data, RATINGS, number, rated, files, make_ratings).of(answers)
+    Drawing::new(data, RATINGS, number, rated, tables, draw_rated).of(answers)
 }
 
-fn make_ratings(rated: &Rated, files: &Vec<PathBuf>) -> Figured {
-    let [tally, answers] = files.as_slice() else { return Err("ratings are two tables".into()) };
-    let (tally, answers) = (Table::from_parquet(tally)?, read_counting(answers)?);
-    let Rated { about, page, sources } = rated;
-    let figure = zwidth_figures::ratings(about, page, [&tally, &answers], sources)?;
-    Ok((figure, Vec::new()))
+fn draw_rated(
+    Rated { about, page, sources }: &Rated,
+    (tally, answers): &(Derived<AnswerTally>, Derived<GivenAnswer>),
+) -> Figured {
+    let (tally, answers) = (tally.read()?, read_counting(answers)?);
+    Ok((zwidth_figures::ratings(about, page, &tally, &answers, sources), Vec::new()))
 }
 
 /// The questions answered with a rating in each environment, in the study's order.
@@ -105,8 +103,7 @@ pub(crate) fn list_asked(data: &StudyData) -> Vec<(&Environment, Vec<&Question>)
     asked
 }
 
-fn draw(page: &Page, answers: &PathBuf) -> Figured {
-    let answers = read_counting(answers)?;
+fn draw(page: &Page, answers: &Derived<GivenAnswer>) -> Figured {
     let Page { about, page, sources } = page;
-    Ok((zwidth_figures::likert(about, page, &answers, sources)?, Vec::new()))
+    Ok((zwidth_figures::likert(about, page, &read_counting(answers)?, sources), Vec::new()))
 }

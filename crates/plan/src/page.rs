@@ -3,6 +3,7 @@
 
 use crate::conditions::{Repeats, sessions};
 use crate::drawing::Drawing;
+use crate::handle::Derived;
 use crate::making::read_shared;
 use crate::trials::{OfTrials, Recordings, files as trial_files, read_drawn};
 use crate::{average, courses, identify, likert, metrics, runs, summary};
@@ -13,6 +14,7 @@ use zwidth_replay::Parameters;
 use zwidth_report::{
     Columns, Contents, Course, Event, Page, TURNED, condition_script, page_html, turned_script,
 };
+use zwidth_results::GivenAnswer;
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
 use zwidth_study::{EnvironmentId, ModeId};
@@ -277,13 +279,13 @@ fn index(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
 /// The files of the page.
 struct IndexFiles {
     summary: summary::Files,
-    answers: Option<PathBuf>,
+    answers: Option<Derived<GivenAnswer>>,
 }
 
 impl Inputs for IndexFiles {
     fn files(&self) -> Vec<PathBuf> {
         let mut files = self.summary.files();
-        files.extend(self.answers.clone());
+        files.extend(self.answers.files());
         files
     }
 }
@@ -291,13 +293,13 @@ impl Inputs for IndexFiles {
 fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, JobError> {
     let summary::Gathered { summary, compared, metrics } =
         summary::gather(&of.summary, &files.summary, making)?;
-    let answers = files.answers.as_deref().filter(|file| file.exists());
-    let answers = answers.map(likert::read_counting).transpose()?;
+    let answers = files.answers.as_ref().filter(|answers| answers.path().exists());
+    let answers = answers.map(likert::read_counting).transpose()?.unwrap_or_default();
     let planned = &of.summary.planned;
     let contents = metrics.map(|metrics| {
         let study = (of.study.as_str(), summary.title.as_str());
         let compared = compared.by_metric(of.summary.is_primary_by_default);
-        let contents = Contents::of(study, planned, &metrics, &compared, answers.as_ref())?;
+        let contents = Contents::of(study, planned, &metrics, &compared, &answers)?;
         let contents = contents.with_turned(of.turned.clone(), planned.coordinate);
         Ok::<_, TableError>(if of.torque { contents.with_torque() } else { contents })
     });

@@ -3,19 +3,21 @@
 use crate::conditions::sessions;
 use crate::design::{Forces, forces, has_actuators};
 use crate::drawing::Drawing;
+use crate::handle::Derived;
 use crate::making::{derived, write_tables};
 use crate::{likert, long, metrics, replay};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_report::{
-    Derived, Gallery, Known, components_table, device_table, model_table, modes_table,
-    pros_cons_table, thesis_table, weight_table,
+    Gallery, Known, components_table, device_table, model_table, modes_table, pros_cons_table,
+    thesis_table, weight_table,
 };
+use zwidth_results::{AnswerTally, GivenAnswer};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_simulate::ModelScene;
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::{Basis, Setup};
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::Table;
 
 const STAGE: Stage = Stage { name: "report", version: zwidth_report::VERSION };
 /// The scene of the thesis' Table 3.
@@ -101,17 +103,17 @@ struct Files {
     calibration: Option<PathBuf>,
     metrics: Option<PathBuf>,
     replays: Option<PathBuf>,
-    answers: Option<PathBuf>,
-    tally: Option<PathBuf>,
+    answers: Option<Derived<GivenAnswer>>,
+    tally: Option<Derived<AnswerTally>>,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        [&self.calibration, &self.metrics, &self.replays, &self.answers, &self.tally]
-            .into_iter()
-            .flatten()
-            .cloned()
-            .collect()
+        let mut files =
+            [&self.calibration, &self.metrics, &self.replays].map(Inputs::files).concat();
+        files.extend(self.answers.files());
+        files.extend(self.tally.files());
+        files
     }
 }
 
@@ -133,25 +135,22 @@ fn job_of_statements(data: &StudyData, figures: &[Drawing], output: PathBuf) -> 
 }
 
 fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made, JobError> {
-    let read = |file: &Option<PathBuf>| -> Result<Option<Table>, TableError> {
-        file.as_deref().map(Table::from_parquet).transpose()
-    };
     let calibration = &Forces::read(files.calibration.as_deref())?;
     let columns = zwidth_report::replayed_columns();
     let asked_of = |part: Table| zwidth_report::replayed(&part);
     let replays = files.replays.as_deref().map(|file| Table::gathered(file, &columns, asked_of));
     let metrics = files.metrics.as_deref().map(|file| metrics::looked_at(file, &[]));
     let (metrics, replays) = (metrics.transpose()?, replays.transpose()?);
-    let answers = files.answers.as_deref().filter(|file| file.exists());
+    let answers = files.answers.as_ref().filter(|answers| answers.path().exists());
     let answers = answers.map(likert::read_counting).transpose()?;
-    let tally = read(&files.tally)?;
+    let tally = files.tally.as_ref().map(Derived::read).transpose()?;
     let Forced { planned, basis } = &asked.forced;
-    let derived = Derived {
+    let derived = zwidth_report::Derived {
         known: Known { study: planned, calibration, metrics: metrics.as_ref() },
         basis: *basis,
         replays: replays.as_ref(),
-        answers: answers.as_ref(),
-        tally: tally.as_ref(),
+        answers: answers.as_deref(),
+        tally: tally.as_deref(),
         gallery: &asked.gallery,
         level: asked.level,
     };

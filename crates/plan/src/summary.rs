@@ -16,7 +16,7 @@ use zwidth_report::{
     changes, findings, laddered, summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_results::{
-    Compared, LadderChoice, Mean, MetricNote, ModeDifference, SessionChange, TradeChoice,
+    AnswerTally, Compared, LadderChoice, Mean, MetricNote, ModeDifference, SessionChange, TradeChoice,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
@@ -70,7 +70,7 @@ pub(crate) struct Files {
     figures: Vec<PathBuf>,
     tables: Vec<PathBuf>,
     pub(crate) metrics: Option<PathBuf>,
-    tally: Option<PathBuf>,
+    tally: Option<Derived<AnswerTally>>,
     /// The thesis' statements, as judged.
     statements: Option<PathBuf>,
     /// What is recommended for each scene of the study, and which terms it requires.
@@ -202,10 +202,13 @@ fn list_findings(
     of_comparison: Vec<Finding>,
     made: &Summary,
 ) -> Result<Vec<Listed>, TableError> {
-    let tally = read(&files.tally)?;
-    let found = match (metrics, &tally) {
-        (Some(metrics), tally) => findings(&page.planned, metrics, tally.as_ref(), &page.doubted)?,
-        (None, Some(tally)) => survey(&page.planned, tally)?,
+    let tally = match &files.tally {
+        Some(tally) => tally.read_if_made()?,
+        None => None,
+    };
+    let found = match (metrics, tally.as_deref()) {
+        (Some(metrics), tally) => findings(&page.planned, metrics, tally, &page.doubted)?,
+        (None, Some(tally)) => survey(&page.planned, tally),
         (None, None) => Vec::new(),
     };
     let all = of_comparison.into_iter().chain(found);

@@ -108,6 +108,15 @@ impl Values {
         }
     }
 
+    /// Numbers as whole numbers, as which they can be written; all others as they are.
+    #[must_use]
+    pub fn in_whole_numbers(self) -> Self {
+        match self {
+            Self::Float(v) => Self::Integer(v.into_iter().map(|n| n.map(|n| n as i64)).collect()),
+            other => other,
+        }
+    }
+
     /// How many there are.
     #[expect(clippy::len_without_is_empty, reason = "nobody asks")]
     pub fn len(&self) -> usize {

@@ -52,7 +52,11 @@
 //! | [`PlantTrialError`] | participant, session, trial | `identify` | printed tables |
 //! | [`FreePlane`] | participant, session, trial | `freemotion` | figures, printed tables |
 //! | [`FreePlant`] | participant, session, trial | `freemotion` | printed tables |
+//! | [`GivenAnswer`] | participant, session, trial, question | `likert` | `compare`, figures, page, statements, printed tables |
+//! | [`AnswerTally`] | environment, mode, question or group | `likert` | figures, summary, statements, printed tables |
+//! | [`BlindingIndex`] | participant, mode | `likert` | printed tables |
 
+mod answers;
 mod characteristic;
 mod column;
 mod comparison;
@@ -65,6 +69,7 @@ mod stability;
 mod trade;
 mod value;
 
+pub use answers::{AnswerTally, BlindingIndex, GivenAnswer};
 pub use characteristic::{
     CandidateVerdict, CommandWay, CurveModel, CurvePoint, CurveShape, CurveSymbol, FittedModel,
     FittedParameter, UNIT_OF_COMMAND, UNIT_OF_RESPONSE,

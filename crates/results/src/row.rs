@@ -1,7 +1,7 @@
 //! Rows of a derived table, and the one declaration that each has.
 
 use crate::column::{Column, Field, Type, Values};
-use crate::value::Value;
+use crate::value::{Scalar, Value};
 
 /// What cannot be read as rows.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -48,25 +48,28 @@ pub trait Row: Sized {
     fn read(columns: &[Column]) -> Result<Vec<Self>, ReadError>;
 }
 
-/// A column that is read: its name and its values.
+/// A column that is read: its name and its values; none of one that need not be there.
 pub(crate) struct Known<'a> {
     name: &'static str,
-    values: &'a Values,
+    values: Option<&'a Values>,
 }
 
 impl<'a> Known<'a> {
-    /// The column of that name and type.
+    /// The column of that name, of a type that values `V` are read from.
     ///
     /// # Errors
-    /// There is none.
-    pub(crate) fn of(
+    /// There is none, and it may not be `absent`; it is of another type.
+    pub(crate) fn of<V: Value>(
         columns: &'a [Column],
         name: &'static str,
-        kind: Type,
+        absent: &[&str],
     ) -> Result<Known<'a>, ReadError> {
-        let found = columns.iter().find(|c| c.field.name == name && c.values.kind() == kind);
-        let values = &found.ok_or(ReadError::NoColumn { column: name, kind })?.values;
-        Ok(Known { name, values })
+        let found = columns.iter().find(|column| column.field.name == name);
+        match found.map(|column| &column.values) {
+            None if !absent.is_empty() => Ok(Known { name, values: None }),
+            Some(values) if V::reads(values.kind()) => Ok(Known { name, values: Some(values) }),
+            _ => Err(ReadError::NoColumn { column: name, kind: V::KIND }),
+        }
     }
 
     /// The value of a row.
@@ -79,7 +82,8 @@ impl<'a> Known<'a> {
             column: self.name,
             what: std::any::type_name::<V>(),
         };
-        V::of(self.values.scalar(row)).ok_or_else(none)
+        let scalar = self.values.map_or(Scalar::Null, |values| values.scalar(row));
+        V::of(scalar).ok_or_else(none)
     }
 }
 
@@ -91,12 +95,16 @@ pub(crate) fn values<'a, V: Value + 'a>(fields: impl ExactSizeIterator<Item = &'
 }
 
 /// Declares the rows of derived tables: name and title of the table, and a field for each column
-/// with its meaning, its type and its unit (none for a pure number or a word).
+/// with its meaning, its type and its unit (none for a pure number or a word). A column that only
+/// some studies have is `or absent`: where it is not there, all its values are null.
 macro_rules! rows {
     ($(
         $(#[doc = $about:literal])+
         $row:ident = $name:literal, $title:literal {
-            $($(#[doc = $meaning:literal])+ $field:ident: $kind:ty $(= $unit:expr)?,)+
+            $(
+                $(#[doc = $meaning:literal])+
+                $field:ident $(or $absent:ident)?: $kind:ty $(= $unit:expr)?,
+            )+
         }
     )*) => {$(
         $(#[doc = $about])+
@@ -127,10 +135,10 @@ macro_rules! rows {
             fn read(
                 columns: &[$crate::column::Column],
             ) -> Result<Vec<Self>, $crate::row::ReadError> {
-                $(let $field = $crate::row::Known::of(
+                $(let $field = $crate::row::Known::of::<$kind>(
                     columns,
                     stringify!($field),
-                    <$kind as $crate::value::Value>::KIND,
+                    &[$(stringify!($absent))?],
                 )?;)+
                 let rows = columns.first().map_or(0, |column| column.values.len());
                 (0..rows).map(|row| Ok(Self { $($field: $field.at(row)?),+ })).collect()
@@ -176,7 +184,7 @@ mod tests {
             /// whether
             is_it: bool,
             /// a text
-            remark: Option<String>,
+            remark or absent: Option<String>,
         }
     }
 
@@ -219,6 +227,16 @@ mod tests {
         columns.reverse();
         assert_eq!(One::read(&columns).unwrap(), sample());
         assert_eq!(One::read(&One::columns(&[])).unwrap(), []);
+    }
+
+    #[test]
+    fn a_column_that_may_be_absent_is_null_where_it_is() {
+        let mut columns = One::columns(&sample());
+        columns.truncate(5);
+        let rows = One::read(&columns).unwrap();
+        assert!(rows.iter().all(|row| row.remark.is_none()) && rows[0].count == 3);
+        columns.push(Column::integer("remark", "1", "", [Some(1), Some(2)]));
+        assert!(One::read(&columns).unwrap_err().to_string().contains("no column 'remark'"));
     }
 
     #[test]

@@ -3,13 +3,19 @@
 use crate::column::{Scalar, Type};
 use std::sync::Arc;
 use zwidth_study::{
-    Contrast, EnvironmentId, MetricId, ModeId, ParticipantId, QuestionId, SessionId, Source,
+    AnswerValue, Contrast, EnvironmentId, MetricId, ModeId, ParticipantId, QuestionId, SessionId,
+    Source,
 };
 
 /// What a field of a row can be.
 pub trait Value: Sized {
     /// The type of its column.
     const KIND: Type;
+
+    /// Whether it can be read from a column of a type.
+    fn reads(kind: Type) -> bool {
+        kind == Self::KIND
+    }
 
     /// As the table holds it.
     fn scalar(&self) -> Scalar;
@@ -140,8 +146,33 @@ impl Value for String {
     }
 }
 
+/// The columns of answers hold whole numbers in a study whose scales have no decimals.
+impl Value for AnswerValue {
+    const KIND: Type = Type::Float;
+
+    fn reads(kind: Type) -> bool {
+        matches!(kind, Type::Float | Type::Integer)
+    }
+
+    fn scalar(&self) -> Scalar {
+        Scalar::Float(self.get())
+    }
+
+    fn of(scalar: Scalar) -> Option<Self> {
+        match scalar {
+            Scalar::Float(number) => Self::new(number).ok(),
+            Scalar::Integer(number) => i16::try_from(number).ok().map(Self::from),
+            _ => None,
+        }
+    }
+}
+
 impl<V: Value> Value for Option<V> {
     const KIND: Type = V::KIND;
+
+    fn reads(kind: Type) -> bool {
+        V::reads(kind)
+    }
 
     fn scalar(&self) -> Scalar {
         self.as_ref().map_or(Scalar::Null, V::scalar)

@@ -10,11 +10,13 @@ use crate::CompareError;
 use crate::quantity::{self, Difference, Score};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use zwidth_results::{AnswerDifference, AnswerTest, PersonSuperiority};
+use zwidth_results::{AnswerDifference, AnswerTest, GivenAnswer, PersonSuperiority};
 use zwidth_stats::clmm::{ModeComparison, ModeStudy, OddsRatio, compare_modes};
 use zwidth_stats::superiority::{Repeats, Superiority, superiority};
 use zwidth_stats::{Tested, Unestimable, holm};
-use zwidth_study::{AnswerValue, Contrast, EnvironmentId, ModeId, ParticipantId, Question};
+use zwidth_study::{
+    AnswerValue, Contrast, EnvironmentId, ModeId, ParticipantId, Question, SessionId,
+};
 use zwidth_tables::Table;
 
 /// The key of the bootstrap's random numbers.
@@ -163,15 +165,15 @@ impl Row<'_> {
     }
 }
 
-/// Compares the modes by the answers, which have one row each (`answers` of the stage `likert`).
+/// Compares the modes by the answers.
 ///
 /// # Errors
-/// A table that lacks a column; a level outside (0, 1).
+/// A level outside (0, 1).
 pub fn compare_answers(
-    answers: &Table,
+    answers: &[GivenAnswer],
     parameters: &AnswerParameters,
 ) -> Result<AnswersCompared, CompareError> {
-    let (names, by_condition) = by_question(answers, parameters)?;
+    let (names, by_condition) = by_question(answers, parameters);
     let mut rows = Vec::new();
     for question in &parameters.questions {
         let first = rows.len();
@@ -192,43 +194,32 @@ pub fn compare_answers(
 
 /// The scored answers by question and environment, and the names of the participants.
 fn by_question<'p>(
-    answers: &Table,
+    answers: &[GivenAnswer],
     parameters: &'p AnswerParameters,
-) -> Result<(Vec<ParticipantId>, ByQuestion<'p>), CompareError> {
-    let texts = |name| answers.texts(name);
-    let (participants, sessions) = (texts("participant")?, texts("session")?);
-    let (environments, modes, questions) =
-        (texts("environment")?, texts("mode")?, texts("question")?);
-    let values = answers.numbers("answer")?;
-    let places = |names: &[Option<String>]| -> BTreeMap<Option<String>, usize> {
-        let names: BTreeSet<_> = names.iter().cloned().collect();
-        names.into_iter().zip(0..).collect()
-    };
-    let (people, times) = (places(&participants), places(&sessions));
+) -> (Vec<ParticipantId>, ByQuestion<'p>) {
+    let people: BTreeSet<&ParticipantId> = answers.iter().map(|row| &row.participant).collect();
+    let people: BTreeMap<&ParticipantId, usize> = people.into_iter().zip(0..).collect();
+    let sessions: BTreeSet<&SessionId> = answers.iter().map(|row| &row.session).collect();
+    let sessions: BTreeMap<&SessionId, usize> = sessions.into_iter().zip(0..).collect();
     let mut found: BTreeMap<_, Answers> = BTreeMap::new();
-    for row in 0..answers.height() {
-        let is = |id: &str, of: &[Option<String>]| of[row].as_deref() == Some(id);
-        let question = parameters.questions.iter().find(|q| is(q.id.as_str(), &questions));
-        let environment = parameters.environments.iter().find(|e| is(e.as_str(), &environments));
-        let mode = parameters.modes.iter().position(|m| is(m.as_str(), &modes));
-        let value = values[row].and_then(|value| AnswerValue::new(value).ok());
-        let (Some(question), Some(environment), Some(mode), Some(value)) =
-            (question, environment, mode, value)
-        else {
+    for row in answers {
+        let question = parameters.questions.iter().find(|question| question.id == row.question);
+        let environment = parameters.environments.iter().find(|id| **id == row.environment);
+        let mode = parameters.modes.iter().position(|id| *id == row.mode);
+        let (Some(question), Some(environment), Some(mode)) = (question, environment, mode) else {
             continue;
         };
-        let scored = question.scale.score(value, question.reversed);
+        let scored = question.scale.score(row.answer, question.reversed);
         if !question.scale.has(scored) {
             continue;
         }
-        let of = found.entry((question.id.as_str(), environment.as_str())).or_default();
-        of.participant.push(people[&participants[row]]);
-        of.session.push(times[&sessions[row]]);
-        of.mode.push(mode);
-        of.value.push(scored);
+        let own = found.entry((question.id.as_str(), environment.as_str())).or_default();
+        own.participant.push(people[&row.participant]);
+        own.session.push(sessions[&row.session]);
+        own.mode.push(mode);
+        own.value.push(scored);
     }
-    let people = people.into_keys().map(|name| name.unwrap_or_default().parse());
-    Ok((people.collect::<Result<_, _>>()?, found))
+    (people.into_keys().cloned().collect(), found)
 }
 
 /// The contrasts of one question in one environment of which both modes were answered.

@@ -1,9 +1,9 @@
 //! Comparisons of small tables, against numbers that R gives for the same data.
 
 use super::*;
-use zwidth_results::Row;
+use zwidth_results::{GivenAnswer, Row};
 use zwidth_stats::null::Sampling;
-use zwidth_study::{Compare, Contrast, Families, Perception};
+use zwidth_study::{AnswerValue, Compare, Contrast, Families, Perception};
 use zwidth_tables::{Column, of_metric};
 
 /// One trial: participant, session, mode, repeat, value.
@@ -422,25 +422,19 @@ fn sessions_have_limits_and_a_share_of_agreement() {
     assert!((of("mdc_n") - 1.96 * 2_f64.sqrt() * of("sem_n")).abs() < 1e-9);
 }
 
-fn answers(given: &[(&str, &str, i64)]) -> Table {
-    let who: Vec<(&str, &str)> = given.iter().map(|answer| (answer.0, answer.1)).collect();
-    answered(&who, Column::integer("answer", "1", "", given.iter().map(|a| Some(a.2))))
-}
-
 /// Answers of these participants in these modes.
-fn answered(who: &[(&str, &str)], answers: Column) -> Table {
-    let text = |name, of: fn(&(&str, &str)) -> String| {
-        Column::text(name, "", who.iter().map(|answer| Some(of(answer))))
+fn answers(given: &[(&str, &str, f64)]) -> Vec<GivenAnswer> {
+    let answer = |(who, mode, answer): &(&str, &str, f64)| GivenAnswer {
+        participant: who.parse().unwrap(),
+        session: "S01".parse().unwrap(),
+        trial: 1,
+        environment: "spring".parse().unwrap(),
+        mode: mode.parse().unwrap(),
+        question: "felt".parse().unwrap(),
+        answer: AnswerValue::new(*answer).unwrap(),
+        answer_time_s: None,
     };
-    let columns = vec![
-        text("participant", |a| a.0.to_owned()),
-        text("session", |_| "S01".to_owned()),
-        text("environment", |_| "spring".to_owned()),
-        text("mode", |a| a.1.to_owned()),
-        text("question", |_| "felt".to_owned()),
-        answers,
-    ];
-    Table::new("answers", "", columns).unwrap()
+    given.iter().map(answer).collect()
 }
 
 fn answer_parameters() -> AnswerParameters {
@@ -466,14 +460,14 @@ fn answer_parameters() -> AnswerParameters {
 #[test]
 fn answers_are_compared_pair_by_pair_within_each_participant() {
     let given = [
-        ("P01", "hybrid", 4),
-        ("P01", "hybrid", 3),
-        ("P01", "active", 2),
-        ("P01", "active", 3),
-        ("P02", "hybrid", 5),
-        ("P02", "hybrid", 5),
-        ("P02", "active", 5),
-        ("P02", "active", 4),
+        ("P01", "hybrid", 4.0),
+        ("P01", "hybrid", 3.0),
+        ("P01", "active", 2.0),
+        ("P01", "active", 3.0),
+        ("P02", "hybrid", 5.0),
+        ("P02", "hybrid", 5.0),
+        ("P02", "active", 5.0),
+        ("P02", "active", 4.0),
     ];
     let found = compare_answers(&answers(&given), &answer_parameters()).unwrap();
     let table = answers_table(&found.contrasts).unwrap();
@@ -485,13 +479,16 @@ fn answers_are_compared_pair_by_pair_within_each_participant() {
 /// A slider's decimals: rounded to whole numbers, P01 would have answered alike in both modes.
 #[test]
 fn answers_on_a_line_are_compared_by_their_own_numbers() {
-    let who = [("P01", "hybrid"), ("P01", "active"), ("P02", "hybrid"), ("P02", "active")];
-    let given = [47.25, 46.75, 60.5, 58.0].map(Some);
-    let table = answered(&who, Column::float("answer", "1", "", given));
+    let given = [
+        ("P01", "hybrid", 47.25),
+        ("P01", "active", 46.75),
+        ("P02", "hybrid", 60.5),
+        ("P02", "active", 58.0),
+    ];
     let mut parameters = answer_parameters();
     let line = zwidth_study::NumberScale { points: 101, from: 0, step: 1, labels: Vec::new() };
     parameters.questions[0].scale = zwidth_study::AnswerScale::Numbers(line);
-    let found = compare_answers(&table, &parameters).unwrap();
+    let found = compare_answers(&answers(&given), &parameters).unwrap();
     let table = answers_table(&found.contrasts).unwrap();
     assert_eq!(table.integers("answers").unwrap(), [Some(4)]);
     assert_eq!(table.floats("difference").unwrap(), [Some(1.5)]);
@@ -503,7 +500,7 @@ fn answers_that_separate_the_modes_have_a_bound_and_a_p_value_in_place_of_an_odd
     let given: Vec<_> = ["P01", "P02", "P03"]
         .into_iter()
         .flat_map(|who| {
-            [(who, "hybrid", 5), (who, "hybrid", 4), (who, "active", 1), (who, "active", 2)]
+            [(who, "hybrid", 5.0), (who, "hybrid", 4.0), (who, "active", 1.0), (who, "active", 2.0)]
         })
         .collect();
     let found = compare_answers(&answers(&given), &answer_parameters()).unwrap();

@@ -6,10 +6,11 @@ use crate::{About, FigureKind};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_draw::{Axis, Cell, Figure, Layer, Likert, LikertScale, Panel, Ticks};
+use zwidth_results::GivenAnswer;
 use zwidth_study::{
-    AnswerScale, AnswerValue, Environment, EnvironmentId, Mode, Question, QuestionId, Source,
+    AnswerScale, AnswerValue, Environment, EnvironmentId, Mode, ParticipantId, Question,
+    QuestionId, Source,
 };
-use zwidth_tables::{Table, TableError};
 
 /// The figure of answers by environment or group.
 pub const LIKERT: FigureKind = FigureKind {
@@ -162,21 +163,16 @@ struct Counted {
     rows: Vec<(String, Vec<Vec<u32>>)>,
 }
 
-/// Diverging bars, two panels side by side. `answers` is the long table of the stage `likert`.
-///
-/// # Errors
-/// A table that lacks a column.
+/// Diverging bars, two panels side by side.
 pub fn likert(
     about: &About,
     LikertPage(wanted): &LikertPage,
-    answers: &Table,
+    answers: &[GivenAnswer],
     sources: &[Source],
-) -> Result<Figure, TableError> {
+) -> Figure {
     let title = &about.title;
-    let panels = wanted
-        .iter()
-        .map(|w| count_rows(&about.modes, answers, w))
-        .collect::<Result<Vec<_>, _>>()?;
+    let panels: Vec<Counted> =
+        wanted.iter().map(|w| count_rows(&about.modes, answers, w)).collect();
     let columns = COLUMNS.min(panels.len().max(1));
     let strips = panels.iter().flat_map(|panel| &panel.rows).map(|(_, strips)| strips);
     let people = strips.clone().map(Vec::len).max().unwrap_or_default();
@@ -187,7 +183,7 @@ pub fn likert(
     };
     let drawn =
         panels.iter().enumerate().map(|(i, p)| panel(p, Cell::at(i / columns, i % columns), scale));
-    Ok(Figure {
+    Figure {
         title: Some(plain(title)),
         description: describe(title, &scale_of(wanted)),
         width_mm: if columns == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
@@ -195,7 +191,7 @@ pub fn likert(
         footnotes: footnotes(wanted, people).iter().map(|n| plain(n)).collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
-    })
+    }
 }
 
 /// The one scale of a page.
@@ -216,28 +212,21 @@ fn describe(title: &str, scale: &AnswerScale) -> String {
 }
 
 /// One row per mode, in the study's order; people by their mean answer, the highest at the top.
-fn count_rows(modes: &[Mode], answers: &Table, wanted: &Wanted) -> Result<Counted, TableError> {
-    let [people, environments, of_modes, questions] =
-        ["participant", "environment", "mode", "question"].map(|name| answers.texts(name));
-    let (people, environments, of_modes, questions) =
-        (people?, environments?, of_modes?, questions?);
-    let values = answers.numbers("answer")?;
+fn count_rows(modes: &[Mode], answers: &[GivenAnswer], wanted: &Wanted) -> Counted {
     let scale = &wanted.scale;
     let points: Vec<AnswerValue> = scale.answers().into_iter().map(AnswerValue::from).collect();
     let mut rows = Vec::new();
     for mode in modes {
-        let mut counts: BTreeMap<&str, Vec<u32>> = BTreeMap::new();
-        for row in 0..answers.height() {
-            let asked =
-                wanted.questions.iter().find(|q| Some(q.id.as_str()) == questions[row].as_deref());
-            let is_here = environments[row].as_deref() == Some(wanted.environment.as_str())
-                && of_modes[row].as_deref() == Some(mode.id.as_str());
-            let value = values[row].and_then(|value| AnswerValue::new(value).ok());
-            let (true, Some(question), Some(value)) = (is_here, asked, value) else { continue };
-            let scored = question.scale.score(value, question.reversed);
+        let mut counts: BTreeMap<&ParticipantId, Vec<u32>> = BTreeMap::new();
+        let is_here =
+            |row: &&GivenAnswer| row.environment == wanted.environment && row.mode == mode.id;
+        for row in answers.iter().filter(is_here) {
+            let asked = wanted.questions.iter().find(|question| question.id == row.question);
+            let Some(question) = asked else { continue };
+            let scored = question.scale.score(row.answer, question.reversed);
             let Some(place) = points.iter().position(|point| *point == scored) else { continue };
-            let of = counts.entry(people[row].as_deref().unwrap_or_default());
-            of.or_insert_with(|| vec![0; points.len()])[place] += 1;
+            let own = counts.entry(&row.participant);
+            own.or_insert_with(|| vec![0; points.len()])[place] += 1;
         }
         let mut strips: Vec<Vec<u32>> = counts.into_values().collect();
         let mean = |counts: &Vec<u32>| {
@@ -266,7 +255,7 @@ fn count_rows(modes: &[Mode], answers: &Table, wanted: &Wanted) -> Result<Counte
         let all = (0..points.len()).map(|i| strips.iter().map(|counts| counts[i]).sum());
         *strips = vec![all.collect()];
     }
-    Ok(Counted { title, scale: scale.clone(), rows })
+    Counted { title, scale: scale.clone(), rows }
 }
 
 /// `8 people × 12 answers`, `8 people × 10 to 12 answers`; of one `6 answers`.

@@ -9,8 +9,8 @@ use zwidth_draw::style::{self, Marker};
 use zwidth_draw::{
     Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Points, Range, Reference, dodge,
 };
-use zwidth_study::{AnswerValue, Environment, EnvironmentId, Mode, Question, QuestionId, Source};
-use zwidth_tables::{Table, TableError};
+use zwidth_results::{AnswerTally, GivenAnswer};
+use zwidth_study::{Environment, EnvironmentId, Mode, ModeId, Question, QuestionId, Source};
 
 /// The figure [`ratings`].
 pub const RATINGS: FigureKind = FigureKind {
@@ -67,22 +67,19 @@ pub fn ratings_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<RatingsPag
     wanted.chunks(A_PAGE).map(|page| RatingsPage(page.to_vec())).collect()
 }
 
-/// Every answer as a dot, with median, quartiles and mean, one row per mode. `tally` and `answers`
-/// are the tables of the stage `likert`.
-///
-/// # Errors
-/// Tables that are not of that stage.
+/// Every answer as a dot, with median, quartiles and mean, one row per mode.
 pub fn ratings(
     about: &About,
     RatingsPage(wanted): &RatingsPage,
-    [tally, answers]: [&Table; 2],
+    tally: &[AnswerTally],
+    answers: &[GivenAnswer],
     sources: &[Source],
-) -> Result<Figure, TableError> {
+) -> Figure {
     let columns = COLUMNS.min(wanted.len().max(1));
     let mut panels = Vec::new();
     for (i, wanted) in wanted.iter().enumerate() {
         let cell = Cell::at(i / columns, i % columns);
-        panels.push(panel(&about.modes, wanted, cell, [tally, answers])?);
+        panels.push(panel(&about.modes, wanted, cell, tally, answers));
     }
     let mut notes =
         vec!["Grey: every answer. Black: median with quartiles; diamond: mean.".to_owned()];
@@ -94,7 +91,7 @@ pub fn ratings(
             false => "Reversed: answers are turned round (lowest + highest − a).".to_owned(),
         });
     }
-    Ok(Figure {
+    Figure {
         title: Some(plain(&about.title)),
         description: format!("{}: every answer on scales of many points, by mode.", about.title),
         width_mm: if columns == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
@@ -102,18 +99,19 @@ pub fn ratings(
         footnotes: notes.iter().map(|note| plain(note)).collect(),
         mark: mark(sources.iter().copied()),
         ..Figure::default()
-    })
+    }
 }
 
 fn panel(
     modes: &[Mode],
     wanted: &Wanted,
     cell: Cell,
-    [tally, answers]: [&Table; 2],
-) -> Result<Panel, TableError> {
+    tally: &[AnswerTally],
+    answers: &[GivenAnswer],
+) -> Panel {
     let scale = &wanted.question.scale;
-    let given = scores(answers, wanted)?;
-    let shown: Vec<&Mode> = modes.iter().filter(|m| given.contains_key(m.id.as_str())).collect();
+    let given = scores(answers, wanted);
+    let shown: Vec<&Mode> = modes.iter().filter(|mode| given.contains_key(&mode.id)).collect();
     let middle = f64::from(scale.ends_together()) / 2.0;
     let mut layers = vec![Layer::Reference(Reference {
         direction: Direction::Vertical,
@@ -123,7 +121,7 @@ fn panel(
         name: None,
     })];
     for (place, mode) in shown.iter().enumerate() {
-        let x = given.get(mode.id.as_str()).cloned().unwrap_or_default();
+        let x = given.get(&mode.id).cloned().unwrap_or_default();
         let y = beside_each_other(&x).into_iter().map(|aside| place as f64 + aside).collect();
         layers.push(Layer::Points(Points {
             x,
@@ -133,7 +131,7 @@ fn panel(
             ..Points::default()
         }));
     }
-    layers.extend(summaries(tally, wanted, &shown)?);
+    layers.extend(summaries(tally, wanted, &shown));
     let [low, high] = [scale.lowest(), scale.highest()];
     let room = MARGIN * f64::from(high - low);
     let range = Range::Fixed(f64::from(low) - room, f64::from(high) + room);
@@ -144,73 +142,60 @@ fn panel(
     let names = shown.iter().map(|mode| plain(&format!("{}{turned}", mode.label)));
     let y = Axis::categories(names);
     let panel = Panel::new(cell, x, y, layers).titled(plain(&wanted.title));
-    Ok(Panel { height_mm: Some(ROW_MM * (shown.len() as f64 + 0.5)), ..panel })
+    Panel { height_mm: Some(ROW_MM * (shown.len() as f64 + 0.5)), ..panel }
 }
 
 /// The answers by mode, as scored, in rising order.
-fn scores(answers: &Table, wanted: &Wanted) -> Result<BTreeMap<String, Vec<f64>>, TableError> {
-    let [environments, modes, questions] =
-        ["environment", "mode", "question"].map(|name| answers.texts(name));
-    let (environments, modes, questions) = (environments?, modes?, questions?);
-    let values = answers.numbers("answer")?;
+fn scores<'a>(answers: &'a [GivenAnswer], wanted: &Wanted) -> BTreeMap<&'a ModeId, Vec<f64>> {
     let Wanted { environment, question, .. } = wanted;
-    let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    for row in 0..answers.height() {
-        let here = environments[row].as_deref() == Some(environment.as_str())
-            && questions[row].as_deref() == Some(question.id.as_str());
-        let value = values[row].and_then(|value| AnswerValue::new(value).ok());
-        let (true, Some(mode), Some(value)) = (here, &modes[row], value) else { continue };
-        let score = question.scale.score(value, question.reversed);
-        found.entry(mode.clone()).or_default().push(score.into());
+    let mut found: BTreeMap<&ModeId, Vec<f64>> = BTreeMap::new();
+    let is_here =
+        |row: &&GivenAnswer| row.environment == *environment && row.question == question.id;
+    for row in answers.iter().filter(is_here) {
+        let score = question.scale.score(row.answer, question.reversed);
+        found.entry(&row.mode).or_default().push(score.into());
     }
     found.values_mut().for_each(|values| values.sort_by(f64::total_cmp));
-    Ok(found)
+    found
 }
 
 /// Median with quartiles, and the mean, of each mode.
-fn summaries(tally: &Table, wanted: &Wanted, modes: &[&Mode]) -> Result<[Layer; 2], TableError> {
-    let [environments, of_modes, questions] =
-        ["environment", "mode", "question"].map(|name| tally.texts(name));
-    let (environments, of_modes, questions) = (environments?, of_modes?, questions?);
-    let row_of = |mode: &Mode| {
-        (0..tally.height()).find(|row| {
-            environments[*row].as_deref() == Some(wanted.environment.as_str())
-                && of_modes[*row].as_deref() == Some(mode.id.as_str())
-                && questions[*row].as_deref() == Some(wanted.question.id.as_str())
+fn summaries(tally: &[AnswerTally], wanted: &Wanted, modes: &[&Mode]) -> [Layer; 2] {
+    let question = Some(&wanted.question.id);
+    let row_of = |mode: &&Mode| {
+        tally.iter().find(|row| {
+            row.environment == wanted.environment
+                && row.mode == mode.id
+                && row.question.as_ref() == question
         })
     };
-    let rows: Vec<Option<usize>> = modes.iter().map(|mode| row_of(mode)).collect();
-    let of = |name: &str| -> Result<Vec<f64>, TableError> {
-        let values = tally.floats(name)?;
-        Ok(rows.iter().map(|row| row.and_then(|row| values[row]).unwrap_or(f64::NAN)).collect())
+    let rows: Vec<Option<&AnswerTally>> = modes.iter().map(row_of).collect();
+    // A mode without a number has no mark.
+    let numbers = |of: fn(&AnswerTally) -> Option<f64>| -> Vec<f64> {
+        rows.iter().map(|row| row.and_then(of).unwrap_or(f64::NAN)).collect()
     };
-    let [low, high] = ["median_low", "median_high"].map(|name| tally.numbers(name));
-    let (low, high) = (low?, high?);
-    let median = |row: &Option<usize>| {
-        let row = (*row)?;
-        Some((low[row]? + high[row]?) / 2.0)
-    };
+    let median = |row: &AnswerTally| Some((row.median_low?.get() + row.median_high?.get()) / 2.0);
     let at: Vec<f64> = (0..modes.len()).map(|place| place as f64 + BELOW).collect();
     let none = vec![f64::NAN; modes.len()];
     let quartiles = Intervals {
         direction: Direction::Horizontal,
         at: at.clone(),
-        estimate: rows.iter().map(|row| median(row).unwrap_or(f64::NAN)).collect(),
-        low: of("quartile_1")?,
-        high: of("quartile_3")?,
+        estimate: numbers(median),
+        low: numbers(|row| row.quartile_1),
+        high: numbers(|row| row.quartile_3),
         colour: style::INK,
         marker: Marker::Disc,
         name: None,
     };
     let mean = Intervals {
-        estimate: of("mean")?,
+        estimate: numbers(|row| row.mean),
         low: none.clone(),
         high: none,
         marker: Marker::Diamond,
         colour: style::mode_colour(1),
         ..quartiles.clone()
     };
-    Ok([Layer::Intervals(quartiles), Layer::Intervals(mean)])
+    [Layer::Intervals(quartiles), Layer::Intervals(mean)]
 }
 
 /// A score with the word of the answer that it stands for: of a reversed question that at the other

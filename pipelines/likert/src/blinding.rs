@@ -2,10 +2,11 @@
 
 use crate::LikertError;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use zwidth_results::BlindingIndex;
 use zwidth_stats::interval;
 use zwidth_study::{AnswerValue, ModeId, ParticipantId};
-use zwidth_tables::{Column, NoteKind, Table};
+use zwidth_tables::{NoteKind, Table, TableError};
 
 /// One trial after which it was asked which mode it was.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -46,18 +47,6 @@ struct Tally {
     score: f64,
 }
 
-/// One row of the table.
-struct Row<'a> {
-    /// `None` over participants.
-    participant: Option<&'a ParticipantId>,
-    mode: &'a ModeId,
-    /// Those who answered.
-    participants: usize,
-    tally: Tally,
-    index: Option<f64>,
-    interval: Option<[f64; 2]>,
-}
-
 impl Tally {
     /// Counts one more trial: its score is 1 if right, −1/(k − 1) if wrong with k modes to choose
     /// from, 0 for "do not know".
@@ -71,6 +60,22 @@ impl Tally {
         };
         *count += 1;
         self.score += score;
+    }
+
+    /// Its row, without an index.
+    fn row(&self, mode: &ModeId) -> BlindingIndex {
+        BlindingIndex {
+            participant: None,
+            mode: mode.clone(),
+            participants: 0,
+            trials: self.trials,
+            right: self.right,
+            wrong: self.wrong,
+            do_not_know: self.unknown,
+            index: None,
+            index_ci_low: None,
+            index_ci_high: None,
+        }
     }
 
     fn answered(&self) -> usize {
@@ -89,7 +94,7 @@ fn all_wrong(choices: u8) -> f64 {
     -1.0 / (f64::from(choices) - 1.0)
 }
 
-/// The table of the blinding index: for each participant and mode, and where there are several
+/// The blinding index: for each participant and mode, and where there are several
 /// participants for each mode over them, the trials after which it was asked which mode it was, the
 /// answers that were right, wrong, and "do not know", and the index.
 ///
@@ -102,29 +107,35 @@ fn all_wrong(choices: u8) -> f64 {
 ///
 /// # Errors
 /// An answer that was not offered; a level outside (0, 1).
-pub fn blinding(of: &Blinding) -> Result<Table, LikertError> {
+pub fn blinding(of: &Blinding) -> Result<Vec<BlindingIndex>, LikertError> {
     of.guesses.iter().try_for_each(check)?;
     let mut tallies: BTreeMap<&ParticipantId, BTreeMap<&ModeId, Tally>> = BTreeMap::new();
     for guess in &of.guesses {
         let own = tallies.entry(&guess.participant).or_default();
         own.entry(&guess.mode).or_default().add(guess);
     }
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<BlindingIndex> = Vec::new();
     for (who, own) in &tallies {
         rows.extend(of.modes.iter().filter_map(|mode| of_participant(who, mode, own)));
     }
-    let people = tallies.len();
-    if people > 1 {
+    if tallies.len() > 1 {
         let over =
             of.modes.iter().filter_map(|mode| over_participants(of, mode, &rows).transpose());
-        let over = over.collect::<Result<Vec<Row>, LikertError>>()?;
+        let over = over.collect::<Result<Vec<BlindingIndex>, LikertError>>()?;
         rows.extend(over);
     }
-    let title = "Blinding index: which mode participants thought it was";
-    let table = Table::new("blinding", title, columns(&rows))?;
-    Ok(notes(of, people)
-        .into_iter()
-        .fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
+    Ok(rows)
+}
+
+/// The same as a table, with what the index is and what is not in it below.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn blinding_table(rows: &[BlindingIndex], of: &Blinding) -> Result<Table, TableError> {
+    let people: BTreeSet<&ParticipantId> = of.guesses.iter().map(|g| &g.participant).collect();
+    let notes = notes(of, people.len()).into_iter();
+    let table = Table::of_rows(rows)?;
+    Ok(notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
 }
 
 /// Whether an answer is one of those that were offered.
@@ -143,23 +154,27 @@ fn check(guess: &Guess) -> Result<(), LikertError> {
 }
 
 /// A participant's row of a mode; `None` if it was not asked for after a trial of that mode.
-fn of_participant<'a>(
-    participant: &'a ParticipantId,
-    mode: &'a ModeId,
+fn of_participant(
+    participant: &ParticipantId,
+    mode: &ModeId,
     own: &BTreeMap<&ModeId, Tally>,
-) -> Option<Row<'a>> {
+) -> Option<BlindingIndex> {
     let tally = *own.get(mode)?;
-    let (index, participants) = (tally.index(), usize::from(tally.answered() > 0));
-    Some(Row { participant: Some(participant), mode, participants, tally, index, interval: None })
+    Some(BlindingIndex {
+        participant: Some(participant.clone()),
+        participants: usize::from(tally.answered() > 0),
+        index: tally.index(),
+        ..tally.row(mode)
+    })
 }
 
 /// The row of a mode over participants, from their own rows; `None` without one.
-fn over_participants<'a>(
-    of: &'a Blinding,
-    mode: &'a ModeId,
-    own: &[Row],
-) -> Result<Option<Row<'a>>, LikertError> {
-    let own = own.iter().filter(|row| row.participant.is_some() && row.mode == mode);
+fn over_participants(
+    of: &Blinding,
+    mode: &ModeId,
+    own: &[BlindingIndex],
+) -> Result<Option<BlindingIndex>, LikertError> {
+    let own = own.iter().filter(|row| row.participant.is_some() && row.mode == *mode);
     let indices: Vec<f64> = own.filter_map(|row| row.index).collect();
     let mean = interval::mean(&indices, of.level)?;
     let mut tally = Tally::default();
@@ -168,41 +183,14 @@ fn over_participants<'a>(
     let fewest = asked().map(|g| g.choices).min();
     let held = |end: f64| end.clamp(fewest.map_or(-1.0, all_wrong), 1.0);
     let spread = mean.interval.filter(|interval| interval.std_error > 0.0);
-    let row = Row {
-        participant: None,
-        mode,
+    let row = BlindingIndex {
         participants: mean.n,
-        tally,
         index: mean.estimate,
-        interval: spread.map(|interval| [interval.ci_low, interval.ci_high].map(held)),
+        index_ci_low: spread.map(|interval| held(interval.ci_low)),
+        index_ci_high: spread.map(|interval| held(interval.ci_high)),
+        ..tally.row(mode)
     };
     Ok((tally.trials > 0).then_some(row))
-}
-
-fn columns(rows: &[Row]) -> Vec<Column> {
-    let count = |name, meaning, of: fn(&Row) -> usize| {
-        Column::integer(name, "1", meaning, rows.iter().map(|row| Some(of(row) as i64)))
-    };
-    let number = |name, meaning, of: fn(&Row) -> Option<f64>| {
-        Column::float(name, "1", meaning, rows.iter().map(of))
-    };
-    let who = rows.iter().map(|row| row.participant.map(ToString::to_string));
-    vec![
-        Column::text("participant", "who; null over participants", who),
-        Column::text("mode", "which mode it was", rows.iter().map(|row| Some(row.mode.as_str()))),
-        count("participants", "people who answered", |row| row.participants),
-        count("trials", "trials after which it was asked", |row| row.tally.trials),
-        count("right", "answers that named the mode", |row| row.tally.right),
-        count("wrong", "answers that named another mode", |row| row.tally.wrong),
-        count("do_not_know", "answers that it is not known", |row| row.tally.unknown),
-        number("index", "blinding index; null without an answer", |row| row.index),
-        number("index_ci_low", "lower end of its t interval over participants", |row| {
-            row.interval.map(|[low, _]| low)
-        }),
-        number("index_ci_high", "upper end of its t interval over participants", |row| {
-            row.interval.map(|[_, high]| high)
-        }),
-    ]
 }
 
 fn notes(of: &Blinding, participants: usize) -> Vec<(NoteKind, String)> {
@@ -276,8 +264,12 @@ mod tests {
         Blinding { modes, guesses: guesses.concat(), sealed: 0, level: 0.95 }
     }
 
+    fn table_of(of: &Blinding) -> Table {
+        blinding_table(&blinding(of).unwrap(), of).unwrap()
+    }
+
     fn indices(of: &Blinding) -> Vec<f64> {
-        blinding(of).unwrap().floats("index").unwrap().into_iter().map(Option::unwrap).collect()
+        blinding(of).unwrap().iter().map(|row| row.index.unwrap()).collect()
     }
 
     fn is(found: &[f64], expect: &[f64]) {
@@ -337,7 +329,9 @@ mod tests {
             said("P02", 1, 3, Some(1), 1),
             said("P02", 1, 3, Some(0), 1),
         ];
-        let table = blinding(&of(3, &guesses)).unwrap();
+        let rows = blinding(&of(3, &guesses)).unwrap();
+        let table = table_of(&of(3, &guesses));
+        assert_eq!(table.to_rows::<BlindingIndex>().unwrap(), rows);
         let own = [0.85, 0.5];
         is(&indices(&of(3, &guesses)), &[own[0], own[1], 0.675]);
         assert_eq!(table.texts("participant").unwrap()[2], None);
@@ -347,31 +341,33 @@ mod tests {
         assert_eq!(table.floats("index_ci_low").unwrap(), [None, None, Some(-0.5)]);
         assert_eq!(table.floats("index_ci_high").unwrap(), [None, None, Some(1.0)]);
         let half = Blinding { level: 0.5, ..of(3, &guesses) };
-        let low = blinding(&half).unwrap().floats("index_ci_low").unwrap()[2].unwrap();
+        let low = blinding(&half).unwrap()[2].index_ci_low.unwrap();
         assert!((low - 0.5).abs() < 1e-8, "tan(π/4) = 1: {low}");
     }
 
     #[test]
     fn one_participant_says_nothing_of_people_and_equal_ones_have_no_interval() {
-        let alone = blinding(&of(2, &[said("P01", 1, 2, Some(1), 4)])).unwrap();
+        let alone = table_of(&of(2, &[said("P01", 1, 2, Some(1), 4)]));
         assert_eq!(alone.texts("participant").unwrap(), [Some("P01".to_owned())]);
         assert!(alone.notes().iter().all(|note| !note.contains("participants")), "{alone:?}");
         let alike = of(2, &[said("P01", 1, 2, Some(1), 4), said("P02", 1, 2, Some(1), 2)]);
-        assert_eq!(blinding(&alike).unwrap().floats("index_ci_low").unwrap(), [None, None, None]);
+        let alike = blinding(&alike).unwrap();
+        assert_eq!(alike.len(), 3);
+        assert!(alike.iter().all(|row| row.index_ci_low.is_none()));
     }
 
     #[test]
     fn what_was_left_open_and_what_is_sealed_is_in_no_index_and_told() {
         let guesses = [said("P01", 1, 2, Some(1), 1), said("P01", 1, 2, None, 2)];
         let open = Blinding { sealed: 5, ..of(2, &guesses) };
-        let table = blinding(&open).unwrap();
+        let table = table_of(&open);
         is(&indices(&open), &[1.0]);
         assert_eq!(table.integers("trials").unwrap(), [Some(3)]);
         let notes = table.notes().join("\n");
         assert!(notes.contains("After 2 trials it was left open"), "{notes}");
         assert!(notes.contains("Without 5 trials of sealed sessions"), "{notes}");
         let none = of(2, &[said("P01", 1, 2, None, 2)]);
-        assert_eq!(blinding(&none).unwrap().floats("index").unwrap(), [None]);
+        assert_eq!(blinding(&none).unwrap()[0].index, None);
     }
 
     #[test]

@@ -19,7 +19,7 @@
 //! The question which mode it was is none of these: its answers are names, in no tally. [`blinding`]
 //! counts how often they were right.
 //!
-//! Pure: answers in memory, table out. Only answers that count may come into a tally
+//! Pure: answers in memory, rows out. Only answers that count may come into a tally
 //! (`StudyData::answers` gives those).
 
 mod blinding;
@@ -31,9 +31,9 @@ mod tally;
 #[cfg(test)]
 mod tests;
 
-pub use blinding::{Blinding, Guess, blinding};
-pub use long::{COUNTS, long};
-pub use tally::{LikertError, Scheme, tally};
+pub use blinding::{Blinding, Guess, blinding, blinding_table};
+pub use long::{long, long_table};
+pub use tally::{LikertError, Scheme, tally, tally_table};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 6;

@@ -1,7 +1,7 @@
 //! The tally against a questionnaire collected by others.
 
 use crate::Scheme;
-use crate::tally;
+use crate::{tally, tally_table};
 use std::path::PathBuf;
 use zwidth_store::Answer;
 use zwidth_study::{
@@ -94,7 +94,8 @@ fn pooled_counts_with_reversed_items_are_those_of_an_independent_count() {
     };
     let answers: Vec<Answer> = people.iter().flat_map(of).collect();
     assert_eq!((questions.len(), answers.len()), (45, 3600));
-    let table = tally(&answers, &scheme(&questions)).unwrap();
+    let scheme = scheme(&questions);
+    let table = tally_table(&tally(&answers, &scheme).unwrap(), &scheme).unwrap();
     let ease =
         [[12, 26, 24, 44, 34], [2, 24, 18, 47, 49], [2, 17, 24, 59, 38], [6, 18, 24, 43, 49]];
     let presence =

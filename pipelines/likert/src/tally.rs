@@ -3,6 +3,7 @@
 use crate::counts::Counts;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
+use zwidth_results::{AnswerTally, Row};
 use zwidth_store::Answer;
 use zwidth_study::{
     AnswerScale, AnswerValue, Condition, EnvironmentId, ModeId, ParticipantId, Question,
@@ -64,16 +65,6 @@ pub enum LikertError {
     Table(#[from] TableError),
 }
 
-/// One row of the table.
-struct TallyRow<'a> {
-    environment: &'a EnvironmentId,
-    mode: &'a ModeId,
-    /// `None` where a group is pooled.
-    question: Option<&'a Question>,
-    group: Option<&'a str>,
-    counts: Counts,
-}
-
 type ByQuestion = BTreeMap<(Condition, QuestionId), Counts>;
 
 /// What can be asked, and after what, in the order of the study file.
@@ -111,17 +102,13 @@ impl Scheme {
     }
 
     /// A column of answers, whole numbers unless the study has a line.
-    pub(crate) fn answer_column(
-        &self,
-        name: &'static str,
-        meaning: &'static str,
-        answers: impl Iterator<Item = Option<AnswerValue>>,
-    ) -> Column {
-        if self.has_line() {
-            return Column::float(name, "1", meaning, answers.map(|a| a.map(AnswerValue::get)));
+    pub(crate) fn answer_column(&self, column: Column) -> Column {
+        let Column { mut field, mut values } = column;
+        if !self.has_line() {
+            values = values.in_whole_numbers();
         }
-        let whole = answers.map(|answer| answer.and_then(AnswerValue::whole).map(i64::from));
-        Column::integer(name, "1", meaning, whole)
+        field.kind = values.kind();
+        Column { field, values }
     }
 
     /// Whether an answer rates what was felt, and is for the tally to count, or to refuse if the
@@ -137,41 +124,117 @@ impl Scheme {
     }
 }
 
-/// The table of counts, in the order of the study file: for each environment and mode first a row a
-/// question, then one row per group. Columns: `environment`, `mode`, `question` and `reversed`
-/// (null in a pooled row), `group`, `pooled`, `participants`, `n`, `count_1`, `count_2`, … from the
-/// lowest answer to the highest of the longest scale that is counted by points (as scored; null
-/// beyond the last point of the row's own scale, and on one that is longer), `median_low` and
-/// `median_high` (the two middle answers; equal for odd n; floats where a question is a line). Where
-/// a question has more than [`AnswerScale::MOST_CATEGORIES`] points also `lowest`, `quartile_1`,
-/// `quartile_3`, `highest`, `mean` and `sd` of its answers. Answers to the question which mode it
-/// was are in no row.
+/// The counts, in the order of the study file: for each environment and mode first a row a question,
+/// then one row per group. Answers to the question which mode it was are in no row.
 ///
 /// # Errors
 /// An answer off the scale; a question, environment or mode that the study does not have.
-pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Table, LikertError> {
+pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Vec<AnswerTally>, LikertError> {
     let counts = count(answers, scheme)?;
     let mut rows = Vec::new();
     for environment in &scheme.environments {
         for mode in &scheme.modes {
             let condition = Condition { environment: environment.clone(), mode: mode.clone() };
             let questions = questions(&counts, &condition, scheme);
-            let row =
-                |question, group, counts| TallyRow { environment, mode, question, group, counts };
-            rows.extend(
-                questions.iter().map(|(q, c)| row(Some(*q), q.group.as_deref(), (*c).clone())),
-            );
-            rows.extend(pooled(&questions).into_iter().map(|(group, c)| row(None, Some(group), c)));
+            for (question, counts) in &questions {
+                rows.push(AnswerTally {
+                    question: Some(question.id.clone()),
+                    group: question.group.clone(),
+                    pooled: false,
+                    reversed: Some(question.reversed),
+                    ..row(&condition, counts)
+                });
+            }
+            for (group, counts) in pooled(&questions) {
+                rows.push(AnswerTally {
+                    group: Some(group.to_owned()),
+                    ..row(&condition, &counts)
+                });
+            }
         }
     }
+    Ok(rows)
+}
+
+/// The row of a group's answers, without its name.
+fn row(condition: &Condition, counts: &Counts) -> AnswerTally {
+    let (is_ordinal, medians) = (counts.scale().is_ordinal(), counts.medians());
+    let point = |point: u8| counts.of_point(point).filter(|_| is_ordinal);
+    let sum = |value: Option<f64>| value.filter(|_| !is_ordinal);
+    AnswerTally {
+        environment: condition.environment.clone(),
+        mode: condition.mode.clone(),
+        question: None,
+        group: None,
+        pooled: true,
+        reversed: None,
+        participants: counts.participants.len(),
+        n: counts.n(),
+        count_1: point(1),
+        count_2: point(2),
+        count_3: point(3),
+        count_4: point(4),
+        count_5: point(5),
+        count_6: point(6),
+        count_7: point(7),
+        count_8: point(8),
+        count_9: point(9),
+        count_10: point(10),
+        count_11: point(11),
+        median_low: medians.map(|(low, _)| low),
+        median_high: medians.map(|(_, high)| high),
+        lowest: sum(counts.quantile(0.0)),
+        quartile_1: sum(counts.quantile(0.25)),
+        quartile_3: sum(counts.quantile(0.75)),
+        highest: sum(counts.quantile(1.0)),
+        mean: sum(counts.mean()),
+        sd: sum(counts.sd()),
+    }
+}
+
+/// The table of counts. It has a column `count_1`, `count_2`, … for each point of the longest scale
+/// that is counted by points, from the lowest answer to the highest (as scored; null beyond the last
+/// point of the row's own scale, and on one that is longer). `median_low` and `median_high` are
+/// floats where a question is a line. Where a question has more than
+/// [`AnswerScale::MOST_CATEGORIES`] points there are also `lowest`, `quartile_1`, `quartile_3`,
+/// `highest`, `mean` and `sd` of its answers.
+///
+/// # Errors
+/// A number that is not finite.
+pub fn tally_table(rows: &[AnswerTally], scheme: &Scheme) -> Result<Table, TableError> {
     let scales = scheme.scales();
+    let ordinal: Vec<&AnswerScale> = scales.iter().filter(|scale| scale.is_ordinal()).collect();
+    let points = ordinal.iter().map(|scale| scale.points()).max().unwrap_or_default();
+    let mut columns = Vec::new();
+    for mut column in AnswerTally::columns(rows) {
+        let name = column.field.name.clone();
+        let point = (1..).zip(AnswerTally::COUNTS).find(|(_, own)| *own == name);
+        match point {
+            Some((point, _)) if point > points => continue,
+            Some((point, _)) => column.field.description = about_point(&ordinal, point).into(),
+            None if AnswerTally::MEDIANS.contains(&&*name) => column = scheme.answer_column(column),
+            None if AnswerTally::SUMS.contains(&&*name) && ordinal.len() == scales.len() => {
+                continue;
+            }
+            None if name == AnswerTally::REVERSED => {
+                column.field.description = format!(
+                    "whether agreement speaks against, so that a counts as {}; null where pooled",
+                    turned(&scales)
+                )
+                .into();
+            }
+            None => {}
+        }
+        columns.push(column);
+    }
     let names: Vec<String> = scales.iter().map(AnswerScale::name).collect();
     let caption = format!(
-        "Answers on the {} (reversed questions scored {})",
+        "{} on the {} (reversed questions scored {})",
+        AnswerTally::TITLE,
         names.join(" and the "),
         turned(&scales)
     );
-    let table = Table::new("likert", &caption, columns(&rows, scheme))?;
+    let table = Table::new(AnswerTally::NAME, &caption, columns)?;
     Ok(if scales.iter().all(AnswerScale::is_ordinal) {
         table
     } else {
@@ -262,8 +325,8 @@ fn turned(scales: &[AnswerScale]) -> String {
     }
 }
 
-/// How often a point was chosen; null on a scale without it.
-fn count_column(rows: &[TallyRow], scales: &[&AnswerScale], point: u8) -> Column {
+/// What the count of a point counts, on the scales that have it.
+fn about_point(scales: &[&AnswerScale], point: u8) -> String {
     let here = scales.iter().filter(|scale| point <= scale.points());
     let numbered = here.clone().all(|scale| scale.answer_at(point) == i16::from(point));
     let word = |scale: &&AnswerScale| match numbered {
@@ -271,90 +334,10 @@ fn count_column(rows: &[TallyRow], scales: &[&AnswerScale], point: u8) -> Column
         false => Some(scale.worded(scale.answer_at(point))),
     };
     let words: Vec<String> = here.filter_map(word).collect();
-    let counted = |r: &TallyRow| {
-        r.counts.of_point(point).filter(|_| r.counts.scale().is_ordinal()).map(|n| n as i64)
-    };
-    let values = rows.iter().map(counted);
-    let mut column = Column::integer("count", "1", "", values);
-    column.field.name = format!("count_{point}").into();
     let which =
         if numbered { format!("answers {point}") } else { format!("answers at point {point}") };
     let colon = if words.is_empty() { "" } else { ": " };
-    column.field.description = format!("{which} as scored{colon}{}", words.join(", ")).into();
-    column
-}
-
-fn columns(rows: &[TallyRow], scheme: &Scheme) -> Vec<Column> {
-    let scales = scheme.scales();
-    let text = |name, meaning, get: fn(&TallyRow) -> Option<String>| {
-        Column::text(name, meaning, rows.iter().map(get))
-    };
-    let number = |name, meaning, get: fn(&TallyRow) -> Option<i64>| {
-        Column::integer(name, "1", meaning, rows.iter().map(get))
-    };
-    let mut reversed =
-        Column::flag("reversed", "", rows.iter().map(|r| r.question.map(|q| q.reversed)));
-    reversed.field.description = format!(
-        "whether agreement speaks against, so that a counts as {}; null where pooled",
-        turned(&scales)
-    )
-    .into();
-    let ordinal: Vec<&AnswerScale> = scales.iter().filter(|scale| scale.is_ordinal()).collect();
-    let points = ordinal.iter().map(|scale| scale.points()).max().unwrap_or_default();
-    let mut columns = vec![
-        text("environment", "what was rendered", |r| Some(r.environment.to_string())),
-        text("mode", "how it was rendered", |r| Some(r.mode.to_string())),
-        text("question", "the question; null where a group is pooled", |r| {
-            r.question.map(|q| q.id.to_string())
-        }),
-        text("group", "the group of questions", |r| r.group.map(str::to_owned)),
-        Column::flag(
-            "pooled",
-            "whether the row pools a group",
-            rows.iter().map(|r| Some(r.question.is_none())),
-        ),
-        reversed,
-        number("participants", "people who answered", |r| Some(r.counts.participants.len() as i64)),
-        number("n", "answers", |r| Some(r.counts.n() as i64)),
-    ];
-    columns.extend((1..=points).map(|point| count_column(rows, &ordinal, point)));
-    let medians = || rows.iter().map(|r| r.counts.medians());
-    columns.extend([
-        scheme.answer_column(
-            "median_low",
-            "median; for even n the lower of the two middle answers",
-            medians().map(|m| Some(m?.0)),
-        ),
-        scheme.answer_column(
-            "median_high",
-            "median; for even n the upper of the two middle answers",
-            medians().map(|m| Some(m?.1)),
-        ),
-    ]);
-    if ordinal.len() < scales.len() {
-        columns.extend(quantity_columns(rows));
-    }
-    columns
-}
-
-/// What sums up the answers on a scale of many points.
-fn quantity_columns(rows: &[TallyRow]) -> [Column; 6] {
-    let column = |name, meaning, of: fn(&Counts) -> Option<f64>| {
-        let long = |row: &TallyRow| of(&row.counts).filter(|_| !row.counts.scale().is_ordinal());
-        Column::float(name, "1", meaning, rows.iter().map(long))
-    };
-    [
-        column("lowest", "lowest answer as scored, on a scale of many points", |c| c.quantile(0.0)),
-        column("quartile_1", "first quartile of these answers", |c| c.quantile(0.25)),
-        column("quartile_3", "third quartile of these answers", |c| c.quantile(0.75)),
-        column("highest", "highest of these answers", |c| c.quantile(1.0)),
-        column("mean", "mean of people's means; of one person, of the answers", Counts::mean),
-        column(
-            "sd",
-            "standard deviation between people's means; of one person, of the answers",
-            Counts::sd,
-        ),
-    ]
+    format!("{which} as scored{colon}{}", words.join(", "))
 }
 
 #[cfg(test)]
@@ -395,6 +378,11 @@ mod tests {
         }
     }
 
+    /// The table of some answers.
+    fn table_of(answers: &[Answer]) -> Table {
+        tally_table(&tally(answers, &scheme()).unwrap(), &scheme()).unwrap()
+    }
+
     fn texts(table: &Table, column: &str) -> Vec<String> {
         table.texts(column).unwrap().into_iter().map(Option::unwrap_or_default).collect()
     }
@@ -411,7 +399,9 @@ mod tests {
             answer("P01", "active", "q1", 4),
             answer("P02", "active", "q1", 2),
         ];
-        let table = tally(&answers, &scheme()).unwrap();
+        let rows = tally(&answers, &scheme()).unwrap();
+        let table = tally_table(&rows, &scheme()).unwrap();
+        assert_eq!(table.to_rows::<AnswerTally>().unwrap(), rows);
         assert_eq!(texts(&table, "mode"), ["active", "active", "active", "hybrid"]);
         assert_eq!(texts(&table, "question"), ["q1", "q2", "", "q3"]);
         assert_eq!(texts(&table, "group"), ["ease", "ease", "ease", ""]);
@@ -434,8 +424,8 @@ mod tests {
 
     #[test]
     fn what_nobody_answered_has_no_row_and_is_not_zero() {
-        assert_eq!(tally(&[], &scheme()).unwrap().height(), 0);
-        let table = tally(&[answer("P01", "passive", "q3", 3)], &scheme()).unwrap();
+        assert!(tally(&[], &scheme()).unwrap().is_empty());
+        let table = table_of(&[answer("P01", "passive", "q3", 3)]);
         assert_eq!((table.height(), numbers(&table, "count_3")), (1, vec![1]));
     }
 
@@ -444,7 +434,7 @@ mod tests {
         let mut answers: Vec<_> = (1..=5).map(|v| answer("P01", "active", "q1", v)).collect();
         let forward = tally(&answers, &scheme()).unwrap();
         answers.reverse();
-        assert_eq!(tally(&answers, &scheme()).unwrap().columns(), forward.columns());
+        assert_eq!(tally(&answers, &scheme()).unwrap(), forward);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Scales of other lengths than five.
 
-use crate::{Scheme, long, tally};
+use crate::{LikertError, Scheme, long_table, tally_table};
 use proptest::prelude::*;
+use zwidth_results::{AnswerTally, GivenAnswer};
 use zwidth_store::Answer;
 use zwidth_study::{AnswerValue, Condition, Study, StudyId, template};
 use zwidth_tables::Table;
@@ -28,6 +29,22 @@ fn given(question: &str, value: impl Into<AnswerValue>) -> Answer {
         value: value.into(),
         time_ms: None,
     }
+}
+
+/// The table of the counts.
+fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Table, LikertError> {
+    let rows = crate::tally(answers, scheme)?;
+    let table = tally_table(&rows, scheme)?;
+    assert_eq!(table.to_rows::<AnswerTally>().unwrap(), rows);
+    Ok(table)
+}
+
+/// The table of the answers themselves.
+fn long(answers: &[Answer], scheme: &Scheme) -> Table {
+    let rows = crate::long(answers, &[]);
+    let table = long_table(&rows, scheme).unwrap();
+    assert_eq!(table.to_rows::<GivenAnswer>().unwrap(), rows);
+    table
 }
 
 fn cell(table: &Table, column: &str, row: usize) -> Option<i64> {
@@ -112,7 +129,7 @@ fn answers_on_a_line_are_summed_up_by_their_own_numbers() {
     ] {
         assert!((of(column) - numpy).abs() < 1e-12, "{column}: {}", of(column));
     }
-    let numbers = long(&answers, &[], &with_line()).unwrap().floats("answer").unwrap();
+    let numbers = long(&answers, &with_line()).floats("answer").unwrap();
     assert_eq!(numbers[..2], [Some(47.273), Some(100.0)]);
 }
 
@@ -120,8 +137,7 @@ fn answers_on_a_line_are_summed_up_by_their_own_numbers() {
 fn columns_of_answers_are_whole_numbers_in_a_study_without_a_line() {
     for (scheme, decimals) in [(scheme(), false), (with_line(), true)] {
         let answers = [given("felt_spring", 4_i16)];
-        let (tally, long) =
-            (tally(&answers, &scheme).unwrap(), long(&answers, &[], &scheme).unwrap());
+        let (tally, long) = (tally(&answers, &scheme).unwrap(), long(&answers, &scheme));
         for (table, column) in [(&tally, "median_low"), (&tally, "median_high"), (&long, "answer")]
         {
             let whole = table.integers(column).ok();

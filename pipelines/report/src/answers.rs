@@ -1,8 +1,11 @@
 //! The answers to an environment's question: their median, and one mode's against another's.
 
 use std::collections::BTreeMap;
-use zwidth_study::{AnswerScale, AnswerValue, Environment, Mode, Question, QuestionId, Setup};
-use zwidth_tables::{Table, TableError, number};
+use zwidth_results::{AnswerTally, GivenAnswer};
+use zwidth_study::{
+    AnswerScale, AnswerValue, Environment, Mode, ParticipantId, Question, QuestionId, Setup,
+};
+use zwidth_tables::number;
 
 /// The median of a mode's answers.
 pub(crate) struct Median {
@@ -10,8 +13,8 @@ pub(crate) struct Median {
     /// The two middle answers, as scored.
     pub(crate) low: AnswerValue,
     pub(crate) high: AnswerValue,
-    pub(crate) answers: i64,
-    pub(crate) participants: i64,
+    pub(crate) answers: usize,
+    pub(crate) participants: usize,
 }
 
 impl Median {
@@ -50,61 +53,97 @@ pub(crate) fn question_of<'s>(study: &'s Setup, environment: &Environment) -> Op
 /// question or an answer.
 pub(crate) fn median(
     study: &Setup,
-    tally: &Table,
+    tally: &[AnswerTally],
     environment: &Environment,
     mode: &Mode,
-) -> Result<Option<Median>, TableError> {
-    let Some(question) = question_of(study, environment) else { return Ok(None) };
-    median_of(study, tally, [environment.id.as_str(), mode.id.as_str()], &question.id)
+) -> Option<Median> {
+    median_of(tally, environment, mode, question_of(study, environment)?)
 }
 
 /// The median answer to any question in an environment and a mode; `None` without an answer.
 pub(crate) fn median_of(
-    study: &Setup,
-    tally: &Table,
-    [environment, mode]: [&str; 2],
-    question: &QuestionId,
-) -> Result<Option<Median>, TableError> {
-    let of = [environment, mode, question.as_str()];
-    let Some(row) = rows(tally, of)?.into_iter().next() else { return Ok(None) };
-    let [low, high] = ["median_low", "median_high"].map(|name| tally.numbers(name));
-    let [low, high] = [low?[row], high?[row]].map(|n| AnswerValue::new(n?).ok());
-    let [answers, participants] = ["n", "participants"].map(|name| tally.integers(name));
-    let (Some(low), Some(high), Some(answers), Some(participants)) =
-        (low, high, answers?[row], participants?[row])
-    else {
-        return Ok(None);
-    };
-    Ok(Some(Median { scale: study.scale(question), low, high, answers, participants }))
-}
-
-/// The answers to the environment's question in a mode as they count, by participant, of the long
-/// table of answers.
-pub(crate) fn scored(
-    study: &Setup,
-    answers: &Table,
+    tally: &[AnswerTally],
     environment: &Environment,
     mode: &Mode,
-) -> Result<BTreeMap<String, Vec<AnswerValue>>, TableError> {
-    let mut people: BTreeMap<String, Vec<AnswerValue>> = BTreeMap::new();
-    let Some(asked) = question_of(study, environment) else { return Ok(people) };
-    let (who, given) = (answers.texts("participant")?, answers.numbers("answer")?);
-    for row in rows(answers, [environment.id.as_str(), mode.id.as_str(), asked.id.as_str()])? {
-        let answer = given[row].and_then(|answer| AnswerValue::new(answer).ok());
-        let Some(answer) = answer.filter(|answer| asked.scale.has(*answer)) else { continue };
-        let scored = asked.scale.score(answer, asked.reversed);
-        people.entry(who[row].clone().unwrap_or_default()).or_default().push(scored);
-    }
-    Ok(people)
+    question: &Question,
+) -> Option<Median> {
+    let row = tally.iter().find(|row| {
+        row.environment == environment.id
+            && row.mode == mode.id
+            && row.question.as_ref() == Some(&question.id)
+    })?;
+    Some(Median {
+        scale: question.scale.clone(),
+        low: row.median_low?,
+        high: row.median_high?,
+        answers: row.n,
+        participants: row.participants,
+    })
 }
 
-/// The rows of an environment, a mode and a question.
-fn rows(table: &Table, of: [&str; 3]) -> Result<Vec<usize>, TableError> {
-    let [environments, modes, questions] =
-        ["environment", "mode", "question"].map(|name| table.texts(name));
-    let columns = [environments?, modes?, questions?];
-    let is = |row: &usize| columns.iter().zip(of).all(|(c, of)| c[*row].as_deref() == Some(of));
-    Ok((0..table.height()).filter(is).collect())
+/// The answers to the environment's question in a mode as they count, by participant.
+pub(crate) fn scored<'a>(
+    study: &Setup,
+    answers: &'a [GivenAnswer],
+    environment: &Environment,
+    mode: &Mode,
+) -> BTreeMap<&'a ParticipantId, Vec<AnswerValue>> {
+    let mut people: BTreeMap<&ParticipantId, Vec<AnswerValue>> = BTreeMap::new();
+    let Some(asked) = question_of(study, environment) else { return people };
+    for row in answers {
+        let is_it = row.environment == environment.id
+            && row.mode == mode.id
+            && row.question == asked.id
+            && asked.scale.has(row.answer);
+        if is_it {
+            let scored = asked.scale.score(row.answer, asked.reversed);
+            people.entry(&row.participant).or_default().push(scored);
+        }
+    }
+    people
+}
+
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::*;
+
+    /// One answer of one person, which is the median.
+    pub(crate) fn tallied(
+        environment: &str,
+        mode: &str,
+        question: &str,
+        median: i16,
+    ) -> AnswerTally {
+        AnswerTally {
+            environment: environment.parse().unwrap(),
+            mode: mode.parse().unwrap(),
+            question: Some(question.parse().unwrap()),
+            group: None,
+            pooled: false,
+            reversed: Some(false),
+            participants: 1,
+            n: 1,
+            count_1: None,
+            count_2: None,
+            count_3: None,
+            count_4: None,
+            count_5: None,
+            count_6: None,
+            count_7: None,
+            count_8: None,
+            count_9: None,
+            count_10: None,
+            count_11: None,
+            median_low: Some(median.into()),
+            median_high: Some(median.into()),
+            lowest: None,
+            quartile_1: None,
+            quartile_3: None,
+            highest: None,
+            mean: None,
+            sd: None,
+        }
+    }
 }
 
 #[cfg(test)]

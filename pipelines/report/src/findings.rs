@@ -6,6 +6,7 @@ use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
 use std::collections::BTreeSet;
+use zwidth_results::AnswerTally;
 use zwidth_study::{Coordinate, Environment, Mode, Setup, in_a_sentence};
 use zwidth_tables::{Table, TableError, given, quantity};
 
@@ -32,7 +33,7 @@ pub type TrialNames = BTreeSet<(String, String, i64)>;
 pub fn findings(
     study: &Setup,
     metrics: &Table,
-    tally: Option<&Table>,
+    tally: Option<&[AnswerTally]>,
     doubted: &TrialNames,
 ) -> Result<Vec<Finding>, TableError> {
     let mut found = Vec::new();
@@ -57,7 +58,7 @@ pub fn findings(
     found.extend(both(study, metrics)?);
     found.extend(steadiness(study, metrics, doubted)?);
     if let Some(tally) = tally {
-        found.extend(answers(study, tally, simulated(metrics)?)?);
+        found.extend(answers(study, tally, simulated(metrics)?));
     }
     Ok(found)
 }
@@ -261,15 +262,15 @@ fn doubtful(metrics: &Table, doubted: &TrialNames) -> Result<[usize; 2], TableEr
 }
 
 /// The median answer of each mode, an environment a sentence.
-fn answers(study: &Setup, tally: &Table, simulated: bool) -> Result<Vec<Finding>, TableError> {
+fn answers(study: &Setup, tally: &[AnswerTally], simulated: bool) -> Vec<Finding> {
     let mut found = Vec::new();
     for environment in &study.environments {
         let mut list = Vec::new();
         let Some(asked) = question_of(study, environment) else { continue };
         for mode in &study.modes {
-            let Some(median) = median(study, tally, environment, mode)? else { continue };
+            let Some(median) = median(study, tally, environment, mode) else { continue };
             let median = median.turned_back(asked);
-            let counted = count(usize::try_from(median.answers).unwrap_or_default(), "answer");
+            let counted = count(median.answers, "answer");
             let people = median.participants;
             let whose = (people > 1).then(|| format!(" of {people} participants"));
             list.push(format!(
@@ -286,20 +287,20 @@ fn answers(study: &Setup, tally: &Table, simulated: bool) -> Result<Vec<Finding>
             found.push(Finding { text, shown: Shown::Answers });
         }
     }
-    Ok(found)
+    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answers::testing::tallied;
     use crate::trials::testing::{MetricsRow, metrics, row};
-    use zwidth_tables::Column;
 
     fn study() -> Setup {
         Setup::of(&zwidth_testing::study())
     }
 
-    fn texts(rows: &[MetricsRow], tally: Option<&Table>) -> Vec<String> {
+    fn texts(rows: &[MetricsRow], tally: Option<&[AnswerTally]>) -> Vec<String> {
         findings(&study(), &metrics(rows), tally, &TrialNames::new())
             .unwrap()
             .into_iter()
@@ -412,18 +413,7 @@ mod tests {
 
     #[test]
     fn answers_of_the_twin_are_called_simulated() {
-        let text = |name, value: &str| Column::text(name, "", [Some(value.to_owned())]);
-        let number = |name, value| Column::integer(name, "1", "", [Some(value)]);
-        let columns = vec![
-            text("environment", "spring"),
-            text("mode", "active"),
-            text("question", "felt_spring"),
-            number("n", 6),
-            number("participants", 1),
-            number("median_low", 4),
-            number("median_high", 4),
-        ];
-        let tally = Table::new("likert", "", columns).unwrap();
+        let tally = [AnswerTally { n: 6, ..tallied("spring", "active", "felt_spring", 4) }];
         // The tally turns answers to a reversed question; the sentence has them as they were given.
         let mut turned = study();
         turned.questions.iter_mut().for_each(|question| question.reversed = true);

@@ -52,7 +52,7 @@ pub use survey::survey;
 pub use thesis::{Derived, Told, replayed, replayed_columns, thesis_table, told};
 pub use weight::{is_weighed, weight_table};
 
-use people::{count, participants, sources};
+use people::{count, counting, participants, sources};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zwidth_study::Source;
@@ -199,13 +199,13 @@ pub(crate) fn on_demand(undrawn: usize) -> Option<String> {
 /// Device, participants, sessions, trials and sweeps, as far as there are any.
 fn what_it_is(summary: &Summary) -> String {
     let counts = [
-        (summary.participants, "participant"),
-        (summary.sessions, "session"),
-        (summary.trials, "trial that counts"),
-        (summary.sweeps, "sweep"),
+        (summary.participants, count(summary.participants, "participant")),
+        (summary.sessions, count(summary.sessions, "session")),
+        (summary.trials, counting(summary.trials)),
+        (summary.sweeps, count(summary.sweeps, "sweep")),
     ];
     let counted: Vec<String> =
-        counts.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(n, what)).collect();
+        counts.into_iter().filter(|(n, _)| *n > 0).map(|(_, words)| words).collect();
     let counted = if counted.is_empty() {
         "no trial that counts, no sweep".to_owned()
     } else {

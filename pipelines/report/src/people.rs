@@ -4,13 +4,19 @@ use std::collections::BTreeMap;
 use zwidth_study::Source;
 use zwidth_tables::{Table, TableError};
 
-/// `1 sweep`, `3 sweeps`; `1 trial that counts`, `3 trials that count`.
-pub(crate) fn count(n: usize, what: &str) -> String {
-    match (n, what.split_once(" that counts")) {
-        (1, _) => format!("1 {what}"),
-        (_, Some((noun, _))) => format!("{n} {noun}s that count"),
-        _ => format!("{n} {what}s"),
-    }
+/// `1 sweep`, `3 sweeps`.
+pub(crate) fn count(n: usize, noun: &str) -> String {
+    counted(n, noun, &format!("{noun}s"))
+}
+
+/// `1 trial that counts`, `3 trials that count`.
+pub(crate) fn counting(trials: usize) -> String {
+    counted(trials, "trial that counts", "trials that count")
+}
+
+/// So many, in the words for one or for several.
+pub(crate) fn counted(n: usize, one: &str, several: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { several })
 }
 
 /// With one participant, nothing is known of anybody else.
@@ -76,8 +82,8 @@ mod tests {
     fn one_thing_is_not_many() {
         assert_eq!(count(1, "session"), "1 session");
         assert_eq!(count(0, "session"), "0 sessions");
-        assert_eq!(count(1, "trial that counts"), "1 trial that counts");
-        assert_eq!(count(2, "trial that counts"), "2 trials that count");
+        assert_eq!(counting(1), "1 trial that counts");
+        assert_eq!(counting(2), "2 trials that count");
     }
 
     #[test]

@@ -4,8 +4,8 @@ use crate::answers::{Median, median_of};
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use crate::people::count;
+use zwidth_results::AnswerTally;
 use zwidth_study::{Environment, Mode, Question, Setup};
-use zwidth_tables::{Table, TableError};
 
 /// Questions that are told one by one, those whose medians lie farthest apart.
 const TOLD: usize = 3;
@@ -13,29 +13,25 @@ const TOLD: usize = 3;
 /// What the answers of a study show that recorded no trial, an environment after another: how many
 /// there are, then the questions in which the modes' medians lie farthest apart. Descriptive: no
 /// sentence says that a difference was shown.
-///
-/// # Errors
-/// A table that is not a tally.
-pub fn survey(study: &Setup, tally: &Table) -> Result<Vec<Finding>, TableError> {
+pub fn survey(study: &Setup, tally: &[AnswerTally]) -> Vec<Finding> {
     let mut found = Vec::new();
     for environment in &study.environments {
         let mut asked = Vec::new();
         for question in &study.questions {
-            let medians = medians(study, tally, environment, question)?;
+            let medians = medians(study, tally, environment, question);
             if !medians.is_empty() {
                 asked.push((question, medians));
             }
         }
         let all = asked.iter().flat_map(|(_, medians)| medians);
-        let answers: i64 = all.clone().map(|(_, median)| median.answers).sum();
+        let answers: usize = all.clone().map(|(_, median)| median.answers).sum();
         let Some(people) = all.map(|(_, median)| median.participants).max() else { continue };
-        let counted = |n: i64, what: &str| count(usize::try_from(n).unwrap_or_default(), what);
         let text = format!(
             "{}: {} to {} by {}.",
             environment.label,
-            counted(answers, "answer"),
+            count(answers, "answer"),
             count(asked.len(), "question"),
-            counted(people, "participant")
+            count(people, "participant")
         );
         found.push(Finding { text, shown: Shown::Answers });
         // stable: questions that are equally far apart stay in the study's order
@@ -43,7 +39,7 @@ pub fn survey(study: &Setup, tally: &Table) -> Result<Vec<Finding>, TableError> 
         let apart = asked.iter().filter(|(_, medians)| spread(medians) > 0.0).take(TOLD);
         found.extend(apart.map(|(question, medians)| sentence(environment, question, medians)));
     }
-    Ok(found)
+    found
 }
 
 type Medians<'a> = Vec<(&'a Mode, Median)>;
@@ -51,17 +47,15 @@ type Medians<'a> = Vec<(&'a Mode, Median)>;
 /// The medians of the modes that have answers.
 fn medians<'a>(
     study: &'a Setup,
-    tally: &Table,
+    tally: &[AnswerTally],
     environment: &Environment,
     question: &Question,
-) -> Result<Medians<'a>, TableError> {
-    let mut medians = Vec::new();
-    for mode in &study.modes {
-        let median =
-            median_of(study, tally, [environment.id.as_str(), mode.id.as_str()], &question.id)?;
-        medians.extend(median.map(|median| (mode, median.turned_back(question))));
-    }
-    Ok(medians)
+) -> Medians<'a> {
+    let of_mode = |mode: &'a Mode| {
+        let median = median_of(tally, environment, mode, question)?;
+        Some((mode, median.turned_back(question)))
+    };
+    study.modes.iter().filter_map(of_mode).collect()
 }
 
 /// How far apart the modes' medians lie, in points.
@@ -90,7 +84,7 @@ fn sentence(environment: &Environment, question: &Question, medians: &Medians) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
+    use crate::answers::testing::tallied;
 
     #[test]
     fn a_survey_is_told_by_its_size_and_by_where_the_modes_lie_apart() {
@@ -98,22 +92,14 @@ mod tests {
         let question = study.questions[0].clone();
         let mut turned = study.clone();
         turned.questions[0].reversed = true;
-        let text = |name, values: [&str; 2]| {
-            Column::text(name, "", values.map(|value| Some(value.to_owned())))
+        let of = |mode, people: usize, median| AnswerTally {
+            participants: people,
+            n: people,
+            ..tallied("spring", mode, question.id.as_str(), median)
         };
-        let number = |name, values: [i64; 2]| Column::integer(name, "1", "", values.map(Some));
-        let columns = vec![
-            text("environment", ["spring", "spring"]),
-            text("mode", ["active", "passive"]),
-            text("question", [question.id.as_str(), question.id.as_str()]),
-            number("n", [20, 19]),
-            number("participants", [20, 19]),
-            number("median_low", [4, 2]),
-            number("median_high", [4, 2]),
-        ];
-        let tally = Table::new("likert", "", columns).unwrap();
+        let tally = [of("active", 20, 4), of("passive", 19, 2)];
         let texts = |study: &Setup| -> Vec<String> {
-            survey(study, &tally).unwrap().into_iter().map(|f| f.text).collect()
+            survey(study, &tally).into_iter().map(|f| f.text).collect()
         };
         let found = texts(&study);
         assert_eq!(found.len(), 2, "{found:?}");

@@ -14,7 +14,7 @@ mod tests;
 pub use form::MethodsForm;
 pub use recorded::Recorded;
 
-use crate::people::{count, sources as origins};
+use crate::people::{count, counted, counting, sources as origins};
 use recorded::plain;
 use sources::Cited;
 use zwidth_study::{
@@ -232,22 +232,15 @@ fn answered(study: &Study, recorded: &Recorded) -> Option<String> {
 }
 
 fn data(recorded: &Recorded) -> Vec<String> {
-    let counted = [
-        (recorded.participants, "participant"),
-        (recorded.sessions, "session"),
-        (recorded.trials, "trial that counts"),
-        (recorded.sweeps, "sweep of an actuator or sensor"),
+    let (one, several) = ("sweep of an actuator or sensor", "sweeps of an actuator or sensor");
+    let counts = [
+        (recorded.participants, count(recorded.participants, "participant")),
+        (recorded.sessions, count(recorded.sessions, "session")),
+        (recorded.trials, counting(recorded.trials)),
+        (recorded.sweeps, counted(recorded.sweeps, one, several)),
     ];
-    let counted: Vec<String> = counted
-        .into_iter()
-        .filter(|(n, _)| *n > 0)
-        .map(|(n, what)| match (n, what.split_once(' ')) {
-            (1, _) => format!("1 {what}"),
-            (_, Some(("trial", rest))) => format!("{n} trials {}", rest.replace("counts", "count")),
-            (_, Some((noun, rest))) => format!("{n} {noun}s {rest}"),
-            (_, None) => format!("{n} {what}s"),
-        })
-        .collect();
+    let counted: Vec<String> =
+        counts.into_iter().filter(|(n, _)| *n > 0).map(|(_, words)| words).collect();
     if counted.is_empty() {
         return Vec::new();
     }

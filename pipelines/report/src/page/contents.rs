@@ -7,6 +7,7 @@ use crate::compared::ComparedMetric;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use zwidth_results::GivenAnswer;
 use zwidth_study::{AnswerValue, Coordinate, Question, Setup};
 use zwidth_tables::{Column, Table, TableError, Values, shown_unit};
 
@@ -117,7 +118,7 @@ impl Contents {
     }
 
     /// What is known of a study. `metrics` has one row per trial, `compared` names those to show;
-    /// `answers` has one row per answer.
+    /// `answers` are all there are.
     ///
     /// # Errors
     /// A table that lacks a column.
@@ -126,7 +127,7 @@ impl Contents {
         planned: &Setup,
         metrics: &Table,
         compared: &[ComparedMetric],
-        answers: Option<&Table>,
+        answers: &[GivenAnswer],
     ) -> Result<Self, TableError> {
         let coordinate = planned.coordinate;
         let (angle_unit, angle_scale) = shown_unit("rad", coordinate);
@@ -145,7 +146,7 @@ impl Contents {
             modes: planned.modes.iter().map(Labelled::of).collect(),
             metrics: columns.iter().map(|(metric, _)| MetricOf::of(metric, coordinate)).collect(),
             questions: ratings(planned).map(QuestionOf::of).collect(),
-            trials: trials(metrics, &columns, &answered(planned, answers)?)?,
+            trials: trials(metrics, &columns, &answered(planned, answers))?,
             turned: None,
             single_file: false,
         })
@@ -213,23 +214,16 @@ fn ratings(planned: &Setup) -> impl Iterator<Item = &Question> {
 type Key = (Arc<str>, Arc<str>, i64);
 
 /// Each trial's answers, in the order of the questions.
-fn answered(
-    planned: &Setup,
-    answers: Option<&Table>,
-) -> Result<BTreeMap<Key, Vec<Option<AnswerValue>>>, TableError> {
+fn answered(planned: &Setup, answers: &[GivenAnswer]) -> BTreeMap<Key, Vec<Option<AnswerValue>>> {
     let mut found: BTreeMap<Key, Vec<Option<AnswerValue>>> = BTreeMap::new();
-    let Some(table) = answers else { return Ok(found) };
-    let asked: Vec<_> = table.words("question")?.collect();
-    let given = table.numbers("answer")?;
-    for (row, key) in keys(table)?.into_iter().enumerate() {
-        let Some(key) = key else { continue };
-        let place = ratings(planned).position(|q| asked[row] == Some(q.id.as_str()));
+    for row in answers {
+        let key = (row.participant.as_str().into(), row.session.as_str().into(), row.trial.into());
         let answers = found.entry(key).or_insert_with(|| vec![None; ratings(planned).count()]);
-        if let Some(place) = place {
-            answers[place] = given[row].and_then(|answer| AnswerValue::new(answer).ok());
+        if let Some(place) = ratings(planned).position(|question| question.id == row.question) {
+            answers[place] = Some(row.answer);
         }
     }
-    Ok(found)
+    found
 }
 
 /// Whose trial each row is.

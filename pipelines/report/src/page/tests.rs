@@ -3,8 +3,8 @@ use crate::Summary;
 use crate::compared::tests::{difference, mean, metric};
 use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
 use std::collections::BTreeMap;
-use zwidth_results::{Mean, ModeDifference, UnitOfAnalysis, Verdict};
-use zwidth_study::{Setup, Source};
+use zwidth_results::{GivenAnswer, Mean, ModeDifference, UnitOfAnalysis, Verdict};
+use zwidth_study::{AnswerValue, Setup, Source};
 use zwidth_tables::{Column, Table};
 
 /// What nobody should be able to put into a page.
@@ -67,10 +67,10 @@ fn metrics() -> Table {
 }
 
 fn contents(planned: &Setup, title: &str) -> Contents {
-    with_answer(planned, title, Column::integer("answer", "1", "answer", [Some(5)]))
+    with_answer(planned, title, 5.into())
 }
 
-fn with_answer(planned: &Setup, title: &str, answer: Column) -> Contents {
+fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
     let of = UnitOfAnalysis::TrialsOf("P01".parse().unwrap());
     let metric = metric("theta_max_rad", "rad", "largest angle", of);
     // The upper ends of the intervals are not known.
@@ -88,19 +88,17 @@ fn with_answer(planned: &Setup, title: &str, answer: Column) -> Contents {
         means: &[active],
         contrasts: &[contrast],
     };
-    let answers = Table::new(
-        "answers",
-        "Answers",
-        vec![
-            Column::text("participant", "who", [Some("P01".to_owned())]),
-            Column::text("session", "when", [Some("S01".to_owned())]),
-            Column::integer("trial", "1", "number", [Some(4)]),
-            Column::text("question", "what", [Some(planned.questions[0].id.to_string())]),
-            answer,
-        ],
-    )
-    .unwrap();
-    Contents::of(("s", title), planned, &metrics(), &[compared], Some(&answers)).unwrap()
+    let given = GivenAnswer {
+        participant: "P01".parse().unwrap(),
+        session: "S01".parse().unwrap(),
+        trial: 4,
+        environment: "spring".parse().unwrap(),
+        mode: "active".parse().unwrap(),
+        question: planned.questions[0].id.clone(),
+        answer,
+        answer_time_s: None,
+    };
+    Contents::of(("s", title), planned, &metrics(), &[compared], &[given]).unwrap()
 }
 
 fn page(summary: &Summary) -> String {
@@ -183,7 +181,7 @@ fn a_cell_opens_its_trials_and_a_sentence_leads_to_its_figure() {
 #[test]
 fn the_script_has_a_whole_answer_as_one_and_another_with_its_decimals() {
     for (answer, shown) in [(5.0, "[5,"), (47.273, "[47.273,")] {
-        let answer = Column::float("answer", "1", "answer", [Some(answer)]);
+        let answer = AnswerValue::new(answer).unwrap();
         let contents = serde_json::to_string(&with_answer(&planned(), "", answer)).unwrap();
         assert!(contents.contains(&format!("\"answers\":{shown}")), "{contents}");
     }

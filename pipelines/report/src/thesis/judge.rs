@@ -11,7 +11,9 @@ use crate::thesis::statements;
 use std::collections::BTreeMap;
 use zwidth_stats::power::clopper_pearson;
 use zwidth_stats::superiority::{Repeats, superiority};
-use zwidth_study::{AnswerValue, Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
+use zwidth_study::{
+    AnswerValue, Coordinate, Environment, Mode, ModeLaw, ParticipantId, in_a_sentence,
+};
 use zwidth_tables::TableError;
 
 /// Above this share of pairs with the higher answer, and below one less it, a difference counts
@@ -184,9 +186,8 @@ fn superior((law, place): Case, over: ModeLaw, derived: &Derived) -> Result<Judg
     let answers = derived.answers.ok_or_else(none)?;
     let study = derived.known.study;
     let [of_a, of_b] = [a, b].map(|mode| scored(study, answers, environment, mode));
-    let (of_a, of_b) = (of_a?, of_b?);
-    let both: Vec<(&String, Repeats<AnswerValue>)> =
-        of_a.iter().filter_map(|(who, a)| Some((who, Repeats { a, b: of_b.get(who)? }))).collect();
+    let both: Vec<(&ParticipantId, Repeats<AnswerValue>)> =
+        of_a.iter().filter_map(|(who, a)| Some((*who, Repeats { a, b: of_b.get(who)? }))).collect();
     let (who, first) = *both.first().ok_or_else(none)?;
     let repeats: Vec<Repeats<AnswerValue>> = both.iter().map(|(_, repeats)| *repeats).collect();
     let found = superiority(&repeats, derived.level).map_err(|_| none())?;
@@ -237,7 +238,7 @@ fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, 
     let (environment, mode) = condition(derived.known, case)?;
     let none = || Stop::NotMeasured("nobody answered".to_owned());
     let tally = derived.tally.ok_or_else(none)?;
-    let found = median(derived.known.study, tally, environment, mode)?.ok_or_else(none)?;
+    let found = median(derived.known.study, tally, environment, mode).ok_or_else(none)?;
     let twice_the_middle = f64::from(found.scale.ends_together());
     let above = |answer: AnswerValue| 2.0 * answer.get() > twice_the_middle;
     let verdict = match (above(found.low), above(found.high)) {
@@ -259,7 +260,7 @@ fn median_of(case: Case, favourable: bool, derived: &Derived) -> Result<Judged, 
         },
         asked: format!("{side} the middle of the scale"),
         interval: None,
-        n: usize::try_from(found.answers).ok(),
+        n: Some(found.answers),
         over: people,
         shown: Shown::Answers,
     })

@@ -6,6 +6,7 @@ use crate::gallery::{Gallery, Shown};
 use crate::thesis::estimate::{Estimated, Spread, trials_of};
 use crate::thesis::rule::{Case, From, Place, Quantity, Range};
 use crate::trials::{People, Trials};
+use zwidth_results::{AnswerTally, GivenAnswer};
 use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
 use zwidth_tables::{Table, TableError, number, shown_unit, with_unit};
 
@@ -19,9 +20,9 @@ pub struct Derived<'a> {
     /// The replays that are asked ([`crate::replayed`]), one row per trial.
     pub replays: Option<&'a Table>,
     /// The answers as given, one row each.
-    pub answers: Option<&'a Table>,
+    pub answers: Option<&'a [GivenAnswer]>,
     /// Their tally.
-    pub tally: Option<&'a Table>,
+    pub tally: Option<&'a [AnswerTally]>,
     /// The figures that there are.
     pub gallery: &'a Gallery,
     /// Confidence level of intervals.

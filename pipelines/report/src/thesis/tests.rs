@@ -5,6 +5,7 @@ use crate::columns::metric_columns;
 use crate::evidence::Known;
 use crate::gallery::Gallery;
 use std::collections::BTreeSet;
+use zwidth_results::GivenAnswer;
 use zwidth_study::{Basis, Calibration, Coordinate, Setup};
 use zwidth_tables::{Column, Table};
 
@@ -67,7 +68,7 @@ fn study() -> Setup {
     Setup::of(&zwidth_testing::study())
 }
 
-fn judged(study: &Setup, metrics: Option<&Table>, answers: Option<&Table>) -> Table {
+fn judged(study: &Setup, metrics: Option<&Table>, answers: Option<&[GivenAnswer]>) -> Table {
     let gallery = Gallery {
         figures: BTreeSet::from(["modes.P01.S01.spring".to_owned()]),
         only_session: Some(["P01", "S01"].map(str::to_owned)),
@@ -239,17 +240,18 @@ fn the_motor_s_force_at_48_v_is_held_against_the_brake_and_against_what_people_p
     assert_eq!(verdict(&table, "short_of_wall"), "supported");
 }
 
-fn answers(of: &[(&str, &str, [i64; 3])]) -> Table {
-    let rows: Vec<(&str, &str, i64)> =
-        of.iter().flat_map(|(who, mode, values)| values.map(|v| (*who, *mode, v))).collect();
-    let columns = vec![
-        text("participant", rows.iter().map(|r| r.0.to_owned())),
-        text("environment", rows.iter().map(|_| "spring".to_owned())),
-        text("mode", rows.iter().map(|r| r.1.to_owned())),
-        text("question", rows.iter().map(|_| "felt_spring".to_owned())),
-        Column::integer("answer", "1", "", rows.iter().map(|r| Some(r.2))),
-    ];
-    Table::new("answers", "", columns).unwrap()
+fn answers(of: &[(&str, &str, [i16; 3])]) -> Vec<GivenAnswer> {
+    let answer = |who: &str, mode: &str, value: i16| GivenAnswer {
+        participant: who.parse().unwrap(),
+        session: "S01".parse().unwrap(),
+        trial: 1,
+        environment: "spring".parse().unwrap(),
+        mode: mode.parse().unwrap(),
+        question: "felt_spring".parse().unwrap(),
+        answer: value.into(),
+        answer_time_s: None,
+    };
+    of.iter().flat_map(|(who, mode, values)| values.map(|v| answer(who, mode, v))).collect()
 }
 
 #[test]
