@@ -77,10 +77,10 @@ pub(crate) fn typical_trials<'a>(
     files: &Recordings,
     replays: &[PathBuf],
 ) -> Result<Vec<(Trial, &'a Rendering)>, JobError> {
-    let replays = replay::join_tables(replays)?;
+    let replays = replay::join_rows(replays)?;
     let mut trials = Vec::new();
     for (mode, rendering) in &of.stage.modes {
-        let Some(number) = zwidth_replay::typical(&replays, mode.as_str())? else { continue };
+        let Some(number) = zwidth_replay::typical(&replays, mode) else { continue };
         let Some(at) = of.trials.iter().position(|known| known.trial == number) else { continue };
         let (read, problems) = read_all(&files[at..=at], &of.trials[at..=at], Signal::all())?;
         let trial = read.into_iter().next().ok_or_else(|| problems.join("; "))?;

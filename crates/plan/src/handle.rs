@@ -43,6 +43,16 @@ impl<R: Row> Derived<R> {
         Table::from_parquet(&self.path)?.to_rows()
     }
 
+    /// Its rows, of a table that has many other columns, which are not read.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub(crate) fn read_own_columns(&self) -> Result<Vec<R>, TableError> {
+        let fields = R::fields();
+        let names: Vec<&str> = fields.iter().map(|field| &*field.name).collect();
+        Table::columns_from_parquet(&self.path, &names)?.to_rows()
+    }
+
     /// Its rows, and the notes below them.
     ///
     /// # Errors

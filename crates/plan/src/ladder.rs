@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 use zwidth_device::{TwinParameters, Velocity};
 use zwidth_figures::{LADDER, LadderRows};
 use zwidth_ladder::{Course, Ladder, Loop, Recorded, Settings};
-use zwidth_replay::{Drive, Rendering, Which};
+use zwidth_replay::{Drive, Rendering};
 use zwidth_results::{
-    HeldOutModel, LadderChoice, LadderCondition, LadderModel, LadderTerm, TermEffect, TermPair,
-    TermSet,
+    HeldOutModel, LadderChoice, LadderCondition, LadderModel, LadderTerm, ModelPlant, TermEffect,
+    TermPair, TermSet,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Samples, Signal, StudyData, Trial, TrialEntry};
@@ -382,7 +382,7 @@ impl Auto {
             let course = zwidth_ladder::predict(&scene, set, &looped, knobs)?;
             Ok(at(course, drive.recorded()))
         };
-        let which = (Which::Auto, &parameters);
+        let which = (ModelPlant::Auto, &parameters);
         Ok(zwidth_replay::replay_with(trial, rendering, analysis, which, &force_driven)?)
     }
 }

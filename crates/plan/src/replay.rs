@@ -7,18 +7,18 @@ use crate::conditions::{Repeats, repeats};
 use crate::handle::Derived;
 use crate::identify;
 use crate::ladder::{self, Auto};
-use crate::making::{derived, join_sessions, read_shared, read_tables, split, write_tables};
+use crate::making::{derived, join_sessions, read_shared, split, write_tables};
 use crate::replayable::{rendering, replayable};
 use crate::trials::{Known, OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
-use zwidth_replay::{Causality, Parameters, Rendering, TrialReplay, Which};
-use zwidth_results::HeldOutModel;
+use zwidth_replay::{Parameters, Rendering, TrialReplay};
+use zwidth_results::{Causality, HeldOutModel, ModelPlant, ReplayedPeak, ReplayedTrial};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{Analysis, Scene};
-use zwidth_tables::Table;
+use zwidth_tables::{Table, TableError};
 
 pub(crate) const STAGE: Stage = Stage { name: "replay", version: zwidth_replay::VERSION };
 
@@ -126,7 +126,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let (whole, agree) = ("replay of the study", "agreement of model and recordings");
         [
             Job::new(STAGE, whole, (), sessions, vec![replays.clone()], make_study),
-            Job::new(STAGE, agree, level, replays, vec![agreement], make_agreement),
+            Job::new(STAGE, agree, level, Derived::at(replays), vec![agreement], make_agreement),
         ]
     });
     let each = conditions.iter().map(by_eye).chain(conditions.iter().filter_map(fitted));
@@ -139,10 +139,10 @@ fn make_by_eye(
     making: &Making,
 ) -> Result<Made, JobError> {
     let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
-        Ok(zwidth_replay::replay(trial, rendering, analysis, (Which::ByEye, &of.stage.plant))?)
+        Ok(zwidth_replay::replay(trial, rendering, analysis, (ModelPlant::ByEye, &of.stage.plant))?)
     };
     let (rows, problems) = replays((&of.stage, &of.trials), files, &model)?;
-    write_tables(&[zwidth_replay::table(&rows)?], making, problems)
+    write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, problems)
 }
 
 /// Without rows if nothing was fitted. The job by eye reports trials that cannot be replayed.
@@ -155,13 +155,13 @@ fn make_fitted(
     let rows = match plant {
         Some(plant) => {
             let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
-                Ok(zwidth_replay::replay(trial, rendering, analysis, (Which::Fitted, &plant))?)
+                Ok(zwidth_replay::replay(trial, rendering, analysis, (ModelPlant::Fitted, &plant))?)
             };
             replays((&of.stage, &of.trials), files, &model)?.0
         }
         None => Vec::new(),
     };
-    write_tables(&[zwidth_replay::table(&rows)?], making, Vec::new())
+    write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, Vec::new())
 }
 
 /// By the model that the ladder chose. The job by eye reports trials that cannot be replayed.
@@ -175,7 +175,7 @@ fn make_auto(
         of.stage.auto.replay(trial, rendering, analysis, &chosen)
     };
     let (rows, _) = replays((&of.stage.modelled, &of.trials), files, &model)?;
-    write_tables(&[zwidth_replay::table(&rows)?], making, Vec::new())
+    write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, Vec::new())
 }
 
 /// A model of a trial.
@@ -205,12 +205,27 @@ fn make_study(_: &(), sessions: &Vec<Vec<PathBuf>>, making: &Making) -> Result<M
 }
 
 /// The replays of a session in one table.
-pub(crate) fn join_tables(tables: &[PathBuf]) -> Result<Table, JobError> {
-    Ok(zwidth_replay::join_conditions(read_tables(tables)?)?.ok_or("there is no trial")?)
+fn join_tables(tables: &[PathBuf]) -> Result<Table, JobError> {
+    let rows = join_rows(tables)?;
+    let note = zwidth_replay::own_model(rows.iter().map(|row| row.source));
+    let table = Table::of_rows(&rows)?;
+    Ok(note.into_iter().fold(table, Table::with_note))
 }
 
-fn make_agreement(level: &f64, replays: &PathBuf, making: &Making) -> Result<Made, JobError> {
-    let columns = zwidth_replay::agreement_columns();
-    let replays = Table::columns_from_parquet(replays, &columns)?;
-    write_tables(&[zwidth_replay::agreement(&replays, *level)?], making, Vec::new())
+/// The replays of several conditions, in the order of their trials.
+pub(crate) fn join_rows(tables: &[PathBuf]) -> Result<Vec<ReplayedTrial>, TableError> {
+    let read = |path: &PathBuf| Derived::<ReplayedTrial>::at(path.clone()).read();
+    let rows = tables.par_iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    Ok(zwidth_replay::in_order(rows.into_iter().flatten().collect()))
+}
+
+fn make_agreement(
+    level: &f64,
+    replays: &Derived<ReplayedPeak>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let replays = replays.read_own_columns()?;
+    let rows = zwidth_replay::agreement(&replays, *level)?;
+    let table = zwidth_replay::agreement_table(&rows, &replays)?;
+    write_tables(&[table], making, Vec::new())
 }

@@ -16,7 +16,8 @@ use zwidth_report::{
     changes, findings, laddered, summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_results::{
-    AnswerTally, Compared, LadderChoice, Mean, MetricNote, ModeDifference, SessionChange, TradeChoice,
+    AnswerTally, Compared, LadderChoice, Mean, MetricNote, ModeDifference, SessionChange,
+    TradeChoice,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};

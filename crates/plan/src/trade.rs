@@ -278,8 +278,8 @@ fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
     let trades: Vec<Trade> = of.scenes.par_iter().map(one).collect::<Result<_, _>>()?;
     let choices: Vec<TradeChoice> = trades.iter().map(choice).collect();
     Written::begin(making, false)
-        .table::<TradeSetting>(settings_table(TradeSetting::TITLE, &settings(&trades))?)?
-        .table::<TradeChoice>(choices_table(TradeChoice::TITLE, &choices)?)?
+        .table(settings_table(TradeSetting::TITLE, &settings(&trades))?)?
+        .table(choices_table(TradeChoice::TITLE, &choices)?)?
         .end()
 }
 

@@ -55,6 +55,8 @@
 //! | [`GivenAnswer`] | participant, session, trial, question | `likert` | `compare`, figures, page, statements, printed tables |
 //! | [`AnswerTally`] | environment, mode, question or group | `likert` | figures, summary, statements, printed tables |
 //! | [`BlindingIndex`] | participant, mode | `likert` | printed tables |
+//! | [`ReplayedTrial`], read as [`ReplayedPeak`] too | participant, session, trial, model, causality | `replay` | courses, agreement, statements, printed tables |
+//! | [`ReplayAgreement`] | causality, mode, model, quantity | `replay` | printed tables |
 
 mod answers;
 mod characteristic;
@@ -64,6 +66,7 @@ mod free_motion;
 mod identification;
 mod ladder;
 mod note;
+mod replay;
 mod row;
 mod stability;
 mod trade;
@@ -91,6 +94,10 @@ pub use ladder::{
     TermEffect, TermPair, TermSet, TriedModel,
 };
 pub use note::NoteKind;
+pub use replay::{
+    AgreementOf, AgreementVerdict, Causality, ModelPlant, ReplayAgreement, ReplayOutcome,
+    ReplayedPeak, ReplayedTrial,
+};
 pub use row::{ReadError, Row};
 pub use stability::{
     BoundaryExtent, ImpedancePoint, LimitKind, LimitName, LimitPoint, StiffestWall, WallBound,

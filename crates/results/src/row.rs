@@ -1,7 +1,7 @@
 //! Rows of a derived table, and the one declaration that each has.
 
-use crate::column::{Column, Field, Type, Values};
-use crate::value::{Scalar, Value};
+use crate::column::{Column, Field, Scalar, Type, Values};
+use crate::value::Value;
 
 /// What cannot be read as rows.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -6,8 +6,12 @@
 use crate::ReplayError;
 use crate::table::own_model;
 use core::f64::consts::PI;
+use zwidth_results::{
+    AgreementOf, AgreementVerdict, Causality, ModelPlant, ReplayAgreement, ReplayedPeak,
+};
 use zwidth_stats::interval::{Estimate, mean, t_interval};
-use zwidth_tables::{Column, Table, UNIT_OF_ROW};
+use zwidth_study::ModeId;
+use zwidth_tables::Table;
 
 /// Standard deviations between bias and limits: 95 % of normal differences lie between the limits.
 const LIMIT_SDS: f64 = 1.96;
@@ -17,8 +21,8 @@ const LIMIT_SDS: f64 = 1.96;
 enum Bound {
     /// As large in every trial.
     Given(f64),
-    /// A share of the mean of a recorded column.
-    ShareOf(&'static str, f64),
+    /// A share of the mean of a recorded number.
+    ShareOf(fn(&ReplayedPeak) -> Option<f64>, f64),
 }
 
 /// The smallest change of a finger joint's angle that can be told: 2.5° (Tan, Srinivasan, Eberman &
@@ -26,16 +30,43 @@ enum Bound {
 const ANGLE: Bound = Bound::Given(2.5 * PI / 180.0);
 /// The smallest change of a force that a finger can tell, between 2.5 and 10 N: 7 % (Pang, Tan &
 /// Durlach 1991, Percept. Psychophys. 49:531).
-const FORCE: Bound = Bound::ShareOf("peak_recorded_n", 0.07);
+const FORCE: Bound = Bound::ShareOf(|row| row.peak_recorded_n, 0.07);
 /// A tenth of a second: assumed.
 const TIME: Bound = Bound::Given(0.1);
 
-/// Column of the differences, what they are of, their unit, and how large they may be.
-const QUANTITIES: [(&str, &str, &str, Bound); 4] = [
-    ("peak_error_rad", "peak angle", "rad", ANGLE),
-    ("peak_error_n", "peak force", "N", FORCE),
-    ("peak_time_error_s", "time of the peak", "s", TIME),
-    ("reversal_error_s", "time of the reversal", "s", TIME),
+/// What is compared: its unit, the difference of each trial, and how large it may be.
+struct Quantity {
+    of: AgreementOf,
+    unit: &'static str,
+    difference: fn(&ReplayedPeak) -> Option<f64>,
+    bound: Bound,
+}
+
+const QUANTITIES: [Quantity; 4] = [
+    Quantity {
+        of: AgreementOf::PeakAngle,
+        unit: "rad",
+        difference: |row| row.peak_error_rad,
+        bound: ANGLE,
+    },
+    Quantity {
+        of: AgreementOf::PeakForce,
+        unit: "N",
+        difference: |row| row.peak_error_n,
+        bound: FORCE,
+    },
+    Quantity {
+        of: AgreementOf::PeakTime,
+        unit: "s",
+        difference: |row| row.peak_time_error_s,
+        bound: TIME,
+    },
+    Quantity {
+        of: AgreementOf::ReversalTime,
+        unit: "s",
+        difference: |row| row.reversal_error_s,
+        bound: TIME,
+    },
 ];
 
 const NOTES: [&str; 2] = [
@@ -49,86 +80,84 @@ const NOTES: [&str; 2] = [
 const OPEN: &str = "Closed loop: given force and voltages, nothing in the model brings an error of the angle back, so \
     that what is wrong with its plant adds up along a trial.";
 
-/// Whether model and recording agree within a bound.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Agree {
-    Alike,
-    Off,
-    Scattered,
-    TooFew,
-}
-
-impl Agree {
-    fn of([bias, low, high]: [Option<Estimate>; 3], bound: Option<f64>) -> Self {
-        let (Some(bias), Some(low), Some(high), Some(bound)) = (bias, low, high, bound) else {
-            return Self::TooFew;
-        };
-        let within = |value: Estimate| value.estimate.abs() <= bound;
-        match (within(bias), within(low) && within(high)) {
-            (true, true) => Self::Alike,
-            (false, _) => Self::Off,
-            (true, false) => Self::Scattered,
-        }
-    }
-
-    fn as_str(self) -> &'static str {
-        match self {
-            Self::Alike => "alike",
-            Self::Off => "off",
-            Self::Scattered => "scattered",
-            Self::TooFew => "too few",
-        }
+/// The verdict on bias, lower and upper limit.
+fn verdict([bias, low, high]: [Option<Estimate>; 3], bound: Option<f64>) -> AgreementVerdict {
+    let (Some(bias), Some(low), Some(high), Some(bound)) = (bias, low, high, bound) else {
+        return AgreementVerdict::TooFew;
+    };
+    let within = |value: Estimate| value.estimate.abs() <= bound;
+    match (within(bias), within(low) && within(high)) {
+        (true, true) => AgreementVerdict::Alike,
+        (false, _) => AgreementVerdict::Off,
+        (true, false) => AgreementVerdict::Scattered,
     }
 }
 
-/// One quantity of one model in one causality and mode.
-struct Agreement {
-    of: [String; 3],
-    quantity: &'static str,
-    unit: &'static str,
-    n: usize,
-    bound: Option<f64>,
-    verdict: Agree,
-    bias: Option<Estimate>,
-    low: Option<Estimate>,
-    high: Option<Estimate>,
-}
-
-/// For each causality, mode, model and quantity of the table of replays: n trials, the bias (mean
-/// of model less recording), the limits of agreement (bias ± 1.96 SD) with their t intervals at
-/// `level`, and a verdict; null below two trials. Trials of one person are taken for independent,
-/// so with few people the intervals are too narrow. Numbers are in the unit of their row.
+/// For each causality, mode, model and quantity: n trials, the bias (mean of model less recording),
+/// the limits of agreement (bias ± 1.96 SD) with their t intervals at `level`, and a verdict; null
+/// below two trials. Trials of one person are taken for independent, so with few people the
+/// intervals are too narrow. Numbers are in the unit of their row.
 ///
 /// # Errors
-/// A table that lacks a column, a level outside (0, 1).
-pub fn agreement(replays: &Table, level: f64) -> Result<Table, ReplayError> {
+/// A level outside (0, 1).
+pub fn agreement(
+    replays: &[ReplayedPeak],
+    level: f64,
+) -> Result<Vec<ReplayAgreement>, ReplayError> {
     let mut found = Vec::new();
-    let (groups, of_rows) = groups(replays)?;
-    for (place, of) in groups.into_iter().enumerate() {
-        let values = |column: &str| -> Result<Vec<f64>, ReplayError> {
-            let rows = replays.floats(column)?.into_iter().zip(&of_rows);
-            Ok(rows.filter_map(|(value, of)| value.filter(|_| *of == Some(place))).collect())
+    for group in groups(replays) {
+        let values = |number: fn(&ReplayedPeak) -> Option<f64>| -> Vec<f64> {
+            replays.iter().filter(|row| group.has(row)).filter_map(number).collect()
         };
-        for (column, quantity, unit, bound) in QUANTITIES {
-            let differences = values(column)?;
+        for Quantity { of, unit, difference, bound } in QUANTITIES {
+            let differences = values(difference);
             if differences.is_empty() {
                 continue;
             }
             let all = limits(&differences, level)?;
             let bound = match bound {
                 Bound::Given(bound) => Some(bound),
-                Bound::ShareOf(column, share) => {
-                    mean(&values(column)?, level)?.estimate.map(|mean| share * mean.abs())
+                Bound::ShareOf(number, share) => {
+                    mean(&values(number), level)?.estimate.map(|mean| share * mean.abs())
                 }
             };
-            let ([bias, low, high], n, of) = (all, differences.len(), of.clone());
-            let verdict = Agree::of(all, bound);
-            found.push(Agreement { of, quantity, unit, n, bound, verdict, bias, low, high });
+            let [bias, low, high] = all;
+            found.push(ReplayAgreement {
+                causality: group.causality,
+                mode: group.mode.clone(),
+                model: group.model,
+                quantity: of,
+                unit: unit.into(),
+                n: differences.len(),
+                verdict: verdict(all, bound),
+                bound,
+                bias: bias.map(|e| e.estimate),
+                bias_ci_low: bias.map(|e| e.ci_low),
+                bias_ci_high: bias.map(|e| e.ci_high),
+                limit_low: low.map(|e| e.estimate),
+                limit_low_ci_low: low.map(|e| e.ci_low),
+                limit_low_ci_high: low.map(|e| e.ci_high),
+                limit_high: high.map(|e| e.estimate),
+                limit_high_ci_low: high.map(|e| e.ci_low),
+                limit_high_ci_high: high.map(|e| e.ci_high),
+            });
         }
     }
-    let open = found.iter().any(|row| row.of[0] == crate::Causality::ClosedLoop.as_str());
-    let notes = NOTES.into_iter().chain(open.then_some(OPEN)).map(str::to_owned);
-    Ok(notes.chain(own_model(replays)?).fold(table(&found)?, Table::with_note))
+    Ok(found)
+}
+
+/// The agreement as a table, with what is to be known of it and of the replays that it is of.
+///
+/// # Errors
+/// A number that is none.
+pub fn agreement_table(
+    rows: &[ReplayAgreement],
+    replays: &[ReplayedPeak],
+) -> Result<Table, ReplayError> {
+    let is_open = rows.iter().any(|row| row.causality == Causality::ClosedLoop);
+    let notes = NOTES.into_iter().chain(is_open.then_some(OPEN));
+    let notes = notes.chain(own_model(replays.iter().map(|row| row.source)));
+    Ok(notes.fold(Table::of_rows(rows)?, Table::with_note))
 }
 
 /// Bias, lower and upper limit. The variance of a limit is s² / n + z² s² / (2 (n − 1)).
@@ -141,96 +170,43 @@ fn limits(differences: &[f64], level: f64) -> Result<[Option<Estimate>; 3], Repl
     Ok([Some(bias), Some(limit(-LIMIT_SDS)?), Some(limit(LIMIT_SDS)?)])
 }
 
-/// What tells rows of the table apart.
-const GROUP: [&str; 3] = ["causality", "mode", "model"];
-
-/// The columns that [`agreement`] looks at.
-pub fn agreement_columns() -> Vec<&'static str> {
-    let compared = QUANTITIES.iter().flat_map(|(column, _, _, bound)| match bound {
-        Bound::Given(_) => vec![*column],
-        Bound::ShareOf(of, _) => vec![*column, *of],
-    });
-    GROUP.into_iter().chain(compared).chain(["source"]).collect()
+/// What tells the rows of one agreement from those of another.
+#[derive(PartialEq)]
+struct Group<'a> {
+    causality: Causality,
+    mode: &'a ModeId,
+    model: ModelPlant,
 }
 
-/// A place among the groups, for each row.
-type Places = Vec<Option<usize>>;
+impl Group<'_> {
+    fn has(&self, row: &ReplayedPeak) -> bool {
+        row.causality == self.causality && row.mode == *self.mode && row.model == self.model
+    }
+}
 
-/// Causality, mode and model of the rows, each once, in the order of the rows, by causality; and
-/// which of them each row is of.
-fn groups(replays: &Table) -> Result<(Vec<[String; 3]>, Places), ReplayError> {
-    let [causalities, modes, models] = GROUP.map(|name| replays.words(name));
-    let rows = causalities?.zip(modes?).zip(models?);
-    let mut groups: Vec<[String; 3]> = Vec::new();
-    let mut numbers = Vec::new();
-    for row in rows {
-        let ((Some(causality), Some(mode)), Some(model)) = row else {
-            numbers.push(None);
-            continue;
-        };
-        let group = [causality, mode, model];
-        let known = groups.iter().position(|known| *known == group);
-        numbers.push(Some(known.unwrap_or(groups.len())));
-        if known.is_none() {
-            groups.push(group.map(str::to_owned));
+/// The groups of the rows: by causality, by mode in the order of the rows, by the model's word.
+fn groups(replays: &[ReplayedPeak]) -> Vec<Group<'_>> {
+    let (mut groups, mut modes): (Vec<Group>, Vec<&ModeId>) = (Vec::new(), Vec::new());
+    for row in replays {
+        if !groups.iter().any(|group| group.has(row)) {
+            let ReplayedPeak { causality, mode, model, .. } = row;
+            groups.push(Group { causality: *causality, mode, model: *model });
+        }
+        if !modes.contains(&&row.mode) {
+            modes.push(&row.mode);
         }
     }
-    let place = |of: &[String; 3]| {
-        let modes = groups.iter().position(|group| group[1] == of[1]);
-        (crate::Causality::ALL.iter().position(|c| c.as_str() == of[0]), modes, of[2].clone())
-    };
-    let mut order: Vec<usize> = (0..groups.len()).collect();
-    order.sort_by_key(|number| place(&groups[*number]));
-    let mut places = vec![0; groups.len()];
-    order.iter().enumerate().for_each(|(place, number)| places[*number] = place);
-    let of_rows = numbers.into_iter().map(|number| number.map(|number| places[number]));
-    let sorted = order.iter().map(|number| groups[*number].clone()).collect();
-    Ok((sorted, of_rows.collect()))
-}
-
-fn table(rows: &[Agreement]) -> Result<Table, ReplayError> {
-    let text = |name, description, get: fn(&Agreement) -> &str| {
-        Column::text(name, description, rows.iter().map(|r| Some(get(r).to_owned())))
-    };
-    let mut columns = vec![
-        text("causality", "what went into the model and what came out", |r| &r.of[0]),
-        text("mode", "how it was rendered", |r| &r.of[1]),
-        text("model", "whose plant: by_eye, the thesis'; fitted, this study's", |r| &r.of[2]),
-        text("quantity", "what is compared, one value per trial", |r| r.quantity),
-        text("unit", "unit of the numbers in this row", |r| r.unit),
-        Column::integer("n", "1", "trials", rows.iter().map(|r| Some(r.n as i64))),
-    ];
-    let number = |name, description, get: fn(&Agreement) -> Option<f64>| {
-        Column::float(name, UNIT_OF_ROW, description, rows.iter().map(get))
-    };
-    columns.push(Column::text(
-        "verdict",
-        "alike, off, scattered or too few: bias and limits against the bound",
-        rows.iter().map(|r| Some(r.verdict.as_str().to_owned())),
-    ));
-    columns.extend([
-        number("bound", "up to here a difference does not matter", |r| r.bound),
-        number("bias", "mean of model less recording", |r| r.bias.map(|e| e.estimate)),
-        number("bias_ci_low", "lower end of its interval", |r| r.bias.map(|e| e.ci_low)),
-        number("bias_ci_high", "upper end of its interval", |r| r.bias.map(|e| e.ci_high)),
-        number("limit_low", "lower limit of agreement, bias - 1.96 SD", |r| {
-            r.low.map(|e| e.estimate)
-        }),
-        number("limit_low_ci_low", "lower end of its interval", |r| r.low.map(|e| e.ci_low)),
-        number("limit_low_ci_high", "upper end of its interval", |r| r.low.map(|e| e.ci_high)),
-        number("limit_high", "upper limit of agreement, bias + 1.96 SD", |r| {
-            r.high.map(|e| e.estimate)
-        }),
-        number("limit_high_ci_low", "lower end of its interval", |r| r.high.map(|e| e.ci_low)),
-        number("limit_high_ci_high", "upper end of its interval", |r| r.high.map(|e| e.ci_high)),
-    ]);
-    let title = "Agreement of replay and recording (Bland and Altman), one value per trial";
-    Ok(Table::new("replay.agreement", title, columns)?)
+    groups.sort_by_key(|group| {
+        let mode = modes.iter().position(|mode| *mode == group.mode);
+        (group.causality, mode, group.model.as_str())
+    });
+    groups
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_study::Source;
 
     /// Plain Python with d = [0.1, 0.3, -0.2, 0.4, 0.15], m and s its mean and sample SD, t =
     /// 2.7764451051977987 (the tables' t for 4 degrees of freedom): m, m - t s / sqrt(5), m -
@@ -260,54 +236,65 @@ mod tests {
         assert_eq!(limits(&[0.1], 0.95).unwrap(), [None; 3]);
     }
 
+    /// Of the mode `active`, with these differences of the peak angle.
+    fn peaks(
+        causality: Causality,
+        model: ModelPlant,
+        source: Source,
+        peak_error_rad: &[Option<f64>],
+    ) -> Vec<ReplayedPeak> {
+        let peak = |error: &Option<f64>| ReplayedPeak {
+            mode: "active".parse().unwrap(),
+            source,
+            causality,
+            model,
+            peak_error_rad: *error,
+            peak_recorded_n: None,
+            peak_error_n: None,
+            peak_time_error_s: None,
+            reversal_error_s: None,
+        };
+        peak_error_rad.iter().map(peak).collect()
+    }
+
     #[test]
     fn rows_are_by_causality_and_mode_and_null_differences_do_not_count() {
-        let text =
-            |name, values: [&str; 4]| Column::text(name, "", values.map(|v| Some(v.to_owned())));
-        let mut columns = vec![
-            text("causality", ["closed_loop", "force_driven", "force_driven", "force_driven"]),
-            text("mode", ["active"; 4]),
-            text("model", ["by_eye"; 4]),
-            text("source", ["recorded"; 4]),
-        ];
-        let values = [Some(1.0), Some(2.0), Some(4.0), None];
-        columns.extend(QUANTITIES.map(|(column, ..)| Column::float(column, "", "", values)));
-        columns.push(Column::float("peak_recorded_n", "", "", [Some(40.0); 4]));
-        let table = agreement(&Table::new("replay", "", columns).unwrap(), 0.95).unwrap();
-        assert_eq!(table.height(), 8);
-        assert_eq!(table.texts("causality").unwrap()[0].as_deref(), Some("force_driven"));
-        assert_eq!(table.integers("n").unwrap()[0], Some(2));
-        assert_eq!(
-            (table.floats("bias").unwrap()[0], table.floats("bias").unwrap()[4]),
-            (Some(3.0), None)
-        );
+        let of = |causality, errors: &[Option<f64>]| {
+            peaks(causality, ModelPlant::ByEye, Source::Recorded, errors)
+        };
+        let closed = of(Causality::ClosedLoop, &[Some(1.0)]);
+        let driven = of(Causality::ForceDriven, &[Some(2.0), Some(4.0), None]);
+        let whole = |row: ReplayedPeak| ReplayedPeak {
+            peak_recorded_n: Some(40.0),
+            peak_error_n: row.peak_error_rad,
+            peak_time_error_s: row.peak_error_rad,
+            reversal_error_s: row.peak_error_rad,
+            ..row
+        };
+        let replays: Vec<ReplayedPeak> = closed.into_iter().chain(driven).map(whole).collect();
+        let rows = agreement(&replays, 0.95).unwrap();
+        assert_eq!(rows.len(), 8);
+        assert_eq!((rows[0].causality, rows[0].n), (Causality::ForceDriven, 2));
+        assert_eq!((rows[0].bias, rows[4].bias), (Some(3.0), None));
+        let table = agreement_table(&rows, &replays).unwrap();
+        assert_eq!(table.to_rows::<ReplayAgreement>().unwrap(), rows);
     }
 
     /// Differences of peak angles in degrees, and what is said of them.
     #[test]
     fn a_bias_or_a_scatter_beyond_what_can_be_told_is_said() {
-        let verdict = |degrees: [f64; 4], source: &str| {
-            let text = |name, value: &str| Column::text(name, "", vec![Some(value.to_owned()); 4]);
-            let columns = vec![
-                text("causality", "closed_loop"),
-                text("mode", "active"),
-                text("model", "fitted"),
-                text("source", source),
-                Column::float("peak_error_rad", "", "", degrees.map(|d| Some(d.to_radians()))),
-                Column::float("peak_error_n", "", "", [None; 4]),
-                Column::float("peak_time_error_s", "", "", [None; 4]),
-                Column::float("reversal_error_s", "", "", [None; 4]),
-                Column::float("peak_recorded_n", "", "", [None; 4]),
-            ];
-            let found = agreement(&Table::new("replay", "", columns).unwrap(), 0.95).unwrap();
-            let word = found.texts("verdict").unwrap().remove(0).unwrap();
-            (word, found.notes().join(" "))
+        let verdict = |degrees: [f64; 4], source| {
+            let errors = degrees.map(|d: f64| Some(d.to_radians()));
+            let replays = peaks(Causality::ClosedLoop, ModelPlant::Fitted, source, &errors);
+            let rows = agreement(&replays, 0.95).unwrap();
+            (rows[0].verdict, agreement_table(&rows, &replays).unwrap().notes().join(" "))
         };
-        assert_eq!(verdict([0.1, -0.1, 0.2, 0.0], "recorded").0, "alike");
-        assert_eq!(verdict([-59.0, -58.0, -60.0, -59.0], "recorded").0, "off");
-        assert_eq!(verdict([4.0, -4.0, 3.0, -3.0], "recorded").0, "scattered");
-        assert!(verdict([0.0; 4], "recorded").1.contains("adds up along a trial"));
-        assert!(!verdict([0.0; 4], "recorded").1.contains("Simulated"));
-        assert!(verdict([0.0; 4], "twin").1.contains("Simulated trials"));
+        let recorded = Source::Recorded;
+        assert_eq!(verdict([0.1, -0.1, 0.2, 0.0], recorded).0, AgreementVerdict::Alike);
+        assert_eq!(verdict([-59.0, -58.0, -60.0, -59.0], recorded).0, AgreementVerdict::Off);
+        assert_eq!(verdict([4.0, -4.0, 3.0, -3.0], recorded).0, AgreementVerdict::Scattered);
+        assert!(verdict([0.0; 4], recorded).1.contains("adds up along a trial"));
+        assert!(!verdict([0.0; 4], recorded).1.contains("Simulated"));
+        assert!(verdict([0.0; 4], Source::Twin).1.contains("Simulated trials"));
     }
 }

@@ -1,32 +1,25 @@
 //! What figures show of a replay: recorded trials and their models against time.
 
 use crate::table::OWN_MODEL;
-use crate::{Causality, Course, Drive, Parameters, Rendering, ReplayError};
+use crate::{Course, Drive, Parameters, Rendering, ReplayError};
+use zwidth_results::{Causality, ReplayedTrial};
 use zwidth_store::Trial;
-use zwidth_study::{Source, TrialMeta};
+use zwidth_study::{ModeId, Source, TrialMeta};
 use zwidth_tables::{Column, Table, TableError};
 
 /// Who follows a course: what was recorded, the model by eye, the model as fitted.
 const SERIES: [&str; 3] = ["recorded", "by_eye", "fitted"];
 
-/// Of the trials of one session and environment in a table of replays, the number of the mode's
+/// Of the replayed trials of one session and environment, in their order, the number of the mode's
 /// trial with the median error of the angle, driven by force (the lower of two); `None` where none
 /// was replayed.
-///
-/// # Errors
-/// A table that lacks a column.
-pub fn typical(replays: &Table, mode: &str) -> Result<Option<u32>, TableError> {
-    let (modes, causalities) = (replays.texts("mode")?, replays.texts("causality")?);
-    let (trials, errors) = (replays.integers("trial")?, replays.floats("nrmse")?);
-    let is_of = |row: &usize| {
-        modes[*row].as_deref() == Some(mode)
-            && causalities[*row].as_deref() == Some(Causality::ForceDriven.as_str())
-    };
-    let rows = (0..replays.height()).filter(is_of);
-    let mut known: Vec<(f64, i64)> = rows.filter_map(|row| errors[row].zip(trials[row])).collect();
+pub fn typical(replays: &[ReplayedTrial], mode: &ModeId) -> Option<u32> {
+    let own =
+        replays.iter().filter(|row| row.mode == *mode && row.causality == Causality::ForceDriven);
+    let mut known: Vec<(f64, u32)> = own.filter_map(|row| Some((row.nrmse?, row.trial))).collect();
     known.sort_by(|a, b| a.0.total_cmp(&b.0));
     let middle = known.len().saturating_sub(1) / 2;
-    Ok(known.get(middle).and_then(|(_, trial)| u32::try_from(*trial).ok()))
+    known.get(middle).map(|(_, trial)| *trial)
 }
 
 /// Motion and forces of trials as recorded, and of the models that were given their external force,
@@ -128,7 +121,8 @@ fn note(how: &str, plant: &Parameters) -> String {
 mod tests {
     use super::*;
     use crate::testing::{rendering, simulated};
-    use crate::{Which, replay, table as replays};
+    use crate::{replay, rows};
+    use zwidth_results::ModelPlant;
     use zwidth_study::Analysis;
 
     #[test]
@@ -138,15 +132,19 @@ mod tests {
             let plant = Parameters { mass_kg, ..Parameters::BY_EYE };
             let mut made = simulated("hybrid", &plant);
             made.meta.trial = trial;
-            replay(&made, &rendering, &Analysis::default(), (Which::ByEye, &Parameters::BY_EYE))
-                .unwrap()
+            replay(
+                &made,
+                &rendering,
+                &Analysis::default(),
+                (ModelPlant::ByEye, &Parameters::BY_EYE),
+            )
+            .unwrap()
         };
         // The further the plant's mass from that by eye, the larger the error.
         let trials = [of(4, 0.5), of(7, 0.1), of(9, 0.2), of(12, 0.9)];
-        let number =
-            |n: usize| typical(&replays(&trials[..n].concat()).unwrap(), "hybrid").unwrap();
+        let number = |n: usize| typical(&rows(&trials[..n].concat()), &"hybrid".parse().unwrap());
         assert_eq!([1, 2, 3, 4].map(number), [Some(4), Some(7), Some(9), Some(9)]);
-        assert_eq!(typical(&replays(&trials.concat()).unwrap(), "active").unwrap(), None);
+        assert_eq!(typical(&rows(&trials.concat()), &"active".parse().unwrap()), None);
     }
 
     #[test]

@@ -3,9 +3,10 @@
 use crate::closed_loop::{self, Held};
 use crate::scene::{Parameters, Rendering};
 use crate::updates::input;
-use crate::{Causality, ReplayError, WhyNot};
+use crate::{ReplayError, WhyNot};
 use zwidth_dynamics::{DynamicsError, Exact, Grid, ModelScene, Series, Solver, Start, System};
 use zwidth_numerics::series::{central_differences, interpolate};
+use zwidth_results::Causality;
 use zwidth_store::{Signal, Trial};
 
 /// A trial as it was recorded, and the model of it; the model's plant is chosen at each run.

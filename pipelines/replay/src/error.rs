@@ -2,6 +2,7 @@
 
 use zwidth_dynamics::DynamicsError;
 use zwidth_numerics::NumericsError;
+use zwidth_results::ReplayOutcome;
 use zwidth_stats::StatsError;
 use zwidth_tables::TableError;
 
@@ -31,17 +32,16 @@ pub enum WhyNot {
     NotRendered,
 }
 
-impl WhyNot {
-    /// The word in the table.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::TooShort => "too_short",
-            Self::NoAngle => "no_angle",
-            Self::NoForce => "no_force",
-            Self::NoLever => "no_lever",
-            Self::NoVoltages => "no_voltages",
-            Self::NoCalibration => "no_calibration",
-            Self::NotRendered => "not_rendered",
+impl From<WhyNot> for ReplayOutcome {
+    fn from(why: WhyNot) -> Self {
+        match why {
+            WhyNot::TooShort => Self::TooShort,
+            WhyNot::NoAngle => Self::NoAngle,
+            WhyNot::NoForce => Self::NoForce,
+            WhyNot::NoLever => Self::NoLever,
+            WhyNot::NoVoltages => Self::NoVoltages,
+            WhyNot::NoCalibration => Self::NoCalibration,
+            WhyNot::NotRendered => Self::NotRendered,
         }
     }
 }

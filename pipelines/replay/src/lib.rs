@@ -1,11 +1,11 @@
 //! Stage: recorded forces into the model, and how far it departs from what was recorded (thesis
 //! §4.3, Fig. 24).
 //!
-//! [`replay`] turns one trial into three [`TrialReplay`]s, one a [`Causality`]; [`table`] puts rows
-//! together, and [`agreement`] says of all trials together how far peaks and times agree (Bland &
+//! [`replay`] turns one trial into three [`TrialReplay`]s, one a [`Causality`](zwidth_results::Causality); [`rows`]
+//! are those of its table, and [`agreement`] says of all trials together how far peaks and times agree (Bland &
 //! Altman). [`Drive`] is a trial made ready to be replayed with any [`Parameters`], for figures and
 //! for judging fits; [`Balance`] is one whose recorded motion says what force it needs, for fits.
-//! Pure: trials in memory, tables out; only trials that count may come in (`StudyData::counting`):
+//! Pure: trials in memory, rows out; only trials that count may come in (`StudyData::counting`):
 //! the caller filters.
 //!
 //! # The model
@@ -25,7 +25,6 @@
 
 mod agreement;
 mod balance;
-mod causality;
 mod closed_loop;
 mod compare;
 mod courses;
@@ -40,11 +39,9 @@ mod table;
 #[cfg(test)]
 mod testing;
 mod updates;
-mod which;
 
-pub use agreement::{agreement, agreement_columns};
+pub use agreement::{agreement, agreement_table};
 pub use balance::Balance;
-pub use causality::Causality;
 pub use compare::{Comparison, VelocityError};
 pub use courses::{courses, typical};
 pub use drive::{Course, Drive, Judged};
@@ -52,11 +49,10 @@ pub use error::{ReplayError, WhyNot};
 pub use oscillation::{
     Origin, Oscillation, RecordedSwings, SwingAnswer, SwingCourse, oscillation, oscillations_table,
 };
-pub use replay::{Outcome, TrialReplay, replay, replay_with};
+pub use replay::{TrialReplay, replay, replay_with};
 pub use runs::runs;
 pub use scene::{Parameters, Rendering};
-pub use table::{join_conditions, table};
-pub use which::Which;
+pub use table::{in_order, own_model, rows};
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 8;

@@ -1,37 +1,13 @@
 //! One trial in three causalities.
 
 use crate::compare::{VelocityError, compare, compare_velocities};
-use crate::{
-    Causality, Comparison, Course, Drive, Parameters, Rendering, ReplayError, Which, WhyNot,
-};
+use crate::{Comparison, Course, Drive, Parameters, Rendering, ReplayError};
 use zwidth_dynamics::DynamicsError;
 use zwidth_numerics::activity::activity;
 use zwidth_numerics::phases::phases;
+use zwidth_results::{Causality, ModelPlant, ReplayOutcome};
 use zwidth_store::Trial;
 use zwidth_study::{Analysis, TrialMeta};
-
-/// What came of a replay.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// The model ran to the end.
-    Replayed,
-    /// The model's state left the finite numbers or the work limit, or its lever turned by more
-    /// than 10 rad; it is compared with nothing.
-    Diverged,
-    /// It does not apply.
-    Not(WhyNot),
-}
-
-impl Outcome {
-    /// The word in the table.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Replayed => "replayed",
-            Self::Diverged => "diverged",
-            Self::Not(why) => why.as_str(),
-        }
-    }
-}
 
 /// One trial in one causality.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,11 +17,11 @@ pub struct TrialReplay {
     /// What went in, and what came out.
     pub causality: Causality,
     /// Whose plant the model has.
-    pub which: Which,
+    pub which: ModelPlant,
     /// The model's plant.
     pub parameters: Parameters,
     /// What came of it.
-    pub outcome: Outcome,
+    pub outcome: ReplayOutcome,
     /// The signal that came out, θ (rad) or F_ex (N), against the recorded one; `None` unless it
     /// was replayed. Times are the trial's.
     pub comparison: Option<Comparison>,
@@ -69,7 +45,7 @@ pub fn replay(
     trial: &Trial,
     rendering: &Rendering,
     analysis: &Analysis,
-    (which, parameters): (Which, &Parameters),
+    (which, parameters): (ModelPlant, &Parameters),
 ) -> Result<Vec<TrialReplay>, ReplayError> {
     let own = |drive: &Drive| drive.run(Causality::ForceDriven, parameters);
     replay_with(trial, rendering, analysis, (which, parameters), &own)
@@ -84,7 +60,7 @@ pub fn replay_with(
     trial: &Trial,
     rendering: &Rendering,
     analysis: &Analysis,
-    (which, parameters): (Which, &Parameters),
+    (which, parameters): (ModelPlant, &Parameters),
     force_driven: &dyn Fn(&Drive) -> Result<Course, ReplayError>,
 ) -> Result<Vec<TrialReplay>, ReplayError> {
     let drive = match Drive::new(trial, rendering) {
@@ -97,18 +73,18 @@ pub fn replay_with(
             causality,
             which,
             parameters: *parameters,
-            outcome: Outcome::Diverged,
+            outcome: ReplayOutcome::Diverged,
             comparison: None,
             velocity: None,
             reversal_recorded_s: None,
             reversal_error_s: None,
         };
         match &drive {
-            Err(why) => Ok(TrialReplay { outcome: Outcome::Not(*why), ..empty }),
+            Err(why) => Ok(TrialReplay { outcome: (*why).into(), ..empty }),
             Ok(drive) => row(drive, analysis, empty, force_driven),
         }
     };
-    Causality::ALL.into_iter().map(one).collect()
+    Causality::ALL.iter().copied().map(one).collect()
 }
 
 fn row(
@@ -132,7 +108,7 @@ fn row(
             return Ok(empty);
         }
         Err(ReplayError::WhyNot(why)) => {
-            return Ok(TrialReplay { outcome: Outcome::Not(why), ..empty });
+            return Ok(TrialReplay { outcome: why.into(), ..empty });
         }
         other => other?,
     };
@@ -149,7 +125,7 @@ fn row(
     let turns = reversal_s(&model, analysis).zip(turned_s).filter(|_| moves);
     let reversal_error_s = turns.map(|(model, recorded)| model - recorded);
     Ok(TrialReplay {
-        outcome: Outcome::Replayed,
+        outcome: ReplayOutcome::Replayed,
         comparison: Some(comparison),
         velocity,
         reversal_error_s,
@@ -179,7 +155,7 @@ mod tests {
 
     fn rows(trial: &Trial) -> Vec<TrialReplay> {
         let rendering = rendering(trial.meta.mode.as_str());
-        replay(trial, &rendering, &Analysis::default(), (Which::ByEye, &Parameters::BY_EYE))
+        replay(trial, &rendering, &Analysis::default(), (ModelPlant::ByEye, &Parameters::BY_EYE))
             .unwrap()
     }
 
@@ -222,7 +198,7 @@ mod tests {
         let plant = Parameters { motor_lag_s: 53e-6, brake_on_s: 0.015, ..Parameters::BY_EYE };
         let trial = simulated("active", &Parameters::BY_EYE);
         let rendering = rendering("active");
-        let which = (Which::Fitted, &plant);
+        let which = (ModelPlant::Fitted, &plant);
         let row = &replay(&trial, &rendering, &Analysis::default(), which).unwrap()[1];
         assert!(row.comparison.unwrap().vaf.unwrap() > 0.999, "{row:?}");
     }
@@ -255,7 +231,8 @@ mod tests {
         let words = |trial: &Trial, rendering: &Rendering| {
             let analysis = Analysis::default();
             let rows =
-                replay(trial, rendering, &analysis, (Which::ByEye, &Parameters::BY_EYE)).unwrap();
+                replay(trial, rendering, &analysis, (ModelPlant::ByEye, &Parameters::BY_EYE))
+                    .unwrap();
             rows.iter().map(|r| r.outcome.as_str()).collect::<Vec<_>>()
         };
         let calibrated = rendering("active");
@@ -274,7 +251,8 @@ mod tests {
         let free = Rendering { stops_rad, rendered, ..rendering("active") };
         let trial = simulated("active", &Parameters::BY_EYE);
         let light = Parameters { damping_ns_per_rad: 1e-3, ..Parameters::BY_EYE };
-        let rows = replay(&trial, &free, &Analysis::default(), (Which::ByEye, &light)).unwrap();
-        assert_eq!((rows[0].outcome, rows[0].comparison), (Outcome::Diverged, None));
+        let rows =
+            replay(&trial, &free, &Analysis::default(), (ModelPlant::ByEye, &light)).unwrap();
+        assert_eq!((rows[0].outcome, rows[0].comparison), (ReplayOutcome::Diverged, None));
     }
 }

@@ -1,123 +1,67 @@
-//! The replays as a table: SI units, one row per trial and causality.
+//! The replays as rows: SI units, one per trial and causality.
 
-use crate::{Comparison, ReplayError, TrialReplay, VelocityError};
+use crate::TrialReplay;
+use zwidth_results::{Causality, ReplayedTrial};
 use zwidth_study::Source;
-use zwidth_tables::{Column, Table, TableError, identity, of_trials};
-
-const NAME: &str = "replay";
-const TITLE: &str = "Replay: recorded trials through the model";
-
-/// Which comparisons a column is for.
-#[derive(Clone, Copy, PartialEq)]
-enum Of {
-    /// All.
-    Any,
-    /// Those of θ.
-    Angle,
-    /// Those of F_ex.
-    Force,
-}
-
-type Get = fn(&Comparison) -> Option<f64>;
-type Spec = (&'static str, &'static str, &'static str, Of, Get);
-
-#[rustfmt::skip]
-const COLUMNS: [Spec; 11] = [
-    ("nrmse", "1", "root mean square error over the recording's range", Of::Any, |c| c.nrmse),
-    ("vaf", "1", "variance accounted for: 1 - var(error) / var(recording)", Of::Any, |c| c.vaf),
-    ("lag_s", "s", "by how much the model comes later, where the cross-correlation is highest", Of::Any, |c| c.lag_s),
-    ("rmse_rad", "rad", "root mean square error of the angle", Of::Angle, |c| Some(c.rmse)),
-    ("rmse_n", "N", "root mean square error of the force", Of::Force, |c| Some(c.rmse)),
-    ("peak_recorded_rad", "rad", "largest recorded angle", Of::Angle, |c| Some(c.peak_recorded)),
-    ("peak_error_rad", "rad", "the model's largest angle less it", Of::Angle, |c| Some(c.peak_error)),
-    ("peak_recorded_n", "N", "largest recorded force", Of::Force, |c| Some(c.peak_recorded)),
-    ("peak_error_n", "N", "the model's largest force less it", Of::Force, |c| Some(c.peak_error)),
-    ("peak_time_recorded_s", "s", "first time of the recording's largest angle or force", Of::Any, |c| Some(c.peak_time_recorded_s)),
-    ("peak_time_error_s", "s", "that of the model less it", Of::Any, |c| Some(c.peak_time_error_s)),
-];
-
-type GetVelocity = fn(&VelocityError) -> Option<f64>;
-
-#[rustfmt::skip]
-const VELOCITIES: [(&str, &str, &str, GetVelocity); 3] = [
-    ("velocity_rmse_rad_s", "rad/s", "root mean square error of the velocity", |v| Some(v.rmse_rad_s)),
-    ("velocity_nrmse", "1", "that over the recorded velocity's range", |v| v.nrmse),
-    ("velocity_sd_ratio", "1", "SD of the model's velocity over that of the recorded one", |v| v.sd_ratio),
-];
 
 /// One row per trial and causality, in the order given: which trial, what went in, what came of it,
-/// the plant, and how far the model departs. Null where it does not apply, and for a model that
-/// diverged: the column `outcome` says which.
-///
-/// # Errors
-/// A number that is not finite.
-pub fn table(rows: &[TrialReplay]) -> Result<Table, ReplayError> {
-    let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
-    let text = |name, description, get: fn(&TrialReplay) -> &'static str| {
-        Column::text(name, description, rows.iter().map(|r| Some(get(r).to_owned())))
-    };
-    let number = |name, unit, description, get: fn(&TrialReplay) -> Option<f64>| {
-        Column::float(name, unit, description, rows.iter().map(get))
-    };
-    columns.push(text("causality", "what went into the model and what came out", |r| {
-        r.causality.as_str()
-    }));
-    columns.push(text("model", "whose plant: by_eye, the thesis'; fitted, this study's", |r| {
-        r.which.as_str()
-    }));
-    columns.push(text("outcome", "replayed, diverged, or why it does not apply", |r| {
-        r.outcome.as_str()
-    }));
-    columns.extend([
-        number("mass_kg", "kg", "the model's mass at the lever's end", |r| {
-            Some(r.parameters.mass_kg)
-        }),
-        number("damping_n_s_per_rad", "N·s/rad", "the model's viscous damping there", |r| {
-            Some(r.parameters.damping_ns_per_rad)
-        }),
-        number("friction_n", "N", "the model's dry friction there", |r| {
-            Some(r.parameters.friction_n)
-        }),
-    ]);
-    for (name, unit, description, of, get) in COLUMNS {
-        let value =
-            |row: &TrialReplay| row.comparison.as_ref().filter(|_| applies(of, row)).and_then(get);
-        columns.push(Column::float(name, unit, description, rows.iter().map(value)));
-    }
-    for (name, unit, description, get) in VELOCITIES {
-        let value = |row: &TrialReplay| row.velocity.as_ref().and_then(get);
-        columns.push(Column::float(name, unit, description, rows.iter().map(value)));
-    }
-    columns.extend([
-        number(
-            "reversal_recorded_s",
-            "s",
-            "first time of the recording's largest angle, onset to end",
-            |r| r.reversal_recorded_s,
-        ),
-        number("reversal_error_s", "s", "that of the model less it", |r| r.reversal_error_s),
-    ]);
-    Ok(Table::new(NAME, TITLE, columns)?)
+/// the plant, and how far the model departs.
+pub fn rows(replays: &[TrialReplay]) -> Vec<ReplayedTrial> {
+    replays.iter().map(row).collect()
 }
 
-/// The replays of several conditions as one table in the order of participant, session and trial,
-/// of a trial in that of the tables; `None` without tables.
-///
-/// # Errors
-/// Tables that are not of this stage.
-pub fn join_conditions(conditions: Vec<Table>) -> Result<Option<Table>, ReplayError> {
-    let Some(all) = of_trials(NAME, TITLE, conditions)? else { return Ok(None) };
-    Ok(Some(match own_model(&all)? {
-        Some(note) => all.with_note(note),
-        None => all,
-    }))
+fn row(replay: &TrialReplay) -> ReplayedTrial {
+    let TrialReplay { meta, parameters, comparison, velocity, .. } = replay;
+    let all = comparison.as_ref();
+    let is_of_force = replay.causality == Causality::PositionDriven;
+    let of_angle = all.filter(|_| !is_of_force);
+    let of_force = all.filter(|_| is_of_force);
+    ReplayedTrial {
+        participant: meta.participant.clone(),
+        session: meta.session.clone(),
+        trial: meta.trial,
+        repeat: meta.repeat,
+        environment: meta.environment.clone(),
+        mode: meta.mode.clone(),
+        source: meta.source,
+        causality: replay.causality,
+        model: replay.which,
+        outcome: replay.outcome,
+        mass_kg: parameters.mass_kg,
+        damping_n_s_per_rad: parameters.damping_ns_per_rad,
+        friction_n: parameters.friction_n,
+        nrmse: all.and_then(|c| c.nrmse),
+        vaf: all.and_then(|c| c.vaf),
+        lag_s: all.and_then(|c| c.lag_s),
+        rmse_rad: of_angle.map(|c| c.rmse),
+        rmse_n: of_force.map(|c| c.rmse),
+        peak_recorded_rad: of_angle.map(|c| c.peak_recorded),
+        peak_error_rad: of_angle.map(|c| c.peak_error),
+        peak_recorded_n: of_force.map(|c| c.peak_recorded),
+        peak_error_n: of_force.map(|c| c.peak_error),
+        peak_time_recorded_s: all.map(|c| c.peak_time_recorded_s),
+        peak_time_error_s: all.map(|c| c.peak_time_error_s),
+        velocity_rmse_rad_s: velocity.map(|v| v.rmse_rad_s),
+        velocity_nrmse: velocity.and_then(|v| v.nrmse),
+        velocity_sd_ratio: velocity.and_then(|v| v.sd_ratio),
+        reversal_recorded_s: replay.reversal_recorded_s,
+        reversal_error_s: replay.reversal_error_s,
+    }
+}
+
+/// The replays of several conditions in the order of participant, session and trial; those of a
+/// trial stay in theirs.
+#[must_use]
+pub fn in_order(mut rows: Vec<ReplayedTrial>) -> Vec<ReplayedTrial> {
+    rows.sort_by(|a, b| {
+        (&a.participant, &a.session, a.trial).cmp(&(&b.participant, &b.session, b.trial))
+    });
+    rows
 }
 
 /// What is to be said of trials that a model of the same equations made.
-pub(crate) fn own_model(replays: &Table) -> Result<Option<String>, TableError> {
-    let sources = replays.texts("source")?;
-    let simulated = sources.iter().flatten().any(|source| source == Source::Twin.as_str());
-    Ok(simulated.then(|| OWN_MODEL.to_owned()))
+pub fn own_model(mut sources: impl Iterator<Item = Source>) -> Option<&'static str> {
+    sources.any(|source| source == Source::Twin).then_some(OWN_MODEL)
 }
 
 /// Of simulated trials and this model.
@@ -125,57 +69,76 @@ pub(crate) const OWN_MODEL: &str = "Simulated trials: the twin that made them an
     equations for lever, friction, actuators and lags (the twin has a hand, ticks and sensors besides). A fitted \
     model that lies on them says that identification works, not that the model is true to a prototype.";
 
-fn applies(of: Of, row: &TrialReplay) -> bool {
-    let force = row.causality == crate::Causality::PositionDriven;
-    of == Of::Any || force == (of == Of::Force)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing::{rendering, simulated};
-    use crate::{Parameters, Which, replay};
+    use crate::{Parameters, replay};
+    use zwidth_results::{ModelPlant, ReplayOutcome, Row};
     use zwidth_study::Analysis;
 
-    fn rows() -> Vec<TrialReplay> {
+    fn replays() -> Vec<TrialReplay> {
         let trial = simulated("hybrid", &Parameters::BY_EYE);
         replay(
             &trial,
             &rendering("hybrid"),
             &Analysis::default(),
-            (Which::ByEye, &Parameters::BY_EYE),
+            (ModelPlant::ByEye, &Parameters::BY_EYE),
         )
         .unwrap()
     }
 
     #[test]
     fn each_causality_has_its_row_and_the_units_of_what_came_out() {
-        let table = table(&rows()).unwrap();
-        let words: Vec<_> = table.texts("causality").unwrap().into_iter().flatten().collect();
-        assert_eq!(words, ["force_driven", "position_driven", "closed_loop"]);
-        let there =
-            |column| table.floats(column).unwrap().iter().map(Option::is_some).collect::<Vec<_>>();
-        assert_eq!(there("rmse_rad"), [true, false, true]);
-        assert_eq!(there("peak_error_n"), [false, true, false]);
-        assert_eq!(there("vaf"), [true; 3]);
-        assert_eq!(there("velocity_rmse_rad_s"), [true, false, true]);
+        let rows = rows(&replays());
+        let causalities: Vec<Causality> = rows.iter().map(|row| row.causality).collect();
+        assert_eq!(causalities, Causality::ALL);
+        let there = |number: fn(&ReplayedTrial) -> Option<f64>| {
+            rows.iter().map(|row| number(row).is_some()).collect::<Vec<_>>()
+        };
+        assert_eq!(there(|row| row.rmse_rad), [true, false, true]);
+        assert_eq!(there(|row| row.peak_error_n), [false, true, false]);
+        assert_eq!(there(|row| row.vaf), [true; 3]);
+        assert_eq!(there(|row| row.velocity_rmse_rad_s), [true, false, true]);
+        assert_eq!(ReplayedTrial::read(&ReplayedTrial::columns(&rows)).unwrap(), rows);
     }
 
     #[test]
     fn a_model_that_diverged_is_a_word_and_nulls() {
-        let row =
-            TrialReplay { outcome: crate::Outcome::Diverged, comparison: None, ..rows().remove(0) };
-        let table = table(&[row]).unwrap();
-        assert_eq!(table.texts("outcome").unwrap(), [Some("diverged".to_owned())]);
-        assert_eq!(table.floats("vaf").unwrap(), [None]);
+        let (outcome, comparison) = (ReplayOutcome::Diverged, None);
+        let row = row(&TrialReplay { outcome, comparison, ..replays().remove(0) });
+        assert_eq!((row.outcome, row.vaf), (ReplayOutcome::Diverged, None));
+    }
+
+    #[test]
+    fn conditions_come_together_in_the_order_of_their_trials() {
+        let one = row(&replays().remove(0));
+        let at = |participant: &str, trial, model| ReplayedTrial {
+            participant: participant.parse().unwrap(),
+            trial,
+            model,
+            ..one.clone()
+        };
+        let (by_eye, fitted) = (ModelPlant::ByEye, ModelPlant::Fitted);
+        let rows = in_order(vec![
+            at("P02", 3, by_eye),
+            at("P01", 10, fitted),
+            at("P01", 9, fitted),
+            at("P01", 9, by_eye),
+        ]);
+        let found: Vec<_> =
+            rows.iter().map(|row| (row.participant.as_str(), row.trial, row.model)).collect();
+        let expect =
+            [("P01", 9, fitted), ("P01", 9, by_eye), ("P01", 10, fitted), ("P02", 3, by_eye)];
+        assert_eq!(found, expect);
     }
 
     /// `docs/analysis.md` is the page on which a reader looks a column up.
     #[test]
     fn every_column_is_defined_on_the_page_about_the_analysis() {
         let page = include_str!("../../../docs/analysis.md");
-        let identity = identity(&[]).len();
-        for field in table(&[]).unwrap().fields().skip(identity) {
+        // The first seven say which trial it is.
+        for field in ReplayedTrial::fields().iter().skip(7) {
             assert!(page.contains(&format!("`{}`", field.name)), "{} is not defined", field.name);
         }
     }

@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Circles that stand: the reason, the crate, the modules (`crate` is `lib.rs` or `main.rs`).
-const KNOWN: [(&str, &str, &[&str]); 12] = [
+const KNOWN: [(&str, &str, &[&str]); 11] = [
     (
         "a job says its provenance, which is read back from records, which are made of jobs",
         "crates/runner",

@@ -1,0 +1,201 @@
+//! What the stage `replay` finds: recorded trials through the model, and how far it departs.
+
+use crate::column::UNIT_OF_ROW;
+use crate::row::rows;
+use crate::value::words;
+use std::sync::Arc;
+use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId, Source};
+
+words! {
+    /// What goes into the model, and what comes out.
+    Causality {
+        /// F_ex in, θ out: environment, actuators and their switching are the model's own (Fig. 24).
+        ForceDriven = "force_driven",
+        /// θ in, F_ex out: the force the recorded motion needs. θ̇ and θ̈ are central differences.
+        PositionDriven = "position_driven",
+        /// F_ex and the recorded commands of the actuators in, θ out: neither environment nor
+        /// switching is modelled, only the plant.
+        ClosedLoop = "closed_loop",
+    }
+    /// Whose plant a model has.
+    ModelPlant {
+        /// The thesis', chosen by eye.
+        ByEye = "by_eye",
+        /// The study's, fitted to half of its trials.
+        Fitted = "fitted",
+        /// That of the terms which the condition needs, as the ladder found, fitted by it.
+        Auto = "auto",
+    }
+    /// What came of a replay.
+    ReplayOutcome {
+        /// The model ran to the end.
+        Replayed = "replayed",
+        /// The model's state left the finite numbers or the work limit, or its lever turned by more
+        /// than 10 rad; it is compared with nothing.
+        Diverged = "diverged",
+        /// Fewer than three samples.
+        TooShort = "too_short",
+        /// No θ.
+        NoAngle = "no_angle",
+        /// No F_ex.
+        NoForce = "no_force",
+        /// No L.
+        NoLever = "no_lever",
+        /// No voltages of an actuator that the mode uses.
+        NoVoltages = "no_voltages",
+        /// No calibration, so that what the actuators can give is not known.
+        NoCalibration = "no_calibration",
+        /// A questionnaire, or anything else that no device rendered.
+        NotRendered = "not_rendered",
+    }
+    /// What of model and recording is compared, one value a trial.
+    AgreementOf {
+        /// The largest angle.
+        PeakAngle = "peak angle",
+        /// The largest force.
+        PeakForce = "peak force",
+        /// When it is reached.
+        PeakTime = "time of the peak",
+        /// When the lever turns back.
+        ReversalTime = "time of the reversal",
+    }
+    /// Whether model and recording agree within a bound.
+    AgreementVerdict {
+        /// Both limits are within the bound.
+        Alike = "alike",
+        /// The bias is beyond it.
+        Off = "off",
+        /// The bias is within it and a limit beyond.
+        Scattered = "scattered",
+        /// There are no limits, or there is no bound.
+        TooFew = "too few",
+    }
+}
+
+rows! {
+    /// A trial through a model in one causality. Null where it does not apply, and for a model that
+    /// diverged: the outcome says which.
+    ReplayedTrial = "replay", "Replay: recorded trials through the model" {
+        /// participant's code
+        participant: ParticipantId,
+        /// session
+        session: SessionId,
+        /// number within the session
+        trial: u32,
+        /// repeat of the condition
+        repeat: u32,
+        /// what was rendered
+        environment: EnvironmentId,
+        /// how it was rendered
+        mode: ModeId,
+        /// recorded, twin or imported
+        source: Source,
+        /// what went into the model and what came out
+        causality: Causality,
+        /// whose plant: by_eye, the thesis'; fitted, this study's
+        model: ModelPlant,
+        /// replayed, diverged, or why it does not apply
+        outcome: ReplayOutcome,
+        /// the model's mass at the lever's end
+        mass_kg: f64 = "kg",
+        /// the model's viscous damping there
+        damping_n_s_per_rad: f64 = "N·s/rad",
+        /// the model's dry friction there
+        friction_n: f64 = "N",
+        /// root mean square error over the recording's range
+        nrmse: Option<f64>,
+        /// variance accounted for: 1 - var(error) / var(recording)
+        vaf: Option<f64>,
+        /// by how much the model comes later, where the cross-correlation is highest
+        lag_s: Option<f64> = "s",
+        /// root mean square error of the angle
+        rmse_rad: Option<f64> = "rad",
+        /// root mean square error of the force
+        rmse_n: Option<f64> = "N",
+        /// largest recorded angle
+        peak_recorded_rad: Option<f64> = "rad",
+        /// the model's largest angle less it
+        peak_error_rad: Option<f64> = "rad",
+        /// largest recorded force
+        peak_recorded_n: Option<f64> = "N",
+        /// the model's largest force less it
+        peak_error_n: Option<f64> = "N",
+        /// first time of the recording's largest angle or force
+        peak_time_recorded_s: Option<f64> = "s",
+        /// that of the model less it
+        peak_time_error_s: Option<f64> = "s",
+        /// root mean square error of the velocity
+        velocity_rmse_rad_s: Option<f64> = "rad/s",
+        /// that over the recorded velocity's range
+        velocity_nrmse: Option<f64>,
+        /// SD of the model's velocity over that of the recorded one
+        velocity_sd_ratio: Option<f64>,
+        /// first time of the recording's largest angle, onset to end
+        reversal_recorded_s: Option<f64> = "s",
+        /// that of the model less it
+        reversal_error_s: Option<f64> = "s",
+    }
+
+    /// Of a trial through a model what the agreement looks at: some columns of the same table.
+    ReplayedPeak = "replay", "Replay: recorded trials through the model" {
+        /// how it was rendered
+        mode: ModeId,
+        /// recorded, twin or imported
+        source: Source,
+        /// what went into the model and what came out
+        causality: Causality,
+        /// whose plant: by_eye, the thesis'; fitted, this study's
+        model: ModelPlant,
+        /// the model's largest angle less it
+        peak_error_rad: Option<f64> = "rad",
+        /// largest recorded force
+        peak_recorded_n: Option<f64> = "N",
+        /// the model's largest force less it
+        peak_error_n: Option<f64> = "N",
+        /// that of the model less it
+        peak_time_error_s: Option<f64> = "s",
+        /// that of the model less it
+        reversal_error_s: Option<f64> = "s",
+    }
+
+    /// How far peaks and times of a model agree with those recorded (Bland and Altman).
+    ReplayAgreement =
+        "replay.agreement",
+        "Agreement of replay and recording (Bland and Altman), one value per trial"
+    {
+        /// what went into the model and what came out
+        causality: Causality,
+        /// how it was rendered
+        mode: ModeId,
+        /// whose plant: by_eye, the thesis'; fitted, this study's
+        model: ModelPlant,
+        /// what is compared, one value per trial
+        quantity: AgreementOf,
+        /// unit of the numbers in this row
+        unit: Arc<str>,
+        /// trials
+        n: usize,
+        /// alike, off, scattered or too few: bias and limits against the bound
+        verdict: AgreementVerdict,
+        /// up to here a difference does not matter
+        bound: Option<f64> = UNIT_OF_ROW,
+        /// mean of model less recording
+        bias: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        bias_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        bias_ci_high: Option<f64> = UNIT_OF_ROW,
+        /// lower limit of agreement, bias - 1.96 SD
+        limit_low: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        limit_low_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        limit_low_ci_high: Option<f64> = UNIT_OF_ROW,
+        /// upper limit of agreement, bias + 1.96 SD
+        limit_high: Option<f64> = UNIT_OF_ROW,
+        /// lower end of its interval
+        limit_high_ci_low: Option<f64> = UNIT_OF_ROW,
+        /// upper end of its interval
+        limit_high_ci_high: Option<f64> = UNIT_OF_ROW,
+    }
+}
