@@ -10,7 +10,7 @@ use zwidth_compare::{
     AnswerParameters, COLUMNS, DrawnOrder, MetricParameters, Parameters, SessionOrder, compare,
     compare_answers,
 };
-use zwidth_results::Row;
+use zwidth_results::{GivenAnswer, Row};
 use zwidth_study::order::{Rules, draw};
 use zwidth_study::{Kind, ParticipantId, PlannedTrial, SessionId, Study, template};
 use zwidth_tables::{Column, Table};
@@ -193,6 +193,8 @@ fn answered(study: &Study, sat: &[Sat]) -> anyhow::Result<Table> {
     let mut columns = conditions(sat);
     columns.push(Column::text("question", "", rows(sat).map(|(_, trial)| question(trial))));
     columns.push(Column::integer("answer", "1", "", values));
+    columns.push(Column::flag("counts", "", rows(sat).map(|_| Some(true))));
+    columns.push(Column::text("why_not", "", rows(sat).map(|_| None::<String>)));
     Ok(Table::new("answers", "Answers", columns)?)
 }
 
@@ -271,7 +273,8 @@ fn answers_job(study: &Study, file: &Path) -> anyhow::Result<usize> {
         contrasts: study.compare.contrasts.clone(),
         level: study.compare.level,
     };
-    let found = compare_answers(&Table::from_parquet(file)?, &parameters)?;
+    let answers = Table::from_parquet(file)?.to_rows::<GivenAnswer>()?;
+    let found = compare_answers(&answers, &parameters)?;
     let ratios: Option<Vec<f64>> = found.contrasts.iter().map(|row| row.odds_ratio).collect();
     ratios.context("a model of the answers has no end")?;
     Ok(bytes(&found.contrasts, file)? + bytes(&found.participants, file)?)

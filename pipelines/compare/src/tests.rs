@@ -433,6 +433,8 @@ fn answers(given: &[(&str, &str, f64)]) -> Vec<GivenAnswer> {
         question: "felt".parse().unwrap(),
         answer: AnswerValue::new(*answer).unwrap(),
         answer_time_s: None,
+        counts: true,
+        why_not: None,
     };
     given.iter().map(answer).collect()
 }

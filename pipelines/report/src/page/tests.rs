@@ -97,6 +97,8 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         question: planned.questions[0].id.clone(),
         answer,
         answer_time_s: None,
+        counts: true,
+        why_not: None,
     };
     Contents::of(("s", title), planned, &metrics(), &[compared], &[given]).unwrap()
 }

@@ -250,6 +250,8 @@ fn answers(of: &[(&str, &str, [i16; 3])]) -> Vec<GivenAnswer> {
         question: "felt_spring".parse().unwrap(),
         answer: value.into(),
         answer_time_s: None,
+        counts: true,
+        why_not: None,
     };
     of.iter().flat_map(|(who, mode, values)| values.map(|v| answer(who, mode, v))).collect()
 }
