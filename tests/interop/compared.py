@@ -10,6 +10,7 @@ from scipy import stats
 from scipy.special import gammaln
 from statsmodels.stats.multitest import multipletests
 
+import tidy
 from checks import check, close, equal, run
 
 STUDY = "six"
@@ -31,19 +32,18 @@ def study(zwidth):
 def made(derived):
     """Every contrast of a study of the twin, from the trials again."""
     metrics = pd.read_parquet(derived / "metrics.parquet")
-    files = sorted((derived / "compare").glob("contrasts_*.parquet"))
-    check(f"{derived.name}: some metrics are compared", len(files) > 3, str(len(files)))
-    for file in files:
-        metric = file.stem.removeprefix("contrasts_")
+    compared = pd.read_parquet(derived / "compare" / "compared.parquet")["metric"]
+    check(f"{derived.name}: some metrics are compared", len(compared) > 3, str(len(compared)))
+    for metric in compared:
+        found = tidy.rows(derived / "compare", "contrasts", metric)
         if metrics["participant"].nunique() > 1:
-            contrasts(metrics, file, metric)
+            contrasts(metrics, found, metric)
         else:
-            within(file, metric)
+            within(found, metric)
 
 
-def within(file, metric):
+def within(found, metric):
     """One person: claims rest on the orders, whose p values Rust's tests count by hand."""
-    found = pd.read_parquet(file)
     adjusted = multipletests(found["p_sharp_null"], method="holm")[1]
     for (_, row), p in zip(found.iterrows(), adjusted):
         close(f"{metric}: Holm", row["p_adjusted"], p, DIGITS)
@@ -73,9 +73,8 @@ def stem(table, name):
     return table[found[0]]
 
 
-def contrasts(metrics, file, metric):
+def contrasts(metrics, found, metric):
     """One metric: everything from the trials again."""
-    found = pd.read_parquet(file)
     cells = metrics.dropna(subset=[metric]).groupby(["participant", "session", "environment", "mode"])[metric].mean()
     p_values = []
     for i, row in found.iterrows():

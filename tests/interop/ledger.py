@@ -4,6 +4,7 @@ import json
 
 import pandas as pd
 
+import tidy
 from checks import check, close, equal, run
 
 
@@ -12,11 +13,11 @@ def compared(zwidth, root, study, by):
     tables = {}
     for printed in json.loads(run(zwidth, "--root", root, "compare", study, "--by", by, "--json")):
         name = printed["table"]
-        stored = pd.read_parquet(root / "derived" / study / "compare" / f"{name}.parquet")
+        stored = tidy.printed(root / "derived" / study / "compare", name)
         # Without a row nothing is printed of the columns.
         frame = pd.DataFrame(printed["rows"], columns=None if printed["rows"] else list(stored))
         same = set(frame) == set(stored) and all(alike(frame[c], stored[c]) for c in stored)
-        check(f"{study}: compare --by {by} --json prints what {name}.parquet holds", same, list(stored))
+        check(f"{study}: compare --by {by} --json prints what the table of {name} holds", same, list(stored))
         tables[name] = Ledger(f"{study}, {name}", frame, printed["notes"])
     return tables
 
@@ -57,9 +58,9 @@ class Ledger:
             close(f"{self.label}, {self.names[row]}: {column}", self.frame.loc[row, column], value, relative)
 
     def nulls(self, why, columns):
-        """Columns that say nothing, for a reason that the table gives."""
+        """Columns that say nothing, for a reason that the table gives: a column of which no row has a value is left out."""
         for column in columns:
-            there = int(self.frame[column].notna().sum())
+            there = int(self.frame[column].notna().sum()) if column in self.frame else 0
             check(f"{self.label}: no {column}, for {why}", there == 0, f"{there} are there")
             self.seen |= {(row, column) for row in self.frame.index}
 

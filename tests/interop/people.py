@@ -13,6 +13,7 @@ import pandas as pd
 from scipy import stats
 from statsmodels.stats.multitest import multipletests
 
+import tidy
 from checks import check, close, equal, run
 from paddle import CONTRASTS, MODES, RATE_HZ, duration
 
@@ -44,7 +45,7 @@ def check_all(zwidth, real, mappings):
             run(zwidth, "--root", root, "import", STUDY, "--map", root / "map.toml", *files)
             run(zwidth, "--root", root, "run", STUDY, "--only", "compare", "--quiet")
             for metric in METRICS:
-                table = pd.read_parquet(root / f"derived/{STUDY}/compare/contrasts_{metric}.parquet")
+                table = tidy.rows(root / f"derived/{STUDY}/compare", "contrasts", metric)
                 seen |= verdicts(f"{STUDY} {number}, {metric}", table, values[metric], metric, rule)
     words = {"different", "different, within the bound", "equivalent", "undecided", "felt", "may be felt", "below what is felt"}
     equal("paddlers: words of verdicts that were seen", seen, words)
