@@ -123,6 +123,7 @@ impl<'d> Slices<'d> {
                 problems: Vec::new(),
                 warnings: Vec::new(),
                 answers: Vec::new(),
+                answers_left_out: Vec::new(),
             };
             comes_out_alike(&sliced, due)
         });
