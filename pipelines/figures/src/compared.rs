@@ -139,7 +139,7 @@ pub fn modes_compared(
         let contrasts: Vec<&ModeDifference> =
             found.contrasts.iter().filter(|row| row.environment == environment.id).collect();
         let verdict = |row: &&ModeDifference| {
-            format!("{}: {}", contrast_label(&about.modes, &row.contrast), told(row))
+            format!("{}: {}", contrast_label(&about.modes, &row.contrast), judgement(row))
         };
         let names = contrasts.iter().map(|row| match contrasts.len() <= TOLD {
             true => plain(&verdict(row)),
@@ -153,8 +153,8 @@ pub fn modes_compared(
         };
         panels.push(Panel { height_mm: Some(PANEL_MM), ..panel });
         if contrasts.len() > TOLD {
-            let told = contrasts.iter().map(verdict).collect::<Vec<_>>().join("; ");
-            verdicts.push(plain(&format!("{}: {told}.", environment.label)));
+            let all = contrasts.iter().map(verdict).collect::<Vec<_>>().join("; ");
+            verdicts.push(plain(&format!("{}: {all}.", environment.label)));
         }
     }
     let intervals = found.means.iter().any(|mean| mean.ci_low.is_some());
@@ -363,7 +363,7 @@ fn differences(contrasts: &[&ModeDifference], shown: &Shown, found: &MetricResul
 }
 
 /// `different, felt, p = 0.003, 8 people`; what has a number does not break.
-fn told(row: &ModeDifference) -> String {
+fn judgement(row: &ModeDifference) -> String {
     let unit = match row.unit_of_analysis {
         UnitOfAnalysis::TrialsOf(_) => "trials",
         UnitOfAnalysis::Participants => "people",
