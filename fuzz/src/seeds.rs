@@ -7,8 +7,9 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use zwidth_device::TwinParameters;
 use zwidth_device::mock::Mock;
-use zwidth_link::message::{Drive, FromBoard, Seen, ToBoard};
-use zwidth_link::{AngleAt, Board, Link, Settings, board, hostile as rig};
+use zwidth_link::Drive;
+use zwidth_link::framed::message::{FromBoard, Seen, ToBoard};
+use zwidth_link::{AngleAt, Board, Link, Settings, hostile as rig};
 use zwidth_store::{
     Journal, Layout, Memory, Protocol, Quantity, Samples, Sweep, Trial, TrialFile, append_events,
     hostile, record_bytes, sweep_bytes, trial_bytes,
@@ -25,13 +26,13 @@ type Any = Box<dyn std::error::Error>;
 /// A rig that speaks Firmata, with the angle there.
 pub fn firmata_settings(angle: AngleAt) -> Settings {
     let can = zwidth_device::mock::capabilities();
-    board::settings(Link::Firmata, angle, 100.0, &can, Path::new("/dev/cell"))
+    Settings::of_board(Link::Firmata, angle, 100.0, &can, Path::new("/dev/cell"))
 }
 
 /// A rig that prints lines.
 pub fn text_settings() -> Settings {
     let can = zwidth_device::mock::capabilities();
-    board::settings(Link::Text, AngleAt::I2c, 100.0, &can, Path::new("/dev/cell"))
+    Settings::of_board(Link::Text, AngleAt::I2c, 100.0, &can, Path::new("/dev/cell"))
 }
 
 /// Writes them all, from the workspace's folder on.

@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use zwidth_device::{Device as _, Person, Priority, Twin, TwinParameters};
-use zwidth_link::{AngleAt, Board, Link, Pair, Settings, Wire as _, board};
+use zwidth_link::{AngleAt, Board, Link, Pair, Settings, Wire as _};
 use zwidth_study::Study;
 
 /// How long it waits for bytes before it looks whether its watchdog is due.
@@ -36,7 +36,7 @@ pub(crate) fn run(study: &Path, link: &str, seed: u64) -> anyhow::Result<()> {
 
 /// A board and its load cell, each at the end of a line.
 pub(crate) struct Plugged {
-    board: Board<Twin>,
+    board: Board,
     line: Pair,
     cell: Pair,
     /// What rig.toml must say.
@@ -52,7 +52,8 @@ impl Plugged {
         };
         let twin = Twin::new(TwinParameters::default(), Person::draw(seed), seed)?;
         let (line, cell) = (Pair::open()?, Pair::open()?);
-        let settings = board::settings(*link, *angle, STREAM_HZ, twin.capabilities(), cell.port());
+        let settings =
+            Settings::of_board(*link, *angle, STREAM_HZ, twin.capabilities(), cell.port());
         let board = match &settings.firmata {
             Some(pins) if *word == UNO => {
                 Board::firmata(twin, study.environments, pins.clone(), UNO_BITS)

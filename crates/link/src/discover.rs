@@ -5,11 +5,11 @@
 
 use crate::firmata::Pins;
 use crate::firmata::host::Host;
-use crate::frame::Frames;
-use crate::message::{Description, FromBoard, ToBoard};
+use crate::framed::frame::Frames;
+use crate::framed::message::{Description, FromBoard, ToBoard};
 use crate::talk::Talk;
 use crate::text::Lines;
-use crate::{AngleAt, Firmata, Link, Serial, Settings, Wire};
+use crate::{AngleAt, Firmata, Serial, Wire};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -35,18 +35,24 @@ pub enum Found {
     Lines(String),
 }
 
-/// How a port is asked, one after another: by which link, at how many bits a second.
-pub const ASKED: [(Link, u32); 4] = [
-    (Link::Text, 115_200),
-    (Link::Framed, 500_000),
-    (Link::Framed, 1_000_000),
-    (Link::Firmata, 57_600),
-];
+/// Asks who is at a wire of so many bits a second.
+type Ask = fn(&mut dyn Wire, u32) -> Result<Option<Found>, Fault>;
+
+/// How a port is asked, one after another, and at how many bits a second.
+const ASKED: [(Ask, u32); 4] =
+    [(lines, 115_200), (framed, 500_000), (framed, 1_000_000), (firmata, 57_600)];
 /// So long each time: many boards begin anew when their port is opened.
 const PATIENCE: Duration = Duration::from_secs(3);
 const AGAIN_EVERY: Duration = Duration::from_millis(200);
 /// Lines in a row that can be read are no accident of another link's bytes.
 const LINES: u32 = 3;
+
+/// The bits a second at which a port is asked, in order of their size.
+pub fn bauds() -> Vec<u32> {
+    let mut bauds: Vec<u32> = ASKED.iter().map(|(_, baud)| *baud).collect();
+    bauds.sort_unstable();
+    bauds
+}
 
 /// The serial ports that there are.
 ///
@@ -103,13 +109,9 @@ impl From<io::Error> for Fault {
 fn who<W: Wire>(
     mut open: impl FnMut(u32) -> Result<W, DeviceError>,
 ) -> Result<Option<(u32, Found)>, Fault> {
-    for (link, baud) in ASKED {
+    for (ask, baud) in ASKED {
         let mut wire = open(baud).map_err(Fault::Port)?;
-        let found = match link {
-            Link::Text => lines(&mut wire)?.map(Found::Lines),
-            Link::Framed => framed(&mut wire)?.map(Found::Framed),
-            Link::Firmata => firmata(&mut wire, baud)?.map(Found::Firmata),
-        };
+        let found = ask(&mut wire, baud)?;
         if found.is_some() {
             return Ok(found.map(|found| (baud, found)));
         }
@@ -118,8 +120,8 @@ fn who<W: Wire>(
 }
 
 /// Asks again and again, and hears each byte until one tells something.
-fn heard<W: Wire, T>(
-    wire: &mut W,
+fn heard<T>(
+    wire: &mut dyn Wire,
     question: &[u8],
     mut hear: impl FnMut(u8) -> Option<T>,
 ) -> Result<Option<T>, Fault> {
@@ -142,39 +144,28 @@ fn heard<W: Wire, T>(
 }
 
 /// A line that can be read, behind others.
-fn lines<W: Wire>(wire: &mut W) -> Result<Option<String>, Fault> {
+fn lines(wire: &mut dyn Wire, _: u32) -> Result<Option<Found>, Fault> {
     let (mut lines, mut read) = (Lines::from_anywhere(), 0);
     heard(wire, &[], |byte| {
         let line = lines.push(byte)?;
         let is_text = |byte: &u8| byte.is_ascii_graphic() || matches!(byte, b' ' | b'\t');
         let reads = line.iter().any(u8::is_ascii_digit) && line.iter().all(is_text);
         read = if reads { read + 1 } else { 0 };
-        (read == LINES).then(|| String::from_utf8_lossy(line).into_owned())
+        (read == LINES).then(|| Found::Lines(String::from_utf8_lossy(line).into_owned()))
     })
 }
 
-fn framed<W: Wire>(wire: &mut W) -> Result<Option<Description>, Fault> {
+fn framed(wire: &mut dyn Wire, _: u32) -> Result<Option<Found>, Fault> {
     let mut frames = Frames::default();
     let (question, length) = ToBoard::Hello.frame(1).encode();
     heard(wire, &question[..length], |byte| match FromBoard::read(&frames.push(byte)?)? {
-        FromBoard::Description(board) => Some(board),
+        FromBoard::Description(board) => Some(Found::Framed(board)),
         FromBoard::Seen(_) => None,
     })
 }
 
-fn firmata<W: Wire>(wire: &mut W, baud: u32) -> Result<Option<Pins>, Fault> {
-    let (settings, pins) = nowhere(baud);
-    let mut host = Host::new(&settings, &pins).map_err(Fault::Port)?;
-    let mut question = Vec::new();
-    host.hello(&mut question);
-    heard(wire, &question, |byte| {
-        host.push(byte);
-        host.found()
-    })
-}
-
-/// What a host must be told before it asks: where nothing is connected yet, nothing that counts.
-fn nowhere(baud: u32) -> (Settings, Firmata) {
+fn firmata(wire: &mut dyn Wire, baud: u32) -> Result<Option<Found>, Fault> {
+    // Where nothing is connected yet, nothing of this counts.
     let pins = Firmata {
         rate_hz: 100.0,
         angle: AngleAt::Analog(0),
@@ -185,34 +176,27 @@ fn nowhere(baud: u32) -> (Settings, Firmata) {
         motor_max_v: 1.0,
         brake_max_v: 1.0,
     };
-    let settings = Settings {
-        port: None,
-        link: Link::Firmata,
-        baud: Some(baud),
-        newtons_per_count: 1.0,
-        zero_counts: 0.0,
-        shaft_per_lever: 1.0,
-        turning: crate::Turning::Up,
-        simulated: false,
-        firmata: None,
-        text: None,
-        hx711: None,
-    };
-    (settings, pins)
+    let mut host = Host::new(&pins, baud).map_err(Fault::Port)?;
+    let mut question = Vec::new();
+    host.hello(&mut question);
+    heard(wire, &question, |byte| {
+        host.push(byte);
+        host.found().map(Found::Firmata)
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::simulated::Bench;
-    use crate::{Board, board};
+    use crate::{Board, Link, Settings};
     use std::sync::{Arc, Mutex};
     use zwidth_device::{Device as _, Person, Twin, TwinParameters};
 
-    fn bench(link: Link, angle: AngleAt) -> Bench<Twin> {
+    fn bench(link: Link, angle: AngleAt) -> Bench {
         let twin = Twin::new(TwinParameters::default(), Person::draw(7), 11).unwrap();
         let cell = Path::new("/dev/null");
-        let settings = board::settings(link, angle, 100.0, twin.capabilities(), cell);
+        let settings = Settings::of_board(link, angle, 100.0, twin.capabilities(), cell);
         let board = Board::by(&settings, twin, zwidth_testing::study().environments).unwrap();
         let baud = settings.baud();
         Bench::new(board, baud, baud, 0.0)

@@ -1,8 +1,7 @@
 //! A host that hears any bytes: for whoever tries them.
 
+use crate::Drive;
 use crate::Settings;
-use crate::message::Drive;
-use crate::open::talk;
 use crate::talk::Heard;
 use zwidth_device::DeviceError;
 
@@ -25,7 +24,7 @@ pub struct Told {
 /// # Errors
 /// Settings that make no sense; a board that cannot do what they say.
 pub fn hear(settings: &Settings, bytes: &[u8]) -> Result<Told, DeviceError> {
-    let (Some(mut talk), mut told) = (talk(settings)?, Told::default()) else {
+    let (Some(mut talk), mut told) = (settings.host()?, Told::default()) else {
         return Ok(Told::default());
     };
     for byte in bytes {

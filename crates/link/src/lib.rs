@@ -1,28 +1,27 @@
 //! The wire to a board.
 //!
-//! At the host's end stands a [`zwidth_device::Device`] over a [`Wire`], by one of three links: a
-//! [`Rig`] asks a board by [`frame`]s with [`message`]s in them; a board that speaks [`firmata`],
-//! or prints lines of [`text`], sends its readings unasked. What goes over the wire are pure
-//! functions of bytes: any split of them reads alike, and what is no message is dropped. The page
-//! `docs/rig.md` has the frames byte by byte, so that a sketch of a hundred lines can speak them.
-//! [`Board`] is the other end of each with any device behind it, as the twin: what a rig is tried
-//! on without a board.
+//! At the host's end stands a [`zwidth_device::Device`] over a [`Wire`], by one of three links,
+//! each a folder with the host's end, the board's end and its settings: a [`Rig`] asks a board by
+//! [`framed`] messages; a board that speaks [`firmata`], or prints lines of [`text`], sends its
+//! readings unasked. What goes over the wire are pure functions of bytes: any split of them reads
+//! alike, and what is no message is dropped. [`Board`] is the other end of each with any device
+//! behind it, as the twin: what a rig is tried on without a board.
 
 pub mod board;
+mod check;
 pub mod discover;
+mod drive;
 pub mod firmata;
-pub mod frame;
+pub mod framed;
 pub mod hostile;
-pub mod message;
 mod open;
-mod patience;
 mod rate;
-mod rig;
 mod serial;
 mod settings;
 mod shaft;
 pub mod simulated;
 mod stream;
+mod streams;
 mod talk;
 #[cfg(test)]
 mod tests;
@@ -32,12 +31,15 @@ mod window;
 mod wire;
 
 pub use board::Board;
+pub use drive::{Drive, mark};
+pub use firmata::{AngleAt, Firmata};
+pub use framed::Rig;
 pub use open::{open, over};
-pub use rig::Rig;
 #[cfg(unix)]
 pub use serial::Pair;
 pub use serial::Serial;
-pub use settings::{AngleAt, Firmata, Hx711, Link, Settings, Templates, Text, Turning};
+pub use settings::{Hx711, Link, Settings, Turning};
+pub use text::{Templates, Text};
 #[cfg(unix)]
 pub use window::Window;
 pub use wire::Wire;

@@ -1,8 +1,7 @@
 //! A rig by its settings, over whatever link they name.
 
 use crate::stream::{Cell, Stream};
-use crate::talk::Talk;
-use crate::{Link, Rig, Serial, Settings, Wire, firmata, text};
+use crate::{Rig, Serial, Settings, Wire};
 use std::path::Path;
 use zwidth_device::{Device, DeviceError};
 use zwidth_study::EnvironmentId;
@@ -23,8 +22,9 @@ pub fn open(
         what: "no port is named".to_owned(),
         remedy: "`zwidth ports` lists the ports that there are: name one with --device rig:PORT, or as port in rig.toml".to_owned(),
     })?;
+    let streams = settings.streams()?.is_some();
     let wire = Serial::open(port, settings.baud())?;
-    let cell = settings.hx711.as_ref().filter(|_| settings.link != Link::Framed);
+    let cell = settings.hx711.as_ref().filter(|_| streams);
     let cell = cell.map(|cell| Serial::open(&cell.port, cell.baud)).transpose()?;
     over(wire, cell, settings, environments)
 }
@@ -40,19 +40,10 @@ pub fn over<W: Wire + 'static>(
     environments: Vec<EnvironmentId>,
 ) -> Result<Box<dyn Device>, DeviceError> {
     settings.check()?;
-    let Some(talk) = talk(settings)? else {
+    let Some(talk) = settings.host()? else {
         return Ok(Box::new(Rig::connect(wire, settings.clone(), environments)?));
     };
     let cell = cell.zip(settings.hx711.as_ref());
     let cell = cell.map(|(wire, settings)| Cell::new(wire, settings)).transpose()?;
     Ok(Box::new(Stream::connect(wire, cell, talk, settings.clone(), environments)?))
-}
-
-/// The host's end of a link that streams; none of frames.
-pub(crate) fn talk(settings: &Settings) -> Result<Option<Box<dyn Talk>>, DeviceError> {
-    Ok(match (settings.link, &settings.firmata, &settings.text) {
-        (Link::Firmata, Some(pins), _) => Some(Box::new(firmata::host::Host::new(settings, pins)?)),
-        (Link::Text, _, Some(sketch)) => Some(Box::new(text::Host::new(settings, sketch)?)),
-        _ => None,
-    })
 }

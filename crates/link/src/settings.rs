@@ -1,9 +1,14 @@
 //! What a host must be told of a rig: no board can know it.
 
+use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
+use crate::check::{positive, unable, within};
 use crate::rate::{LOOKS_PER_READING, line_rate_hz};
-use crate::text::{Field, Template, TemplateError};
+use crate::streams::Streams;
+use crate::talk::Talk;
+use crate::text::{Field, Template, named};
+use crate::{AngleAt, Firmata, Text};
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zwidth_device::{Capabilities, DeviceError};
 use zwidth_study::Source;
 
@@ -64,121 +69,6 @@ pub struct Settings {
     pub hx711: Option<Hx711>,
 }
 
-/// Where a Firmata board's angle sensor is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub enum AngleAt {
-    /// At an analog channel, 0–15.
-    Analog(u8),
-    /// An AS5600 at the I²C bus.
-    I2c,
-}
-
-impl TryFrom<String> for AngleAt {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        let channel = text.strip_prefix('A').and_then(|number| number.parse().ok());
-        match channel.filter(|channel| *channel < 16) {
-            Some(channel) => Ok(Self::Analog(channel)),
-            None if text == "i2c" => Ok(Self::I2c),
-            None => Err(format!(
-                "'{text}' is not a place of an angle sensor: \"A0\" to \"A15\", or \"i2c\""
-            )),
-        }
-    }
-}
-
-impl From<AngleAt> for String {
-    fn from(at: AngleAt) -> Self {
-        match at {
-            AngleAt::Analog(channel) => format!("A{channel}"),
-            AngleAt::I2c => "i2c".to_owned(),
-        }
-    }
-}
-
-/// A board that speaks Firmata: what is at which of its pins.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Firmata {
-    /// Readings a second, of which the board knows those that are whole milliseconds apart.
-    #[serde(default = "usual_firmata_rate")]
-    pub rate_hz: f64,
-    /// Where the angle sensor is.
-    pub angle: AngleAt,
-    /// The pin of the motor's pulses, and the one that is high while it pushes towards +θ.
-    pub motor_pwm: u8,
-    /// That one.
-    pub motor_direction: u8,
-    /// The direction's pin is low while the motor pushes towards +θ.
-    #[serde(default)]
-    pub motor_reversed: bool,
-    /// The pin of the brake's pulses.
-    pub brake_pwm: u8,
-    /// The motor's voltage at full pulses, V.
-    pub motor_max_v: f64,
-    /// The brake's voltage at full pulses, V.
-    pub brake_max_v: f64,
-}
-
-/// A board that prints lines.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Text {
-    /// Lines a second.
-    pub rate_hz: f64,
-    /// What stands in a line, as `"{t_ms},{counts},{hx711}"`.
-    pub line: String,
-    /// The command for both voltages, as `"M{motor_pwm} B{brake_pwm}\n"`.
-    pub command: String,
-    /// The command for a marker, where the sketch takes one: `"K{code} {number}\n"`.
-    pub mark: Option<String>,
-    /// The number in a command that stands for the full voltage.
-    #[serde(default = "usual_pwm")]
-    pub pwm_full: u16,
-    /// Counts of the angle sensor in a turn of the shaft.
-    pub counts_per_turn: u16,
-    /// The motor's voltage at the full number, V.
-    pub motor_max_v: f64,
-    /// The brake's voltage at the full number, V.
-    pub brake_max_v: f64,
-}
-
-/// The templates of a board that prints lines.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Templates {
-    /// Of its lines.
-    pub line: Template,
-    /// Of commands for both voltages.
-    pub command: Template,
-    /// Of markers.
-    pub mark: Option<Template>,
-}
-
-impl Text {
-    /// Its templates.
-    ///
-    /// # Errors
-    /// What is wrong with which of them.
-    pub fn templates(&self) -> Result<Templates, DeviceError> {
-        let seen = [Field::Millis, Field::Micros, Field::Counts, Field::Hx711, Field::Any];
-        let drive = [Field::MotorPwm, Field::BrakePwm];
-        let what = [Field::Code, Field::Number];
-        let mark =
-            self.mark.as_deref().map(|mark| named("mark", Template::parse(mark, &what, &what)));
-        Ok(Templates {
-            line: named("line", Template::parse(&self.line, &seen, &[Field::Counts]))?,
-            command: named("command", Template::parse(&self.command, &drive, &drive))?,
-            mark: mark.transpose()?,
-        })
-    }
-}
-
-fn named(key: &str, parsed: Result<Template, TemplateError>) -> Result<Template, DeviceError> {
-    parsed.map_err(|e| unable(format!("{key}: {e}"), "correct it in rig.toml (docs/rig.md)"))
-}
-
 /// A load cell at a port of its own: an HX711 whose counts a sketch prints, one in a line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -211,16 +101,6 @@ fn prototype_turns() -> f64 {
     zwidth_device::SHAFT_PER_LEVER
 }
 
-/// What pyFirmata2's authors state for analog readings over USB.
-fn usual_firmata_rate() -> f64 {
-    100.0
-}
-
-/// Steps of `analogWrite` on an Arduino.
-fn usual_pwm() -> u16 {
-    255
-}
-
 fn usual_hx711_baud() -> u32 {
     115_200
 }
@@ -234,6 +114,38 @@ fn usual_hx711_rate() -> f64 {
 }
 
 impl Settings {
+    /// What a host must be told of a board in software with this device behind it: `angle` where
+    /// Firmata has it, `rate_hz` readings a second of a link that streams, and `cell` the port of
+    /// the load cell where it has one of its own.
+    pub fn of_board(
+        link: Link,
+        angle: AngleAt,
+        rate_hz: f64,
+        can: &Capabilities,
+        cell: &Path,
+    ) -> Self {
+        let hx711 = || Hx711 {
+            port: cell.to_owned(),
+            baud: usual_hx711_baud(),
+            line: usual_hx711_line(),
+            rate_hz: can.force_rate_hz,
+        };
+        Self {
+            port: None,
+            link,
+            baud: None,
+            newtons_per_count: NEWTONS_PER_COUNT,
+            zero_counts: ZERO_COUNTS,
+            shaft_per_lever: can.shaft_per_lever,
+            turning: Turning::Up,
+            // Neither frames nor Firmata need it: there the board says so itself.
+            simulated: link == Link::Text,
+            firmata: (link == Link::Firmata).then(|| Firmata::usual(rate_hz, angle, can)),
+            text: (link == Link::Text).then(|| Text::usual(rate_hz, can)),
+            hx711: (link == Link::Firmata).then(hx711),
+        }
+    }
+
     /// Bits a second on the wire: for frames enough for 1 kHz, and what an Arduino's clock divides
     /// without an error; for Firmata what its sketches begin with.
     pub fn baud(&self) -> u32 {
@@ -244,13 +156,29 @@ impl Settings {
         })
     }
 
-    /// Readings a second of a link that streams; none of one that is asked.
-    pub fn stream_hz(&self) -> Option<f64> {
-        match self.link {
-            Link::Framed => None,
-            Link::Firmata => self.firmata.as_ref().map(|firmata| firmata.rate_hz),
-            Link::Text => self.text.as_ref().map(|text| text.rate_hz),
-        }
+    /// The table of a link that streams; none of one that is asked.
+    ///
+    /// # Errors
+    /// No such table.
+    pub(crate) fn streams(&self) -> Result<Option<&dyn Streams>, DeviceError> {
+        let (name, table) = match self.link {
+            Link::Framed => return Ok(None),
+            Link::Firmata => ("firmata", table_of(&self.firmata)),
+            Link::Text => ("text", table_of(&self.text)),
+        };
+        let missing = || {
+            let remedy = format!("write it, or take link = \"{name}\" out");
+            unable(format!("link is \"{name}\", and there is no table [{name}]"), &remedy)
+        };
+        table.map(Some).ok_or_else(missing)
+    }
+
+    /// The host's end of a link that streams.
+    ///
+    /// # Errors
+    /// No table of the link, or one that makes no sense.
+    pub(crate) fn host(&self) -> Result<Option<Box<dyn Talk>>, DeviceError> {
+        self.streams()?.map(|streams| streams.host(self.baud())).transpose()
     }
 
     /// Whether they make sense.
@@ -269,49 +197,16 @@ impl Settings {
         if self.baud == Some(0) {
             return bad("baud", 0.0, "above 0");
         }
-        self.check_table()?;
-        if let Some(firmata) = &self.firmata {
-            positive("firmata.rate_hz", firmata.rate_hz)?;
-            not_below_0("firmata.motor_max_v", firmata.motor_max_v)?;
-            not_below_0("firmata.brake_max_v", firmata.brake_max_v)?;
+        let streams = self.streams()?.filter(|_| self.hx711.is_none());
+        if !streams.map_or(Ok(true), Streams::brings_force)? {
+            return Err(unable(
+                "nothing says where the force comes from".to_owned(),
+                "write the table [hx711] with its port, or print {hx711} in the lines",
+            ));
         }
-        if let Some(text) = &self.text {
-            positive("text.rate_hz", text.rate_hz)?;
-            positive("text.pwm_full", text.pwm_full.into())?;
-            not_below_0("text.motor_max_v", text.motor_max_v)?;
-            not_below_0("text.brake_max_v", text.brake_max_v)?;
-            if text.counts_per_turn < 2 {
-                return bad("text.counts_per_turn", text.counts_per_turn.into(), "2 or more");
-            }
-            text.templates()?;
-        }
+        let tables = [table_of(&self.firmata), table_of(&self.text)];
+        tables.into_iter().flatten().try_for_each(Streams::check)?;
         self.hx711.as_ref().map_or(Ok(()), check_hx711)
-    }
-
-    /// The link's own table, and where the force comes from.
-    fn check_table(&self) -> Result<(), DeviceError> {
-        let table = |name: &str| {
-            let remedy = format!("write it, or take link = \"{name}\" out");
-            unable(format!("link is \"{name}\", and there is no table [{name}]"), &remedy)
-        };
-        let force = match self.link {
-            Link::Framed => true,
-            Link::Firmata => {
-                self.firmata.as_ref().ok_or_else(|| table("firmata"))?;
-                false
-            }
-            Link::Text => {
-                let text = self.text.as_ref().ok_or_else(|| table("text"))?;
-                text.templates()?.line.has(Field::Hx711)
-            }
-        };
-        if force || self.hx711.is_some() {
-            return Ok(());
-        }
-        Err(unable(
-            "nothing says where the force comes from".to_owned(),
-            "write the table [hx711] with its port, or print {hx711} in the lines",
-        ))
     }
 
     /// Whether a loop of this rate takes every reading of a link that streams.
@@ -319,7 +214,7 @@ impl Settings {
     /// # Errors
     /// A loop that is too slow for it, with the rate that it needs.
     pub fn check_loop(&self, rate_hz: f64) -> Result<(), DeviceError> {
-        let Some(stream_hz) = self.stream_hz() else { return Ok(()) };
+        let Some(stream_hz) = self.streams()?.map(Streams::rate_hz) else { return Ok(()) };
         let needed_hz = LOOKS_PER_READING * stream_hz;
         if rate_hz >= needed_hz {
             return Ok(());
@@ -352,48 +247,13 @@ impl Settings {
     }
 }
 
+fn table_of<T: Streams>(table: &Option<T>) -> Option<&dyn Streams> {
+    table.as_ref().map(|table| table as &dyn Streams)
+}
+
 fn check_hx711(cell: &Hx711) -> Result<(), DeviceError> {
     positive("hx711.rate_hz", cell.rate_hz)?;
     positive("hx711.baud", cell.baud.into())?;
     let most_hz = line_rate_hz(cell.baud, cell.template()?.longest());
     within("the load cell's lines", cell.rate_hz, most_hz, cell.baud, "hx711.baud")
-}
-
-/// Whether a rate is one that a line carries.
-///
-/// # Errors
-/// Why not, and what it carries.
-pub(crate) fn within(
-    what: &str,
-    rate_hz: f64,
-    most_hz: f64,
-    baud: u32,
-    key: &str,
-) -> Result<(), DeviceError> {
-    if rate_hz <= most_hz {
-        return Ok(());
-    }
-    let most = most_hz.floor();
-    Err(unable(
-        format!(
-            "{what} come {rate_hz} times per second, and {baud} baud carry at most {most} of them"
-        ),
-        &format!("lower the rate, or raise {key} in rig.toml and on the board"),
-    ))
-}
-
-fn positive(name: &'static str, value: f64) -> Result<(), DeviceError> {
-    let allowed = "above 0 and finite";
-    let fine = value.is_finite() && value > 0.0;
-    if fine { Ok(()) } else { Err(DeviceError::Parameter { name, value, allowed }) }
-}
-
-fn not_below_0(name: &'static str, value: f64) -> Result<(), DeviceError> {
-    let allowed = "0 or more, and finite";
-    let fine = value.is_finite() && value >= 0.0;
-    if fine { Ok(()) } else { Err(DeviceError::Parameter { name, value, allowed }) }
-}
-
-fn unable(what: String, remedy: &str) -> DeviceError {
-    DeviceError::Unable { device: "rig.toml".to_owned(), what, remedy: remedy.to_owned() }
 }

@@ -6,14 +6,13 @@
 //! counted from the first, may meet with a [`Trouble`]: so a session can be tried with each of its
 //! messages gone wrong, and the same one always goes the same way.
 
-use crate::message::Drive;
 use crate::rate::line_s;
-use crate::{Board, Wire};
+use crate::{Board, Drive, Wire};
 use std::collections::VecDeque;
 use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use zwidth_device::{Clock, Device};
+use zwidth_device::Clock;
 
 /// How often a board looks around unasked, s.
 const LOOK_S: f64 = 1e-3;
@@ -61,16 +60,16 @@ pub enum Trouble {
 }
 
 /// A board with its lines.
-pub struct Bench<D>(Arc<Mutex<Inside<D>>>);
+pub struct Bench(Arc<Mutex<Inside>>);
 
-impl<D> Clone for Bench<D> {
+impl Clone for Bench {
     fn clone(&self) -> Self {
         Self(Arc::clone(&self.0))
     }
 }
 
-struct Inside<D> {
-    board: Board<D>,
+struct Inside {
+    board: Board,
     now_s: f64,
     looked_s: f64,
     /// What the board needs for an answer, s.
@@ -112,7 +111,7 @@ impl Lane {
     }
 }
 
-impl<D: Device> Inside<D> {
+impl Inside {
     /// When the board hears or looks next, s.
     fn next_s(&self) -> f64 {
         self.lanes[0].next_s().min(self.looked_s + LOOK_S)
@@ -194,10 +193,10 @@ impl<D: Device> Inside<D> {
     }
 }
 
-impl<D: Device> Bench<D> {
+impl Bench {
     /// A board at lines of so many bits a second, its own and its load cell's, that needs so long
     /// for an answer, s.
-    pub fn new(board: Board<D>, baud: u32, cell_baud: u32, thinks_s: f64) -> Self {
+    pub fn new(board: Board, baud: u32, cell_baud: u32, thinks_s: f64) -> Self {
         let lanes = [Lane::new(baud), Lane::new(baud), Lane::new(cell_baud)];
         Self(Arc::new(Mutex::new(Inside {
             board,
@@ -212,22 +211,22 @@ impl<D: Device> Bench<D> {
         })))
     }
 
-    fn inside(&self) -> MutexGuard<'_, Inside<D>> {
+    fn inside(&self) -> MutexGuard<'_, Inside> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The host's end of the board's line.
-    pub fn wire(&self) -> End<D> {
+    pub fn wire(&self) -> End {
         End { bench: self.clone(), way: Way::ToHost, gone: false, left: Vec::new() }
     }
 
     /// The host's end of the load cell's line.
-    pub fn cell(&self) -> End<D> {
+    pub fn cell(&self) -> End {
         End { way: Way::Cell, ..self.wire() }
     }
 
     /// Puts another board there.
-    pub fn replace(&self, board: Board<D>) {
+    pub fn replace(&self, board: Board) {
         self.inside().board = board;
     }
 
@@ -269,7 +268,7 @@ impl<D: Device> Bench<D> {
     }
 }
 
-impl<D: Device> Clock for Bench<D> {
+impl Clock for Bench {
     fn now_s(&mut self) -> f64 {
         Self::now_s(self)
     }
@@ -282,8 +281,8 @@ impl<D: Device> Clock for Bench<D> {
 }
 
 /// The host's end of a line.
-pub struct End<D> {
-    bench: Bench<D>,
+pub struct End {
+    bench: Bench,
     way: Way,
     /// It saw its cable pulled, and was not opened again since.
     gone: bool,
@@ -291,14 +290,14 @@ pub struct End<D> {
     left: Vec<u8>,
 }
 
-impl<D: Device> End<D> {
-    fn check(&mut self, inside: &Inside<D>) -> io::Result<()> {
+impl End {
+    fn check(&mut self, inside: &Inside) -> io::Result<()> {
         self.gone |= inside.is_pulled(self.way);
         if self.gone { Err(io::ErrorKind::BrokenPipe.into()) } else { Ok(()) }
     }
 }
 
-impl<D: Device> Wire for End<D> {
+impl Wire for End {
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
         let bench = self.bench.clone();
         let mut inside = bench.inside();

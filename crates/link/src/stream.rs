@@ -6,12 +6,11 @@
 //! works off what has piled up. Between two of them the last one stands, with its age: from when
 //! the host took it in, so up to one look too young.
 
-use crate::message::{Drive, mark};
 use crate::rate::LOOKS_PER_READING;
 use crate::shaft::Shaft;
 use crate::talk::{Facts, Heard, Plan, Talk};
 use crate::text::{Field, Lines, Template};
-use crate::{Hx711, Settings, Wire};
+use crate::{Drive, Hx711, Settings, Wire, mark};
 use std::collections::VecDeque;
 use std::io;
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! What a host needs of a link whose board sends readings unasked: bytes in, readings out, and
 //! back.
 
-use crate::message::Drive;
+use crate::Drive;
 use zwidth_device::DeviceError;
 use zwidth_study::Voltages;
 
@@ -66,7 +66,7 @@ pub(crate) trait Talk: Send {
     /// Commands both voltages.
     fn write(&mut self, drive: Drive, out: &mut Vec<u8>);
 
-    /// Tells a marker ([`crate::message::mark`]).
+    /// Tells a marker ([`crate::mark`]).
     fn mark(&mut self, code: u8, number: u16, out: &mut Vec<u8>);
 
     /// Pieces that were no message, so far.

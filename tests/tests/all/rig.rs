@@ -13,7 +13,7 @@ use zwidth_device::{
     Capabilities, Cue, Device, DeviceError, Person, Reading, Twin, TwinParameters,
 };
 use zwidth_link::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
-use zwidth_link::{AngleAt, Board, Link, Pair, Wire as _, board};
+use zwidth_link::{AngleAt, Board, Link, Pair, Settings, Wire as _};
 use zwidth_store::{Signal, read_trial};
 use zwidth_study::{Calibration, Study, Voltages};
 
@@ -262,12 +262,12 @@ impl Speaking {
         let twin = Twin::new(TwinParameters::default(), Person::draw(3), 5).unwrap();
         let capabilities = Capabilities { rate_hz: RATE_HZ, ..twin.capabilities().clone() };
         let (mut line, mut cell) = (Pair::open().unwrap(), Pair::open().unwrap());
-        let mut settings = board::settings(link, angle, rate_hz, &capabilities, cell.port());
+        let mut settings = Settings::of_board(link, angle, rate_hz, &capabilities, cell.port());
         if let Some(lines) = &mut settings.text {
             // Twenty forces a second are too few for a motor: they come at a port of their own.
             lines.line = "{t_us},{counts}".to_owned();
             settings.hx711 =
-                board::settings(Link::Firmata, angle, rate_hz, &capabilities, cell.port()).hx711;
+                Settings::of_board(Link::Firmata, angle, rate_hz, &capabilities, cell.port()).hx711;
         }
         let rig = toml::to_string(&settings).unwrap();
         fs::write(desk.root().join("raw/small/rig.toml"), rig).unwrap();

@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use zwidth_device::{Capabilities, Device as _, Person, Reading, Twin, TwinParameters};
-use zwidth_link::{AngleAt, Board, Link, Pair, Settings, Wire as _, board};
+use zwidth_link::{AngleAt, Board, Link, Pair, Settings, Wire as _};
 use zwidth_store::{Signal, read_trial};
 use zwidth_study::Study;
 
@@ -40,7 +40,7 @@ impl Plugged {
         let twin = Twin::new(TwinParameters::default(), Person::draw(3), 5).unwrap();
         let capabilities = Capabilities { rate_hz, ..twin.capabilities().clone() };
         let (mut line, mut cell) = (Pair::open().unwrap(), Pair::open().unwrap());
-        let settings = board::settings(link, angle, rate_hz, &capabilities, cell.port());
+        let settings = Settings::of_board(link, angle, rate_hz, &capabilities, cell.port());
         let settings = Settings { baud: (link == Link::Framed).then_some(1_000_000), ..settings };
         let rig = toml::to_string(&settings).unwrap();
         fs::write(desk.root().join("raw/small/rig.toml"), rig).unwrap();

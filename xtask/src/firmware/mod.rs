@@ -11,7 +11,7 @@ use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zwidth_device::{Device, DeviceError};
-use zwidth_link::message::Drive;
+use zwidth_link::Drive;
 use zwidth_link::{Rig, Settings, Wire};
 use zwidth_study::Voltages;
 

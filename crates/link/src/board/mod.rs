@@ -5,27 +5,20 @@
 //! watchdog; sketches that speak Firmata or print lines have none, and so it has none there.
 
 mod device;
-mod framed;
-mod sketch;
-mod uno;
-mod usual;
 
+pub(crate) use device::{Behind, Speech, counts, force_counts};
 pub use device::{NEWTONS_PER_COUNT, ZERO_COUNTS};
-pub use usual::settings;
 
-use crate::message::Drive;
-use crate::{Firmata, Link, Settings, Text};
-use device::{Behind, counts, force_counts};
-use framed::Framed;
-use sketch::Sketch;
-use uno::{Act, Uno};
+use crate::firmata::Uno;
+use crate::framed::Framed;
+use crate::{Drive, Firmata, Settings};
 use zwidth_device::{Device, DeviceError, Reading};
 use zwidth_study::Environment;
 
 /// A board.
-pub struct Board<D> {
-    behind: Behind<D>,
-    speech: Speech,
+pub struct Board {
+    behind: Behind,
+    speech: Box<dyn Speech>,
     /// When it sends the next reading unasked, s.
     due_s: f64,
     /// When the load cell's own port prints the next value, s, and what it has to print.
@@ -33,58 +26,40 @@ pub struct Board<D> {
     cell: Vec<u8>,
 }
 
-/// What it speaks.
-enum Speech {
-    Framed(Framed),
-    Firmata(Uno),
-    Text(Sketch),
-}
-
-impl<D: Device> Board<D> {
+impl Board {
     /// One that speaks frames; the host marks the environments by their places.
-    pub fn new(device: D, environments: Vec<Environment>) -> Self {
-        Self::with(Behind::new(device, environments, true), Speech::Framed(Framed::default()))
+    pub fn new(device: impl Device + 'static, environments: Vec<Environment>) -> Self {
+        let behind = Behind::new(Box::new(device), environments, true);
+        Self::with(behind, Box::new(Framed::default()))
     }
 
     /// One that speaks Firmata, with the device at these pins and an analog input of so many bits,
     /// up to 14.
-    pub fn firmata(device: D, environments: Vec<Environment>, pins: Firmata, bits: u8) -> Self {
-        let uno = Uno::new(pins, bits.min(14));
-        Self::with(Behind::new(device, environments, false), Speech::Firmata(uno))
-    }
-
-    /// One that prints lines.
-    ///
-    /// # Errors
-    /// Templates that are none.
-    pub fn text(
-        device: D,
+    pub fn firmata(
+        device: impl Device + 'static,
         environments: Vec<Environment>,
-        text: &Text,
-    ) -> Result<Self, DeviceError> {
-        let sketch = Sketch::new(text)?;
-        Ok(Self::with(Behind::new(device, environments, false), Speech::Text(sketch)))
+        pins: Firmata,
+        bits: u8,
+    ) -> Self {
+        let behind = Behind::new(Box::new(device), environments, false);
+        Self::with(behind, Box::new(Uno::new(pins, bits.min(14))))
     }
 
     /// One that speaks what these settings say; over Firmata with all of the sensor's 12 bits.
     ///
     /// # Errors
-    /// Templates that are none.
+    /// Settings that make no sense.
     pub fn by(
         settings: &Settings,
-        device: D,
+        device: impl Device + 'static,
         environments: Vec<Environment>,
     ) -> Result<Self, DeviceError> {
-        match (settings.link, &settings.firmata, &settings.text) {
-            (Link::Firmata, Some(pins), _) => {
-                Ok(Self::firmata(device, environments, pins.clone(), 12))
-            }
-            (Link::Text, _, Some(text)) => Self::text(device, environments, text),
-            _ => Ok(Self::new(device, environments)),
-        }
+        let Some(streams) = settings.streams()? else { return Ok(Self::new(device, environments)) };
+        let behind = Behind::new(Box::new(device), environments, false);
+        Ok(Self::with(behind, streams.board()?))
     }
 
-    fn with(behind: Behind<D>, speech: Speech) -> Self {
+    fn with(behind: Behind, speech: Box<dyn Speech>) -> Self {
         Self { behind, speech, due_s: 0.0, weigh_s: 0.0, cell: Vec::new() }
     }
 
@@ -100,11 +75,7 @@ impl<D: Device> Board<D> {
     /// # Errors
     /// A device that is lost.
     pub fn reset(&mut self, now_s: f64) -> Result<(), DeviceError> {
-        match &mut self.speech {
-            Speech::Framed(framed) => framed.reset(),
-            Speech::Firmata(uno) => uno.reset(),
-            Speech::Text(sketch) => sketch.reset(now_s),
-        }
+        self.speech.reset(now_s);
         self.behind.off(now_s)
     }
 
@@ -120,28 +91,7 @@ impl<D: Device> Board<D> {
     /// A device that is lost.
     pub fn take(&mut self, now_s: f64, bytes: &[u8], out: &mut Vec<u8>) -> Result<(), DeviceError> {
         self.behind.watch(now_s)?;
-        match &mut self.speech {
-            Speech::Framed(framed) => return framed.take(&mut self.behind, now_s, bytes, out),
-            Speech::Firmata(uno) => {
-                uno.begin(out);
-                for byte in bytes {
-                    let Some(act) = uno.take(*byte, out) else { continue };
-                    match act {
-                        Act::Write(drive) => self.behind.write(now_s, drive)?,
-                        Act::Mark(code, number) => self.behind.mark(now_s, code, number)?,
-                        Act::Read(what) => {
-                            let reading = self.behind.read(now_s)?;
-                            uno.tell(&what, counts(&reading), out);
-                        }
-                    }
-                }
-            }
-            Speech::Text(sketch) => {
-                for byte in bytes {
-                    sketch.take(*byte, &mut self.behind, now_s)?;
-                }
-            }
-        }
+        self.speech.take(&mut self.behind, now_s, bytes, out)?;
         self.stream(now_s, out)
     }
 
@@ -152,13 +102,9 @@ impl<D: Device> Board<D> {
 
     /// Sends a reading, and prints a value of the load cell, where one is due.
     fn stream(&mut self, now_s: f64, out: &mut Vec<u8>) -> Result<(), DeviceError> {
-        let (period_s, has_cell) = match &self.speech {
-            Speech::Framed(_) => return Ok(()),
-            Speech::Firmata(uno) => (uno.period_s(), true),
-            Speech::Text(sketch) => (sketch.period_s(), !sketch.prints_force()),
-        };
+        let Some(period_s) = self.speech.period_s() else { return Ok(()) };
         let force_period_s = 1.0 / self.behind.capabilities().force_rate_hz;
-        if has_cell && is_due(&mut self.weigh_s, force_period_s, now_s) {
+        if !self.speech.prints_force() && is_due(&mut self.weigh_s, force_period_s, now_s) {
             let (force, _) = force_counts(&self.behind.read(now_s)?);
             self.cell.extend(format!("{force}\r\n").bytes());
         }
@@ -166,11 +112,7 @@ impl<D: Device> Board<D> {
             return Ok(());
         }
         let reading = self.behind.tell(now_s)?;
-        match &mut self.speech {
-            Speech::Framed(_) => {}
-            Speech::Firmata(uno) => uno.sample(counts(&reading), out),
-            Speech::Text(sketch) => sketch.print(now_s, &reading, out),
-        }
+        self.speech.print(now_s, &reading, out);
         Ok(())
     }
 }

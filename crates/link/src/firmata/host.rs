@@ -4,12 +4,13 @@
 //! sheet v1-06, Fig. 21: address 0x36, registers 0x0C and 0x0D, 12 bits). Both come at each
 //! sampling interval, which is whole milliseconds (`protocol.md`, "Sampling Interval").
 
-use super::{End, I2cReply, I2cRequest, Message, Mode, Parser, Pin, id, string, two};
-use crate::message::Drive;
+use super::{
+    AngleAt, End, Firmata, I2cReply, I2cRequest, Message, Mode, Parser, Pin, id, string, two,
+};
+use crate::Drive;
+use crate::check::within;
 use crate::rate::stream_rate_hz;
-use crate::settings::within;
 use crate::talk::{Facts, Heard, Plan, Talk};
-use crate::{AngleAt, Firmata, Settings};
 use zwidth_device::DeviceError;
 use zwidth_study::Voltages;
 
@@ -84,10 +85,10 @@ impl Host {
     ///
     /// # Errors
     /// A rate that the line does not carry, or the firmware does not know.
-    pub(crate) fn new(settings: &Settings, pins: &Firmata) -> Result<Self, DeviceError> {
+    pub(crate) fn new(pins: &Firmata, baud: u32) -> Result<Self, DeviceError> {
         let reading = if pins.angle == AngleAt::I2c { I2C_BYTES } else { ANALOG_BYTES };
-        let most_hz = stream_rate_hz(settings.baud(), reading, command_bytes(pins));
-        within("readings", pins.rate_hz, most_hz, settings.baud(), "baud")?;
+        let most_hz = stream_rate_hz(baud, reading, command_bytes(pins));
+        within("readings", pins.rate_hz, most_hz, baud, "baud")?;
         let interval_ms = (1e3 / pins.rate_hz - 1e-9).ceil();
         if pins.rate_hz > 1e3 || interval_ms > f64::from(u16::MAX >> 2) {
             let allowed =

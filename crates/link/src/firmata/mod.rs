@@ -5,10 +5,15 @@
 //! the middle, or on a noisy wire, is right again at the next message. There is no check: a byte
 //! that turned into another one below 0x80 is believed.
 
+mod board;
 pub(crate) mod host;
+mod link;
+mod settings;
 mod sysex;
 
+pub(crate) use board::Uno;
 pub use host::Pins;
+pub use settings::{AngleAt, Firmata};
 pub use sysex::{I2cReply, I2cRequest, Mode, Pin, string, unstring};
 
 /// Longest message between 0xF0 and 0xF7, bytes: what 128 pins with thirteen modes each can do.

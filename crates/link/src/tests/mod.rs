@@ -5,9 +5,10 @@ mod streams;
 mod unplugged;
 
 use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
-use crate::frame::Frames;
-use crate::message::{ToBoard, mark};
-use crate::patience::wire_rate_hz;
+use crate::framed::frame::Frames;
+use crate::framed::message::ToBoard;
+use crate::framed::patience::wire_rate_hz;
+use crate::mark;
 use crate::{Board, Link, Pair, Rig, Serial, Settings, Turning, Wire};
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -49,7 +50,7 @@ fn twin() -> Twin {
 struct Near(Arc<Inside>);
 
 struct Inside {
-    board: Mutex<Board<Twin>>,
+    board: Mutex<Board>,
     come: Mutex<Vec<u8>>,
     now: AtomicU64,
     /// Nothing comes through any more.
@@ -79,7 +80,7 @@ impl Near {
         self.0.come.lock().unwrap().extend(out);
     }
 
-    fn board<T>(&self, ask: impl FnOnce(&mut Board<Twin>, f64) -> T) -> T {
+    fn board<T>(&self, ask: impl FnOnce(&mut Board, f64) -> T) -> T {
         let now_s = f64::from_bits(self.0.now.load(Ordering::Relaxed));
         ask(&mut self.0.board.lock().unwrap(), now_s)
     }

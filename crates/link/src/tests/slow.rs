@@ -4,7 +4,7 @@ use super::{environments, settings, twin};
 use crate::simulated::{Bench, Trouble, Way};
 use crate::{Board, Rig, Settings};
 use std::sync::{Arc, Mutex};
-use zwidth_device::{Clock, Device, Reading, Twin};
+use zwidth_device::{Clock, Device, Reading};
 use zwidth_study::Voltages;
 
 /// What was read at a tick's time, s, and how long that took, s.
@@ -33,7 +33,7 @@ fn run(baud: u32, rate_hz: f64, thinks_s: f64, trouble: Option<Trouble>) -> Run 
     let telling = Arc::clone(&sent);
     let board = Board::new(twin(), environments())
         .telling(move |reading| telling.lock().unwrap().push(micros(reading)));
-    let mut bench: Bench<Twin> = Bench::new(board, baud, baud, thinks_s);
+    let mut bench: Bench = Bench::new(board, baud, baud, thinks_s);
     let settings = Settings { baud: Some(baud), ..settings() };
     let mut rig = Rig::connect(bench.wire(), settings, Vec::new()).unwrap();
     rig.home(bench.now_s()).unwrap();

@@ -1,29 +1,28 @@
 //! Boards that send readings unasked: the host at the one end, the twin's board at the other.
 
 use super::{environments, twin};
-use crate::board::{self, NEWTONS_PER_COUNT};
-use crate::message::Drive;
-use crate::open::talk;
+use crate::Drive;
+use crate::board::NEWTONS_PER_COUNT;
 use crate::stream::{Cell, Stream};
 use crate::{AngleAt, Board, Firmata, Link, Settings, Wire};
 use proptest::prelude::*;
 use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-use zwidth_device::{Cue, Device, DeviceError, Reading, Twin};
+use zwidth_device::{Cue, Device, DeviceError, Reading};
 use zwidth_study::Voltages;
 
 /// One step of the time between the two ends, s.
 const STEP_S: f64 = 1e-3;
 
 fn firmata(angle: AngleAt) -> Settings {
-    board::settings(Link::Firmata, angle, 100.0, twin().capabilities(), "/dev/cell".as_ref())
+    Settings::of_board(Link::Firmata, angle, 100.0, twin().capabilities(), "/dev/cell".as_ref())
 }
 
 fn text(line: &str) -> Settings {
     let angle = AngleAt::I2c;
     let cell = "/dev/cell".as_ref();
-    let mut settings = board::settings(Link::Text, angle, 200.0, twin().capabilities(), cell);
+    let mut settings = Settings::of_board(Link::Text, angle, 200.0, twin().capabilities(), cell);
     let sketch = settings.text.as_mut().unwrap();
     (sketch.line, sketch.pwm_full) = (line.to_owned(), 1000);
     settings
@@ -37,7 +36,7 @@ fn every() -> [Settings; 4] {
 
 /// Both ends, and the time between them.
 struct Between {
-    board: Board<Twin>,
+    board: Board,
     now_s: f64,
     come: Vec<u8>,
     weighed: Vec<u8>,
@@ -94,7 +93,7 @@ impl Wire for Line {
     }
 }
 
-fn made(settings: &Settings, seen: &Arc<Mutex<Vec<Reading>>>) -> Board<Twin> {
+fn made(settings: &Settings, seen: &Arc<Mutex<Vec<Reading>>>) -> Board {
     let seen = Arc::clone(seen);
     let board = Board::by(settings, twin(), environments()).unwrap();
     board.telling(move |reading| seen.lock().unwrap().push(*reading))
@@ -112,7 +111,7 @@ fn try_connect(board_has: &Settings, host_has: &Settings) -> Result<Connected, D
     };
     let line = Line(Arc::new(Mutex::new(between)), false);
     host_has.check()?;
-    let talk = talk(host_has)?.expect("a link that streams");
+    let talk = host_has.host()?.expect("a link that streams");
     let cell = host_has.hx711.as_ref();
     let cell = cell.map(|cell| Cell::new(Line(Arc::clone(&line.0), true), cell)).transpose()?;
     let ids = environments().into_iter().map(|environment| environment.id).collect();
@@ -328,7 +327,7 @@ proptest! {
             &[0xF0, 0xF7, 0x6C, 0x6A, 0x77, 0x76, 0xE0, 0xF9, 0xC0, b'\n', b',', b'1'][..])], 0..400),
     ) {
         for settings in every() {
-            let mut host = talk(&settings).unwrap().unwrap();
+            let mut host = settings.host().unwrap().unwrap();
             for byte in &bytes {
                 let _ = host.push(*byte);
             }

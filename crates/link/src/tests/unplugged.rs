@@ -2,7 +2,7 @@
 
 use super::{environments, settings};
 use crate::simulated::{Bench, Trouble, Way};
-use crate::{AngleAt, Board, Link, Settings, board, over};
+use crate::{AngleAt, Board, Link, Settings, over};
 use zwidth_device::Device;
 use zwidth_device::mock::{self, Mock, Motion};
 use zwidth_study::Voltages;
@@ -18,12 +18,12 @@ fn at_rest() -> Mock {
 
 fn every() -> [Settings; 3] {
     let of = |link| {
-        board::settings(link, AngleAt::I2c, 100.0, &mock::capabilities(), "/dev/cell".as_ref())
+        Settings::of_board(link, AngleAt::I2c, 100.0, &mock::capabilities(), "/dev/cell".as_ref())
     };
     [settings(), of(Link::Firmata), of(Link::Text)]
 }
 
-type Connected = (Bench<Mock>, Box<dyn Device>);
+type Connected = (Bench, Box<dyn Device>);
 
 fn connect(settings: &Settings) -> Connected {
     let board = Board::by(settings, at_rest(), environments()).unwrap();

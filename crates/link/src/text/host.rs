@@ -1,11 +1,10 @@
 //! The host's end of lines of text.
 
-use super::{Field, Lines, Values};
-use crate::message::Drive;
+use super::{Field, Lines, Templates, Text, Values};
+use crate::Drive;
+use crate::check::within;
 use crate::rate::stream_rate_hz;
-use crate::settings::within;
 use crate::talk::{Facts, Heard, Plan, Talk};
-use crate::{Settings, Templates, Text};
 use zwidth_device::DeviceError;
 use zwidth_study::Voltages;
 
@@ -25,11 +24,11 @@ impl Host {
     ///
     /// # Errors
     /// A template that is none; a rate that the line does not carry.
-    pub(crate) fn new(settings: &Settings, sketch: &Text) -> Result<Self, DeviceError> {
+    pub(crate) fn new(sketch: &Text, baud: u32) -> Result<Self, DeviceError> {
         let templates = sketch.templates()?;
         let (line, command) = (templates.line.longest(), templates.command.longest());
-        let most_hz = stream_rate_hz(settings.baud(), line, command);
-        within("lines", sketch.rate_hz, most_hz, settings.baud(), "baud")?;
+        let most_hz = stream_rate_hz(baud, line, command);
+        within("lines", sketch.rate_hz, most_hz, baud, "baud")?;
         let lines = Lines::from_anywhere();
         Ok(Self { sketch: sketch.clone(), templates, lines, heard: false, damaged: 0 })
     }

@@ -4,10 +4,14 @@
 //! There is no check of a line but its form: what a noisy wire makes of a digit is believed. So a
 //! board behind USB, whose packets have a check, is what text is for.
 
+mod board;
 mod host;
+mod link;
+mod settings;
 mod template;
 
-pub(crate) use host::Host;
+pub(crate) use settings::named;
+pub use settings::{Templates, Text};
 pub use template::{Field, MOST_ANY, Template, TemplateError, Values};
 
 /// Longest line, bytes without its end.

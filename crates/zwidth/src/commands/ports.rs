@@ -3,9 +3,9 @@
 use crate::exit::Exit;
 use crate::screen::Screen;
 use std::path::{Path, PathBuf};
-use zwidth_link::discover::{ASKED, Found, Port, ports as known, who_is_at};
+use zwidth_link::discover::{Found, Port, bauds, ports as known, who_is_at};
 use zwidth_link::firmata::Pins;
-use zwidth_link::message::Description;
+use zwidth_link::framed::message::Description;
 
 /// Lists the ports; asks those that are named who is there.
 pub(crate) fn ports(named: &[PathBuf], screen: &Screen) -> anyhow::Result<Exit> {
@@ -39,9 +39,7 @@ fn listed(ports: &[Port]) -> String {
 fn told(port: &Path, found: Option<&(u32, Found)>) -> String {
     let at = port.display();
     let Some((baud, found)) = found else {
-        let mut bauds: Vec<u32> = ASKED.map(|(_, baud)| baud).into();
-        bauds.sort_unstable();
-        let bauds: Vec<String> = bauds.iter().map(u32::to_string).collect();
+        let bauds: Vec<String> = bauds().iter().map(u32::to_string).collect();
         return format!(
             "{at}: nothing understood at {} baud; put a firmware on the board (docs/rig.md), or \
              close what else uses the port",

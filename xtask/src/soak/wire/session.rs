@@ -7,9 +7,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use zwidth_acquire::Plan;
 use zwidth_device::mock::{self, Mock};
 use zwidth_device::{Capabilities, Device};
-use zwidth_link::message::Drive;
+use zwidth_link::Drive;
 use zwidth_link::simulated::{Bench, Trouble, Way};
-use zwidth_link::{Board, Link, Settings, board, over};
+use zwidth_link::{Board, Link, Settings, over};
 use zwidth_store::{Layout, Memory};
 
 /// Readings a second of a link that streams; its loop is 1.25 times as fast.
@@ -64,7 +64,7 @@ pub(super) struct Setting {
 pub(super) fn record(link: Over, trouble: Option<(Way, u64, Trouble)>) -> Result<Ended, String> {
     let (device, seen) = (lever(), Seen::default());
     let rate_hz = if link.link == Link::Framed { FRAMED_HZ } else { 1.25 * STREAM_HZ };
-    let mut rig = board::settings(
+    let mut rig = Settings::of_board(
         link.link,
         link.angle,
         STREAM_HZ,
@@ -133,11 +133,7 @@ pub(super) fn played<D: Device + Told + 'static>(
 }
 
 /// The rig, if need be at another start of the program.
-fn connected<D: Device + Told + 'static>(
-    bench: &Bench<Remembering<D>>,
-    rig: &Settings,
-    plan: &Plan,
-) -> Result<Box<dyn Device>, String> {
+fn connected(bench: &Bench, rig: &Settings, plan: &Plan) -> Result<Box<dyn Device>, String> {
     let mut why = String::new();
     for _ in 0..STARTS {
         let ids = plan.study.environments.iter().map(|e| e.id.clone()).collect();
@@ -158,6 +154,6 @@ pub(super) fn settings(
     can: &Capabilities,
     baud: Option<u32>,
 ) -> Settings {
-    let rig = board::settings(link.link, link.angle, rate_hz, can, "/dev/cell".as_ref());
+    let rig = Settings::of_board(link.link, link.angle, rate_hz, can, "/dev/cell".as_ref());
     Settings { baud, ..rig }
 }

@@ -48,7 +48,7 @@ fn session(over: Over, repeats: u32) -> Result<usize, String> {
     let (stream_hz, rate_hz, baud) = match over.link {
         Link::Framed => (100.0, FRAMED.0, Some(FRAMED.1)),
         Link::Firmata => (FIRMATA_HZ, 1.25 * FIRMATA_HZ, None),
-        Link::Text => (TEXT_HZ, 1.25 * TEXT_HZ, None),
+        _ => (TEXT_HZ, 1.25 * TEXT_HZ, None),
     };
     let twin = Twin::new(TwinParameters::default(), Person::draw(3), 5).map_err(told)?;
     let rig = settings(over, stream_hz, twin.capabilities(), baud);

@@ -5,7 +5,8 @@
 //! command goes out in the same tick. Where they have not, waiting would only make the command
 //! late: the answer to the question before is taken, which came meanwhile, with its age.
 
-use crate::message::{Drive, FromBoard, Seen, ToBoard};
+use super::message::{FromBoard, Seen, ToBoard};
+use crate::Drive;
 use crate::rate::{line_rate_hz, line_s};
 use std::time::Duration;
 

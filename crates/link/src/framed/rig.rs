@@ -1,12 +1,10 @@
 //! A board as a device: one question a reading, one write a command.
 
-use crate::frame::{Frames, MOST_WIRE};
-use crate::message::{
-    Description, Drive, FromBoard, PROTOCOL, Seen, ToBoard, UNASKED, mark, status,
-};
-use crate::patience::{Patience, wire_rate_hz};
+use super::frame::{Frames, MOST_WIRE};
+use super::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, UNASKED, status};
+use super::patience::{Patience, wire_rate_hz};
 use crate::shaft::Shaft;
-use crate::{Settings, Wire};
+use crate::{Drive, Settings, Wire, mark};
 use std::io;
 use std::time::Duration;
 use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};

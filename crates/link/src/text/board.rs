@@ -1,12 +1,11 @@
 //! A sketch that prints lines and takes commands.
 
-use super::device::{Behind, counts, force_counts};
-use crate::message::Drive;
-use crate::text::{Field, Lines, Values};
-use crate::{Templates, Text};
-use zwidth_device::{Device, DeviceError, Reading};
+use super::{Field, Lines, Templates, Text, Values};
+use crate::Drive;
+use crate::board::{Behind, Speech, counts, force_counts};
+use zwidth_device::{DeviceError, Reading};
 
-pub(super) struct Sketch {
+pub(crate) struct Sketch {
     templates: Templates,
     lines: Lines,
     pwm_full: u16,
@@ -16,7 +15,7 @@ pub(super) struct Sketch {
 }
 
 impl Sketch {
-    pub(super) fn new(text: &Text) -> Result<Self, DeviceError> {
+    pub(crate) fn new(text: &Text) -> Result<Self, DeviceError> {
         Ok(Self {
             templates: text.templates()?,
             lines: Lines::from_start(),
@@ -26,25 +25,8 @@ impl Sketch {
         })
     }
 
-    pub(super) fn reset(&mut self, now_s: f64) {
-        (self.lines, self.began_s) = (Lines::from_start(), now_s);
-    }
-
-    pub(super) fn period_s(&self) -> f64 {
-        self.period_s
-    }
-
-    pub(super) fn prints_force(&self) -> bool {
-        self.templates.line.has(Field::Hx711)
-    }
-
     /// A line that is no command of its does nothing.
-    pub(super) fn take<D: Device>(
-        &mut self,
-        byte: u8,
-        behind: &mut Behind<D>,
-        now_s: f64,
-    ) -> Result<(), DeviceError> {
+    fn hear(&mut self, byte: u8, behind: &mut Behind, now_s: f64) -> Result<(), DeviceError> {
         let Some(line) = self.lines.push(byte) else { return Ok(()) };
         let number = |values: &Values, field| values.get(field).unwrap_or_default();
         if let Some(values) = self.templates.command.read(line) {
@@ -58,8 +40,32 @@ impl Sketch {
             behind.mark(now_s, code as u8, which as u16)
         })
     }
+}
 
-    pub(super) fn print(&self, now_s: f64, reading: &Reading, out: &mut Vec<u8>) {
+impl Speech for Sketch {
+    fn reset(&mut self, now_s: f64) {
+        (self.lines, self.began_s) = (Lines::from_start(), now_s);
+    }
+
+    fn period_s(&self) -> Option<f64> {
+        Some(self.period_s)
+    }
+
+    fn prints_force(&self) -> bool {
+        self.templates.line.has(Field::Hx711)
+    }
+
+    fn take(
+        &mut self,
+        behind: &mut Behind,
+        now_s: f64,
+        bytes: &[u8],
+        _: &mut Vec<u8>,
+    ) -> Result<(), DeviceError> {
+        bytes.iter().try_for_each(|byte| self.hear(*byte, behind, now_s))
+    }
+
+    fn print(&mut self, now_s: f64, reading: &Reading, out: &mut Vec<u8>) {
         let since_s = reading.t_device_s.unwrap_or(now_s) - self.began_s;
         // A clock of 32 bits, round after the last.
         let clock = |per_s: f64| i64::from(((since_s * per_s).round() as i64) as u32);

@@ -1,27 +1,27 @@
 //! The board's end of frames.
 
-use super::device::{Behind, counts, force_counts};
-use crate::frame::Frames;
-use crate::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, UNASKED, status};
-use zwidth_device::{Device, DeviceError, Reading};
+use super::frame::Frames;
+use super::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, UNASKED, status};
+use crate::board::{Behind, Speech, counts, force_counts};
+use zwidth_device::{DeviceError, Reading};
 use zwidth_study::Source;
 
 /// What it hears, and whether it has just begun.
 #[derive(Default)]
-pub(super) struct Framed {
+pub(crate) struct Framed {
     frames: Frames,
     /// What is said when it has begun: of a board that was reset unasked.
     begins: bool,
 }
 
-impl Framed {
-    pub(super) fn reset(&mut self) {
+impl Speech for Framed {
+    fn reset(&mut self, _: f64) {
         *self = Self { begins: true, ..Self::default() };
     }
 
-    pub(super) fn take<D: Device>(
+    fn take(
         &mut self,
-        behind: &mut Behind<D>,
+        behind: &mut Behind,
         now_s: f64,
         bytes: &[u8],
         out: &mut Vec<u8>,
@@ -46,9 +46,19 @@ impl Framed {
         }
         Ok(())
     }
+
+    fn period_s(&self) -> Option<f64> {
+        None
+    }
+
+    fn prints_force(&self) -> bool {
+        true
+    }
+
+    fn print(&mut self, _: f64, _: &Reading, _: &mut Vec<u8>) {}
 }
 
-fn description<D: Device>(behind: &Behind<D>) -> Description {
+fn description(behind: &Behind) -> Description {
     let can = behind.capabilities();
     let micros = |hz: f64| (1e6 / hz).round() as u32;
     let millivolts = |volts: f64| (volts * 1e3).floor() as u32;
@@ -65,7 +75,7 @@ fn description<D: Device>(behind: &Behind<D>) -> Description {
     }
 }
 
-fn seen<D: Device>(behind: &Behind<D>, now_s: f64, reading: &Reading) -> Seen {
+fn seen(behind: &Behind, now_s: f64, reading: &Reading) -> Seen {
     let (force, is_saturated) = force_counts(reading);
     let saturated = if is_saturated { status::FORCE_SATURATED } else { 0 };
     let watchdog = if behind.tripped { status::WATCHDOG } else { 0 };

@@ -5,12 +5,14 @@
 //! another interval; a channel is told at once when its reporting is switched on; up to eight
 //! readings of the I²C bus at each interval.
 
-use crate::firmata::host::{AS5600, RAW_ANGLE, SIMULATED};
-use crate::firmata::{
-    End, I2cReply, I2cRequest, Message, Mode, Parser, Pin, id, string, two, unstring,
+use super::host::{AS5600, RAW_ANGLE, SIMULATED};
+use super::{
+    AngleAt, End, Firmata, I2cReply, I2cRequest, Message, Mode, Parser, Pin, id, joined, string,
+    two, unstring,
 };
-use crate::message::Drive;
-use crate::{AngleAt, Firmata};
+use crate::Drive;
+use crate::board::{Behind, Speech, counts};
+use zwidth_device::{DeviceError, Reading};
 
 const PINS: u8 = 20;
 /// The first analog channel's pin.
@@ -28,7 +30,7 @@ const MAGNET: u8 = 0x20;
 const PROTOCOL: (u8, u8) = (2, 5);
 
 /// What its device is to do.
-pub(super) enum Act {
+enum Act {
     /// These voltages.
     Write(Drive),
     /// A marker.
@@ -38,14 +40,14 @@ pub(super) enum Act {
 }
 
 /// What a reading is told for.
-pub(super) enum What {
+enum What {
     /// An analog channel.
     Channel(u8),
     /// Bytes of a device at the I²C bus.
     I2c(I2cRequest),
 }
 
-pub(super) struct Uno {
+pub(crate) struct Uno {
     at: Firmata,
     /// Bits of the analog input.
     bits: u8,
@@ -61,7 +63,7 @@ pub(super) struct Uno {
 }
 
 impl Uno {
-    pub(super) fn new(at: Firmata, bits: u8) -> Self {
+    pub(crate) fn new(at: Firmata, bits: u8) -> Self {
         Self {
             at,
             bits,
@@ -74,24 +76,8 @@ impl Uno {
         }
     }
 
-    pub(super) fn reset(&mut self) {
-        *self = Self::new(self.at.clone(), self.bits);
-    }
-
-    pub(super) fn period_s(&self) -> f64 {
-        f64::from(self.interval_ms.max(1)) * 1e-3
-    }
-
-    /// What it says unasked when it has begun.
-    pub(super) fn begin(&mut self, out: &mut Vec<u8>) {
-        if std::mem::take(&mut self.begins) {
-            version(out);
-            firmware(out);
-        }
-    }
-
     /// Takes a byte; what its device is to do then.
-    pub(super) fn take(&mut self, byte: u8, out: &mut Vec<u8>) -> Option<Act> {
+    fn hear(&mut self, byte: u8, out: &mut Vec<u8>) -> Option<Act> {
         match self.parser.push(byte)? {
             Message::Analog { channel, value } => self.set(channel, value),
             Message::Digital { port, pins } => {
@@ -142,10 +128,10 @@ impl Uno {
             }
             (id::EXTENDED_ANALOG, [pin, low, rest @ ..]) => {
                 let high = rest.first().copied().unwrap_or_default();
-                return self.set(*pin, crate::firmata::joined(*low, high));
+                return self.set(*pin, joined(*low, high));
             }
             (id::SAMPLING_INTERVAL, [low, high, ..]) => {
-                self.interval_ms = crate::firmata::joined(*low, *high).max(1);
+                self.interval_ms = joined(*low, *high).max(1);
             }
             (id::STRING, _) => return marker(&unstring(data)),
             (id::I2C_REQUEST, _) => match I2cRequest::read(data) {
@@ -167,7 +153,7 @@ impl Uno {
     }
 
     /// Tells a reading.
-    pub(super) fn tell(&self, what: &What, counts: u16, out: &mut Vec<u8>) {
+    fn tell(&self, what: &What, counts: u16, out: &mut Vec<u8>) {
         match what {
             What::Channel(channel) => {
                 let ours = self.at.angle == AngleAt::Analog(*channel);
@@ -191,20 +177,6 @@ impl Uno {
                 let reply = I2cReply { address: *address, register, bytes };
                 Message::Sysex { id: id::I2C_REPLY, data: &reply.data() }.write(out);
             }
-        }
-    }
-
-    /// What it sends at each interval.
-    pub(super) fn sample(&self, counts: u16, out: &mut Vec<u8>) {
-        for pin in 0..PINS {
-            let analog = self.pins[usize::from(pin)].0 == Mode::Analog as u8;
-            let Some(channel) = channel(pin).filter(|_| analog) else { continue };
-            if self.told >> channel & 1 == 1 {
-                self.tell(&What::Channel(channel), counts, out);
-            }
-        }
-        for read in &self.reads {
-            self.tell(&What::I2c(read.clone()), counts, out);
         }
     }
 
@@ -238,6 +210,56 @@ impl Uno {
         let forwards = (held(motor_direction) != 0) != motor_reversed;
         let motor = if forwards { held(motor_pwm) } else { -held(motor_pwm) };
         Some(Act::Write(Drive::of_steps([motor, held(brake_pwm)], PWM_FULL, PWM_FULL)))
+    }
+}
+
+impl Speech for Uno {
+    fn reset(&mut self, _: f64) {
+        *self = Self::new(self.at.clone(), self.bits);
+    }
+
+    fn take(
+        &mut self,
+        behind: &mut Behind,
+        now_s: f64,
+        bytes: &[u8],
+        out: &mut Vec<u8>,
+    ) -> Result<(), DeviceError> {
+        if std::mem::take(&mut self.begins) {
+            version(out);
+            firmware(out);
+        }
+        for byte in bytes {
+            match self.hear(*byte, out) {
+                Some(Act::Write(drive)) => behind.write(now_s, drive)?,
+                Some(Act::Mark(code, number)) => behind.mark(now_s, code, number)?,
+                Some(Act::Read(what)) => self.tell(&what, counts(&behind.read(now_s)?), out),
+                None => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn period_s(&self) -> Option<f64> {
+        Some(f64::from(self.interval_ms.max(1)) * 1e-3)
+    }
+
+    fn prints_force(&self) -> bool {
+        false
+    }
+
+    fn print(&mut self, _: f64, reading: &Reading, out: &mut Vec<u8>) {
+        let counts = counts(reading);
+        for pin in 0..PINS {
+            let analog = self.pins[usize::from(pin)].0 == Mode::Analog as u8;
+            let Some(channel) = channel(pin).filter(|_| analog) else { continue };
+            if self.told >> channel & 1 == 1 {
+                self.tell(&What::Channel(channel), counts, out);
+            }
+        }
+        for read in &self.reads {
+            self.tell(&What::I2c(read.clone()), counts, out);
+        }
     }
 }
 

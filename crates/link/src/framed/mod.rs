@@ -1,0 +1,11 @@
+//! Frames of our own: the host asks, the board answers. `docs/rig.md` has them byte by byte, so
+//! that a sketch of a hundred lines can speak them.
+
+mod board;
+pub mod frame;
+pub mod message;
+pub(crate) mod patience;
+mod rig;
+
+pub(crate) use board::Framed;
+pub use rig::Rig;
