@@ -4,12 +4,12 @@ mod slow;
 mod streams;
 mod unplugged;
 
-use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
+use crate::board::NEWTONS_PER_COUNT;
 use crate::framed::frame::Frames;
 use crate::framed::message::ToBoard;
 use crate::framed::patience::wire_rate_hz;
 use crate::mark;
-use crate::{Board, Link, Pair, Rig, Serial, Settings, Turning, Wire};
+use crate::{AngleAt, Board, Link, Pair, Rig, Serial, Settings, Turning, Wire};
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -18,19 +18,8 @@ use zwidth_device::{Angle, Cue, Device, DeviceError, Person, Reading, Twin, Twin
 use zwidth_study::{Environment, Moment, Study, Voltages};
 
 fn settings() -> Settings {
-    Settings {
-        port: None,
-        baud: None,
-        link: Link::Framed,
-        simulated: false,
-        firmata: None,
-        text: None,
-        hx711: None,
-        newtons_per_count: NEWTONS_PER_COUNT,
-        zero_counts: ZERO_COUNTS,
-        shaft_per_lever: zwidth_device::SHAFT_PER_LEVER,
-        turning: Turning::Up,
-    }
+    let (cell, can) = ("/dev/cell".as_ref(), twin().capabilities().clone());
+    Settings::of_board(Link::Framed, AngleAt::I2c, 100.0, &can, cell)
 }
 
 fn study() -> Study {
