@@ -7,13 +7,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 use zwidth_compare::{
-    AnswerParameters, COLUMNS, DrawnOrder, MetricParameters, Parameters, SessionOrder, compare,
+    AnswerParameters, DrawnOrder, MetricParameters, Parameters, SessionOrder, compare,
     compare_answers,
 };
-use zwidth_results::{GivenAnswer, Row};
+use zwidth_results::{GivenAnswer, Row, TrialKey};
 use zwidth_study::order::{Rules, draw};
-use zwidth_study::{Kind, ParticipantId, PlannedTrial, SessionId, Study, template};
-use zwidth_tables::{Column, Table};
+use zwidth_study::{Kind, ParticipantId, PlannedTrial, SessionId, Source, Study, template};
+use zwidth_tables::{Column, Measured, Table};
 
 const PARTICIPANTS: u32 = 1000;
 const SEED: u64 = 1;
@@ -128,20 +128,6 @@ fn rows(sat: &[Sat]) -> impl Iterator<Item = (&Sat, &PlannedTrial)> + Clone {
     sat.iter().flat_map(|sat| sat.trials.iter().map(move |trial| (sat, trial)))
 }
 
-/// What a trial was: the columns that tables of trials and of answers share.
-fn conditions(sat: &[Sat]) -> Vec<Column> {
-    let text = |name, of: fn((&Sat, &PlannedTrial)) -> String| {
-        Column::text(name, "", rows(sat).map(|row| Some(of(row))))
-    };
-    vec![
-        text("participant", |(sat, _)| sat.participant.to_string()),
-        text("session", |(sat, _)| sat.session.to_string()),
-        Column::integer("trial", "1", "", rows(sat).map(|(_, trial)| Some(trial.trial.into()))),
-        text("environment", |(_, trial)| trial.environment.to_string()),
-        text("mode", |(_, trial)| trial.mode.to_string()),
-    ]
-}
-
 /// A participant's level in each mode, with what the mode adds.
 fn levels(draws: &mut Draws) -> [f64; 3] {
     let own = SPREAD[0] * draws.normal();
@@ -154,9 +140,16 @@ fn mode_of(study: &Study, trial: &PlannedTrial) -> usize {
 
 /// The table of metrics.
 fn trials(study: &Study, sat: &[Sat]) -> anyhow::Result<Table> {
-    let mut columns = conditions(sat);
-    let repeats = rows(sat).map(|(_, trial)| Some(trial.repeat.into()));
-    columns.push(Column::integer("repeat", "1", "", repeats));
+    let key = |(sat, trial): (&Sat, &PlannedTrial)| TrialKey {
+        participant: sat.participant.clone(),
+        session: sat.session.clone(),
+        trial: trial.trial,
+        repeat: trial.repeat,
+        environment: trial.environment.clone(),
+        mode: trial.mode.clone(),
+        source: Source::Twin,
+    };
+    let mut columns = TrialKey::columns(&rows(sat).map(key).collect::<Vec<_>>());
     for (number, (metric, unit, of_wall)) in (1..).zip(METRICS) {
         let mut values = Vec::new();
         for sat in sat {
@@ -178,32 +171,35 @@ fn trials(study: &Study, sat: &[Sat]) -> anyhow::Result<Table> {
 
 /// The table of answers.
 fn answered(study: &Study, sat: &[Sat]) -> anyhow::Result<Table> {
-    let mut values = Vec::new();
+    let mut rows = Vec::new();
     for sat in sat {
         let mut draws = Draws::new(0, sat.number.into());
         let levels = levels(&mut draws);
         for trial in &sat.trials {
             let latent = levels[mode_of(study, trial)] + draws.logistic();
-            values.push(Some(1 + THRESHOLDS.iter().filter(|t| latent > **t).count() as i64));
+            let answer = 1 + THRESHOLDS.iter().filter(|t| latent > **t).count() as i16;
+            let asked = study.environment(&trial.environment).and_then(|e| e.question.clone());
+            rows.extend(asked.map(|question| GivenAnswer {
+                participant: sat.participant.clone(),
+                session: sat.session.clone(),
+                trial: trial.trial,
+                environment: trial.environment.clone(),
+                mode: trial.mode.clone(),
+                question,
+                answer: answer.into(),
+                answer_time_s: None,
+                counts: true,
+                why_not: None,
+            }));
         }
     }
-    let question = |trial: &PlannedTrial| {
-        Some(study.environment(&trial.environment)?.question.as_ref()?.to_string())
-    };
-    let mut columns = conditions(sat);
-    columns.push(Column::text("question", "", rows(sat).map(|(_, trial)| question(trial))));
-    columns.push(Column::integer("answer", "1", "", values));
-    columns.push(Column::flag("counts", "", rows(sat).map(|_| Some(true))));
-    columns.push(Column::text("why_not", "", rows(sat).map(|_| None::<String>)));
-    Ok(Table::new("answers", "Answers", columns)?)
+    Ok(Table::of_rows(&rows)?)
 }
 
 /// What the job of the metrics does; the number of bytes of its tables.
 fn metrics_job(study: &Study, sat: &[Sat], file: &Path) -> anyhow::Result<usize> {
-    let names: Vec<&str> =
-        COLUMNS.into_iter().chain(METRICS.iter().map(|(metric, ..)| *metric)).collect();
-    let table = Table::columns_from_parquet(file, &names)?;
-    let found = compare(&table, &parameters(study, sat)?)?;
+    let metrics = Measured::read(file, &METRICS.map(|(metric, ..)| metric))?;
+    let found = compare(&metrics, &parameters(study, sat)?)?;
     let written = [
         bytes(&found.metrics, file)?,
         bytes(&found.cells, file)?,

@@ -1,144 +1,90 @@
-//! Queries over tables, by polars: a [`Frame`] is made of a table, grouped, and becomes a table
-//! again.
+//! Rows in groups, by polars: what shares a key, and what its numbers come to.
 //!
 //! No other crate uses polars, so that only crates with queries wait for it to compile.
-//! Polars groups by its in-memory engine with stable order: the same table gives the same bits.
+//! Polars groups by its in-memory engine with stable order: the same rows give the same bits.
 
 use polars::prelude::{
-    self as pl, ChunkAgg as _, ChunkTake as _, ChunkVar as _, IntoColumn, NamedFrom,
+    self as pl, ChunkAgg as _, ChunkTake as _, ChunkVar as _, IntoColumn as _, NamedFrom as _,
 };
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::thread;
-use zwidth_tables::{Column, Field, Table, TableError, Type, Values};
+use zwidth_results::{Column, ReadError, Row, Type, Values};
 
-/// Why a query was refused.
+/// Why rows could not be grouped.
 #[derive(Debug, thiserror::Error)]
 pub enum FrameError {
-    /// Polars refused: a column that the frame lacks, or has with another type.
-    #[error("table '{table}': {source}")]
-    Polars {
-        /// The table.
-        table: String,
-        /// What polars said.
-        source: pl::PolarsError,
-    },
-    /// The result does not make a table.
-    #[error(transparent)]
-    Table(#[from] TableError),
+    /// Polars refused: numbers that are more or fewer than the rows.
+    #[error("the rows could not be grouped: {0}")]
+    Polars(#[from] pl::PolarsError),
+    /// The keys of the groups are no keys.
+    #[error("the groups could not be read: {0}")]
+    Read(#[from] ReadError),
 }
 
-/// What is made of the rows of a group.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Statistic {
-    /// Mean of the values that are there; null if there are no values.
-    Mean,
-    /// Standard deviation (n − 1) of the values that are there; null for fewer than two.
-    Deviation,
-    /// Number of the values that are there.
-    Count,
+/// What the numbers of a group come to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Statistics {
+    /// How many there are.
+    pub count: usize,
+    /// Their mean; `None` if there are none.
+    pub mean: Option<f64>,
+    /// Their standard deviation (n − 1); `None` for fewer than two.
+    pub sd: Option<f64>,
 }
 
-/// A column of a grouped frame: a statistic of a column, by the name it gets.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Aggregate {
-    /// The column whose values are taken.
-    pub of: String,
-    /// The statistic.
-    pub statistic: Statistic,
-    /// The name of the resulting column.
-    pub name: String,
+/// Rows that share a key.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Group<K> {
+    /// What they share.
+    pub key: K,
+    /// How many they are.
+    pub rows: usize,
+    /// What each column of numbers comes to.
+    pub numbers: Vec<Statistics>,
 }
 
-/// The rows of a table, ready for a query.
-#[derive(Debug, Clone)]
-pub struct Frame {
-    /// The table that it was made of, for messages.
-    table: String,
-    rows: pl::DataFrame,
+/// The rows of each key, in the order in which the keys appear. `numbers` are columns of as many
+/// numbers as there are keys.
+///
+/// # Errors
+/// A column of another length.
+pub fn grouped<K: Row + Send + Sync>(
+    keys: &[K],
+    numbers: &[&[Option<f64>]],
+) -> Result<Vec<Group<K>>, FrameError> {
+    // Polars waits for threads of its own, and a thread of ours that waits takes up other work,
+    // however long: so the grouping waits on a thread that has no other.
+    let found = thread::scope(|scope| scope.spawn(|| groups(keys, numbers)).join());
+    found.unwrap_or_else(|panic| resume_unwind(panic))
 }
 
-impl Frame {
-    /// The rows of a table.
-    ///
-    /// # Errors
-    /// Those of polars.
-    pub fn new(table: &Table) -> Result<Self, FrameError> {
-        let columns = table.columns().iter().map(series).collect();
-        let rows = pl::DataFrame::new(table.height(), columns);
-        let refused = |source| FrameError::Polars { table: table.name().to_owned(), source };
-        Ok(Self { table: table.name().to_owned(), rows: rows.map_err(refused)? })
+fn groups<K: Row>(keys: &[K], numbers: &[&[Option<f64>]]) -> Result<Vec<Group<K>>, FrameError> {
+    let names: Vec<String> = K::fields().iter().map(|field| field.name.to_string()).collect();
+    let rows = pl::DataFrame::new(keys.len(), K::columns(keys).iter().map(series).collect())?;
+    let grouped = rows.group_by_stable(&names)?;
+    let members: Vec<Vec<pl::IdxSize>> = grouped.get_groups().iter().map(members).collect();
+    let first: Vec<Column> = K::fields()
+        .into_iter()
+        .zip(grouped.keys())
+        .map(|(field, values)| Ok(Column { values: values_of(&values, field.kind)?, field }))
+        .collect::<Result<_, pl::PolarsError>>()?;
+    let mut found: Vec<Group<K>> = K::read(&first)?
+        .into_iter()
+        .zip(&members)
+        .map(|(key, rows)| Group { key, rows: rows.len(), numbers: Vec::new() })
+        .collect();
+    for column in numbers {
+        let all = pl::Series::new(pl::PlSmallStr::EMPTY, column);
+        let all = all.f64()?;
+        // Of one group at a time: a frame for each of thousands of groups takes far more memory.
+        for (group, rows) in found.iter_mut().zip(&members) {
+            let own = all.take(rows)?;
+            let count = own.len() - own.null_count();
+            group.numbers.push(Statistics { count, mean: own.mean(), sd: own.std(1) });
+        }
     }
-
-    /// One row per group of rows that share the values of `keys`, in the order in which the groups
-    /// appear: the keys, the number of rows in a column named `rows`, and the aggregates.
-    ///
-    /// # Errors
-    /// A column that the frame lacks.
-    pub fn grouped(
-        &self,
-        keys: &[&str],
-        rows: &str,
-        aggregates: &[Aggregate],
-    ) -> Result<Self, FrameError> {
-        let work = || summary(&self.rows, keys, rows, aggregates);
-        // Polars waits for threads of its own, and a thread of ours that waits takes up other
-        // work, however long: so the grouping waits on a thread that has no other.
-        let found = thread::scope(|scope| scope.spawn(work).join());
-        let refused = |source| FrameError::Polars { table: self.table.clone(), source };
-        let rows = found.unwrap_or_else(|panic| resume_unwind(panic)).map_err(refused)?;
-        Ok(Self { table: self.table.clone(), rows })
-    }
-
-    /// A table of those columns that `fields` describe.
-    ///
-    /// # Errors
-    /// A field that the frame lacks or has with another type; a float that is not finite.
-    pub fn to_table(
-        &self,
-        name: &str,
-        title: &str,
-        fields: Vec<Field>,
-    ) -> Result<Table, FrameError> {
-        let column = |field: Field| Ok(Column { values: values(&self.rows, &field)?, field });
-        let columns = fields.into_iter().map(column).collect::<Result<_, _>>();
-        let refused = |source| FrameError::Polars { table: name.to_owned(), source };
-        Ok(Table::new(name, title, columns.map_err(refused)?)?)
-    }
-}
-
-/// One row per group, in the order in which the groups appear: its key, its number of rows, and the
-/// aggregates.
-fn summary(
-    rows: &pl::DataFrame,
-    keys: &[&str],
-    n: &str,
-    aggregates: &[Aggregate],
-) -> Result<pl::DataFrame, pl::PolarsError> {
-    let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
-    let grouped = rows.group_by_stable(&keys)?;
-    let groups: Vec<Vec<pl::IdxSize>> = grouped.get_groups().iter().map(members).collect();
-    let mut columns = grouped.keys();
-    let heights = groups.iter().map(|group| whole(group.len()));
-    columns.push(pl::Column::new(n.into(), heights.collect::<Vec<i64>>()));
-    for Aggregate { of, statistic, name } in aggregates {
-        // Of one column at a time: a frame for each of thousands of groups takes far more memory.
-        let all = rows.column(of)?.f64()?;
-        let values = groups.iter().map(|group| all.take(group)).collect::<Result<Vec<_>, _>>()?;
-        let floats = |of: fn(&pl::Float64Chunked) -> Option<f64>| -> Vec<Option<f64>> {
-            values.iter().map(of).collect()
-        };
-        let name = pl::PlSmallStr::from_str(name);
-        columns.push(match statistic {
-            Statistic::Mean => pl::Column::new(name, floats(|v| v.mean())),
-            Statistic::Deviation => pl::Column::new(name, floats(|v| v.std(1))),
-            Statistic::Count => {
-                let there = values.iter().map(|v| whole(v.len() - v.null_count()));
-                pl::Column::new(name, there.collect::<Vec<i64>>())
-            }
-        });
-    }
-    pl::DataFrame::new(groups.len(), columns)
+    Ok(found)
 }
 
 /// The rows of a group.
@@ -147,11 +93,6 @@ fn members(group: pl::GroupsIndicator) -> Vec<pl::IdxSize> {
         pl::GroupsIndicator::Idx((_, rows)) => rows.to_vec(),
         pl::GroupsIndicator::Slice([first, length]) => (first..first + length).collect(),
     }
-}
-
-/// A number of rows in memory, which fits into the type.
-fn whole(rows: usize) -> i64 {
-    i64::try_from(rows).unwrap_or(i64::MAX)
 }
 
 fn series(column: &Column) -> pl::Column {
@@ -167,9 +108,8 @@ fn series(column: &Column) -> pl::Column {
     .into_column()
 }
 
-fn values(rows: &pl::DataFrame, field: &Field) -> Result<Values, pl::PolarsError> {
-    let series = rows.column(&field.name)?;
-    Ok(match field.kind {
+fn values_of(series: &pl::Column, kind: Type) -> Result<Values, pl::PolarsError> {
+    Ok(match kind {
         Type::Float => Values::Float(series.f64()?.iter().collect()),
         Type::Integer => Values::Integer(series.i64()?.iter().collect()),
         Type::Text => Values::Text(series.str()?.iter().map(|v| v.map(Arc::from)).collect()),
@@ -180,75 +120,36 @@ fn values(rows: &pl::DataFrame, field: &Field) -> Result<Values, pl::PolarsError
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zwidth_results::ConditionKey;
 
-    fn sample() -> Table {
-        let columns = vec![
-            Column::text("mode", "the mode", ["b", "a", "b"].map(Some)),
-            Column::float("force_n", "N", "a force", [Some(1.5), None, Some(2.5)]),
-            Column::integer("trial", "1", "number", [Some(1), Some(2), None]),
-            Column::flag("wall_reached", "whether", [Some(true), None, Some(false)]),
-        ];
-        Table::new("sample", "A sample", columns).unwrap()
-    }
-
-    fn fields(table: &Table) -> Vec<Field> {
-        table.fields().cloned().collect()
-    }
-
-    #[test]
-    fn a_table_comes_back_from_its_frame_with_its_nulls() {
-        let table = sample();
-        let again = Frame::new(&table).unwrap().to_table("again", "", fields(&table)).unwrap();
-        assert_eq!(again.columns(), table.columns());
+    fn key(mode: &str) -> ConditionKey {
+        ConditionKey {
+            participant: "P01".parse().unwrap(),
+            session: "S01".parse().unwrap(),
+            environment: "spring".parse().unwrap(),
+            mode: mode.parse().unwrap(),
+        }
     }
 
     #[test]
     fn groups_stand_in_the_order_of_their_first_rows_and_nulls_do_not_count() {
-        let aggregate = |statistic, name: &str| Aggregate {
-            of: "force_n".to_owned(),
-            statistic,
-            name: name.to_owned(),
-        };
-        let aggregates = [
-            aggregate(Statistic::Mean, "mean"),
-            aggregate(Statistic::Deviation, "deviation"),
-            aggregate(Statistic::Count, "count"),
-        ];
-        let grouped = Frame::new(&sample()).unwrap().grouped(&["mode"], "n", &aggregates).unwrap();
-        let field = |name: &'static str, kind| Field {
-            name: name.into(),
-            unit: "1".into(),
-            description: "".into(),
-            kind,
-        };
-        let fields = vec![
-            field("mode", Type::Text),
-            field("n", Type::Integer),
-            field("mean", Type::Float),
-            field("deviation", Type::Float),
-            field("count", Type::Integer),
-        ];
-        let table = grouped.to_table("groups", "", fields).unwrap();
-        assert_eq!(table.texts("mode").unwrap(), [Some("b".to_owned()), Some("a".to_owned())]);
-        assert_eq!(table.integers("n").unwrap(), [Some(2), Some(1)]);
-        assert_eq!(table.floats("mean").unwrap(), [Some(2.0), None]);
-        assert_eq!(table.floats("deviation").unwrap(), [Some(0.5_f64.sqrt()), None]);
-        assert_eq!(table.integers("count").unwrap(), [Some(2), Some(0)]);
+        let keys = ["b", "a", "b"].map(key);
+        let groups = grouped(&keys, &[&[Some(1.5), None, Some(2.5)]]).unwrap();
+        let [b, a] = groups.as_slice() else { panic!("two groups") };
+        let of = |count, mean, sd| vec![Statistics { count, mean, sd }];
+        assert_eq!((&b.key, b.rows), (&key("b"), 2));
+        assert_eq!(b.numbers, of(2, Some(2.0), Some(0.5_f64.sqrt())));
+        assert_eq!((&a.key, a.rows), (&key("a"), 1));
+        assert_eq!(a.numbers, of(0, None, None));
     }
 
     #[test]
-    fn a_column_that_is_not_there_or_of_another_type_is_named() {
-        let frame = Frame::new(&sample()).unwrap();
-        let field = |name: &'static str| Field {
-            name: name.into(),
-            unit: "1".into(),
-            description: "".into(),
-            kind: Type::Float,
-        };
-        for name in ["mass_kg", "trial"] {
-            let error = frame.to_table("t", "", vec![field(name)]).unwrap_err().to_string();
-            assert!(error.starts_with("table 't': "), "{error}");
-        }
-        assert!(frame.grouped(&["mass_kg"], "n", &[]).is_err());
+    fn no_rows_have_no_groups() {
+        assert_eq!(grouped::<ConditionKey>(&[], &[&[]]).unwrap(), []);
+    }
+
+    #[test]
+    fn numbers_of_another_length_are_refused() {
+        assert!(grouped(&["a", "b"].map(key), &[&[Some(1.0)]]).is_err());
     }
 }

@@ -27,7 +27,7 @@ use zwidth_study::order::Rules;
 use zwidth_study::{
     Bound, Coordinate, Environment, Event, IdError, MetricId, Source, Study, is_felt,
 };
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::{Measured, TableError};
 
 const STAGE: Stage = Stage { name: "compare", version: zwidth_compare::VERSION };
 
@@ -433,9 +433,8 @@ fn metrics_job(data: &StudyData) -> Option<Job> {
 }
 
 fn make(of: &Comparing, metrics: &PathBuf, making: &Making) -> Result<Made, JobError> {
-    let compared = of.stage.metrics.iter().map(|metric| metric.metric.as_str());
-    let columns: Vec<&str> = zwidth_compare::COLUMNS.into_iter().chain(compared).collect();
-    let metrics = Table::columns_from_parquet(metrics, &columns)?;
+    let compared: Vec<&str> = of.stage.metrics.iter().map(|of| of.metric.as_str()).collect();
+    let metrics = Measured::read(metrics, &compared)?;
     let found = zwidth_compare::compare(&metrics, &of.stage)?;
     let printed = zwidth_compare::together(&found.metrics, &found.contrasts)?;
     Written::begin(making, of.simulated)

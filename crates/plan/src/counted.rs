@@ -1,16 +1,16 @@
 //! Stage `trials`: which trials count, in a file that other programs read before they read a recording.
 
+use crate::handle::Derived;
 use crate::making::{derived, write_tables};
 use crate::metrics;
-use crate::summary::notes;
-use crate::trials::name;
+use crate::summary;
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use zwidth_results::{CountedTrial, NoteKind, TrialRemark};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_store::{DOUBTS, Findings, LOST, StudyData, TrialEntry};
 use zwidth_study::TrialMeta;
-use zwidth_tables::{Column, NoteKind, Table};
+use zwidth_tables::Table;
 
 /// Its version is raised when the table would be another one of the same data.
 const STAGE: Stage = Stage { name: "trials", version: 1 };
@@ -45,46 +45,39 @@ pub(crate) fn job(data: &StudyData, found: &Findings) -> Job {
         .chain(logs.map(|path| path.as_path().into()))
         .collect();
     let output = derived(&data.layout, "trials.parquet");
-    Job::new(STAGE, "trials", rows, metrics::of_sessions(data), vec![output], make)
+    Job::new(STAGE, "trials", rows, metrics::remarks(data), vec![output], make)
         .told_by(origins)
         .tolerant()
 }
 
-fn make(rows: &Vec<Row>, sessions: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
-    // A note of a trial begins with its name, and what follows with a comma or a colon.
-    let notes = notes(sessions, |kind| kind == NoteKind::Care)?;
-    let doubted: BTreeSet<&str> =
-        notes.iter().filter_map(|note| note.split([',', ':']).next()).collect();
-    let with_care = |row: &Row| row.is_doubted || doubted.contains(name(&row.meta).as_str());
-    let text = |name: &'static str, about: &'static str, of: fn(&Row) -> &str| {
-        Column::text(name, about, rows.iter().map(|row| Some(of(row))))
+fn make(
+    rows: &Vec<Row>,
+    remarks: &Vec<Derived<TrialRemark>>,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let remarks = summary::remarks(remarks)?;
+    let with_care = remarks.iter().filter(|remark| remark.kind == NoteKind::Care);
+    let doubted: BTreeSet<&str> = with_care.map(|remark| remark.path.as_str()).collect();
+    let counted = |row: &Row| {
+        let TrialMeta { participant, session, trial, repeat, .. } = row.meta.clone();
+        let TrialMeta { environment, mode, kind, status, source, .. } = row.meta.clone();
+        let is_doubted = row.is_doubted || doubted.contains(row.path.as_str());
+        CountedTrial {
+            path: row.path.clone(),
+            participant,
+            session,
+            trial,
+            repeat,
+            environment,
+            mode,
+            kind,
+            status,
+            source,
+            counts: row.why_not.is_none(),
+            why_not: row.why_not.clone(),
+            read_with_care: row.why_not.is_none() && is_doubted,
+        }
     };
-    let number = |name: &'static str, about: &'static str, of: fn(&Row) -> u32| {
-        Column::integer(name, "1", about, rows.iter().map(|row| Some(of(row).into())))
-    };
-    let counts = rows.iter().map(|row| Some(row.why_not.is_none()));
-    let care = rows.iter().map(|row| Some(row.why_not.is_none() && with_care(row)));
-    let columns = vec![
-        text("path", "the trial's file, from the folder that holds raw/", |row| &row.path),
-        text("participant", "who", |row| row.meta.participant.as_str()),
-        text("session", "in which session", |row| row.meta.session.as_str()),
-        number("trial", "its number in the session", |row| row.meta.trial),
-        number("repeat", "of its condition", |row| row.meta.repeat),
-        text("environment", "what was rendered", |row| row.meta.environment.as_str()),
-        text("mode", "how it was rendered; a code while the session is sealed", |row| {
-            row.meta.mode.as_str()
-        }),
-        text("kind", "trial or familiarisation", |row| row.meta.kind.as_str()),
-        text("status", "complete or incomplete", |row| row.meta.status.as_str()),
-        text("source", "where its numbers come from", |row| row.meta.source.as_str()),
-        Column::flag("counts", "whether it enters any mean, metric or test", counts),
-        Column::text(
-            "why_not",
-            "why it does not count; null if it does",
-            rows.iter().map(|row| row.why_not.as_deref()),
-        ),
-        Column::flag("read_with_care", "whether it counts and something was found in it", care),
-    ];
-    let table = Table::new("trials", "Every trial, and whether it counts", columns)?;
-    write_tables(&[table], making, Vec::new())
+    let all: Vec<CountedTrial> = rows.iter().map(counted).collect();
+    write_tables(&[Table::of_rows(&all)?], making, Vec::new())
 }

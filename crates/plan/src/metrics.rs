@@ -3,17 +3,19 @@
 //! each session, because `identify` depends on every trial. The study's table has both kinds.
 
 use crate::conditions::{Repeats, is_any, repeats};
+use crate::handle::Derived;
 use crate::identify::{known_plant, plant_with_spread};
-use crate::making::{derived, join_sessions, read_shared, read_tables, split, write_tables};
+use crate::making::{derived, join_sessions, read_shared, read_tables, write_tables};
 use crate::trials::{OfTrials, Recordings, files, name, of_each};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zwidth_metrics::{Parameters, TrialMetrics};
+use zwidth_results::{TrialEvent, TrialRemark};
 use zwidth_runner::{Job, JobError, Made, Making, Stage, strip_root};
 use zwidth_store::{Asked, Layout, OpenTrial, Signal, StoreError, StudyData};
 use zwidth_study::{Condition, TrialMeta};
-use zwidth_tables::{NoteKind, Table, TableError};
+use zwidth_tables::{Measured, NoteKind, Table, TableError};
 
 const STAGE: Stage = Stage { name: "metrics", version: zwidth_metrics::VERSION };
 
@@ -23,18 +25,23 @@ fn of_session(layout: &Layout, session: &str) -> PathBuf {
 }
 
 /// What happened in the trials of a session, `metrics/P01.S01.events.parquet`.
-pub(crate) fn events_of(layout: &Layout, of: &TrialMeta) -> PathBuf {
-    derived(layout, format!("metrics/{}.events.parquet", key(of)))
+pub(crate) fn events_of(layout: &Layout, of: &TrialMeta) -> Derived<TrialEvent> {
+    Derived::at(derived(layout, format!("metrics/{}.events.parquet", key(of))))
+}
+
+/// What is said of the trials of a session, `metrics/P01.S01.remarks.parquet`.
+fn remarks_of(layout: &Layout, session: &str) -> Derived<TrialRemark> {
+    Derived::at(derived(layout, format!("metrics/{session}.remarks.parquet")))
+}
+
+/// What is said of the trials of every session that has trials.
+pub(crate) fn remarks(data: &StudyData) -> Vec<Derived<TrialRemark>> {
+    by_session(&repeats(data)).map(|s| remarks_of(&data.layout, &key(meta(s)))).collect()
 }
 
 /// Those of a session that rest on the plant, `metrics/P01.S01.plant.parquet`.
 fn with_plant(layout: &Layout, session: &str) -> PathBuf {
     derived(layout, format!("metrics/{session}.plant.parquet"))
-}
-
-/// The metrics of every session that has trials.
-pub(crate) fn of_sessions(data: &StudyData) -> Vec<PathBuf> {
-    by_session(&repeats(data)).map(|s| of_session(&data.layout, &key(meta(s)))).collect()
 }
 
 /// The metrics of the study, where it has trials.
@@ -43,10 +50,10 @@ pub(crate) fn of_study(data: &StudyData) -> Option<PathBuf> {
 }
 
 /// Of the metrics of the study what a report looks at, and these.
-pub(crate) fn looked_at(file: &Path, compared: &[String]) -> Result<Table, TableError> {
-    let mut columns = zwidth_report::metric_columns();
-    columns.extend(compared.iter().map(String::as_str));
-    Table::columns_from_parquet(file, &columns)
+pub(crate) fn looked_at(file: &Path, compared: &[String]) -> Result<Measured, TableError> {
+    let mut metrics = zwidth_report::metric_columns();
+    metrics.extend(compared.iter().map(String::as_str));
+    Measured::read(file, &metrics)
 }
 
 /// The metrics of the study trial by trial, and by condition.
@@ -56,7 +63,7 @@ pub(crate) fn study_files(layout: &Layout) -> [PathBuf; 2] {
 
 /// What the metrics of a condition depend on besides its trials.
 #[derive(Serialize)]
-struct OfCondition {
+struct Asking {
     #[serde(flatten)]
     metrics: Parameters,
     asked: Asked,
@@ -102,11 +109,13 @@ fn session_job(data: &StudyData, session: &[Repeats]) -> Job {
     let of_condition = |repeats: &Repeats| {
         let metrics = Parameters::of(&data.study, repeats.environment, repeats.mode);
         let asked = Asked::of(&data.study, &repeats.environment.id);
-        OfTrials::new(OfCondition { metrics, asked }, &repeats.trials)
+        OfTrials::new(Asking { metrics, asked }, &repeats.trials)
     };
     let conditions: Vec<_> = session.iter().map(of_condition).collect();
     let (of, key) = (meta(session), key(meta(session)));
-    let outputs = vec![of_session(&data.layout, &key), events_of(&data.layout, of)];
+    let events = events_of(&data.layout, of).path().to_owned();
+    let remarks = remarks_of(&data.layout, &key).path().to_owned();
+    let outputs = vec![of_session(&data.layout, &key), events, remarks];
     let title = format!("metrics {} {}", of.participant, of.session);
     Job::new(STAGE, title, conditions, trials_of(session), outputs, make_session).of_part(key)
 }
@@ -153,10 +162,9 @@ fn make_with_plant(
     let of_condition = |(of, trials): (&OfTrials<Parameters>, &Recordings)| {
         let signals = &zwidth_metrics::PLANT_SIGNALS;
         let found = of_each(making.trials, (trials, &of.trials), signals, |trial| {
-            let row = zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref());
-            row.map_err(|e| e.to_string())
+            zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref())
         });
-        found.map(|(rows, _)| rows)
+        found.map(|each| each.into_iter().flatten().flatten().collect::<Vec<_>>())
     };
     let rows = conditions.par_iter().zip(trials).map(of_condition);
     let rows: Vec<_> = rows.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
@@ -164,54 +172,67 @@ fn make_with_plant(
 }
 
 /// What is made of a condition's trials.
-struct OfOne {
-    rows: Vec<TrialMetrics>,
-    /// What had to be left out.
-    problems: Vec<String>,
-    /// What is to be read with care.
-    care: Vec<String>,
-}
+type OfCondition = (Vec<TrialMetrics>, Vec<TrialRemark>);
 
 fn make_session(
-    conditions: &Vec<OfTrials<OfCondition>>,
+    conditions: &Vec<OfTrials<Asking>>,
     trials: &Vec<Recordings>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let made: Result<Vec<OfOne>, StoreError> = conditions
-        .par_iter()
-        .zip(trials)
-        .map(|(of, files)| make_condition(of, files, making))
-        .collect();
-    let (mut rows, mut problems, mut care) = (Vec::new(), Vec::new(), Vec::new());
-    for of in made? {
-        rows.extend(of.rows);
-        problems.extend(of.problems);
-        care.extend(of.care);
-    }
-    let left_out = problems.iter().map(|p| (NoteKind::LeftOut, strip_root(making.root, p)));
-    let notes = left_out.chain(care.iter().map(|note| (NoteKind::Care, note.clone())));
-    let table = zwidth_metrics::table(&rows)?;
-    let table = notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note));
-    let events: Vec<_> = rows.iter().map(|row| (&row.meta, row.events.as_slice())).collect();
-    let events = zwidth_metrics::events_table(&events)?;
-    Ok(Made { care, ..write_tables(&[table, events], making, problems)? })
+    let of_condition = |(of, files)| make_condition(of, files, making);
+    let made = conditions.par_iter().zip(trials).map(of_condition);
+    let made: Vec<OfCondition> = made.collect::<Result<_, StoreError>>()?;
+    let (rows, remarks): (Vec<_>, Vec<_>) = made.into_iter().unzip();
+    let (rows, mut remarks) = (rows.concat(), remarks.concat());
+    // Those that are left out come first.
+    remarks.sort_by_key(|remark| remark.kind == NoteKind::Care);
+
+    let told = |kind| remarks.iter().filter(move |remark| remark.kind == kind).map(in_words);
+    let metrics = zwidth_metrics::table(&rows)?;
+    let metrics = remarks
+        .iter()
+        .fold(metrics, |table, remark| table.with_note_of(remark.kind, in_words(remark)));
+    let events = rows.iter().flat_map(|row| row.events.iter().map(|event| event.of(&row.meta)));
+    let tables = [metrics, Table::of_rows(&events.collect::<Vec<_>>())?, Table::of_rows(&remarks)?];
+    let (problems, care) = (told(NoteKind::LeftOut).collect(), told(NoteKind::Care).collect());
+    Ok(Made { care, ..write_tables(&tables, making, problems)? })
+}
+
+fn in_words(remark: &TrialRemark) -> String {
+    format!("{}: {}", remark.what, remark.why)
 }
 
 fn make_condition(
-    of: &OfTrials<OfCondition>,
+    of: &OfTrials<Asking>,
     files: &Recordings,
     making: &Making,
-) -> Result<OfOne, StoreError> {
+) -> Result<OfCondition, StoreError> {
     let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
-    let (made, problems) = of_each(making.trials, (files, &of.trials), &signals, |trial| {
-        let row = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
-        let mut care = with_care(&of.stage.asked, trial);
-        care.extend(row.as_ref().ok().and_then(|row| covers_little(row, trial)));
-        Ok((row.map_err(|e| format!("{}: {e}", name(&trial.meta))), care))
+    let each = of_each(making.trials, (files, &of.trials), &signals, |trial| {
+        let found = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
+        let mut care: Vec<_> =
+            trial.check(&of.stage.asked).into_iter().map(|f| describe(trial, f)).collect();
+        care.extend(found.as_ref().ok().and_then(|row| covers_little(row, trial)));
+        (found.map_err(|error| (name(&trial.meta), error.to_string())), care)
     })?;
-    let (rows, care): (Vec<_>, Vec<_>) = made.into_iter().unzip();
-    let (rows, more) = split(rows);
-    Ok(OfOne { rows, problems: [problems, more].concat(), care: care.concat() })
+    let (mut rows, mut remarks) = (Vec::new(), Vec::new());
+    for (file, each) in files.iter().zip(each) {
+        let mut remark = |kind, (what, why): (String, String)| {
+            let path = making.shown(file);
+            remarks.push(TrialRemark { path, kind, what: strip_root(making.root, &what), why });
+        };
+        match each {
+            Ok((found, care)) => {
+                match found {
+                    Ok(row) => rows.push(row),
+                    Err(left_out) => remark(NoteKind::LeftOut, left_out),
+                }
+                care.into_iter().for_each(|found| remark(NoteKind::Care, found));
+            }
+            Err(error) => remark(NoteKind::LeftOut, (error.place(), error.remark())),
+        }
+    }
+    Ok((rows, remarks))
 }
 
 fn make_study(_: &(), sessions: &Vec<Vec<PathBuf>>, making: &Making) -> Result<Made, JobError> {
@@ -231,8 +252,8 @@ fn make_by_condition(
     metrics: &PathBuf,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let columns = zwidth_metrics::condition_columns();
-    let metrics = Table::columns_from_parquet(metrics, &columns)?;
+    let summarised: Vec<&str> = zwidth_metrics::summarised().collect();
+    let metrics = Measured::read(metrics, &summarised)?;
     write_tables(&[zwidth_metrics::by_condition(&metrics, conditions)?], making, Vec::new())
 }
 
@@ -241,32 +262,26 @@ const LITTLE: f64 = 0.05;
 /// … and leaves this long, s, may not be the one that was meant.
 const LONG_S: f64 = 5.0;
 
-/// What is said of a movement that covers little of its recording.
-fn covers_little(row: &TrialMetrics, trial: &OpenTrial) -> Option<String> {
+/// What is said of a movement that covers little of its recording: of what, and what it is.
+fn covers_little(row: &TrialMetrics, trial: &OpenTrial) -> Option<(String, String)> {
     let duration_s = row.movement.duration_s?;
-    let recorded_s = {
-        let t = trial.columns().column(Signal::Time)?;
-        t.last()? - t.first()?
-    };
+    let t = trial.columns().column(Signal::Time)?;
+    let recorded_s = t.last()? - t.first()?;
     let is_little = duration_s < LITTLE * recorded_s && recorded_s - duration_s > LONG_S;
-    is_little.then(|| {
+    let why = || {
         format!(
-            "{}, {}: its movement is taken to be {duration_s:.2} s of the {recorded_s:.1} s that were recorded; look whether \
+            "its movement is taken to be {duration_s:.2} s of the {recorded_s:.1} s that were recorded; look whether \
              this is the one that was meant, and set onset_deg_s and offset_deg_s under [analysis] of study.toml, or split \
-             the recording",
-            name(&trial.meta),
-            Signal::ThetaDot.name()
+             the recording"
         )
-    })
+    };
+    is_little.then(|| (format!("{}, {}", name(&trial.meta), Signal::ThetaDot.name()), why()))
 }
 
-/// What `verify` finds in a trial, which counts all the same.
-fn with_care(asked: &Asked, trial: &OpenTrial) -> Vec<String> {
-    trial.check(asked).into_iter().map(|finding| describe(trial, finding)).collect()
-}
-
-fn describe(trial: &OpenTrial, finding: StoreError) -> String {
+/// What `verify` finds in a trial, which counts all the same: in what, and what it is.
+fn describe(trial: &OpenTrial, finding: StoreError) -> (String, String) {
     let column = finding.column.map(|column| format!(", {column}")).unwrap_or_default();
     let row = finding.row.map(|row| format!(", row {row}")).unwrap_or_default();
-    format!("{}{column}{row}: {}; {}", name(&trial.meta), finding.what, finding.remedy)
+    let what = format!("{}{column}{row}", name(&trial.meta));
+    (what, format!("{}; {}", finding.what, finding.remedy))
 }

@@ -14,7 +14,7 @@ use zwidth_replay::Parameters;
 use zwidth_report::{
     Columns, Contents, Course, Event, Page, TURNED, condition_script, page_html, turned_script,
 };
-use zwidth_results::GivenAnswer;
+use zwidth_results::{GivenAnswer, TrialEvent};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
 use zwidth_study::{EnvironmentId, ModeId};
@@ -108,7 +108,7 @@ struct Condition {
 struct Files {
     trials: Recordings,
     /// What happened in them and the other trials of their session, and when.
-    events: PathBuf,
+    events: Derived<TrialEvent>,
     averages: Vec<PathBuf>,
     /// The models' runs of a typical trial of each mode, where one could be replayed.
     courses: Option<PathBuf>,
@@ -116,7 +116,7 @@ struct Files {
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let one = [self.events.clone()].into_iter().chain(self.courses.clone());
+        let one = self.events.files().into_iter().chain(self.courses.clone());
         self.trials.files().into_iter().chain(self.averages.iter().cloned()).chain(one).collect()
     }
 }
@@ -141,9 +141,8 @@ fn make_condition(
     making: &Making,
 ) -> Result<Made, JobError> {
     let (trials, problems) = read_drawn(&files.trials, &of.trials, SIGNALS.into_iter())?;
-    let events = summary::read(&Some(files.events.clone()))?;
-    let courses: Vec<Course> =
-        trials.iter().map(|drawn| course(drawn, events.as_ref())).collect::<Result<_, _>>()?;
+    let events = files.events.read_if_made()?.unwrap_or_default();
+    let courses: Vec<Course> = trials.iter().map(|drawn| course(drawn, &events)).collect();
     let mut means = Vec::new();
     for (name, file) in ["onset", "landmarks"].into_iter().zip(&files.averages) {
         let table = summary::read(&Some(file.clone()))?;
@@ -158,31 +157,20 @@ fn make_condition(
 }
 
 /// What is shown of a trial's samples, and what happened in it.
-fn course(
-    (trial, recorded): &(Trial, usize),
-    events: Option<&Table>,
-) -> Result<Course, TableError> {
+fn course((trial, recorded): &(Trial, usize), events: &[TrialEvent]) -> Course {
     let samples = &trial.samples;
     let columns = SIGNALS
         .into_iter()
         .filter_map(|signal| Some((name(signal)?, samples.get(signal)?.to_vec())))
         .collect();
-    let events = events.map(|table| events_of(table, trial.meta.trial)).transpose()?;
-    Ok(Course {
+    let own = events.iter().filter(|event| event.trial == trial.meta.trial);
+    Course {
         trial: trial.meta.trial,
         repeat: trial.meta.repeat,
         recorded: *recorded,
         columns,
-        events: events.unwrap_or_default(),
-    })
-}
-
-/// What happened in the trial of that number.
-fn events_of(table: &Table, trial: u32) -> Result<Vec<Event>, TableError> {
-    let rows = table.integers("trial")?.into_iter().zip(table.texts("event")?);
-    let rows = rows.zip(table.floats("t_s")?);
-    let of_trial = rows.filter(|((number, _), _)| *number == Some(i64::from(trial)));
-    Ok(of_trial.filter_map(|((_, kind), t_s)| Some(Event { kind: kind?, t_s: t_s? })).collect())
+        events: own.map(|of| Event { kind: of.event.as_str(), t_s: of.t_s }).collect(),
+    }
 }
 
 /// What the page calls a signal.
@@ -299,11 +287,10 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
     let contents = metrics.map(|metrics| {
         let study = (of.study.as_str(), summary.title.as_str());
         let compared = compared.by_metric(of.summary.is_primary_by_default);
-        let contents = Contents::of(study, planned, &metrics, &compared, &answers)?;
+        let contents = Contents::of(study, planned, &metrics, &compared, &answers);
         let contents = contents.with_turned(of.turned.clone(), planned.coordinate);
-        Ok::<_, TableError>(if of.torque { contents.with_torque() } else { contents })
+        if of.torque { contents.with_torque() } else { contents }
     });
-    let contents = contents.transpose()?;
     let html = page_html(&Page {
         summary: &summary,
         planned,

@@ -9,15 +9,15 @@ use crate::{likert, long, metrics, replay};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_report::{
-    Gallery, Known, components_table, device_table, model_table, modes_table, pros_cons_table,
-    thesis_table, weight_table,
+    Gallery, HOW_JUDGED, Known, WEIGHT_NOTES, components, device_facts, mode_forces, model_facts,
+    notes, pros_cons, weight_facts,
 };
-use zwidth_results::{AnswerTally, GivenAnswer};
+use zwidth_results::{AnswerTally, Fact, GivenAnswer, JudgedStatement};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_simulate::ModelScene;
 use zwidth_store::{Layout, StudyData};
 use zwidth_study::{Basis, Setup};
-use zwidth_tables::Table;
+use zwidth_tables::{Measured, Table, TableError};
 
 const STAGE: Stage = Stage { name: "report", version: zwidth_report::VERSION };
 /// The scene of the thesis' Table 3.
@@ -39,7 +39,7 @@ fn table_of(layout: &Layout, name: &str) -> PathBuf {
 /// The tables that say what the data show: the thesis' statements and Table 1.
 pub(crate) fn of_data(data: &StudyData) -> Vec<PathBuf> {
     let actuators = of_actuators(data, &["pros_cons"]);
-    statements(data).into_iter().chain(actuators).collect()
+    statements(data).files().into_iter().chain(actuators).collect()
 }
 
 /// The tables that say what the study is made of.
@@ -57,8 +57,8 @@ fn is_weighed(data: &StudyData) -> bool {
 }
 
 /// The table of the thesis' statements, where a mode drives a motor or a brake as the thesis' do.
-pub(crate) fn statements(data: &StudyData) -> Option<PathBuf> {
-    has_actuators(data).then(|| table_of(&data.layout, "thesis"))
+pub(crate) fn statements(data: &StudyData) -> Option<Derived<JudgedStatement>> {
+    has_actuators(data).then(|| Derived::at(table_of(&data.layout, "thesis")))
 }
 
 /// Tables that a study with actuators has, by their names.
@@ -85,7 +85,8 @@ pub(crate) fn gallery(data: &StudyData, figures: &[Drawing]) -> Gallery {
 }
 
 pub(crate) fn jobs(data: &StudyData, figures: &[Drawing]) -> Vec<Job> {
-    let thesis = statements(data).map(|output| job_of_statements(data, figures, output));
+    let thesis = statements(data)
+        .map(|statements| job_of_statements(data, figures, statements.path().to_owned()));
     thesis.into_iter().chain(jobs_of_actuators(data)).collect()
 }
 
@@ -137,8 +138,12 @@ fn job_of_statements(data: &StudyData, figures: &[Drawing], output: PathBuf) -> 
 fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made, JobError> {
     let calibration = &Forces::read(files.calibration.as_deref())?;
     let columns = zwidth_report::replayed_columns();
+    let columns: Vec<&str> = columns.iter().map(|name| &**name).collect();
     let asked_of = |part: Table| zwidth_report::replayed(&part);
-    let replays = files.replays.as_deref().map(|file| Table::gathered(file, &columns, asked_of));
+    let replays = files
+        .replays
+        .as_deref()
+        .map(|file| Table::gathered(file, &columns, asked_of).and_then(Measured::of));
     let metrics = files.metrics.as_deref().map(|file| metrics::looked_at(file, &[]));
     let (metrics, replays) = (metrics.transpose()?, replays.transpose()?);
     let answers = files.answers.as_ref().filter(|answers| answers.path().exists());
@@ -154,7 +159,10 @@ fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made
         gallery: &asked.gallery,
         level: asked.level,
     };
-    write_tables(&[thesis_table(&derived)?], making, Vec::new())
+    let table = Table::of_rows(&zwidth_report::statements(&derived)?)?;
+    let table = notes(metrics.as_ref()).into_iter().fold(table, Table::with_note);
+    let table = table.with_note(HOW_JUDGED).with_note(basis.footnote());
+    write_tables(&[table], making, Vec::new())
 }
 
 fn jobs_of_actuators(data: &StudyData) -> Vec<Job> {
@@ -195,7 +203,9 @@ fn make_pros_cons(
     let calibration = &Forces::read(calibration.as_deref())?;
     let metrics = metrics.as_deref().map(|file| metrics::looked_at(file, &[])).transpose()?;
     let known = Known { study: planned, calibration, metrics: metrics.as_ref() };
-    write_tables(&[pros_cons_table(known)?.with_note(basis.footnote())], making, Vec::new())
+    let table = Table::of_rows(&pros_cons(known)?)?;
+    let table = notes(metrics.as_ref()).into_iter().fold(table, Table::with_note);
+    write_tables(&[table.with_note(basis.footnote())], making, Vec::new())
 }
 
 /// What the forces of the actuators decide: the modes as used, and the weights.
@@ -205,10 +215,15 @@ fn make_forces(
     making: &Making,
 ) -> Result<Made, JobError> {
     let calibration = &Forces::read(calibration.as_deref())?;
-    let modes = modes_table(planned, calibration, basis.footnote())?;
-    let weight = weight_table(planned, calibration).transpose()?;
-    let weight = weight.map(|table| table.with_note(basis.footnote()));
-    write_tables(&[modes].into_iter().chain(weight).collect::<Vec<_>>(), making, Vec::new())
+    let modes = Table::of_rows(&mode_forces(planned, calibration))?.with_note(basis.footnote());
+    let mut tables = vec![modes];
+    if let Some(weighed) = weight_facts(planned, calibration) {
+        let title = "Weight of a hybrid against a motor alone (Appendix A)";
+        let weight = facts("weight", title, &weighed)?;
+        let weight = WEIGHT_NOTES.into_iter().fold(weight, Table::with_note);
+        tables.push(weight.with_note(basis.footnote()));
+    }
+    write_tables(&tables, making, Vec::new())
 }
 
 /// What stands before anything is recorded: the model's parameters, the device and its components.
@@ -217,9 +232,23 @@ fn make_planned(
     (): &(),
     making: &Making,
 ) -> Result<Made, JobError> {
-    let model = model_table(&ModelScene::from_toml(model)?)?;
-    let tables = [model, device_table(planned)?, components_table(planned)?];
-    write_tables(&tables, making, Vec::new())
+    let scene = ModelScene::from_toml(model)?;
+    let title = format!("Parameters of the simulation model: {}", scene.name);
+    let model = facts("model", &title, &model_facts(&scene))?;
+    let name = &planned.device.name;
+    let device = facts("device", &format!("Device: {name}"), &device_facts(planned))?;
+    let made_of = Table::of_rows(&components(planned))?.without_empty_columns();
+    let made_of = made_of.called("components", format!("Components: {name}"));
+    let made_of = made_of.with_note(
+        "Boards, amplifier, driver and supply are left out, and so are makers and types: the study does \
+         not know them.",
+    );
+    write_tables(&[model, device, made_of], making, Vec::new())
+}
+
+/// Facts in their order; the thesis' numbers and the remarks only where there are any.
+fn facts(name: &str, title: &str, facts: &[Fact]) -> Result<Table, TableError> {
+    Ok(Table::of_rows(facts)?.without_empty_columns().called(name, title))
 }
 
 #[cfg(test)]
@@ -234,11 +263,13 @@ mod tests {
         let made = |tables: &[&Table]| -> Vec<String> {
             tables.iter().flat_map(|of| of.fields()).map(|field| field.name.to_string()).collect()
         };
-        let lacking = |looked_at: Vec<&'static str>, made: Vec<String>| {
-            looked_at.into_iter().filter(|name| !made.iter().any(|m| m == name)).collect::<Vec<_>>()
-        };
-        let none: [&str; 0] = [];
-        assert_eq!(lacking(zwidth_report::metric_columns(), made(&[&metrics, &plant])), none);
-        assert_eq!(lacking(zwidth_report::replayed_columns(), made(&[&replays])), none);
+        let metrics = made(&[&metrics, &plant]);
+        for name in zwidth_report::metric_columns() {
+            assert!(metrics.iter().any(|made| made == name), "{name}");
+        }
+        let replays = made(&[&replays]);
+        for name in zwidth_report::replayed_columns() {
+            assert!(replays.iter().any(|made| *made == name), "{name}");
+        }
     }
 }

@@ -16,13 +16,13 @@ use zwidth_report::{
     changes, findings, laddered, summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_results::{
-    AnswerTally, Compared, LadderChoice, Mean, MetricNote, ModeDifference, SessionChange,
-    TradeChoice,
+    AnswerTally, Compared, JudgedStatement, LadderChoice, Mean, MetricNote, ModeDifference,
+    SessionChange, TradeChoice, TrialRemark,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
 use zwidth_study::{Kind, Scene, Setup};
-use zwidth_tables::{About, Format, NoteKind, Table, TableError};
+use zwidth_tables::{About, Format, Measured, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
 const STAGE: Stage = Stage { name: "summary", version: 20 };
@@ -66,14 +66,14 @@ impl Page {
 pub(crate) struct Files {
     /// Averages and fits, whose notes are limits of the study.
     noted: Vec<PathBuf>,
-    /// Metrics by session, whose notes are of trials.
-    of_trials: Vec<PathBuf>,
+    /// What is said of the trials of each session.
+    of_trials: Vec<Derived<TrialRemark>>,
     figures: Vec<PathBuf>,
     tables: Vec<PathBuf>,
     pub(crate) metrics: Option<PathBuf>,
     tally: Option<Derived<AnswerTally>>,
     /// The thesis' statements, as judged.
-    statements: Option<PathBuf>,
+    statements: Option<Derived<JudgedStatement>>,
     /// What is recommended for each scene of the study, and which terms it requires.
     trade: Option<Derived<TradeChoice>>,
     ladder: Option<Derived<LadderChoice>>,
@@ -96,7 +96,8 @@ impl Inputs for Files {
             all.into_iter().chain(told).flatten()
         });
         let compared: Vec<PathBuf> = compared.collect();
-        [&self.noted, &self.of_trials, &self.figures, &self.tables, &numbers, &compared]
+        let of_trials = self.of_trials.files();
+        [&self.noted, &of_trials, &self.figures, &self.tables, &numbers, &compared]
             .map(Clone::clone)
             .concat()
     }
@@ -112,7 +113,7 @@ pub(crate) fn asked(data: &StudyData, found: &Findings, figures: &[Drawing]) -> 
     let compared = compare::compared(data);
     let files = Files {
         noted: average::at_onset(data).into_iter().chain(freemotion::tables(data)).collect(),
-        of_trials: metrics::of_sessions(data),
+        of_trials: metrics::remarks(data),
         figures: figures.iter().map(Drawing::picture).collect(),
         tables: tables::files(data),
         metrics: metrics::of_study(data),
@@ -148,17 +149,22 @@ pub(crate) struct Gathered {
     /// What was found of the metrics that are compared.
     pub(crate) compared: ReadComparison,
     /// Metrics of the trials, as far as they are looked at.
-    pub(crate) metrics: Option<Table>,
+    pub(crate) metrics: Option<Measured>,
 }
 
 pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gathered, JobError> {
     let folder = making.outputs.first().and_then(|page| page.parent()).unwrap_or(making.root);
     let mut summary = page.facts.clone();
     summary.limits.extend(notes(&files.noted, |kind| kind != NoteKind::Extent)?);
-    let left_out = notes(&files.of_trials, |kind| kind == NoteKind::LeftOut)?;
-    summary.left_out.extend(left_out.iter().map(|note| to_remark(note)));
-    let with_care = notes(&files.of_trials, |kind| kind != NoteKind::LeftOut)?;
-    summary.care.extend(with_care.iter().map(|note| to_remark(note)));
+    let of_trials = remarks(&files.of_trials)?.into_iter();
+    let (left_out, care): (Vec<_>, Vec<_>) =
+        of_trials.partition(|remark| remark.kind == NoteKind::LeftOut);
+    let listed = |all: Vec<TrialRemark>| {
+        let all = all.into_iter().map(|TrialRemark { what, why, .. }| Remark { what, why });
+        all.collect::<BTreeSet<_>>()
+    };
+    summary.left_out.extend(listed(left_out));
+    summary.care.extend(listed(care));
     let listed = |(file, caption): (&PathBuf, &Caption)| match file.exists() {
         true => Ok(Listed { path: relative(file, folder), caption: caption.text() }),
         false => Err(could_not_be_made(file)),
@@ -199,7 +205,7 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
 fn list_findings(
     page: &Page,
     files: &Files,
-    metrics: Option<&Table>,
+    metrics: Option<&Measured>,
     of_comparison: Vec<Finding>,
     made: &Summary,
 ) -> Result<Vec<Listed>, TableError> {
@@ -244,8 +250,11 @@ fn list_statements(
     files: &Files,
     made: &Summary,
 ) -> Result<(String, Vec<Told>), TableError> {
-    let Some(table) = read(&files.statements)? else { return Ok(Default::default()) };
-    let (counts, told) = zwidth_report::told(&table)?;
+    let Some(statements) = files.statements.as_ref().filter(|of| of.path().exists()) else {
+        return Ok(Default::default());
+    };
+    let (rows, notes) = statements.read_with_notes()?;
+    let (counts, told) = zwidth_report::told(&rows, &notes);
     // A study that measured nothing of the thesis is of another kind.
     if told.is_empty() {
         return Ok(Default::default());
@@ -362,7 +371,7 @@ fn doubted(data: &StudyData, found: &Findings) -> TrialNames {
     let trials = data.counting().filter(|trial| files.contains(&*trial.path));
     let name = |trial: &TrialEntry| {
         let meta = &trial.meta;
-        (meta.participant.to_string(), meta.session.to_string(), i64::from(meta.trial))
+        (meta.participant.clone(), meta.session.clone(), meta.trial)
     };
     trials.map(name).collect()
 }
@@ -438,10 +447,7 @@ fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
 }
 
 /// The notes of these kinds below tables, each once, in order.
-pub(crate) fn notes(
-    tables: &[PathBuf],
-    of: fn(NoteKind) -> bool,
-) -> Result<BTreeSet<String>, TableError> {
+fn notes(tables: &[PathBuf], of: fn(NoteKind) -> bool) -> Result<BTreeSet<String>, TableError> {
     let mut notes = BTreeSet::new();
     for path in tables.iter().filter(|p| p.exists()) {
         let found = Table::about(path)?.notes;
@@ -450,10 +456,13 @@ pub(crate) fn notes(
     Ok(notes)
 }
 
-/// A note of a trial, `P01 S01 trial 2: …`.
-fn to_remark(note: &str) -> Remark {
-    let (what, why) = note.split_once(": ").unwrap_or(("metrics", note));
-    Remark { what: what.to_owned(), why: why.to_owned() }
+/// What is said of trials, by sessions.
+pub(crate) fn remarks(of: &[Derived<TrialRemark>]) -> Result<Vec<TrialRemark>, TableError> {
+    let mut all = Vec::new();
+    for session in of {
+        all.extend(session.read_if_made()?.unwrap_or_default());
+    }
+    Ok(all)
 }
 
 /// A table, and how many rows it has.

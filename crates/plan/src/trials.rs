@@ -75,11 +75,14 @@ pub(crate) type Found<T> = (Vec<T>, Vec<String>);
 /// A file that the system does not give, though it did when the study was planned. A result without
 /// it would be remembered as that of all files, and nobody would ask again.
 pub(crate) fn readable<T>(read: Vec<Result<T, StoreError>>) -> Result<Found<T>, StoreError> {
-    let errors = read.iter().filter_map(|read| read.as_ref().err());
-    match errors.into_iter().find(|error| error.by_system) {
-        Some(error) => Err(error.clone()),
-        None => Ok(split(read)),
-    }
+    given(&read)?;
+    Ok(split(read))
+}
+
+/// Whether the system gives all of them.
+fn given<T>(read: &[Result<T, StoreError>]) -> Result<(), StoreError> {
+    let mut errors = read.iter().filter_map(|read| read.as_ref().err());
+    errors.find(|error| error.by_system).map_or(Ok(()), |error| Err(error.clone()))
 }
 
 /// Reads trials in parallel, with these signals; what cannot be read is left out and told.
@@ -116,8 +119,7 @@ pub(crate) fn read_drawn(
 }
 
 /// What `make` makes of each trial with these signals, side by side: of a long one it reads the
-/// columns that it looks at. Channels that metrics read are there where the files have them. What
-/// cannot be read, and why `make` made nothing, is told.
+/// columns that it looks at. Channels that metrics read are there where the files have them.
 ///
 /// # Errors
 /// A file that the system does not give.
@@ -125,8 +127,8 @@ pub(crate) fn of_each<T: Send>(
     lately: &Lately,
     (files, known): (&[Arc<Path>], &[Known]),
     signals: &[Signal],
-    make: impl Fn(&OpenTrial) -> Result<T, String> + Sync,
-) -> Result<Found<T>, StoreError> {
+    make: impl Fn(&OpenTrial) -> T + Sync,
+) -> Result<Vec<Result<T, StoreError>>, StoreError> {
     let names = [CURRENT_MOTOR, CURRENT_BRAKE, REFERENCE];
     let channels: Vec<ChannelId> =
         names.into_iter().filter_map(|name| ChannelId::new(name).ok()).collect();
@@ -136,9 +138,9 @@ pub(crate) fn of_each<T: Send>(
         // Whatever was made without a column that could not be read is void.
         trial.columns().failure().map_or(Ok(made), Err)
     });
-    let (made, problems) = readable(each.collect())?;
-    let (made, more) = split(made);
-    Ok((made, [problems, more].concat()))
+    let each: Vec<Result<T, StoreError>> = each.collect();
+    given(&each)?;
+    Ok(each)
 }
 
 /// The trials, opened, one after the other: of long ones no column is read yet.
@@ -185,7 +187,7 @@ mod tests {
             let files = [Arc::from(file)];
             let counts = |found: Result<usize, StoreError>| found.map_err(|error| error.by_system);
             let lately = Lately::default();
-            let of = of_each(&lately, (&files, &known), &[], |_| Ok(()));
+            let of = of_each(&lately, (&files, &known), &[], |_| ()).and_then(readable);
             [
                 counts(read_all(&files, &known, Signal::all()).map(|(_, told)| told.len())),
                 counts(read_drawn(&files, &known, Signal::all()).map(|(_, told)| told.len())),

@@ -553,7 +553,7 @@ rows! {
         /// how it was rendered
         mode: ModeId,
         /// repeat of the condition
-        repeat: i64,
+        repeat: u32,
         /// participants
         n: usize,
         /// mean over participants

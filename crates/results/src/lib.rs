@@ -7,6 +7,11 @@
 //!
 //! | rows | key | made by | read by |
 //! |---|---|---|---|
+//! | [`TrialKey`], the first columns of `metrics` | participant, session, trial | `metrics` | `compare`, report, page |
+//! | [`ConditionTrials`], the first columns of `conditions` | participant, session, environment, mode | `metrics` | printed tables |
+//! | [`TrialEvent`] | participant, session, trial, place | `metrics` | page |
+//! | [`TrialRemark`] | file, place | `metrics` | summary, page, `trials` |
+//! | [`CountedTrial`] | participant, session, trial | `trials` | other programs |
 //! | [`Compared`] | metric | `compare` | figures, page, summary, printed tables |
 //! | [`Cell`] | metric, participant, session, environment, mode | `compare` | figures |
 //! | [`Mean`] | metric, environment, mode | `compare` | figures, page, summary |
@@ -57,9 +62,15 @@
 //! | [`BlindingIndex`] | participant, mode | `likert` | printed tables |
 //! | [`ReplayedTrial`], read as [`ReplayedPeak`] too | participant, session, trial, model, causality | `replay` | courses, agreement, statements, printed tables |
 //! | [`ReplayAgreement`] | causality, mode, model, quantity | `replay` | printed tables |
+//! | [`JudgedStatement`] | statement | `report` | summary, page, printed tables |
+//! | [`ProOrCon`] | actuation, claim | `report` | printed tables |
+//! | [`ModeForces`] | mode | `report` | printed tables |
+//! | [`Component`] | component | `report` | printed tables |
+//! | [`Fact`], of device, model and weight | quantity | `report` | printed tables |
 
 mod answers;
 mod characteristic;
+mod claims;
 mod column;
 mod comparison;
 mod free_motion;
@@ -70,6 +81,7 @@ mod replay;
 mod row;
 mod stability;
 mod trade;
+mod trial;
 mod value;
 
 pub use answers::{AnswerTally, BlindingIndex, GivenAnswer};
@@ -77,6 +89,7 @@ pub use characteristic::{
     CandidateVerdict, CommandWay, CurveModel, CurvePoint, CurveShape, CurveSymbol, FittedModel,
     FittedParameter, UNIT_OF_COMMAND, UNIT_OF_RESPONSE,
 };
+pub use claims::{ClaimVerdict, Component, Fact, JudgedStatement, ModeForces, ProOrCon};
 pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
 pub use comparison::{
     AnswerDifference, AnswerTest, Cell, Compared, Effect, Learning, Mean, MetricNote,
@@ -96,7 +109,7 @@ pub use ladder::{
 pub use note::NoteKind;
 pub use replay::{
     AgreementOf, AgreementVerdict, Causality, ModelPlant, ReplayAgreement, ReplayOutcome,
-    ReplayedPeak, ReplayedTrial,
+    ReplayedModel, ReplayedPeak, ReplayedTrial,
 };
 pub use row::{ReadError, Row};
 pub use stability::{
@@ -106,5 +119,9 @@ pub use stability::{
 pub use trade::{
     Gate, LessKind, MetricShift, NoReason, Proof, RunTime, SetupSummary, TradeChoice, TradeMetric,
     TradeRun, TradeSetting, WhyNot,
+};
+pub use trial::{
+    ConditionKey, ConditionTrials, CountedTrial, EventKind, RecordedStability, TrialEvent,
+    TrialKey, TrialRemark,
 };
 pub use value::Value;

@@ -73,6 +73,14 @@ words! {
 }
 
 rows! {
+    /// Which model a row of replays is of.
+    ReplayedModel = "replay", "Replay: recorded trials through the model" {
+        /// what went into the model and what came out
+        causality: Causality,
+        /// whose plant: by_eye, the thesis'; fitted, this study's
+        model: ModelPlant,
+    }
+
     /// A trial through a model in one causality. Null where it does not apply, and for a model that
     /// diverged: the outcome says which.
     ReplayedTrial = "replay", "Replay: recorded trials through the model" {

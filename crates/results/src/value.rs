@@ -4,7 +4,6 @@ use crate::column::{Scalar, Type};
 use std::sync::Arc;
 use zwidth_study::{
     AnswerValue, Contrast, EnvironmentId, MetricId, ModeId, ParticipantId, QuestionId, SessionId,
-    Source,
 };
 
 /// What a field of a row can be.
@@ -89,18 +88,6 @@ impl Value for u32 {
 
     fn of(scalar: Scalar) -> Option<Self> {
         Self::try_from(i64::of(scalar)?).ok()
-    }
-}
-
-impl Value for Source {
-    const KIND: Type = Type::Text;
-
-    fn scalar(&self) -> Scalar {
-        Scalar::Text(self.as_str().into())
-    }
-
-    fn of(scalar: Scalar) -> Option<Self> {
-        Self::from_word(&Arc::<str>::of(scalar)?)
     }
 }
 
@@ -206,6 +193,24 @@ pub(crate) use texts;
 
 texts!(ParticipantId, SessionId, EnvironmentId, ModeId, MetricId, QuestionId, Contrast);
 
+/// A value of `study` that has a word for each of what it can be.
+macro_rules! named {
+    ($($name:ty),*) => {$(
+        impl $crate::value::Value for $name {
+            const KIND: $crate::column::Type = $crate::column::Type::Text;
+
+            fn scalar(&self) -> $crate::column::Scalar {
+                $crate::column::Scalar::Text(self.as_str().into())
+            }
+
+            fn of(scalar: $crate::column::Scalar) -> Option<Self> {
+                Self::from_word(&*std::sync::Arc::<str>::of(scalar)?)
+            }
+        }
+    )*};
+}
+pub(crate) use named;
+
 /// One of a few things, each with the word that stands for it in tables.
 macro_rules! words {
     ($($(#[$doc:meta])* $name:ident { $($(#[$about:meta])* $variant:ident = $word:literal,)* })*) => {$(
@@ -225,24 +230,14 @@ macro_rules! words {
             }
 
             /// The word that stands for it.
-            pub fn as_str(self) -> &'static str {
+            pub const fn as_str(self) -> &'static str {
                 match self {
                     $(Self::$variant => $word,)*
                 }
             }
         }
 
-        impl $crate::value::Value for $name {
-            const KIND: $crate::column::Type = $crate::column::Type::Text;
-
-            fn scalar(&self) -> $crate::column::Scalar {
-                $crate::column::Scalar::Text(self.as_str().into())
-            }
-
-            fn of(scalar: $crate::column::Scalar) -> Option<Self> {
-                Self::from_word(&*std::sync::Arc::<str>::of(scalar)?)
-            }
-        }
+        $crate::value::named!($name);
     )*};
 }
 pub(crate) use words;

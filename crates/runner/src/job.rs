@@ -123,7 +123,12 @@ pub struct Making<'m> {
 impl Making<'_> {
     /// The hash of an input, as the outputs tell it; `None` where they tell nothing.
     pub fn hash_of(&self, input: &Path) -> Option<&str> {
-        self.from.get(&input_key(&show_path(self.root, input))).map(String::as_str)
+        self.from.get(&input_key(&self.shown(input))).map(String::as_str)
+    }
+
+    /// A path from the folder that holds the data, with `/` on every system.
+    pub fn shown(&self, path: &Path) -> String {
+        show_path(self.root, path)
     }
 }
 

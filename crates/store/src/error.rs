@@ -23,6 +23,19 @@ pub struct StoreError {
 }
 
 impl StoreError {
+    /// Where: file, column, row.
+    pub fn place(&self) -> String {
+        let column = self.column.as_deref().map(|name| format!(", column {}", printable(name)));
+        let row = self.row.map(|row| format!(", row {row}"));
+        let path = self.path.to_string_lossy();
+        [printable(&path).to_string(), column.unwrap_or_default(), row.unwrap_or_default()].concat()
+    }
+
+    /// What is wrong, and what to do about it.
+    pub fn remark(&self) -> String {
+        format!("{}; {}", printable(&self.what), printable(&self.remedy))
+    }
+
     /// An error about a whole file.
     pub fn new(path: &Path, what: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
@@ -79,14 +92,7 @@ impl StoreError {
 
 impl fmt::Display for StoreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", printable(&self.path.to_string_lossy()))?;
-        if let Some(column) = &self.column {
-            write!(f, ", column {}", printable(column))?;
-        }
-        if let Some(row) = self.row {
-            write!(f, ", row {row}")?;
-        }
-        write!(f, ": {}; {}", printable(&self.what), printable(&self.remedy))
+        write!(f, "{}: {}", self.place(), self.remark())
     }
 }
 

@@ -1,14 +1,14 @@
 //! The metric's values by cell: one participant in one session, environment and mode.
 
 use crate::measure::Measure;
-use crate::trials::{KEYS, ids, known, place, sorted};
+use crate::trials::{place, sorted};
 use crate::{CompareError, Parameters};
-use zwidth_frames::{Aggregate, Frame, Statistic};
+use zwidth_frames::{Statistics, grouped};
 use zwidth_results as results;
-use zwidth_results::UnitOfAnalysis;
+use zwidth_results::{ConditionKey, TrialKey, UnitOfAnalysis};
 use zwidth_stats::welch::Group;
 use zwidth_study::{ParticipantId, SessionId};
-use zwidth_tables::{Field, Table, Type};
+use zwidth_tables::Measured;
 
 /// The repeats of one participant in one session, environment and mode.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,37 +50,35 @@ impl Cell {
 }
 
 impl Cells {
-    /// The cells of a metric. `metrics` has one row per trial. Conditions that the study does not
-    /// have are left out.
+    /// The cells of a metric. Conditions that the study does not have are left out.
     pub(crate) fn of(
-        metrics: &Table,
+        metrics: &Measured,
         measure: &Measure,
         parameters: &Parameters,
     ) -> Result<Self, CompareError> {
-        let grouped = grouped(metrics, measure)?;
-        let [participant, session, environment, mode] = KEYS.map(|key| known(&grouped, key));
-        let (participant, session) = (participant?, session?);
-        let (environment, mode) = (environment?, mode?);
-        let (trials, n) = (grouped.integers("trials")?, grouped.integers("n")?);
-        let (mean, sd) = (grouped.floats("mean")?, grouped.floats("sd")?);
-        let (participants, sessions) = (sorted(&participant), sorted(&session));
+        let keys: Vec<ConditionKey> = metrics.trials().iter().map(TrialKey::condition).collect();
+        let values = metrics.numbers(measure.parameters.metric.as_str())?;
+        let participants = sorted(keys.iter().map(|key| &key.participant));
+        let sessions = sorted(keys.iter().map(|key| &key.session));
         let mut cells = Vec::new();
-        for row in 0..grouped.height() {
-            let condition = parameters.condition(&environment[row], &mode[row]);
+        for found in grouped(&keys, &[&values])? {
+            let key = found.key;
+            let condition = parameters.condition(&key.environment, &key.mode);
             let Some([environment, mode]) = condition else { continue };
+            let [Statistics { count, mean, sd }] = found.numbers[..] else { continue };
             cells.push(Cell {
-                participant: place(&participants, &participant[row]),
-                session: place(&sessions, &session[row]),
+                participant: place(&participants, &key.participant),
+                session: place(&sessions, &key.session),
                 environment,
                 mode,
-                trials: counted(trials[row]),
-                n: counted(n[row]),
-                mean: mean[row],
-                sd: sd[row],
+                trials: found.rows,
+                n: count,
+                mean,
+                sd,
             });
         }
         cells.sort_by_key(|c| (c.participant, c.session, c.environment, c.mode));
-        Ok(Self { participants: ids(&participants)?, sessions: ids(&sessions)?, cells })
+        Ok(Self { participants, sessions, cells })
     }
 
     /// What n counts: with one participant the trials.
@@ -116,41 +114,4 @@ impl Cells {
         };
         self.cells.iter().map(row).collect()
     }
-}
-
-/// One row a cell, by polars.
-fn grouped(metrics: &Table, measure: &Measure) -> Result<Table, CompareError> {
-    let metric = measure.parameters.metric.as_str();
-    let wanted = KEYS.iter().copied().chain([metric]);
-    let columns =
-        wanted.map(|name| metrics.column(name).cloned()).collect::<Result<Vec<_>, _>>()?;
-    let keys = columns[..KEYS.len()].iter().map(|column| column.field.clone());
-    let aggregates =
-        [(Statistic::Mean, "mean"), (Statistic::Deviation, "sd"), (Statistic::Count, "n")].map(
-            |(statistic, name)| Aggregate {
-                of: metric.to_owned(),
-                statistic,
-                name: name.to_owned(),
-            },
-        );
-    let made = [
-        ("trials", Type::Integer),
-        ("n", Type::Integer),
-        ("mean", Type::Float),
-        ("sd", Type::Float),
-    ]
-    .map(|(name, kind)| Field {
-        name: name.into(),
-        unit: "1".into(),
-        description: "".into(),
-        kind,
-    });
-    let fields = keys.chain(made).collect();
-    let values = Table::new(metrics.name(), metrics.title(), columns)?;
-    let frame = Frame::new(&values)?.grouped(&KEYS, "trials", &aggregates)?;
-    Ok(frame.to_table("cells", "", fields)?)
-}
-
-fn counted(n: Option<i64>) -> usize {
-    n.and_then(|n| usize::try_from(n).ok()).unwrap_or(0)
 }

@@ -13,9 +13,6 @@ pub enum CompareError {
     /// A table was refused.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// A participant or session whose code is none.
-    #[error(transparent)]
-    Id(#[from] zwidth_study::IdError),
     /// A statistic was refused.
     #[error(transparent)]
     Stats(#[from] StatsError),

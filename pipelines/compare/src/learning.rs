@@ -24,9 +24,9 @@ pub(crate) fn changes(
         for (m, mode) in parameters.modes.iter().enumerate() {
             let mut people: BTreeMap<usize, Sessions> = BTreeMap::new();
             for trial in trials.of_condition(e, m) {
-                if let (Some(repeat), Some(value)) = (trial.repeat, trial.value) {
+                if let Some(value) = trial.value {
                     let sessions = people.entry(trial.participant).or_default();
-                    sessions.entry(trial.session).or_default().push([repeat as f64, value]);
+                    sessions.entry(trial.session).or_default().push([trial.repeat.into(), value]);
                 }
             }
             if people.is_empty() {

@@ -56,13 +56,10 @@ use zwidth_results::{
     Cell, Compared, Learning, Mean, MetricNote, ModeDifference, Model, Omnibus, OrderTest,
     PersonDifference, RedrawnDifference, RepeatMean, Role, SessionChange,
 };
-use zwidth_tables::Table;
+use zwidth_tables::Measured;
 
 /// Version of the algorithms here: a change of any number they give raises it.
 pub const VERSION: u32 = 11;
-
-/// The columns of the metrics that a comparison reads besides those compared.
-pub const COLUMNS: [&str; 6] = ["participant", "session", "trial", "environment", "mode", "repeat"];
 
 /// All metrics compared, one after the other.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -95,11 +92,11 @@ pub struct Comparison {
     pub notes: Vec<MetricNote>,
 }
 
-/// Compares the modes, participants and sessions in each metric. `metrics` has one row per trial.
+/// Compares the modes, participants and sessions in each metric.
 ///
 /// # Errors
 /// A table that lacks a column; a level or bound that cannot be one.
-pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Comparison, CompareError> {
+pub fn compare(metrics: &Measured, parameters: &Parameters) -> Result<Comparison, CompareError> {
     let each = parameters.metrics.par_iter().map(|metric| {
         let measure = Measure::new(metrics, metric)?;
         compare_metric(metrics, &measure, parameters)
@@ -124,7 +121,7 @@ pub fn compare(metrics: &Table, parameters: &Parameters) -> Result<Comparison, C
 }
 
 fn compare_metric(
-    metrics: &Table,
+    metrics: &Measured,
     measure: &Measure,
     parameters: &Parameters,
 ) -> Result<Comparison, CompareError> {

@@ -2,7 +2,7 @@
 
 use crate::MetricParameters;
 use std::sync::Arc;
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::{Measured, TableError};
 
 /// A metric, and what its comparison depends on.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,10 +18,10 @@ pub(crate) struct Measure<'a> {
 impl<'a> Measure<'a> {
     /// The metric, as the table of metrics describes it.
     pub(crate) fn new(
-        metrics: &Table,
+        metrics: &Measured,
         parameters: &'a MetricParameters,
     ) -> Result<Self, TableError> {
-        let field = &metrics.column(parameters.metric.as_str())?.field;
+        let field = &metrics.table().column(parameters.metric.as_str())?.field;
         let (unit, words) = (field.unit.as_ref().into(), field.description.to_string());
         Ok(Self { parameters, unit, words })
     }

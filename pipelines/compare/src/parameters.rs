@@ -70,9 +70,13 @@ impl Noticed {
 
 impl Parameters {
     /// The places of an environment and a mode, where the study has them.
-    pub(crate) fn condition(&self, environment: &str, mode: &str) -> Option<[usize; 2]> {
-        let environment = self.environments.iter().position(|e| e.as_str() == environment)?;
-        Some([environment, self.modes.iter().position(|m| m.as_str() == mode)?])
+    pub(crate) fn condition(
+        &self,
+        environment: &EnvironmentId,
+        mode: &ModeId,
+    ) -> Option<[usize; 2]> {
+        let environment = self.environments.iter().position(|e| e == environment)?;
+        Some([environment, self.modes.iter().position(|m| m == mode)?])
     }
 
     /// The places of the two modes of a contrast.

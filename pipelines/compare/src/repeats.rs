@@ -17,8 +17,8 @@ pub(crate) fn means(
     // Everybody's values at each repeat of each condition, over their sessions.
     let mut repeats: BTreeMap<_, BTreeMap<usize, Vec<f64>>> = BTreeMap::new();
     for trial in &trials.trials {
-        if let (Some(repeat), Some(value)) = (trial.repeat, trial.value) {
-            let people = repeats.entry((trial.environment, trial.mode, repeat)).or_default();
+        if let Some(value) = trial.value {
+            let people = repeats.entry((trial.environment, trial.mode, trial.repeat)).or_default();
             people.entry(trial.participant).or_default().push(value);
         }
     }

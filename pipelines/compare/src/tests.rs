@@ -1,28 +1,27 @@
 //! Comparisons of small tables, against numbers that R gives for the same data.
 
 use super::*;
-use zwidth_results::{GivenAnswer, Row};
+use zwidth_results::{GivenAnswer, Row, TrialKey};
 use zwidth_stats::null::Sampling;
-use zwidth_study::{AnswerValue, Compare, Contrast, Families, Perception};
-use zwidth_tables::{Column, of_metric};
+use zwidth_study::{AnswerValue, Compare, Contrast, Families, Perception, Source};
+use zwidth_tables::{Column, Table, of_metric};
 
 /// One trial: participant, session, mode, repeat, value.
-pub(crate) type Trial = (&'static str, &'static str, &'static str, i64, Option<f64>);
+pub(crate) type Trial = (&'static str, &'static str, &'static str, u32, Option<f64>);
 
-pub(crate) fn metrics(trials: &[Trial]) -> Table {
-    let text = |name, of: fn(&Trial) -> &'static str| {
-        Column::text(name, "", trials.iter().map(move |trial| Some(of(trial))))
+pub(crate) fn metrics(trials: &[Trial]) -> Measured {
+    let key = |(number, of): (u32, &Trial)| TrialKey {
+        participant: of.0.parse().unwrap(),
+        session: of.1.parse().unwrap(),
+        trial: number,
+        repeat: of.3,
+        environment: "spring".parse().unwrap(),
+        mode: of.2.parse().unwrap(),
+        source: Source::Recorded,
     };
-    let columns = vec![
-        text("participant", |t| t.0),
-        text("session", |t| t.1),
-        Column::integer("trial", "1", "", (1..=trials.len() as i64).map(Some)),
-        Column::integer("repeat", "1", "", trials.iter().map(|t| Some(t.3))),
-        text("environment", |_| "spring"),
-        text("mode", |t| t.2),
-        Column::float("step_n", "N", "a step", trials.iter().map(|t| t.4)),
-    ];
-    Table::new("metrics", "", columns).unwrap()
+    let mut columns = TrialKey::columns(&(1..).zip(trials).map(key).collect::<Vec<_>>());
+    columns.push(Column::float("step_n", "N", "a step", trials.iter().map(|t| t.4)));
+    Measured::of(Table::new("metrics", "", columns).unwrap()).unwrap()
 }
 
 pub(crate) fn parameters() -> Parameters {
@@ -78,7 +77,10 @@ pub(crate) struct Printed {
     pub(crate) orders: Table,
 }
 
-pub(crate) fn compare(metrics: &Table, parameters: &Parameters) -> Result<Printed, CompareError> {
+pub(crate) fn compare(
+    metrics: &Measured,
+    parameters: &Parameters,
+) -> Result<Printed, CompareError> {
     fn printed<R: Row>(found: &Comparison, rows: &[R]) -> Result<Table, CompareError> {
         Ok(of_metric(&Table::of_rows(rows)?, &found.metrics[0], &found.notes)?)
     }
@@ -172,7 +174,7 @@ fn where_a_variance_is_zero_the_note_explains_the_two_degrees_of_freedom() {
     let mut trials = Vec::new();
     for (p, who) in people.into_iter().enumerate() {
         for (m, mode) in ["active", "passive", "hybrid"].into_iter().enumerate() {
-            for repeat in 0..6_i64 {
+            for repeat in 0..6_u32 {
                 // Every participant's repeats are the same six numbers, in another order.
                 let place = (p + m + repeat as usize) % 6;
                 let value = m as f64 + 0.1 * place as f64;

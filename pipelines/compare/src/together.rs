@@ -62,12 +62,13 @@ mod tests {
     use super::*;
     use crate::tests::{four, metrics, parameters};
     use crate::{MetricParameters, compare};
-    use zwidth_tables::{Column, for_people};
+    use zwidth_tables::{Column, Measured, for_people};
 
     fn both(primary: &str) -> Table {
         let steps = metrics(&four());
-        let angles = steps.floats("step_n").unwrap();
-        let columns = [steps.columns(), &[Column::float("past_rad", "rad", "an angle", angles)]];
+        let angles = steps.numbers("step_n").unwrap();
+        let angles = Column::float("past_rad", "rad", "an angle", angles);
+        let columns = [steps.table().columns(), &[angles]];
         let of = |metric: &str| MetricParameters {
             metric: metric.parse().unwrap(),
             primary: metric == primary,
@@ -76,7 +77,7 @@ mod tests {
         let both = ["past_rad", "step_n"].map(of).to_vec();
         let parameters = crate::Parameters { metrics: both, ..parameters() };
         let table = Table::new("metrics", "", columns.concat()).unwrap();
-        let found = compare(&table, &parameters).unwrap();
+        let found = compare(&Measured::of(table).unwrap(), &parameters).unwrap();
         together(&found.metrics, &found.contrasts).unwrap()
     }
 

@@ -3,13 +3,8 @@
 use crate::measure::Measure;
 use crate::{CompareError, Parameters};
 use std::collections::BTreeSet;
-use std::str::FromStr;
-use std::sync::Arc;
-use zwidth_study::{IdError, ParticipantId, SessionId};
-use zwidth_tables::{Table, TableError};
-
-/// What a condition of a participant is one of.
-pub(crate) const KEYS: [&str; 4] = ["participant", "session", "environment", "mode"];
+use zwidth_study::{ParticipantId, SessionId};
+use zwidth_tables::Measured;
 
 /// A trial in a condition that the study has.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +20,7 @@ pub(crate) struct Trial {
     /// Its number in the session.
     pub(crate) number: u32,
     /// Which repeat of its condition it is.
-    pub(crate) repeat: Option<i64>,
+    pub(crate) repeat: u32,
     /// The metric, where it has it.
     pub(crate) value: Option<f64>,
 }
@@ -42,34 +37,31 @@ pub(crate) struct Trials {
 }
 
 impl Trials {
-    /// The trials with their values of a metric. `metrics` has one row per trial. Conditions that the
-    /// study does not have are left out.
+    /// The trials with their values of a metric. Conditions that the study does not have are left
+    /// out.
     pub(crate) fn of(
-        metrics: &Table,
+        metrics: &Measured,
         measure: &Measure,
         parameters: &Parameters,
     ) -> Result<Self, CompareError> {
-        let [participant, session, environment, mode] = KEYS.map(|key| known(metrics, key));
-        let (participant, session) = (participant?, session?);
-        let (environment, mode) = (environment?, mode?);
-        let (numbers, repeats) = (metrics.integers("trial")?, metrics.integers("repeat")?);
-        let values = metrics.floats(measure.parameters.metric.as_str())?;
-        let (participants, sessions) = (sorted(&participant), sorted(&session));
+        let values = metrics.numbers(measure.parameters.metric.as_str())?;
+        let participants = sorted(metrics.trials().iter().map(|trial| &trial.participant));
+        let sessions = sorted(metrics.trials().iter().map(|trial| &trial.session));
         let mut trials = Vec::new();
-        for row in 0..metrics.height() {
-            let condition = parameters.condition(&environment[row], &mode[row]);
+        for (trial, value) in metrics.trials().iter().zip(values) {
+            let condition = parameters.condition(&trial.environment, &trial.mode);
             let Some([environment, mode]) = condition else { continue };
             trials.push(Trial {
-                participant: place(&participants, &participant[row]),
-                session: place(&sessions, &session[row]),
+                participant: place(&participants, &trial.participant),
+                session: place(&sessions, &trial.session),
                 environment,
                 mode,
-                number: numbers[row].and_then(|number| u32::try_from(number).ok()).unwrap_or(0),
-                repeat: repeats[row],
-                value: values[row],
+                number: trial.trial,
+                repeat: trial.repeat,
+                value,
             });
         }
-        Ok(Self { participants: ids(&participants)?, sessions: ids(&sessions)?, trials })
+        Ok(Self { participants, sessions, trials })
     }
 
     /// Those of one condition.
@@ -82,22 +74,12 @@ impl Trials {
     }
 }
 
-/// The texts of a column; a trial always has one.
-pub(crate) fn known(table: &Table, column: &str) -> Result<Vec<Arc<str>>, TableError> {
-    let texts = table.shared_texts(column)?.iter().cloned();
-    Ok(texts.map(|text| text.unwrap_or_else(|| Arc::from(""))).collect())
+/// The ids that there are, in their order.
+pub(crate) fn sorted<'a, T: Ord + Clone + 'a>(ids: impl Iterator<Item = &'a T>) -> Vec<T> {
+    ids.collect::<BTreeSet<_>>().into_iter().cloned().collect()
 }
 
-/// The names that there are, in their order.
-pub(crate) fn sorted(names: &[Arc<str>]) -> Vec<Arc<str>> {
-    names.iter().collect::<BTreeSet<_>>().into_iter().cloned().collect()
-}
-
-/// The place of a name among sorted ones that have it.
-pub(crate) fn place(names: &[Arc<str>], name: &Arc<str>) -> usize {
-    names.partition_point(|before| before < name)
-}
-
-pub(crate) fn ids<T: FromStr<Err = IdError>>(names: &[Arc<str>]) -> Result<Vec<T>, IdError> {
-    names.iter().map(|name| name.parse()).collect()
+/// The place of an id among sorted ones that have it.
+pub(crate) fn place<T: Ord>(ids: &[T], id: &T) -> usize {
+    ids.partition_point(|before| before < id)
 }

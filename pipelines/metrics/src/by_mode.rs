@@ -1,5 +1,6 @@
 //! The metrics by condition as a page has room for them: a row a metric, modes beside each other.
 
+use zwidth_results::ConditionTrials;
 use zwidth_tables::{Column, Field, Table, TableError, Type, UNIT_OF_ROW, Values, split_unit};
 
 /// What the rows of one block share.
@@ -23,22 +24,19 @@ struct Metric<'a> {
 /// A table that is not one of conditions, or labels that cannot be names of columns beside each
 /// other.
 pub fn by_mode(conditions: &Table, modes: &[(String, String)]) -> Result<Table, TableError> {
-    let blocks = blocks(conditions)?;
-    let of_row = conditions.texts("mode")?;
-    let modes = listed(modes, &of_row);
+    let rows: Vec<ConditionTrials> = conditions.to_rows()?;
+    let modes = listed(modes, &rows);
     let metrics = metrics(conditions);
-    let counts: Vec<Option<f64>> =
-        conditions.integers("n")?.into_iter().map(|n| n.map(|n| n as f64)).collect();
+    let counts: Vec<Option<f64>> = rows.iter().map(|row| Some(row.n as f64)).collect();
     let trials =
         Metric { stem: "trials", unit: "1", means: &counts, deviations: &vec![None; counts.len()] };
 
     let mut keys: [Vec<Option<String>>; 5] = Default::default();
     let mut cells: Vec<[Vec<Option<f64>>; 2]> = vec![Default::default(); modes.len()];
-    for (block, rows) in &blocks {
-        let of_modes: Vec<Option<usize>> = modes
-            .iter()
-            .map(|(id, _)| rows.iter().copied().find(|row| of_row[*row].as_ref() == Some(id)))
-            .collect();
+    for (block, of_block) in blocks(&rows) {
+        let of_mode =
+            |id: &str| of_block.iter().copied().find(|row| rows[*row].mode.as_str() == id);
+        let of_modes: Vec<Option<usize>> = modes.iter().map(|(id, _)| of_mode(id)).collect();
         for metric in std::iter::once(&trials).chain(&metrics) {
             let values: Vec<_> =
                 of_modes.iter().map(|row| row.and_then(|r| metric.means[r])).collect();
@@ -46,7 +44,7 @@ pub fn by_mode(conditions: &Table, modes: &[(String, String)]) -> Result<Table, 
                 continue;
             }
             let about = [Some(metric.stem.to_owned()), Some(metric.unit.to_owned())];
-            let row = block.iter().cloned().chain(about);
+            let row = block.iter().cloned().map(Some).chain(about);
             keys.iter_mut().zip(row).for_each(|(column, cell)| column.push(cell));
             for (k, value) in values.into_iter().enumerate() {
                 cells[k][0].push(value);
@@ -77,29 +75,28 @@ fn numbers(name: String, description: &'static str, values: Vec<Option<f64>>) ->
 }
 
 /// What the rows of a block share, and which rows these are; in the order of the table.
-type Block = ([Option<String>; 3], Vec<usize>);
+type Block = ([String; 3], Vec<usize>);
 
-fn blocks(conditions: &Table) -> Result<Vec<Block>, TableError> {
-    let [people, sessions, environments] =
-        [conditions.texts(BLOCK[0])?, conditions.texts(BLOCK[1])?, conditions.texts(BLOCK[2])?];
+fn blocks(conditions: &[ConditionTrials]) -> Vec<Block> {
     let mut blocks: Vec<Block> = Vec::new();
-    for row in 0..conditions.height() {
-        let about = [&people, &sessions, &environments].map(|column| column[row].clone());
+    for (row, of) in conditions.iter().enumerate() {
+        let about =
+            [of.participant.to_string(), of.session.to_string(), of.environment.to_string()];
         match blocks.iter_mut().find(|(known, _)| *known == about) {
             Some((_, rows)) => rows.push(row),
             None => blocks.push((about, vec![row])),
         }
     }
-    Ok(blocks)
+    blocks
 }
 
 /// The modes that rows have, with their labels: those that are known, in their order, then others.
-fn listed(known: &[(String, String)], of_row: &[Option<String>]) -> Vec<(String, String)> {
-    let has = |id: &String| of_row.iter().any(|mode| mode.as_ref() == Some(id));
+fn listed(known: &[(String, String)], rows: &[ConditionTrials]) -> Vec<(String, String)> {
+    let has = |id: &str| rows.iter().any(|row| row.mode.as_str() == id);
     let mut modes: Vec<_> = known.iter().filter(|(id, _)| has(id)).cloned().collect();
-    for mode in of_row.iter().flatten() {
-        if !modes.iter().any(|(id, _)| id == mode) {
-            modes.push((mode.clone(), mode.clone()));
+    for ConditionTrials { mode, .. } in rows {
+        if !modes.iter().any(|(id, _)| id == mode.as_str()) {
+            modes.push((mode.to_string(), mode.to_string()));
         }
     }
     modes

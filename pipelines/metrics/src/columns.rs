@@ -1,9 +1,13 @@
 //! The columns of the metrics: name, unit, meaning, and where each stands in a row.
 
-use crate::{PlantMetrics, RecordedStability, TrialMetrics};
+use crate::{PlantMetrics, TrialMetrics};
 use zwidth_numerics::spectrum::BandPower;
+use zwidth_results::RecordedStability;
 use zwidth_store::Signal;
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Scene};
+
+/// Version of the algorithms here: a change of any number they give, or a further metric, raises it.
+pub const VERSION: u32 = 21;
 
 /// Where a value stands in a row.
 pub(crate) enum Get<R> {

@@ -1,138 +1,104 @@
-//! The metrics by condition: mean and standard deviation of the repeats, as a query.
+//! The metrics by condition: mean and standard deviation of the repeats.
 
 use crate::columns::numbers;
-use std::borrow::Cow;
 use std::collections::BTreeMap;
-use zwidth_frames::{Aggregate, Frame, FrameError, Statistic};
+use zwidth_frames::{FrameError, Group, grouped};
+use zwidth_results::{ConditionKey, ConditionTrials, Row as _};
 use zwidth_study::Condition;
-use zwidth_tables::{Field, Table, TableError, Type, of_trials, split_unit};
+use zwidth_tables::{Column, Field, Measured, Table, TableError, Values, split_unit};
 
-/// What the repeats of a condition share: the unit of analysis is one participant in one session.
-const GROUP: [&str; 4] = ["participant", "session", "environment", "mode"];
-
-/// The columns that [`by_condition`] looks at.
-pub fn condition_columns() -> Vec<&'static str> {
-    GROUP.into_iter().chain(summarised()).collect()
+/// Why there are no metrics by condition.
+#[derive(Debug, thiserror::Error)]
+pub enum ConditionsError {
+    /// The trials could not be grouped.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// The result does not make a table.
+    #[error(transparent)]
+    Table(#[from] TableError),
 }
 
 /// The metrics that are summarised.
-fn summarised() -> impl Iterator<Item = &'static str> {
+pub fn summarised() -> impl Iterator<Item = &'static str> {
     numbers().filter(|(_, summarised)| *summarised).map(|(name, _)| name)
 }
 
 /// One row per participant, session and condition, sessions in the order of the trials and the
-/// conditions of each in that of `conditions`: number of trials, then mean and standard deviation
-/// (n − 1) of each summarised metric over the trials that have it. Null if no trial has it; the
-/// deviation is null for a single trial. A metric that no trial has is left out.
+/// conditions of each in that of `conditions`, others after them: number of trials, then mean and
+/// standard deviation (n − 1) of each summarised metric over the trials that have it. Null if no
+/// trial has it; the deviation is null for a single trial. A metric that no trial has is left out.
 ///
 /// # Errors
-/// A table that is not the stage's.
-pub fn by_condition(metrics: &Table, conditions: &[Condition]) -> Result<Table, FrameError> {
-    let metrics = &ordered(metrics, conditions)?;
-    let present: Vec<&Field> = summarised()
-        .filter_map(|name| metrics.fields().find(|f| f.name == name))
-        .filter(|f| metrics.floats(&f.name).is_ok_and(|v| v.iter().any(Option::is_some)))
+/// Metrics that are not the stage's.
+pub fn by_condition(
+    metrics: &Measured,
+    conditions: &[Condition],
+) -> Result<Table, ConditionsError> {
+    let keys: Vec<ConditionKey> = metrics.trials().iter().map(|trial| trial.condition()).collect();
+    let present: Vec<(&Field, &[Option<f64>])> = summarised()
+        .filter_map(|name| metrics.metric(name))
+        .filter_map(|column| match &column.values {
+            Values::Float(values) => Some((&column.field, values.as_slice())),
+            _ => None,
+        })
+        .filter(|(_, values)| values.iter().any(Option::is_some))
         .collect();
-    let aggregates: Vec<Aggregate> = present.iter().flat_map(|field| aggregates(field)).collect();
-    let grouped = Frame::new(metrics)?.grouped(&GROUP, "n", &aggregates)?;
-    let title = "Metrics by condition: mean and SD of each participant's repeats";
-    let table = grouped.to_table("conditions", title, fields(metrics, &present))?;
-    Ok(incomplete(metrics, &present, &grouped)?.into_iter().fold(table, Table::with_note))
-}
+    let values: Vec<_> = present.iter().map(|(_, values)| *values).collect();
+    let groups = ordered(grouped(&keys, &values)?, conditions);
 
-/// The rows of each session in the order of `conditions`; those of others after them.
-fn ordered(metrics: &Table, conditions: &[Condition]) -> Result<Table, TableError> {
-    let [people, sessions, environments, modes] = GROUP.map(|name| metrics.words(name));
-    let rows = people?.zip(sessions?).zip(environments?.zip(modes?));
-    // In the order of their first rows.
-    let mut sessions = BTreeMap::new();
-    let mut keys = Vec::new();
-    for (session, (environment, mode)) in rows {
-        let number = sessions.len();
-        let number = *sessions.entry(session).or_insert(number);
-        let is = |c: &Condition| {
-            (Some(c.environment.as_str()), Some(c.mode.as_str())) == (environment, mode)
-        };
-        keys.push((number, conditions.iter().position(is).unwrap_or(conditions.len())));
-    }
-    let mut rows: Vec<usize> = (0..keys.len()).collect();
-    rows.sort_by_key(|row| keys[*row]);
-    Ok(metrics.rows(&rows))
-}
-
-/// The metrics of several sessions as one table in the order of participant, session and trial;
-/// `None` without tables.
-///
-/// # Errors
-/// Tables that are not of this stage.
-pub fn join_sessions(sessions: Vec<Table>) -> Result<Option<Table>, TableError> {
-    of_trials("metrics", "Metrics, one row per trial", sessions)
-}
-
-/// What is made of a metric's values in one condition.
-fn aggregates(field: &Field) -> [Aggregate; 3] {
-    let aggregate =
-        |statistic, name: String| Aggregate { of: field.name.to_string(), statistic, name };
-    [
-        aggregate(Statistic::Mean, field.name.to_string()),
-        aggregate(Statistic::Deviation, deviation(field)),
-        aggregate(Statistic::Count, count(field)),
-    ]
-}
-
-/// Where a metric is over fewer trials than the condition's n, in words.
-fn incomplete(
-    metrics: &Table,
-    present: &[&Field],
-    grouped: &Frame,
-) -> Result<Vec<String>, FrameError> {
-    let mut fields: Vec<Field> = fields(metrics, &[]);
-    let counted = |f: &&Field| Field { name: count(f).into(), kind: Type::Integer, ..(*f).clone() };
-    fields.extend(present.iter().map(counted));
-    let counts = grouped.to_table("counts", "", fields)?;
-    let (environments, modes, n) =
-        (counts.texts("environment")?, counts.texts("mode")?, counts.integers("n")?);
+    let trials: Vec<ConditionTrials> = groups.iter().map(row).collect();
+    let mut columns = ConditionTrials::columns(&trials);
     let mut notes = Vec::new();
-    for field in present {
-        for (row, has) in counts.integers(&count(field))?.into_iter().enumerate() {
-            let (has, of) = (has.unwrap_or(0), n[row].unwrap_or(0));
-            if 0 < has && has < of {
-                let of_row = |c: &[Option<String>]| c[row].clone().unwrap_or_default();
-                let condition = format!("{} × {}", of_row(&environments), of_row(&modes));
+    for (place, (field, _)) in present.iter().enumerate() {
+        let mean = Field {
+            description: format!("mean of: {}", field.description).into(),
+            ..(*field).clone()
+        };
+        let sd = Field {
+            name: deviation(field).into(),
+            description: format!("standard deviation of: {}", field.description).into(),
+            ..(*field).clone()
+        };
+        let means = groups.iter().map(|group| group.numbers[place].mean).collect();
+        let sds = groups.iter().map(|group| group.numbers[place].sd).collect();
+        columns.push(Column { field: mean, values: Values::Float(means) });
+        columns.push(Column { field: sd, values: Values::Float(sds) });
+        for Group { key, rows, numbers } in &groups {
+            let count = numbers[place].count;
+            if 0 < count && count < *rows {
                 notes.push(format!(
-                    "{}: {condition}: over {has} of the {of} trials.",
-                    field.description
+                    "{}: {} × {}: over {count} of the {rows} trials.",
+                    field.description, key.environment, key.mode
                 ));
             }
         }
     }
-    Ok(notes)
+    let table = Table::new(ConditionTrials::NAME, ConditionTrials::TITLE, columns)?;
+    Ok(notes.into_iter().fold(table, Table::with_note))
 }
 
-fn fields(metrics: &Table, present: &[&Field]) -> Vec<Field> {
-    let keys = metrics.fields().filter(|f| GROUP.contains(&f.name.as_ref())).cloned();
-    let n = Field {
-        name: "n".into(),
-        unit: "1".into(),
-        description: "trials".into(),
-        kind: Type::Integer,
-    };
-    let numbers = present.iter().flat_map(|f| {
-        let mean =
-            Field { description: format!("mean of: {}", f.description).into(), ..(*f).clone() };
-        let sd = Field {
-            name: Cow::Owned(deviation(f)),
-            description: format!("standard deviation of: {}", f.description).into(),
-            ..(*f).clone()
-        };
-        [mean, sd]
+fn row(group: &Group<ConditionKey>) -> ConditionTrials {
+    let ConditionKey { participant, session, environment, mode } = group.key.clone();
+    ConditionTrials { participant, session, environment, mode, n: group.rows }
+}
+
+/// The groups of each session in the order of `conditions`; those of others after them.
+fn ordered(
+    mut groups: Vec<Group<ConditionKey>>,
+    conditions: &[Condition],
+) -> Vec<Group<ConditionKey>> {
+    // In the order of their first rows.
+    let mut sessions = BTreeMap::new();
+    for Group { key, .. } in &groups {
+        let number = sessions.len();
+        sessions.entry((key.participant.clone(), key.session.clone())).or_insert(number);
+    }
+    groups.sort_by_cached_key(|Group { key, .. }| {
+        let is = |c: &Condition| (&c.environment, &c.mode) == (&key.environment, &key.mode);
+        let place = conditions.iter().position(is).unwrap_or(conditions.len());
+        (sessions.get(&(key.participant.clone(), key.session.clone())).copied(), place)
     });
-    keys.chain([n]).chain(numbers).collect()
-}
-
-/// The column that counts a metric's trials.
-fn count(field: &Field) -> String {
-    format!("{} trials", field.name)
+    groups
 }
 
 /// `stiffness_n_per_rad` → `stiffness_sd_n_per_rad`: the unit stays last.
@@ -144,20 +110,25 @@ fn deviation(field: &Field) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
+    use zwidth_results::TrialKey;
+    use zwidth_study::Source;
 
-    fn metrics(rows: &[(&str, Option<f64>)]) -> Table {
-        let same =
-            |name, value: &str| Column::text(name, "", rows.iter().map(|_| Some(value.to_owned())));
-        let columns = vec![
-            same("participant", "P01"),
-            same("session", "S01"),
-            same("environment", "spring"),
-            Column::text("mode", "", rows.iter().map(|(mode, _)| Some((*mode).to_owned()))),
+    fn metrics(rows: &[(&str, Option<f64>)]) -> Measured {
+        let key = |(trial, (mode, _)): (u32, &(&str, Option<f64>))| TrialKey {
+            participant: "P01".parse().unwrap(),
+            session: "S01".parse().unwrap(),
+            trial,
+            repeat: 1,
+            environment: "spring".parse().unwrap(),
+            mode: mode.parse().unwrap(),
+            source: Source::Recorded,
+        };
+        let mut columns = TrialKey::columns(&(1..).zip(rows).map(key).collect::<Vec<_>>());
+        columns.extend([
             Column::float("duration_s", "s", "duration", rows.iter().map(|(_, v)| *v)),
             Column::float("wall_dwell_s", "s", "time past the wall", rows.iter().map(|_| None)),
-        ];
-        Table::new("metrics", "", columns).unwrap()
+        ]);
+        Measured::of(Table::new("metrics", "", columns).unwrap()).unwrap()
     }
 
     fn condition(mode: &str) -> Condition {

@@ -4,48 +4,32 @@ use crate::MetricsError;
 use crate::movement::Movement;
 use crate::signals::Signals;
 use crate::wall::contacts;
+use zwidth_results::{EventKind, TrialEvent, TrialKey};
 use zwidth_study::TrialMeta;
-use zwidth_tables::{Column, Table, TableError, identity};
 
-/// Something that happens in a trial.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum EventKind {
-    /// The movement begins ([`Movement::onset_s`]).
-    Onset,
-    /// A contact with the wall begins: the first sample with θ > θ_wall after a retreat of more
-    /// than 1 % of the angles travelled, as [`WallContact::rebounds`](crate::WallContact::rebounds)
-    /// counts.
-    Contact,
-    /// The lever turns ([`Movement::reversal_s`]).
-    Reversal,
-    /// The brake goes off from one sample to the next, wherever the lever is.
-    /// [`WallContact::brake_releases`](crate::WallContact::brake_releases) counts those past the
-    /// wall.
-    LetGo,
-    /// The movement ends ([`Movement::end_s`]).
-    End,
-}
-
-impl EventKind {
-    /// Its word in tables.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Onset => "onset",
-            Self::Contact => "contact",
-            Self::Reversal => "reversal",
-            Self::LetGo => "let_go",
-            Self::End => "end",
-        }
-    }
-}
-
-/// One of them.
+/// Something that happened, and when.
+///
+/// [`EventKind::Onset`], [`EventKind::Reversal`] and [`EventKind::End`] are
+/// [`Movement::onset_s`], [`Movement::reversal_s`] and [`Movement::end_s`]; contacts are counted as
+/// [`WallContact::rebounds`](crate::WallContact::rebounds) are, and of the times at which the brake
+/// goes off those past the wall are
+/// [`WallContact::brake_releases`](crate::WallContact::brake_releases).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrialEvent {
+pub struct TimedEvent {
     /// What happened.
     pub kind: EventKind,
     /// When, as the trial's samples count their time, s.
     pub t_s: f64,
+}
+
+impl TimedEvent {
+    /// The event of a trial.
+    pub fn of(self, trial: &TrialMeta) -> TrialEvent {
+        let TrialKey { participant, session, trial, repeat, environment, mode, source } =
+            trial.into();
+        let Self { kind: event, t_s } = self;
+        TrialEvent { participant, session, trial, repeat, environment, mode, source, event, t_s }
+    }
 }
 
 /// In the order of time. Kinds that the recording does not tell are left out.
@@ -53,40 +37,25 @@ pub(crate) fn trial_events(
     signals: &Signals,
     movement: &Movement,
     wall_rad: Option<f64>,
-) -> Result<Vec<TrialEvent>, MetricsError> {
+) -> Result<Vec<TimedEvent>, MetricsError> {
     let moved = [
         (EventKind::Onset, movement.onset_s),
         (EventKind::Reversal, movement.reversal_s),
         (EventKind::End, movement.end_s),
     ];
-    let moved = moved.into_iter().filter_map(|(kind, t_s)| Some(TrialEvent { kind, t_s: t_s? }));
+    let moved = moved.into_iter().filter_map(|(kind, t_s)| Some(TimedEvent { kind, t_s: t_s? }));
     let touched = wall_rad.and_then(|wall| Some(contacts(&signals.theta()?, wall)));
     let t = signals.t()?;
-    let at = |kind, i: usize| TrialEvent { kind, t_s: t[i] };
+    let at = |kind, i: usize| TimedEvent { kind, t_s: t[i] };
     let touched = touched.unwrap_or_default().into_iter();
     let on = signals.brake_on.as_deref().unwrap_or_default();
     let let_go = (1..on.len()).filter(|i| on[i - 1] && !on[*i]);
-    let mut events: Vec<TrialEvent> = moved
+    let mut events: Vec<TimedEvent> = moved
         .chain(touched.map(|contact| at(EventKind::Contact, contact.first)))
         .chain(let_go.map(|i| at(EventKind::LetGo, i)))
         .collect();
     events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
     Ok(events)
-}
-
-/// One row per event of trials, in the order given: which trial it is, `event`, `t_s`.
-///
-/// # Errors
-/// A time that is not finite.
-pub fn events_table(trials: &[(&TrialMeta, &[TrialEvent])]) -> Result<Table, TableError> {
-    let each =
-        || trials.iter().flat_map(|(meta, events)| events.iter().map(move |event| (*meta, event)));
-    let mut columns = identity(&each().map(|(meta, _)| meta).collect::<Vec<_>>());
-    let kind = each().map(|(_, event)| Some(event.kind.as_str().to_owned()));
-    columns.push(Column::text("event", "onset, contact, reversal, let_go or end", kind));
-    let time = each().map(|(_, event)| Some(event.t_s));
-    columns.push(Column::float("t_s", "s", "when, as the trial's samples count time", time));
-    Table::new("events", "What happened in each trial, one row per event", columns)
 }
 
 #[cfg(test)]
@@ -105,7 +74,7 @@ mod tests {
         trial
     }
 
-    fn kinds(events: &[TrialEvent]) -> Vec<&'static str> {
+    fn kinds(events: &[TimedEvent]) -> Vec<&'static str> {
         events.iter().map(|event| event.kind.as_str()).collect()
     }
 
@@ -130,9 +99,7 @@ mod tests {
     fn without_a_wall_and_a_brake_a_stroke_has_no_contact_and_lets_nothing_go() {
         let found = trial_metrics(&braked(|_| false), &in_spring(4.0, REST_RAD)).unwrap();
         assert_eq!(kinds(&found.events), ["onset", "reversal", "end"]);
-        let table = events_table(&[(&found.meta, &found.events)]).unwrap();
-        assert_eq!(table.height(), 3);
-        let words = table.texts("event").unwrap();
-        assert_eq!(words[1].as_deref(), Some("reversal"));
+        let row = found.events[1].of(&found.meta);
+        assert_eq!((row.trial, row.event), (found.meta.trial, EventKind::Reversal));
     }
 }

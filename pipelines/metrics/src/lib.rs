@@ -2,8 +2,7 @@
 //!
 //! [`trial_metrics`] turns one trial into a [`TrialMetrics`], and [`plant_metrics`] into
 //! [`PlantMetrics`], once the plant is known; [`table`] and [`plant_table`] put rows together,
-//! [`events_table`] what happened when, [`join_plant`] both. Nothing here
-//! reads a file or a clock, and sums run in the order of the samples, so the same trial gives the
+//! [`join_plant`] both. Nothing here reads a file or a clock, and sums run in the order of the samples, so the same trial gives the
 //! same bits anywhere. Only trials that count may come in (`StudyData::counting`): the caller
 //! filters.
 //!
@@ -57,31 +56,30 @@ mod wall;
 
 pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
-pub use columns::{commanded, in_words, is_number, is_possible, names, needs_lever, renamed};
+pub use columns::{
+    VERSION, commanded, in_words, is_number, is_possible, names, needs_lever, renamed,
+};
 pub use compliance::Compliance;
-pub use conditions::{by_condition, condition_columns, join_sessions};
+pub use conditions::{ConditionsError, by_condition, summarised};
 pub use discrepancy::Discrepancy;
 pub use electricity::ElectricalEnergy;
 pub use energy::EnergyObserver;
 pub use error::MetricsError;
-pub use events::{EventKind, TrialEvent, events_table};
+pub use events::TimedEvent;
 pub use force::UserForce;
 pub use movement::Movement;
-pub use oscillation::{RecordedStability, Swings};
+pub use oscillation::Swings;
 pub use parameters::{Parameters, Plant};
 pub use plant::{PLANT_SIGNALS, PlantMetrics, plant_metrics};
 pub use spring::{Saturation, SpringRendering};
 pub use stability::Stability;
 pub use step::StepResponse;
-pub use table::{join_plant, plant_table, table};
+pub use table::{join_plant, join_sessions, plant_table, table};
 pub use wall::WallContact;
 
 use signals::Signals;
 use zwidth_store::{Recorded, Signal};
 use zwidth_study::TrialMeta;
-
-/// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 20;
 
 /// The metrics of one trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,7 +106,7 @@ pub struct TrialMetrics {
     /// Whether the trial was what the protocol asks for.
     pub compliance: Compliance,
     /// What happened when.
-    pub events: Vec<TrialEvent>,
+    pub events: Vec<TimedEvent>,
 }
 
 /// The signals that [`trial_metrics`] looks at; currents and references are channels.

@@ -6,6 +6,7 @@ use crate::signals::Signals;
 use zwidth_numerics::phases::Phases;
 use zwidth_numerics::spectrum::{BandPower, band_power};
 use zwidth_numerics::zigzag::zigzag;
+use zwidth_results::RecordedStability;
 
 /// The band of oscillations, Hz: above what a hand does on purpose, up to what is felt as motion.
 const BAND_HZ: (usize, usize) = (5, 50);
@@ -18,27 +19,6 @@ const FAST_S: f64 = 0.1;
 const FEW: usize = 6;
 /// Fewest samples in the time of a fast swing that show it.
 const SAMPLES_A_SWING: f64 = 4.0;
-
-/// What can be said of a recording's stability. A recording cannot be run again with half the step,
-/// so that chattering of a method and a limit cycle of the device, which a model run tells apart,
-/// are one here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RecordedStability {
-    /// Fewer than six fast swings.
-    Smooth,
-    /// Six fast swings or more.
-    Oscillating,
-}
-
-impl RecordedStability {
-    /// The word in tables.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Smooth => "smooth",
-            Self::Oscillating => "oscillating",
-        }
-    }
-}
 
 /// How the lever swung between onset and end.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

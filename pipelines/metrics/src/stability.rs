@@ -71,10 +71,10 @@ fn actuator_switches(signals: &Signals, Phases { onset, end, .. }: Phases) -> Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::oscillation::RecordedStability;
     use crate::testing::{REST_RAD, in_spring, stroke, trial};
     use crate::trial_metrics;
     use core::f64::consts::TAU;
+    use zwidth_results::RecordedStability;
     use zwidth_store::{Signal, Trial};
 
     fn of(trial: &Trial) -> Stability {

@@ -3,7 +3,9 @@
 use crate::columns::{GROUPS, Get, PLANT_GROUPS, Spec};
 use crate::{PlantMetrics, TrialMetrics};
 use std::collections::BTreeMap;
-use zwidth_tables::{Column, Table, TableError, identity};
+use zwidth_results::{Row as _, TrialKey};
+use zwidth_study::TrialMeta;
+use zwidth_tables::{Column, Table, TableError};
 
 /// One row per trial, in the order given: which trial it is, then every metric. SI units; null
 /// where a metric does not apply or the recording lacks what it needs. The columns' definitions
@@ -12,7 +14,7 @@ use zwidth_tables::{Column, Table, TableError, identity};
 /// # Errors
 /// A metric that is not finite.
 pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
-    let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
+    let mut columns = keys(rows.iter().map(|row| &row.meta));
     columns.extend(GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
     Table::new("metrics", "Metrics, one row per trial", columns)
 }
@@ -23,7 +25,7 @@ pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
 /// # Errors
 /// A metric that is not finite.
 pub fn plant_table(rows: &[PlantMetrics]) -> Result<Table, TableError> {
-    let mut columns = identity(&rows.iter().map(|r| &r.meta).collect::<Vec<_>>());
+    let mut columns = keys(rows.iter().map(|row| &row.meta));
     columns.extend(PLANT_GROUPS.into_iter().flatten().map(|spec| column(spec, rows)));
     Table::new("metrics", "Metrics that rest on the plant, one row per trial", columns)
 }
@@ -34,9 +36,11 @@ pub fn plant_table(rows: &[PlantMetrics]) -> Result<Table, TableError> {
 /// # Errors
 /// Tables that are not of this stage.
 pub fn join_plant(metrics: &Table, plant: &Table) -> Result<Table, TableError> {
-    let places: BTreeMap<_, usize> = keys(plant)?.into_iter().zip(0..).collect();
+    let whose = |key: TrialKey| (key.participant, key.session, key.trial);
+    let (plants, trials): (Vec<TrialKey>, Vec<TrialKey>) = (plant.to_rows()?, metrics.to_rows()?);
+    let places: BTreeMap<_, usize> = plants.into_iter().map(whose).zip(0..).collect();
     let rows: Vec<Option<usize>> =
-        keys(metrics)?.iter().map(|key| places.get(key).copied()).collect();
+        trials.into_iter().map(|key| places.get(&whose(key)).copied()).collect();
     let mut columns = metrics.columns().to_vec();
     for spec in PLANT_GROUPS.into_iter().flatten() {
         let column = plant.column(spec.name)?;
@@ -48,12 +52,24 @@ pub fn join_plant(metrics: &Table, plant: &Table) -> Result<Table, TableError> {
     Ok(notes.fold(joined, |table, (kind, note)| table.with_note_of(kind, note)))
 }
 
-type Key = (Option<String>, Option<String>, Option<i64>);
+/// The metrics of several sessions as one table in the order of participant, session and trial;
+/// `None` without tables.
+///
+/// # Errors
+/// Tables that are not of this stage.
+pub fn join_sessions(sessions: Vec<Table>) -> Result<Option<Table>, TableError> {
+    let joined = Table::concat("metrics", "Metrics, one row per trial", sessions)?;
+    let Some(all) = joined else { return Ok(None) };
+    let keys: Vec<TrialKey> = all.to_rows()?;
+    Ok(Some(all.sorted(|row| {
+        let TrialKey { participant, session, trial, .. } = &keys[row];
+        (participant, session, trial)
+    })))
+}
 
-fn keys(table: &Table) -> Result<Vec<Key>, TableError> {
-    let [people, sessions] = ["participant", "session"].map(|name| table.texts(name));
-    let pairs = people?.into_iter().zip(sessions?).zip(table.integers("trial")?);
-    Ok(pairs.map(|((person, session), trial)| (person, session, trial)).collect())
+/// The columns that say which trial a row is about.
+fn keys<'t>(trials: impl Iterator<Item = &'t TrialMeta>) -> Vec<Column> {
+    TrialKey::columns(&trials.map(TrialKey::from).collect::<Vec<_>>())
 }
 
 fn column<R>(spec: &Spec<R>, rows: &[R]) -> Column {
@@ -93,6 +109,24 @@ mod tests {
             let (_, ending) = endings.iter().find(|(unit, _)| *unit == field.unit).unwrap();
             assert!(field.name.ends_with(ending), "{}: {}", field.name, field.unit);
         }
+    }
+
+    #[test]
+    fn the_trials_of_several_sessions_come_together_in_their_order() {
+        let of = |person: &str, numbers: [u32; 2]| {
+            let row = |number| {
+                let mut trial = trial(&stroke(1.0, 2.0), |theta, _| 4.0 * (theta - REST_RAD));
+                trial.meta.participant = person.parse().unwrap();
+                trial.meta.trial = number;
+                trial_metrics(&trial, &in_spring(4.0, REST_RAD)).unwrap()
+            };
+            table(&numbers.map(row)).unwrap()
+        };
+        let all = join_sessions(vec![of("P02", [3, 4]), of("P01", [10, 9])]).unwrap().unwrap();
+        let keys: Vec<TrialKey> = all.to_rows().unwrap();
+        let keys: Vec<_> = keys.iter().map(|key| (key.participant.as_str(), key.trial)).collect();
+        assert_eq!(keys, [("P01", 9), ("P01", 10), ("P02", 3), ("P02", 4)]);
+        assert!(join_sessions(Vec::new()).unwrap().is_none());
     }
 
     fn names() -> impl Iterator<Item = &'static str> {

@@ -1,44 +1,30 @@
 //! Tables of what was planned: the modes as used, the device.
 
 use crate::actuation::{acting, force_n};
-use crate::facts::{self, Fact};
+use zwidth_results::{Fact, ModeForces};
 use zwidth_study::{
     ActuatorKind, Calibration, Coordinate, Mode, Resistances, Setup, VelocityFilter,
 };
-use zwidth_tables::{Column, Table, TableError, shown_unit};
+use zwidth_tables::shown_unit;
 
 /// Motor and brake as each mode uses them, one row per mode: highest voltages, what acts while
-/// compressing and while decompressing, and its largest force by `calibration`. `footnote` says
-/// where the calibration is from.
-///
-/// # Errors
-/// A force that is not finite.
-pub fn modes_table(
-    study: &Setup,
-    calibration: &Calibration,
-    footnote: &str,
-) -> Result<Table, TableError> {
-    let modes = &study.modes;
-    let volts = |name, about, get: fn(&Mode) -> Option<f64>| {
-        Column::float(name, "V", about, modes.iter().map(get))
+/// compressing and while decompressing, and its largest force by `calibration`.
+pub fn mode_forces(study: &Setup, calibration: &Calibration) -> Vec<ModeForces> {
+    let row = |mode: &Mode| {
+        let ways = acting(mode);
+        let on = |way: usize| ways[way].map(|(actuator, _)| on_way(actuator, way).to_owned());
+        let most = |way: usize| ways[way].map(|of| force_n(calibration, of));
+        ModeForces {
+            mode: mode.label.clone(),
+            motor_max_v: mode.motor_max_v,
+            brake_max_v: mode.brake_max_v,
+            compressing: on(0),
+            compressing_max_n: most(0),
+            decompressing: on(1),
+            decompressing_max_n: most(1),
+        }
     };
-    let word = |way: usize| {
-        modes
-            .iter()
-            .map(move |m| acting(m)[way].map(|(actuator, _)| on_way(actuator, way).to_owned()))
-    };
-    let most =
-        |way: usize| modes.iter().map(move |m| acting(m)[way].map(|a| force_n(calibration, a)));
-    let columns = vec![
-        Column::text("mode", "how it is rendered", modes.iter().map(|m| Some(m.label.clone()))),
-        volts("motor_max_v", "highest motor voltage used", |m| m.motor_max_v),
-        volts("brake_max_v", "highest brake voltage used", |m| m.brake_max_v),
-        Column::text("compressing", "what acts while compressing", word(0)),
-        Column::float("compressing_max_n", "N", "its largest force against the push", most(0)),
-        Column::text("decompressing", "what acts while holding or decompressing", word(1)),
-        Column::float("decompressing_max_n", "N", "its largest force", most(1)),
-    ];
-    Ok(Table::new("modes", "Motor and brake as each mode uses them", columns)?.with_note(footnote))
+    study.modes.iter().map(row).collect()
 }
 
 /// A brake acts against the motion alone: on the way back that is not the force of a spring.
@@ -51,10 +37,7 @@ fn on_way(drive: ActuatorKind, way: usize) -> &'static str {
 }
 
 /// The device and its control loop, as `study.toml` has them.
-///
-/// # Errors
-/// A number that is not finite.
-pub fn device_table(study: &Setup) -> Result<Table, TableError> {
+pub fn device_facts(study: &Setup) -> Vec<Fact> {
     let (device, control) = (&study.device, &study.control);
     let factor = shown_unit("rad", study.coordinate).1;
     let unit = match study.coordinate {
@@ -81,7 +64,7 @@ pub fn device_table(study: &Setup) -> Result<Table, TableError> {
     facts.extend(
         ohms.into_iter().filter(|o| o.1.is_some()).map(|(what, r)| Fact::new(what, r, "Ω")),
     );
-    facts::table("device", &format!("Device: {}", study.device.name), &facts)
+    facts
 }
 
 fn velocity(filter: VelocityFilter) -> Fact {
@@ -106,15 +89,12 @@ mod tests {
     /// §5.1 and §5.2.2: 4.16 N at 16 V, 2.08 N at 8 V, 13 N of the brake at 8 V.
     #[test]
     fn each_mode_has_the_forces_of_what_acts_on_either_way() {
-        let table = modes_table(&study(), &Calibration::thesis(), "from the thesis").unwrap();
-        assert_eq!(table.floats("compressing_max_n").unwrap(), [4.16, 13.0, 13.0].map(Some));
-        assert_eq!(table.floats("decompressing_max_n").unwrap(), [4.16, 13.0, 2.08].map(Some));
-        let back = table.texts("decompressing").unwrap();
-        assert_eq!(
-            back,
-            ["motor", "brake, against the return", "motor"].map(|w| Some(w.to_owned()))
-        );
-        assert_eq!(table.notes(), ["from the thesis"]);
+        let modes = mode_forces(&study(), &Calibration::thesis());
+        let most = modes.iter().map(|mode| [mode.compressing_max_n, mode.decompressing_max_n]);
+        let expect = [[4.16, 4.16], [13.0, 13.0], [13.0, 2.08]].map(|of| of.map(Some));
+        assert_eq!(most.collect::<Vec<_>>(), expect);
+        let back: Vec<_> = modes.iter().filter_map(|mode| mode.decompressing.as_deref()).collect();
+        assert_eq!(back, ["motor", "brake, against the return", "motor"]);
     }
 
     #[test]
@@ -122,12 +102,11 @@ mod tests {
         let mut study = study();
         study.device.lever_m = None;
         study.device.theta_min_rad = Some(-std::f64::consts::FRAC_PI_4);
-        let table = device_table(&study).unwrap();
-        let values = table.floats("value").unwrap();
-        assert_eq!((values[0], values[1]), (None, Some(-45.0)));
-        assert_eq!(values[4], Some(1.0), "1 kHz, the default");
+        let facts = device_facts(&study);
+        assert_eq!((facts[0].value, facts[1].value), (None, Some(-45.0)));
+        assert_eq!(facts[4].value, Some(1.0), "1 kHz, the default");
         study.masses = None;
         study.resistances = Resistances::default();
-        assert_eq!(device_table(&study).unwrap().height(), 8);
+        assert_eq!(device_facts(&study).len(), 8);
     }
 }

@@ -1,8 +1,10 @@
 //! What speaks for or against a claim of the thesis: shared by its Table 1 and its statements.
 
 use crate::people::simulated;
+use std::collections::BTreeSet;
+pub(crate) use zwidth_results::ClaimVerdict as Verdict;
 use zwidth_study::{Calibration, Environment, Setup};
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::Measured;
 
 /// Up to this share returned energy counts as none: a released lever moves on a little.
 pub(crate) const NOTHING_RETURNED: f64 = 0.01;
@@ -15,38 +17,7 @@ pub struct Known<'a> {
     /// Forces for voltages.
     pub calibration: &'a Calibration,
     /// The metrics, one row per trial; `None` where there is no trial.
-    pub metrics: Option<&'a Table>,
-}
-
-/// What a study's numbers say of a claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Verdict {
-    Supported,
-    Contradicted,
-    /// There are numbers, and they leave it open.
-    Undecided,
-    /// There are none.
-    NotMeasured,
-}
-
-impl Verdict {
-    /// The verdicts in the order in which they are counted.
-    pub(crate) const ALL: [Self; 4] =
-        [Self::Supported, Self::Contradicted, Self::Undecided, Self::NotMeasured];
-
-    pub(crate) fn as_str(self) -> &'static str {
-        match self {
-            Self::Supported => "supported",
-            Self::Contradicted => "contradicted",
-            Self::Undecided => "undecided",
-            Self::NotMeasured => "not measured",
-        }
-    }
-
-    /// The verdict of what is known without an error.
-    pub(crate) fn of(supported: bool) -> Self {
-        if supported { Self::Supported } else { Self::Contradicted }
-    }
+    pub metrics: Option<&'a Measured>,
 }
 
 /// What speaks for or against a claim.
@@ -71,17 +42,15 @@ pub(crate) fn a_wall(environment: &Environment) -> bool {
 }
 
 /// Whether trials are simulated, and whether they are all one person's.
-pub(crate) fn notes(metrics: Option<&Table>) -> Result<Vec<String>, TableError> {
-    let Some(metrics) = metrics else { return Ok(Vec::new()) };
+pub fn notes(metrics: Option<&Measured>) -> Vec<String> {
+    let Some(metrics) = metrics else { return Vec::new() };
     let mut notes = Vec::new();
-    if simulated(metrics)? {
+    if simulated(metrics) {
         notes.push("The trials were simulated: their metrics say what the model does.".to_owned());
     }
-    let mut people = metrics.texts("participant")?;
-    people.sort();
-    people.dedup();
-    if let [Some(one)] = people.as_slice() {
+    let people: BTreeSet<_> = metrics.trials().iter().map(|trial| &trial.participant).collect();
+    if let (Some(one), 1) = (people.first(), people.len()) {
         notes.push(format!("All metrics of trials are those of one participant, {one}."));
     }
-    Ok(notes)
+    notes
 }

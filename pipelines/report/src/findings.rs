@@ -1,14 +1,18 @@
 //! The experiment's results in sentences, made from the numbers (thesis §5.3.3).
 
 use crate::answers::{median, question_of};
+use crate::columns::{
+    ACTUATOR_STEP, HOLD_RIGIDITY, PAST_WALL, RETURNED, RIGIDITY, RIGIDITY_AT_LEAST, SATURATION,
+    SMOOTH, STABILITY, STIFFNESS, USER_STEP,
+};
 use crate::evidence::NOTHING_RETURNED;
 use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
 use std::collections::BTreeSet;
-use zwidth_results::AnswerTally;
-use zwidth_study::{Coordinate, Environment, Mode, Setup, in_a_sentence};
-use zwidth_tables::{Table, TableError, given, quantity};
+use zwidth_results::{AnswerTally, TrialKey};
+use zwidth_study::{Coordinate, Environment, Mode, ParticipantId, SessionId, Setup, in_a_sentence};
+use zwidth_tables::{Measured, TableError, given, quantity};
 
 /// One sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -20,19 +24,18 @@ pub struct Finding {
 }
 
 /// Trials, each by its participant, session and number.
-pub type TrialNames = BTreeSet<(String, String, i64)>;
+pub type TrialNames = BTreeSet<(ParticipantId, SessionId, u32)>;
 
 /// What the trials of a study show, in sentences: for each environment what each mode did, then the
 /// modes against each other, then the answers. Descriptive: means over trials, no sentence goes
-/// beyond them, and none speaks of anybody who did not take part. `metrics` has one row per trial;
-/// `tally` is that of the answers; `doubted` are the trials whose clock, angle or velocity is to be
+/// beyond them, and none speaks of anybody who did not take part. `tally` is that of the answers; `doubted` are the trials whose clock, angle or velocity is to be
 /// read with care.
 ///
 /// # Errors
 /// A table that lacks a column.
 pub fn findings(
     study: &Setup,
-    metrics: &Table,
+    metrics: &Measured,
     tally: Option<&[AnswerTally]>,
     doubted: &TrialNames,
 ) -> Result<Vec<Finding>, TableError> {
@@ -40,7 +43,7 @@ pub fn findings(
     for environment in &study.environments {
         let mut tried = Vec::new();
         for mode in &study.modes {
-            let trials = Trials::of(metrics, Some(&environment.id), &mode.id)?;
+            let trials = Trials::of(metrics, Some(&environment.id), &mode.id);
             if trials.len() > 0 {
                 tried.push((mode, trials));
             }
@@ -58,7 +61,7 @@ pub fn findings(
     found.extend(both(study, metrics)?);
     found.extend(steadiness(study, metrics, doubted)?);
     if let Some(tally) = tally {
-        found.extend(answers(study, tally, simulated(metrics)?));
+        found.extend(answers(study, tally, simulated(metrics)));
     }
     Ok(found)
 }
@@ -72,7 +75,7 @@ fn rendered(
 ) -> Result<Option<String>, TableError> {
     let Some(spring) = environment.scene.spring() else { return Ok(None) };
     let mut parts = Vec::new();
-    if let Some(stiffness) = trials.mean("stiffness_n_per_rad")? {
+    if let Some(stiffness) = trials.mean(STIFFNESS)? {
         let unit = "N/rad";
         parts.push(format!(
             "compressing gave {} where {} were asked for ({})",
@@ -81,7 +84,7 @@ fn rendered(
             stiffness.words()
         ));
     }
-    parts.push(match trials.mean("saturation_force_n")? {
+    parts.push(match trials.mean(SATURATION)? {
         Some(force) => format!(
             "the force flattened at {} in {} of {} trials",
             quantity(force.mean, "N", coordinate),
@@ -90,15 +93,15 @@ fn rendered(
         ),
         None => "no flattening of the force was found".to_owned(),
     });
-    if let Some(step) = trials.mean("discrepancy_user_step_n")? {
-        let actuators = trials.mean("discrepancy_actuator_step_n")?;
+    if let Some(step) = trials.mean(USER_STEP)? {
+        let actuators = trials.mean(ACTUATOR_STEP)?;
         let of_these = actuators
             .map(|a| format!(" (the actuators': {})", quantity(a.mean, "N", coordinate)))
             .unwrap_or_default();
         let step = quantity(step.mean, "N", coordinate);
         parts.push(format!("extrapolated to the reversal, the user's force was {step} larger on the way in than on the way back{of_these}"));
     }
-    match trials.mean("returned_energy_share")?.map(|share| share.mean) {
+    match trials.mean(RETURNED)?.map(|share| share.mean) {
         Some(share) if share <= NOTHING_RETURNED => {
             parts.push(
                 "none of the work put in came back: there was no spring on the way back".to_owned(),
@@ -123,7 +126,7 @@ fn wall_by_mode(
 ) -> Result<Option<String>, TableError> {
     let mut past = Vec::new();
     for (mode, trials) in tried {
-        let Some(rad) = trials.mean("wall_past_max_rad")? else { continue };
+        let Some(rad) = trials.mean(PAST_WALL)? else { continue };
         let of = format!(
             "{} with {} (reached in {} of {} trials{})",
             quantity(rad.mean, "rad", coordinate),
@@ -148,11 +151,11 @@ fn wall_by_mode(
 /// bound.
 fn rigidity(trials: &Trials, coordinate: Coordinate) -> Result<String, TableError> {
     let mut text = String::new();
-    if let Some(mean) = trials.mean("wall_rigidity_n_per_rad")? {
-        let sign = if trials.any("wall_rigidity_at_least")? { "≥ " } else { "" };
+    if let Some(mean) = trials.mean(RIGIDITY)? {
+        let sign = if trials.any(RIGIDITY_AT_LEAST)? { "≥ " } else { "" };
         text += &format!(", rigidity {sign}{}", given(mean.mean, "N/rad", coordinate));
     }
-    if let Some(mean) = trials.mean("wall_hold_rigidity_min_n_per_rad")? {
+    if let Some(mean) = trials.mean(HOLD_RIGIDITY)? {
         text += &format!(", ≥ {} once held", given(mean.mean, "N/rad", coordinate));
     }
     Ok(text)
@@ -160,16 +163,14 @@ fn rigidity(trials: &Trials, coordinate: Coordinate) -> Result<String, TableErro
 
 /// Of the modes that gave work back, the one that let the lever least far past a wall: what the
 /// thesis' §5.3.3 asks of a mode is both. None unless at least two modes met a wall.
-fn both(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableError> {
+fn both(study: &Setup, metrics: &Measured) -> Result<Option<Finding>, TableError> {
     let mut past = Vec::new();
     let mut gave = Vec::new();
     for mode in &study.modes {
-        let trials = Trials::of(metrics, None, &mode.id)?;
-        let returned = trials
-            .mean("returned_energy_share")?
-            .is_some_and(|share| share.mean > NOTHING_RETURNED);
+        let trials = Trials::of(metrics, None, &mode.id);
+        let returned = trials.mean(RETURNED)?.is_some_and(|share| share.mean > NOTHING_RETURNED);
         let label = in_a_sentence(&mode.label);
-        let mean = trials.mean("wall_past_max_rad")?;
+        let mean = trials.mean(PAST_WALL)?;
         past.extend(mean.map(|rad| (rad.mean, label.clone(), returned)));
         gave.extend(returned.then_some(label));
     }
@@ -188,13 +189,12 @@ fn both(study: &Setup, metrics: &Table) -> Result<Option<Finding>, TableError> {
 /// Whether any mode swung. A swing in a trial that is to be read with care may be its noise.
 fn steadiness(
     study: &Setup,
-    metrics: &Table,
+    metrics: &Measured,
     doubted: &TrialNames,
 ) -> Result<Option<Finding>, TableError> {
     let (mut smooth, mut all, mut swung) = (0, 0, Vec::new());
     for mode in &study.modes {
-        let (still, n) =
-            Trials::of(metrics, None, &mode.id)?.count("recorded_stability", "smooth")?;
+        let (still, n) = Trials::of(metrics, None, &mode.id).count(STABILITY, SMOOTH)?;
         (smooth, all) = (smooth + still, all + n);
         if still < n {
             swung.push(format!("{} of {n} with {}", n - still, in_a_sentence(&mode.label)));
@@ -209,7 +209,7 @@ fn steadiness(
         (_, 0) => {
             let but =
                 (doubtful > 0).then(|| format!(" Of these, {doubtful} {} {care}.", are(doubtful)));
-            let spoken_of = match (all, metrics.height() - all) {
+            let spoken_of = match (all, metrics.trials().len() - all) {
                 (1, 0) => "the one trial; it was smooth".to_owned(),
                 (1, others) => format!(
                     "the one trial of {} in which it can be told; it was smooth",
@@ -244,21 +244,16 @@ fn steadiness(
 }
 
 /// How many trials with a verdict are to be read with care: those that swung, and all.
-fn doubtful(metrics: &Table, doubted: &TrialNames) -> Result<[usize; 2], TableError> {
-    if doubted.is_empty() {
-        return Ok([0, 0]);
-    }
-    let (who, session) = (metrics.texts("participant")?, metrics.texts("session")?);
-    let (trial, verdict) = (metrics.integers("trial")?, metrics.texts("recorded_stability")?);
-    let is_doubted = |row: &usize| {
-        let name = who[*row].clone().zip(session[*row].clone()).zip(trial[*row]);
-        name.is_some_and(|((who, session), trial)| doubted.contains(&(who, session, trial)))
+fn doubtful(metrics: &Measured, doubted: &TrialNames) -> Result<[usize; 2], TableError> {
+    let verdicts = metrics.words(STABILITY)?;
+    let is_doubted = |trial: &TrialKey| {
+        doubted.contains(&(trial.participant.clone(), trial.session.clone(), trial.trial))
     };
-    let found: Vec<&str> = (0..metrics.height())
-        .filter(is_doubted)
-        .filter_map(|row| verdict[row].as_deref())
-        .collect();
-    Ok([found.iter().filter(|verdict| **verdict != "smooth").count(), found.len()])
+    let trials = metrics.trials().iter().zip(verdicts);
+    let found: Vec<&str> =
+        trials.filter(|(trial, _)| is_doubted(trial)).filter_map(|(_, verdict)| verdict).collect();
+    let swung = found.iter().filter(|verdict| **verdict != SMOOTH).count();
+    Ok([swung, found.len()])
 }
 
 /// The median answer of each mode, an environment a sentence.
@@ -333,8 +328,8 @@ mod tests {
     fn a_swing_of_a_trial_in_doubt_carries_the_mark() {
         let swung = || MetricsRow { stability: "limit cycle", ..row("spring", "active") };
         let rows = [swung(), swung(), row("spring", "active")];
-        let told = |doubted: &[i64]| {
-            let name = |trial: &i64| ("P01".to_owned(), "S01".to_owned(), *trial);
+        let told = |doubted: &[u32]| {
+            let name = |trial: &u32| ("P01".parse().unwrap(), "S01".parse().unwrap(), *trial);
             let doubted = doubted.iter().map(name).collect();
             findings(&study(), &metrics(&rows), None, &doubted).unwrap().pop().unwrap().text
         };
@@ -352,7 +347,7 @@ mod tests {
         );
         assert_eq!(told(&[1, 2]), all);
         let smooth = [row("spring", "active")];
-        let doubted = [("P01".to_owned(), "S01".to_owned(), 1)].into();
+        let doubted = [("P01".parse().unwrap(), "S01".parse().unwrap(), 1)].into();
         let found = findings(&study(), &metrics(&smooth), None, &doubted).unwrap();
         let last = &found.last().unwrap().text;
         let one = "found in the one trial; it was smooth.";

@@ -2,9 +2,9 @@
 //! came to.
 //!
 //! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of
-//! [`findings`]. Tables, with the thesis' number: [`pros_cons_table`] (1), [`modes_table`],
-//! [`model_table`] (2, 3), [`components_table`] and [`device_table`] (4), [`weight_table`]
-//! (Appendix A), and its statements, [`thesis_table`]. [`methods`] are what was done, in words.
+//! [`findings`]. Rows, with the thesis' number: [`pros_cons`] (1), [`mode_forces`],
+//! [`model_facts`] (2, 3), [`components`] and [`device_facts`] (4), [`weight_facts`] (Appendix A),
+//! and its statements, [`statements`]. [`methods`] are what was done, in words.
 //! [`page_html`] is the summary as a page with the trials in it. No files and no clock: data in,
 //! text and tables out.
 
@@ -15,7 +15,6 @@ mod compared;
 mod components;
 mod design;
 mod evidence;
-mod facts;
 mod findings;
 mod gallery;
 mod methods;
@@ -33,24 +32,24 @@ mod weight;
 
 pub use columns::metric_columns;
 pub use compared::{ComparedMetric, Matrix, MatrixRow, contrasts, matrix};
-pub use components::components_table;
-pub use design::{device_table, modes_table};
-pub use evidence::Known;
+pub use components::components;
+pub use design::{device_facts, mode_forces};
+pub use evidence::{Known, notes};
 pub use findings::{Finding, TrialNames, findings};
 pub use gallery::{Gallery, Shown};
 pub use methods::{MethodsForm, MethodsPart, Recorded, methods};
-pub use model::model_table;
+pub use model::model_facts;
 pub use page::{
     Columns, Contents, Course, Event, Page, PageHtml, TURNED, Turn, TurnedError, condition_script,
     page_html, single_file, turned_script,
 };
-pub use pros_cons::pros_cons_table;
+pub use pros_cons::pros_cons;
 pub use ranges::uneven_ranges;
 pub use runs::{laddered, traded};
 pub use sessions::changes;
 pub use survey::survey;
-pub use thesis::{Derived, Told, replayed, replayed_columns, thesis_table, told};
-pub use weight::{is_weighed, weight_table};
+pub use thesis::{Derived, HOW_JUDGED, Told, replayed, replayed_columns, statements, told};
+pub use weight::{WEIGHT_NOTES, is_weighed, weight_facts};
 
 use people::{count, counting, participants, sources};
 use serde::Serialize;

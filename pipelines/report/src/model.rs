@@ -1,15 +1,11 @@
 //! The thesis' Table 3: parameters of the simulation model, from a scene.
 
-use crate::facts::{self, Fact};
 use zwidth_dynamics::{BrakeLaw, Demand, Input, ModelScene};
-use zwidth_tables::{Table, TableError};
+use zwidth_results::Fact;
 
 /// Parameters of the model that a scene is, with the thesis' symbols; what the scene lacks (a
 /// finger, stops) is left out.
-///
-/// # Errors
-/// A parameter that is not finite.
-pub fn model_table(scene: &ModelScene) -> Result<Table, TableError> {
+pub fn model_facts(scene: &ModelScene) -> Vec<Fact> {
     let mut facts =
         vec![Fact::new("M_O, mass of the object (spring)", Some(scene.plant.mass_kg), "kg")];
     facts.extend(scene.environment.zones.iter().flat_map(|zone| demand(zone.demand)));
@@ -38,7 +34,7 @@ pub fn model_table(scene: &ModelScene) -> Result<Table, TableError> {
         Fact::new("F_b, largest brake force", Some(scene.brake.max_n), "N")
             .remarked(brake(scene.brake.law)),
     ]);
-    facts::table("model", &format!("Parameters of the simulation model: {}", scene.name), &facts)
+    facts
 }
 
 fn demand(demand: Demand) -> Vec<Fact> {
@@ -87,12 +83,7 @@ mod tests {
     #[test]
     fn the_scene_of_the_thesis_gives_the_numbers_of_its_table_3() {
         let text = include_str!("../../../scenes/sine_finger.toml");
-        let table = model_table(&ModelScene::from_toml(text).unwrap()).unwrap();
-        let (names, values, units) = (
-            table.texts("quantity").unwrap(),
-            table.floats("value").unwrap(),
-            table.texts("unit").unwrap(),
-        );
+        let facts = model_facts(&ModelScene::from_toml(text).unwrap());
         let printed = [
             ("M_O", 0.005, "kg"),
             ("M_F", 0.021, "kg"),
@@ -108,19 +99,16 @@ mod tests {
         ];
         for (symbol, value, unit) in printed {
             let begins = format!("{symbol}, ");
-            let row = names
-                .iter()
-                .position(|n| n.as_ref().is_some_and(|n| n.starts_with(&begins)))
-                .unwrap();
-            assert!((values[row].unwrap() - value).abs() < 1e-12, "{symbol}: {:?}", values[row]);
-            assert_eq!(units[row].as_deref(), Some(unit), "{symbol}");
+            let fact = facts.iter().find(|fact| fact.quantity.starts_with(&begins)).unwrap();
+            assert!((fact.value.unwrap() - value).abs() < 1e-12, "{symbol}: {fact:?}");
+            assert_eq!(fact.unit.as_deref(), Some(unit), "{symbol}");
         }
     }
 
     #[test]
     fn a_scene_without_a_finger_has_no_row_of_one() {
         let text = include_str!("../../../scenes/sine.toml");
-        let table = model_table(&ModelScene::from_toml(text).unwrap()).unwrap();
-        assert!(!table.texts("quantity").unwrap().iter().flatten().any(|q| q.contains("finger")));
+        let facts = model_facts(&ModelScene::from_toml(text).unwrap());
+        assert!(!facts.iter().any(|fact| fact.quantity.contains("finger")));
     }
 }

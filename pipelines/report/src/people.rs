@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use zwidth_study::Source;
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::Measured;
 
 /// `1 sweep`, `3 sweeps`.
 pub(crate) fn count(n: usize, noun: &str) -> String {
@@ -50,11 +50,9 @@ pub(crate) fn sources(sources: &BTreeMap<Source, usize>) -> Option<Origins> {
     }
 }
 
-/// Whether any trial of the table of metrics is simulated.
-pub(crate) fn simulated(metrics: &Table) -> Result<bool, TableError> {
-    let sources = metrics.texts("source")?;
-    let mut known = sources.iter().flatten().filter_map(|source| Source::from_word(source));
-    Ok(known.any(Source::is_simulated))
+/// Whether any of the trials is simulated.
+pub(crate) fn simulated(metrics: &Measured) -> bool {
+    metrics.trials().iter().any(|trial| trial.source.is_simulated())
 }
 
 fn mixed(several: &[(Source, usize)]) -> Origins {

@@ -2,10 +2,15 @@
 //! of it.
 
 use crate::actuation::{active, passive};
-use crate::evidence::{Evidence, Known, NOTHING_RETURNED, Verdict, a_spring, a_wall, notes};
+use crate::columns::{
+    CONTACTS, CONTACTS_ACTIVE, ENERGY, ENERGY_AT_MOST, FORCE_PER_POWER, LOOPS, LOOPS_ACTIVE,
+    PAST_WALL, RETURNED, SMOOTH, STABILITY, STIFFNESS,
+};
+use crate::evidence::{Evidence, Known, NOTHING_RETURNED, Verdict, a_spring, a_wall};
 use crate::trials::{Mean, Trials};
+use zwidth_results::ProOrCon;
 use zwidth_study::{Coordinate, Environment, Mode, Resistances};
-use zwidth_tables::{Column, Table, TableError, given, quantity, shown_unit};
+use zwidth_tables::{TableError, given, quantity, shown_unit};
 
 /// How evidence for a claim is found.
 type Find = fn(&Known) -> Result<Option<Evidence>, TableError>;
@@ -30,34 +35,21 @@ const CLAIMS: [(&str, &str, &str, Find); 11] = [
 ///
 /// # Errors
 /// Metrics that lack a column.
-pub fn pros_cons_table(known: Known) -> Result<Table, TableError> {
-    let found = CLAIMS.iter().map(|(.., find)| find(&known)).collect::<Result<Vec<_>, _>>()?;
-    let claim = |get: fn(&(&'static str, &'static str, &'static str, Find)) -> &'static str| {
-        CLAIMS.iter().map(move |c| Some(get(c).to_owned()))
+pub fn pros_cons(known: Known) -> Result<Vec<ProOrCon>, TableError> {
+    let row = |(actuation, side, claim, find): &(&str, &str, &str, Find)| {
+        let found = find(&known)?;
+        Ok(ProOrCon {
+            actuation: (*actuation).to_owned(),
+            side: (*side).to_owned(),
+            claim: (*claim).to_owned(),
+            verdict: found.as_ref().map_or(Verdict::NotMeasured, |e| e.verdict),
+            value: found.as_ref().and_then(|e| e.value),
+            metric: found.as_ref().map(|e| e.metric.clone()),
+            unit: found.as_ref().map(|e| e.unit.clone()),
+            remark: found.map(|e| e.remark),
+        })
     };
-    let text = |get: fn(&Evidence) -> String| found.iter().map(move |e| e.as_ref().map(get));
-    let verdict = |e: &Option<Evidence>| {
-        let verdict = e.as_ref().map_or(Verdict::NotMeasured, |e| e.verdict);
-        Some(verdict.as_str().to_owned())
-    };
-    let columns = vec![
-        Column::text("actuation", "brake alone or motor alone", claim(|c| c.0)),
-        Column::text("side", "pro or con", claim(|c| c.1)),
-        Column::text("claim", "the thesis' Table 1", claim(|c| c.2)),
-        Column::text("metric", "the study's own", text(|e| e.metric.clone())),
-        Column::float(
-            "value",
-            "1",
-            "its value, in the unit beside it",
-            found.iter().map(|e| e.as_ref().and_then(|e| e.value)),
-        ),
-        Column::text("unit", "its unit", text(|e| e.unit.clone())),
-        Column::text("verdict", "what the metric says of the claim", found.iter().map(verdict)),
-        Column::text("remark", "with what it is compared", text(|e| e.remark.clone())),
-    ];
-    let table =
-        Table::new("pros_cons", "Pros and cons of brake and motor, beside this study", columns)?;
-    Ok(notes(known.metrics)?.into_iter().fold(table, Table::with_note))
+    CLAIMS.iter().map(row).collect()
 }
 
 /// The largest force of brake and motor as used, over the power that they take at rest.
@@ -113,7 +105,7 @@ fn in_trials(
     [of, other]: [usize; 2],
     at_rest: Option<&Evidence>,
 ) -> Result<Option<Evidence>, TableError> {
-    let column = "force_per_power_recorded_n_per_w";
+    let column = FORCE_PER_POWER;
     let (Some(mine), Some(beside)) = (alone(known, of, column)?, alone(known, other, column)?)
     else {
         return Ok(None);
@@ -171,15 +163,15 @@ fn at_rest(known: &Known, [of, other]: [usize; 2]) -> Result<Option<Evidence>, T
 fn alone(known: &Known, of: usize, column: &str) -> Result<Option<Mean>, TableError> {
     let mode = if of == 0 { active(known.study) } else { passive(known.study) };
     let (Some(metrics), Some(mode)) = (known.metrics, mode) else { return Ok(None) };
-    Trials::of(metrics, None, &mode.id)?.mean(column)
+    Trials::of(metrics, None, &mode.id).mean(column)
 }
 
 /// What the trials with that actuator alone took: by their recorded currents, else at most.
 fn took(known: &Known, of: usize) -> Result<Option<String>, TableError> {
-    if let Some(e) = alone(known, of, "electrical_energy_j")? {
+    if let Some(e) = alone(known, of, ENERGY)? {
         return Ok(Some(format!("a trial took {:.2} J by its current ({})", e.mean, e.words())));
     }
-    let most = alone(known, of, "electrical_energy_max_j")?;
+    let most = alone(known, of, ENERGY_AT_MOST)?;
     Ok(most.map(|e| format!("a trial took at most {:.2} J ({})", e.mean, e.words())))
 }
 
@@ -218,7 +210,7 @@ fn trials<'a>(
     let (Some(metrics), Some(mode), Some(environment)) = (known.metrics, mode, environment) else {
         return Ok(None);
     };
-    let trials = Trials::of(metrics, Some(&environment.id), &mode.id)?;
+    let trials = Trials::of(metrics, Some(&environment.id), &mode.id);
     Ok((trials.len() > 0).then_some((environment, trials)))
 }
 
@@ -227,13 +219,13 @@ fn brake_never_gives(known: &Known) -> Result<Option<Evidence>, TableError> {
     let (Some(metrics), Some(mode)) = (known.metrics, passive(known.study)) else {
         return Ok(None);
     };
-    let trials = Trials::of(metrics, None, &mode.id)?;
+    let trials = Trials::of(metrics, None, &mode.id);
     let total = |column: &str| -> Result<f64, TableError> {
         let people = trials.people(column, None)?;
         Ok(people.values().flat_map(|of| of.values()).flatten().sum())
     };
-    let all = total("wall_contacts")? + total("closed_loops")?;
-    let gave = total("wall_contacts_active")? + total("closed_loops_active")?;
+    let all = total(CONTACTS)? + total(LOOPS)?;
+    let gave = total(CONTACTS_ACTIVE)? + total(LOOPS_ACTIVE)?;
     Ok((all > 0.0).then(|| Evidence {
         metric: "wall contacts and closed loops that gave more than they got".to_owned(),
         value: Some(gave),
@@ -250,8 +242,8 @@ fn returned(
     judge: fn(f64) -> bool,
 ) -> Result<Option<(Evidence, f64)>, TableError> {
     let Some((environment, trials)) = trials(known, mode, a_spring)? else { return Ok(None) };
-    let Some(share) = trials.mean("returned_energy_share")? else { return Ok(None) };
-    let stiffness = trials.mean("stiffness_n_per_rad")?.map_or(f64::NAN, |of| of.mean);
+    let Some(share) = trials.mean(RETURNED)? else { return Ok(None) };
+    let stiffness = trials.mean(STIFFNESS)?.map_or(f64::NAN, |of| of.mean);
     let evidence = Evidence {
         metric: format!("returned share of the work, {}", environment.label),
         value: Some(100.0 * share.mean),
@@ -290,7 +282,7 @@ fn motor_returns(known: &Known) -> Result<Option<Evidence>, TableError> {
 
 fn motor_is_smooth(known: &Known) -> Result<Option<Evidence>, TableError> {
     let (Some(metrics), Some(mode)) = (known.metrics, active(known.study)) else { return Ok(None) };
-    let (smooth, n) = Trials::of(metrics, None, &mode.id)?.count("recorded_stability", "smooth")?;
+    let (smooth, n) = Trials::of(metrics, None, &mode.id).count(STABILITY, SMOOTH)?;
     Ok((n > 0).then(|| Evidence {
         metric: "trials without fast swings".to_owned(),
         value: Some(100.0 * smooth as f64 / n as f64),
@@ -324,7 +316,7 @@ fn motor_is_weak(known: &Known) -> Result<Option<Evidence>, TableError> {
 fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> {
     let past = |mode| -> Result<_, TableError> {
         let Some((_, trials)) = trials(known, mode, a_wall)? else { return Ok(None) };
-        trials.mean("wall_past_max_rad")
+        trials.mean(PAST_WALL)
     };
     let (motor, brake) = (past(active(known.study))?, past(passive(known.study))?);
     let (Some(motor), Some(brake)) = (motor, brake) else { return Ok(None) };
@@ -349,20 +341,22 @@ fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evidence::notes;
     use crate::trials::testing::{MetricsRow, metrics, row};
     use zwidth_study::{Calibration, Setup};
+    use zwidth_tables::{Column, Measured, Table};
 
     fn study() -> Setup {
         Setup::of(&zwidth_testing::study())
     }
 
-    fn verdicts(metrics: Option<&Table>) -> Vec<String> {
+    fn verdicts(metrics: Option<&Measured>) -> Vec<Verdict> {
         let (study, calibration) = (study(), Calibration::thesis());
         let known = Known { study: &study, calibration: &calibration, metrics };
-        pros_cons_table(known).unwrap().texts("verdict").unwrap().into_iter().flatten().collect()
+        pros_cons(known).unwrap().iter().map(|row| row.verdict).collect()
     }
 
-    fn trials(past_with_motor: f64) -> Table {
+    fn trials(past_with_motor: f64) -> Measured {
         metrics(&[
             MetricsRow { returned: Some(0.8), ..row("spring", "active") },
             row("spring", "passive"),
@@ -374,9 +368,9 @@ mod tests {
     #[test]
     fn without_trials_only_masses_forces_and_resistances_are_known() {
         let found = verdicts(None);
-        let known: Vec<usize> = (0..11).filter(|i| found[*i] != "not measured").collect();
+        let known: Vec<usize> = (0..11).filter(|i| found[*i] != Verdict::NotMeasured).collect();
         assert_eq!(known, [0, 1, 7, 8, 9]);
-        assert_eq!((found[0].as_str(), found[7].as_str()), ("undecided", "undecided"));
+        assert_eq!([found[0], found[7]], [Verdict::Undecided; 2]);
     }
 
     /// 4.16 N for 16² / 30.4 W; 13 N for 8² V² / R: the brake gives more above 2.43 Ω.
@@ -386,16 +380,14 @@ mod tests {
             let resistances = Resistances { motor_ohm, brake_ohm };
             let (study, calibration) = (Setup { resistances, ..study() }, Calibration::thesis());
             let known = Known { study: &study, calibration: &calibration, metrics: None };
-            let table = pros_cons_table(known).unwrap();
-            let verdicts: Vec<_> = table.texts("verdict").unwrap().into_iter().flatten().collect();
-            let value = table.floats("value").unwrap()[7];
-            ([verdicts[0].clone(), verdicts[7].clone()], value)
+            let rows = pros_cons(known).unwrap();
+            ([rows[0].verdict, rows[7].verdict], rows[7].value)
         };
-        assert_eq!(of(Some(30.4), Some(20.0)).0, ["supported", "supported"]);
-        assert_eq!(of(Some(30.4), Some(2.0)).0, ["contradicted", "contradicted"]);
-        assert_eq!(of(None, Some(20.0)).0, ["not measured", "not measured"]);
+        assert_eq!(of(Some(30.4), Some(20.0)).0, [Verdict::Supported; 2]);
+        assert_eq!(of(Some(30.4), Some(2.0)).0, [Verdict::Contradicted; 2]);
+        assert_eq!(of(None, Some(20.0)).0, [Verdict::NotMeasured; 2]);
         let (verdicts, even_ohm) = of(Some(30.4), None);
-        assert_eq!(verdicts, ["undecided", "undecided"]);
+        assert_eq!(verdicts, [Verdict::Undecided; 2]);
         let calibration = Calibration::thesis();
         let motor = calibration.motor.force_n(16.0) * 30.4 / 256.0;
         let expect = motor * 64.0 / calibration.brake.force_n(8.0);
@@ -406,7 +398,7 @@ mod tests {
     fn efficiencies(
         motor: Option<[f64; 2]>,
         brake: Option<[f64; 2]>,
-    ) -> Vec<(f64, String, String)> {
+    ) -> Vec<(f64, Verdict, String)> {
         let metrics = metrics(&[
             MetricsRow { recorded: motor, ..row("spring", "active") },
             MetricsRow { recorded: brake, ..row("spring", "passive") },
@@ -414,29 +406,28 @@ mod tests {
         let resistances = Resistances { motor_ohm: Some(30.4), brake_ohm: Some(20.0) };
         let (study, calibration) = (Setup { resistances, ..study() }, Calibration::thesis());
         let known = Known { study: &study, calibration: &calibration, metrics: Some(&metrics) };
-        let table = pros_cons_table(known).unwrap();
-        let text = |name: &str, i: usize| table.texts(name).unwrap()[i].clone().unwrap();
-        let value = |i: usize| table.floats("value").unwrap()[i].unwrap();
-        [0, 7].map(|i| (value(i), text("verdict", i), text("remark", i))).to_vec()
+        let rows = pros_cons(known).unwrap();
+        let of = |row: &ProOrCon| (row.value.unwrap(), row.verdict, row.remark.clone().unwrap());
+        [0, 7].map(|i| of(&rows[i])).to_vec()
     }
 
     #[test]
     fn recorded_currents_judge_efficiency_where_both_actuators_have_them() {
         let of = efficiencies(Some([2.0, 0.7]), Some([0.5, 4.0]));
-        assert_eq!((of[0].0, of[0].1.as_str()), (4.0, "supported"));
-        assert_eq!((of[1].0, of[1].1.as_str()), (0.7, "supported"));
+        assert_eq!((of[0].0, of[0].1), (4.0, Verdict::Supported));
+        assert_eq!((of[1].0, of[1].1), (0.7, Verdict::Supported));
         assert!(
             of[1].2.contains("the brake has 4.00 N/W; a trial took 2.00 J by its current"),
             "{of:?}"
         );
         let worse = efficiencies(Some([2.0, 0.7]), Some([0.5, 0.3]));
-        assert_eq!(worse[0].1, "contradicted");
+        assert_eq!(worse[0].1, Verdict::Contradicted);
     }
 
     #[test]
     fn where_one_actuator_has_no_recorded_current_both_are_judged_at_rest() {
         let of = efficiencies(Some([2.0, 0.7]), None);
-        assert_eq!(of[1].1, "supported");
+        assert_eq!(of[1].1, Verdict::Supported);
         assert!(of[1].2.starts_with("at rest, by voltage and resistance: the brake has"), "{of:?}");
         assert!(of[1].2.contains("a trial took 2.00 J by its current (one trial)"), "{of:?}");
         assert!(of[0].2.contains("a trial took at most 1.50 J (one trial)"), "{of:?}");
@@ -444,8 +435,9 @@ mod tests {
 
     #[test]
     fn a_contact_in_which_the_brake_gave_contradicts_that_it_is_safe() {
-        let mut table = trials(0.2);
-        assert_eq!(verdicts(Some(&table))[2], "supported");
+        let trials = trials(0.2);
+        assert_eq!(verdicts(Some(&trials))[2], Verdict::Supported);
+        let table = trials.table();
         let columns = table.columns().iter().map(|column| {
             let field = &column.field;
             match field.name.as_ref() {
@@ -455,21 +447,25 @@ mod tests {
                 _ => column.clone(),
             }
         });
-        table = Table::new("metrics", "", columns.collect()).unwrap();
-        assert_eq!(verdicts(Some(&table))[2], "contradicted");
+        let table = Table::new("metrics", "", columns.collect()).unwrap();
+        let gave = Measured::of(table).unwrap();
+        assert_eq!(verdicts(Some(&gave))[2], Verdict::Contradicted);
     }
 
     #[test]
     fn what_the_trials_show_supports_or_contradicts() {
         let supported = verdicts(Some(&trials(0.2)));
-        assert!(supported.iter().filter(|v| *v == "supported").count() == 9, "{supported:?}");
+        assert!(
+            supported.iter().filter(|v| **v == Verdict::Supported).count() == 9,
+            "{supported:?}"
+        );
         assert_eq!(
             verdicts(Some(&trials(0.005)))[10],
-            "contradicted",
+            Verdict::Contradicted,
             "a motor that holds the wall"
         );
         let weak = metrics(&[MetricsRow { returned: Some(0.5), ..row("spring", "passive") }]);
-        assert_eq!(verdicts(Some(&weak))[3], "contradicted", "a brake that gives work back");
+        assert_eq!(verdicts(Some(&weak))[3], Verdict::Contradicted, "a brake that gives work back");
     }
 
     #[test]
@@ -483,7 +479,7 @@ mod tests {
             });
             let metrics = metrics(&rows);
             let known = Known { study: &study, calibration: &calibration, metrics: Some(&metrics) };
-            pros_cons_table(known).unwrap().notes().join(" ")
+            notes(known.metrics).join(" ")
         };
         assert!(of("twin", ["P01", "P01"]).contains("simulated"));
         assert!(of("recorded", ["P01", "P01"]).contains("one participant, P01"));

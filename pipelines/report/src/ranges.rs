@@ -1,23 +1,24 @@
 //! Whether the stiffness of two modes is that of one range of angles.
 
+use crate::columns::{SATURATION, STIFFNESS};
 use crate::trials::Trials;
 use zwidth_study::{Setup, in_a_sentence};
-use zwidth_tables::{Table, TableError};
+use zwidth_tables::{Measured, TableError};
 
 /// A sentence per environment in which the line of stiffness ends at a saturation in most trials of
 /// one mode and not in most of another: it is fitted over less of the angle there, and where a
-/// force bends, that alone makes the two differ. `metrics` has one row per trial.
+/// force bends, that alone makes the two differ.
 ///
 /// # Errors
 /// A table that lacks a column.
-pub fn uneven_ranges(study: &Setup, metrics: &Table) -> Result<Vec<String>, TableError> {
+pub fn uneven_ranges(study: &Setup, metrics: &Measured) -> Result<Vec<String>, TableError> {
     let mut said = Vec::new();
     for environment in &study.environments {
         let (mut cut, mut whole) = (Vec::new(), Vec::new());
         for mode in &study.modes {
-            let trials = Trials::of(metrics, Some(&environment.id), &mode.id)?;
-            let fitted = trials.floats("stiffness_n_per_rad")?.len();
-            let saturated = trials.floats("saturation_force_n")?.len();
+            let trials = Trials::of(metrics, Some(&environment.id), &mode.id);
+            let fitted = trials.floats(STIFFNESS)?.len();
+            let saturated = trials.floats(SATURATION)?.len();
             let told =
                 format!("{saturated} of {fitted} trials with {}", in_a_sentence(&mode.label));
             match fitted {

@@ -1,11 +1,11 @@
 //! Some rows of the table of metrics: the trials of one condition.
 
 use std::collections::{BTreeMap, BTreeSet};
-use zwidth_study::{EnvironmentId, ModeId};
-use zwidth_tables::{Table, TableError};
+use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId};
+use zwidth_tables::{Measured, TableError};
 
 /// Values by participant and session, in the order of the trials.
-pub(crate) type People = BTreeMap<String, BTreeMap<String, Vec<f64>>>;
+pub(crate) type People = BTreeMap<ParticipantId, BTreeMap<SessionId, Vec<f64>>>;
 
 /// A mean, and what it is over.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,73 +34,66 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
 }
 
 /// The mean of a participant's values, sessions with equal weight.
-pub(crate) fn mean_of_one(sessions: &BTreeMap<String, Vec<f64>>) -> f64 {
+pub(crate) fn mean_of_one(sessions: &BTreeMap<SessionId, Vec<f64>>) -> f64 {
     mean(sessions.values().map(|values| mean(values.iter().copied())))
 }
 
 /// Trials of one mode, in one environment or in all.
 #[derive(Debug, Clone)]
 pub(crate) struct Trials<'a> {
-    metrics: &'a Table,
+    metrics: &'a Measured,
     rows: Vec<usize>,
 }
 
 impl<'a> Trials<'a> {
     pub(crate) fn of(
-        metrics: &'a Table,
+        metrics: &'a Measured,
         environment: Option<&EnvironmentId>,
         mode: &ModeId,
-    ) -> Result<Self, TableError> {
-        let rows = metrics.words("environment")?.zip(metrics.words("mode")?).enumerate();
-        let wanted = rows.filter(|(_, (in_environment, in_mode))| {
-            environment.is_none_or(|e| *in_environment == Some(e.as_str()))
-                && *in_mode == Some(mode.as_str())
+    ) -> Self {
+        let trials = metrics.trials().iter().enumerate();
+        let wanted = trials.filter(|(_, trial)| {
+            environment.is_none_or(|e| trial.environment == *e) && trial.mode == *mode
         });
-        Ok(Self { metrics, rows: wanted.map(|(row, _)| row).collect() })
+        Self { metrics, rows: wanted.map(|(row, _)| row).collect() }
     }
 
     pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// The words of those trials.
-    fn words(&self, column: &str) -> Result<Vec<Option<&'a str>>, TableError> {
-        let all: Vec<_> = self.metrics.words(column)?.collect();
-        Ok(self.rows.iter().map(|row| all[*row]).collect())
-    }
-
     /// The values of those trials that have one.
-    pub(crate) fn floats(&self, column: &str) -> Result<Vec<f64>, TableError> {
-        let values = self.metrics.floats(column)?;
+    pub(crate) fn floats(&self, metric: &str) -> Result<Vec<f64>, TableError> {
+        let values = self.metrics.numbers(metric)?;
         Ok(self.rows.iter().filter_map(|row| values[*row]).collect())
     }
 
     /// Whether any of those trials says yes.
-    pub(crate) fn any(&self, column: &str) -> Result<bool, TableError> {
-        let values = self.metrics.flags(column)?;
+    pub(crate) fn any(&self, metric: &str) -> Result<bool, TableError> {
+        let values = self.metrics.flags(metric)?;
         Ok(self.rows.iter().any(|row| values[*row] == Some(true)))
     }
 
-    /// The values by participant and session of those trials that have one; of two columns their
+    /// The values by participant and session of those trials that have one; of two metrics their
     /// difference. Counts are numbers too.
-    pub(crate) fn people(&self, column: &str, less: Option<&str>) -> Result<People, TableError> {
-        let values = self.metrics.numbers(column)?;
-        let less = less.map(|column| self.metrics.numbers(column)).transpose()?;
-        let whose = self.words("participant")?.into_iter().zip(self.words("session")?);
+    pub(crate) fn people(&self, metric: &str, less: Option<&str>) -> Result<People, TableError> {
+        let values = self.metrics.numbers(metric)?;
+        let less = less.map(|metric| self.metrics.numbers(metric)).transpose()?;
         let mut people = People::new();
-        for (row, (who, session)) in self.rows.iter().zip(whose) {
+        for row in &self.rows {
             let taken = less.as_ref().map_or(Some(0.0), |less| less[*row]);
             let (Some(value), Some(taken)) = (values[*row], taken) else { continue };
-            let [who, session] = [who, session].map(|of| of.unwrap_or_default().to_owned());
-            people.entry(who).or_default().entry(session).or_default().push(value - taken);
+            let trial = &self.metrics.trials()[*row];
+            let sessions = people.entry(trial.participant.clone()).or_default();
+            sessions.entry(trial.session.clone()).or_default().push(value - taken);
         }
         Ok(people)
     }
 
     /// The mean over participants of each one's mean, sessions with equal weight; `None` where no
     /// trial has a value.
-    pub(crate) fn mean(&self, column: &str) -> Result<Option<Mean>, TableError> {
-        let people = self.people(column, None)?;
+    pub(crate) fn mean(&self, metric: &str) -> Result<Option<Mean>, TableError> {
+        let people = self.people(metric, None)?;
         let trials = people.values().flat_map(BTreeMap::values).map(Vec::len).sum();
         Ok((trials > 0).then(|| Mean {
             mean: mean(people.values().map(mean_of_one)),
@@ -110,13 +103,14 @@ impl<'a> Trials<'a> {
     }
 
     /// Whose trials they are.
-    pub(crate) fn participants(&self) -> Result<BTreeSet<String>, TableError> {
-        Ok(self.words("participant")?.into_iter().flatten().map(str::to_owned).collect())
+    pub(crate) fn participants(&self) -> BTreeSet<&'a ParticipantId> {
+        self.rows.iter().map(|row| &self.metrics.trials()[*row].participant).collect()
     }
 
     /// Number of trials with this word, and of trials with any.
-    pub(crate) fn count(&self, column: &str, word: &str) -> Result<(usize, usize), TableError> {
-        let of: Vec<&str> = self.words(column)?.into_iter().flatten().collect();
+    pub(crate) fn count(&self, metric: &str, word: &str) -> Result<(usize, usize), TableError> {
+        let words = self.metrics.words(metric)?;
+        let of: Vec<&str> = self.rows.iter().filter_map(|row| words[*row]).collect();
         Ok((of.iter().filter(|w| **w == word).count(), of.len()))
     }
 }
@@ -125,7 +119,9 @@ impl<'a> Trials<'a> {
 pub(crate) mod testing {
     use super::*;
     use crate::columns::metric_columns;
-    use zwidth_tables::Column;
+    use zwidth_results::{Row as _, TrialKey};
+    use zwidth_study::Source;
+    use zwidth_tables::{Column, Table};
 
     /// One trial of made-up metrics: environment, mode, and the values that the report reads.
     pub(crate) struct MetricsRow {
@@ -155,22 +151,22 @@ pub(crate) mod testing {
         }
     }
 
-    pub(crate) fn metrics(rows: &[MetricsRow]) -> Table {
-        let text = |name, get: fn(&MetricsRow) -> &'static str| {
-            Column::text(name, "", rows.iter().map(|r| Some(get(r).to_owned())))
+    pub(crate) fn metrics(rows: &[MetricsRow]) -> Measured {
+        let key = |(trial, row): (u32, &MetricsRow)| TrialKey {
+            participant: row.participant.parse().unwrap(),
+            session: "S01".parse().unwrap(),
+            trial,
+            repeat: trial,
+            environment: row.condition.0.parse().unwrap(),
+            mode: row.condition.1.parse().unwrap(),
+            source: Source::from_word(row.source).unwrap(),
         };
         let float = |name, get: fn(&MetricsRow) -> Option<f64>| {
             Column::float(name, "1", "", rows.iter().map(get))
         };
         let count = |name, n| Column::integer(name, "1", "", rows.iter().map(move |_| Some(n)));
         let mut columns = vec![
-            text("participant", |r| r.participant),
-            text("session", |_| "S01"),
-            Column::integer("trial", "1", "", (1..).zip(rows).map(|(trial, _)| Some(trial))),
-            text("environment", |r| r.condition.0),
-            text("mode", |r| r.condition.1),
-            text("source", |r| r.source),
-            text("recorded_stability", |r| r.stability),
+            Column::text("recorded_stability", "", rows.iter().map(|r| Some(r.stability))),
             float("stiffness_n_per_rad", |r| r.stiffness),
             float("saturation_force_n", |r| r.saturation),
             float("returned_energy_share", |r| r.returned),
@@ -190,6 +186,7 @@ pub(crate) mod testing {
         ];
         // As it is read: what is looked at and not listed is not there.
         columns.retain(|column| metric_columns().contains(&&*column.field.name));
-        Table::new("metrics", "", columns).unwrap()
+        let keys = TrialKey::columns(&(1..).zip(rows).map(key).collect::<Vec<_>>());
+        Measured::of(Table::new("metrics", "", [keys, columns].concat()).unwrap()).unwrap()
     }
 }

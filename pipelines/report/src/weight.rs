@@ -1,9 +1,8 @@
 //! The weight calculation of the thesis' Appendix A, with the study's own masses.
 
 use crate::actuation::hybrid;
-use crate::facts::{self, Fact};
+use zwidth_results::Fact;
 use zwidth_study::{Calibration, Setup};
-use zwidth_tables::{Table, TableError};
 
 /// Rated voltage of the thesis' motor, V: Faulhaber 2342S048C (§2.1). A study's file does not hold
 /// its motor's.
@@ -16,13 +15,10 @@ pub(crate) const RATED_V: f64 = 48.0;
 ///
 /// Two slips of Appendix A and §6.3 are corrected and noted: at stall the power goes with the
 /// square of the voltage, and the weight saved is the motor's less the hybrid's.
-///
-/// # Errors
-/// A number that is not finite.
-pub fn weight_table(study: &Setup, calibration: &Calibration) -> Option<Result<Table, TableError>> {
+pub fn weight_facts(study: &Setup, calibration: &Calibration) -> Option<Vec<Fact>> {
     let masses = study.masses?;
     let used_v = hybrid(study)?.motor_max_v?;
-    Some(table(masses.motor_kg * 1e3, masses.brake_kg * 1e3, used_v, calibration))
+    Some(facts(masses.motor_kg * 1e3, masses.brake_kg * 1e3, used_v, calibration))
 }
 
 /// Whether masses and modes allow a table of weights.
@@ -38,17 +34,12 @@ pub(crate) fn masses_g(study: &Setup) -> Option<[f64; 2]> {
     Some([(masses.motor_kg * share + masses.brake_kg) * 1e3, masses.motor_kg * 1e3])
 }
 
-fn table(
-    motor_g: f64,
-    brake_g: f64,
-    used_v: f64,
-    calibration: &Calibration,
-) -> Result<Table, TableError> {
+fn facts(motor_g: f64, brake_g: f64, used_v: f64, calibration: &Calibration) -> Vec<Fact> {
     let share = used_v / RATED_V;
     let force_n = calibration.motor.force_n(used_v);
     let small_g = motor_g * share;
     let hybrid_g = small_g + brake_g;
-    let facts = [
+    vec![
         Fact::new("motor, mass", Some(motor_g), "g").printed(88.0),
         Fact::new("brake, mass", Some(brake_g), "g").printed(27.0),
         Fact::new("motor voltage in the hybrid mode", Some(used_v), "V").printed(8.0),
@@ -66,20 +57,17 @@ fn table(
         Fact::new("share of the motor's power at stall", Some(share * share), "1")
             .printed(1.0 / 6.0)
             .remarked("power goes with the voltage squared: 1/36, not 1/6"),
-    ];
-    let table =
-        facts::table("weight", "Weight of a hybrid against a motor alone (Appendix A)", &facts)?;
-    Ok(table
-        .with_note(
-            "Two slips of the thesis are corrected: at stall the power goes with the square of the voltage, so that 8 of \
-             48 V are 1/36 of it and not 1/6 (the force, on which the masses rest, is 1/6); and 88 g less 42 g are \
-             46 g, not 35 g.",
-        )
-        .with_note(
-            "The rated 48 V are those of the thesis' motor. Transmission, housing and the air gap are left out, as in \
-             the thesis: an indication, not a design.",
-        ))
+    ]
 }
+
+/// What stands below the table of weights.
+pub const WEIGHT_NOTES: [&str; 2] = [
+    "Two slips of the thesis are corrected: at stall the power goes with the square of the voltage, so that 8 of \
+     48 V are 1/36 of it and not 1/6 (the force, on which the masses rest, is 1/6); and 88 g less 42 g are \
+     46 g, not 35 g.",
+    "The rated 48 V are those of the thesis' motor. Transmission, housing and the air gap are left out, as in \
+     the thesis: an indication, not a design.",
+];
 
 #[cfg(test)]
 mod tests {
@@ -91,8 +79,8 @@ mod tests {
 
     #[test]
     fn the_thesis_masses_give_46_g_saved_and_a_thirty_sixth_of_the_power() {
-        let table = weight_table(&study(), &Calibration::thesis()).unwrap().unwrap();
-        let values: Vec<f64> = table.floats("value").unwrap().into_iter().flatten().collect();
+        let facts = weight_facts(&study(), &Calibration::thesis()).unwrap();
+        let values: Vec<f64> = facts.iter().filter_map(|fact| fact.value).collect();
         let expect = [
             88.0,
             27.0,
@@ -114,9 +102,9 @@ mod tests {
     fn without_masses_or_a_mode_of_both_there_is_nothing_to_weigh() {
         let mut light = study();
         light.masses = None;
-        assert!(weight_table(&light, &Calibration::thesis()).is_none());
+        assert!(weight_facts(&light, &Calibration::thesis()).is_none());
         let mut single = study();
         single.modes.retain(|m| m.motor_max_v.is_none() || m.brake_max_v.is_none());
-        assert!(weight_table(&single, &Calibration::thesis()).is_none());
+        assert!(weight_facts(&single, &Calibration::thesis()).is_none());
     }
 }

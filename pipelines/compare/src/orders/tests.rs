@@ -6,8 +6,9 @@ use crate::tests::{Printed, compare};
 use crate::{DrawnOrder, MetricParameters};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use zwidth_study::{Contrast, Families, OrderScheme};
-use zwidth_tables::{Column, Table};
+use zwidth_results::{Row as _, TrialKey};
+use zwidth_study::{Contrast, Families, OrderScheme, Source as Origin};
+use zwidth_tables::{Column, Measured, Table};
 
 const FEW: Sampling = Sampling { draws: 199, seed: 3 };
 const ENVIRONMENTS: [&str; 2] = ["spring", "wall"];
@@ -97,18 +98,20 @@ impl Demo {
         Self::new(scheme, 3, people, SEED, effect)
     }
 
-    fn metrics(&self) -> Table {
-        let trials = || self.trials.iter();
-        let columns = vec![
-            Column::text("participant", "", trials().map(|t| Some(t.who.as_str()))),
-            Column::text("session", "", trials().map(|_| Some("S01"))),
-            Column::integer("trial", "1", "", trials().map(|t| Some(i64::from(t.number)))),
-            Column::integer("repeat", "1", "", trials().map(|_| Some(1))),
-            Column::text("environment", "", trials().map(|t| Some(ENVIRONMENTS[t.environment]))),
-            Column::text("mode", "", trials().map(|t| Some(MODES[t.mode]))),
-            Column::float("step_n", "N", "a step", trials().map(|t| t.value)),
-        ];
-        Table::new("metrics", "", columns).unwrap()
+    fn metrics(&self) -> Measured {
+        let key = |t: &Trial| TrialKey {
+            participant: t.who.parse().unwrap(),
+            session: "S01".parse().unwrap(),
+            trial: t.number,
+            repeat: 1,
+            environment: ENVIRONMENTS[t.environment].parse().unwrap(),
+            mode: MODES[t.mode].parse().unwrap(),
+            source: Origin::Recorded,
+        };
+        let mut columns = TrialKey::columns(&self.trials.iter().map(key).collect::<Vec<_>>());
+        let values = self.trials.iter().map(|t| t.value);
+        columns.push(Column::float("step_n", "N", "a step", values));
+        Measured::of(Table::new("metrics", "", columns).unwrap()).unwrap()
     }
 
     /// The tests of both environments.

@@ -6,10 +6,11 @@ use super::estimates::Estimate;
 use crate::compared::ComparedMetric;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::sync::Arc;
-use zwidth_results::GivenAnswer;
-use zwidth_study::{AnswerValue, Coordinate, Question, Setup};
-use zwidth_tables::{Column, Table, TableError, Values, shown_unit};
+use zwidth_results::{GivenAnswer, TrialKey};
+use zwidth_study::{
+    AnswerValue, Coordinate, EnvironmentId, ModeId, ParticipantId, Question, SessionId, Setup,
+};
+use zwidth_tables::{Column, Measured, Values, shown_unit};
 
 /// A study, as the page's script knows it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -83,12 +84,12 @@ struct QuestionOf {
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct TrialOf {
-    pub(super) participant: Arc<str>,
-    pub(super) session: Arc<str>,
-    pub(super) environment: Arc<str>,
-    pub(super) mode: Arc<str>,
-    pub(super) repeat: i64,
-    pub(super) trial: i64,
+    pub(super) participant: ParticipantId,
+    pub(super) session: SessionId,
+    pub(super) environment: EnvironmentId,
+    pub(super) mode: ModeId,
+    pub(super) repeat: u32,
+    pub(super) trial: u32,
     /// The script that holds its samples.
     data: String,
     metrics: Vec<Option<f64>>,
@@ -117,28 +118,24 @@ impl Contents {
         self.turned.is_some()
     }
 
-    /// What is known of a study. `metrics` has one row per trial, `compared` names those to show;
-    /// `answers` are all there are.
-    ///
-    /// # Errors
-    /// A table that lacks a column.
+    /// What is known of a study. `compared` names the metrics to show; `answers` are all there are.
     pub fn of(
         (study, title): (&str, &str),
         planned: &Setup,
-        metrics: &Table,
+        metrics: &Measured,
         compared: &[ComparedMetric],
         answers: &[GivenAnswer],
-    ) -> Result<Self, TableError> {
+    ) -> Self {
         let coordinate = planned.coordinate;
         let (angle_unit, angle_scale) = shown_unit("rad", coordinate);
         let columns: Vec<(&ComparedMetric, &Column)> = compared
             .iter()
-            .filter_map(|m| Some((m, metrics.column(m.metric.metric.as_str()).ok()?)))
+            .filter_map(|m| Some((m, metrics.metric(m.metric.metric.as_str())?)))
             .collect();
-        Ok(Self {
+        Self {
             study: study.to_owned(),
             title: title.to_owned(),
-            simulated: crate::people::simulated(metrics)?,
+            simulated: crate::people::simulated(metrics),
             angle_unit,
             angle_scale,
             force_unit: "N",
@@ -146,10 +143,10 @@ impl Contents {
             modes: planned.modes.iter().map(Labelled::of).collect(),
             metrics: columns.iter().map(|(metric, _)| MetricOf::of(metric, coordinate)).collect(),
             questions: ratings(planned).map(QuestionOf::of).collect(),
-            trials: trials(metrics, &columns, &answered(planned, answers))?,
+            trials: trials(metrics, &columns, &answered(planned, answers)),
             turned: None,
             single_file: false,
-        })
+        }
     }
 
     /// Every trial.
@@ -211,13 +208,13 @@ fn ratings(planned: &Setup) -> impl Iterator<Item = &Question> {
 }
 
 /// Participant, session, trial.
-type Key = (Arc<str>, Arc<str>, i64);
+type Key = (ParticipantId, SessionId, u32);
 
 /// Each trial's answers, in the order of the questions.
 fn answered(planned: &Setup, answers: &[GivenAnswer]) -> BTreeMap<Key, Vec<Option<AnswerValue>>> {
     let mut found: BTreeMap<Key, Vec<Option<AnswerValue>>> = BTreeMap::new();
     for row in answers {
-        let key = (row.participant.as_str().into(), row.session.as_str().into(), row.trial.into());
+        let key = (row.participant.clone(), row.session.clone(), row.trial);
         let answers = found.entry(key).or_insert_with(|| vec![None; ratings(planned).count()]);
         if let Some(place) = ratings(planned).position(|question| question.id == row.question) {
             answers[place] = Some(row.answer);
@@ -226,43 +223,28 @@ fn answered(planned: &Setup, answers: &[GivenAnswer]) -> BTreeMap<Key, Vec<Optio
     found
 }
 
-/// Whose trial each row is.
-fn keys(table: &Table) -> Result<Vec<Option<Key>>, TableError> {
-    let (who, when) = (table.shared_texts("participant")?, table.shared_texts("session")?);
-    let rows = who.iter().cloned().zip(when.iter().cloned()).zip(table.integers("trial")?);
-    Ok(rows.map(|((who, when), trial)| Some((who?, when?, trial?))).collect())
-}
-
 fn trials(
-    metrics: &Table,
+    metrics: &Measured,
     columns: &[(&ComparedMetric, &Column)],
     answers: &BTreeMap<Key, Vec<Option<AnswerValue>>>,
-) -> Result<Vec<TrialOf>, TableError> {
-    let (environments, modes) =
-        (metrics.shared_texts("environment")?, metrics.shared_texts("mode")?);
-    let repeats = metrics.integers("repeat")?;
-    let mut trials = Vec::new();
-    for (row, key) in keys(metrics)?.into_iter().enumerate() {
-        let (Some(key), Some(environment), Some(mode)) =
-            (key, environments[row].clone(), modes[row].clone())
-        else {
-            continue;
-        };
-        let answers = answers.get(&key).cloned().unwrap_or_default();
-        let (participant, session, trial) = key;
-        trials.push(TrialOf {
-            data: [&*participant, &*session, &*environment, &*mode].join("."),
-            repeat: repeats[row].unwrap_or_default(),
+) -> Vec<TrialOf> {
+    let trial = |(row, of): (usize, &TrialKey)| {
+        let TrialKey { participant, session, trial, repeat, environment, mode, .. } = of.clone();
+        let key = (participant.clone(), session.clone(), trial);
+        let data = [participant.as_str(), session.as_str(), environment.as_str(), mode.as_str()];
+        TrialOf {
+            data: data.join("."),
             metrics: columns.iter().map(|(_, column)| number(column, row)).collect(),
+            answers: answers.get(&key).cloned().unwrap_or_default(),
             participant,
             session,
             environment,
             mode,
+            repeat,
             trial,
-            answers,
-        });
-    }
-    Ok(trials)
+        }
+    };
+    metrics.trials().iter().enumerate().map(trial).collect()
 }
 
 fn number(column: &Column, row: usize) -> Option<f64> {

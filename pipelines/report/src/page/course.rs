@@ -16,7 +16,7 @@ pub type Columns = Vec<(&'static str, Vec<f64>)>;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Event {
     /// `onset`, `reversal`, `end`, `contact` with the wall, `let_go` of the brake.
-    pub kind: String,
+    pub kind: &'static str,
     /// When, as the trial's samples count time, s.
     pub t_s: f64,
 }
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn a_script_is_one_call_with_the_condition_and_what_it_has() {
         let columns = vec![("t_s", vec![0.0, 0.5])];
-        let events = vec![Event { kind: "onset".to_owned(), t_s: 0.5 }];
+        let events = vec![Event { kind: "onset", t_s: 0.5 }];
         let course = Course {
             trial: 4,
             repeat: 1,

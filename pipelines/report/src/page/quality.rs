@@ -72,11 +72,9 @@ fn order(page: &Page) -> Markup {
 }
 
 fn session(page: &Page, who: &str, trials: &[&TrialOf]) -> Markup {
-    let environment = |trial: &TrialOf| {
-        page.planned.environments.iter().position(|e| *e.id.as_str() == *trial.environment)
-    };
-    let mode =
-        |trial: &TrialOf| page.planned.modes.iter().position(|m| *m.id.as_str() == *trial.mode);
+    let environment =
+        |trial: &TrialOf| page.planned.environments.iter().position(|e| e.id == trial.environment);
+    let mode = |trial: &TrialOf| page.planned.modes.iter().position(|m| m.id == trial.mode);
     html! {
         tr {
             th scope="row" { (who) }

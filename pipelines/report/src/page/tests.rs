@@ -3,9 +3,11 @@ use crate::Summary;
 use crate::compared::tests::{difference, mean, metric};
 use crate::{ComparedMetric, Made, Matrix, MatrixRow, Remark, Told};
 use std::collections::BTreeMap;
-use zwidth_results::{GivenAnswer, Mean, ModeDifference, UnitOfAnalysis, Verdict};
+use zwidth_results::{
+    GivenAnswer, Mean, ModeDifference, Row as _, TrialKey, UnitOfAnalysis, Verdict,
+};
 use zwidth_study::{AnswerValue, Setup, Source};
-use zwidth_tables::{Column, Table};
+use zwidth_tables::{Column, Measured, Table};
 
 /// What nobody should be able to put into a page.
 const HOSTILE: &str = "</script><script>alert('x')</script>\"'&\u{7}\\ {{}} <!-- %";
@@ -47,23 +49,20 @@ fn summary() -> Summary {
     }
 }
 
-fn texts(name: &'static str, values: [&str; 2]) -> Column {
-    Column::text(name, "what", values.map(|v| Some(v.to_owned())))
-}
-
 /// Two trials, the first with a metric and an answer.
-fn metrics() -> Table {
-    let columns = vec![
-        texts("participant", ["P01", "P01"]),
-        texts("session", ["S01", "S01"]),
-        Column::integer("trial", "1", "number", [Some(4), Some(3)]),
-        Column::integer("repeat", "1", "repeat", [Some(1), Some(2)]),
-        texts("environment", ["spring", "spring"]),
-        texts("mode", ["active", "active"]),
-        texts("source", ["twin", "twin"]),
-        Column::float("theta_max_rad", "rad", "largest angle", [Some(0.5), None]),
-    ];
-    Table::new("metrics", "Metrics", columns).unwrap()
+fn metrics() -> Measured {
+    let key = |(trial, repeat): (u32, u32)| TrialKey {
+        participant: "P01".parse().unwrap(),
+        session: "S01".parse().unwrap(),
+        trial,
+        repeat,
+        environment: "spring".parse().unwrap(),
+        mode: "active".parse().unwrap(),
+        source: Source::Twin,
+    };
+    let mut columns = TrialKey::columns(&[(4, 1), (3, 2)].map(key));
+    columns.push(Column::float("theta_max_rad", "rad", "largest angle", [Some(0.5), None]));
+    Measured::of(Table::new("metrics", "Metrics", columns).unwrap()).unwrap()
 }
 
 fn contents(planned: &Setup, title: &str) -> Contents {
@@ -100,7 +99,7 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         counts: true,
         why_not: None,
     };
-    Contents::of(("s", title), planned, &metrics(), &[compared], &[given]).unwrap()
+    Contents::of(("s", title), planned, &metrics(), &[compared], &[given])
 }
 
 fn page(summary: &Summary) -> String {

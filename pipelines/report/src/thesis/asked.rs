@@ -3,22 +3,27 @@
 use crate::thesis::forces::WALL_FORCE;
 use crate::thesis::rule::From;
 use crate::thesis::statements::ALL;
+use std::borrow::Cow;
+use zwidth_results::{Causality, ModelPlant, ReplayedModel, Row as _, TrialKey};
 use zwidth_tables::{Table, TableError};
 
 /// Of the rows of the table of replays those that are asked: of the model by eye, driven by force.
 ///
 /// # Errors
-/// A table that lacks a column.
+/// A table that is not one of replays.
 pub fn replayed(replays: &Table) -> Result<Table, TableError> {
-    let rows = replays.words("causality")?.zip(replays.words("model")?).enumerate();
-    let is_asked = |(row, of)| (of == (Some("force_driven"), Some("by_eye"))).then_some(row);
-    Ok(replays.rows(&rows.filter_map(is_asked).collect::<Vec<_>>()))
+    let is_asked = |of: &ReplayedModel| {
+        (of.causality, of.model) == (Causality::ForceDriven, ModelPlant::ByEye)
+    };
+    let models: Vec<ReplayedModel> = replays.to_rows()?;
+    let rows = models.iter().enumerate().filter(|(_, of)| is_asked(of)).map(|(row, _)| row);
+    Ok(replays.rows(&rows.collect::<Vec<_>>()))
 }
 
 /// The columns of the table of replays that are looked at.
-pub fn replayed_columns() -> Vec<&'static str> {
-    let told_apart = ["participant", "session", "environment", "mode", "causality", "model"];
-    told_apart.into_iter().chain(asked(From::Replays)).collect()
+pub fn replayed_columns() -> Vec<Cow<'static, str>> {
+    let told_apart = [TrialKey::fields(), ReplayedModel::fields()].concat().into_iter();
+    told_apart.map(|field| field.name).chain(asked(From::Replays).map(Cow::from)).collect()
 }
 
 /// The metrics that the statements ask of trials.
@@ -34,19 +39,16 @@ fn asked(from: From) -> impl Iterator<Item = &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
 
     #[test]
     fn of_the_replays_those_by_eye_and_by_force_are_asked() {
-        let text = |name, values: [&str; 4]| {
-            Column::text(name, "", values.map(|value| Some(value.to_owned())))
-        };
-        let columns = vec![
-            text("causality", ["force_driven", "motion_driven", "force_driven", "force_driven"]),
-            text("model", ["by_eye", "by_eye", "fitted", "by_eye"]),
-            Column::integer("trial", "1", "", (1..=4).map(Some)),
+        let of = |causality, model| ReplayedModel { causality, model };
+        let rows = [
+            of(Causality::PositionDriven, ModelPlant::ByEye),
+            of(Causality::ForceDriven, ModelPlant::ByEye),
+            of(Causality::ForceDriven, ModelPlant::Fitted),
         ];
-        let asked = replayed(&Table::new("replay", "", columns).unwrap()).unwrap();
-        assert_eq!(asked.integers("trial").unwrap(), [Some(1), Some(4)]);
+        let asked = replayed(&Table::of_rows(&rows).unwrap()).unwrap();
+        assert_eq!(asked.to_rows::<ReplayedModel>().unwrap(), rows[1..2]);
     }
 }

@@ -5,6 +5,7 @@ use crate::trials::{People, mean_of_one};
 use zwidth_stats::interval::sd;
 use zwidth_stats::welch::{self, Group};
 use zwidth_stats::{Tested, Unestimable, paired};
+use zwidth_study::ParticipantId;
 
 /// What is known of how far an estimate may be off.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +62,7 @@ pub(crate) fn difference(a: &People, b: &People, level: f64) -> Option<Estimated
 }
 
 /// `trials of P01`.
-pub(crate) fn trials_of(who: &str) -> String {
+pub(crate) fn trials_of(who: &ParticipantId) -> String {
     format!("trials of {who}")
 }
 
@@ -94,8 +95,8 @@ mod tests {
     fn people(values: &[(&str, &str, &[f64])]) -> People {
         let mut people = People::new();
         for (who, session, values) in values {
-            let sessions = people.entry((*who).to_owned()).or_default();
-            sessions.insert((*session).to_owned(), values.to_vec());
+            let sessions = people.entry(who.parse().unwrap()).or_default();
+            sessions.insert(session.parse().unwrap(), values.to_vec());
         }
         people
     }

@@ -124,7 +124,7 @@ fn wall_below_brake(derived: &Derived) -> Result<Judged, Stop> {
     let Some(most) = forces.iter().copied().reduce(f64::max) else {
         return not_measured("no trial has a force past the wall");
     };
-    let (people, coordinate) = (trials.participants()?, derived.known.study.coordinate);
+    let (people, coordinate) = (trials.participants(), derived.known.study.coordinate);
     let over = match people.first() {
         Some(who) if people.len() == 1 => trials_of(who),
         _ => format!("trials of {} participants", people.len()),

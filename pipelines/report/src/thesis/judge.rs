@@ -1,6 +1,7 @@
 //! What a study's tables say of a statement.
 
 use crate::answers::{median, scored};
+use crate::columns::STIFFNESS;
 use crate::evidence::{Evidence, Verdict};
 use crate::gallery::Shown;
 use crate::thesis::estimate::{Estimated, difference, mean};
@@ -148,7 +149,7 @@ fn every(
 
 fn never(quantity: Quantity, case: Case, derived: &Derived) -> Result<Judged, Stop> {
     let trials = trials(derived, case, quantity.from)?;
-    let all = trials.floats("stiffness_n_per_rad")?.len();
+    let all = trials.floats(STIFFNESS)?.len();
     if all == 0 {
         return Err(Stop::NotMeasured("no trial has a line of force on angle".to_owned()));
     }

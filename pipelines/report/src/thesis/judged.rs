@@ -8,7 +8,7 @@ use crate::thesis::rule::{Case, From, Place, Quantity, Range};
 use crate::trials::{People, Trials};
 use zwidth_results::{AnswerTally, GivenAnswer};
 use zwidth_study::{Basis, Coordinate, Environment, Mode, ModeLaw, in_a_sentence};
-use zwidth_tables::{Table, TableError, number, shown_unit, with_unit};
+use zwidth_tables::{Measured, TableError, number, shown_unit, with_unit};
 
 /// The tables of a study by which the thesis' statements are judged.
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +18,7 @@ pub struct Derived<'a> {
     /// Where the calibration comes from.
     pub basis: Basis,
     /// The replays that are asked ([`crate::replayed`]), one row per trial.
-    pub replays: Option<&'a Table>,
+    pub replays: Option<&'a Measured>,
     /// The answers as given, one row each.
     pub answers: Option<&'a [GivenAnswer]>,
     /// Their tally.
@@ -97,7 +97,7 @@ pub(crate) fn trials<'a>(
         let of = [in_a_sentence(&mode.label), in_a_sentence(&environment.label)].join(", ");
         Stop::NotMeasured(format!("there is no trial of {of}"))
     };
-    let trials = Trials::of(table.ok_or_else(none)?, Some(&environment.id), &mode.id)?;
+    let trials = Trials::of(table.ok_or_else(none)?, Some(&environment.id), &mode.id);
     if trials.len() == 0 { Err(none()) } else { Ok(trials) }
 }
 
@@ -163,7 +163,7 @@ pub(crate) fn counted(
     asked: &str,
     trials: &Trials,
 ) -> Result<Judged, Stop> {
-    let people = trials.participants()?;
+    let people = trials.participants();
     let over = match people.first() {
         Some(who) if people.len() == 1 => trials_of(who),
         _ => format!("trials of {} participants", people.len()),

@@ -21,12 +21,12 @@ pub use asked::{replayed, replayed_columns};
 pub use judged::Derived;
 pub use told::{Told, told};
 
-use crate::evidence::{Verdict, notes};
 use judge::judge;
 use judged::Judged;
 use rule::Statement;
 use std::collections::BTreeMap;
-use zwidth_tables::{Column, NoteKind, Table, TableError};
+use zwidth_results::{ClaimVerdict, JudgedStatement};
+use zwidth_tables::TableError;
 
 /// The thesis' statements, one row each, in the order of its text: verdict, value with interval,
 /// unit, n, unit of analysis, and the figure or table that shows it.
@@ -37,58 +37,40 @@ use zwidth_tables::{Column, NoteKind, Table, TableError};
 /// one participant Welch's over the trials, which speaks of nobody else.
 ///
 /// # Errors
-/// Tables that lack a column.
-pub fn thesis_table(derived: &Derived) -> Result<Table, TableError> {
-    let mut verdicts: BTreeMap<&str, Verdict> = BTreeMap::new();
-    let mut rows: Vec<(&Statement, Judged)> = Vec::new();
+/// Metrics or replays that lack a column.
+pub fn statements(derived: &Derived) -> Result<Vec<JudgedStatement>, TableError> {
+    let mut verdicts: BTreeMap<&str, ClaimVerdict> = BTreeMap::new();
+    let mut rows = Vec::new();
     for statement in statements::ALL {
         let judged = judge(statement, &verdicts, derived)?;
         verdicts.insert(statement.key, judged.evidence.verdict);
-        rows.push((statement, judged));
+        rows.push(row(statement, judged, derived));
     }
-    let title = "The thesis' statements, judged by this study";
-    let table = Table::new("thesis", title, columns(&rows, derived))?;
-    let table = notes(derived.known.metrics)?.into_iter().fold(table, Table::with_note);
-    Ok(table
-        .with_note(
-            "A statement is supported if the whole interval lies within what is asked, contradicted if no part of it \
-             does, and undecided otherwise. Intervals are not adjusted for the number of statements.",
-        )
-        .with_note_of(NoteKind::General, derived.basis.footnote()))
+    Ok(rows)
 }
 
-fn columns(rows: &[(&Statement, Judged)], derived: &Derived) -> Vec<Column> {
-    let given = |text: &str| (!text.is_empty()).then(|| text.to_owned());
-    let planned = |name, about, get: fn(&Statement) -> &str| {
-        Column::text(name, about, rows.iter().map(|(s, _)| given(get(s))))
-    };
-    let text = |name, about, get: fn(&Judged) -> &str| {
-        Column::text(name, about, rows.iter().map(|(_, j)| given(get(j))))
-    };
-    let number = |name, about, get: fn(&Judged) -> Option<f64>| {
-        Column::float(name, "1", about, rows.iter().map(|(_, j)| get(j)))
-    };
-    let shown = rows.iter().map(|(_, judged)| {
-        let measured = judged.evidence.verdict != Verdict::NotMeasured;
-        measured.then(|| derived.gallery.file(&judged.shown))
-    });
-    let n = rows.iter().map(|(_, judged)| judged.n.and_then(|n| i64::try_from(n).ok()));
-    vec![
-        planned("key", "the statement's word", |s| s.key),
-        planned("source", "where the thesis has it", |s| s.source),
-        planned("statement", "what the thesis says, in short", |s| s.text),
-        text("verdict", "what this study says of it", |j| j.evidence.verdict.as_str()),
-        text("metric", "this study's number", |j| &j.evidence.metric),
-        number("value", "its value, in the unit beside it", |j| j.evidence.value),
-        number("ci_low", "lower end of its interval", |j| j.interval.map(|ends| ends[0])),
-        number("ci_high", "upper end of its interval", |j| j.interval.map(|ends| ends[1])),
-        text("unit", "their unit", |j| &j.evidence.unit),
-        Column::integer("n", "1", "units of analysis", n),
-        text("unit_of_analysis", "what n counts", |j| &j.over),
-        text("asked", "what the value must be, and why", |j| &j.asked),
-        Column::text("shown", "the figure or table that shows it", shown),
-        text("remark", "what is to be said of it, or why it is not measured", |j| {
-            &j.evidence.remark
-        }),
-    ]
+/// What stands below the table of statements.
+pub const HOW_JUDGED: &str = "A statement is supported if the whole interval lies within what is asked, contradicted if no part of it \
+     does, and undecided otherwise. Intervals are not adjusted for the number of statements.";
+
+fn row(statement: &Statement, judged: Judged, derived: &Derived) -> JudgedStatement {
+    let given = |text: String| (!text.is_empty()).then_some(text);
+    let Judged { evidence, asked, interval, n, over, shown } = judged;
+    let is_measured = evidence.verdict != ClaimVerdict::NotMeasured;
+    JudgedStatement {
+        key: statement.key.to_owned(),
+        source: statement.source.to_owned(),
+        statement: statement.text.to_owned(),
+        verdict: evidence.verdict,
+        metric: given(evidence.metric),
+        value: evidence.value,
+        ci_low: interval.map(|ends| ends[0]),
+        ci_high: interval.map(|ends| ends[1]),
+        unit: given(evidence.unit),
+        n,
+        unit_of_analysis: given(over),
+        asked: given(asked),
+        shown: is_measured.then(|| derived.gallery.file(&shown)),
+        remark: given(evidence.remark),
+    }
 }

@@ -1,13 +1,17 @@
 //! The statements judged by hand-made studies.
 
-use super::{Derived, replayed_columns, thesis_table, told};
+use super::{Derived, replayed_columns, statements, told};
 use crate::columns::metric_columns;
-use crate::evidence::Known;
+use crate::evidence::{Known, notes};
 use crate::gallery::Gallery;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
-use zwidth_results::GivenAnswer;
-use zwidth_study::{Basis, Calibration, Coordinate, Setup};
-use zwidth_tables::{Column, Table};
+use zwidth_results::{
+    Causality, ClaimVerdict, GivenAnswer, JudgedStatement, ModelPlant, ReplayedModel, Row as _,
+    TrialKey,
+};
+use zwidth_study::{Basis, Calibration, Coordinate, Setup, Source};
+use zwidth_tables::{Column, Measured, Table};
 
 /// A trial: participant, environment, mode, and its numbers by column.
 type Trial<'a> = (&'a str, &'a str, &'a str, &'a [(&'static str, f64)]);
@@ -38,23 +42,22 @@ const COLUMNS: [&str; 20] = [
     "velocity_nrmse",
 ];
 
-fn text(name: &'static str, values: impl Iterator<Item = String>) -> Column {
-    Column::text(name, "", values.map(Some))
-}
-
-/// A table of trials: of metrics, and of replays driven by force too.
+/// Metrics of trials, and what replays driven by force say of them, in one table.
 fn trials(of: &[Trial], source: &str) -> Table {
-    let mut columns = vec![
-        text("participant", of.iter().map(|t| t.0.to_owned())),
-        text("session", of.iter().map(|_| "S01".to_owned())),
-        text("environment", of.iter().map(|t| t.1.to_owned())),
-        text("mode", of.iter().map(|t| t.2.to_owned())),
-        text("source", of.iter().map(|_| source.to_owned())),
-        text("causality", of.iter().map(|_| "force_driven".to_owned())),
-        text("model", of.iter().map(|_| "by_eye".to_owned())),
-        text("recorded_stability", of.iter().map(|_| "smooth".to_owned())),
-        Column::integer("wall_brake_releases", "1", "", of.iter().map(|_| Some(1))),
-    ];
+    let key = |(number, trial): (u32, &Trial)| TrialKey {
+        participant: trial.0.parse().unwrap(),
+        session: "S01".parse().unwrap(),
+        trial: number,
+        repeat: number,
+        environment: trial.1.parse().unwrap(),
+        mode: trial.2.parse().unwrap(),
+        source: Source::from_word(source).unwrap(),
+    };
+    let mut columns = TrialKey::columns(&(1..).zip(of).map(key).collect::<Vec<_>>());
+    let by_eye = ReplayedModel { causality: Causality::ForceDriven, model: ModelPlant::ByEye };
+    columns.extend(ReplayedModel::columns(&vec![by_eye; of.len()]));
+    columns.push(Column::text("recorded_stability", "", of.iter().map(|_| Some("smooth"))));
+    columns.push(Column::integer("wall_brake_releases", "1", "", of.iter().map(|_| Some(1))));
     let value = |trial: &Trial, name: &str| {
         trial.3.iter().find(|(column, _)| *column == name).map(|(_, value)| *value)
     };
@@ -68,7 +71,11 @@ fn study() -> Setup {
     Setup::of(&zwidth_testing::study())
 }
 
-fn judged(study: &Setup, metrics: Option<&Table>, answers: Option<&[GivenAnswer]>) -> Table {
+fn judged(
+    study: &Setup,
+    metrics: Option<&Table>,
+    answers: Option<&[GivenAnswer]>,
+) -> Vec<JudgedStatement> {
     let gallery = Gallery {
         figures: BTreeSet::from(["modes.P01.S01.spring".to_owned()]),
         only_session: Some(["P01", "S01"].map(str::to_owned)),
@@ -76,12 +83,14 @@ fn judged(study: &Setup, metrics: Option<&Table>, answers: Option<&[GivenAnswer]
     };
     let calibration = Calibration::thesis();
     // As they are read from their files: what is looked at and not listed is not there.
-    let read = |all: &Table, listed: Vec<&str>| {
-        let columns = all.columns().iter().filter(|c| listed.contains(&c.field.name.as_ref()));
-        Table::new(all.name(), "", columns.cloned().collect()).unwrap()
+    let read = |all: &Table, listed: &[Cow<str>]| {
+        let columns = all.columns().iter().filter(|column| listed.contains(&column.field.name));
+        Measured::of(Table::new(all.name(), "", columns.cloned().collect()).unwrap()).unwrap()
     };
-    let replays = metrics.map(|all| read(all, replayed_columns()));
-    let metrics = metrics.map(|all| read(all, metric_columns()));
+    let keys = TrialKey::fields().into_iter().map(|field| field.name);
+    let listed: Vec<_> = keys.chain(metric_columns().into_iter().map(Cow::from)).collect();
+    let replays = metrics.map(|all| read(all, &replayed_columns()));
+    let metrics = metrics.map(|all| read(all, &listed));
     let known = Known { study, calibration: &calibration, metrics: metrics.as_ref() };
     let derived = Derived {
         known,
@@ -92,17 +101,29 @@ fn judged(study: &Setup, metrics: Option<&Table>, answers: Option<&[GivenAnswer]
         gallery: &gallery,
         level: 0.95,
     };
-    thesis_table(&derived).unwrap()
+    statements(&derived).unwrap()
 }
 
-/// A cell of the statement of that key.
-fn cell(table: &Table, key: &str, column: &str) -> String {
-    let row = table.texts("key").unwrap().iter().position(|k| k.as_deref() == Some(key)).unwrap();
-    table.texts(column).unwrap()[row].clone().unwrap_or_default()
+/// The statement of that key.
+fn of<'a>(statements: &'a [JudgedStatement], key: &str) -> &'a JudgedStatement {
+    statements.iter().find(|statement| statement.key == key).unwrap()
 }
 
-fn verdict(table: &Table, key: &str) -> String {
-    cell(table, key, "verdict")
+/// What it says in one of its texts.
+fn cell(statements: &[JudgedStatement], key: &str, text: &str) -> String {
+    let of = of(statements, key);
+    let text = match text {
+        "metric" => &of.metric,
+        "unit" => &of.unit,
+        "unit_of_analysis" => &of.unit_of_analysis,
+        "shown" => &of.shown,
+        _ => &of.remark,
+    };
+    text.clone().unwrap_or_default()
+}
+
+fn verdict(statements: &[JudgedStatement], key: &str) -> &'static str {
+    of(statements, key).verdict.as_str()
 }
 
 /// Three trials of one participant whose largest angles are these, in degrees.
@@ -126,11 +147,9 @@ fn a_number_within_its_range_supports_and_one_outside_contradicts() {
     assert_eq!(cell(&table, "passive_stops", "unit_of_analysis"), "trials of P01");
     assert_eq!(cell(&table, "passive_stops", "unit"), "°");
     assert_eq!(cell(&table, "passive_stops", "shown"), "figures/modes.P01.S01.spring.png");
-    let row =
-        table.texts("key").unwrap().iter().position(|k| k.as_deref() == Some("passive_stops"));
-    let value = table.floats("value").unwrap()[row.unwrap()].unwrap();
+    let value = of(&table, "passive_stops").value.unwrap();
     assert!((value - 40.0).abs() < 1e-9, "{value}");
-    assert_eq!(table.integers("n").unwrap()[row.unwrap()], Some(3));
+    assert_eq!(of(&table, "passive_stops").n, Some(3));
 }
 
 #[test]
@@ -165,9 +184,8 @@ fn a_study_without_modes_of_known_actuators_has_no_verdict_at_all() {
         (mode.motor_max_v, mode.brake_max_v) = (None, None);
     }
     let table = judged(&foreign, Some(&of_angles(&angles("passive", [40.0; 3]))), None);
-    let verdicts = table.texts("verdict").unwrap();
-    assert!(verdicts.iter().all(|v| v.as_deref() == Some("not measured")), "{verdicts:?}");
-    let (counts, judged) = told(&table).unwrap();
+    assert!(table.iter().all(|of| of.verdict == ClaimVerdict::NotMeasured), "{table:?}");
+    let (counts, judged) = told(&table, &[]);
     assert!(counts.contains("0 are supported") && judged.is_empty(), "{counts}");
 }
 
@@ -210,15 +228,14 @@ fn modes_are_compared_within_each_participant_where_there_are_several() {
 #[test]
 fn a_brake_that_never_let_go_in_a_few_trials_leaves_sometimes_open() {
     let past = [("wall_past_max_rad", 0.004), ("wall_still_s", 0.6), ("wall_force_max_n", 8.0)];
-    let of: [Trial; 6] = [("P01", "spring_wall", "hybrid", &past); 6];
-    let table = judged(&study(), Some(&trials(&of, "recorded")), None);
+    let six: [Trial; 6] = [("P01", "spring_wall", "hybrid", &past); 6];
+    let table = judged(&study(), Some(&trials(&six, "recorded")), None);
     for key in ["wall_lets_go", "brake_lets_go_again"] {
         assert_eq!(verdict(&table, key), "undecided");
         assert_eq!(cell(&table, key, "remark"), "0 of 6 trials");
     }
     // R: binom.test(0, 6)$conf.int
-    let row = table.texts("key").unwrap().iter().position(|k| k.as_deref() == Some("wall_lets_go"));
-    let high = table.floats("ci_high").unwrap()[row.unwrap()].unwrap();
+    let high = of(&table, "wall_lets_go").ci_high.unwrap();
     assert!((high - 45.925_812_64).abs() < 1e-6, "{high}");
 }
 
@@ -299,8 +316,9 @@ fn mechanics_against_perception_needs_both() {
 fn each_judged_statement_is_told_with_its_number_its_interval_its_n_and_where_it_is_seen() {
     let all = angles("passive", [39.0, 40.0, 41.0]);
     let of: Vec<Trial> = all.iter().map(|(mode, v)| ("P01", "spring", *mode, &v[..])).collect();
-    let table = judged(&study(), Some(&trials(&of, "twin")), None);
-    let (counts, judged) = told(&table).unwrap();
+    let trials = trials(&of, "twin");
+    let table = judged(&study(), Some(&trials), None);
+    let (counts, judged) = told(&table, &notes(Some(&Measured::of(trials).unwrap())));
     assert!(counts.starts_with("Of ") && counts.contains("simulated"), "{counts}");
     assert!(counts.contains("those of one participant, P01"), "{counts}");
     let found = judged.iter().find(|t| t.text().contains("40°")).unwrap();
@@ -316,13 +334,7 @@ fn each_judged_statement_is_told_with_its_number_its_interval_its_n_and_where_it
 #[test]
 fn a_study_with_nothing_recorded_still_knows_its_forces_and_masses() {
     let table = judged(&study(), None, None);
-    let keys = table.texts("key").unwrap();
-    let verdicts = table.texts("verdict").unwrap();
-    let known: Vec<&str> = keys
-        .iter()
-        .zip(&verdicts)
-        .filter(|(_, v)| v.as_deref() != Some("not measured"))
-        .filter_map(|(k, _)| k.as_deref())
-        .collect();
+    let known = table.iter().filter(|of| of.verdict != ClaimVerdict::NotMeasured);
+    let known: Vec<&str> = known.map(|of| of.key.as_str()).collect();
     assert_eq!(known, ["motor_force", "short_of_brake", "lighter"]);
 }

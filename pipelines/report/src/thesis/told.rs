@@ -1,8 +1,8 @@
 //! The table of the thesis' statements in sentences.
 
-use crate::evidence::Verdict;
 use serde::Serialize;
-use zwidth_tables::{Table, TableError, number, with_unit};
+use zwidth_results::{ClaimVerdict, JudgedStatement};
+use zwidth_tables::{number, with_unit};
 
 /// A judged statement in words, and the file that shows it. All texts are plain.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -26,64 +26,53 @@ impl Told {
     }
 }
 
-/// How many statements have which verdict, with the table's notes where any is judged, and then
-/// each that is judged, in the table's order.
-///
-/// # Errors
-/// A table that is not that of the statements.
-pub fn told(table: &Table) -> Result<(String, Vec<Told>), TableError> {
-    let text = |name: &str| -> Result<Vec<String>, TableError> {
-        Ok(table.texts(name)?.into_iter().map(Option::unwrap_or_default).collect())
-    };
-    let (verdicts, statements, sources) = (text("verdict")?, text("statement")?, text("source")?);
-    let (metrics, asked, remarks) = (text("metric")?, text("asked")?, text("remark")?);
-    let (units, over, paths) = (text("unit")?, text("unit_of_analysis")?, text("shown")?);
-    let (value, n) = (table.floats("value")?, table.integers("n")?);
-    let (low, high) = (table.floats("ci_low")?, table.floats("ci_high")?);
-    let mut told = Vec::new();
-    for row in 0..table.height() {
-        if verdicts[row] == Verdict::NotMeasured.as_str() {
-            continue;
-        }
-        let ends = low[row].zip(high[row]);
-        let error = ends.map(|(low, high)| (high - low) / 4.0);
-        let amount =
-            value[row].map(|value| format!(": {}", with_unit(&number(value, error), &units[row])));
-        let interval = ends.map(|(low, high)| {
-            format!("interval {} to {}", number(low, error), number(high, error))
-        });
-        let counted = n[row].map(|n| format!("n = {n} {}", over[row]));
-        let remark = (!remarks[row].is_empty()).then(|| remarks[row].clone());
-        let known: Vec<String> = [interval, counted, remark].into_iter().flatten().collect();
-        let known =
-            if known.is_empty() { known.concat() } else { format!(" ({})", known.join("; ")) };
-        let evidence = format!(
+/// How many statements have which verdict, with `notes` where any is judged, and then each that is
+/// judged, in their order.
+pub fn told(statements: &[JudgedStatement], notes: &[String]) -> (String, Vec<Told>) {
+    let measured = statements.iter().filter(|of| of.verdict != ClaimVerdict::NotMeasured);
+    let told: Vec<Told> = measured.map(in_words).collect();
+    let notes = notes.iter().filter(|_| !told.is_empty()).cloned();
+    let said: Vec<String> = [counts(statements)].into_iter().chain(notes).collect();
+    (said.join(" "), told)
+}
+
+fn in_words(judged: &JudgedStatement) -> Told {
+    let word = |text: &Option<String>| text.clone().unwrap_or_default();
+    let ends = judged.ci_low.zip(judged.ci_high);
+    let error = ends.map(|(low, high)| (high - low) / 4.0);
+    let amount = judged
+        .value
+        .map(|value| format!(": {}", with_unit(&number(value, error), &word(&judged.unit))));
+    let interval = ends
+        .map(|(low, high)| format!("interval {} to {}", number(low, error), number(high, error)));
+    let counted = judged.n.map(|n| format!("n = {n} {}", word(&judged.unit_of_analysis)));
+    let known: Vec<String> =
+        [interval, counted, judged.remark.clone()].into_iter().flatten().collect();
+    let known = if known.is_empty() { String::new() } else { format!(" ({})", known.join("; ")) };
+    Told {
+        statement: judged.statement.clone(),
+        source: judged.source.clone(),
+        verdict: judged.verdict.as_str().to_owned(),
+        evidence: format!(
             "{}{}{known}; asked: {}.",
-            capital(&metrics[row]),
+            capital(&word(&judged.metric)),
             amount.unwrap_or_default(),
-            asked[row],
-        );
-        told.push(Told {
-            statement: statements[row].clone(),
-            source: sources[row].clone(),
-            verdict: verdicts[row].clone(),
-            evidence,
-            path: paths[row].clone(),
-        });
+            word(&judged.asked),
+        ),
+        path: word(&judged.shown),
     }
-    let notes = table.notes().iter().filter(|_| !told.is_empty()).cloned();
-    let said: Vec<String> = [counts(&verdicts)].into_iter().chain(notes).collect();
-    Ok((said.join(" "), told))
 }
 
 /// `Of 58 statements 20 are supported, 5 contradicted, 3 undecided, and 30 not measured.`
-fn counts(verdicts: &[String]) -> String {
-    let count = |verdict: Verdict| verdicts.iter().filter(|v| *v == verdict.as_str()).count();
-    let [supported, contradicted, undecided, not_measured] = Verdict::ALL.map(count);
+fn counts(statements: &[JudgedStatement]) -> String {
+    let count = |verdict| statements.iter().filter(|of| of.verdict == verdict).count();
     format!(
-        "Of {} statements, {supported} are supported, {contradicted} contradicted, {undecided} undecided, and \
-         {not_measured} not measured.",
-        verdicts.len()
+        "Of {} statements, {} are supported, {} contradicted, {} undecided, and {} not measured.",
+        statements.len(),
+        count(ClaimVerdict::Supported),
+        count(ClaimVerdict::Contradicted),
+        count(ClaimVerdict::Undecided),
+        count(ClaimVerdict::NotMeasured),
     )
 }
 

@@ -18,7 +18,7 @@ use anyhow::ensure;
 use people::{COPY, METRICS, PARTICIPANTS, People, REPEATS};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use zwidth_tables::Table;
+use zwidth_tables::Measured;
 
 /// At this rate as the study that comes along, Hz.
 const RATE: &str = "120";
@@ -45,7 +45,7 @@ pub(crate) fn compared(folder: &Path, seeds: u64, from: &From) -> anyhow::Result
     let began = Instant::now();
     let people = match from {
         From::Simulated(people) => simulate(&super::program()?, folder, *people)?,
-        From::Table(file) => People::of(&Table::columns_from_parquet(file, &wanted())?)?,
+        From::Table(file) => People::of(&Measured::read(file, &METRICS)?)?,
     };
     let simulated = began.elapsed().as_secs_f64();
     println!("{} people in {simulated:.0} s", people.len());
@@ -57,11 +57,6 @@ pub(crate) fn compared(folder: &Path, seeds: u64, from: &From) -> anyhow::Result
     judge::tell(&people, &found)?;
     let what = "studies drawn from simulated people: intervals, claims and power as often right as they say";
     tried::held(what, format!("cargo xtask soak compared {seeds} {}", people.len()), seeds, began)
-}
-
-/// The columns of the metrics that are read.
-fn wanted() -> Vec<&'static str> {
-    zwidth_compare::COLUMNS.into_iter().chain(METRICS).collect()
 }
 
 /// Simulates people as users do it.
@@ -90,7 +85,7 @@ fn simulate(program: &Path, folder: &Path, people: u32) -> anyhow::Result<People
     super::run(program, folder, &twin, &[0])?;
     super::run(program, folder, &["--quiet", "run", super::STUDY, "--only", "metrics"], &[0])?;
     let metrics = layout.derived().join("metrics.parquet");
-    let people = People::of(&Table::columns_from_parquet(&metrics, &wanted())?)?;
+    let people = People::of(&Measured::read(&metrics, &METRICS)?)?;
     std::fs::remove_dir_all(folder)?;
     Ok(people)
 }

@@ -2,8 +2,10 @@
 
 use anyhow::{Context as _, bail, ensure};
 use std::collections::{BTreeMap, BTreeSet};
+use zwidth_results::{Row as _, TrialKey};
 use zwidth_stats::lmm::trials::{Term, Trials, fit_trials};
-use zwidth_tables::{Column, Table};
+use zwidth_study::Source;
+use zwidth_tables::{Column, Measured, Table};
 
 /// Repeats of a condition in a session: intervals rest on people, and more trials of each would
 /// take more time and show no more.
@@ -30,8 +32,8 @@ pub(crate) const CONTRASTS: [[&str; 2]; 3] =
 #[derive(Debug, Clone)]
 pub(crate) struct Trial {
     pub(crate) session: String,
-    pub(crate) trial: i64,
-    pub(crate) repeat: i64,
+    pub(crate) trial: u32,
+    pub(crate) repeat: u32,
     pub(crate) environment: usize,
     pub(crate) mode: usize,
     /// One per metric.
@@ -85,39 +87,25 @@ pub(crate) struct People {
 
 impl People {
     /// Those of a table of metrics.
-    pub(crate) fn of(metrics: &Table) -> anyhow::Result<Self> {
-        let text = |name: &str| -> anyhow::Result<Vec<String>> {
-            metrics
-                .texts(name)?
-                .into_iter()
-                .collect::<Option<_>>()
-                .with_context(|| format!("{name}: missing"))
-        };
-        let whole = |name: &str| -> anyhow::Result<Vec<i64>> {
-            metrics
-                .integers(name)?
-                .into_iter()
-                .collect::<Option<_>>()
-                .with_context(|| format!("{name}: missing"))
-        };
-        let (who, session) = (text("participant")?, text("session")?);
-        let (environment, mode) = (text("environment")?, text("mode")?);
-        let (trial, repeat) = (whole("trial")?, whole("repeat")?);
+    pub(crate) fn of(metrics: &Measured) -> anyhow::Result<Self> {
         let mut values = Vec::new();
         for metric in METRICS {
-            values.push(metrics.floats(metric)?);
+            values.push(metrics.numbers(metric)?);
         }
-        let place = |names: &[&str], name: &String| {
-            names.iter().position(|known| known == name).with_context(|| format!("what is {name}?"))
+        let place = |names: &[&str], name: &str| {
+            names
+                .iter()
+                .position(|known| *known == name)
+                .with_context(|| format!("what is {name}?"))
         };
-        let mut people: BTreeMap<&String, Vec<Trial>> = BTreeMap::new();
-        for row in 0..metrics.height() {
-            people.entry(&who[row]).or_default().push(Trial {
-                session: session[row].clone(),
-                trial: trial[row],
-                repeat: repeat[row],
-                environment: place(&ENVIRONMENTS, &environment[row])?,
-                mode: place(&MODES, &mode[row])?,
+        let mut people: BTreeMap<_, Vec<Trial>> = BTreeMap::new();
+        for (row, key) in metrics.trials().iter().enumerate() {
+            people.entry(key.participant.clone()).or_default().push(Trial {
+                session: key.session.to_string(),
+                trial: key.trial,
+                repeat: key.repeat,
+                environment: place(&ENVIRONMENTS, key.environment.as_str())?,
+                mode: place(&MODES, key.mode.as_str())?,
                 values: std::array::from_fn(|metric| values[metric][row]),
             });
         }
@@ -149,7 +137,7 @@ impl People {
 
     /// The trials of the people with these places as a table of metrics; of the first session alone
     /// if `first` says so.
-    pub(crate) fn table(&self, chosen: &[usize], first: bool) -> anyhow::Result<Table> {
+    pub(crate) fn table(&self, chosen: &[usize], first: bool) -> anyhow::Result<Measured> {
         let all = chosen.iter().enumerate().flat_map(|(number, person)| {
             self.trials[*person].iter().map(move |trial| (number, trial))
         });
@@ -157,22 +145,24 @@ impl People {
             self.trials.iter().flatten().map(|trial| &trial.session).collect();
         let is_in = |session: &String| !first || sessions.first() == Some(&session);
         let rows: Vec<(usize, &Trial)> = all.filter(|(_, trial)| is_in(&trial.session)).collect();
-        let text = |name, of: &dyn Fn(&(usize, &Trial)) -> String| {
-            Column::text(name, "", rows.iter().map(|row| Some(of(row))))
-        };
-        let mut columns = vec![
-            text("participant", &|(number, _)| format!("P{:02}", number + 1)),
-            text("session", &|(_, trial)| trial.session.clone()),
-            text("environment", &|(_, trial)| ENVIRONMENTS[trial.environment].to_owned()),
-            text("mode", &|(_, trial)| MODES[trial.mode].to_owned()),
-            Column::integer("trial", "1", "", rows.iter().map(|(_, trial)| Some(trial.trial))),
-            Column::integer("repeat", "1", "", rows.iter().map(|(_, trial)| Some(trial.repeat))),
-        ];
+        let mut keys = Vec::new();
+        for (number, trial) in &rows {
+            keys.push(TrialKey {
+                participant: format!("P{:02}", number + 1).parse()?,
+                session: trial.session.parse()?,
+                trial: trial.trial,
+                repeat: trial.repeat,
+                environment: ENVIRONMENTS[trial.environment].parse()?,
+                mode: MODES[trial.mode].parse()?,
+                source: Source::Twin,
+            });
+        }
+        let mut columns = TrialKey::columns(&keys);
         for (place, metric) in METRICS.into_iter().enumerate() {
             let values = rows.iter().map(|(_, trial)| trial.values[place]);
             columns.push(Column::float(metric, "1", "", values));
         }
-        Ok(Table::new("metrics", "", columns)?)
+        Ok(Measured::of(Table::new("metrics", "", columns)?)?)
     }
 
     /// Everything that is compared of which people have both modes.

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use zwidth_compare::{MetricParameters, Parameters, compare};
 use zwidth_results::{ModeDifference, Model};
 use zwidth_study::{Contrast, Families, ModeId};
-use zwidth_tables::Table;
+use zwidth_tables::Measured;
 
 /// Level of the intervals, and below what p counts.
 pub(crate) const LEVEL: f64 = 0.95;
@@ -63,7 +63,7 @@ fn draw(people: usize, seed: u64) -> Vec<usize> {
     (0..PARTICIPANTS).map(|_| one()).collect()
 }
 
-fn one_study(metrics: &Table) -> anyhow::Result<Vec<(What, Said)>> {
+fn one_study(metrics: &Measured) -> anyhow::Result<Vec<(What, Said)>> {
     let found = compare(metrics, &parameters()?)?;
     Ok(found.contrasts.iter().filter_map(|row| said(row, &found.models)).collect())
 }
