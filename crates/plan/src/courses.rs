@@ -2,6 +2,7 @@
 //! table of the stage `replay`, which the figure draws.
 
 use crate::conditions::{Repeats, Session, sessions};
+use crate::handle::Derived;
 use crate::making::{derived, read_shared, write_tables};
 use crate::replay::STAGE;
 use crate::replayable::{is_replayable, rendering};
@@ -10,19 +11,21 @@ use crate::{identify, replay};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_replay::{Parameters, Rendering};
+use zwidth_results::CourseSample;
 use zwidth_runner::{Job, JobError, Made, Making};
 use zwidth_store::{Signal, StudyData, Trial};
 use zwidth_study::{Environment, ModeId};
+use zwidth_tables::Table;
 
 /// The courses of typical trials of one environment of a session, if one can be replayed.
 pub(crate) fn file(
     data: &StudyData,
     session: &Session,
     environment: &Environment,
-) -> Option<PathBuf> {
+) -> Option<Derived<CourseSample>> {
     let is_any = session.of(environment).iter().any(|t| is_replayable(data, t));
     let key = [session.ids().as_slice(), &[environment.id.to_string()]].concat().join(".");
-    is_any.then(|| derived(&data.layout, format!("courses/{key}.parquet")))
+    is_any.then(|| Derived::at(derived(&data.layout, format!("courses/{key}.parquet"))))
 }
 
 /// What the results on typical trials depend on besides files.
@@ -65,7 +68,8 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
             let (of, inputs) = asked(data, &session, environment);
             let name = format!("courses {} {}", session.who(), environment.id);
             let part = format!("{}.{}", session.ids().join("."), environment.id);
-            jobs.push(Job::new(STAGE, name, of, inputs, vec![output], make).of_part(part));
+            let output = vec![output.path().to_owned()];
+            jobs.push(Job::new(STAGE, name, of, inputs, output, make).of_part(part));
         }
     }
     jobs
@@ -96,9 +100,12 @@ fn make(
 ) -> Result<Made, JobError> {
     let fitted = identify::fitted(&*read_shared(plant, making)?)?;
     let trials = typical_trials(of, files, replays)?;
-    let courses = zwidth_replay::courses(&trials, &of.stage.plant, fitted.as_ref())?;
-    if courses.height() == 0 {
+    let (by_eye, fitted) = (&of.stage.plant, fitted.as_ref());
+    let courses = zwidth_replay::courses(&trials, by_eye, fitted)?;
+    if courses.is_empty() {
         return Err("no trial could be replayed: the table 'replay' says why".into());
     }
-    write_tables(&[courses], making, Vec::new())
+    let notes = zwidth_replay::course_notes(&trials, by_eye, fitted);
+    let table = notes.into_iter().fold(Table::of_rows(&courses)?, Table::with_note);
+    write_tables(&[table], making, Vec::new())
 }

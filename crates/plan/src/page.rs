@@ -14,14 +14,14 @@ use zwidth_replay::Parameters;
 use zwidth_report::{
     Columns, Contents, Course, Event, Page, TURNED, condition_script, page_html, turned_script,
 };
-use zwidth_results::{GivenAnswer, TrialEvent};
+use zwidth_results::{CourseSample, CourseSeries, GivenAnswer, PlantRun, TrialEvent};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
 use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
 use zwidth_study::{EnvironmentId, ModeId};
 use zwidth_tables::{Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 18 };
+const STAGE: Stage = Stage { name: "page", version: 19 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -68,7 +68,7 @@ struct Turned {
 fn of_turned(data: &StudyData) -> Option<Job> {
     let (session, turned) = runs::turned(data)?;
     let environments = turned.iter().map(|turned| turned.environment.id.clone()).collect();
-    let files: Vec<PathBuf> = turned.into_iter().map(|turned| turned.file).collect();
+    let files: Vec<_> = turned.into_iter().map(|turned| turned.file).collect();
     let inputs = (files, identify::plant_of(&data.layout));
     let of = Turned { environments, by_eye: Parameters::BY_EYE };
     let output = data.layout.reports().join(format!("report-data/{TURNED}.js"));
@@ -78,16 +78,16 @@ fn of_turned(data: &StudyData) -> Option<Job> {
 
 fn make_turned(
     of: &Turned,
-    (files, plant): &(Vec<PathBuf>, PathBuf),
+    (files, plant): &(Vec<Derived<PlantRun>>, PathBuf),
     making: &Making,
 ) -> Result<Made, JobError> {
     let turn = |of: &Parameters| [of.mass_kg, of.damping_ns_per_rad, of.friction_n];
     let fitted = identify::fitted(&*read_shared(plant, making)?)?;
-    let tables = of.environments.iter().zip(files);
-    let tables: Vec<(&str, Table)> = tables
-        .map(|(environment, file)| Ok((environment.as_str(), Table::from_parquet(file)?)))
+    let environments = of.environments.iter().zip(files);
+    let runs: Vec<(&str, Vec<PlantRun>)> = environments
+        .map(|(environment, file)| Ok((environment.as_str(), file.read()?)))
         .collect::<Result<_, TableError>>()?;
-    let script = turned_script(&tables, turn(&of.by_eye), fitted.as_ref().map(turn))?;
+    let script = turned_script(&runs, turn(&of.by_eye), fitted.as_ref().map(turn))?;
     Ok(Made::of(vec![with_origin(script, making).into_bytes()]))
 }
 
@@ -111,17 +111,21 @@ struct Files {
     events: Derived<TrialEvent>,
     averages: Vec<PathBuf>,
     /// The models' runs of a typical trial of each mode, where one could be replayed.
-    courses: Option<PathBuf>,
+    courses: Option<Derived<CourseSample>>,
 }
 
 impl Inputs for Files {
     fn files(&self) -> Vec<PathBuf> {
-        let one = self.events.files().into_iter().chain(self.courses.clone());
+        let one = self.events.files().into_iter().chain(self.courses.files());
         self.trials.files().into_iter().chain(self.averages.iter().cloned()).chain(one).collect()
     }
 }
 
-fn of_condition(data: &StudyData, repeats: &Repeats, courses: Option<PathBuf>) -> Job {
+fn of_condition(
+    data: &StudyData,
+    repeats: &Repeats,
+    courses: Option<Derived<CourseSample>>,
+) -> Job {
     let files = Files {
         trials: trial_files(&repeats.trials),
         events: metrics::events_of(&data.layout, &repeats.trials[0].meta),
@@ -148,8 +152,8 @@ fn make_condition(
         let table = summary::read(&Some(file.clone()))?;
         means.extend(table.filter(|t| t.height() > 0).map(|t| (name, mean_columns(&t))));
     }
-    let replays = summary::read(&files.courses)?.map(|table| replays(&table, &of.stage.mode));
-    let mut replays = replays.transpose()?.unwrap_or_default();
+    let courses_of = files.courses.as_ref().map(Derived::read_if_made).transpose()?.flatten();
+    let mut replays = replays(&courses_of.unwrap_or_default(), &of.stage.mode);
     replays.iter_mut().for_each(|(_, number, columns)| in_time_of(&trials, *number, columns));
     let script = condition_script(&of.stage.key, &courses, &means, &replays)?;
     let text = with_origin(script, making);
@@ -209,26 +213,24 @@ fn mean_columns(table: &Table) -> Columns {
 }
 
 /// The models' runs of the mode's typical trial, and which trial that is.
-fn replays(table: &Table, mode: &ModeId) -> Result<Vec<(&'static str, u32, Columns)>, TableError> {
-    let named = [
-        ("t_s", "t_s"),
-        ("theta_rad", "theta_rad"),
-        ("theta_dot_rad_s", "theta_dot_rad_s"),
-        ("force_ex_n", "force_ex_n"),
-        ("force_cmd_n", "feedback_n"),
-    ];
-    let (modes, series, trials) =
-        (table.texts("mode")?, table.texts("series")?, table.integers("trial")?);
+fn replays(courses: &[CourseSample], mode: &ModeId) -> Vec<(&'static str, u32, Columns)> {
     let mut found = Vec::new();
-    for (name, said) in [("by_eye", "by eye"), ("fitted", "fitted")] {
-        let is = |row: &usize| {
-            modes[*row].as_deref() == Some(mode.as_str()) && series[*row].as_deref() == Some(said)
-        };
-        let rows: Vec<usize> = (0..table.height()).filter(is).collect();
-        let trial = rows.first().and_then(|row| trials[*row]).and_then(|n| u32::try_from(n).ok());
-        found.extend(trial.map(|trial| (name, trial, columns(table, &named, &rows))));
+    for series in [CourseSeries::ByEye, CourseSeries::Fitted] {
+        let of: Vec<&CourseSample> =
+            courses.iter().filter(|row| row.mode == *mode && row.series == series).collect();
+        let Some(first) = of.first() else { continue };
+        let column =
+            |name, get: fn(&CourseSample) -> f64| (name, of.iter().map(|row| get(row)).collect());
+        let columns = vec![
+            column("t_s", |row| row.t_s),
+            column("theta_rad", |row| row.theta_rad),
+            column("theta_dot_rad_s", |row| row.theta_dot_rad_s),
+            column("force_ex_n", |row| row.force_ex_n),
+            column("force_cmd_n", |row| row.feedback_n.unwrap_or(f64::NAN)),
+        ];
+        found.push((series.as_str(), first.trial, columns));
     }
-    Ok(found)
+    found
 }
 
 /// A model's time counts from its trial's first sample, the trial's own from the trial's start:
@@ -307,6 +309,29 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
 mod tests {
     use super::*;
     use zwidth_store::{Samples, TrialFile};
+
+    #[test]
+    fn both_models_of_a_mode_reach_the_page_with_the_trial_that_they_are_of() {
+        let sample = |mode: &str, series| CourseSample {
+            trial: 4,
+            mode: mode.parse().unwrap(),
+            source: zwidth_study::Source::Twin,
+            series,
+            t_s: 0.5,
+            theta_rad: 0.25,
+            theta_dot_rad_s: 1.0,
+            force_ex_n: 2.0,
+            feedback_n: None,
+        };
+        let series = CourseSeries::ALL.iter().copied();
+        let courses: Vec<_> = series
+            .flat_map(|series| [sample("hybrid", series), sample("active", series)])
+            .collect();
+        let found = replays(&courses, &"hybrid".parse().unwrap());
+        let told: Vec<_> = found.iter().map(|(name, trial, _)| (*name, *trial)).collect();
+        assert_eq!(told, [("by_eye", 4), ("fitted", 4)]);
+        assert_eq!(found[0].2[1], ("theta_rad", vec![0.25]));
+    }
 
     #[test]
     fn a_models_run_stands_at_its_own_trials_time() {

@@ -4,12 +4,12 @@
 use crate::conditions::Session;
 use crate::courses;
 use crate::drawing::{Drawing, Figured};
+use crate::handle::Derived;
 use serde::Serialize;
-use std::path::PathBuf;
 use zwidth_figures::{About, REPLAY};
+use zwidth_results::CourseSample;
 use zwidth_store::StudyData;
 use zwidth_study::Environment;
-use zwidth_tables::Table;
 
 /// What a figure depends on besides the courses.
 #[derive(Serialize)]
@@ -31,7 +31,7 @@ pub(crate) fn of(data: &StudyData, session: &Session) -> Vec<Drawing> {
     data.study.environments.iter().filter_map(of_environment).collect()
 }
 
-fn draw(Against { about, environment, who }: &Against, courses: &PathBuf) -> Figured {
-    let courses = Table::from_parquet(courses)?;
-    Ok((zwidth_figures::replay(about, environment, who, &courses)?, Vec::new()))
+fn draw(Against { about, environment, who }: &Against, courses: &Derived<CourseSample>) -> Figured {
+    let (courses, notes) = courses.read_with_notes()?;
+    Ok((zwidth_figures::replay(about, environment, who, &courses, &notes), Vec::new()))
 }

@@ -4,19 +4,21 @@
 
 use crate::conditions::{Session, sessions};
 use crate::courses::{self, Files, Typical, asked, typical_trials};
+use crate::handle::Derived;
 use crate::identify;
 use crate::making::{derived, read_shared, write_tables};
 use crate::replay::STAGE;
 use crate::trials::OfTrials;
-use std::path::PathBuf;
-use zwidth_runner::{Job, JobError, Made, Making};
+use zwidth_results::PlantRun;
+use zwidth_runner::{Inputs as _, Job, JobError, Made, Making};
 use zwidth_store::StudyData;
 use zwidth_study::Environment;
+use zwidth_tables::Table;
 
 /// One environment of the session whose trials are turned.
 pub(crate) struct Turned<'a> {
     pub(crate) environment: &'a Environment,
-    pub(crate) file: PathBuf,
+    pub(crate) file: Derived<PlantRun>,
 }
 
 /// The session, and its environments with trials that can be replayed.
@@ -28,7 +30,7 @@ pub(crate) fn turned(data: &StudyData) -> Option<(Session<'_>, Vec<Turned<'_>>)>
             .map(|environment| {
                 let [participant, session] = session.ids();
                 let key = format!("{participant}.{session}.{}", environment.id);
-                let file = derived(&data.layout, format!("runs/{key}.parquet"));
+                let file = Derived::at(derived(&data.layout, format!("runs/{key}.parquet")));
                 Turned { environment, file }
             })
             .collect();
@@ -41,7 +43,7 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let jobs = turned.into_iter().map(|Turned { environment, file }| {
         let (of, inputs) = asked(data, &session, environment);
         let name = format!("runs {} {}", session.who(), environment.id);
-        Job::new(STAGE, name, of, inputs, vec![file], make)
+        Job::new(STAGE, name, of, inputs, file.files(), make)
     });
     jobs.collect()
 }
@@ -54,5 +56,5 @@ fn make(
     let fitted = identify::fitted(&*read_shared(plant, making)?)?;
     let trials = typical_trials(of, files, replays)?;
     let runs = zwidth_replay::runs(&trials, &of.stage.plant, fitted.as_ref())?;
-    write_tables(&[runs], making, Vec::new())
+    write_tables(&[Table::of_rows(&runs)?], making, Vec::new())
 }

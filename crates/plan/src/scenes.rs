@@ -7,10 +7,11 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use zwidth_figures::{SCENE_BOW_TIE, SCENE_INPUTS, SCENE_RUNS};
+use zwidth_results::{BowTieSample, ModelRun, Row as _};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
 use zwidth_simulate::{
-    DEFAULT_SOLVER, DEFAULT_TOLERANCE, ModelScene, bow_tie_table, simulate, solver,
-    trajectory_table,
+    BOW_TIE_NOTE, DEFAULT_SOLVER, DEFAULT_TOLERANCE, ModelScene, bow_tie, model_run, simulate,
+    solver,
 };
 use zwidth_store::{StoreError, StudyData, read_regular};
 use zwidth_study::{SceneDrawing, SceneFigure};
@@ -61,11 +62,12 @@ pub(crate) fn read_scene(path: &Path, file: &str) -> Result<ModelScene, JobError
 fn run(figure: &SceneFigure, mut scene: ModelScene) -> Result<Table, JobError> {
     scene.step_s = figure.step_s.unwrap_or(scene.step_s);
     if figure.draw == SceneDrawing::BowTie {
-        return Ok(bow_tie_table(&scene)?);
+        let samples = Table::of_rows(&bow_tie(&scene)?)?;
+        return Ok(samples.called(BowTieSample::NAME, scene.name).with_note(BOW_TIE_NOTE));
     }
     let name = figure.solver.as_deref().unwrap_or(DEFAULT_SOLVER);
     let run = simulate(scene, solver(name, DEFAULT_TOLERANCE)?.as_ref())?;
-    Ok(trajectory_table(&run)?)
+    Ok(Table::of_run(&model_run(&run))?)
 }
 
 /// How the runs that a job reads are drawn.
@@ -114,13 +116,19 @@ fn compared_with<'a>(figure: &'a SceneFigure, all: &'a [SceneFigure]) -> Vec<&'a
 
 fn draw(drawn: &Drawn, files: &Vec<PathBuf>) -> Figured {
     let tables = read_tables(files)?;
-    let tables: Vec<&Table> = tables.iter().collect();
-    let (own, compared) = tables.split_at(drawn.own.min(tables.len()));
-    let figure = match (drawn.draw, own) {
-        (SceneDrawing::Runs, runs) => zwidth_figures::simulation(runs, compared)?,
-        (SceneDrawing::Inputs, runs) => zwidth_figures::inputs(runs)?,
-        (SceneDrawing::BowTie, [table]) => zwidth_figures::bow_tie(table)?,
-        (SceneDrawing::BowTie, _) => return Err("a bow tie is drawn of one scene".into()),
+    if drawn.draw == SceneDrawing::BowTie {
+        let [table] = tables.as_slice() else {
+            return Err("a bow tie is drawn of one scene".into());
+        };
+        let figure = zwidth_figures::bow_tie(table.title(), &table.to_rows()?, BOW_TIE_NOTE);
+        return Ok((figure, Vec::new()));
+    }
+    let runs: Vec<ModelRun> = tables.iter().map(Table::to_run).collect::<Result<_, _>>()?;
+    let runs: Vec<&ModelRun> = runs.iter().collect();
+    let (own, compared) = runs.split_at(drawn.own.min(runs.len()));
+    let figure = match drawn.draw {
+        SceneDrawing::Inputs => zwidth_figures::inputs(own),
+        _ => zwidth_figures::simulation(own, compared),
     };
     Ok((figure, Vec::new()))
 }

@@ -62,6 +62,12 @@
 //! | [`BlindingIndex`] | participant, mode | `likert` | printed tables |
 //! | [`ReplayedTrial`], read as [`ReplayedPeak`] too | participant, session, trial, model, causality | `replay` | courses, agreement, statements, printed tables |
 //! | [`ReplayAgreement`] | causality, mode, model, quantity | `replay` | printed tables |
+//! | [`CourseSample`] | mode, series, place | `replay` | figures, page |
+//! | [`PlantRun`] | mode, plant, place | `replay` | page |
+//! | [`ModelSample`], with a column for each term | place | `simulate`, `zwidth simulate` | figures |
+//! | [`ModelEvent`] | time | `zwidth simulate` | nothing but the file |
+//! | [`BowTieSample`] | place | `simulate`, `zwidth simulate` | figures |
+//! | [`ChatteringRun`] | solver, step | `zwidth simulate` | figures |
 //! | [`JudgedStatement`] | statement | `report` | summary, page, printed tables |
 //! | [`ProOrCon`] | actuation, claim | `report` | printed tables |
 //! | [`ModeForces`] | mode | `report` | printed tables |
@@ -76,6 +82,7 @@ mod comparison;
 mod free_motion;
 mod identification;
 mod ladder;
+mod model_run;
 mod note;
 mod replay;
 mod row;
@@ -106,10 +113,13 @@ pub use ladder::{
     BorneOut, HeldOutModel, LadderChoice, LadderCondition, LadderModel, LadderTerm, NoLadderText,
     TermEffect, TermPair, TermSet, TriedModel,
 };
+pub use model_run::{
+    BowTieSample, ChatteringRun, LeverMotion, ModelEvent, ModelRun, ModelSample, TermForce,
+};
 pub use note::NoteKind;
 pub use replay::{
-    AgreementOf, AgreementVerdict, Causality, ModelPlant, ReplayAgreement, ReplayOutcome,
-    ReplayedModel, ReplayedPeak, ReplayedTrial,
+    AgreementOf, AgreementVerdict, Causality, CourseSample, CourseSeries, ModelPlant, PlantRun,
+    ReplayAgreement, ReplayOutcome, ReplayedModel, ReplayedPeak, ReplayedTrial,
 };
 pub use row::{ReadError, Row};
 pub use stability::{

@@ -48,6 +48,15 @@ words! {
         /// A questionnaire, or anything else that no device rendered.
         NotRendered = "not_rendered",
     }
+    /// What a course is of.
+    CourseSeries {
+        /// What was recorded.
+        Recorded = "recorded",
+        /// The model with the thesis' plant.
+        ByEye = "by_eye",
+        /// The model with the study's.
+        Fitted = "fitted",
+    }
     /// What of model and recording is compared, one value a trial.
     AgreementOf {
         /// The largest angle.
@@ -79,6 +88,50 @@ rows! {
         causality: Causality,
         /// whose plant: by_eye, the thesis'; fitted, this study's
         model: ModelPlant,
+    }
+
+    /// A sample of a recorded trial, or of a model that was given its external force.
+    CourseSample = "courses", "Recorded trials and their models against time" {
+        /// number of the trial in the session
+        trial: u32,
+        /// how it was rendered
+        mode: ModeId,
+        /// recorded, twin or imported
+        source: Source,
+        /// recorded, or the model: by eye or fitted
+        series: CourseSeries,
+        /// time since the first sample
+        t_s: f64 = "s",
+        /// lever angle
+        theta_rad: f64 = "rad",
+        /// lever velocity
+        theta_dot_rad_s: f64 = "rad/s",
+        /// the user's force, which drives the model
+        force_ex_n: f64 = "N",
+        /// force of the actuators against the user
+        feedback_n: Option<f64> = "N",
+    }
+
+    /// The angle of a recorded trial at a time, or that of the model with a plant.
+    PlantRun = "runs", "Recorded trials through the model over its parameters" {
+        /// number of the trial in the session
+        trial: u32,
+        /// how it was rendered
+        mode: ModeId,
+        /// recorded, twin or imported
+        source: Source,
+        /// mass of the model; null: recorded
+        mass_kg: Option<f64> = "kg",
+        /// its damping
+        damping_ns_per_rad: Option<f64> = "N·s/rad",
+        /// its friction in motion
+        friction_n: Option<f64> = "N",
+        /// RMS error of the angle over all samples
+        rmse_rad: Option<f64> = "rad",
+        /// time since the first sample
+        t_s: f64 = "s",
+        /// lever angle
+        theta_rad: f64 = "rad",
     }
 
     /// A trial through a model in one causality. Null where it does not apply, and for a model that

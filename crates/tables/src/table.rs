@@ -3,7 +3,7 @@
 use crate::TableError;
 use crate::unit::split_unit;
 use std::sync::Arc;
-use zwidth_results::{Column, Field, NoteKind, Row, Type, Values};
+use zwidth_results::{Column, Field, ModelRun, ModelSample, NoteKind, Row, Type, Values};
 
 /// Stands below every table that simulated data went into, as on every such figure.
 pub const SYNTHETIC: &str = "SYNTHETIC: simulated, not measured.";
@@ -88,6 +88,24 @@ impl Table {
             self.columns.retain(|column| column.values.are_any());
         }
         self
+    }
+
+    /// The samples of a run of the model.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn of_run(run: &ModelRun) -> Result<Self, TableError> {
+        let table = Self::new(ModelSample::NAME, &run.scene, run.columns())?;
+        Ok(run.notes.iter().cloned().fold(table.without_empty_columns(), Self::with_note))
+    }
+
+    /// The run whose samples the table has.
+    ///
+    /// # Errors
+    /// A table of anything else.
+    pub fn to_run(&self) -> Result<ModelRun, TableError> {
+        let run = ModelRun::read(self.title.clone(), self.notes.clone(), &self.columns);
+        run.map_err(|source| TableError::Rows { table: self.name.clone(), source })
     }
 
     /// The same table with a note below it.

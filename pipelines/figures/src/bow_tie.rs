@@ -1,12 +1,11 @@
 //! Figure 31: the bow tie of two actuators of unequal strength, of a lever whose motion is given.
 
 use crate::about::FigureKind;
-use crate::data::gaps;
 use crate::words::{Words, model_mark, plain};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, ONE_COLUMN_MM, Panel, Reference};
+use zwidth_results::BowTieSample;
 use zwidth_study::Coordinate;
-use zwidth_tables::{Table, TableError};
 
 /// The bow tie of a scene of the model.
 pub const SCENE_BOW_TIE: FigureKind = FigureKind {
@@ -21,17 +20,12 @@ const PANEL_MM: f64 = 60.0;
 /// over them.
 const UNDER_PT: f64 = 3.0;
 
-/// Force against angle of one stroke there and back: total black, brake dotted, motor dashed.
-/// `table` is the bow tie of the stage `simulate`; the force shown is the one felt by the hand,
-/// which resists.
-///
-/// # Errors
-/// A table that lacks a column.
-pub fn bow_tie(table: &Table) -> Result<Figure, TableError> {
+/// Force against angle of one stroke there and back: total black, brake dotted, motor dashed; the
+/// force shown is the one felt by the hand, which resists. `note` goes below the figure.
+pub fn bow_tie(scene: &str, samples: &[BowTieSample], note: &str) -> Figure {
     let words = Words::new(Coordinate::Rotational);
-    let theta = words.positions(table.floats("theta_rad")?);
-    let felt =
-        |column: &str| Ok::<_, TableError>(gaps(table.floats(column)?).into_iter().map(|f| -f));
+    let theta = words.positions(samples.iter().map(|sample| Some(sample.theta_rad)));
+    let felt = |get: fn(&BowTieSample) -> f64| samples.iter().map(move |sample| -get(sample));
     let line = |x: &[f64], y: Vec<f64>, stroke: Stroke, name: &str| {
         Layer::Line(Line {
             x: x.to_vec(),
@@ -41,7 +35,7 @@ pub fn bow_tie(table: &Table) -> Result<Figure, TableError> {
             ..Line::default()
         })
     };
-    let total: Vec<f64> = felt("force_total_n")?.collect();
+    let total: Vec<f64> = felt(|sample| sample.force_total_n).collect();
     let under = |colour, dash| Stroke { width_pt: UNDER_PT, dash, ..style::mean(colour) };
     let zero = |direction| {
         Layer::Reference(Reference {
@@ -57,13 +51,13 @@ pub fn bow_tie(table: &Table) -> Result<Figure, TableError> {
         zero(Direction::Vertical),
         line(
             &theta,
-            acting(felt("force_brake_n")?),
+            acting(felt(|sample| sample.force_brake_n)),
             under(style::BRAKE, Dash::Dotted),
             "brake (stronger)",
         ),
         line(
             &theta,
-            acting(felt("force_motor_n")?),
+            acting(felt(|sample| sample.force_motor_n)),
             under(style::MOTOR, Dash::Dashed),
             "motor (weaker)",
         ),
@@ -75,19 +69,18 @@ pub fn bow_tie(table: &Table) -> Result<Figure, TableError> {
         Axis::new("resisting force *F*", "N"),
         layers,
     );
-    Ok(Figure {
-        title: Some(plain(table.title())),
+    Figure {
+        title: Some(plain(scene)),
         description: format!(
-            "{}: resisting force against angle of one stroke there and back. The total, and what brake and motor make \
-             of it; where they change over, the force jumps.",
-            table.title()
+            "{scene}: resisting force against angle of one stroke there and back. The total, and what brake and motor make \
+             of it; where they change over, the force jumps."
         ),
         width_mm: ONE_COLUMN_MM,
         panels: vec![Panel { height_mm: Some(PANEL_MM), ..panel }],
-        footnotes: table.notes().iter().map(|note| plain(note)).collect(),
+        footnotes: vec![plain(note)],
         mark: model_mark(),
         ..Figure::default()
-    })
+    }
 }
 
 /// The stroke ends where it began.
@@ -103,18 +96,19 @@ fn acting(forces: impl Iterator<Item = f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
 
     #[test]
     fn the_force_is_the_one_that_resists_an_idle_actuator_leaves_a_gap_and_the_total_is_closed() {
-        let float = |name, values: [f64; 2]| Column::float(name, "", "", values.map(Some));
-        let columns = vec![
-            float("theta_rad", [0.5, 0.5]),
-            float("force_total_n", [-3.0, -1.0]),
-            float("force_brake_n", [-3.0, 0.0]),
-            float("force_motor_n", [0.0, -1.0]),
-        ];
-        let figure = bow_tie(&Table::new("bow_tie", "Bow tie", columns).unwrap()).unwrap();
+        let sample = |force_brake_n: f64, force_motor_n: f64| BowTieSample {
+            t_s: 0.0,
+            theta_rad: 0.5,
+            theta_dot_rad_s: 1.0,
+            force_ex_n: 0.0,
+            force_total_n: force_brake_n + force_motor_n,
+            force_brake_n,
+            force_motor_n,
+        };
+        let figure = bow_tie("Bow tie", &[sample(-3.0, 0.0), sample(0.0, -1.0)], "a model");
         let lines: Vec<&Line> = figure.panels[0]
             .layers
             .iter()

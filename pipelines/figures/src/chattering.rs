@@ -5,7 +5,7 @@ use crate::words::{model_mark, plain};
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Axis, Cell, Figure, Layer, Line, Panel, Points, Ticks};
 use zwidth_dynamics::NAMED_SOLVERS;
-use zwidth_tables::{Table, TableError};
+use zwidth_results::ChatteringRun;
 
 /// Height of a panel, mm.
 const PANEL_MM: f64 = 55.0;
@@ -24,12 +24,9 @@ struct Curve {
 }
 
 /// Amplitude of the swings, largest angle beyond the exact one, and reversals, each against
-/// the step. `table` is the table of chattering of the stage `simulate`.
-///
-/// # Errors
-/// A table that lacks a column.
-pub fn chattering(table: &Table) -> Result<Figure, TableError> {
-    let curves = curves(table)?;
+/// the step. `note` goes below the figure.
+pub fn chattering(title: &str, runs: &[ChatteringRun], note: &str) -> Figure {
+    let curves = curves(runs);
     let swinging: Vec<&Curve> = curves.iter().filter(|curve| curve.swings()).collect();
     let counted = merged(&curves);
     let panels = vec![
@@ -41,18 +38,17 @@ pub fn chattering(table: &Table) -> Result<Figure, TableError> {
             &curve.reversals
         }),
     ];
-    Ok(Figure {
-        title: Some(plain(table.title())),
+    Figure {
+        title: Some(plain(title)),
         description: format!(
-            "{}. Against the step, for each solver: median amplitude of the swings, largest angle beyond the exact \
-             solver's, number of reversals. All axes are logarithmic.",
-            table.title()
+            "{title}. Against the step, for each solver: median amplitude of the swings, largest angle beyond the exact \
+             solver's, number of reversals. All axes are logarithmic."
         ),
         panels,
-        footnotes: notes(table, &curves),
+        footnotes: notes(note, &curves),
         mark: model_mark(),
         ..Figure::default()
-    })
+    }
 }
 
 impl Curve {
@@ -76,43 +72,35 @@ fn merged(curves: &[Curve]) -> Vec<Curve> {
     merged
 }
 
-/// The table's notes, and who does not swing.
-fn notes(table: &Table, curves: &[Curve]) -> Vec<String> {
+/// The note, and who does not swing.
+fn notes(note: &str, curves: &[Curve]) -> Vec<String> {
     let still: Vec<&str> = curves.iter().filter(|c| !c.swings()).map(|c| c.name.as_str()).collect();
-    let mut notes: Vec<String> = table.notes().iter().map(|note| plain(note)).collect();
+    let mut notes = vec![plain(note)];
     if !still.is_empty() {
         notes.push(plain(&format!("No oscillation at any step: {}.", still.join(", "))));
     }
     notes
 }
 
-fn curves(table: &Table) -> Result<Vec<Curve>, TableError> {
-    let solvers: Vec<String> = table.texts("solver")?.into_iter().flatten().collect();
-    let mut names = solvers.clone();
-    names.dedup();
-    let (steps, excess) = (table.floats("step_s")?, table.floats("theta_excess_rad")?);
-    let amplitudes = table.floats("swing_amplitude_rad")?;
-    let counts = table.integers("reversals")?;
-    let reversals: Vec<Option<f64>> = counts.into_iter().map(|n| n.map(|n| n as f64)).collect();
-    let curve = |name: &String| {
-        let pick = |values: &[Option<f64>], factor: f64| -> Vec<f64> {
-            let mine = solvers.iter().zip(values).filter(|(solver, _)| *solver == name);
-            mine.map(|(_, value)| value.map_or(f64::NAN, |value| factor * value)).collect()
-        };
-        Curve {
-            name: words(name),
-            stroke: style::mean(style::INK),
-            step_ms: pick(&steps, MS_PER_S),
-            amplitude_deg: pick(&amplitudes, 1_f64.to_degrees()),
-            excess_deg: pick(&excess, 1_f64.to_degrees()),
-            reversals: pick(&reversals, 1.0),
-        }
+fn curves(runs: &[ChatteringRun]) -> Vec<Curve> {
+    let degrees = |angle: Option<f64>| angle.map_or(f64::NAN, |rad| 1_f64.to_degrees() * rad);
+    let of_solver = |runs: &[ChatteringRun]| Curve {
+        name: words(&runs[0].solver),
+        stroke: style::mean(style::INK),
+        step_ms: runs.iter().map(|run| MS_PER_S * run.step_s).collect(),
+        amplitude_deg: runs.iter().map(|run| degrees(run.swing_amplitude_rad)).collect(),
+        excess_deg: runs.iter().map(|run| degrees(run.theta_excess_rad)).collect(),
+        reversals: runs
+            .iter()
+            .map(|run| run.reversals.map_or(f64::NAN, |count| count as f64))
+            .collect(),
     };
-    let mut curves: Vec<Curve> = names.iter().map(curve).collect();
+    let mut curves: Vec<Curve> =
+        runs.chunk_by(|a, b| a.solver == b.solver).map(of_solver).collect();
     for (i, curve) in curves.iter_mut().filter(|curve| curve.swings()).enumerate() {
         curve.stroke = style::mean(style::solver_colour(i + 1)).dashed(style::dash(i));
     }
-    Ok(curves)
+    curves
 }
 
 /// A panel; where there is nothing to show it says so.
@@ -151,20 +139,30 @@ fn words(solver: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zwidth_tables::Column;
+
+    fn run(solver: &str, step_s: f64, swing: f64, excess: f64, turns: usize) -> ChatteringRun {
+        ChatteringRun {
+            solver: solver.to_owned(),
+            step_s,
+            reversals: Some(turns),
+            theta_max_rad: None,
+            theta_excess_rad: Some(excess),
+            swings: None,
+            swing_amplitude_rad: Some(swing),
+            verdict: "smooth".to_owned(),
+        }
+    }
 
     fn figure() -> Figure {
-        let solvers =
-            ["exact", "exact", "moreau_jean", "moreau_jean", "rk4_per_step", "rk4_per_step"];
-        let float = |name, values: [f64; 6]| Column::float(name, "", "", values.map(Some));
-        let columns = vec![
-            Column::text("solver", "", solvers.map(|s| Some(s.to_owned()))),
-            float("step_s", [0.01, 0.001, 0.01, 0.001, 0.01, 0.001]),
-            float("swing_amplitude_rad", [0.0, 0.0, 0.0, 0.0, 0.1, 0.01]),
-            float("theta_excess_rad", [0.0, 0.0, -1e-3, 1e-6, 0.1, 0.01]),
-            Column::integer("reversals", "", "", [2, 2, 2, 2, 30, 300].map(Some)),
+        let runs = [
+            run("exact", 0.01, 0.0, 0.0, 2),
+            run("exact", 0.001, 0.0, 0.0, 2),
+            run("moreau_jean", 0.01, 0.0, -1e-3, 2),
+            run("moreau_jean", 0.001, 0.0, 1e-6, 2),
+            run("rk4_per_step", 0.01, 0.1, 0.1, 30),
+            run("rk4_per_step", 0.001, 0.01, 0.01, 300),
         ];
-        chattering(&Table::new("chattering", "Chattering", columns).unwrap()).unwrap()
+        chattering("Chattering", &runs, "a model")
     }
 
     fn line(layer: &Layer) -> Option<&Line> {
@@ -188,14 +186,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_swings_leaves_panels_that_say_so() {
-        let columns = vec![
-            Column::text("solver", "", [Some("exact".to_owned())]),
-            Column::float("step_s", "", "", [Some(0.01)]),
-            Column::float("swing_amplitude_rad", "", "", [Some(0.0)]),
-            Column::float("theta_excess_rad", "", "", [Some(0.0)]),
-            Column::integer("reversals", "", "", [Some(0)]),
-        ];
-        let figure = chattering(&Table::new("chattering", "Chattering", columns).unwrap()).unwrap();
+        let figure = chattering("Chattering", &[run("exact", 0.01, 0.0, 0.0, 0)], "a model");
         assert!(figure.panels.iter().all(|panel| panel.note.as_deref() == Some("none")));
         assert!(zwidth_draw::draw(&figure).is_ok());
     }

@@ -6,8 +6,8 @@ use crate::words::{Words, keep_together, mark, plain, time_axis};
 use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Dash, Stroke};
 use zwidth_draw::{Axis, Cell, Direction, Figure, Layer, Line, Panel, Range, Reference};
+use zwidth_results::{CourseSample, CourseSeries};
 use zwidth_study::{Environment, Mode, Source};
-use zwidth_tables::{Table, TableError};
 
 /// The figure [`replay`].
 pub const REPLAY: FigureKind = FigureKind {
@@ -49,59 +49,44 @@ struct Replayed {
     fitted: Option<Motion>,
 }
 
-/// The figure of one environment of one session, one column per trial. `courses` is the table of
-/// those trials that the stage `replay` made; its notes go below the figure.
-///
-/// # Errors
-/// A table that lacks a column.
+/// The figure of one environment of one session, one column per trial. `courses` are those of its
+/// typical trials; `notes`, what their models are, go below the figure.
 pub fn replay(
     about: &About,
     environment: &Environment,
     who: &str,
-    courses: &Table,
-) -> Result<Figure, TableError> {
-    let mut trials = Vec::new();
-    for mode in &about.modes {
-        trials.extend(replayed(courses, mode)?);
-    }
-    Ok(figure(about, environment, who, &trials, courses.notes()))
+    courses: &[CourseSample],
+    notes: &[String],
+) -> Figure {
+    let trials: Vec<Replayed> =
+        about.modes.iter().filter_map(|mode| replayed(courses, mode)).collect();
+    figure(about, environment, who, &trials, notes)
 }
 
 /// A mode's trial and its models; `None` if it has no trial.
-fn replayed(courses: &Table, mode: &Mode) -> Result<Option<Replayed>, TableError> {
-    let (modes, series) = (courses.texts("mode")?, courses.texts("series")?);
-    let (trials, sources) = (courses.integers("trial")?, courses.texts("source")?);
-    let rows = |name: &str| -> Vec<usize> {
-        let is_of = |row: &usize| {
-            modes[*row].as_deref() == Some(mode.id.as_str())
-                && series[*row].as_deref() == Some(name)
-        };
-        (0..courses.height()).filter(is_of).collect()
-    };
-    let recorded = rows("recorded");
-    let Some(first) = recorded.first() else { return Ok(None) };
-    let fitted = rows("fitted");
-    Ok(Some(Replayed {
-        title: format!("{}, trial {}", mode.label, trials[*first].unwrap_or_default()),
-        source: sources[*first].as_deref().and_then(Source::from_word).unwrap_or(Source::Imported),
-        recorded: motion(courses, &recorded)?,
-        by_eye: motion(courses, &rows("by_eye"))?,
-        fitted: (!fitted.is_empty()).then(|| motion(courses, &fitted)).transpose()?,
-    }))
+fn replayed(courses: &[CourseSample], mode: &Mode) -> Option<Replayed> {
+    let of = |series| courses.iter().filter(move |row| row.mode == mode.id && row.series == series);
+    let first = of(CourseSeries::Recorded).next()?;
+    let fitted = motion(of(CourseSeries::Fitted));
+    Some(Replayed {
+        title: format!("{}, trial {}", mode.label, first.trial),
+        source: first.source,
+        recorded: motion(of(CourseSeries::Recorded)),
+        by_eye: motion(of(CourseSeries::ByEye)),
+        fitted: (!fitted.t_s.is_empty()).then_some(fitted),
+    })
 }
 
-fn motion(courses: &Table, rows: &[usize]) -> Result<Motion, TableError> {
-    let column = |name: &str| -> Result<Vec<f64>, TableError> {
-        let values = courses.floats(name)?;
-        Ok(rows.iter().filter_map(|row| values[*row]).collect())
-    };
-    Ok(Motion {
-        t_s: column("t_s")?,
-        theta_rad: column("theta_rad")?,
-        theta_dot_rad_s: column("theta_dot_rad_s")?,
-        force_ex_n: column("force_ex_n")?,
-        feedback_n: column("feedback_n")?,
-    })
+fn motion<'c>(rows: impl Iterator<Item = &'c CourseSample>) -> Motion {
+    let mut motion = Motion::default();
+    for row in rows {
+        motion.t_s.push(row.t_s);
+        motion.theta_rad.push(row.theta_rad);
+        motion.theta_dot_rad_s.push(row.theta_dot_rad_s);
+        motion.force_ex_n.push(row.force_ex_n);
+        motion.feedback_n.extend(row.feedback_n);
+    }
+    motion
 }
 
 fn figure(

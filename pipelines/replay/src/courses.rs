@@ -2,13 +2,9 @@
 
 use crate::table::OWN_MODEL;
 use crate::{Course, Drive, Parameters, Rendering, ReplayError};
-use zwidth_results::{Causality, ReplayedTrial};
+use zwidth_results::{Causality, CourseSample, CourseSeries, ReplayedTrial};
 use zwidth_store::Trial;
 use zwidth_study::{ModeId, Source, TrialMeta};
-use zwidth_tables::{Column, Table, TableError};
-
-/// Who follows a course: what was recorded, the model by eye, the model as fitted.
-const SERIES: [&str; 3] = ["recorded", "by_eye", "fitted"];
 
 /// Of the replayed trials of one session and environment, in their order, the number of the mode's
 /// trial with the median error of the angle, driven by force (the lower of two); `None` where none
@@ -22,10 +18,9 @@ pub fn typical(replays: &[ReplayedTrial], mode: &ModeId) -> Option<u32> {
     known.get(middle).map(|(_, trial)| *trial)
 }
 
-/// Motion and forces of trials as recorded, and of the models that were given their external force,
-/// one row per sample: `trial`, `mode`, `source`, `series` (`recorded`, `by_eye`, `fitted`), `t_s`,
-/// `theta_rad`, `theta_dot_rad_s`, `force_ex_n`, `feedback_n`. Trials to which the replay does not
-/// apply are passed by, and so is a fit that does not run on one. Notes say what the models are.
+/// Motion and forces of trials as recorded, and of the models that were given their external force.
+/// Trials to which the replay does not apply are passed by, and so is a fit that does not run on
+/// one.
 ///
 /// # Errors
 /// A trial or a choice by eye that makes no model.
@@ -33,8 +28,8 @@ pub fn courses(
     trials: &[(Trial, &Rendering)],
     by_eye: &Parameters,
     fitted: Option<&Parameters>,
-) -> Result<Table, ReplayError> {
-    let mut rows: Vec<(&TrialMeta, &str, Course)> = Vec::new();
+) -> Result<Vec<CourseSample>, ReplayError> {
+    let mut samples = Vec::new();
     for (trial, rendering) in trials {
         let drive = match Drive::new(trial, rendering) {
             Err(ReplayError::WhyNot(_)) => continue,
@@ -42,21 +37,28 @@ pub fn courses(
         };
         let run = |plant: &Parameters| drive.run(Causality::ForceDriven, plant);
         let fitted = fitted.and_then(|plant| run(plant).ok()).filter(is_finite);
-        let all = [Some(drive.recorded().clone()), Some(run(by_eye)?), fitted];
-        let named = SERIES.into_iter().zip(all);
-        rows.extend(named.filter_map(|(series, course)| Some((&trial.meta, series, course?))));
+        samples.extend(of_series(&trial.meta, CourseSeries::Recorded, drive.recorded()));
+        samples.extend(of_series(&trial.meta, CourseSeries::ByEye, &run(by_eye)?));
+        samples.extend(
+            fitted.iter().flat_map(|course| of_series(&trial.meta, CourseSeries::Fitted, course)),
+        );
     }
-    let notes = [note("by eye", by_eye)]
+    Ok(samples)
+}
+
+/// What the models of courses are.
+pub fn course_notes(
+    trials: &[(Trial, &Rendering)],
+    by_eye: &Parameters,
+    fitted: Option<&Parameters>,
+) -> Vec<String> {
+    let own_model = trials.iter().any(|(trial, _)| trial.meta.source == Source::Twin);
+    [note("by eye", by_eye)]
         .into_iter()
         .chain(fitted.map(|plant| note("fitted", plant)))
         .chain(["Of each mode the trial with the median error by eye.".to_owned()])
-        .chain(
-            trials
-                .iter()
-                .any(|(trial, _)| trial.meta.source == Source::Twin)
-                .then(|| OWN_MODEL.to_owned()),
-        );
-    Ok(notes.fold(table(&rows)?, Table::with_note))
+        .chain(own_model.then(|| OWN_MODEL.to_owned()))
+        .collect()
 }
 
 fn is_finite(course: &Course) -> bool {
@@ -65,33 +67,22 @@ fn is_finite(course: &Course) -> bool {
     all.copied().all(f64::is_finite)
 }
 
-fn table(rows: &[(&TrialMeta, &str, Course)]) -> Result<Table, TableError> {
-    let each = || rows.iter().flat_map(|row| (0..row.2.t_s.len()).map(move |i| (row, i)));
-    let text = |name, about, get: fn(&TrialMeta) -> &str| {
-        Column::text(name, about, each().map(|((meta, _, _), _)| Some(get(meta).to_owned())))
-    };
-    let float = |name, unit, about, get: fn(&Course) -> Option<&Vec<f64>>| {
-        let value = |((_, _, course), i): (&(_, _, Course), usize)| Some(get(course)?[i]);
-        Column::float(name, unit, about, each().map(value))
-    };
-    let trial = each().map(|((meta, _, _), _)| Some(i64::from(meta.trial)));
-    let series = each().map(|((_, series, _), _)| Some((*series).to_owned()));
-    let columns = vec![
-        Column::integer("trial", "1", "number of the trial in the session", trial),
-        text("mode", "how it was rendered", |m| m.mode.as_str()),
-        text("source", "recorded, twin or imported", |m| m.source.as_str()),
-        Column::text("series", "recorded, or the model: by eye or fitted", series),
-        float("t_s", "s", "time since the first sample", |c| Some(&c.t_s)),
-        float("theta_rad", "rad", "lever angle", |c| Some(&c.theta_rad)),
-        float("theta_dot_rad_s", "rad/s", "lever velocity", |c| Some(&c.theta_dot_rad_s)),
-        float("force_ex_n", "N", "the user's force, which drives the model", |c| {
-            Some(&c.force_ex_n)
-        }),
-        float("feedback_n", "N", "force of the actuators against the user", |c| {
-            c.feedback_n.as_ref()
-        }),
-    ];
-    Table::new("courses", "Recorded trials and their models against time", columns)
+fn of_series<'c>(
+    meta: &'c TrialMeta,
+    series: CourseSeries,
+    course: &'c Course,
+) -> impl Iterator<Item = CourseSample> + use<'c> {
+    (0..course.t_s.len()).map(move |i| CourseSample {
+        trial: meta.trial,
+        mode: meta.mode.clone(),
+        source: meta.source,
+        series,
+        t_s: course.t_s[i],
+        theta_rad: course.theta_rad[i],
+        theta_dot_rad_s: course.theta_dot_rad_s[i],
+        force_ex_n: course.force_ex_n[i],
+        feedback_n: course.feedback_n.as_ref().map(|force| force[i]),
+    })
 }
 
 /// What a model's plant is made of.
@@ -151,15 +142,12 @@ mod tests {
     fn a_trial_of_the_model_itself_lies_on_its_recording_and_a_missing_fit_has_no_rows() {
         let (trial, rendering) = (simulated("active", &Parameters::BY_EYE), rendering("active"));
         let samples = trial.samples.len();
-        let table = courses(&[(trial, &rendering)], &Parameters::BY_EYE, None).unwrap();
-        assert_eq!(table.height(), 2 * samples);
-        let theta = table.floats("theta_rad").unwrap();
-        let apart = |i: usize| (theta[i].unwrap() - theta[samples + i].unwrap()).abs();
+        let trials = [(trial, &rendering)];
+        let found = courses(&trials, &Parameters::BY_EYE, None).unwrap();
+        assert_eq!(found.len(), 2 * samples);
+        let apart = |i: usize| (found[i].theta_rad - found[samples + i].theta_rad).abs();
         assert!((0..samples).all(|i| apart(i) < 1e-9));
-        assert!(
-            table.notes()[0].starts_with("Model, by eye: mass 0.100 kg"),
-            "{:?}",
-            table.notes()
-        );
+        let notes = course_notes(&trials, &Parameters::BY_EYE, None);
+        assert!(notes[0].starts_with("Model, by eye: mass 0.100 kg"), "{notes:?}");
     }
 }

@@ -43,7 +43,7 @@ mod updates;
 pub use agreement::{agreement, agreement_table};
 pub use balance::Balance;
 pub use compare::{Comparison, VelocityError};
-pub use courses::{courses, typical};
+pub use courses::{course_notes, courses, typical};
 pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
 pub use oscillation::{

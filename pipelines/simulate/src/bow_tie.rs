@@ -2,19 +2,11 @@
 //! nothing can swing.
 
 use crate::SimulateError;
-use zwidth_dynamics::{Forces, ModelScene, System};
-use zwidth_tables::{Column, Table};
+use zwidth_dynamics::{ModelScene, System};
+use zwidth_results::BowTieSample;
 
 /// Steps of the stroke there, and of the one back.
 const STEPS: usize = 360;
-
-/// One sample of the stroke.
-struct Sample {
-    t_s: f64,
-    theta_rad: f64,
-    theta_dot_rad_s: f64,
-    forces: Forces,
-}
 
 /// The forces of a stroke from the lower stop to the upper one and back, at constant speed over the
 /// scene's duration: time, angle, velocity, the user's force that the motion needs, and what brake
@@ -26,7 +18,7 @@ struct Sample {
 ///
 /// # Errors
 /// A scene that makes no sense, or one without stops.
-pub fn bow_tie_table(scene: &ModelScene) -> Result<Table, SimulateError> {
+pub fn bow_tie(scene: &ModelScene) -> Result<Vec<BowTieSample>, SimulateError> {
     let system = System::new(scene.clone())?;
     let [low, high] = scene.plant.stops_rad.ok_or(SimulateError::NoStops)?;
     let half_s = scene.duration_s / 2.0;
@@ -36,33 +28,23 @@ pub fn bow_tie_table(scene: &ModelScene) -> Result<Table, SimulateError> {
         let theta_rad = from + way * done * (high - low);
         let theta_dot_rad_s = way * (high - low) / half_s;
         let forces = system.prescribed(theta_rad, theta_dot_rad_s, 0.0);
-        Sample { t_s: start_s + done * half_s, theta_rad, theta_dot_rad_s, forces }
+        BowTieSample {
+            t_s: start_s + done * half_s,
+            theta_rad,
+            theta_dot_rad_s,
+            force_ex_n: forces.external_n,
+            force_total_n: forces.brake_n + forces.motor_n,
+            force_brake_n: forces.brake_n,
+            force_motor_n: forces.motor_n,
+        }
     };
-    let samples: Vec<Sample> = [1.0, -1.0]
-        .into_iter()
-        .flat_map(|way| (0..=STEPS).map(move |i| (way, i)))
-        .map(|(way, i)| sample(way, i))
-        .collect();
-    let float = |name, unit, about, get: fn(&Sample) -> f64| {
-        Column::float(name, unit, about, samples.iter().map(|sample| Some(get(sample))))
-    };
-    let columns = vec![
-        float("t_s", "s", "time", |s| s.t_s),
-        float("theta_rad", "rad", "lever angle, given", |s| s.theta_rad),
-        float("theta_dot_rad_s", "rad/s", "lever velocity, given", |s| s.theta_dot_rad_s),
-        float("force_ex_n", "N", "force of the user that the motion needs", |s| {
-            s.forces.external_n
-        }),
-        float("force_total_n", "N", "brake and motor together", |s| {
-            s.forces.brake_n + s.forces.motor_n
-        }),
-        float("force_brake_n", "N", "force of the brake", |s| s.forces.brake_n),
-        float("force_motor_n", "N", "force of the motor", |s| s.forces.motor_n),
-    ];
-    let table = Table::new("bow_tie", &scene.name, columns)?;
-    Ok(table
-        .with_note("A model with a given motion, not a measurement: no finger, and nothing lags."))
+    let ways = [1.0, -1.0].into_iter().flat_map(|way| (0..=STEPS).map(move |i| (way, i)));
+    Ok(ways.map(|(way, i)| sample(way, i)).collect())
 }
+
+/// What stands below a bow tie.
+pub const BOW_TIE_NOTE: &str =
+    "A model with a given motion, not a measurement: no finger, and nothing lags.";
 
 #[cfg(test)]
 mod tests {
@@ -79,20 +61,14 @@ mod tests {
         scene
     }
 
-    fn column(name: &str) -> Vec<f64> {
-        bow_tie_table(&scene())
-            .unwrap()
-            .floats(name)
-            .unwrap()
-            .into_iter()
-            .map(Option::unwrap)
-            .collect()
+    fn column(of: fn(&BowTieSample) -> f64) -> Vec<f64> {
+        bow_tie(&scene()).unwrap().iter().map(of).collect()
     }
 
     #[test]
     fn the_brake_follows_the_spring_and_the_motor_stops_at_its_limit() {
-        let (theta, velocity) = (column("theta_rad"), column("theta_dot_rad_s"));
-        let (total, motor) = (column("force_total_n"), column("force_motor_n"));
+        let (theta, velocity) = (column(|s| s.theta_rad), column(|s| s.theta_dot_rad_s));
+        let (total, motor) = (column(|s| s.force_total_n), column(|s| s.force_motor_n));
         for i in 0..theta.len() {
             let spring = -4.0 * theta[i];
             let expect = if velocity[i] > 0.0 { spring } else { spring.clamp(-1.0, 1.0) };
@@ -103,7 +79,7 @@ mod tests {
 
     #[test]
     fn the_area_of_the_bow_tie_is_that_of_its_two_triangles() {
-        let (theta, total) = (column("theta_rad"), column("force_total_n"));
+        let (theta, total) = (column(|s| s.theta_rad), column(|s| s.force_total_n));
         let next = |i: usize| (i + 1) % theta.len();
         let area: f64 = (0..theta.len())
             .map(|i| 0.5 * (total[i] + total[next(i)]) * (theta[next(i)] - theta[i]))
@@ -123,6 +99,6 @@ mod tests {
     fn a_lever_without_stops_has_no_bow_tie() {
         let mut scene = scene();
         scene.plant.stops_rad = None;
-        assert!(matches!(bow_tie_table(&scene), Err(SimulateError::NoStops)));
+        assert!(matches!(bow_tie(&scene), Err(SimulateError::NoStops)));
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::{MOST_SAMPLES, SOLVERS};
 use zwidth_dynamics::DynamicsError;
-use zwidth_tables::TableError;
 
 /// Every error of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -31,7 +30,4 @@ pub enum SimulateError {
     /// The scene makes no sense, or the solver could not run it.
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    /// A table could not be made.
-    #[error(transparent)]
-    Table(#[from] TableError),
 }

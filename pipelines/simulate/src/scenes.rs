@@ -1,10 +1,9 @@
 //! Facts about the committed scenes: what the thesis says of its figures comes out of them.
 
-use crate::{
-    DEFAULT_TOLERANCE, Run, bow_tie_table, events_table, simulate, solver, trajectory_table,
-};
+use crate::{DEFAULT_TOLERANCE, Run, bow_tie, model_events, model_run, simulate, solver};
 use std::path::{Path, PathBuf};
 use zwidth_dynamics::{FingerLaw, ModelScene, RunVerdict};
+use zwidth_results::ModelSample;
 use zwidth_tables::Table;
 
 fn folder() -> PathBuf {
@@ -29,18 +28,15 @@ fn run(scene: ModelScene, name: &str) -> Run {
     simulate(scene, solver(name, DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap()
 }
 
-fn column(table: &Table, name: &str) -> Vec<f64> {
-    table.floats(name).unwrap().into_iter().map(Option::unwrap).collect()
+fn column(run: &Run, get: fn(&ModelSample) -> f64) -> Vec<f64> {
+    model_run(run).samples.iter().map(get).collect()
 }
 
-/// Runs a scene exactly and sees to it that its tables can be made: those refuse what is not
-/// finite.
+/// Runs a scene exactly and sees to it that its table can be made: that refuses what is not finite.
 fn check(stem: &str, scene: ModelScene) {
     let run = run(scene, "exact");
-    let table = trajectory_table(&run).unwrap();
-    assert_eq!(table.height(), 483, "{stem}");
-    assert!(table.fields().all(|f| f.name == "motion" || !column(&table, &f.name).is_empty()));
-    assert!(events_table(&run).unwrap().height() > 0, "{stem}");
+    assert_eq!(Table::of_run(&model_run(&run)).unwrap().height(), 483, "{stem}");
+    assert!(Table::of_rows(&model_events(&run)).unwrap().height() > 0, "{stem}");
 }
 
 #[test]
@@ -56,13 +52,14 @@ fn every_committed_scene_runs_exactly_with_either_law_of_the_finger() {
             check(&stem, scene);
         }
     }
-    bow_tie_table(&scene("two_actuators")).unwrap();
+    bow_tie(&scene("two_actuators")).unwrap();
 }
 
 #[test]
 fn the_finger_s_force_is_the_user_s_until_the_tissue_is_fully_pressed_and_flattens_there() {
-    let table = trajectory_table(&run(scene("sine_finger"), "exact")).unwrap();
-    let (user, tissue) = (column(&table, "force_ex_n"), column(&table, "force_tissue_n"));
+    let run = run(scene("sine_finger"), "exact");
+    let user = column(&run, |sample| sample.force_ex_n);
+    let tissue = column(&run, |sample| sample.force_tissue_n.unwrap());
     let limit = 584.6 * 0.006;
     let highest = tissue.iter().copied().fold(0.0, f64::max);
     assert!((highest - limit).abs() < 0.15 * limit && user.iter().any(|f| *f > 4.29), "{highest}");
@@ -72,8 +69,7 @@ fn the_finger_s_force_is_the_user_s_until_the_tissue_is_fully_pressed_and_flatte
 
 #[test]
 fn with_the_thesis_method_the_lever_swings_between_10_and_18_degrees() {
-    let table = trajectory_table(&run(scene("sine_finger"), "rk4_per_step")).unwrap();
-    let theta = column(&table, "theta_rad");
+    let theta = column(&run(scene("sine_finger"), "rk4_per_step"), |sample| sample.theta_rad);
     let highest = theta.iter().copied().fold(f64::MIN, f64::max).to_degrees();
     assert!((16.0..19.0).contains(&highest), "{highest}");
 }
@@ -81,8 +77,9 @@ fn with_the_thesis_method_the_lever_swings_between_10_and_18_degrees() {
 /// The angles, °, between which the drive turns from brake to motor and back, and how often it
 /// does.
 fn turns(stem: &str, solver: &str) -> (f64, f64, usize) {
-    let table = trajectory_table(&run(scene(stem), solver)).unwrap();
-    let (theta, motor) = (column(&table, "theta_rad"), column(&table, "force_motor_n"));
+    let run = run(scene(stem), solver);
+    let theta = column(&run, |sample| sample.theta_rad);
+    let motor = column(&run, |sample| sample.force_motor_n);
     let pulls: Vec<bool> = motor.iter().map(|force| *force != 0.0).collect();
     let turned = (1..pulls.len()).filter(|i| pulls[*i] != pulls[*i - 1] && theta[*i] > 0.0);
     let angles: Vec<f64> = turned.map(|i| theta[i].to_degrees()).collect();

@@ -1,82 +1,50 @@
-//! A run as tables: its samples with the forces by part, and its events.
+//! A run as rows: its samples with the forces by part, and its events.
 
 use crate::Run;
 use crate::summary::verdict_meaning;
-use zwidth_dynamics::{Contact, Event, EventKind, Forces, Motion, Term};
-use zwidth_tables::{Column, Table, TableError};
+use zwidth_dynamics::{Contact, Event, EventKind, Motion, Term};
+use zwidth_results::{LeverMotion, ModelEvent, ModelRun, ModelSample, TermForce};
 
-/// A part of the force on the lever: column, meaning, how to pick it.
-type Part = (&'static str, &'static str, fn(&Forces) -> f64);
-
-/// The samples of a run: time, state, forces by part (N, above 0 they push into the object, +θ),
-/// and how the lever moves. A part that the scene does not have has no column.
-///
-/// # Errors
-/// None that a finished run can cause: solvers give no value that is not finite.
-pub fn trajectory_table(run: &Run) -> Result<Table, TableError> {
-    let of = &run.trajectory;
-    let forces: Vec<Forces> = (0..of.len()).map(|i| of.forces(&run.system, i)).collect();
-    let float = |name, unit, about, values: Vec<f64>| {
-        Column::float(name, unit, about, values.into_iter().map(Some))
-    };
-    let mut columns = vec![
-        float("t_s", "s", "time", of.t_s.clone()),
-        float("theta_rad", "rad", "lever angle", of.theta_rad().collect()),
-        float("theta_dot_rad_s", "rad/s", "lever velocity", of.theta_dot_rad_s().collect()),
-    ];
-    if run.system.scene().finger.is_some() {
-        columns.push(float(
-            "finger_m",
-            "m",
-            "compression of the fingertip's tissue",
-            of.finger_m().collect(),
-        ));
+/// The samples of a run: time, state, forces by part, and how the lever moves.
+pub fn model_run(run: &Run) -> ModelRun {
+    let (of, scene) = (&run.trajectory, run.system.scene());
+    let (has_finger, has_stops) = (scene.finger.is_some(), scene.plant.stops_rad.is_some());
+    let finger_m: Vec<f64> = of.finger_m().collect();
+    let state = of.theta_rad().zip(of.theta_dot_rad_s()).enumerate();
+    let samples = state.map(|(i, (theta_rad, theta_dot_rad_s))| {
+        let forces = of.forces(&run.system, i);
+        ModelSample {
+            t_s: of.t_s[i],
+            theta_rad,
+            theta_dot_rad_s,
+            finger_m: finger_m.get(i).copied().filter(|_| has_finger),
+            force_ex_n: forces.external_n,
+            force_tip_n: has_finger.then_some(forces.tip_n),
+            force_tissue_n: has_finger.then_some(forces.tissue_n),
+            force_motor_n: forces.motor_n,
+            force_brake_n: forces.brake_n,
+            force_friction_n: scene.friction.as_ref().map(|_| forces.friction_n),
+            force_stop_n: has_stops.then_some(forces.stop_n),
+            motion: lever_motion(of.regions[usize::from(of.region[i])].motion),
+        }
+    });
+    ModelRun {
+        scene: scene.name.clone(),
+        notes: notes(run).to_vec(),
+        samples: samples.collect(),
+        terms: term_forces(run),
     }
-    for (name, about, part) in parts(run) {
-        columns.push(float(name, "N", about, forces.iter().map(part).collect()));
-    }
-    columns.extend(term_columns(run));
-    let motions =
-        of.region.iter().map(|&i| Some(motion_word(of.regions[usize::from(i)].motion).to_owned()));
-    columns.push(Column::text("motion", "how the lever moves: forward, rest or backward", motions));
-    let table = Table::new("trajectory", &run.system.scene().name, columns)?;
-    Ok(notes(run).into_iter().fold(table, Table::with_note))
 }
 
-/// The parts that the scene has.
-fn parts(run: &Run) -> Vec<Part> {
-    let scene = run.system.scene();
-    let finger = scene.finger.is_some();
-    let all: [(bool, Part); 7] = [
-        (true, ("force_ex_n", "force of the user", |f| f.external_n)),
-        (finger, ("force_tip_n", "what arrives of it at the lever", |f| f.tip_n)),
-        (finger, ("force_tissue_n", "share of the finger's tissue", |f| f.tissue_n)),
-        (true, ("force_motor_n", "force of the motor", |f| f.motor_n)),
-        (true, ("force_brake_n", "force of the brake", |f| f.brake_n)),
-        (
-            scene.friction.is_some(),
-            ("force_friction_n", "friction of the drive train", |f| f.friction_n),
-        ),
-        (
-            scene.plant.stops_rad.is_some(),
-            ("force_stop_n", "force of a mechanical stop", |f| f.stop_n),
-        ),
-    ];
-    all.into_iter().filter_map(|(there, part)| there.then_some(part)).collect()
-}
-
-/// The force of each of the scene's terms: `force_pull_n`, `force_gravity_n`, …
-fn term_columns(run: &Run) -> Vec<Column> {
+/// The force of each of the scene's terms.
+fn term_forces(run: &Run) -> Vec<TermForce> {
     let of = &run.trajectory;
     let rows: Vec<Vec<f64>> =
         (0..of.len()).map(|i| run.system.term_forces_n(of.state(i)).collect()).collect();
-    let column = |(k, term): (usize, &dyn Term)| {
-        let values = rows.iter().map(|row| Some(row[k]));
-        let mut column = Column::float(term.name(), "N", term.about(), values);
-        column.field.name = format!("force_{}_n", term.name()).into();
-        column
+    let force = |(k, term): (usize, &dyn Term)| {
+        TermForce::new(term.name(), term.about(), rows.iter().map(|row| row[k]).collect())
     };
-    run.system.scene().terms.iter().enumerate().map(column).collect()
+    run.system.scene().terms.iter().enumerate().map(force).collect()
 }
 
 /// What is to be read with a run's numbers.
@@ -92,40 +60,24 @@ fn notes(run: &Run) -> [String; 2] {
     ]
 }
 
-/// The events of a run, in order of time. Empty for solvers that do not look for events.
-///
-/// # Errors
-/// None that a finished run can cause.
-pub fn events_table(run: &Run) -> Result<Table, TableError> {
-    let events = &run.trajectory.events;
-    let float = |name, unit, about, get: fn(&Event) -> f64| {
-        Column::float(name, unit, about, events.iter().map(|event| Some(get(event))))
+/// The events of a run, in order of time. None of solvers that do not look for events.
+pub fn model_events(run: &Run) -> Vec<ModelEvent> {
+    let has_finger = run.system.scene().finger.is_some();
+    let event = |event: &Event| ModelEvent {
+        t_s: event.t_s,
+        event: event_word(event.kind).to_owned(),
+        theta_rad: event.theta_rad,
+        motion: lever_motion(event.region.motion),
+        tissue: has_finger.then(|| contact_word(event.region.contact).to_owned()),
     };
-    let text = |name, about, get: fn(&Event) -> &'static str| {
-        Column::text(name, about, events.iter().map(|event| Some(get(event).to_owned())))
-    };
-    let mut columns = vec![
-        float("t_s", "s", "when it happened", |event| event.t_s),
-        text("event", "what happened", |event| event_word(event.kind)),
-        float("theta_rad", "rad", "lever angle there", |event| event.theta_rad),
-        text("motion", "how the lever moves from then on", |event| {
-            motion_word(event.region.motion)
-        }),
-    ];
-    if run.system.scene().finger.is_some() {
-        columns.push(text("tissue", "the fingertip from then on", |event| {
-            contact_word(event.region.contact)
-        }));
-    }
-    let table = Table::new("events", &format!("{}: events", run.system.scene().name), columns)?;
-    Ok(table.with_note(notes(run)[0].clone()))
+    run.trajectory.events.iter().map(event).collect()
 }
 
-fn motion_word(motion: Motion) -> &'static str {
+fn lever_motion(motion: Motion) -> LeverMotion {
     match motion {
-        Motion::Forward => "forward",
-        Motion::Backward => "backward",
-        Motion::Rest => "rest",
+        Motion::Forward => LeverMotion::Forward,
+        Motion::Backward => LeverMotion::Backward,
+        Motion::Rest => LeverMotion::Rest,
     }
 }
 
@@ -159,6 +111,7 @@ mod tests {
     use super::*;
     use crate::{DEFAULT_TOLERANCE, simulate, solver};
     use zwidth_dynamics::{DriveMode, Gravity, Input, ModelScene, Pull, table3};
+    use zwidth_tables::Table;
 
     fn run(scene: ModelScene) -> Run {
         simulate(scene, solver("exact", DEFAULT_TOLERANCE).unwrap().as_ref()).unwrap()
@@ -168,29 +121,22 @@ mod tests {
         table3::scene(DriveMode::Hybrid, Input::sine(2.15))
     }
 
-    fn column(table: &Table, name: &str) -> Vec<f64> {
-        table.floats(name).unwrap().into_iter().map(Option::unwrap).collect()
-    }
-
     #[test]
     fn the_forces_by_part_balance_while_the_lever_rests() {
-        let table = trajectory_table(&run(sticking())).unwrap();
-        let parts = ["force_ex_n", "force_motor_n", "force_brake_n", "force_stop_n"];
-        let parts = parts.map(|name| column(&table, name));
-        let motions = table.texts("motion").unwrap();
-        let rests: Vec<usize> =
-            (0..table.height()).filter(|&i| motions[i].as_deref() == Some("rest")).collect();
-        assert!(rests.len() > 20, "{}", rests.len());
-        for i in rests {
-            let sum: f64 = parts.iter().map(|part| part[i]).sum();
-            assert!(sum.abs() < 1e-12, "sample {i}: {sum} N are left over");
+        let run = model_run(&run(sticking()));
+        let rests = run.samples.iter().filter(|sample| sample.motion == LeverMotion::Rest);
+        assert!(rests.clone().count() > 20, "{}", rests.count());
+        for sample in rests {
+            let stop_n = sample.force_stop_n.unwrap_or_default();
+            let acting_n = sample.force_motor_n + sample.force_brake_n + stop_n;
+            assert!((sample.force_ex_n + acting_n).abs() < 1e-12, "{sample:?}");
         }
     }
 
     #[test]
     fn a_part_that_the_scene_lacks_has_no_column() {
         let names = |scene| {
-            let table = trajectory_table(&run(scene)).unwrap();
+            let table = Table::of_run(&model_run(&run(scene))).unwrap();
             table.fields().map(|f| f.name.to_string()).collect::<Vec<_>>()
         };
         let bare = names(sticking());
@@ -206,20 +152,19 @@ mod tests {
         scene.terms.set(Pull { stiffness_n_per_rad: 2.0, displacement: Input::constant(0.1) });
         scene.terms.set(Gravity { mass_kg: 0.02, radius_m: 0.04 });
         let solver = solver("dormand_prince", DEFAULT_TOLERANCE).unwrap();
-        let table = trajectory_table(&simulate(scene, solver.as_ref()).unwrap()).unwrap();
-        let (theta, pull) = (column(&table, "theta_rad"), column(&table, "force_pull_n"));
-        let gravity = column(&table, "force_gravity_n");
-        for (i, theta) in theta.iter().enumerate() {
-            assert!((pull[i] - 2.0 * (0.1 - theta)).abs() < 1e-12);
-            assert!((gravity[i] - 0.02 * 9.80665 * 0.04 * theta.sin()).abs() < 1e-12);
+        let run = model_run(&simulate(scene, solver.as_ref()).unwrap());
+        let term = |name: &str| run.terms.iter().find(|term| term.term() == name).unwrap();
+        let (pull, gravity) = (term("pull"), term("gravity"));
+        for (i, ModelSample { theta_rad, .. }) in run.samples.iter().enumerate() {
+            assert!((pull.force_n[i] - 2.0 * (0.1 - theta_rad)).abs() < 1e-12);
+            assert!((gravity.force_n[i] - 0.02 * 9.80665 * 0.04 * theta_rad.sin()).abs() < 1e-12);
         }
     }
 
     #[test]
     fn the_events_tell_the_story_of_the_sticking_lever() {
-        let table = events_table(&run(sticking())).unwrap();
-        let mut motions: Vec<String> =
-            table.texts("motion").unwrap().into_iter().flatten().collect();
+        let events = model_events(&run(sticking()));
+        let mut motions: Vec<&str> = events.iter().map(|event| event.motion.as_str()).collect();
         motions.dedup();
         assert_eq!(motions, ["forward", "rest", "backward", "forward"]);
     }

@@ -13,9 +13,10 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::MOST_SIDE_BY_SIDE;
+use zwidth_results::{BowTieSample, ChatteringRun, ModelEvent, ModelRun, Row as _};
 use zwidth_simulate::{
-    CHATTERING_STEPS_S, ModelScene, SOLVERS, Summary, bow_tie_table, chattering_table,
-    events_table, simulate as run_scene, solver, trajectory_table,
+    BOW_TIE_NOTE, CHATTERING_NOTE, CHATTERING_STEPS_S, ModelScene, SOLVERS, Summary, bow_tie,
+    chattering, model_events, model_run, simulate as run_scene, solver,
 };
 use zwidth_tables::Table;
 
@@ -39,7 +40,7 @@ struct Outcome {
 /// A scene that was run; a bow tie has neither summary nor trajectory.
 struct Done {
     stem: String,
-    run: Option<(Summary, Table)>,
+    run: Option<(Summary, ModelRun)>,
     files: Vec<PathBuf>,
 }
 
@@ -103,25 +104,32 @@ fn one(
     let stem = stem(path);
     let mut output = Output::new(folder, made_from(command, Some(&file.scene))?);
     if command.bow_tie {
-        let table = bow_tie_table(&file.scene).map_err(|e| file.error(&e))?;
-        output.figure(&format!("{stem}.bow_tie"), zwidth_figures::bow_tie(&table)?)?;
-        output.table(&format!("{stem}.bow_tie"), &table)?;
+        let samples = bow_tie(&file.scene).map_err(|e| file.error(&e))?;
+        let (name, scene) = (format!("{stem}.bow_tie"), file.scene.name.as_str());
+        output.figure(&name, zwidth_figures::bow_tie(scene, &samples, BOW_TIE_NOTE))?;
+        let table = Table::of_rows(&samples)?.called(BowTieSample::NAME, scene);
+        output.table(&name, &table.with_note(BOW_TIE_NOTE))?;
         return Ok(Done { stem, run: None, files: output.files });
     }
     let solver = solver(&command.solver, command.tolerance)?;
     let run = run_scene(file.scene.clone(), solver.as_ref()).map_err(|e| file.error(&e))?;
     progress();
-    let trajectory = trajectory_table(&run)?;
-    output.figure(&stem, zwidth_figures::simulation(&[&trajectory], &[])?)?;
-    output.table(&format!("{stem}.trajectory"), &trajectory)?;
-    output.table(&format!("{stem}.events"), &events_table(&run)?)?;
+    let (shown, scene) = (model_run(&run), &file.scene.name);
+    output.figure(&stem, zwidth_figures::simulation(&[&shown], &[]))?;
+    output.table(&format!("{stem}.trajectory"), &Table::of_run(&shown)?)?;
+    let events = Table::of_rows(&model_events(&run))?.without_empty_columns();
+    let events = events.called(ModelEvent::NAME, format!("{scene}: events"));
+    let note = shown.notes.first().cloned().unwrap_or_default();
+    output.table(&format!("{stem}.events"), &events.with_note(note))?;
     if command.chattering {
-        let table = chattering_table(&file.scene, &SOLVERS, &CHATTERING_STEPS_S, progress)
+        let runs = chattering(&file.scene, &SOLVERS, &CHATTERING_STEPS_S, progress)
             .map_err(|e| file.error(&e))?;
-        output.figure(&format!("{stem}.chattering"), zwidth_figures::chattering(&table)?)?;
-        output.table(&format!("{stem}.chattering"), &table)?;
+        let (name, title) = (format!("{stem}.chattering"), format!("{scene}: chattering"));
+        output.figure(&name, zwidth_figures::chattering(&title, &runs, CHATTERING_NOTE))?;
+        let table = Table::of_rows(&runs)?.called(ChatteringRun::NAME, title);
+        output.table(&name, &table.with_note(CHATTERING_NOTE))?;
     }
-    Ok(Done { stem, run: Some((Summary::of(&run), trajectory)), files: output.files })
+    Ok(Done { stem, run: Some((Summary::of(&run), shown)), files: output.files })
 }
 
 /// Which solver made the files, and of which scene, word for word.
@@ -142,9 +150,9 @@ fn made_from(
 /// The figures of several scenes: their inputs, and the runs side by side where the page is wide
 /// enough.
 fn shared(done: &[Done], folder: &Path, command: &Simulate) -> anyhow::Result<Vec<PathBuf>> {
-    let tables: Vec<&Table> =
+    let runs: Vec<&ModelRun> =
         done.iter().filter_map(|d| d.run.as_ref()).map(|run| &run.1).collect();
-    if tables.len() < 2 {
+    if runs.len() < 2 {
         return Ok(Vec::new());
     }
     let first = done.iter().take(MOST_SIDE_BY_SIDE).map(|d| d.stem.as_str());
@@ -153,9 +161,9 @@ fn shared(done: &[Done], folder: &Path, command: &Simulate) -> anyhow::Result<Ve
         name.push_str(&format!("+{more}"));
     }
     let mut output = Output::new(folder, made_from(command, None)?);
-    output.figure(&format!("{name}.inputs"), zwidth_figures::inputs(&tables)?)?;
-    if tables.len() <= MOST_SIDE_BY_SIDE {
-        output.figure(&name, zwidth_figures::simulation(&tables, &[])?)?;
+    output.figure(&format!("{name}.inputs"), zwidth_figures::inputs(&runs))?;
+    if runs.len() <= MOST_SIDE_BY_SIDE {
+        output.figure(&name, zwidth_figures::simulation(&runs, &[]))?;
     }
     Ok(output.files)
 }
