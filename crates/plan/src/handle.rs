@@ -152,7 +152,7 @@ mod tests {
             metric: metric.parse().unwrap(),
             table: "means".to_owned(),
             kind: NoteKind::Care,
-            note: "few".to_owned(),
+            note: "few".into(),
         }
     }
 

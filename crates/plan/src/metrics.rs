@@ -219,7 +219,12 @@ fn make_condition(
     for (file, each) in files.iter().zip(each) {
         let mut remark = |kind, (what, why): (String, String)| {
             let path = making.shown(file);
-            remarks.push(TrialRemark { path, kind, what: strip_root(making.root, &what), why });
+            remarks.push(TrialRemark {
+                path,
+                kind,
+                what: strip_root(making.root, &what),
+                why: why.into(),
+            });
         };
         match each {
             Ok((found, care)) => {

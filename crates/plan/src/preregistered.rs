@@ -138,8 +138,13 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
     };
     let number = |key: &str| content[key].as_u64();
     let planned = content["study_toml"].as_str().and_then(|toml| Study::from_toml(toml).ok());
-    let mut deviations = deviations(&content["analysis"], &analysis(&data.study));
-    deviations.extend(of_study_toml(&content, planned.as_ref(), data, &deviations));
+    let of_analysis = of_analysis(&content["analysis"], &analysis(&data.study));
+    let mut deviations: Vec<String> = match &of_analysis {
+        Some(changes) => changes.iter().map(in_words).collect(),
+        None => vec!["the file holds no plan as `zwidth power --plan` writes it".to_owned()],
+    };
+    let of_analysis = of_analysis.unwrap_or_default();
+    deviations.extend(of_study_toml(&content, planned.as_ref(), data, &of_analysis));
     deviations.extend(of_metric(&content, data, compared));
     deviations.extend(of_participants(number("participants"), data));
     deviations.extend(of_trials(data));
@@ -156,17 +161,28 @@ pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Pre
     })
 }
 
-/// What of the analysis is otherwise than planned, each in words.
-fn deviations(planned: &Value, actual: &Value) -> Vec<String> {
-    let Some(planned) = planned.as_object() else {
-        return vec!["the file holds no plan as `zwidth power --plan` writes it".to_owned()];
-    };
+/// Something that is otherwise than planned.
+struct Deviation {
+    key: String,
+    then: String,
+    now: String,
+}
+
+fn in_words(Deviation { key, then, now }: &Deviation) -> String {
+    format!("{key} was {then}, is {now}")
+}
+
+/// What of the analysis is otherwise than planned; `None` where there is no plan of one.
+fn of_analysis(planned: &Value, actual: &Value) -> Option<Vec<Deviation>> {
+    let planned = planned.as_object()?;
     let actual = actual.as_object().into_iter().flatten();
-    actual
-        .map(|(key, now)| (key, planned.get(key).unwrap_or(&Value::Null), now))
-        .filter(|(_, then, now)| then != now)
-        .map(|(key, then, now)| format!("{key} was {then}, is {now}"))
-        .collect()
+    let both = actual.map(|(key, now)| (key, planned.get(key).unwrap_or(&Value::Null), now));
+    let changed = both.filter(|(_, then, now)| then != now).map(|(key, then, now)| Deviation {
+        key: key.clone(),
+        then: then.to_string(),
+        now: now.to_string(),
+    });
+    Some(changed.collect())
 }
 
 /// What of study.toml is otherwise than when the plan was made, each in words. `planned` is the study
@@ -175,7 +191,7 @@ fn of_study_toml(
     content: &Value,
     planned: Option<&Study>,
     data: &StudyData,
-    listed: &[String],
+    listed: &[Deviation],
 ) -> Vec<String> {
     let Ok(now) = read_regular(&data.layout.study_toml(), MOST_STUDY) else {
         return vec!["study.toml cannot be read".to_owned()];
@@ -189,20 +205,23 @@ fn of_study_toml(
     if changes.is_empty() {
         return vec![format!("{another}, although they differ in comments and form alone")];
     }
-    let changes = changes.iter().filter(|change| !is_listed(change, listed));
-    changes
-        .map(|StudyChange { key, then, now, .. }| format!("{key} was {then}, is {now}"))
-        .collect()
+    let changes = changes.into_iter().filter(|change| !is_listed(change, listed));
+    let deviation = |StudyChange { key, then, now, .. }: StudyChange| Deviation {
+        key: key.to_string(),
+        then: then.to_string(),
+        now: now.to_string(),
+    };
+    changes.map(|change| in_words(&deviation(change))).collect()
 }
 
 /// Whether a change of `compare.alpha` is already told as one of `alpha`, and one of
 /// `compare.bounds.duration_s` as one of `bounds`.
-fn is_listed(change: &StudyChange, listed: &[String]) -> bool {
+fn is_listed(change: &StudyChange, listed: &[Deviation]) -> bool {
     let mut parts = change.key.split('.');
     let (Some("compare" | "design"), Some(name)) = (parts.next(), parts.next()) else {
         return false;
     };
-    listed.iter().any(|told| told.starts_with(&format!("{name} was ")))
+    listed.iter().any(|deviation| deviation.key == name)
 }
 
 /// The metric: the power was computed for one, and there must be one to make claims of.
@@ -271,18 +290,18 @@ mod tests {
     #[test]
     fn the_analysis_that_was_planned_deviates_in_nothing_and_another_says_in_what() {
         let planned = analysis(&study());
-        assert_eq!(deviations(&planned, &planned), [""; 0]);
+        assert!(of_analysis(&planned, &planned).unwrap().is_empty());
         let mut other = study();
         other.compare.alpha = 0.01;
         other.design.repeats = 5;
-        let found = deviations(&planned, &analysis(&other));
+        let found = of_analysis(&planned, &analysis(&other)).unwrap();
+        let found: Vec<String> = found.iter().map(in_words).collect();
         assert_eq!(found, ["alpha was 0.05, is 0.01", "repeats was 6, is 5"]);
     }
 
     #[test]
     fn a_file_that_is_no_plan_is_called_none() {
-        let found = deviations(&json!("no plan"), &analysis(&study()));
-        assert!(found[0].contains("holds no plan"), "{found:?}");
+        assert!(of_analysis(&json!("no plan"), &analysis(&study())).is_none());
     }
 
     /// A plan for a study.toml, as its file has it.

@@ -160,13 +160,19 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     let (left_out, care): (Vec<_>, Vec<_>) =
         of_trials.partition(|remark| remark.kind == NoteKind::LeftOut);
     let listed = |all: Vec<TrialRemark>| {
-        let all = all.into_iter().map(|TrialRemark { what, why, .. }| Remark { what, why });
+        let all = all
+            .into_iter()
+            .map(|TrialRemark { what, why, .. }| Remark { what, why: why.to_string() });
         all.collect::<BTreeSet<_>>()
     };
     summary.left_out.extend(listed(left_out));
     summary.care.extend(listed(care));
     let listed = |(file, caption): (&PathBuf, &Caption)| match file.exists() {
-        true => Ok(Listed { path: relative(file, folder), caption: caption.text() }),
+        true => Ok(Listed {
+            path: relative(file, folder),
+            caption: caption.text(),
+            kind: caption.kind.shows.to_owned(),
+        }),
         false => Err(could_not_be_made(file)),
     };
     let figures: Vec<_> = files.figures.iter().zip(&page.captions).map(listed).collect();
@@ -181,7 +187,7 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     let of_compared = compared.by_metric(page.is_primary_by_default);
     summary.matrix = zwidth_report::matrix(&page.planned, &of_compared);
     let limits = compared.notes.iter().filter(|note| note.kind == NoteKind::Limit);
-    let limits: BTreeSet<String> = limits.map(|note| note.note.clone()).collect();
+    let limits: BTreeSet<String> = limits.map(|note| note.note.to_string()).collect();
     summary.limits.extend(limits);
     let there = files.metrics.as_deref().filter(|file| file.exists());
     let metrics = there.map(|file| metrics::looked_at(file, &page.compared)).transpose()?;
@@ -219,7 +225,7 @@ fn list_findings(
         (None, None) => Vec::new(),
     };
     let all = of_comparison.into_iter().chain(found);
-    Ok(all.map(|f| Listed { path: page.shown_by(&f.shown, made), caption: f.text }).collect())
+    Ok(all.map(|f| Listed::new(page.shown_by(&f.shown, made), f.text)).collect())
 }
 
 /// What runs of the model show: the cheapest that could not be told from the right one, and the
@@ -239,7 +245,7 @@ fn list_runs(page: &Page, files: &Files, made: &Summary) -> Result<Vec<Listed>, 
     let listed = |finding: Finding| {
         let file = page.gallery.file(&finding.shown);
         let path = if is_made(made, &file) { file } else { page.gallery.table(&finding.shown) };
-        Listed { path, caption: finding.text }
+        Listed::new(path, finding.text)
     };
     Ok(found.into_iter().map(listed).collect())
 }
@@ -468,7 +474,7 @@ pub(crate) fn remarks(of: &[Derived<TrialRemark>]) -> Result<Vec<TrialRemark>, T
 /// A table, and how many rows it has.
 fn table(file: &Path, gallery: &Gallery) -> Result<(Listed, usize), TableError> {
     let About { title, rows, .. } = Table::about(file)?;
-    Ok((Listed { path: gallery.table_file(&stem(file)), caption: title }, rows))
+    Ok((Listed::new(gallery.table_file(&stem(file)), title), rows))
 }
 
 fn could_not_be_made(file: &Path) -> Remark {

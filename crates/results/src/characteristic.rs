@@ -2,6 +2,7 @@
 //! command and response are those of its sweeps, one of each for a whole table.
 
 use crate::row::rows;
+use crate::sentence::Sentence;
 use crate::value::words;
 use std::sync::Arc;
 
@@ -143,7 +144,7 @@ rows! {
         /// chosen or not
         verdict: CandidateVerdict,
         /// why
-        reason: String,
+        reason: Sentence,
     }
 
     /// A parameter of a candidate model, with its bootstrap interval.
@@ -165,7 +166,7 @@ rows! {
         /// unit of the estimate
         unit: Arc<str>,
         /// what the number must not be taken for
-        note: Option<String>,
+        note: Option<Sentence>,
     }
 
     /// A point of the chosen curve, on an even grid of commands.

@@ -1,6 +1,7 @@
 //! What a study says of the thesis' claims, and what its device is.
 
 use crate::row::rows;
+use crate::sentence::Sentence;
 use crate::value::words;
 
 words! {
@@ -50,11 +51,11 @@ rows! {
         /// what n counts
         unit_of_analysis: Option<String>,
         /// what the value must be, and why
-        asked: Option<String>,
+        asked: Option<Sentence>,
         /// the figure or table that shows it
         shown: Option<String>,
         /// what is to be said of it, or why it is not measured
-        remark: Option<String>,
+        remark: Option<Sentence>,
     }
 
     /// A pro or a con of an actuator, beside what the study knows of it.
@@ -74,7 +75,7 @@ rows! {
         /// what the metric says of the claim
         verdict: ClaimVerdict,
         /// with what it is compared
-        remark: Option<String>,
+        remark: Option<Sentence>,
     }
 
     /// Motor and brake as a mode uses them.
@@ -122,7 +123,7 @@ rows! {
         /// the number that the thesis prints, in the same unit
         thesis or absent: Option<f64>,
         /// what is to be said of it
-        remark or absent: Option<String>,
+        remark or absent: Option<Sentence>,
     }
 }
 
@@ -135,7 +136,7 @@ impl Fact {
 
     /// The same with a remark.
     #[must_use]
-    pub fn remarked(self, remark: impl Into<String>) -> Self {
+    pub fn remarked(self, remark: impl Into<Sentence>) -> Self {
         Self { remark: Some(remark.into()), ..self }
     }
 

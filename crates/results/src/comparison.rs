@@ -4,6 +4,7 @@
 use crate::column::UNIT_OF_ROW;
 use crate::note::NoteKind;
 use crate::row::rows;
+use crate::sentence::Sentence;
 use crate::value::{texts, words};
 use std::fmt;
 use std::str::FromStr;
@@ -291,7 +292,7 @@ rows! {
         /// what the tests show
         verdict: Verdict,
         /// why there is no test, or no claim
-        remark: Option<String>,
+        remark: Option<Sentence>,
     }
 
     /// The difference of two modes as a paper prints it.
@@ -337,7 +338,7 @@ rows! {
         /// what the tests show
         verdict: Verdict,
         /// why there is no test, or no claim
-        remark: Option<String>,
+        remark: Option<Sentence>,
         /// whether the interval is of differences that are felt, no claim
         size: Option<Size>,
     }
@@ -375,7 +376,7 @@ rows! {
         /// p value with it
         p_hf: Option<f64>,
         /// how p was found, and why a test is missing
-        remark: Option<String>,
+        remark: Option<Sentence>,
     }
 
     /// The difference of two modes by the mixed model of its environment.
@@ -419,7 +420,7 @@ rows! {
         /// whether a variance was estimated as zero (pooled at the bound)
         singular: Option<bool>,
         /// why there is no test
-        remark: Option<String>,
+        remark: Option<Sentence>,
     }
 
     /// One participant's own difference between two modes.
@@ -509,7 +510,7 @@ rows! {
         /// standard error of measurement of all sessions together
         sem_all: Option<f64> = UNIT_OF_ROW,
         /// why there is no test
-        remark: Option<String>,
+        remark: Option<Sentence>,
     }
 
     /// How a metric changes from one repeat of a condition to the next.
@@ -539,7 +540,7 @@ rows! {
         /// p value of no change, not adjusted
         p_value: Option<f64>,
         /// why there is no test
-        remark: Option<String>,
+        remark: Option<Sentence>,
     }
 
     /// The mean at a repeat of a condition, over participants.
@@ -581,7 +582,7 @@ rows! {
         /// the smallest that the design's orders reach
         smallest_p: Option<f64>,
         /// why there is no test
-        remark: Option<String>,
+        remark: Option<Sentence>,
     }
 
     /// A difference of two modes' means in redrawn orders: each row is a hundredth of them.
@@ -634,7 +635,7 @@ rows! {
         /// how that was found
         test_any: Option<AnswerTest>,
         /// why there is no model or odds ratio, or an end of its interval is missing
-        remark: Option<String>,
+        remark: Option<Sentence>,
         /// what the contrast is tested by
         model: Option<String>,
         /// mean difference, points of the scale
@@ -668,6 +669,6 @@ rows! {
         /// what it is about
         kind: NoteKind,
         /// the note
-        note: String,
+        note: Sentence,
     }
 }

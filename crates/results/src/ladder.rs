@@ -2,6 +2,7 @@
 //! recordings of a condition bear that out.
 
 use crate::row::rows;
+use crate::sentence::Sentence;
 use crate::value::{texts, words};
 use std::fmt;
 use std::str::FromStr;
@@ -305,7 +306,7 @@ rows! {
         /// whether the choice has it
         is_kept: Option<bool>,
         /// why
-        reason: Option<String>,
+        reason: Option<Sentence>,
     }
 
     /// What two terms do to a quantity together.

@@ -86,6 +86,7 @@ mod model_run;
 mod note;
 mod replay;
 mod row;
+mod sentence;
 mod stability;
 mod trade;
 mod trial;
@@ -122,6 +123,7 @@ pub use replay::{
     ReplayAgreement, ReplayOutcome, ReplayedModel, ReplayedPeak, ReplayedTrial,
 };
 pub use row::{ReadError, Row};
+pub use sentence::Sentence;
 pub use stability::{
     BoundaryExtent, ImpedancePoint, LimitKind, LimitName, LimitPoint, StiffestWall, WallBound,
     WallCell, WallLimit, WallQuantity, ZWidth,

@@ -2,6 +2,7 @@
 
 use crate::note::NoteKind;
 use crate::row::rows;
+use crate::sentence::Sentence;
 use crate::value::{named, words};
 use zwidth_study::{EnvironmentId, Kind, ModeId, ParticipantId, SessionId, Source, Status};
 
@@ -110,7 +111,7 @@ rows! {
         /// the trial or its file, with column and row
         what: String,
         /// why it is left out, or what was found in it; what to do
-        why: String,
+        why: Sentence,
     }
 
     /// A trial, and whether it counts.

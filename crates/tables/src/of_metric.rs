@@ -23,7 +23,8 @@ pub fn of_metric(
     let table = Table::new(&name, &format!("{}: {}", all.title(), metric.words), columns)?;
     let notes =
         notes.iter().filter(|note| note.metric == metric.metric && note.table == all.name());
-    let table = notes.fold(table, |table, note| table.with_note_of(note.kind, note.note.as_str()));
+    let table =
+        notes.fold(table, |table, note| table.with_note_of(note.kind, note.note.to_string()));
     Ok(table.with_notes_of(&own))
 }
 
@@ -71,7 +72,7 @@ mod tests {
             metric: metric.parse().unwrap(),
             table: table.to_owned(),
             kind: NoteKind::Care,
-            note: note.to_owned(),
+            note: note.into(),
         };
         let notes = [
             note("past_rad", "cells", "its own"),

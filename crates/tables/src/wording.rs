@@ -6,12 +6,10 @@ use crate::unit::split_unit;
 use crate::{Column, Field, Table, TableError, Type, Values, for_people};
 use serde::Serialize;
 use std::borrow::Cow;
-use zwidth_study::{Coordinate, Study};
+use zwidth_study::{Contrast, Coordinate, ModeId, Study};
 
 /// Columns whose texts are names that people gave, or keys that other files refer to.
 const AS_THEY_ARE: [&str; 4] = ["participant", "session", "study", "key"];
-/// Between the two modes of a contrast.
-const LESS: &str = " − ";
 /// Units that a metric's name can end with, those that end with another of them before it.
 const METRIC_UNITS: [&str; 11] =
     ["N·s/rad", "N/rad", "rad/s", "N·s", "N/W", "rad", "Hz", "J", "N", "m", "s"];
@@ -87,8 +85,9 @@ impl Wording {
 
     /// Two modes as their labels: `hybrid − active`.
     fn contrast(&self, text: &str) -> Option<String> {
-        let (with, without) = text.split_once(LESS)?;
-        Some([label(&self.modes, with)?, LESS, label(&self.modes, without)?].concat())
+        let Contrast { mode, against } = text.parse().ok()?;
+        let label = |mode: &ModeId| label(&self.modes, mode.as_str());
+        Some(format!("{} − {}", label(&mode)?, label(&against)?))
     }
 
     /// A metric's name in words, without its unit: `wall_past_max_rad` → `wall past max`.

@@ -86,7 +86,7 @@ pub fn fitted_models(found: &Characteristic) -> Vec<FittedModel> {
             autocorrelation: quality.and_then(|q| q.autocorrelation),
             aicc: quality.and_then(|q| q.aicc),
             verdict: candidate.verdict,
-            reason: candidate.reason.clone(),
+            reason: candidate.reason.clone().into(),
         });
     }
     rows
@@ -106,7 +106,7 @@ pub fn fitted_parameters(found: &Characteristic) -> Vec<FittedParameter> {
                 ci_low: parameter.ci_low,
                 ci_high: parameter.ci_high,
                 unit: parameter.unit.as_str().into(),
-                note: parameter.note.clone(),
+                note: parameter.note.clone().map(Into::into),
             });
         }
     }

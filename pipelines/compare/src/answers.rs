@@ -137,9 +137,9 @@ impl Row<'_> {
                 false => AnswerTest::F,
             }),
             remark: match &self.model {
-                Ok(Model::Odds(ratio)) => ratio.remark(),
+                Ok(Model::Odds(ratio)) => ratio.remark().map(Into::into),
                 Ok(Model::Means(_)) => None,
-                Err(why) => Some(why.to_string()),
+                Err(why) => Some(why.to_string().into()),
             },
             model: is_any_long.then_some(model),
             difference: self.difference,

@@ -285,7 +285,7 @@ pub(crate) fn named(
             bound: measure.parameters.bounds[row.environment],
             p_not_equivalent: row.p_not_equivalent,
             verdict: row.verdict,
-            remark: row.remark(unit, parameters.alpha),
+            remark: row.remark(unit, parameters.alpha).map(Into::into),
         }
     };
     rows.iter().map(row).collect()

@@ -47,7 +47,7 @@ pub(crate) fn changes(
                 change_ci_high: tested.map(|t| t.ci_high),
                 df: tested.map(|t| t.df),
                 p_value: tested.map(|t| t.p_value),
-                remark: change.as_ref().err().map(ToString::to_string),
+                remark: change.as_ref().err().map(|why| why.to_string().into()),
             });
         }
     }

@@ -79,7 +79,7 @@ pub(crate) fn models(
                     fit.structure.iter().map(|term| term.name()).collect::<Vec<_>>().join(", ")
                 }),
                 singular: fitted.map(|fit| fit.fit.singular),
-                remark: kenward_roger.as_ref().err().map(ToString::to_string),
+                remark: kenward_roger.as_ref().err().map(|why| why.to_string().into()),
             });
         }
     }

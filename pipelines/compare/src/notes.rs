@@ -22,7 +22,7 @@ pub(crate) fn below<R: Row>(measure: &Measure, notes: Vec<Note>) -> Vec<MetricNo
         metric: measure.parameters.metric.clone(),
         table: R::NAME.to_owned(),
         kind,
-        note,
+        note: note.into(),
     };
     notes.into_iter().map(note).collect()
 }

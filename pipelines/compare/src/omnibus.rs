@@ -89,7 +89,7 @@ pub(crate) fn tests(cells: &Cells, measure: &Measure, parameters: &Parameters) -
             p_gg: anova.map(|test| test.p_greenhouse_geisser),
             epsilon_hf: anova.map(|test| test.huynh_feldt),
             p_hf: anova.map(|test| test.p_huynh_feldt),
-            remark: row.remark(),
+            remark: row.remark().map(Into::into),
         }
     })
     .collect()

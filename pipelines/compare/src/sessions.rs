@@ -83,7 +83,7 @@ pub(crate) fn changes(cells: &Cells, measure: &Measure, parameters: &Parameters)
                     icc_a1_all_ci_low: overall.as_ref().map(|found| found.a1.ci_low),
                     icc_a1_all_ci_high: overall.as_ref().map(|found| found.a1.ci_high),
                     sem_all: overall.as_ref().map(|found| found.sem),
-                    remark: change.as_ref().err().map(ToString::to_string),
+                    remark: change.as_ref().err().map(|why| why.to_string().into()),
                 });
             }
         }

@@ -536,7 +536,7 @@ pub fn repeats_compared(
         footnotes: found
             .notes_below(RepeatMean::NAME)
             .next()
-            .map(|note| plain(&note.note))
+            .map(|note| plain(&note.note.to_string()))
             .into_iter()
             .collect(),
         mark: mark(sources.iter().copied()),

@@ -11,7 +11,7 @@ use zwidth_draw::{
 };
 use zwidth_results::{LessKind, MetricShift};
 use zwidth_study::Source;
-use zwidth_tables::TableError;
+use zwidth_tables::{TableError, split_unit};
 
 /// What less of the recordings does.
 pub const LESS: FigureKind = FigureKind {
@@ -33,8 +33,6 @@ const LEGEND: &str = "How to read it: each row is a metric, each colour a change
 
 /// In the names of an interval's ends.
 const INTERVAL: &str = "_ci_";
-/// Units at the end of a metric's name, the longest first.
-const UNITS: [&str; 5] = ["_n_per_rad", "_rad", "_n", "_j", "_m"];
 
 /// Words of columns, and how people read them; the first that fits a word wins.
 const READS: [(&str, &str); 7] = [
@@ -48,8 +46,8 @@ const READS: [(&str, &str); 7] = [
 ];
 
 /// A metric as it stands beside its row: `saturation_theta_rad` reads `saturation angle`.
-fn row_words(metric: &str) -> String {
-    let bare = UNITS.iter().find_map(|unit| metric.strip_suffix(unit)).unwrap_or(metric);
+fn row_words(metric: &str, unit: &str) -> String {
+    let (bare, _) = split_unit(metric, unit);
     let read = READS.iter().fold(bare.to_owned(), |text, (word, reads)| text.replace(word, reads));
     plain(&read.replace('_', " "))
 }
@@ -69,7 +67,7 @@ pub fn less(
     let mut rows = Rows::default();
     let mut panels: Vec<(LessKind, Vec<Arc<str>>)> = Vec::new();
     for part in changes {
-        for MetricShift { kind, less, metric, median_share, p90_share, .. } in part? {
+        for MetricShift { kind, less, metric, unit, median_share, p90_share, .. } in part? {
             let Some((median, p90)) = median_share.zip(p90_share) else { continue };
             if metric.contains(INTERVAL) {
                 continue; // the ends of an interval change with its metric
@@ -79,7 +77,7 @@ pub fn less(
                 Some(panel) => panel.1.push(less.clone()),
                 None => panels.push((kind, vec![less.clone()])),
             }
-            rows.add(less, metric, [median, p90]);
+            rows.add(less, metric, &unit, [median, p90]);
         }
     }
     let mut before = 0;
@@ -107,15 +105,16 @@ pub fn less(
 /// Of each degree and metric, the change of the condition whose median trial changes most.
 #[derive(Default)]
 struct Rows {
-    names: Vec<Arc<str>>,
+    /// The metrics, and how people read them.
+    names: Vec<(Arc<str>, String)>,
     /// Median and 90th percentile, by degree and metric.
     most: BTreeMap<(Arc<str>, Arc<str>), [f64; 2]>,
 }
 
 impl Rows {
-    fn add(&mut self, less: Arc<str>, metric: Arc<str>, share: [f64; 2]) {
-        if !self.names.contains(&metric) {
-            self.names.push(metric.clone());
+    fn add(&mut self, less: Arc<str>, metric: Arc<str>, unit: &str, share: [f64; 2]) {
+        if !self.names.iter().any(|(known, _)| *known == metric) {
+            self.names.push((metric.clone(), row_words(&metric, unit)));
         }
         let most = self.most.entry((less, metric)).or_insert(share);
         if share[0] > most[0] {
@@ -135,7 +134,8 @@ impl Rows {
                 let shares = self.most.get(&(less.clone(), metric.clone()));
                 shares.map_or(f64::NAN, |shares| libm::log10(shares[which].max(LEAST)))
             };
-            let shares = |which| self.names.iter().map(|metric| share(metric, which)).collect();
+            let shares =
+                |which| self.names.iter().map(|(metric, _)| share(metric, which)).collect();
             Layer::Intervals(Intervals {
                 direction: Direction::Horizontal,
                 at: (0..self.names.len()).map(place).collect(),
@@ -149,7 +149,8 @@ impl Rows {
         }));
         let x =
             Axis { ticks: Ticks::Powers, ..Axis::new("change ÷ just felt", "") }.linked("share");
-        let y = Axis::categories(self.names.iter().map(|name| row_words(name))).linked("metric");
+        let y =
+            Axis::categories(self.names.iter().map(|(_, words)| words.clone())).linked("metric");
         let panel = Panel::new(Cell::at(0, column), x, y, layers).titled(plain(kind.as_str()));
         Panel { height_mm: Some(FRAME_MM + ROW_MM * self.names.len() as f64), ..panel }
     }
@@ -223,8 +224,8 @@ mod tests {
         let first = intervals(&figure)[0];
         assert!((first.estimate[0] - 1.0).abs() < 1e-12, "{:?}", first.estimate);
         assert!((first.high[0] - 20_f64.log10()).abs() < 1e-12, "{:?}", first.high);
-        assert_eq!(row_words("wall_stiffness_n_per_rad"), "wall stiffness");
-        assert_eq!(row_words("discrepancy_user_mean_n"), "force discrepancy mean");
+        assert_eq!(row_words("wall_stiffness_n_per_rad", "N/rad"), "wall stiffness");
+        assert_eq!(row_words("discrepancy_user_mean_n", "N"), "force discrepancy mean");
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub fn effects(ladder: &Ladder) -> Vec<TermEffect> {
             off_without: ladder.rung(ladder.offered.without(term)).and_then(off),
             deciding_off: choice.and_then(|choice| ladder.deciding(choice, term)).and_then(off),
             is_kept: choice.map(|choice| choice.set.has(term)),
-            reason: choice.map(|choice| reason(ladder, choice, term)),
+            reason: choice.map(|choice| reason(ladder, choice, term).into()),
         }
     };
     let quantities = ladder.quantities.iter().enumerate();

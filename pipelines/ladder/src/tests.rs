@@ -165,7 +165,7 @@ fn the_tables_say_the_choice_and_read_it_back() {
     assert_eq!((rows.len(), &rows), (64, &models(&found)));
     assert_eq!(chosen(&rows), found.choice().map(|rung| rung.set));
     let effects: Vec<TermEffect> = effects_table(&found).unwrap().to_rows().unwrap();
-    let reason = |row: usize| effects[row].reason.clone().unwrap();
+    let reason = |row: usize| effects[row].reason.clone().unwrap().to_string();
     assert!(reason(0).starts_with("friction is kept: a model without it"), "{}", reason(0));
     assert!(reason(1).starts_with("motor lag is left out"), "{}", reason(1));
     let pairs: Vec<TermPair> = interactions_table(&found).unwrap().to_rows().unwrap();

@@ -260,7 +260,7 @@ fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Told> {
                 .into_iter()
                 .find_map(|(name, effect)| Some(format!("{name} = {}", number(effect?, None)))),
             verdict: row.verdict,
-            remark: row.remark.clone(),
+            remark: row.remark.as_ref().map(ToString::to_string),
             size: row.size.map(|size| {
                 let jnds =
                     [row.difference_jnd, row.difference_jnd_ci_low, row.difference_jnd_ci_high];

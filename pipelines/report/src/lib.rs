@@ -122,6 +122,16 @@ pub struct Made {
     pub path: String,
     /// What it shows, one line.
     pub caption: String,
+    /// What figures of its kind show; nothing of a table.
+    #[serde(skip)]
+    pub kind: String,
+}
+
+impl Made {
+    /// A table, or a sentence that a table or figure shows.
+    pub fn new(path: impl Into<String>, caption: impl Into<String>) -> Self {
+        Self { path: path.into(), caption: caption.into(), kind: String::new() }
+    }
 }
 
 /// Something that was left out, or is to be read with care.
@@ -318,10 +328,10 @@ mod tests {
             sweeps: 0,
             sources: BTreeMap::from([(Source::Recorded, 142)]),
             matrix: Matrix::default(),
-            shown: vec![Made {
-                path: "tables/conditions.md".to_owned(),
-                caption: "In none of 142 trials did the lever swing fast.".to_owned(),
-            }],
+            shown: vec![Made::new(
+                "tables/conditions.md",
+                "In none of 142 trials did the lever swing fast.",
+            )],
             statements: "Of 2 statements, 1 is supported.".to_owned(),
             judged: vec![Told {
                 statement: "The lever moves".to_owned(),
@@ -330,19 +340,13 @@ mod tests {
                 evidence: "Largest angle: 30°.".to_owned(),
                 path: "figures/spring.svg".to_owned(),
             }],
-            runs: vec![Made {
-                path: "figures/trade.spring_active.png".to_owned(),
-                caption: "Spring, active: exact is the cheapest run.".to_owned(),
-            }],
-            figures: vec![Made {
-                path: "figures/spring.svg".to_owned(),
-                caption: "Spring: θ, F, θ̇, mean of six".to_owned(),
-            }],
+            runs: vec![Made::new(
+                "figures/trade.spring_active.png",
+                "Spring, active: exact is the cheapest run.",
+            )],
+            figures: vec![Made::new("figures/spring.svg", "Spring: θ, F, θ̇, mean of six")],
             undrawn: 0,
-            tables: vec![Made {
-                path: "tables/metrics.md".to_owned(),
-                caption: "Metrics, one row per trial".to_owned(),
-            }],
+            tables: vec![Made::new("tables/metrics.md", "Metrics, one row per trial")],
             left_out: vec![Remark {
                 what: "P01 S01 trial 17".to_owned(),
                 why: "excluded: cable caught".to_owned(),
@@ -405,11 +409,11 @@ Of 2 statements, 1 is supported.
 
     #[test]
     fn many_figures_are_counted_by_kind_with_the_first_and_the_last() {
-        let figure = |i: usize| Made {
-            path: format!("figures/modes.P{i:03}.S01.spring.svg"),
-            caption: format!("P{i:03} in the spring"),
+        let figure = |i: usize| {
+            let path = format!("figures/modes.P{i:03}.S01.spring.svg");
+            Made::new(path, format!("P{i:03} in the spring"))
         };
-        let likert = Made { path: "figures/likert.svg".to_owned(), caption: "answers".to_owned() };
+        let likert = Made::new("figures/likert.svg", "answers");
         let figures: Vec<Made> = (1..=150).map(figure).chain([likert]).collect();
         let text = summary_markdown(&Summary { figures, ..sample() });
         assert!(

@@ -46,7 +46,7 @@ pub fn pros_cons(known: Known) -> Result<Vec<ProOrCon>, TableError> {
             value: found.as_ref().and_then(|e| e.value),
             metric: found.as_ref().map(|e| e.metric.clone()),
             unit: found.as_ref().map(|e| e.unit.clone()),
-            remark: found.map(|e| e.remark),
+            remark: found.map(|e| e.remark.into()),
         })
     };
     CLAIMS.iter().map(row).collect()
@@ -407,7 +407,9 @@ mod tests {
         let (study, calibration) = (Setup { resistances, ..study() }, Calibration::thesis());
         let known = Known { study: &study, calibration: &calibration, metrics: Some(&metrics) };
         let rows = pros_cons(known).unwrap();
-        let of = |row: &ProOrCon| (row.value.unwrap(), row.verdict, row.remark.clone().unwrap());
+        let of = |row: &ProOrCon| {
+            (row.value.unwrap(), row.verdict, row.remark.clone().unwrap().to_string())
+        };
         [0, 7].map(|i| of(&rows[i])).to_vec()
     }
 

@@ -249,7 +249,7 @@ pub(crate) fn rows(
                 trials: own.trials,
                 p_value: test.as_ref().ok().map(|test| test.p_value),
                 smallest_p: test.as_ref().ok().map(|test| test.smallest_p),
-                remark: test.as_ref().err().map(ToString::to_string),
+                remark: test.as_ref().err().map(|why| why.to_string().into()),
             });
         }
     }

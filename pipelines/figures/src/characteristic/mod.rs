@@ -350,7 +350,7 @@ mod tests {
             autocorrelation: None,
             aicc: None,
             verdict,
-            reason: String::new(),
+            reason: "".into(),
         };
         let hinge = "y = a + b max(x - x0, 0), up and down apart";
         vec![
@@ -387,7 +387,7 @@ mod tests {
         };
         let mut rows: Vec<FittedParameter> = rows.into_iter().map(row).collect();
         if let Some(last) = rows.last_mut().filter(|_| !note.is_empty()) {
-            last.note = Some(note.to_owned());
+            last.note = Some(note.into());
         }
         rows
     }

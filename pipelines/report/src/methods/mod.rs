@@ -249,9 +249,7 @@ fn data(recorded: &Recorded) -> Vec<String> {
     let sentence = format!("The data comprise {}.", counted.join(", "));
     let foreign = "[TODO: describe how they were taken; the program does not know it.]".to_owned();
     let foreign = recorded.is_foreign().then_some(foreign);
-    // A slide's x / L is recorded, in another unit.
-    let made = recorded.made_by_import.iter().map(String::as_str);
-    let made: Vec<&str> = made.filter(|made| !made.contains(" by θ = x / L")).collect();
+    let made: Vec<&str> = recorded.made_by_import.iter().map(String::as_str).collect();
     let made = (!made.is_empty()).then(|| {
         format!("Not recorded but computed when the recordings were imported: {}.", made.join("; "))
     });

@@ -186,10 +186,9 @@ fn answers(_: &Page) -> Markup {
 fn groups(figures: &[Made]) -> Vec<(&str, Vec<&Made>)> {
     let mut groups: Vec<(&str, Vec<&Made>)> = Vec::new();
     for made in figures {
-        let kind = made.caption.split(" (").next().unwrap_or_default();
-        match groups.iter_mut().find(|(known, _)| *known == kind) {
+        match groups.iter_mut().find(|(kind, _)| *kind == made.kind) {
             Some((_, group)) => group.push(made),
-            None => groups.push((kind, vec![made])),
+            None => groups.push((&made.kind, vec![made])),
         }
     }
     groups

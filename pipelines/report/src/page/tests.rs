@@ -17,7 +17,7 @@ fn planned() -> Setup {
 }
 
 fn made(path: &str, caption: &str) -> Made {
-    Made { path: path.to_owned(), caption: caption.to_owned() }
+    Made::new(path, caption)
 }
 
 fn summary() -> Summary {

@@ -69,8 +69,8 @@ fn row(statement: &Statement, judged: Judged, derived: &Derived) -> JudgedStatem
         unit: given(evidence.unit),
         n,
         unit_of_analysis: given(over),
-        asked: given(asked),
+        asked: given(asked).map(Into::into),
         shown: is_measured.then(|| derived.gallery.file(&shown)),
-        remark: given(evidence.remark),
+        remark: given(evidence.remark).map(Into::into),
     }
 }

@@ -117,7 +117,7 @@ fn cell(statements: &[JudgedStatement], key: &str, text: &str) -> String {
         "unit" => &of.unit,
         "unit_of_analysis" => &of.unit_of_analysis,
         "shown" => &of.shown,
-        _ => &of.remark,
+        _ => &of.remark.as_ref().map(ToString::to_string),
     };
     text.clone().unwrap_or_default()
 }

@@ -46,8 +46,10 @@ fn in_words(judged: &JudgedStatement) -> Told {
     let interval = ends
         .map(|(low, high)| format!("interval {} to {}", number(low, error), number(high, error)));
     let counted = judged.n.map(|n| format!("n = {n} {}", word(&judged.unit_of_analysis)));
-    let known: Vec<String> =
-        [interval, counted, judged.remark.clone()].into_iter().flatten().collect();
+    let known: Vec<String> = [interval, counted, judged.remark.as_ref().map(ToString::to_string)]
+        .into_iter()
+        .flatten()
+        .collect();
     let known = if known.is_empty() { String::new() } else { format!(" ({})", known.join("; ")) };
     Told {
         statement: judged.statement.clone(),
@@ -57,7 +59,7 @@ fn in_words(judged: &JudgedStatement) -> Told {
             "{}{}{known}; asked: {}.",
             capital(&word(&judged.metric)),
             amount.unwrap_or_default(),
-            word(&judged.asked),
+            judged.asked.as_ref().map(ToString::to_string).unwrap_or_default(),
         ),
         path: word(&judged.shown),
     }
