@@ -12,6 +12,9 @@
 //! | [`TrialEvent`] | participant, session, trial, place | `metrics` | page |
 //! | [`TrialRemark`] | file, place | `metrics` | summary, page, `trials` |
 //! | [`CountedTrial`] | participant, session, trial | `trials` | other programs |
+//! | [`AveragePoint`], read as [`AveragedTime`] too, with columns for each signal | participant, session, environment, mode, time | `average` | figures, page |
+//! | [`LoopPoint`], read as [`LoopAngle`] too, with columns for each load | participant, session, environment, mode, branch, angle | `average` | `average`, figures |
+//! | [`ParticipantsLoopPoint`], read as [`LoopAngle`], with columns for each load | branch, angle | `average` | figures |
 //! | [`Compared`] | metric | `compare` | figures, page, summary, printed tables |
 //! | [`Cell`] | metric, participant, session, environment, mode | `compare` | figures |
 //! | [`Mean`] | metric, environment, mode | `compare` | figures, page, summary |
@@ -75,6 +78,7 @@
 //! | [`Fact`], of device, model and weight | quantity | `report` | printed tables |
 
 mod answers;
+mod average;
 mod characteristic;
 mod claims;
 mod column;
@@ -93,6 +97,9 @@ mod trial;
 mod value;
 
 pub use answers::{AnswerTally, BlindingIndex, GivenAnswer};
+pub use average::{
+    AveragePoint, AveragedTime, LoopAngle, LoopBranch, LoopPoint, ParticipantsLoopPoint,
+};
 pub use characteristic::{
     CandidateVerdict, CommandWay, CurveModel, CurvePoint, CurveShape, CurveSymbol, FittedModel,
     FittedParameter, UNIT_OF_COMMAND, UNIT_OF_RESPONSE,

@@ -27,6 +27,11 @@ impl Alignment {
             Self::Landmarks => "landmarks",
         }
     }
+
+    /// That of a word.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|alignment| alignment.as_str() == word)
+    }
 }
 
 /// Which sessions have figures of their own.

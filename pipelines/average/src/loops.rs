@@ -7,6 +7,7 @@
 use crate::average::{Parameters, Placed, place, source_of};
 use crate::{AverageError, LeftOut};
 use zwidth_numerics::series::interpolate_all;
+use zwidth_results::LoopBranch as Branch;
 use zwidth_stats::band::{Band, band};
 use zwidth_store::{Recorded, Signal};
 use zwidth_study::{Alignment, Condition, ParticipantId, SessionId, Source};
@@ -16,32 +17,6 @@ pub(crate) const NODES: usize = 101;
 
 /// What stands against the angle.
 pub(crate) const LOADS: [Signal; 3] = [Signal::ForceEx, Signal::TorqueEx, Signal::ForceCmd];
-
-/// A part of a movement there and back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Branch {
-    /// From the onset to the reversal, where the lever goes farther than before.
-    In,
-    /// From the reversal to the return, or to the last sample if there is none: at one angle, from the
-    /// largest force to the smallest.
-    Held,
-    /// From the return to the end, where the lever goes farther back than before.
-    Out,
-}
-
-impl Branch {
-    /// In the order of a movement.
-    pub const ALL: [Self; 3] = [Self::In, Self::Held, Self::Out];
-
-    /// Its name in tables.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::In => "in",
-            Self::Held => "held",
-            Self::Out => "out",
-        }
-    }
-}
 
 /// One branch of a mean loop.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,21 +1,23 @@
 //! The mean of force against position over participants.
 
 use crate::AverageError;
-use crate::loops::{Branch, Course, LOADS, MeanBranch, branches};
-use crate::table::{column_name, of_branches};
+use crate::loops::{Course, LOADS, MeanBranch, branches};
+use crate::table::{angles, column_name, loads, of_loop};
 use std::collections::BTreeMap;
-use zwidth_tables::{Column, Table, TableError};
+use zwidth_results::{LoopBranch as Branch, LoopPoint, ParticipantsLoopPoint, Row as _};
+use zwidth_study::ParticipantId;
+use zwidth_tables::{Table, TableError};
 
 /// The columns at which [`SessionLoop::of`] looks.
 pub fn looked_at() -> Vec<String> {
     let means = LOADS.into_iter().map(|signal| column_name(signal, "mean"));
-    ["participant", "branch", "theta_rad"].into_iter().map(str::to_owned).chain(means).collect()
+    LoopPoint::fields().into_iter().map(|field| field.name.into_owned()).chain(means).collect()
 }
 
 /// A participant's mean loop in a session.
 #[derive(Debug, Clone)]
 pub struct SessionLoop {
-    participant: String,
+    participant: ParticipantId,
     courses: BTreeMap<Branch, Course>,
 }
 
@@ -25,14 +27,14 @@ impl SessionLoop {
     /// # Errors
     /// A table that is not of this stage.
     pub fn of(table: &Table) -> Result<Option<Self>, TableError> {
-        let Some(participant) = table.texts("participant")?.into_iter().flatten().next() else {
+        let points: Vec<LoopPoint> = table.to_rows()?;
+        let Some(LoopPoint { participant, .. }) = points.first().cloned() else {
             return Ok(None);
         };
-        let (named, angles) = (table.texts("branch")?, table.floats("theta_rad")?);
         let mut courses = BTreeMap::new();
-        for branch in Branch::ALL {
-            let is_its = |row: &usize| named[*row].as_deref() == Some(branch.as_str());
-            let mut rows: Vec<usize> = (0..table.height()).filter(is_its).collect();
+        for branch in Branch::ALL.iter().copied() {
+            let is_its = |row: &usize| points[*row].branch == branch;
+            let mut rows: Vec<usize> = (0..points.len()).filter(is_its).collect();
             // Rows come in the order of the movement, courses in that of the angle.
             if branch == Branch::Out {
                 rows.reverse();
@@ -46,7 +48,7 @@ impl SessionLoop {
                 let values: Option<Vec<f64>> = rows.iter().map(|row| values[*row]).collect();
                 loads.extend(values.map(|values| (signal, values)));
             }
-            let theta_rad = rows.iter().filter_map(|row| angles[*row]).collect();
+            let theta_rad = rows.iter().map(|row| points[*row].theta_rad).collect();
             courses.insert(branch, Course { theta_rad, loads });
         }
         Ok(Some(Self { participant, courses }))
@@ -64,7 +66,7 @@ pub fn over_participants(
     loops: impl IntoIterator<Item = SessionLoop>,
     level: f64,
 ) -> Result<Option<Table>, AverageError> {
-    let mut people: BTreeMap<String, Vec<BTreeMap<Branch, Course>>> = BTreeMap::new();
+    let mut people: BTreeMap<ParticipantId, Vec<BTreeMap<Branch, Course>>> = BTreeMap::new();
     for SessionLoop { participant, courses } in loops {
         people.entry(participant).or_default().push(courses);
     }
@@ -76,7 +78,7 @@ pub fn over_participants(
         let of = people.values().flatten().map(|courses| courses.get(&branch).cloned());
         of.collect::<Option<Vec<Course>>>().unwrap_or_default()
     };
-    let all = Branch::ALL.map(of_all);
+    let all = [Branch::In, Branch::Held, Branch::Out].map(of_all);
     // At the angles of all sessions; then each participant's sessions are one.
     let found = branches([&all[0], &all[1], &all[2]], level)?;
     let counts: Vec<usize> = people.values().map(Vec::len).collect();
@@ -86,14 +88,9 @@ pub fn over_participants(
     };
     let found = found.iter().map(of_people).collect::<Result<Vec<MeanBranch>, _>>()?;
     let n = people.len();
-    let rows = found.iter().map(|branch| branch.theta_rad.len()).sum();
-    let mut columns = vec![
-        Column::integer("n", "1", "participants averaged", vec![Some(n as i64); rows]),
-        Column::integer("sessions", "1", "sessions of theirs", vec![Some(sessions as i64); rows]),
-    ];
-    columns.extend(of_branches(&found, "participants"));
-    let table =
-        Table::new("participants_loop", "Mean force against position over participants", columns)?;
+    let point = |(branch, theta_rad)| ParticipantsLoopPoint { n, sessions, branch, theta_rad };
+    let points: Vec<ParticipantsLoopPoint> = angles(&found).map(point).collect();
+    let table = of_loop(&points, loads(&found, "participants"))?;
     Ok(Some(table.with_note(
         "n counts participants: each one's repeats are averaged, then their sessions with equal weight, at each angle that \
          all of them reach on the same way.",
@@ -130,19 +127,19 @@ mod tests {
     fn people_meet_at_their_angles_and_the_mean_ends_where_one_of_them_does() {
         let people = [stroke("P01", 0.4, 0.0), stroke("P02", 0.8, 1.0)];
         let all = over_participants(loops(&people), 0.95).unwrap().unwrap();
-        let (angles, named) = (all.floats("theta_rad").unwrap(), all.texts("branch").unwrap());
-        let farthest = angles.iter().flatten().copied().fold(0.0, f64::max);
+        let points: Vec<ParticipantsLoopPoint> = all.to_rows().unwrap();
+        let farthest = points.iter().map(|point| point.theta_rad).fold(0.0, f64::max);
         assert!((farthest - 0.4).abs() < 1e-6, "{farthest}");
         let force = all.floats(&column_name(Signal::ForceEx, "mean")).unwrap();
-        for ((angle, force), named) in angles.iter().zip(&force).zip(&named) {
+        for (point, force) in points.iter().zip(&force) {
             // On the spring, and half a newton more; held at the turn of each.
-            let expect = match named.as_deref() {
-                Some("held") => 4.0 * 0.6 + 0.5,
-                _ => 4.0 * angle.unwrap() + 0.5,
+            let expect = match point.branch {
+                Branch::Held => 4.0 * 0.6 + 0.5,
+                _ => 4.0 * point.theta_rad + 0.5,
             };
-            assert!((force.unwrap() - expect).abs() < 1e-2, "{named:?} {angle:?} {force:?}");
+            assert!((force.unwrap() - expect).abs() < 1e-2, "{point:?} {force:?}");
         }
-        assert!(all.integers("n").unwrap().iter().all(|n| *n == Some(2)));
+        assert!(points.iter().all(|point| point.n == 2));
     }
 
     #[test]
@@ -150,12 +147,10 @@ mod tests {
         let (a, b, c) = (stroke("P01", 0.8, 0.0), stroke("P01", 0.8, 1.0), stroke("P02", 0.8, 3.0));
         assert!(over_participants(loops(&[a.clone(), b.clone()]), 0.95).unwrap().is_none());
         let all = over_participants(loops(&[a, b, c]), 0.95).unwrap().unwrap();
-        assert_eq!(all.integers("sessions").unwrap()[0], Some(3));
-        let (angle, force) = (
-            all.floats("theta_rad").unwrap()[50],
-            all.floats(&column_name(Signal::ForceEx, "mean")).unwrap()[50],
-        );
-        let expect = 4.0 * angle.unwrap() + (0.5 + 3.0) / 2.0;
+        let points: Vec<ParticipantsLoopPoint> = all.to_rows().unwrap();
+        assert_eq!(points[0].sessions, 3);
+        let force = all.floats(&column_name(Signal::ForceEx, "mean")).unwrap()[50];
+        let expect = 4.0 * points[50].theta_rad + (0.5 + 3.0) / 2.0;
         assert!((force.unwrap() - expect).abs() < 1e-3, "{force:?} against {expect}");
     }
 

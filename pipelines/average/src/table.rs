@@ -5,6 +5,7 @@ use crate::average::{Average, Course, SIGNALS};
 use crate::loops::{LOADS, MeanBranch, MeanLoop};
 use crate::notes::not_averaged;
 use std::borrow::Cow;
+use zwidth_results::{AveragePoint, LoopBranch, LoopPoint, Row};
 use zwidth_stats::band::Band;
 use zwidth_store::Signal;
 use zwidth_tables::{Column, NoteKind, Table, TableError};
@@ -12,9 +13,6 @@ use zwidth_tables::{Column, NoteKind, Table, TableError};
 /// The four columns of a signal: what stands between stem and unit in the name, the meaning, the
 /// values.
 pub(crate) type Part = (&'static str, &'static str, fn(&Band) -> &[Option<f64>]);
-
-/// What the column `phase` says.
-pub(crate) const PHASE: &str = "landmarks passed: 0 at the start, 1 at the wall, 2 at the reversal, 3 at the return, 4 at the end, straight between";
 
 pub(crate) const PARTS: [Part; 4] = [
     ("mean", "mean of the repeats", |b| &b.mean),
@@ -32,12 +30,18 @@ pub(crate) const PARTS: [Part; 4] = [
 /// A number that is not finite.
 pub fn table(averages: &[Average]) -> Result<Table, TableError> {
     let rows = || averages.iter().flat_map(|a| (0..a.t_s.len()).map(move |i| (a, i)));
-    let mut columns = identity(rows);
-    let time = "time since movement onset; aligned by landmarks, on the scale of their mean times";
-    columns.push(Column::float("t_s", "s", time, rows().map(|(a, i)| Some(a.t_s[i]))));
-    columns.push(Column::float("phase", "1", PHASE, rows().map(|(a, i)| a.phase(a.t_s[i]))));
-    let n = rows().map(|(a, i)| Some(a.n[i] as i64));
-    columns.push(Column::integer("n", "1", "repeats averaged at this time", n));
+    let point = |(a, i): (&Average, usize)| AveragePoint {
+        participant: a.participant.clone(),
+        session: a.session.clone(),
+        environment: a.condition.environment.clone(),
+        mode: a.condition.mode.clone(),
+        source: a.source,
+        alignment: a.alignment,
+        t_s: a.t_s[i],
+        phase: a.phase(a.t_s[i]),
+        n: a.n[i],
+    };
+    let mut columns = AveragePoint::columns(&rows().map(point).collect::<Vec<_>>());
     for signal in SIGNALS {
         for (part, meaning, values) in PARTS {
             let value = |(a, i): (&Average, usize)| values(&course(a, signal)?.band)[i];
@@ -46,7 +50,7 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
             columns.push(renamed(signal, name, description, rows().map(value).collect()));
         }
     }
-    let table = Table::new("average", "Mean of the repeats against time", columns)?;
+    let table = Table::new(AveragePoint::NAME, AveragePoint::TITLE, columns)?;
     let notes = averages.iter().flat_map(Average::notes);
     Ok(notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
 }
@@ -59,20 +63,18 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
 /// # Errors
 /// A number that is not finite.
 pub fn loop_table(of: &MeanLoop) -> Result<Table, TableError> {
-    let rows: usize = of.branches.iter().map(|branch| branch.theta_rad.len()).sum();
-    let text = |name, description, value: &str| {
-        Column::text(name, description, (0..rows).map(|_| Some(value.to_owned())))
+    let point = |(branch, theta_rad)| LoopPoint {
+        participant: of.participant.clone(),
+        session: of.session.clone(),
+        environment: of.condition.environment.clone(),
+        mode: of.condition.mode.clone(),
+        source: of.source,
+        n: of.n,
+        branch,
+        theta_rad,
     };
-    let mut columns = vec![
-        text("participant", "participant's code", of.participant.as_str()),
-        text("session", "session", of.session.as_str()),
-        text("environment", "what was rendered", of.condition.environment.as_str()),
-        text("mode", "how it was rendered", of.condition.mode.as_str()),
-        text("source", "recorded, twin or imported", of.source.as_str()),
-        Column::integer("n", "1", "repeats averaged", vec![Some(of.n as i64); rows]),
-    ];
-    columns.extend(of_branches(&of.branches, "repeats"));
-    let table = Table::new("loop", "Mean of force against position, by branch", columns)?;
+    let points: Vec<LoopPoint> = angles(&of.branches).map(point).collect();
+    let table = of_loop(&points, loads(&of.branches, "repeats"))?;
     let name = format!(
         "{} {} {} {}",
         of.participant, of.session, of.condition.environment, of.condition.mode
@@ -85,16 +87,15 @@ pub fn loop_table(of: &MeanLoop) -> Result<Table, TableError> {
     Ok(notes.fold(table, |table, note| table.with_note_of(NoteKind::General, note)))
 }
 
-/// Branch, angle, and what stands against it.
-pub(crate) fn of_branches(branches: &[MeanBranch], whose: &str) -> Vec<Column> {
+/// Each branch with each of its angles, rad.
+pub(crate) fn angles(branches: &[MeanBranch]) -> impl Iterator<Item = (LoopBranch, f64)> {
+    branches.iter().flat_map(|b| b.theta_rad.iter().map(|theta_rad| (b.branch, *theta_rad)))
+}
+
+/// What stands against the angles, load by load.
+pub(crate) fn loads(branches: &[MeanBranch], whose: &str) -> Vec<Column> {
     let rows = || branches.iter().flat_map(|b| (0..b.theta_rad.len()).map(move |i| (b, i)));
-    let branch = "in: onset to reversal, farther along than before; held: at the turn, from the largest force to the smallest; \
-                  out: return to end";
-    let angle = "angle at which the forces are averaged";
-    let mut columns = vec![
-        Column::text("branch", branch, rows().map(|(b, _)| Some(b.branch.as_str()))),
-        Column::float("theta_rad", "rad", angle, rows().map(|(b, i)| Some(b.theta_rad[i]))),
-    ];
+    let mut columns = Vec::new();
     for signal in LOADS {
         for (part, meaning, values) in PARTS {
             let value = |(b, i): (&MeanBranch, usize)| {
@@ -109,18 +110,17 @@ pub(crate) fn of_branches(branches: &[MeanBranch], whose: &str) -> Vec<Column> {
     columns
 }
 
+/// Points of a loop with the loads there.
+pub(crate) fn of_loop<R: Row>(points: &[R], loads: Vec<Column>) -> Result<Table, TableError> {
+    Table::new(R::NAME, R::TITLE, R::columns(points).into_iter().chain(loads).collect())
+}
+
 /// The table of no loop, and why there is none.
 ///
 /// # Errors
 /// None: it has no number.
 pub fn no_loop(why: &WhyNot) -> Result<Table, TableError> {
-    let mut columns: Vec<Column> = ["participant", "session", "environment", "mode", "source"]
-        .into_iter()
-        .map(|name| Column::text(name, "", std::iter::empty::<Option<String>>()))
-        .collect();
-    columns.push(Column::integer("n", "1", "repeats averaged", []));
-    columns.extend(of_branches(&[], "repeats"));
-    let table = Table::new("loop", "Mean of force against position, by branch", columns)?;
+    let table = of_loop::<LoopPoint>(&[], loads(&[], "repeats"))?;
     Ok(table.with_note(sentence(&why.to_string())))
 }
 
@@ -141,22 +141,6 @@ fn sentence(reason: &str) -> String {
 
 fn course(average: &Average, signal: Signal) -> Option<&Course> {
     average.courses.iter().find(|c| c.signal == signal)
-}
-
-fn identity<'a, I: Iterator<Item = (&'a Average, usize)>>(rows: impl Fn() -> I) -> Vec<Column> {
-    let text = |name, description, get: fn(&Average) -> &str| {
-        Column::text(name, description, rows().map(|(a, _)| Some(get(a).to_owned())))
-    };
-    vec![
-        text("participant", "participant's code", |a| a.participant.as_str()),
-        text("session", "session", |a| a.session.as_str()),
-        text("environment", "what was rendered", |a| a.condition.environment.as_str()),
-        text("mode", "how it was rendered", |a| a.condition.mode.as_str()),
-        text("source", "recorded, twin or imported", |a| a.source.as_str()),
-        text("alignment", "what the repeats were aligned at: onset or landmarks", |a| {
-            a.alignment.as_str()
-        }),
-    ]
 }
 
 /// The name of a column of a signal: `theta_mean_rad`.
@@ -200,10 +184,10 @@ mod tests {
         assert!(table.floats("theta_ci_low_rad").unwrap()[points..].iter().all(Option::is_none));
         assert!(table.floats("force_cmd_mean_n").unwrap().iter().all(Option::is_none));
         assert_eq!(table.notes().len(), 2);
-        let alignment = table.texts("alignment").unwrap();
+        let rows: Vec<AveragePoint> = table.to_rows().unwrap();
         assert_eq!(
-            (alignment[0].as_deref(), alignment[points].as_deref()),
-            (Some("onset"), Some("landmarks"))
+            (rows[0].alignment, rows[points].alignment),
+            (Alignment::Onset, Alignment::Landmarks)
         );
         let field = table.fields().find(|f| f.name == "theta_dot_sd_rad_s").unwrap();
         assert_eq!(field.unit, "rad/s");

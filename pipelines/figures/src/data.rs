@@ -2,6 +2,7 @@
 
 use crate::About;
 use crate::words::plain;
+use zwidth_results::{AveragedTime, LoopAngle, Row};
 use zwidth_store::{Signal, Trial};
 use zwidth_study::{Alignment, Environment, Source};
 use zwidth_tables::{Table, TableError};
@@ -32,14 +33,9 @@ impl ModeData<'_> {
 
     /// How many repeats the mean is of, where most are.
     pub(crate) fn averaged(&self) -> Option<usize> {
-        most(self.average?)
+        let times: Vec<AveragedTime> = self.average?.to_rows().ok()?;
+        times.iter().map(|time| time.n).max()
     }
-}
-
-/// How many repeats a mean is of, where most are.
-fn most(average: &Table) -> Option<usize> {
-    let n = average.integers("n").ok()?;
-    n.into_iter().flatten().max().and_then(|n| usize::try_from(n).ok())
 }
 
 /// How many repeats the means against position are of: `6 trials`, `4 to 6 trials`; nothing without
@@ -47,7 +43,11 @@ fn most(average: &Table) -> Option<usize> {
 pub(crate) fn repeats_averaged<'a>(
     modes: impl Iterator<Item = &'a ModeData<'a>>,
 ) -> Option<String> {
-    let counts: Vec<usize> = modes.filter_map(|mode| most(mode.loop_average?)).collect();
+    let most = |mode: &ModeData| {
+        let angles: Vec<LoopAngle> = mode.loop_average?.to_rows().ok()?;
+        angles.iter().map(|angle| angle.n).max()
+    };
+    let counts: Vec<usize> = modes.filter_map(most).collect();
     let (least, most) = (counts.iter().min()?, counts.iter().max()?);
     Some(match (least == most, most) {
         (true, 1) => "1 trial".to_owned(),
@@ -176,7 +176,7 @@ pub const SIGNALS: [Signal; 5] =
 
 /// What figures read of a table of the stage `average`.
 pub fn average_columns() -> Vec<String> {
-    let mut columns = ["t_s", "n"].map(str::to_owned).to_vec();
+    let mut columns = names::<AveragedTime>();
     for signal in SIGNALS {
         columns.extend(["mean", "ci_low", "ci_high"].map(|what| mean_column(signal, what)));
     }
@@ -186,7 +186,12 @@ pub fn average_columns() -> Vec<String> {
 /// What figures read of a mean of force against position.
 pub fn loop_columns() -> Vec<String> {
     let loads = [Signal::ForceEx, Signal::TorqueEx].map(|signal| mean_column(signal, "mean"));
-    ["branch", "theta_rad", "n"].map(str::to_owned).into_iter().chain(loads).collect()
+    names::<LoopAngle>().into_iter().chain(loads).collect()
+}
+
+/// The columns of rows.
+fn names<R: Row>() -> Vec<String> {
+    R::fields().into_iter().map(|field| field.name.into_owned()).collect()
 }
 
 fn mean_column(signal: Signal, what: &str) -> String {
@@ -203,21 +208,20 @@ pub(crate) fn mean_loop_of(
     if !table.fields().any(|field| field.name == name) {
         return Ok(None);
     }
-    let (branches, force) = (table.texts("branch")?, gaps(table.floats(&name)?));
-    let angles = gaps(table.floats("theta_rad")?);
+    let (points, force) = (table.to_rows::<LoopAngle>()?, gaps(table.floats(&name)?));
     if force.iter().all(|force| force.is_nan()) {
         return Ok(None);
     }
     let (mut x, mut y) = (Vec::new(), Vec::new());
-    for row in 0..table.height() {
+    for (row, point) in points.iter().enumerate() {
         let is_apart = row > 0
-            && branches[row] != branches[row - 1]
-            && (angles[row] - angles[row - 1]).abs() > APART_RAD;
+            && point.branch != points[row - 1].branch
+            && (point.theta_rad - points[row - 1].theta_rad).abs() > APART_RAD;
         if is_apart {
             x.push(f64::NAN);
             y.push(f64::NAN);
         }
-        x.push(angles[row]);
+        x.push(point.theta_rad);
         y.push(force[row]);
     }
     Ok(Some([x, y]))

@@ -3,6 +3,7 @@
 use crate::{About, EnvironmentData, ModeData, Repeat};
 use std::collections::BTreeMap;
 use zwidth_numerics::activity::activity;
+use zwidth_results::AveragedTime;
 use zwidth_store::{Signal, Trial};
 use zwidth_study::{Alignment, Analysis, Environment, ModeId};
 use zwidth_tables::{NoteKind, Table, TableError};
@@ -121,7 +122,8 @@ fn footnotes(averages: &Averages) -> Result<Vec<String>, TableError> {
     let mut ends = Vec::new();
     for average in over_time.values().filter(|t| t.height() > 0) {
         if average.notes_by_kind().any(|(kind, _)| kind == NoteKind::Extent) {
-            ends.extend(average.floats("t_s")?.into_iter().flatten().max_by(f64::total_cmp));
+            let times: Vec<AveragedTime> = average.to_rows()?;
+            ends.extend(times.iter().map(|time| time.t_s).max_by(f64::total_cmp));
         }
     }
     if let Some(first) = ends.into_iter().min_by(f64::total_cmp) {

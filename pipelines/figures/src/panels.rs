@@ -1,9 +1,10 @@
 //! What several figures share: curves of repeats and means, wall lines, axes of the force.
 
-use crate::data::{EnvironmentData, ModeData, Repeat, gaps, mean_curve, mean_loop_of};
+use crate::data::{EnvironmentData, ModeData, Repeat, mean_curve, mean_loop_of};
 use crate::words::Words;
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Axis, Band, Direction, Layer, Line, Reference};
+use zwidth_results::AveragedTime;
 use zwidth_store::Signal;
 use zwidth_tables::TableError;
 
@@ -69,7 +70,8 @@ pub(crate) fn mean_over_time(
 ) -> Result<Vec<Layer>, TableError> {
     let Some(average) = mode.average else { return Ok(Vec::new()) };
     let Some(curve) = mean_curve(average, signal)? else { return Ok(Vec::new()) };
-    let x = gaps(average.floats("t_s")?);
+    let times: Vec<AveragedTime> = average.to_rows()?;
+    let x: Vec<f64> = times.iter().map(|time| time.t_s).collect();
     let colour = style::mode_colour(mode.index);
     let dotted =
         mean_curve(average, Signal::Theta)?.map_or(Vec::new(), |c| past_wall(scene, &c.mean));

@@ -7,6 +7,7 @@ use crate::words::{Words, mark, plain};
 use crate::{About, FigureKind};
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Cell, Direction, Figure, Layer, Line, Panel, Reference};
+use zwidth_results::ParticipantsLoopPoint;
 use zwidth_store::Signal;
 use zwidth_study::{Environment, Source};
 use zwidth_tables::{Table, TableError};
@@ -115,14 +116,15 @@ pub fn mean_loops(
 
 /// `Hybrid (12 people × 2 sessions)`.
 fn named(label: &str, mean: &Table) -> String {
-    let most = |name: &str| mean.integers(name).ok()?.into_iter().flatten().max();
-    plain(&match (most("n"), most("sessions")) {
-        (Some(n), Some(sessions)) if sessions == n => format!("{label} ({n} people)"),
-        (Some(n), Some(sessions)) if sessions % n == 0 => {
+    // Where nobody has a loop there is no point to say of how many it is.
+    let points: Vec<ParticipantsLoopPoint> = mean.to_rows().unwrap_or_default();
+    plain(&match points.first().map(|point| (point.n, point.sessions)) {
+        Some((n, sessions)) if sessions == n => format!("{label} ({n} people)"),
+        Some((n, sessions)) if sessions % n == 0 => {
             format!("{label} ({n} people × {} sessions)", sessions / n)
         }
-        (Some(n), Some(sessions)) => format!("{label} ({n} people, {sessions} sessions)"),
-        _ => label.to_owned(),
+        Some((n, sessions)) => format!("{label} ({n} people, {sessions} sessions)"),
+        None => label.to_owned(),
     })
 }
 
