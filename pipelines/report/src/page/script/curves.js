@@ -6,11 +6,11 @@ function shifted(times, shift) {
   return moved;
 }
 
-function curveOf(table, mode, key, kind, label, shift, { overTime = true, overAngle = true } = {}) {
+function curveOf(table, mode, key, kind, label, shift, { overTime = true, overAngle = true, model = null } = {}) {
   const c = table.columns;
   const times = shift ? shifted(c.t_s, shift) : c.t_s;
   const y = { t: times, theta: c.theta_rad, velocity: c.theta_dot_rad_s, force: c.force_ex_n ?? c.torque_ex_nm, command: c.force_cmd_n ?? c.torque_cmd_nm };
-  return { y, stored: c, n: table.n, mode, key, kind, label, shift, overTime, overAngle, trial: table.trial ?? null, repeat: table.repeat ?? null, recorded: table.recorded ?? table.n, bits: c.state_bits, events: table.events ?? [] };
+  return { y, stored: c, n: table.n, mode, key, kind, label, shift, overTime, overAngle, model, trial: table.trial ?? null, repeat: table.repeat ?? null, recorded: table.recorded ?? table.n, bits: c.state_bits, events: table.events ?? [] };
 }
 
 const onsetOf = (trial) => trial?.events?.find((event) => event.kind === "onset")?.t_s;
@@ -37,7 +37,7 @@ function curvesOfMode({ mode, key, who }, data) {
   if (view.show.has("replay"))
     for (const [kind, table] of Object.entries(data.replay)) {
       const trial = data.trials.find((item) => item.trial === table.trial);
-      curves.push(curveOf(table, mode, key, "replay", `${name}, replay ${kind.replace("_", " ")} (trial ${table.trial})`, shift(trial), { overTime: !landmarks }));
+      curves.push(curveOf(table, mode, key, "replay", `${name}, replay ${kind.replace("_", " ")} (trial ${table.trial})`, shift(trial), { overTime: !landmarks, model: kind }));
     }
   return curves.map((curve) => ({ ...curve, who }));
 }
@@ -46,7 +46,7 @@ function curvesOfMode({ mode, key, who }, data) {
 function styleOf(curve, curves, theme) {
   const colour = theme.modes[modeIndex(curve.mode)];
   const dash = DASHES[modeIndex(curve.mode) % DASHES.length];
-  if (curve.kind === "replay") return { colour: theme.ink, width: 1.5, dash: curve.label.includes("fitted") ? [2, 2] : [7, 3, 1, 3], opacity: 0.85 };
+  if (curve.kind === "replay") return { colour: theme.ink, width: 1.5, dash: curve.model === "fitted" ? [2, 2] : [7, 3, 1, 3], opacity: 0.85 };
   const means = curves.filter((other) => other.mode === curve.mode && other.kind === "mean" && other.overTime === curve.overTime).length;
   if (curve.kind === "mean") return { colour, width: means > 1 ? 1.5 : 2.5, dash };
   const alone = curves.filter((other) => other.mode === curve.mode && other.kind === "trial").length === 1;

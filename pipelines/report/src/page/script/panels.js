@@ -197,7 +197,7 @@ function drawLabels(pen, panel, box, sx, sy, theme, taken) {
   const chosen = study.modes.flatMap(({ id }) => {
     const mine = drawn.filter((curve) => curve.mode === id && isWithin(curve, panel, { box, sx, sy }, curve.y[panel.y]));
     const strongest = mine.find((curve) => curve.kind === "mean") ?? mine.find((curve) => curve.kind === "trial");
-    return [...(strongest ? [{ curve: strongest, text: short(labelOf(study.modes, id), 16) }] : []), ...mine.filter((curve) => curve.kind === "replay").map((curve) => ({ curve, text: `replay, ${curve.label.includes("fitted") ? "fitted" : "by eye"}` }))];
+    return [...(strongest ? [{ curve: strongest, text: short(labelOf(study.modes, id), 16) }] : []), ...mine.filter((curve) => curve.kind === "replay").map((curve) => ({ curve, text: `replay, ${curve.model.replace("_", " ")}` }))];
   });
   const traces = chosen.map(({ curve }) => pixels(curve, panel, box, sx, sy, 200));
   const crowd = traces.flat();
