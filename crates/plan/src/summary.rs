@@ -170,7 +170,7 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     let listed = |(file, caption): (&PathBuf, &Caption)| match file.exists() {
         true => Ok(Listed {
             path: relative(file, folder),
-            caption: caption.text(),
+            caption: caption.text().into(),
             kind: caption.kind.shows.to_owned(),
         }),
         false => Err(could_not_be_made(file)),

@@ -1,5 +1,6 @@
 //! Finished sentences.
 
+use serde::Serialize;
 use std::fmt;
 
 /// A finished sentence in a row. It can be printed, and nothing else: what it says stands in the
@@ -27,7 +28,8 @@ use std::fmt;
 /// # use zwidth_results::Sentence;
 /// let text: &str = &Sentence::from("different, but below what is felt");
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(transparent)]
 pub struct Sentence(String);
 
 impl From<String> for Sentence {

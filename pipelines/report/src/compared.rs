@@ -110,7 +110,7 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
     }
     let finding = |metric: &ComparedMetric, text| {
         let shown = Shown::Compared(metric.metric.metric.to_string());
-        Finding { text, shown }
+        Finding::new(text, shown)
     };
     let words = first.words(study.coordinate);
     let mut found = vec![finding(first, answer(first, &words))];
@@ -374,7 +374,7 @@ pub(crate) mod tests {
     ) -> Vec<String> {
         let metric =
             ComparedMetric { metric, is_primary_by_default, means: &[], contrasts: &[row] };
-        contrasts(&study(), &[metric]).into_iter().map(|found| found.text).collect()
+        contrasts(&study(), &[metric]).into_iter().map(|found| found.text.to_string()).collect()
     }
 
     fn texts(of: UnitOfAnalysis, verdict: Verdict) -> Vec<String> {

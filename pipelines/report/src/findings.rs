@@ -10,7 +10,7 @@ use crate::gallery::Shown;
 use crate::people::{count, simulated};
 use crate::trials::Trials;
 use std::collections::BTreeSet;
-use zwidth_results::{AnswerTally, TrialKey};
+use zwidth_results::{AnswerTally, Sentence, TrialKey};
 use zwidth_study::{Coordinate, Environment, Mode, ParticipantId, SessionId, Setup, in_a_sentence};
 use zwidth_tables::{Measured, TableError, given, quantity};
 
@@ -18,9 +18,16 @@ use zwidth_tables::{Measured, TableError, given, quantity};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
     /// The sentence, plain text.
-    pub text: String,
+    pub text: Sentence,
     /// Where its numbers can be seen.
     pub shown: Shown,
+}
+
+impl Finding {
+    /// A sentence, and where its numbers can be seen.
+    pub(crate) fn new(text: impl Into<Sentence>, shown: Shown) -> Self {
+        Self { text: text.into(), shown }
+    }
 }
 
 /// Trials, each by its participant, session and number.
@@ -51,11 +58,11 @@ pub fn findings(
         let shown = Shown::Modes(environment.id.clone());
         for (mode, trials) in &tried {
             let text = rendered(environment, mode, trials, study.coordinate)?;
-            found.extend(text.map(|text| Finding { text, shown: shown.clone() }));
+            found.extend(text.map(|text| Finding::new(text, shown.clone())));
         }
         found.extend(
             wall_by_mode(environment, &tried, study.coordinate)?
-                .map(|text| Finding { text, shown }),
+                .map(|text| Finding::new(text, shown)),
         );
     }
     found.extend(both(study, metrics)?);
@@ -176,14 +183,11 @@ fn both(study: &Setup, metrics: &Measured) -> Result<Option<Finding>, TableError
     }
     past.sort_by(|a, b| a.0.total_cmp(&b.0));
     let best = past.iter().find(|(.., returned)| *returned).filter(|_| past.len() > 1);
-    Ok(best.map(|(rad, label, _)| Finding {
-        text: format!(
+    Ok(best.map(|(rad, label, _)| Finding::new(format!(
             "Work came back with {}; of these, {label} let the lever least far past the wall, {}.",
             gave.join(", "),
             quantity(*rad, "rad", study.coordinate)
-        ),
-        shown: Shown::Conditions,
-    }))
+        ), Shown::Conditions)))
 }
 
 /// Whether any mode swung. A swing in a trial that is to be read with care may be its noise.
@@ -240,7 +244,7 @@ fn steadiness(
             )
         }
     };
-    Ok(Some(Finding { text, shown: Shown::Metrics }))
+    Ok(Some(Finding::new(text, Shown::Metrics)))
 }
 
 /// How many trials with a verdict are to be read with care: those that swung, and all.
@@ -279,7 +283,7 @@ fn answers(study: &Setup, tally: &[AnswerTally], simulated: bool) -> Vec<Finding
         if !list.is_empty() {
             let text =
                 format!("{}: the median {whose} was {}.", environment.label, list.join(", "));
-            found.push(Finding { text, shown: Shown::Answers });
+            found.push(Finding::new(text, Shown::Answers));
         }
     }
     found
@@ -299,7 +303,7 @@ mod tests {
         findings(&study(), &metrics(rows), tally, &TrialNames::new())
             .unwrap()
             .into_iter()
-            .map(|f| f.text)
+            .map(|f| f.text.to_string())
             .collect()
     }
 
@@ -331,7 +335,12 @@ mod tests {
         let told = |doubted: &[u32]| {
             let name = |trial: &u32| ("P01".parse().unwrap(), "S01".parse().unwrap(), *trial);
             let doubted = doubted.iter().map(name).collect();
-            findings(&study(), &metrics(&rows), None, &doubted).unwrap().pop().unwrap().text
+            findings(&study(), &metrics(&rows), None, &doubted)
+                .unwrap()
+                .pop()
+                .unwrap()
+                .text
+                .to_string()
         };
         let plain = "The lever swung fast in 2 of 3 trials: 2 of 3 with active.";
         assert_eq!(told(&[]), plain);
@@ -349,7 +358,7 @@ mod tests {
         let smooth = [row("spring", "active")];
         let doubted = [("P01".parse().unwrap(), "S01".parse().unwrap(), 1)].into();
         let found = findings(&study(), &metrics(&smooth), None, &doubted).unwrap();
-        let last = &found.last().unwrap().text;
+        let last = &found.last().unwrap().text.to_string();
         let one = "found in the one trial; it was smooth.";
         assert!(last.ends_with(&format!("{one} Of these, 1 is {care}.")), "{last}");
     }
@@ -363,7 +372,7 @@ mod tests {
         let found = findings(&study, &metrics(&rows), None, &TrialNames::new()).unwrap();
         let start =
             "Spring, active: compressing gave 0.293\u{a0}N/mm where 0.004\u{a0}N/mm were asked for";
-        assert!(found[0].text.starts_with(start), "{}", found[0].text);
+        assert!(found[0].text.to_string().starts_with(start), "{}", found[0].text);
     }
 
     #[test]
@@ -414,7 +423,11 @@ mod tests {
         turned.questions.iter_mut().for_each(|question| question.reversed = true);
         let rows = metrics(&[row("spring", "active")]);
         let told = findings(&turned, &rows, Some(&tally), &TrialNames::new()).unwrap();
-        assert!(told[2].text.contains("answer was 2 (disagree) with active"), "{}", told[2].text);
+        assert!(
+            told[2].text.to_string().contains("answer was 2 (disagree) with active"),
+            "{}",
+            told[2].text
+        );
         let of = |source| {
             texts(&[MetricsRow { source, ..row("spring", "active") }], Some(&tally))[2].clone()
         };

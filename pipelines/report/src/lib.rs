@@ -54,6 +54,7 @@ pub use weight::{WEIGHT_NOTES, is_weighed, weight_facts};
 use people::{count, counting, participants, sources};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use zwidth_results::Sentence;
 use zwidth_study::Source;
 use zwidth_tables::escape_markdown as escape;
 
@@ -121,7 +122,7 @@ pub struct Made {
     /// escape.
     pub path: String,
     /// What it shows, one line.
-    pub caption: String,
+    pub caption: Sentence,
     /// What figures of its kind show; nothing of a table.
     #[serde(skip)]
     pub kind: String,
@@ -129,7 +130,7 @@ pub struct Made {
 
 impl Made {
     /// A table, or a sentence that a table or figure shows.
-    pub fn new(path: impl Into<String>, caption: impl Into<String>) -> Self {
+    pub fn new(path: impl Into<String>, caption: impl Into<Sentence>) -> Self {
         Self { path: path.into(), caption: caption.into(), kind: String::new() }
     }
 }
@@ -282,12 +283,12 @@ fn kind_of(path: &str) -> &str {
 }
 
 fn link_to(made: &Made) -> String {
-    format!("[{}]({})", escape(&made.caption), made.path)
+    format!("[{}]({})", escape(&made.caption.to_string()), made.path)
 }
 
 /// A sentence, and a link to where it is seen.
 fn tell(made: &Made) -> String {
-    linked(&made.caption, &made.path)
+    linked(&made.caption.to_string(), &made.path)
 }
 
 fn tell_judged(told: &Told) -> String {

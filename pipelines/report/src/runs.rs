@@ -32,7 +32,7 @@ pub fn traded(study: &Setup, choices: &[TradeChoice]) -> Vec<Finding> {
                 .to_owned(),
         };
         let text = format!("{}: {text}", of_scene(study, &choice.scene));
-        Finding { text, shown: Shown::Trade(choice.scene.replace('.', "_")) }
+        Finding::new(text, Shown::Trade(choice.scene.replace('.', "_")))
     };
     choices.iter().map(one).collect()
 }
@@ -71,7 +71,7 @@ pub fn laddered(study: &Setup, choices: &[LadderChoice]) -> Vec<Finding> {
             missed.unwrap_or_default(),
             borne_out.unwrap_or_default()
         );
-        Finding { text, shown: Shown::Ladder }
+        Finding::new(text, Shown::Ladder)
     };
     choices.iter().map(one).collect()
 }
@@ -136,7 +136,7 @@ mod tests {
         };
         let hybrid = scene("spring_wall.hybrid", Proof::Unproven);
         let found = traded(&planned(), &[active, hybrid, scene("other", Proof::Proven)]);
-        let told: Vec<&str> = found.iter().map(|finding| finding.text.as_str()).collect();
+        let told: Vec<String> = found.iter().map(|finding| finding.text.to_string()).collect();
         assert_eq!(
             told,
             [
@@ -175,7 +175,7 @@ mod tests {
         };
         let rows = [choice("active", TermSet::NONE, None), passive, choice("other", terms, None)];
         let found = laddered(&planned(), &rows);
-        let told: Vec<&str> = found.iter().map(|finding| finding.text.as_str()).collect();
+        let told: Vec<String> = found.iter().map(|finding| finding.text.to_string()).collect();
         assert_eq!(
             told,
             [

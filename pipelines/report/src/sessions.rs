@@ -46,7 +46,7 @@ pub fn changes(
         metric.words(study.coordinate),
         told.join("; ")
     );
-    Some(Finding { text, shown: Shown::Sessions(metric.metric.metric.to_string()) })
+    Some(Finding::new(text, Shown::Sessions(metric.metric.metric.to_string())))
 }
 
 #[cfg(test)]
@@ -99,7 +99,8 @@ mod tests {
             contrasts: &[],
         };
         let rows = [change("active", n[0]), change("hybrid", n[1])];
-        changes(&Setup::of(&zwidth_testing::study()), &metric, &rows).map(|found| found.text)
+        changes(&Setup::of(&zwidth_testing::study()), &metric, &rows)
+            .map(|found| found.text.to_string())
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub fn survey(study: &Setup, tally: &[AnswerTally]) -> Vec<Finding> {
             count(asked.len(), "question"),
             count(people, "participant")
         );
-        found.push(Finding { text, shown: Shown::Answers });
+        found.push(Finding::new(text, Shown::Answers));
         // stable: questions that are equally far apart stay in the study's order
         asked.sort_by(|a, b| spread(&b.1).total_cmp(&spread(&a.1)));
         let apart = asked.iter().filter(|(_, medians)| spread(medians) > 0.0).take(TOLD);
@@ -78,7 +78,7 @@ fn sentence(environment: &Environment, question: &Question, medians: &Medians) -
         question.text,
         list.join(", ")
     );
-    Finding { text, shown: Shown::Answers }
+    Finding::new(text, Shown::Answers)
 }
 
 #[cfg(test)]
@@ -99,7 +99,7 @@ mod tests {
         };
         let tally = [of("active", 20, 4), of("passive", 19, 2)];
         let texts = |study: &Setup| -> Vec<String> {
-            survey(study, &tally).into_iter().map(|f| f.text).collect()
+            survey(study, &tally).into_iter().map(|f| f.text.to_string()).collect()
         };
         let found = texts(&study);
         assert_eq!(found.len(), 2, "{found:?}");

@@ -122,7 +122,7 @@ fn sentence(text: &str, path: &str) -> Markup {
 }
 
 fn findings(page: &Page) -> Markup {
-    html! { ol { @for made in &page.summary.shown { li { (sentence(&made.caption, &made.path)) } } } }
+    html! { ol { @for made in &page.summary.shown { li { (sentence(&made.caption.to_string(), &made.path)) } } } }
 }
 
 fn plan(page: &Page) -> Markup {
@@ -132,7 +132,7 @@ fn plan(page: &Page) -> Markup {
 fn runs(page: &Page) -> Markup {
     html! {
         p { "Of the model, not of what was recorded." }
-        ul { @for made in &page.summary.runs { li { (sentence(&made.caption, &made.path)) } } }
+        ul { @for made in &page.summary.runs { li { (sentence(&made.caption.to_string(), &made.path)) } } }
     }
 }
 

@@ -209,7 +209,7 @@ fn the_script_knows_each_trial_with_its_metrics_and_answers() {
 
 #[test]
 fn any_text_is_text() {
-    let hostile = |made: &Made| Made { caption: HOSTILE.to_owned(), ..made.clone() };
+    let hostile = |made: &Made| Made { caption: HOSTILE.into(), ..made.clone() };
     let plain = summary();
     let remark = Remark { what: HOSTILE.to_owned(), why: HOSTILE.to_owned() };
     let all = Summary {
