@@ -71,6 +71,8 @@
 //! | [`ModelEvent`] | time | `zwidth simulate` | nothing but the file |
 //! | [`BowTieSample`] | place | `simulate`, `zwidth simulate` | figures |
 //! | [`ChatteringRun`] | solver, step | `zwidth simulate` | figures |
+//! | [`TrialOscillation`] | participant, session, trial | `zwidth stability` | nothing but the file |
+//! | [`FigurePoint`] | panel, layer, place | `figures` | nothing but the file |
 //! | [`JudgedStatement`] | statement | `report` | summary, page, printed tables |
 //! | [`ProOrCon`] | actuation, claim | `report` | printed tables |
 //! | [`ModeForces`] | mode | `report` | printed tables |
@@ -83,6 +85,7 @@ mod characteristic;
 mod claims;
 mod column;
 mod comparison;
+mod figure;
 mod free_motion;
 mod identification;
 mod ladder;
@@ -112,6 +115,7 @@ pub use comparison::{
     PrintedDifference, RedrawnDifference, RepeatMean, Role, SessionChange, SessionPair, Size,
     UnitOfAnalysis, Verdict,
 };
+pub use figure::FigurePoint;
 pub use free_motion::{FreePlane, FreePlant};
 pub use identification::{
     FitPart, HeldOutError, Identifiability, OneOrAll, PlantCovariance, PlantEstimate,
@@ -127,7 +131,7 @@ pub use model_run::{
 pub use note::NoteKind;
 pub use replay::{
     AgreementOf, AgreementVerdict, Causality, CourseSample, CourseSeries, ModelPlant, PlantRun,
-    ReplayAgreement, ReplayOutcome, ReplayedModel, ReplayedPeak, ReplayedTrial,
+    ReplayAgreement, ReplayOutcome, ReplayedModel, ReplayedPeak, ReplayedTrial, TrialOscillation,
 };
 pub use row::{ReadError, Row};
 pub use sentence::Sentence;

@@ -2,6 +2,7 @@
 
 use crate::column::UNIT_OF_ROW;
 use crate::row::rows;
+use crate::sentence::Sentence;
 use crate::value::words;
 use std::sync::Arc;
 use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId, Source};
@@ -132,6 +133,56 @@ rows! {
         t_s: f64 = "s",
         /// lever angle
         theta_rad: f64 = "rad",
+    }
+
+    /// Whether a recorded trial oscillates, where that comes from, and what the answer rests on.
+    TrialOscillation = "oscillations", "Oscillations of recorded trials" {
+        /// who
+        participant: ParticipantId,
+        /// which session
+        session: SessionId,
+        /// number of the trial in the session
+        trial: u32,
+        /// what was rendered
+        environment: EnvironmentId,
+        /// how it was rendered
+        mode: ModeId,
+        /// recorded, twin or imported
+        source: Source,
+        /// whether the recorded oscillation is the device's own
+        answer: String,
+        /// why
+        why: Sentence,
+        /// half the peak-to-peak angle of the least swing
+        bound_rad: f64 = "rad",
+        /// recorded swings in a row
+        swings: Option<usize>,
+        /// when they begin, since the first sample
+        from_s: Option<f64> = "s",
+        /// when they end
+        to_s: Option<f64> = "s",
+        /// their median half peak-to-peak
+        amplitude_rad: Option<f64> = "rad",
+        /// their frequency
+        frequency_hz: Option<f64> = "Hz",
+        /// of the model with the user's force
+        with_force_amplitude_rad: Option<f64> = "rad",
+        /// its frequency
+        with_force_frequency_hz: Option<f64> = "Hz",
+        /// of the model with the force's slow part
+        alone_amplitude_rad: Option<f64> = "rad",
+        /// its frequency
+        alone_frequency_hz: Option<f64> = "Hz",
+        /// the same by a step of a quarter tick
+        stepped_amplitude_rad: Option<f64> = "rad",
+        /// by half of that step
+        half_step_amplitude_rad: Option<f64> = "rad",
+        /// by a quarter of it
+        quarter_step_amplitude_rad: Option<f64> = "rad",
+        /// what the model's motion is with the force's slow part
+        nature: Option<String>,
+        /// above 0 the user's force feeds the swing
+        power_factor: Option<f64>,
     }
 
     /// A trial through a model in one causality. Null where it does not apply, and for a model that

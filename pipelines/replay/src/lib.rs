@@ -47,7 +47,7 @@ pub use courses::{course_notes, courses, typical};
 pub use drive::{Course, Drive, Judged};
 pub use error::{ReplayError, WhyNot};
 pub use oscillation::{
-    Origin, Oscillation, RecordedSwings, SwingAnswer, SwingCourse, oscillation, oscillations_table,
+    Origin, Oscillation, RecordedSwings, SwingAnswer, SwingCourse, oscillation, trial_oscillation,
 };
 pub use replay::{TrialReplay, replay, replay_with};
 pub use runs::runs;

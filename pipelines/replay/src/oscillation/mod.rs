@@ -32,4 +32,4 @@ mod tests;
 pub use course::SwingCourse;
 pub use judge::{Origin, Oscillation, SwingAnswer, oscillation};
 pub use recorded::RecordedSwings;
-pub use table::oscillations_table;
+pub use table::trial_oscillation;

@@ -2,7 +2,7 @@
 //! model that the answer asks.
 
 use super::judge::{Origin, Oscillation, SwingAnswer, oscillation};
-use super::{RecordedSwings, oscillations_table};
+use super::{RecordedSwings, trial_oscillation};
 use crate::WhyNot;
 use crate::scene::{Parameters, Rendering};
 use crate::testing::{calibration, study, trial};
@@ -10,8 +10,10 @@ use core::f64::consts::TAU;
 use std::collections::VecDeque;
 use zwidth_device::{Controller, Velocity};
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, RunVerdict};
+use zwidth_results::TrialOscillation;
 use zwidth_store::{Samples, Signal, Trial};
 use zwidth_study::{Scene, Spring, Study, Voltages};
+use zwidth_tables::Table;
 
 /// The simulated device's plant at the lever's end, with friction.
 const PLANT: Parameters = Parameters {
@@ -180,13 +182,12 @@ fn a_table_has_a_row_a_trial_and_nothing_that_is_no_number() {
     let mut rows = Vec::new();
     for force_n in [2.5, 0.0] {
         let trial = recorded(&study, "active", 0, &|t| push(t, force_n));
-        rows.push((trial.meta.clone(), asked(&study, "active", &trial)));
+        rows.push(trial_oscillation(&trial.meta, &asked(&study, "active", &trial)));
     }
-    let table = oscillations_table("oscillations", &rows).unwrap();
-    assert_eq!(table.height(), 2);
-    let answers = table.texts("answer").unwrap();
-    assert_eq!(answers, [Some("real".to_owned()), Some("no oscillation".to_owned())]);
-    assert!(table.floats("stepped_amplitude_rad").unwrap()[1].is_none());
+    let table = Table::of_rows(&rows).unwrap();
+    assert_eq!(table.to_rows::<TrialOscillation>().unwrap(), rows);
+    assert_eq!([&rows[0].answer, &rows[1].answer], ["real", "no oscillation"]);
+    assert_eq!(rows[1].stepped_amplitude_rad, None);
 }
 
 /// The table of answers, cell by cell.

@@ -9,9 +9,10 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_plan::{Oscillations, oscillations};
-use zwidth_replay::{Oscillation, SwingAnswer, VERSION, oscillations_table};
+use zwidth_replay::{Oscillation, SwingAnswer, VERSION, trial_oscillation};
 use zwidth_store::StudyData;
 use zwidth_study::{StudyId, TrialMeta};
+use zwidth_tables::Table;
 
 /// What `--json` prints of a trial.
 #[derive(Serialize)]
@@ -76,7 +77,8 @@ fn write(
     let said = mark.clone().unwrap_or_else(|| "recorded, and model runs beside it".to_owned());
     made_from.insert("source".to_owned(), said);
     let mut output = Output::new(&folder, made_from);
-    output.table("oscillations", &oscillations_table("oscillations", &found.trials)?)?;
+    let rows: Vec<_> = found.trials.iter().map(|(meta, of)| trial_oscillation(meta, of)).collect();
+    output.table("oscillations", &Table::of_rows(&rows)?)?;
     if let [(meta, one)] = &found.trials[..]
         && let Some(swings) = one.recorded.filter(|_| !one.courses.is_empty())
     {
