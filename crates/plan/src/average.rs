@@ -1,10 +1,10 @@
 //! Stage `average`: each condition of a session has a table for each alignment of means against time,
 //! and one of force against position. If there is no mean, they are empty and their note says why.
 
-use crate::conditions::{Repeats, repeats, sessions};
-use crate::drawing::{Drawing, Figured};
-use crate::making::{derived, write_tables};
-use crate::trials::{OfTrials, Recordings, files, open_all};
+use crate::figures::drawing::{Drawing, Figured};
+use crate::shared::conditions::{Repeats, repeats, sessions};
+use crate::shared::making::{derived, write_tables};
+use crate::shared::trials::{OfTrials, Recordings, files, open_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;

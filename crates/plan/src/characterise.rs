@@ -1,9 +1,9 @@
 //! Stage `characterise`: candidate models, parameters and curve of each actuator or sensor; the
 //! calibration.
 
-use crate::handle::{Derived, Written};
-use crate::making::derived;
-use crate::trials::{Found, readable};
+use crate::shared::handle::{Derived, Written};
+use crate::shared::making::derived;
+use crate::shared::trials::{Found, readable};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;

@@ -1,11 +1,12 @@
 //! Stage `compare`: modes, participants and sessions compared, one job per metric; its figures.
 
-use crate::drawing::{Drawing, Figured};
-use crate::handle::{Derived, Written};
-use crate::making::derived;
-use crate::preregistered::preregistered;
-use crate::printed::Printed;
-use crate::{likert, likert_figures, metrics};
+use crate::figures::drawing::{Drawing, Figured};
+use crate::likert::figures as likert_figures;
+use crate::page::preregistered::preregistered;
+use crate::shared::handle::{Derived, Written};
+use crate::shared::making::derived;
+use crate::tables::printed::Printed;
+use crate::{likert, metrics};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

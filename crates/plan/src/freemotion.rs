@@ -1,9 +1,9 @@
 //! Stage `freemotion`: in a free environment, the plane fit of every trial that brings an
 //! acceleration, the plant of every other that has an angle.
 
-use crate::handle::{Derived, Written};
-use crate::making::split;
-use crate::trials::{Found, OfTrials, Recordings, files, name, read_all};
+use crate::shared::handle::{Derived, Written};
+use crate::shared::making::split;
+use crate::shared::trials::{Found, OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use zwidth_freemotion::{FreeMotionError, Parameters};

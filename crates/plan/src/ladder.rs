@@ -3,13 +3,13 @@
 //! condition at a time. Here stages meet, because they do not know each other: the scene is the
 //! replay's, the numbers that are compared are the metrics'.
 
-use crate::conditions::{Repeats, repeats};
-use crate::drawing::{Drawing, Figured};
-use crate::handle::Derived;
-use crate::making::{derived, write_tables};
-use crate::measured::model_trial;
-use crate::replayable::{is_replayable, rendering};
-use crate::trials::{OfTrials, Recordings, files, name, read_all};
+use crate::figures::drawing::{Drawing, Figured};
+use crate::replay::replayable::{is_replayable, rendering};
+use crate::shared::conditions::{Repeats, repeats};
+use crate::shared::handle::Derived;
+use crate::shared::making::{derived, write_tables};
+use crate::shared::measured::model_trial;
+use crate::shared::trials::{OfTrials, Recordings, files, name, read_all};
 use serde::{Serialize, Serializer};
 use std::path::{Path, PathBuf};
 use zwidth_device::{TwinParameters, Velocity};
@@ -292,7 +292,7 @@ fn measured(
     samples.set(Signal::ForceEx, course.force_ex_n.clone());
     samples.set(Signal::ForceCmd, course.feedback_n.clone());
     let parameters = zwidth_metrics::Parameters { lever_m: Some(course.lever_m), ..*parameters };
-    crate::measured::measured(&model_trial(samples, trial), &parameters)
+    crate::shared::measured::measured(&model_trial(samples, trial), &parameters)
 }
 
 fn make(of: &OfTrials<Laddered>, files: &Recordings, making: &Making) -> Result<Made, JobError> {

@@ -1,5 +1,5 @@
-//! The plan of a study: which jobs its data give. Each file binds one stage, a pure function, to
-//! the files that it reads and makes.
+//! The plan of a study: which jobs its data give. Each file or folder binds one stage, a pure
+//! function, to the files that it reads and makes; `shared` is what they have in common.
 //!
 //! A stage is declared in one place: its name and version ([`zwidth_runner::Stage`]), the files of
 //! each of its jobs, and what else its function gets, as one serialisable struct. There is no
@@ -8,62 +8,40 @@
 #![allow(clippy::ptr_arg)] // a job's function takes what the job holds, not a view of it
 
 mod average;
-mod captions;
 mod characterise;
 mod compare;
-mod conditions;
-mod counted;
-mod courses;
-mod design;
-mod drawing;
 mod figures;
-mod font;
 mod freemotion;
-mod handle;
 mod identify;
 mod ladder;
 mod likert;
-mod likert_figures;
-mod long;
-mod making;
-mod measured;
-mod methods;
 mod metrics;
-mod oscillations;
 mod page;
-mod people;
-mod preregistered;
-mod printed;
 mod rehearsed;
 mod replay;
-mod replay_figures;
-mod replayable;
 mod report;
 mod responses;
-mod runs;
 mod scenes;
-mod schematics;
-mod summary;
+mod shared;
 mod tables;
 #[cfg(test)]
 mod tests;
 mod trade;
-mod trials;
 
 pub use compare::{
     By, answers, asked_in_vain, compared, comparison, is_metric, metric_in_words, spreads,
 };
+pub use figures::font::font;
 pub use figures::{captions, chosen_in_vain, describe, on_demand};
-pub use font::font;
 pub use ladder::ladders;
-pub use methods::recorded;
-pub use oscillations::{Oscillations, oscillations};
+pub use page::methods::recorded;
+pub use page::preregistered::{analysis, plan_file, plan_finding, plan_text};
 pub use page::{JOB as PAGE, file as page_file};
-pub use preregistered::{analysis, plan_file, plan_finding, plan_text};
-pub use printed::Printed;
 pub use rehearsed::{OtherSetups, Rehearsal, TwinOf, rehearsal, rehearsed, rehearsed_trials};
+pub use replay::oscillations::{Oscillations, oscillations};
 pub use report::built_in;
 pub use responses::{Responses, responses};
+pub use tables::printed::Printed;
 pub use tables::{printed as printed_tables, write as write_table};
 pub use trade::{Traded, scenes as trade_scenes};
 
@@ -84,8 +62,8 @@ const OF_DATA: [OfData; 13] = [
     ("freemotion", freemotion::jobs),
     ("ladder", ladder::jobs),
     ("replay", replay::jobs),
-    ("replay", courses::jobs),
-    ("replay", runs::jobs),
+    ("replay", replay::courses::jobs),
+    ("replay", replay::runs::jobs),
     ("likert", likert::jobs),
     ("compare", compare::jobs),
     ("trade", trade::jobs),
@@ -95,9 +73,9 @@ const OF_DATA: [OfData; 13] = [
 /// Stages of whose name there is a figure too, or a file of the page.
 const NAMESAKES: [&str; 2] = ["likert", "replay"];
 
-/// What a run looks at who asks for what is called as a stage is: its jobs, among those of the stages
-/// before it, on which it may rest, and the tables. Of a large study they are planned in a fraction
-/// of the time of all. None where the stage has no jobs, or needs more.
+/// The jobs needed for `--only STAGE`: those of the stage, of the stages before it and of the tables.
+/// Of a large study they are planned in a fraction of the time of all. None where the stage has no
+/// jobs, or needs more.
 pub fn jobs_of_stage(data: &StudyData, stage: &str) -> Option<Vec<Job>> {
     let last = OF_DATA.iter().rposition(|(name, _)| *name == stage)?;
     if NAMESAKES.contains(&stage) {
@@ -122,16 +100,16 @@ pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
         || {
             let (figures, tables) = rayon::join(|| figures::made(data), || tables::jobs(data));
             let page = || page::jobs(data, found, &figures);
-            let (page, summary) = rayon::join(page, || summary::job(data, found, &figures));
+            let (page, summary) = rayon::join(page, || page::summary::job(data, found, &figures));
             (figures, tables, page, summary)
         },
     );
     jobs.extend(report::jobs(data, &figures));
     jobs.extend(tables);
-    let captions = (!figures.is_empty()).then(|| captions::job(data, &figures));
+    let captions = (!figures.is_empty()).then(|| figures::captions::job(data, &figures));
     jobs.extend(figures.into_iter().map(|figure| figure.job));
     jobs.extend(captions);
-    jobs.push(counted::job(data, found));
+    jobs.push(page::counted::job(data, found));
     jobs.push(summary);
     jobs.extend(page);
     jobs

@@ -2,11 +2,11 @@
 //! table for the whole study. Metrics that need the identified plant are in a table of their own for
 //! each session, because `identify` depends on every trial. The study's table has both kinds.
 
-use crate::conditions::{Repeats, is_any, repeats};
-use crate::handle::Derived;
 use crate::identify::{known_plant, plant_with_spread};
-use crate::making::{derived, join_sessions, read_shared, read_tables, write_tables};
-use crate::trials::{OfTrials, Recordings, files, name, of_each};
+use crate::shared::conditions::{Repeats, is_any, repeats};
+use crate::shared::handle::Derived;
+use crate::shared::making::{derived, join_sessions, read_shared, read_tables, write_tables};
+use crate::shared::trials::{OfTrials, Recordings, files, name, of_each};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

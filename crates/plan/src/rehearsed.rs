@@ -2,7 +2,7 @@
 //! device: `zwidth trade` asks for it, a run does not. Here stages meet: what is simulated is the
 //! trade's, what is computed from it the metrics'.
 
-use crate::conditions::Repeats;
+use crate::shared::conditions::Repeats;
 use crate::trade::{measured_conditions, scenes_calibration};
 use rayon::prelude::*;
 use serde::Serialize;

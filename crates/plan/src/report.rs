@@ -1,11 +1,12 @@
 //! Stage `report`: the tables of what was planned, and the pros and cons beside what came out.
 
-use crate::conditions::sessions;
-use crate::design::{Forces, forces, has_actuators};
-use crate::drawing::Drawing;
-use crate::handle::Derived;
-use crate::making::{derived, write_tables};
-use crate::{likert, long, metrics, replay};
+use crate::figures::design::{Forces, forces, has_actuators};
+use crate::figures::drawing::Drawing;
+use crate::shared::conditions::sessions;
+use crate::shared::handle::Derived;
+use crate::shared::making::{derived, write_tables};
+use crate::tables::long;
+use crate::{likert, metrics, replay};
 use serde::Serialize;
 use std::path::PathBuf;
 use zwidth_report::{

@@ -1,7 +1,7 @@
 //! Impedance against frequency of every condition of a study, from its recorded trials: `zwidth
 //! characterise STUDY impedance` puts it beside the Z-width.
 
-use crate::trials::{describe_trials, files, read_all};
+use crate::shared::trials::{describe_trials, files, read_all};
 use zwidth_runner::JobError;
 use zwidth_stability::impedance::{Recording, Response, response};
 use zwidth_store::{Signal, StudyData, Trial, TrialEntry};

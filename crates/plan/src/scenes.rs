@@ -1,8 +1,8 @@
 //! Stage `simulate`: runs of the scenes that study.toml lists, and their figures. No recording goes
 //! into them.
 
-use crate::drawing::{Drawing, Figured};
-use crate::making::{derived, read_tables, write_tables};
+use crate::figures::drawing::{Drawing, Figured};
+use crate::shared::making::{derived, read_tables, write_tables};
 use serde::Serialize;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};

@@ -1,13 +1,13 @@
 //! Stage `trade`: speed against accuracy of a study's conditions as scenes, in counts alone; what
 //! less of a recording does to its metrics; and their figures.
 
-use crate::conditions::{Repeats, spread};
-use crate::drawing::{Drawing, Figured};
-use crate::handle::{Derived, Written};
-use crate::making::{derived, join_sessions, split, write_tables};
-use crate::measured::measured;
+use crate::figures::drawing::{Drawing, Figured};
 use crate::replay::rendered;
-use crate::trials::{OfTrials, Recordings, files as trial_files, name, read_all};
+use crate::shared::conditions::{Repeats, spread};
+use crate::shared::handle::{Derived, Written};
+use crate::shared::making::{derived, join_sessions, split, write_tables};
+use crate::shared::measured::measured;
+use crate::shared::trials::{OfTrials, Recordings, files as trial_files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;

@@ -99,52 +99,22 @@ mod trade;
 mod trial;
 mod value;
 
-pub use answers::{AnswerTally, BlindingIndex, GivenAnswer};
-pub use average::{
-    AveragePoint, AveragedTime, LoopAngle, LoopBranch, LoopPoint, ParticipantsLoopPoint,
-};
-pub use characteristic::{
-    CandidateVerdict, CommandWay, CurveModel, CurvePoint, CurveShape, CurveSymbol, FittedModel,
-    FittedParameter, UNIT_OF_COMMAND, UNIT_OF_RESPONSE,
-};
-pub use claims::{ClaimVerdict, Component, Fact, JudgedStatement, ModeForces, ProOrCon};
+pub use answers::*;
+pub use average::*;
+pub use characteristic::*;
+pub use claims::*;
 pub use column::{Column, Field, Scalar, Type, UNIT_OF_ROW, Values};
-pub use comparison::{
-    AnswerDifference, AnswerTest, Cell, Compared, Effect, Learning, Mean, MetricNote,
-    ModeDifference, Model, Omnibus, OrderTest, PersonDifference, PersonSuperiority,
-    PrintedDifference, RedrawnDifference, RepeatMean, Role, SessionChange, SessionPair, Size,
-    UnitOfAnalysis, Verdict,
-};
-pub use figure::FigurePoint;
-pub use free_motion::{FreePlane, FreePlant};
-pub use identification::{
-    FitPart, HeldOutError, Identifiability, OneOrAll, PlantCovariance, PlantEstimate,
-    PlantParameter, PlantProfile, PlantTrialError, Threshold, ThresholdBracket, UnitProduct,
-};
-pub use ladder::{
-    BorneOut, HeldOutModel, LadderChoice, LadderCondition, LadderModel, LadderTerm, NoLadderText,
-    TermEffect, TermPair, TermSet, TriedModel,
-};
-pub use model_run::{
-    BowTieSample, ChatteringRun, LeverMotion, ModelEvent, ModelRun, ModelSample, TermForce,
-};
+pub use comparison::*;
+pub use figure::*;
+pub use free_motion::*;
+pub use identification::*;
+pub use ladder::*;
+pub use model_run::*;
 pub use note::NoteKind;
-pub use replay::{
-    AgreementOf, AgreementVerdict, Causality, CourseSample, CourseSeries, ModelPlant, PlantRun,
-    ReplayAgreement, ReplayOutcome, ReplayedModel, ReplayedPeak, ReplayedTrial, TrialOscillation,
-};
+pub use replay::*;
 pub use row::{ReadError, Row};
 pub use sentence::Sentence;
-pub use stability::{
-    BoundaryExtent, ImpedancePoint, LimitKind, LimitName, LimitPoint, StiffestWall, WallBound,
-    WallCell, WallLimit, WallQuantity, ZWidth,
-};
-pub use trade::{
-    Gate, LessKind, MetricShift, NoReason, Proof, RunTime, SetupSummary, TradeChoice, TradeMetric,
-    TradeRun, TradeSetting, WhyNot,
-};
-pub use trial::{
-    ConditionKey, ConditionTrials, CountedTrial, EventKind, RecordedStability, TrialEvent,
-    TrialKey, TrialRemark,
-};
+pub use stability::*;
+pub use trade::*;
+pub use trial::*;
 pub use value::Value;

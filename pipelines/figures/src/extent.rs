@@ -1,8 +1,8 @@
 //! How far the axes of figures reach that are to be compared with each other, and which part of one
 //! is worth a panel of its own.
 
-use crate::data::EnvironmentData;
-use crate::panels::on_axis;
+use crate::course::data::EnvironmentData;
+use crate::course::panels::on_axis;
 use crate::words::Words;
 use zwidth_draw::Range;
 use zwidth_store::Signal;

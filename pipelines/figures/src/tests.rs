@@ -1,6 +1,6 @@
 //! Facts about the figures of trials, on small made-up data.
 
-use crate::data::AT_THE_ANGLE;
+use crate::course::data::AT_THE_ANGLE;
 use crate::{
     About, EnvironmentData, ModeData, Repeat, SIGNALS, average_columns, loop_columns, loops, modes,
     rendering_range, repeats,

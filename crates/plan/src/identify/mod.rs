@@ -2,11 +2,11 @@
 //! balances the forces of the recorded motion, the judge is the replay driven by force; here stages
 //! meet, because they do not know each other.
 
-use crate::conditions::spread;
-use crate::handle::{Derived, Written};
-use crate::making::split;
-use crate::replayable::{rendering, replayable};
-use crate::trials::{OfTrials, Recordings, files, name, read_all};
+use crate::replay::replayable::{rendering, replayable};
+use crate::shared::conditions::spread;
+use crate::shared::handle::{Derived, Written};
+use crate::shared::making::split;
+use crate::shared::trials::{OfTrials, Recordings, files, name, read_all};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

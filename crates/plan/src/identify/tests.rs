@@ -1,7 +1,7 @@
 //! Simulate, record, fit: without a sensor's noise every parameter comes back.
 
 use super::*;
-use crate::conditions::spread_within;
+use crate::shared::conditions::spread_within;
 use zwidth_device::{Controller, TwinParameters};
 use zwidth_dynamics::{Aim, Command, Driven, DrivenParameters, Hand, Tissue, table3};
 use zwidth_results::Identifiability;

@@ -3,7 +3,7 @@
 
 use super::model::{Body, FORCE, MASS, Modelled};
 use crate::FigureKind;
-use crate::sketch::{
+use crate::schematic::sketch::{
     Block, Point, Way, amid, arrow, damper, ground, line, over, panel, right_of, spring,
 };
 use zwidth_draw::style;

@@ -3,7 +3,7 @@
 
 use super::model::Modelled;
 use crate::FigureKind;
-use crate::sketch::{Block, Point, Way, arrow, over, panel, right_of};
+use crate::schematic::sketch::{Block, Point, Way, arrow, over, panel, right_of};
 use crate::words::plain;
 use zwidth_draw::style;
 use zwidth_draw::{Cell, Figure, Layer};

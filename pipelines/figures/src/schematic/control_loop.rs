@@ -3,7 +3,9 @@
 
 use super::setup::{brake, force_sensor, motor, name, words};
 use crate::FigureKind;
-use crate::sketch::{Block, Point, Way, arrow, line, over, panel, right_of, tint, within};
+use crate::schematic::sketch::{
+    Block, Point, Way, arrow, line, over, panel, right_of, tint, within,
+};
 use crate::words::plain;
 use zwidth_draw::style;
 use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};

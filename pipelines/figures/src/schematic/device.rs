@@ -3,7 +3,7 @@
 
 use super::setup::{brake, force_sensor, motor, name, words};
 use crate::FigureKind;
-use crate::sketch::{
+use crate::schematic::sketch::{
     Block, Lever, Point, Way, amid, arrow, disc, ground, left_of, line, over, panel, polar,
     right_of, ring,
 };

@@ -3,7 +3,7 @@
 
 use super::model::{Body, FORCE, Modelled, Part};
 use crate::FigureKind;
-use crate::sketch::{
+use crate::schematic::sketch::{
     Lever, Point, UPRIGHT_MM, Way, amid, arrow, damper, disc, ground, left_of, line, over, panel,
     right_of, spring,
 };

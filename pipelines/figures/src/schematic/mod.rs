@@ -5,12 +5,16 @@ mod chain;
 mod control;
 mod control_loop;
 mod device;
+pub(crate) mod environment;
 mod lever_model;
 mod model;
 mod setup;
+pub(crate) mod sketch;
 #[cfg(test)]
 mod tests;
 mod translation;
+
+pub use environment::{ENVIRONMENT, Placement, environment};
 
 use chain::{MODEL, MODEL_FORCES, model, model_forces};
 use control::{DISPLACEMENT_CONTROL, FORCE_CONTROL, displacement_control, force_control};

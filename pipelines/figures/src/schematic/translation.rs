@@ -5,7 +5,7 @@ use super::device::front;
 use super::lever_model::LeverModel;
 use super::model::{Body, Part};
 use crate::FigureKind;
-use crate::sketch::{Lever, Point, Way, ground, line, panel, polar, right_of};
+use crate::schematic::sketch::{Lever, Point, Way, ground, line, panel, polar, right_of};
 use crate::words::plain;
 use zwidth_draw::style::{self, Stroke};
 use zwidth_draw::{Cell, Figure, Layer, LegendPlace, TWO_COLUMNS_MM};

@@ -1,0 +1,36 @@
+//! The captions of all figures in one file per format, for documents.
+
+use crate::figures::drawing::{Drawing, STAGE};
+use std::path::PathBuf;
+use zwidth_figures::{CAPTION_FORMATS, NamedCaption, captions_text};
+use zwidth_runner::{Job, JobError, Made, Making, ORIGIN};
+use zwidth_store::{MOST_BYTES, StoreError, StudyData, read_regular};
+use zwidth_tables::Format;
+
+/// What its files are called.
+const STEM: &str = "captions";
+
+/// The job that gathers the captions of these figures.
+pub(crate) fn job(data: &StudyData, figures: &[Drawing]) -> Job {
+    let names: Vec<String> = figures.iter().map(|figure| figure.caption.stem()).collect();
+    let files: Vec<PathBuf> = figures.iter().map(Drawing::words).collect();
+    let folder = data.layout.reports().join("figures");
+    let output = |format: &Format| folder.join(format!("{STEM}.{}", format.extension()));
+    let outputs = CAPTION_FORMATS.iter().map(output).collect();
+    Job::new(STAGE, STEM, names, files, outputs, make).tolerant()
+}
+
+/// A figure that could not be made has no caption.
+fn make(names: &Vec<String>, files: &Vec<PathBuf>, making: &Making) -> Result<Made, JobError> {
+    let mut captions = Vec::new();
+    for (name, file) in names.iter().zip(files).filter(|(_, file)| file.exists()) {
+        let bytes = read_regular(file, MOST_BYTES).map_err(|e| StoreError::io(file, "read", &e))?;
+        captions.push(NamedCaption::of(name, &String::from_utf8(bytes)?));
+    }
+    let origin = making.from.get(ORIGIN);
+    let text = |format: &Format| {
+        let comment = origin.and_then(|origin| format.comment(origin)).unwrap_or_default();
+        (captions_text(*format, &captions) + &comment).into_bytes()
+    };
+    Ok(Made::of(CAPTION_FORMATS.iter().map(text).collect()))
+}

@@ -1,0 +1,126 @@
+//! A figure as a job of the stage `figures`: SVG, PDF and PNG, with its data and its caption beside
+//! it.
+
+use crate::figures::font;
+use serde::{Serialize, Serializer};
+use std::path::PathBuf;
+use std::sync::Arc;
+use zwidth_draw::{DEFAULT_DPI, Figure, draw};
+use zwidth_figures::{Caption, FigureKind};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage};
+use zwidth_store::{Layout, StudyData};
+
+pub(crate) const STAGE: Stage = Stage { name: "figures", version: zwidth_figures::VERSION };
+
+/// A figure that was described, and what had to be left out of it.
+pub(crate) type Figured = Result<(Figure, Vec<String>), JobError>;
+
+/// A figure of the plan.
+pub(crate) struct Drawing {
+    pub(crate) caption: Caption,
+    pub(crate) job: Job,
+    /// Describes it from what the job reads, without writing it.
+    pub(crate) describe: Box<dyn Fn() -> Figured + Send + Sync>,
+}
+
+/// What a figure is described from besides files, and the function that does it: the parameters
+/// alone are the job's key.
+struct Described<P, I> {
+    parameters: P,
+    describe: fn(&P, &I) -> Figured,
+}
+
+impl<P: Serialize, I> Serialize for Described<P, I> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.parameters.serialize(serializer)
+    }
+}
+
+/// Several owners of one: a job, and who asks for its figure in another form.
+struct Shared<T>(Arc<T>);
+
+impl<T: Serialize> Serialize for Shared<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.serialize(serializer)
+    }
+}
+
+impl<T: Inputs> Inputs for Shared<T> {
+    fn files(&self) -> Vec<PathBuf> {
+        self.0.files()
+    }
+}
+
+impl Drawing {
+    /// The figure of a kind, of a subject.
+    pub(crate) fn new<P, I>(
+        data: &StudyData,
+        kind: FigureKind,
+        subject: impl IntoIterator<Item = impl Into<String>>,
+        parameters: P,
+        inputs: I,
+        describe: fn(&P, &I) -> Figured,
+    ) -> Self
+    where
+        P: Serialize + Send + Sync + 'static,
+        I: Inputs,
+    {
+        let caption = Caption::new(kind, subject);
+        let stem = caption.stem();
+        let outputs = files_of(&data.layout, &stem);
+        let (of, inputs) = (Arc::new(Described { parameters, describe }), Arc::new(inputs));
+        let own = (Shared(of.clone()), Shared(inputs.clone()));
+        let inputs_of_job = (own.1, font::files(data));
+        let job = Job::new(STAGE, format!("figure {stem}"), own.0, inputs_of_job, outputs, make);
+        let describe = Box::new(move || (of.describe)(&of.parameters, &inputs));
+        Self { caption, job, describe }
+    }
+
+    /// The same, drawn from so many trials, sweeps or answers.
+    pub(crate) fn of(mut self, n: usize) -> Self {
+        self.caption.n = Some(n);
+        self
+    }
+
+    /// Its caption's file.
+    pub(crate) fn words(&self) -> PathBuf {
+        self.job.outputs[4].clone()
+    }
+
+    /// Its PNG.
+    pub(crate) fn picture(&self) -> PathBuf {
+        self.job.outputs[2].clone()
+    }
+}
+
+/// Files of a figure: SVG, PDF, PNG, its data, and its caption.
+fn files_of(layout: &Layout, stem: &str) -> Vec<PathBuf> {
+    let folder = layout.reports().join("figures");
+    let extensions = ["svg", "pdf", "png", "parquet", "txt"];
+    extensions.iter().map(|e| folder.join(format!("{stem}.{e}"))).collect()
+}
+
+/// A figure in every form, with its data and its caption.
+fn make<P, I>(
+    Shared(of): &Shared<Described<P, I>>,
+    (Shared(inputs), font): &(Shared<I>, Vec<PathBuf>),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (figure, problems) = (of.describe)(&of.parameters, inputs)?;
+    let [svg_file, _, _, data_file, _] = making.outputs else {
+        return Err("a figure has five files".into());
+    };
+    let stem = svg_file.file_stem().unwrap_or_default().to_string_lossy();
+    let table = zwidth_figures::data_table(&stem, &figure)?;
+    let origin = making.from.get(ORIGIN).map(|origin| format!("\n{origin}\n"));
+    let caption = zwidth_figures::caption_text(&figure) + &origin.unwrap_or_default();
+    let provenance = Some(serde_json::to_string(making.from)?);
+    let drawing = draw(&Figure { provenance, font: font::read(font)?, ..figure })?;
+    let others = || -> Result<_, JobError> {
+        let table = table.to_parquet(making.from, data_file)?;
+        Ok((drawing.svg()?.into_bytes(), drawing.pdf()?, table))
+    };
+    let (image, others) = rayon::join(|| drawing.png(DEFAULT_DPI), others);
+    let (svg, pdf, table) = others?;
+    Ok(Made { problems, ..Made::of(vec![svg, pdf, image?, table, caption.into_bytes()]) })
+}

@@ -1,0 +1,404 @@
+//! Stage `figures`: each figure as SVG, PDF and PNG, with its data beside it.
+
+pub(crate) mod captions;
+pub(crate) mod design;
+pub(crate) mod drawing;
+pub(crate) mod font;
+pub(crate) mod schematics;
+
+use crate::characterise::{self, Characterisation};
+use crate::figures::drawing::{Drawing, Figured};
+use crate::likert::figures as likert_figures;
+use crate::replay::figures as replay_figures;
+use crate::shared::conditions::{Repeats, Session, sessions};
+use crate::shared::handle::Derived;
+use crate::shared::trials::{Known, MOST_DRAWN, Recordings, describe_trials, files, read_drawn};
+use crate::{average, compare, freemotion, ladder, scenes, trade};
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_characterise::Fit;
+use zwidth_draw::Figure;
+use zwidth_figures::{
+    About, Averages, CHARACTERISTIC, Caption, Characterised, FREE_MOTION, Found, LOOPS, Loaded,
+    MODES, REPEATS, with_care, with_thinned,
+};
+use zwidth_results::FreePlane;
+use zwidth_runner::{Inputs, Job, JobError};
+use zwidth_store::{Asked, StoreError, StudyData, TrialEntry, check_trial};
+use zwidth_study::{Alignment, Environment, ModeId, OwnFigures};
+use zwidth_tables::Table;
+
+/// Every figure that a run makes.
+pub(crate) fn made(data: &StudyData) -> Vec<Drawing> {
+    let sessions = sessions(data);
+    let n = sessions.len();
+    of(data, sessions.into_iter().filter(|s| data.study.figures.has_own(&s.ids(), n)).collect())
+}
+
+/// How many sessions have figures that are made on demand alone.
+pub(crate) fn without_own(data: &StudyData) -> usize {
+    let all = sessions(data);
+    all.iter().filter(|s| !data.study.figures.has_own(&s.ids(), all.len())).count()
+}
+
+/// Every figure that can be made, on demand or by a run.
+fn all(data: &StudyData) -> Vec<Drawing> {
+    of(data, sessions(data))
+}
+
+/// The job of a figure that is made on demand.
+pub fn on_demand(data: &StudyData, stem: &str) -> Option<Job> {
+    all(data).into_iter().find(|drawing| drawing.caption.stem() == stem).map(|drawing| drawing.job)
+}
+
+/// Every figure of these sessions and of the study as a whole.
+fn of(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
+    let mut drawings = Vec::new();
+    for session in &sessions {
+        let mut environments: Vec<&Environment> =
+            data.study.environments.iter().filter(|e| !session.of(e).is_empty()).collect();
+        for environment in &environments {
+            let beside = environments.iter().filter(|other| other.id != environment.id);
+            let beside: Vec<&Environment> = beside.copied().collect();
+            drawings.push(modes(data, session, environment, &beside));
+            drawings.extend(repeats(data, session, environment));
+        }
+        environments.retain(|e| e.scene.spring().is_some());
+        if !environments.is_empty() {
+            drawings.push(loops(data, session, &environments));
+        }
+    }
+    drawings.extend(characterise::actuators(data).into_iter().map(|(actuator, sweeps)| {
+        let of = (actuator.to_string(), data.study.analysis.confidence);
+        let found = Characterisation::of(&data.layout, actuator);
+        let (subject, n) = ([actuator.to_string()], sweeps.len());
+        Drawing::new(data, CHARACTERISTIC, subject, of, (sweeps, found), characteristic).of(n)
+    }));
+    drawings.extend(freemotion::planes(data).map(|table| {
+        Drawing::new(data, FREE_MOTION, [""; 0], About::of(&data.study), table, free_motion)
+    }));
+    drawings.extend(sessions.iter().flat_map(|session| replay_figures::of(data, session)));
+    drawings.extend(ladder::figures(data));
+    drawings.extend(likert_figures::all(data));
+    drawings.extend(average::figure(data));
+    drawings.extend(compare::figures(data));
+    drawings.extend(trade::figures(data));
+    drawings.extend(scenes::figures(data));
+    drawings.extend(design::all(data));
+    drawings.extend(schematics::all(data));
+    drawings
+}
+
+/// The name of every figure of a study, and what it shows.
+pub fn captions(data: &StudyData) -> Vec<(String, String)> {
+    all(data).into_iter().map(|Drawing { caption, .. }| (caption.stem(), caption.text())).collect()
+}
+
+/// The figure of that name, described from what its job reads, and what had to be left out; `None`
+/// where the study has no such figure.
+pub fn describe(data: &StudyData, stem: &str) -> Option<Result<(Figure, Vec<String>), JobError>> {
+    let drawing = all(data).into_iter().find(|drawing| drawing.caption.stem() == stem)?;
+    Some((drawing.describe)())
+}
+
+/// The choices of study.toml for figures, sessions and metrics that the study does not have. A
+/// choice for a kind of figure that the study lacks is not a mistake.
+pub fn chosen_in_vain(data: &StudyData) -> Vec<String> {
+    let study = &data.study;
+    let chosen: Vec<&str> =
+        study.figures.choices().map(|(id, _)| id).filter(|id| id.contains('.')).collect();
+    let names: Vec<String> = match chosen.is_empty() {
+        true => Vec::new(),
+        false => captions(data).into_iter().map(|(name, _)| name).collect(),
+    };
+    let vain = chosen.into_iter().filter(|id| !names.iter().any(|name| is_of(name, id)));
+    let vain = vain
+        .map(|id| format!("the choice figures.{id} of study.toml: the study has no such figure"));
+    let of_loops = study.figures.choices().map(|(id, _)| id).filter(|id| is_of(id, "loops"));
+    let of_loops = of_loops.map(|id| {
+        format!(
+            "the choice figures.{id} of study.toml: force against position is averaged at the angle, whatever is chosen; \
+             remove it"
+        )
+    });
+    vain.chain(of_loops)
+        .chain(sessions_in_vain(data))
+        .chain(compare::asked_in_vain(study))
+        .collect()
+}
+
+/// The sessions that are to have figures of their own, and have no trial that counts.
+fn sessions_in_vain(data: &StudyData) -> Vec<String> {
+    let OwnFigures::Of(named) = &data.study.figures.own else { return Vec::new() };
+    let known: Vec<[String; 2]> = sessions(data).iter().map(Session::ids).collect();
+    let vain = named.iter().filter(|ids| !known.contains(ids));
+    let told = |ids: &[String; 2]| {
+        format!("figures.sessions of study.toml: {} has no trial that counts", ids.join("."))
+    };
+    vain.map(told).collect()
+}
+
+/// Whether a figure is the one of an id, or one of those whose id begins with it.
+fn is_of(name: &str, id: &str) -> bool {
+    name.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
+/// What a figure of one environment of one session depends on besides files.
+#[derive(Clone, Serialize)]
+struct Recorded {
+    about: About,
+    environment: Environment,
+    who: String,
+    trials: Vec<Known>,
+    /// Of means against time.
+    alignment: Alignment,
+    /// The modes that were averaged, in the order of their tables.
+    averaged: Vec<ModeId>,
+    /// What decides where the repeats stand behind means aligned by landmarks, and the stage that
+    /// says so.
+    average: (zwidth_average::Parameters, u32),
+    /// What is asked of the trials, by which they are to be read with care.
+    asked: Asked,
+}
+
+/// The files of one environment of one session.
+#[derive(Clone)]
+struct Files {
+    trials: Recordings,
+    /// Against time.
+    averages: Vec<PathBuf>,
+    /// Against position.
+    loops: Vec<PathBuf>,
+}
+
+impl Inputs for Files {
+    fn files(&self) -> Vec<PathBuf> {
+        [self.trials.files(), self.averages.clone(), self.loops.clone()].concat()
+    }
+}
+
+/// One environment of one session, with its means against time aligned so.
+fn recorded(
+    data: &StudyData,
+    session: &Session,
+    environment: &Environment,
+    alignment: Alignment,
+    trials: &[&TrialEntry],
+    conditions: &[Repeats],
+) -> (Recorded, Files) {
+    let parameters =
+        zwidth_average::Parameters { analysis: data.study.analysis, scene: environment.scene };
+    let recorded = Recorded {
+        about: About::of(&data.study),
+        environment: environment.clone(),
+        who: session.who(),
+        trials: describe_trials(trials),
+        alignment,
+        averaged: conditions.iter().map(|r| r.mode.id.clone()).collect(),
+        average: (parameters, zwidth_average::VERSION),
+        asked: Asked::of(&data.study, &environment.id),
+    };
+    let files = Files {
+        trials: files(trials),
+        averages: conditions.iter().map(|r| average::aligned(&data.layout, r, alignment)).collect(),
+        loops: conditions.iter().map(|r| average::looped(&data.layout, r)).collect(),
+    };
+    (recorded, files)
+}
+
+/// One environment of one session without means.
+fn without_means((recorded, files): (Recorded, Files)) -> (Recorded, Files) {
+    let files = Files { averages: Vec::new(), loops: Vec::new(), ..files };
+    (Recorded { averaged: Vec::new(), ..recorded }, files)
+}
+
+/// The conditions of one environment of a session, in the order of the modes.
+fn conditions<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+) -> Vec<Repeats<'a>> {
+    data.study.modes.iter().filter_map(|m| session.repeats(environment, m)).collect()
+}
+
+/// One environment of one session, read.
+struct Read<'r> {
+    loaded: Loaded<'r>,
+    /// What had to be left out.
+    problems: Vec<String>,
+    /// What was found in trials that are in the figure all the same.
+    found: Vec<Found>,
+    /// How many trials are drawn with fewer samples than they have.
+    thinned: usize,
+}
+
+/// The figure with what is to be said of the trials in it.
+fn noted(figure: Figure, reads: &[&Read]) -> Figure {
+    let found: Vec<Found> = reads.iter().flat_map(|read| read.found.clone()).collect();
+    let thinned = reads.iter().map(|read| read.thinned).sum();
+    with_care(with_thinned(figure, thinned, MOST_DRAWN), &found)
+}
+
+/// What is to be read with care. A trial that cannot be read is told where it is left out.
+fn found(files: &Files, recorded: &Recorded) -> Result<Vec<Found>, StoreError> {
+    let mut all = Vec::new();
+    for (file, known) in files.trials.iter().zip(&recorded.trials) {
+        let found = match check_trial(file, &recorded.asked) {
+            Err(error) if error.by_system => return Err(error),
+            found => found.unwrap_or_default(),
+        };
+        let named = |e: StoreError| Found {
+            trial: known.trial,
+            column: e.column.unwrap_or_default(),
+            what: e.what,
+        };
+        all.extend(found.into_iter().map(named));
+    }
+    Ok(all)
+}
+
+/// Reads one environment of one session.
+fn load<'r>(recorded: &'r Recorded, files: &Files) -> Result<Read<'r>, JobError> {
+    let signals = zwidth_figures::SIGNALS.into_iter();
+    let (drawn, problems) = read_drawn(&files.trials, &recorded.trials, signals)?;
+    let thinned = drawn.iter().filter(|(trial, all)| trial.samples.len() < *all).count();
+    let trials = drawn.into_iter().map(|(trial, _)| trial).collect();
+    let found = found(files, recorded)?;
+    let read = |paths: &[PathBuf], columns: Vec<String>| -> Result<_, JobError> {
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        let of_modes = recorded.averaged.iter().zip(paths);
+        let table = |path| Table::columns_from_parquet(path, &columns);
+        of_modes.map(|(mode, path)| Ok((mode.clone(), table(path)?))).collect()
+    };
+    let averages = Averages {
+        over_time: read(&files.averages, zwidth_figures::average_columns())?,
+        over_position: read(&files.loops, zwidth_figures::loop_columns())?,
+    };
+    let Recorded { about, environment, who, alignment, average: (parameters, _), .. } = recorded;
+    let about = (about, environment, who.as_str(), *alignment, &parameters.analysis);
+    let loaded = Loaded::new(about, trials, averages, |trials| {
+        zwidth_average::times_s(trials, parameters, *alignment).ok()
+    })?;
+    Ok(Read { loaded, problems, found, thinned })
+}
+
+/// The figure of one environment, on axes that hold those `beside` it too.
+fn modes<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+    beside: &[&'a Environment],
+) -> Drawing {
+    let [participant, session_id] = session.ids();
+    let subject = [participant, session_id, environment.id.to_string()];
+    let alignment = data.study.figures.alignment(&Caption::new(MODES, subject.clone()).stem());
+    let of = |environment| {
+        let trials = session.of(environment);
+        let conditions = conditions(data, session, environment);
+        recorded(data, session, environment, alignment, &trials, &conditions)
+    };
+    let others = beside.iter().map(|other| without_means(of(other)));
+    let (recorded, files) = [of(environment)].into_iter().chain(others).unzip();
+    let n = session.of(environment).len();
+    Drawing::new(data, MODES, subject, recorded, files, draw_modes).of(n)
+}
+
+fn draw_modes(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
+    let (all, problems) = load_all(recorded, files)?;
+    let scenes: Vec<_> = all.iter().map(|read| read.loaded.scene()).collect();
+    let (scene, beside) = scenes.split_first().ok_or("there is no environment")?;
+    // The others only widen the axes.
+    let own: Vec<&Read> = all.iter().take(1).collect();
+    Ok((noted(zwidth_figures::modes(scene, beside)?, &own), problems))
+}
+
+/// Reads several environments of one session; what had to be left out.
+fn load_all<'r>(
+    recorded: &'r [Recorded],
+    files: &[Files],
+) -> Result<(Vec<Read<'r>>, Vec<String>), JobError> {
+    let (mut all, mut problems) = (Vec::new(), Vec::new());
+    for (recorded, files) in recorded.iter().zip(files) {
+        let mut read = load(recorded, files)?;
+        problems.append(&mut read.problems);
+        all.push(read);
+    }
+    Ok((all, problems))
+}
+
+fn repeats<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+) -> Vec<Drawing> {
+    let mut conditions = conditions(data, session, environment);
+    // One recording is whole in the figure of the modes.
+    conditions.retain(|repeats| repeats.trials.len() > 1);
+    conditions.into_iter().map(|r| repeats_of(data, session, environment, r)).collect()
+}
+
+fn repeats_of<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environment: &'a Environment,
+    repeats: Repeats<'a>,
+) -> Drawing {
+    let [participant, session_id] = session.ids();
+    let mode = repeats.mode.id.to_string();
+    let subject = [participant, session_id, environment.id.to_string(), mode];
+    let (trials, only) = (&repeats.trials, std::slice::from_ref(&repeats));
+    // Of no mean: every repeat stands at its own time.
+    let of = recorded(data, session, environment, Alignment::Onset, trials, only);
+    let (recorded, files) = without_means(of);
+    Drawing::new(data, REPEATS, subject, recorded, files, draw_repeats).of(trials.len())
+}
+
+fn draw_repeats(recorded: &Recorded, files: &Files) -> Figured {
+    let read = load(recorded, files)?;
+    let (scene, problems) = (read.loaded.scene(), read.problems.clone());
+    let Some(first) = scene.modes.first() else {
+        return Err(format!("no trial could be read: {}", problems.join("; ")).into());
+    };
+    Ok((noted(zwidth_figures::repeats(&scene, first), &[&read]), problems))
+}
+
+fn loops<'a>(
+    data: &'a StudyData,
+    session: &Session<'a>,
+    environments: &[&'a Environment],
+) -> Drawing {
+    let of_environments = environments.iter().map(|environment| {
+        let (trials, conditions) =
+            (session.of(environment), conditions(data, session, environment));
+        // Nothing stands against time.
+        let (recorded, files) =
+            recorded(data, session, environment, Alignment::Onset, &trials, &conditions);
+        (recorded, Files { averages: Vec::new(), ..files })
+    });
+    let (recorded, files): (Vec<_>, Vec<_>) = of_environments.unzip();
+    let n = recorded.iter().map(|of: &Recorded| of.trials.len()).sum();
+    Drawing::new(data, LOOPS, session.ids(), recorded, files, draw_loops).of(n)
+}
+
+fn draw_loops(recorded: &Vec<Recorded>, files: &Vec<Files>) -> Figured {
+    let (all, problems) = load_all(recorded, files)?;
+    let scenes: Vec<_> = all.iter().map(|read| read.loaded.scene()).collect();
+    let reads: Vec<&Read> = all.iter().collect();
+    let about = &recorded.first().ok_or("there is no environment")?.about;
+    Ok((noted(zwidth_figures::loops(about, &scenes)?, &reads), problems))
+}
+
+fn characteristic(
+    (actuator, level): &(String, f64),
+    (sweeps, found): &(Vec<PathBuf>, Characterisation),
+) -> Figured {
+    let (read, problems) = characterise::read_sweeps(sweeps)?;
+    let Fit { models, parameters, curve, .. } = &found.read()?;
+    let found = Characterised { models, parameters, curve, level: *level };
+    Ok((zwidth_figures::characteristic(actuator, &read, found), problems))
+}
+
+fn free_motion(about: &About, fits: &Derived<FreePlane>) -> Figured {
+    let (fits, notes) = fits.read_with_notes()?;
+    Ok((zwidth_figures::free_motion(about, &fits, &notes), Vec::new()))
+}

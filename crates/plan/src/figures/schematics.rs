@@ -1,0 +1,63 @@
+//! Schematics of the model, of the device and of its control: figures of what was planned. Those of
+//! the model are of the first scene that study.toml draws runs of.
+
+use crate::figures::design::has_actuators;
+use crate::figures::drawing::{Drawing, Figured};
+use crate::scenes::read_scene;
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_figures::{FigureKind, Modelled, OF_DEVICE, OF_MODEL};
+use zwidth_simulate::DEFAULT_SOLVER;
+use zwidth_store::StudyData;
+use zwidth_study::{SceneDrawing, SceneFigure, Setup};
+
+pub(crate) fn all(data: &StudyData) -> Vec<Drawing> {
+    let mut drawings = of_model(data);
+    drawings.extend(of_device(data));
+    drawings
+}
+
+/// One of several schematics, and what it is drawn from besides files.
+#[derive(Serialize)]
+struct One<T> {
+    kind: FigureKind,
+    of: T,
+}
+
+fn of_model(data: &StudyData) -> Vec<Drawing> {
+    let runs = data.study.scenes.iter().find(|figure| figure.draw == SceneDrawing::Runs);
+    let Some((figure, file)) = runs.and_then(|figure| Some((figure, figure.files.first()?))) else {
+        return Vec::new();
+    };
+    let drawing = |kind: FigureKind| {
+        let one = One { kind, of: figure.clone() };
+        Drawing::new(data, kind, [""; 0], one, data.layout.raw().join(file), draw_model)
+    };
+    OF_MODEL.iter().map(|(kind, _)| drawing(*kind)).collect()
+}
+
+fn draw_model(One { kind, of }: &One<SceneFigure>, path: &PathBuf) -> Figured {
+    let file = of.files.first().ok_or("the figure has no scene")?;
+    let solver = of.solver.as_deref().unwrap_or(DEFAULT_SOLVER);
+    let model = Modelled::new(read_scene(path, file)?, file, solver, of.step_s)
+        .map_err(|error| format!("{file}: {error}"))?;
+    let (_, draw) = OF_MODEL.iter().find(|(of, _)| of == kind).ok_or("no such schematic")?;
+    Ok((draw(&model), Vec::new()))
+}
+
+fn of_device(data: &StudyData) -> Vec<Drawing> {
+    if !has_actuators(data) {
+        return Vec::new();
+    }
+    let drawn = |(kind, draw): &(FigureKind, zwidth_figures::OfDevice)| {
+        let one = One { kind: *kind, of: Setup::of(&data.study).without_questions() };
+        draw(&one.of)?;
+        Some(Drawing::new(data, *kind, [""; 0], one, (), draw_device))
+    };
+    OF_DEVICE.iter().filter_map(drawn).collect()
+}
+
+fn draw_device(One { kind, of }: &One<Setup>, (): &()) -> Figured {
+    let (_, draw) = OF_DEVICE.iter().find(|(of, _)| of == kind).ok_or("no such schematic")?;
+    Ok((draw(of).ok_or("the device cannot be drawn")?, Vec::new()))
+}

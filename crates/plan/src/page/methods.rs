@@ -1,0 +1,58 @@
+//! What the methods in words speak of: what was recorded, and which stages a run has for it.
+
+use crate::page::people::participants;
+use crate::page::preregistered::of_plan;
+use crate::{compare, identify, likert, replay};
+use std::collections::BTreeMap;
+use zwidth_report::Recorded;
+use zwidth_store::StudyData;
+
+/// What was recorded for a study and is made of it.
+pub fn recorded(data: &StudyData) -> Recorded {
+    let answers = &data.answers;
+    let with_samples =
+        data.counting().map(|t| (&t.meta.participant, &t.meta.session, t.meta.trial));
+    let with_answers = answers.iter().map(|a| (&a.participant, &a.session, a.trial));
+    let mut trials: Vec<_> = with_samples.chain(with_answers).collect();
+    trials.sort();
+    trials.dedup();
+    let mut sessions: Vec<_> = trials.iter().map(|(p, s, _)| (*p, *s)).collect();
+    sessions.dedup();
+    let mut sources = BTreeMap::new();
+    // By the footers, wherever there is one.
+    for trial in &data.trials {
+        *sources.entry(trial.meta.source).or_default() += 1;
+    }
+    for log in &data.sessions {
+        *sources.entry(log.record.source).or_default() +=
+            log.record.trials.iter().filter(|t| !t.samples).count();
+    }
+    for sweep in &data.sweeps {
+        *sources.entry(sweep.source).or_default() += 1;
+    }
+    let imported = data.trials.iter().filter_map(|trial| trial.said.file.get("made_by_import"));
+    let made_by_import = imported.flat_map(|made| made.split("; ")).map(str::to_owned).collect();
+    let named = data.study.compare.bounds.keys().map(ToString::to_string);
+    let named =
+        named.chain([data.study.compare.primary.to_string()]).chain(compare::compared(data));
+    let words = named.filter_map(|name| {
+        let words = zwidth_metrics::in_words(&name)?.to_owned();
+        Some((name, words))
+    });
+    Recorded {
+        words: words.collect(),
+        made_by_import,
+        participants: participants(data),
+        sessions: sessions.len(),
+        trials: trials.len(),
+        sweeps: data.sweeps.len(),
+        sources,
+        compared: compare::compared(data),
+        answers: likert::tally(data).is_some(),
+        guesses: likert::blinding(data).is_some(),
+        // Without the lever's length the table of replays says of each trial that it could not be.
+        replayed: replay::of_study(data).is_some() && data.study.device.lever_m.is_some(),
+        identified: identify::known_plant(data).is_some(),
+        plan: of_plan(data, &compare::compared(data)),
+    }
+}

@@ -1,0 +1,363 @@
+//! Stage `page`: the summary for a browser, `index.html`, and beside it one script of samples per
+//! condition, which the page loads when somebody asks for those trials.
+
+pub(crate) mod counted;
+pub(crate) mod methods;
+pub(crate) mod people;
+pub(crate) mod preregistered;
+pub(crate) mod summary;
+
+use crate::figures::drawing::Drawing;
+use crate::replay::courses;
+use crate::replay::runs;
+use crate::shared::conditions::{Repeats, sessions};
+use crate::shared::handle::Derived;
+use crate::shared::making::read_shared;
+use crate::shared::trials::{OfTrials, Recordings, files as trial_files, read_drawn};
+use crate::{average, identify, likert, metrics};
+use serde::Serialize;
+use std::path::PathBuf;
+use zwidth_average::Alignment;
+use zwidth_replay::Parameters;
+use zwidth_report::{
+    Columns, Contents, Course, Event, Page, TURNED, condition_script, page_html, turned_script,
+};
+use zwidth_results::{CourseSample, CourseSeries, GivenAnswer, PlantRun, TrialEvent};
+use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
+use zwidth_store::{Findings, Layout, Signal, StudyData, Trial};
+use zwidth_study::{EnvironmentId, ModeId};
+use zwidth_tables::{Table, TableError};
+
+/// Its version is raised when the page would be written differently from the same data.
+const STAGE: Stage = Stage { name: "page", version: 19 };
+
+/// The job that makes the page itself.
+pub const JOB: &str = "page";
+
+/// What the page shows of a trial.
+const SIGNALS: [Signal; 7] = [
+    Signal::Time,
+    Signal::Theta,
+    Signal::ThetaDot,
+    Signal::ForceEx,
+    Signal::TorqueEx,
+    Signal::ForceCmd,
+    Signal::StateBits,
+];
+
+/// The page's file.
+pub fn file(layout: &Layout) -> PathBuf {
+    layout.reports().join("index.html")
+}
+
+pub(crate) fn jobs(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Vec<Job> {
+    let mut jobs = Vec::new();
+    for session in sessions(data) {
+        for environment in &data.study.environments {
+            let courses = courses::file(data, &session, environment);
+            let conditions =
+                data.study.modes.iter().filter_map(|mode| session.repeats(environment, mode));
+            jobs.extend(conditions.map(|repeats| of_condition(data, &repeats, courses.clone())));
+        }
+    }
+    jobs.extend(of_turned(data));
+    jobs.push(index(data, found, figures));
+    jobs
+}
+
+/// What the script of the model's runs depends on besides files.
+#[derive(Serialize)]
+struct Turned {
+    environments: Vec<EnvironmentId>,
+    by_eye: Parameters,
+}
+
+/// The script of the model's runs over its parameters, if there are any.
+fn of_turned(data: &StudyData) -> Option<Job> {
+    let (session, turned) = runs::turned(data)?;
+    let environments = turned.iter().map(|turned| turned.environment.id.clone()).collect();
+    let files: Vec<_> = turned.into_iter().map(|turned| turned.file).collect();
+    let inputs = (files, identify::plant_of(&data.layout));
+    let of = Turned { environments, by_eye: Parameters::BY_EYE };
+    let output = data.layout.reports().join(format!("report-data/{TURNED}.js"));
+    let name = format!("sliders {}", session.who());
+    Some(Job::new(STAGE, name, of, inputs, vec![output], make_turned))
+}
+
+fn make_turned(
+    of: &Turned,
+    (files, plant): &(Vec<Derived<PlantRun>>, PathBuf),
+    making: &Making,
+) -> Result<Made, JobError> {
+    let turn = |of: &Parameters| [of.mass_kg, of.damping_ns_per_rad, of.friction_n];
+    let fitted = identify::fitted(&*read_shared(plant, making)?)?;
+    let environments = of.environments.iter().zip(files);
+    let runs: Vec<(&str, Vec<PlantRun>)> = environments
+        .map(|(environment, file)| Ok((environment.as_str(), file.read()?)))
+        .collect::<Result<_, TableError>>()?;
+    let script = turned_script(&runs, turn(&of.by_eye), fitted.as_ref().map(turn))?;
+    Ok(Made::of(vec![with_origin(script, making).into_bytes()]))
+}
+
+/// A script with where it comes from.
+fn with_origin(script: String, making: &Making) -> String {
+    let origin = making.from.get(ORIGIN).map(|origin| format!("// {origin}\n"));
+    script + &origin.unwrap_or_default()
+}
+
+/// What the script of a condition depends on besides files.
+#[derive(Serialize)]
+struct Condition {
+    key: String,
+    mode: ModeId,
+}
+
+/// The files of one condition.
+struct Files {
+    trials: Recordings,
+    /// What happened in them and the other trials of their session, and when.
+    events: Derived<TrialEvent>,
+    averages: Vec<PathBuf>,
+    /// The models' runs of a typical trial of each mode, where one could be replayed.
+    courses: Option<Derived<CourseSample>>,
+}
+
+impl Inputs for Files {
+    fn files(&self) -> Vec<PathBuf> {
+        let one = self.events.files().into_iter().chain(self.courses.files());
+        self.trials.files().into_iter().chain(self.averages.iter().cloned()).chain(one).collect()
+    }
+}
+
+fn of_condition(
+    data: &StudyData,
+    repeats: &Repeats,
+    courses: Option<Derived<CourseSample>>,
+) -> Job {
+    let files = Files {
+        trials: trial_files(&repeats.trials),
+        events: metrics::events_of(&data.layout, &repeats.trials[0].meta),
+        averages: Alignment::ALL.map(|a| average::aligned(&data.layout, repeats, a)).to_vec(),
+        courses,
+    };
+    let condition = Condition { key: repeats.key.clone(), mode: repeats.mode.id.clone() };
+    let of = OfTrials::new(condition, &repeats.trials);
+    let output = data.layout.reports().join(format!("report-data/{}.js", repeats.key));
+    Job::new(STAGE, format!("samples {}", repeats.who), of, files, vec![output], make_condition)
+        .tolerant()
+}
+
+fn make_condition(
+    of: &OfTrials<Condition>,
+    files: &Files,
+    making: &Making,
+) -> Result<Made, JobError> {
+    let (trials, problems) = read_drawn(&files.trials, &of.trials, SIGNALS.into_iter())?;
+    let events = files.events.read_if_made()?.unwrap_or_default();
+    let courses: Vec<Course> = trials.iter().map(|drawn| course(drawn, &events)).collect();
+    let mut means = Vec::new();
+    for (name, file) in ["onset", "landmarks"].into_iter().zip(&files.averages) {
+        let table = summary::read(&Some(file.clone()))?;
+        means.extend(table.filter(|t| t.height() > 0).map(|t| (name, mean_columns(&t))));
+    }
+    let courses_of = files.courses.as_ref().map(Derived::read_if_made).transpose()?.flatten();
+    let mut replays = replays(&courses_of.unwrap_or_default(), &of.stage.mode);
+    replays.iter_mut().for_each(|(_, number, columns)| in_time_of(&trials, *number, columns));
+    let script = condition_script(&of.stage.key, &courses, &means, &replays)?;
+    let text = with_origin(script, making);
+    Ok(Made { problems, ..Made::of(vec![text.into_bytes()]) })
+}
+
+/// What is shown of a trial's samples, and what happened in it.
+fn course((trial, recorded): &(Trial, usize), events: &[TrialEvent]) -> Course {
+    let samples = &trial.samples;
+    let columns = SIGNALS
+        .into_iter()
+        .filter_map(|signal| Some((name(signal)?, samples.get(signal)?.to_vec())))
+        .collect();
+    let own = events.iter().filter(|event| event.trial == trial.meta.trial);
+    Course {
+        trial: trial.meta.trial,
+        repeat: trial.meta.repeat,
+        recorded: *recorded,
+        columns,
+        events: own.map(|of| Event { kind: of.event.as_str(), t_s: of.t_s }).collect(),
+    }
+}
+
+/// What the page calls a signal.
+fn name(signal: Signal) -> Option<&'static str> {
+    Some(match signal {
+        Signal::Time => "t_s",
+        Signal::Theta => "theta_rad",
+        Signal::ThetaDot => "theta_dot_rad_s",
+        Signal::ForceEx => "force_ex_n",
+        Signal::TorqueEx => "torque_ex_nm",
+        Signal::ForceCmd => "force_cmd_n",
+        Signal::StateBits => "state_bits",
+        _ => return None,
+    })
+}
+
+/// The columns of a table by the page's names; null stays null.
+fn columns(table: &Table, named: &[(&'static str, &str)], rows: &[usize]) -> Columns {
+    let column = |(name, column): &(&'static str, &str)| {
+        let values = table.floats(column).ok()?;
+        Some((*name, rows.iter().map(|row| values[*row].unwrap_or(f64::NAN)).collect()))
+    };
+    named.iter().filter_map(column).collect()
+}
+
+fn mean_columns(table: &Table) -> Columns {
+    let named = [
+        ("t_s", "t_s"),
+        ("theta_rad", "theta_mean_rad"),
+        ("theta_dot_rad_s", "theta_dot_mean_rad_s"),
+        ("force_ex_n", "force_ex_mean_n"),
+        ("torque_ex_nm", "torque_ex_mean_nm"),
+        ("force_cmd_n", "force_cmd_mean_n"),
+    ];
+    columns(table, &named, &(0..table.height()).collect::<Vec<_>>())
+}
+
+/// The models' runs of the mode's typical trial, and which trial that is.
+fn replays(courses: &[CourseSample], mode: &ModeId) -> Vec<(&'static str, u32, Columns)> {
+    let mut found = Vec::new();
+    for series in [CourseSeries::ByEye, CourseSeries::Fitted] {
+        let of: Vec<&CourseSample> =
+            courses.iter().filter(|row| row.mode == *mode && row.series == series).collect();
+        let Some(first) = of.first() else { continue };
+        let column =
+            |name, get: fn(&CourseSample) -> f64| (name, of.iter().map(|row| get(row)).collect());
+        let columns = vec![
+            column("t_s", |row| row.t_s),
+            column("theta_rad", |row| row.theta_rad),
+            column("theta_dot_rad_s", |row| row.theta_dot_rad_s),
+            column("force_ex_n", |row| row.force_ex_n),
+            column("force_cmd_n", |row| row.feedback_n.unwrap_or(f64::NAN)),
+        ];
+        found.push((series.as_str(), first.trial, columns));
+    }
+    found
+}
+
+/// A model's time counts from its trial's first sample, the trial's own from the trial's start:
+/// moved to that.
+fn in_time_of(trials: &[(Trial, usize)], number: u32, columns: &mut Columns) {
+    let of = trials.iter().find(|(trial, _)| trial.meta.trial == number);
+    let begins_s =
+        of.and_then(|(t, _)| t.samples.get(Signal::Time)?.first().copied()).unwrap_or(0.0);
+    let times = columns.iter_mut().filter(|(name, _)| *name == "t_s").flat_map(|(_, t_s)| t_s);
+    times.for_each(|t_s| *t_s += begins_s);
+}
+
+/// What the page depends on besides files.
+#[derive(Serialize)]
+struct Index {
+    #[serde(flatten)]
+    summary: summary::Page,
+    study: String,
+    /// Whose trials' model can be turned.
+    turned: Option<[String; 2]>,
+    /// The user's torque was recorded, and no force.
+    torque: bool,
+    version: &'static str,
+}
+
+fn index(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
+    let (summary, files) = summary::asked(data, found, figures);
+    let study = data.layout.study().to_string();
+    let turned = runs::turned(data).map(|(session, _)| session.ids());
+    let torque = summary::has_torque_alone(data);
+    let of = Index { summary, study, turned, torque, version: env!("CARGO_PKG_VERSION") };
+    let files = IndexFiles { summary: files, answers: likert::answers(data) };
+    Job::new(STAGE, JOB, of, files, vec![file(&data.layout)], make_index).tolerant()
+}
+
+/// The files of the page.
+struct IndexFiles {
+    summary: summary::Files,
+    answers: Option<Derived<GivenAnswer>>,
+}
+
+impl Inputs for IndexFiles {
+    fn files(&self) -> Vec<PathBuf> {
+        let mut files = self.summary.files();
+        files.extend(self.answers.files());
+        files
+    }
+}
+
+fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, JobError> {
+    let summary::Gathered { summary, compared, metrics } =
+        summary::gather(&of.summary, &files.summary, making)?;
+    let answers = files.answers.as_ref().filter(|answers| answers.path().exists());
+    let answers = answers.map(likert::read_counting).transpose()?.unwrap_or_default();
+    let planned = &of.summary.planned;
+    let contents = metrics.map(|metrics| {
+        let study = (of.study.as_str(), summary.title.as_str());
+        let compared = compared.by_metric(of.summary.is_primary_by_default);
+        let contents = Contents::of(study, planned, &metrics, &compared, &answers);
+        let contents = contents.with_turned(of.turned.clone(), planned.coordinate);
+        if of.torque { contents.with_torque() } else { contents }
+    });
+    let html = page_html(&Page {
+        summary: &summary,
+        planned,
+        study: &of.study,
+        contents: contents.as_ref(),
+        origin: making.from.get(ORIGIN).map(String::as_str),
+        version: of.version,
+    });
+    let write: WriteLong = Box::new(move |out| Ok(html.write(contents.as_ref(), out)?));
+    Ok(Made { outputs: vec![Output::Long(write)], ..Made::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zwidth_store::{Samples, TrialFile};
+
+    #[test]
+    fn both_models_of_a_mode_reach_the_page_with_the_trial_that_they_are_of() {
+        let sample = |mode: &str, series| CourseSample {
+            trial: 4,
+            mode: mode.parse().unwrap(),
+            source: zwidth_study::Source::Twin,
+            series,
+            t_s: 0.5,
+            theta_rad: 0.25,
+            theta_dot_rad_s: 1.0,
+            force_ex_n: 2.0,
+            feedback_n: None,
+        };
+        let series = CourseSeries::ALL.iter().copied();
+        let courses: Vec<_> = series
+            .flat_map(|series| [sample("hybrid", series), sample("active", series)])
+            .collect();
+        let found = replays(&courses, &"hybrid".parse().unwrap());
+        let told: Vec<_> = found.iter().map(|(name, trial, _)| (*name, *trial)).collect();
+        assert_eq!(told, [("by_eye", 4), ("fitted", 4)]);
+        assert_eq!(found[0].2[1], ("theta_rad", vec![0.25]));
+    }
+
+    #[test]
+    fn a_models_run_stands_at_its_own_trials_time() {
+        let trial = |number, begins_s: f64| {
+            let mut samples = Samples::default();
+            samples.set(Signal::Time, vec![begins_s, begins_s + 1.0]);
+            let meta = zwidth_testing::meta(number, "hybrid");
+            (Trial { meta, file: TrialFile::new(), samples }, 2)
+        };
+        let trials = [trial(3, 0.0), trial(7, 11e-6)];
+        let run = || vec![("t_s", vec![0.0, 1.0]), ("theta_rad", vec![0.5, 0.6])];
+        let moved = |number| {
+            let mut columns = run();
+            in_time_of(&trials, number, &mut columns);
+            columns
+        };
+        assert_eq!((moved(3), moved(9)), (run(), run()), "of a trial that is not there: as it was");
+        let expect = vec![("t_s", vec![11e-6, 1.0 + 11e-6]), ("theta_rad", vec![0.5, 0.6])];
+        assert_eq!(moved(7), expect);
+    }
+}

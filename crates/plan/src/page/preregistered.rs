@@ -1,0 +1,357 @@
+//! The plan that lies beside a study's data, and whether study, data and analysis are as planned.
+
+use crate::page::people::participants;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::io::ErrorKind;
+use std::path::PathBuf;
+use zwidth_compare::Preregistered;
+use zwidth_store::{Layout, SessionLog, StoreError, StudyData, hex_blake3, read_regular};
+use zwidth_study::{Affects, Kind, Study, StudyChange, study_changes};
+
+/// Where a study keeps the plan that was deposited before its data were taken.
+pub fn plan_file(layout: &Layout) -> PathBuf {
+    layout.raw().join("plan.json")
+}
+
+/// What of a study its claims rest on, as a plan keeps it: what is compared, in which design.
+pub fn analysis(study: &Study) -> Value {
+    let compare = &study.compare;
+    json!({
+        "environments": study.environments.iter().map(|e| e.id.as_str()).collect::<Vec<_>>(),
+        "modes": study.modes.iter().map(|m| m.id.as_str()).collect::<Vec<_>>(),
+        "repeats": study.design.repeats,
+        "contrasts": compare.contrasts,
+        "primary": compare.primary,
+        "metrics": compare.metrics,
+        "bounds": compare.bounds,
+        "alpha": compare.alpha,
+        "level": compare.level,
+        "families": compare.families,
+    })
+}
+
+/// The largest plan that is read, bytes.
+const MOST_BYTES: u64 = 1 << 20;
+/// The largest study.toml that is read, bytes.
+const MOST_STUDY: u64 = 1 << 20;
+
+/// A plan as its file has it.
+#[derive(Serialize)]
+struct Deposited<'a, P> {
+    #[serde(flatten)]
+    plan: &'a P,
+    /// BLAKE3 of this file, with nothing between these quotation marks.
+    blake3: &'a str,
+}
+
+/// The text of a plan's file: the plan, and a hash of all of it, so that an edit shows.
+///
+/// # Errors
+/// A plan that is no object, or has a number that is not finite.
+pub fn plan_text(plan: &impl Serialize) -> serde_json::Result<String> {
+    let text =
+        |blake3| serde_json::to_string_pretty(&Deposited { plan, blake3 }).map(|text| text + "\n");
+    text(&hex_blake3(text("")?.as_bytes()))
+}
+
+/// What is wrong with a study's plan as a file: damaged, edited, or of another study. Nothing if it is
+/// whole, or if there is none.
+pub fn plan_finding(layout: &Layout) -> Option<StoreError> {
+    let fault = read_plan(layout)?.err()?.1;
+    let remedy = "restore the copy that was deposited; without one, move the file elsewhere";
+    Some(StoreError::new(&plan_file(layout), fault, remedy))
+}
+
+/// A plan that is whole and of this study.
+struct Plan {
+    /// BLAKE3 of its file.
+    blake3: String,
+    content: Value,
+}
+
+/// The study's plan, or the hash of its file as far as it can be read, and what is wrong with it;
+/// `None` without a plan.
+fn read_plan(layout: &Layout) -> Option<Result<Plan, (String, String)>> {
+    let bytes = match read_regular(&plan_file(layout), MOST_BYTES) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == ErrorKind::NotFound => return None,
+        Err(error) => {
+            return Some(Err((String::new(), format!("the file cannot be read: {error}"))));
+        }
+    };
+    let blake3 = hex_blake3(&bytes);
+    Some(match checked(&bytes, layout.study().as_str()) {
+        Ok(content) => Ok(Plan { blake3, content }),
+        Err(fault) => Err((blake3, fault)),
+    })
+}
+
+/// What a plan's file holds.
+///
+/// # Errors
+/// It is no plan, not as it was written, or of another study: why, in words.
+fn checked(bytes: &[u8], study: &str) -> Result<Value, String> {
+    let no_plan = || "the file holds no plan as `zwidth power --plan` writes it".to_owned();
+    let text = str::from_utf8(bytes).map_err(|_| no_plan())?;
+    let content: Value = serde_json::from_str(text).map_err(|_| no_plan())?;
+    if !content["analysis"].is_object() {
+        return Err(no_plan());
+    }
+    match content["study"].as_str() {
+        Some(name) if name == study => {}
+        Some(name) => {
+            return Err(format!("it is the plan of the study '{name}', and not of '{study}'"));
+        }
+        None => return Err(no_plan()),
+    }
+    // Plans of earlier versions have neither a hash of their own nor the study's text.
+    let is_edited = content.get("blake3").is_some_and(|own| {
+        own.as_str().is_none_or(|own| hex_blake3(text.replacen(own, "", 1).as_bytes()) != own)
+    });
+    let study_toml = content["study_toml"].as_str();
+    let is_of_another = study_toml.is_some_and(|toml| {
+        content["study_blake3"].as_str() != Some(&*hex_blake3(toml.as_bytes()))
+    });
+    if is_edited || is_of_another {
+        return Err(
+            "it was changed since it was written: its content does not fit its own hash".to_owned()
+        );
+    }
+    Ok(content)
+}
+
+/// What the study's plan says of study, data and analysis, a sentence each; nothing without a plan.
+/// `compared` are the metrics that are.
+pub(crate) fn of_plan(data: &StudyData, compared: &[String]) -> Vec<String> {
+    preregistered(data, compared).map(|plan| plan.sentences(participants(data))).unwrap_or_default()
+}
+
+/// What the study's plan says of study, data and analysis; `None` without a plan.
+pub(crate) fn preregistered(data: &StudyData, compared: &[String]) -> Option<Preregistered> {
+    let Plan { blake3, content } = match read_plan(&data.layout)? {
+        Ok(plan) => plan,
+        Err((blake3, fault)) => {
+            let deviations = vec![fault];
+            return Some(Preregistered { blake3, deviations, ..Preregistered::default() });
+        }
+    };
+    let number = |key: &str| content[key].as_u64();
+    let planned = content["study_toml"].as_str().and_then(|toml| Study::from_toml(toml).ok());
+    let of_analysis = of_analysis(&content["analysis"], &analysis(&data.study));
+    let mut deviations: Vec<String> = match &of_analysis {
+        Some(changes) => changes.iter().map(in_words).collect(),
+        None => vec!["the file holds no plan as `zwidth power --plan` writes it".to_owned()],
+    };
+    let of_analysis = of_analysis.unwrap_or_default();
+    deviations.extend(of_study_toml(&content, planned.as_ref(), data, &of_analysis));
+    deviations.extend(of_metric(&content, data, compared));
+    deviations.extend(of_participants(number("participants"), data));
+    deviations.extend(of_trials(data));
+    deviations.extend(of_sessions(planned.as_ref().unwrap_or(&data.study), data));
+    let no_hash = "The plan has no hash of its own: only the copy that was deposited can show whether \
+                   it was edited.";
+    let remarks = content["blake3"].is_null().then(|| no_hash.to_owned()).into_iter().collect();
+    Some(Preregistered {
+        blake3,
+        deviations,
+        remarks,
+        participants: number("participants"),
+        trials_before: number("trials_before"),
+    })
+}
+
+/// Something that is otherwise than planned.
+struct Deviation {
+    key: String,
+    then: String,
+    now: String,
+}
+
+fn in_words(Deviation { key, then, now }: &Deviation) -> String {
+    format!("{key} was {then}, is {now}")
+}
+
+/// What of the analysis is otherwise than planned; `None` where there is no plan of one.
+fn of_analysis(planned: &Value, actual: &Value) -> Option<Vec<Deviation>> {
+    let planned = planned.as_object()?;
+    let actual = actual.as_object().into_iter().flatten();
+    let both = actual.map(|(key, now)| (key, planned.get(key).unwrap_or(&Value::Null), now));
+    let changed = both.filter(|(_, then, now)| then != now).map(|(key, then, now)| Deviation {
+        key: key.clone(),
+        then: then.to_string(),
+        now: now.to_string(),
+    });
+    Some(changed.collect())
+}
+
+/// What of study.toml is otherwise than when the plan was made, each in words. `planned` is the study
+/// as it was then, where the plan has it; `listed` are the deviations that are already known.
+fn of_study_toml(
+    content: &Value,
+    planned: Option<&Study>,
+    data: &StudyData,
+    listed: &[Deviation],
+) -> Vec<String> {
+    let Ok(now) = read_regular(&data.layout.study_toml(), MOST_STUDY) else {
+        return vec!["study.toml cannot be read".to_owned()];
+    };
+    if content["study_blake3"].as_str() == Some(&*hex_blake3(&now)) {
+        return Vec::new();
+    }
+    let another = "study.toml is not the file that the plan was made for";
+    let Some(planned) = planned else { return vec![another.to_owned()] };
+    let changes = study_changes(planned, &data.study);
+    if changes.is_empty() {
+        return vec![format!("{another}, although they differ in comments and form alone")];
+    }
+    let changes = changes.into_iter().filter(|change| !is_listed(change, listed));
+    let deviation = |StudyChange { key, then, now, .. }: StudyChange| Deviation {
+        key: key.to_string(),
+        then: then.to_string(),
+        now: now.to_string(),
+    };
+    changes.map(|change| in_words(&deviation(change))).collect()
+}
+
+/// Whether a change of `compare.alpha` is already told as one of `alpha`, and one of
+/// `compare.bounds.duration_s` as one of `bounds`.
+fn is_listed(change: &StudyChange, listed: &[Deviation]) -> bool {
+    let mut parts = change.key.split('.');
+    let (Some("compare" | "design"), Some(name)) = (parts.next(), parts.next()) else {
+        return false;
+    };
+    listed.iter().any(|deviation| deviation.key == name)
+}
+
+/// The metric: the power was computed for one, and there must be one to make claims of.
+fn of_metric(content: &Value, data: &StudyData, compared: &[String]) -> Vec<String> {
+    let primary = data.study.compare.primary.as_str();
+    let planned = content["metric"].as_str().filter(|metric| *metric != primary);
+    let other = planned.map(|planned| {
+        format!("the power was computed for {planned}, and the primary metric is {primary}")
+    });
+    let has_trials = data.counting().next().is_some();
+    let is_there = compared.iter().any(|metric| metric == primary);
+    let missing = (has_trials && !is_there)
+        .then(|| format!("the primary metric, {primary}, could not be compared"));
+    other.into_iter().chain(missing).collect()
+}
+
+/// More participants than planned. Fewer may still come.
+fn of_participants(planned: Option<u64>, data: &StudyData) -> Option<String> {
+    let planned = planned?;
+    let took_part = participants(data) as u64;
+    (took_part > planned)
+        .then(|| format!("{planned} participants were planned, and {took_part} have trials"))
+}
+
+/// Trials that a person took out of the analysis: a plan foresees none.
+fn of_trials(data: &StudyData) -> Option<String> {
+    let trials = data.trials.iter().filter(|trial| trial.meta.kind == Kind::Trial);
+    let excluded = trials.filter(|trial| trial.excluded.is_some()).count();
+    match excluded {
+        0 => None,
+        1 => Some("1 trial was excluded by hand".to_owned()),
+        n => Some(format!("{n} trials were excluded by hand")),
+    }
+}
+
+/// Sessions that were recorded in another way than planned. Of imported ones neither is known.
+fn of_sessions(planned: &Study, data: &StudyData) -> Vec<String> {
+    let sessions = |is_such: &dyn Fn(&&SessionLog) -> bool| {
+        let n = data.sessions.iter().filter(is_such).count();
+        (n > 0).then(|| format!("{n} of {} sessions", data.sessions.len()))
+    };
+    // What was recorded may depend on it; a label or a figure that changed since changes nothing there.
+    let by_another = sessions(&|log| {
+        let own = log.study.as_deref();
+        own.is_some_and(|own| {
+            let changes = study_changes(own, planned);
+            changes.iter().any(|change| change.affects == Affects::Recording)
+        })
+    })
+    .map(|sessions| format!("{sessions} were recorded by another study.toml than the plan's"));
+    let scheme = planned.design.order;
+    let in_another_order =
+        sessions(&|log| log.record.order.is_some_and(|order| order.scheme != scheme))
+            .map(|sessions| format!("the modes' order was drawn by another scheme in {sessions}"));
+    by_another.into_iter().chain(in_another_order).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn study() -> Study {
+        zwidth_testing::study()
+    }
+
+    #[test]
+    fn the_analysis_that_was_planned_deviates_in_nothing_and_another_says_in_what() {
+        let planned = analysis(&study());
+        assert!(of_analysis(&planned, &planned).unwrap().is_empty());
+        let mut other = study();
+        other.compare.alpha = 0.01;
+        other.design.repeats = 5;
+        let found = of_analysis(&planned, &analysis(&other)).unwrap();
+        let found: Vec<String> = found.iter().map(in_words).collect();
+        assert_eq!(found, ["alpha was 0.05, is 0.01", "repeats was 6, is 5"]);
+    }
+
+    #[test]
+    fn a_file_that_is_no_plan_is_called_none() {
+        assert!(of_analysis(&json!("no plan"), &analysis(&study())).is_none());
+    }
+
+    /// A plan for a study.toml, as its file has it.
+    fn plan(study_toml: &str) -> String {
+        plan_text(&json!({
+            "study": "s",
+            "study_toml": study_toml,
+            "study_blake3": hex_blake3(study_toml.as_bytes()),
+            "analysis": analysis(&study()),
+            "power": 0.1 + 0.2,
+        }))
+        .unwrap()
+    }
+
+    #[test]
+    fn a_plan_fits_its_own_hash_until_anything_in_it_is_changed() {
+        let text = plan("title = \"\"");
+        let check = |text: &str| checked(text.as_bytes(), "s").map(drop);
+        assert_eq!(check(&text), Ok(()));
+        let edits = [
+            ("0.05", "0.01"),
+            ("0.30000000000000004", "0.3"),
+            ("title", "tale"),
+            ("\n", "\r\n"),
+            ("\"blake3\": \"", "\"blake3\": \"0"),
+            ("\"blake3\": \"", "\"blake3\": 5, \"other\": \""),
+        ];
+        for (from, to) in edits {
+            let edited = text.replacen(from, to, 1);
+            assert_ne!(edited, text);
+            assert!(check(&edited).unwrap_err().contains("its own hash"), "{edited}");
+        }
+        assert!(checked(text.as_bytes(), "other").unwrap_err().contains("of the study 's'"));
+        let without = text.replace("\"analysis\"", "\"analyses\"");
+        for damaged in ["", "{", "[]", "{}", "null", "{\"analysis\": {}}", &without] {
+            assert!(check(damaged).unwrap_err().contains("holds no plan"), "{damaged}");
+        }
+        assert!(checked(&[0xff, 0xfe], "s").is_err());
+    }
+
+    #[test]
+    fn a_plan_whose_study_toml_was_exchanged_is_not_whole_even_with_a_new_hash() {
+        let study_toml = "title = \"\"";
+        let exchanged = plan_text(&json!({
+            "study": "s",
+            "study_toml": "title = \"x\"",
+            "study_blake3": hex_blake3(study_toml.as_bytes()),
+            "analysis": analysis(&study()),
+        }));
+        let fault = checked(exchanged.unwrap().as_bytes(), "s").unwrap_err();
+        assert!(fault.contains("its own hash"), "{fault}");
+    }
+}

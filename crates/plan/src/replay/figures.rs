@@ -1,0 +1,37 @@
+//! Figure 24: for a session and each environment with a spring, one trial per mode beside the model
+//! that is given its external force, by eye and fitted: what the stage `replay` derived.
+
+use crate::figures::drawing::{Drawing, Figured};
+use crate::replay::courses;
+use crate::shared::conditions::Session;
+use crate::shared::handle::Derived;
+use serde::Serialize;
+use zwidth_figures::{About, REPLAY};
+use zwidth_results::CourseSample;
+use zwidth_store::StudyData;
+use zwidth_study::Environment;
+
+/// What a figure depends on besides the courses.
+#[derive(Serialize)]
+struct Against {
+    about: About,
+    environment: Environment,
+    who: String,
+}
+
+pub(crate) fn of(data: &StudyData, session: &Session) -> Vec<Drawing> {
+    let of_environment = |environment: &Environment| {
+        let courses = courses::file(data, session, environment)?;
+        let [participant, session_id] = session.ids();
+        let subject = [participant, session_id, environment.id.to_string()];
+        let (about, environment) = (About::of(&data.study), environment.clone());
+        let against = Against { about, environment, who: session.who() };
+        Some(Drawing::new(data, REPLAY, subject, against, courses, draw))
+    };
+    data.study.environments.iter().filter_map(of_environment).collect()
+}
+
+fn draw(Against { about, environment, who }: &Against, courses: &Derived<CourseSample>) -> Figured {
+    let (courses, notes) = courses.read_with_notes()?;
+    Ok((zwidth_figures::replay(about, environment, who, &courses, &notes), Vec::new()))
+}

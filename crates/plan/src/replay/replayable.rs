@@ -1,0 +1,42 @@
+//! Which trials a model can be given, and how their conditions were rendered.
+
+use crate::shared::conditions::calibration;
+use std::collections::BTreeSet;
+use zwidth_replay::Rendering;
+use zwidth_store::{Signal, StudyData, TrialEntry};
+use zwidth_study::{Environment, Mode, TrialMeta};
+
+/// Whether a trial has a spring, and everything that a run of the model driven by force needs.
+pub(crate) fn is_replayable(data: &StudyData, trial: &TrialEntry) -> bool {
+    is_recorded(data, trial) && calibration(data, &trial.meta).is_some()
+}
+
+/// The trials that count and are replayable.
+pub(crate) fn replayable(data: &StudyData) -> impl Iterator<Item = &TrialEntry> {
+    let calibrated = data.sessions.iter().map(|session| &session.record);
+    let calibrated: BTreeSet<_> = calibrated
+        .filter(|record| record.calibration.is_some())
+        .map(|record| (&record.participant, &record.session))
+        .collect();
+    let is_calibrated =
+        move |meta: &TrialMeta| calibrated.contains(&(&meta.participant, &meta.session));
+    data.counting().filter(move |trial| is_recorded(data, trial) && is_calibrated(&trial.meta))
+}
+
+/// Whether a trial has a spring, and its recording what a run of the model needs.
+fn is_recorded(data: &StudyData, trial: &TrialEntry) -> bool {
+    let environment = data.study.environment(&trial.meta.environment);
+    let spring = environment.is_some_and(|e| e.scene.spring().is_some());
+    let recorded = [Signal::Theta, Signal::ForceEx].iter().all(|s| trial.said.signals.contains(s));
+    data.study.device.lever_m.is_some() && spring && recorded
+}
+
+/// How a trial's condition was rendered in its session.
+pub(crate) fn rendering(
+    data: &StudyData,
+    meta: &TrialMeta,
+    environment: &Environment,
+    mode: &Mode,
+) -> Rendering {
+    Rendering::of(&data.study, environment, mode, calibration(data, meta).cloned())
+}

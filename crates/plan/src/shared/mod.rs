@@ -1,0 +1,7 @@
+//! What the jobs of every stage share: conditions, handles of tables, trials, what went well.
+
+pub(crate) mod conditions;
+pub(crate) mod handle;
+pub(crate) mod making;
+pub(crate) mod measured;
+pub(crate) mod trials;

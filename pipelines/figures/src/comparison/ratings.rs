@@ -1,0 +1,213 @@
+//! Answers on scales of many points: each answer, with median, quartiles and mean.
+
+use crate::comparison::likert::shown;
+use crate::words::{mark, plain};
+use crate::{About, FigureKind};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use zwidth_draw::style::{self, Marker};
+use zwidth_draw::{
+    Axis, Cell, Direction, Figure, Intervals, Layer, Panel, Points, Range, Reference, dodge,
+};
+use zwidth_results::{AnswerTally, GivenAnswer};
+use zwidth_study::{Environment, EnvironmentId, Mode, ModeId, Question, QuestionId, Source};
+
+/// The figure [`ratings`].
+pub const RATINGS: FigureKind = FigureKind {
+    stem: "ratings",
+    shows: "answers on scales of many points: each, with median, quartiles and mean",
+    drawn_from: "answer",
+};
+
+/// Panels that fit on a page: two columns of four.
+const A_PAGE: usize = 8;
+/// Panels side by side.
+const COLUMNS: usize = 2;
+/// Height that a mode takes, mm.
+const ROW_MM: f64 = 11.0;
+/// How far median and mean lie below the answers, in rows.
+const BELOW: f64 = 0.36;
+/// Room beyond both ends of a scale, as a share of it.
+const MARGIN: f64 = 0.04;
+
+/// The panels of one figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RatingsPage(Vec<Wanted>);
+
+/// A panel to be: a question after trials in an environment.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Wanted {
+    title: String,
+    environment: EnvironmentId,
+    question: Question,
+}
+
+impl RatingsPage {
+    /// Whether an answer to this question after a trial in this environment is on the page.
+    pub fn shows(&self, environment: &EnvironmentId, question: &QuestionId) -> bool {
+        self.0.iter().any(|w| w.environment == *environment && w.question.id == *question)
+    }
+}
+
+/// The pages of the questions with a scale of many points, from those that were answered in each
+/// environment.
+pub fn ratings_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<RatingsPage> {
+    let several = asked.len() > 1;
+    let mut wanted = Vec::new();
+    for (environment, questions) in asked {
+        for question in questions.iter().filter(|q| !q.scale.is_ordinal()) {
+            let title = match several {
+                true => format!("{}: {}", environment.label, question.text),
+                false => question.text.clone(),
+            };
+            let (environment, question) = (environment.id.clone(), (*question).clone());
+            wanted.push(Wanted { title, environment, question });
+        }
+    }
+    wanted.chunks(A_PAGE).map(|page| RatingsPage(page.to_vec())).collect()
+}
+
+/// Every answer as a dot, with median, quartiles and mean, one row per mode.
+pub fn ratings(
+    about: &About,
+    RatingsPage(wanted): &RatingsPage,
+    tally: &[AnswerTally],
+    answers: &[GivenAnswer],
+    sources: &[Source],
+) -> Figure {
+    let columns = COLUMNS.min(wanted.len().max(1));
+    let mut panels = Vec::new();
+    for (i, wanted) in wanted.iter().enumerate() {
+        let cell = Cell::at(i / columns, i % columns);
+        panels.push(panel(&about.modes, wanted, cell, tally, answers));
+    }
+    let mut notes =
+        vec!["Grey: every answer. Black: median with quartiles; diamond: mean.".to_owned()];
+    let mut turned = wanted.iter().filter(|w| w.question.reversed).peekable();
+    if let Some(first) = turned.peek() {
+        let ends = first.question.scale.ends_together();
+        notes.push(match turned.all(|w| w.question.scale.ends_together() == ends) {
+            true => format!("Reversed: answers are turned round ({ends} − a)."),
+            false => "Reversed: answers are turned round (lowest + highest − a).".to_owned(),
+        });
+    }
+    Figure {
+        title: Some(plain(&about.title)),
+        description: format!("{}: every answer on scales of many points, by mode.", about.title),
+        width_mm: if columns == 1 { 120.0 } else { zwidth_draw::TWO_COLUMNS_MM },
+        panels,
+        footnotes: notes.iter().map(|note| plain(note)).collect(),
+        mark: mark(sources.iter().copied()),
+        ..Figure::default()
+    }
+}
+
+fn panel(
+    modes: &[Mode],
+    wanted: &Wanted,
+    cell: Cell,
+    tally: &[AnswerTally],
+    answers: &[GivenAnswer],
+) -> Panel {
+    let scale = &wanted.question.scale;
+    let given = scores(answers, wanted);
+    let shown: Vec<&Mode> = modes.iter().filter(|mode| given.contains_key(&mode.id)).collect();
+    let middle = f64::from(scale.ends_together()) / 2.0;
+    let mut layers = vec![Layer::Reference(Reference {
+        direction: Direction::Vertical,
+        at: middle,
+        label: None,
+        stroke: style::zero(),
+        name: None,
+    })];
+    for (place, mode) in shown.iter().enumerate() {
+        let x = given.get(&mode.id).cloned().unwrap_or_default();
+        let y = beside_each_other(&x).into_iter().map(|aside| place as f64 + aside).collect();
+        layers.push(Layer::Points(Points {
+            x,
+            y,
+            colour: style::GREY,
+            opacity: 0.6,
+            ..Points::default()
+        }));
+    }
+    layers.extend(summaries(tally, wanted, &shown));
+    let [low, high] = [scale.lowest(), scale.highest()];
+    let room = MARGIN * f64::from(high - low);
+    let range = Range::Fixed(f64::from(low) - room, f64::from(high) + room);
+    let end = |score: i16| worded(&wanted.question, score);
+    let label = format!("{} … {}", end(low), end(high));
+    let x = Axis { range, ..Axis::new(plain(&label), "") };
+    let turned = if wanted.question.reversed { " (reversed)" } else { "" };
+    let names = shown.iter().map(|mode| plain(&format!("{}{turned}", mode.label)));
+    let y = Axis::categories(names);
+    let panel = Panel::new(cell, x, y, layers).titled(plain(&wanted.title));
+    Panel { height_mm: Some(ROW_MM * (shown.len() as f64 + 0.5)), ..panel }
+}
+
+/// The answers by mode, as scored, in rising order.
+fn scores<'a>(answers: &'a [GivenAnswer], wanted: &Wanted) -> BTreeMap<&'a ModeId, Vec<f64>> {
+    let Wanted { environment, question, .. } = wanted;
+    let mut found: BTreeMap<&ModeId, Vec<f64>> = BTreeMap::new();
+    let is_here =
+        |row: &&GivenAnswer| row.environment == *environment && row.question == question.id;
+    for row in answers.iter().filter(is_here) {
+        let score = question.scale.score(row.answer, question.reversed);
+        found.entry(&row.mode).or_default().push(score.into());
+    }
+    found.values_mut().for_each(|values| values.sort_by(f64::total_cmp));
+    found
+}
+
+/// Median with quartiles, and the mean, of each mode.
+fn summaries(tally: &[AnswerTally], wanted: &Wanted, modes: &[&Mode]) -> [Layer; 2] {
+    let question = Some(&wanted.question.id);
+    let row_of = |mode: &&Mode| {
+        tally.iter().find(|row| {
+            row.environment == wanted.environment
+                && row.mode == mode.id
+                && row.question.as_ref() == question
+        })
+    };
+    let rows: Vec<Option<&AnswerTally>> = modes.iter().map(row_of).collect();
+    // A mode without a number has no mark.
+    let numbers = |of: fn(&AnswerTally) -> Option<f64>| -> Vec<f64> {
+        rows.iter().map(|row| row.and_then(of).unwrap_or(f64::NAN)).collect()
+    };
+    let median = |row: &AnswerTally| Some((row.median_low?.get() + row.median_high?.get()) / 2.0);
+    let at: Vec<f64> = (0..modes.len()).map(|place| place as f64 + BELOW).collect();
+    let none = vec![f64::NAN; modes.len()];
+    let quartiles = Intervals {
+        direction: Direction::Horizontal,
+        at: at.clone(),
+        estimate: numbers(median),
+        low: numbers(|row| row.quartile_1),
+        high: numbers(|row| row.quartile_3),
+        colour: style::INK,
+        marker: Marker::Disc,
+        name: None,
+    };
+    let mean = Intervals {
+        estimate: numbers(|row| row.mean),
+        low: none.clone(),
+        high: none,
+        marker: Marker::Diamond,
+        colour: style::mode_colour(1),
+        ..quartiles.clone()
+    };
+    [Layer::Intervals(quartiles), Layer::Intervals(mean)]
+}
+
+/// A score with the word of the answer that it stands for: of a reversed question that at the other
+/// end.
+fn worded(question: &Question, score: i16) -> String {
+    let given = question.scale.score(score, question.reversed);
+    let word = question.scale.word(given).map(|word| format!(" {word}"));
+    format!("{}{}", shown(score), word.unwrap_or_default())
+}
+
+/// Where equal answers lie so that all of them are seen, in rows: values in order.
+fn beside_each_other(values: &[f64]) -> Vec<f64> {
+    let equal = values.chunk_by(|a, b| a - b == 0.0);
+    equal.flat_map(|of| (0..of.len()).map(|i| dodge(i, of.len()))).collect()
+}

@@ -1,0 +1,205 @@
+//! Figures 36–41: every repeat of one condition; the commanded force dotted.
+
+use crate::FigureKind;
+use crate::course::data::{EnvironmentData, ModeData, Repeat};
+use crate::course::panels::{
+    axis, on_axis, recorded_word, repeat_loop, repeat_over_time, wall_line,
+};
+use crate::extent::{at_wall, without_excess};
+use crate::words::{Words, keep_together, mark, plain, time_axis};
+use zwidth_draw::{
+    Cell, Direction, Figure, Layer, LegendPlace, Line, Panel, Range, Text, TextPlace, style,
+};
+use zwidth_store::Signal;
+use zwidth_study::in_a_sentence;
+
+/// The figure [`repeats`].
+pub const REPEATS: FigureKind =
+    FigureKind { stem: "repeats", shows: "every repeat of one condition", drawn_from: "trial" };
+
+/// Height of a panel, mm.
+const PANEL_MM: f64 = 45.0;
+
+/// Force against position, position and velocity against time, of every repeat of `mode`.
+pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
+    let words = Words::new(scene.about.coordinate);
+    let load = scene.load();
+    let alone = EnvironmentData { modes: vec![mode.clone()], ..scene.clone() };
+    let near = at_wall(&alone, words).filter(|_| scene.has(load));
+    // four panels find no room in a row
+    let places = match near {
+        Some(_) => [Cell::at(0, 0), Cell::at(1, 0), Cell::at(1, 1)],
+        None => [Cell::at(0, 0), Cell::at(0, 1), Cell::at(0, 2)],
+    };
+    let mut panels = vec![
+        force_panel(scene, words, mode, load, places[0]),
+        time_panel(scene, words, mode, places[1], Signal::Theta),
+        time_panel(scene, words, mode, places[2], Signal::ThetaDot),
+    ];
+    panels.extend(near.map(|(from, to)| {
+        let panel = force_panel(scene, words, mode, load, Cell::at(0, 1)).titled("at the wall");
+        let x = panel.x.clone().ranged(Range::Fixed(from, to));
+        let mut layers = panel.layers.clone();
+        layers.retain(|layer| !matches!(layer, Layer::Text(_)));
+        Panel { x, layers, ..panel }
+    }));
+    let is_commanded = |repeat: &Repeat| repeat.trial.samples.get(Signal::ForceCmd).is_some();
+    let dotted = match mode.repeats.iter().any(is_commanded) {
+        true => " Dotted: the commanded feedback force of the repeat that goes furthest.",
+        false => "",
+    };
+    Figure {
+        title: Some(plain(&format!(
+            "{}: every repeat, {} ({})",
+            scene.environment.label,
+            in_a_sentence(mode.label),
+            keep_together(&scene.who),
+        ))),
+        description: format!(
+            "{}, environment {}, mode {}: all {} repeats. Force against {}, then {} and velocity against time.{dotted}",
+            scene.who,
+            scene.environment.label,
+            mode.label,
+            mode.repeats.len(),
+            words.position_word(),
+            words.position_word(),
+        ),
+        panels,
+        legend: LegendPlace::Below, // beside the mark seven entries find no room in a row
+        mark: mark(mode.repeats.iter().map(|r| r.trial.meta.source)),
+        ..Figure::default()
+    }
+}
+
+fn strokes(mode: &ModeData) -> Vec<style::Stroke> {
+    let colour = style::mode_colour(mode.index);
+    let n = mode.repeats.len();
+    let pen = |i| style::single(style::repeat_colour(colour, i, n)).dashed(style::dash(i % 2));
+    (0..n).map(pen).collect()
+}
+
+fn name(mode: &ModeData, i: usize) -> String {
+    format!("repeat {}", mode.repeats[i].trial.meta.repeat)
+}
+
+/// Force against position. A command far beyond what was felt is cut, and said in words.
+fn force_panel(
+    scene: &EnvironmentData,
+    words: Words,
+    mode: &ModeData,
+    load: Signal,
+    cell: Cell,
+) -> Panel {
+    let (x, y) = (words.position_axis(), axis(words, load).linked("force"));
+    let all = |signal| {
+        let signals = mode.repeats.iter().filter_map(move |repeat| repeat.signal(signal));
+        signals.flat_map(|values| values.iter().copied())
+    };
+    let cut = without_excess(all(load), all(Signal::ForceCmd));
+    let mut layers: Vec<Layer> = wall_line(scene, words, Direction::Vertical).into_iter().collect();
+    for (i, (repeat, stroke)) in mode.repeats.iter().zip(strokes(mode)).enumerate() {
+        if let Some(line) = repeat_loop(words, repeat, load, stroke) {
+            layers.push(Layer::Line(Line { name: Some(name(mode, i)), ..line }));
+        }
+    }
+    layers.extend(commanded(words, mode));
+    layers.extend(cut.map(|(_, most)| {
+        let lines = vec![format!("commanded: up to {most:.1} N")];
+        Layer::Text(Text { lines, place: TextPlace::EmptiestCorner })
+    }));
+    let y = y.ranged(cut.map_or(Range::Auto, |(range, _)| range));
+    let missing = if scene.has(Signal::Theta) { load } else { Signal::Theta };
+    finished(Panel::new(cell, x, y, layers), words, missing)
+}
+
+/// The commanded force of the repeat that goes furthest: before it turns it is every repeat's. Of
+/// its way back what lies on the way there is left out, for dots on dots make a solid line.
+fn commanded(words: Words, mode: &ModeData) -> Option<Layer> {
+    let curve = |r: &Repeat| {
+        Some((r.signal(Signal::Theta)?.to_vec(), r.signal(Signal::ForceCmd)?.to_vec()))
+    };
+    let furthest = |theta: &[f64]| theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (theta, force) = mode
+        .repeats
+        .iter()
+        .filter_map(curve)
+        .max_by(|(a, _), (b, _)| furthest(a).total_cmp(&furthest(b)))?;
+    let x = on_axis(words, Signal::Theta, &theta);
+    let name = Some("commanded force".to_owned());
+    Some(Layer::Line(Line {
+        x,
+        y: once(&theta, &force),
+        stroke: style::commanded(),
+        name,
+        ..Line::default()
+    }))
+}
+
+/// `force` with gaps after the largest angle wherever it is what it was at the same angle before.
+fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
+    /// Share of the largest force within which two forces lie on each other in print.
+    const SAME: f64 = 0.01;
+    let turn = (0..theta.len()).max_by(|a, b| theta[*a].total_cmp(&theta[*b])).unwrap_or(0);
+    let same_n = SAME * force.iter().copied().fold(0.0, f64::max);
+    let mut highest = f64::NEG_INFINITY;
+    let reached: Vec<f64> = theta[..(turn + 1).min(theta.len())]
+        .iter()
+        .map(|t| {
+            highest = highest.max(*t);
+            highest
+        })
+        .collect();
+    let before = |at: f64| {
+        let next = Some(reached.partition_point(|t| *t < at)).filter(|i| *i < reached.len())?;
+        let (from, to) = (next.saturating_sub(1), next);
+        let share = if to > from { (at - theta[from]) / (theta[to] - theta[from]) } else { 0.0 };
+        Some(force[from] + share * (force[to] - force[from]))
+    };
+    let drawn =
+        |i: usize| i > turn && before(theta[i]).is_some_and(|f| (f - force[i]).abs() <= same_n);
+    (0..force.len()).map(|i| if drawn(i) { f64::NAN } else { force[i] }).collect()
+}
+
+fn time_panel(
+    scene: &EnvironmentData,
+    words: Words,
+    mode: &ModeData,
+    cell: Cell,
+    signal: Signal,
+) -> Panel {
+    let lines =
+        mode.repeats.iter().zip(strokes(mode)).enumerate().filter_map(|(i, (repeat, stroke))| {
+            let line = repeat_over_time(scene, words, repeat, signal, stroke)?;
+            Some(Layer::Line(Line { name: Some(name(mode, i)), ..line }))
+        });
+    let at_wall =
+        (signal == Signal::Theta).then(|| wall_line(scene, words, Direction::Horizontal)).flatten();
+    let layers = at_wall.into_iter().chain(lines).collect();
+    let panel = Panel::new(cell, time_axis(scene.time_label()), axis(words, signal), layers);
+    finished(panel, words, signal)
+}
+
+/// A panel without data says which signal is missing.
+fn finished(panel: Panel, words: Words, missing: Signal) -> Panel {
+    let note = panel.layers.iter().all(|l| matches!(l, Layer::Reference(_)));
+    let note = note.then(|| format!("no {} was recorded", recorded_word(words, missing)));
+    Panel { height_mm: Some(PANEL_MM), note, ..panel }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_commanded_force_that_comes_back_its_own_way_is_drawn_once() {
+        let theta = [0.0, 1.0, 2.0, 1.5, 0.5];
+        let back = once(&theta, &[0.0, 4.0, 8.0, 6.0, 2.0]);
+        assert_eq!(back[..3], [0.0, 4.0, 8.0]);
+        assert!(back[3..].iter().all(|f| f.is_nan()), "{back:?}");
+        assert_eq!(
+            once(&theta, &[0.0, 4.0, 8.0, 2.0, 1.0])[3..],
+            [2.0, 1.0],
+            "another force stays"
+        );
+    }
+}
