@@ -38,9 +38,7 @@ pub use quantities::own;
 pub use ranges::{Point, Range, ranges};
 pub use reason::{reason, told};
 pub use run::{Cost, Course};
-pub use table::{
-    chosen, effects, effects_table, interactions, interactions_table, models, models_table,
-};
+pub use table::*;
 pub use terms::possible;
 
 /// Version of the algorithms here: a change of any number they give raises it.
