@@ -130,6 +130,25 @@ fn fields_of_a_structured_array_are_columns_with_names_and_texts_are_text() {
 }
 
 #[test]
+fn a_field_that_is_not_read_keeps_none_of_the_others_from_it() {
+    for (descr, before) in [
+        ("[('a', '<f12'), ('t', '<f8')]", 12),
+        ("[('a', '<m8'), ('t', '<f8')]", 8),
+        ("[('a', '<M8[25s]'), ('t', '<f8')]", 8),
+        ("[('a', '<f4', (2, 3)), ('t', '<f8')]", 24),
+        ("[('a', '<f4'), ('', '|V4'), ('t', '<f8')]", 8),
+        ("[('a', '<f4'), (('a title', 't'), '<f8')]", 4),
+    ] {
+        let bytes = [vec![0; before], floats(&[1.5])].concat();
+        // Python 2 wrote long numbers with an L.
+        for shape in ["(1,)", "(1L,)"] {
+            let table = read(&array(descr, "False", shape, &bytes)).unwrap();
+            assert_eq!(column(&table, &name("t")), numbers(&[1.5]), "{descr} {shape}");
+        }
+    }
+}
+
+#[test]
 fn vectors_of_an_archive_come_back_by_name_stored_or_deflated() {
     let matrix = array("'<f8'", "False", "(2, 2)", &floats(&[1.0, 2.0, 3.0, 4.0]));
     let entries =
