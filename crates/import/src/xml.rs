@@ -1,9 +1,15 @@
 //! XML as far as headers and workbooks need it: elements, attributes and texts, in the order in
 //! which they stand.
 //!
-//! Names are told without their prefix. What comments, declarations and instructions say is passed
-//! by.
+//! quick-xml tells the tags; it neither bounds how deep they stand nor minds an end in the middle, and
+//! cuts a text at every reference. Names are told without their prefix. What comments, declarations
+//! and instructions say is passed by.
 
+use super::limits::shown;
+use quick_xml::escape::resolve_predefined_entity;
+use quick_xml::events::attributes::Attributes as Written;
+use quick_xml::events::{BytesRef, Event as Read};
+use quick_xml::{Reader, XmlVersion};
 use std::borrow::Cow;
 
 /// What comes next.
@@ -13,6 +19,7 @@ pub(super) enum Event<'a> {
         name: &'a str,
         attributes: Attributes<'a>,
     },
+    /// All up to the next tag.
     Text(Cow<'a, str>),
     /// One for every beginning.
     End(&'a str),
@@ -23,16 +30,22 @@ const MOST_DEPTH: usize = 64;
 
 /// Reads a text from the front on.
 pub(super) struct Xml<'a> {
-    rest: &'a str,
+    text: &'a str,
+    reader: Reader<&'a [u8]>,
     /// The elements that have not ended.
     open: Vec<&'a str>,
-    /// Whether the last one ended as it began: `<a/>`.
-    is_empty: bool,
+    /// The tag behind the text that was given last.
+    behind: Option<Read<'a>>,
 }
 
 impl<'a> Xml<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        Self { rest: text, open: Vec::new(), is_empty: false }
+        // The reader's places do not count a byte-order mark.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut reader = Reader::from_str(text);
+        reader.config_mut().expand_empty_elements = true;
+        reader.config_mut().allow_dangling_amp = true;
+        Self { text, reader, open: Vec::new(), behind: None }
     }
 
     /// What comes next, `None` at the end.
@@ -40,79 +53,63 @@ impl<'a> Xml<'a> {
     /// # Errors
     /// A text that is cut off, or whose elements end in another order.
     pub(super) fn next(&mut self) -> Result<Option<Event<'a>>, String> {
-        if std::mem::take(&mut self.is_empty) {
-            return Ok(self.open.pop().map(Event::End));
-        }
+        let mut text: Option<Cow<'a, str>> = None;
         loop {
-            let Some(tail) = self.rest.strip_prefix('<') else {
-                if self.rest.is_empty() {
-                    return if self.open.is_empty() { Ok(None) } else { Err(cut_off()) };
-                }
-                let (text, rest) =
-                    self.rest.split_at(self.rest.find('<').unwrap_or(self.rest.len()));
-                self.rest = rest;
-                return Ok(Some(Event::Text(plain(text))));
+            let read = match self.behind.take() {
+                Some(read) => read,
+                None => self.reader.read_event().map_err(|e| {
+                    let (place, why) = (self.reader.error_position(), e.to_string());
+                    format!("its XML is cut off or damaged at byte {place} ({})", shown(&why))
+                })?,
             };
-            if let Some(comment) = tail.strip_prefix("!--") {
-                self.rest = comment.split_once("-->").ok_or_else(cut_off)?.1;
-                continue;
-            }
-            if let Some(data) = tail.strip_prefix("![CDATA[") {
-                let (data, rest) = data.split_once("]]>").ok_or_else(cut_off)?;
-                self.rest = rest;
-                return Ok(Some(Event::Text(Cow::Borrowed(data))));
-            }
-            let end = end_of_tag(tail).ok_or_else(cut_off)?;
-            let (tag, rest) = (&tail[..end], &tail[end + 1..]);
-            self.rest = rest;
-            if !tag.starts_with(['?', '!']) {
-                return self.tag(tag).map(Some);
+            let part = match read {
+                Read::Text(part) => part.into_inner(),
+                Read::CData(part) => part.into_inner(),
+                Read::GeneralRef(name) => meaning(&name),
+                Read::Comment(_) | Read::Decl(_) | Read::PI(_) | Read::DocType(_) => continue,
+                tag if text.is_some() => {
+                    self.behind = Some(tag);
+                    return Ok(text.map(Event::Text));
+                }
+                Read::Start(tag) | Read::Empty(tag) => {
+                    return self.begin(tag.len(), tag.name().as_ref().len()).map(Some);
+                }
+                Read::End(_) => return Ok(self.open.pop().map(Event::End)),
+                Read::Eof if self.open.is_empty() => return Ok(None),
+                Read::Eof => return Err("its XML is cut off".to_owned()),
+            };
+            match &mut text {
+                Some(text) => text.to_mut().push_str(&part),
+                None => text = Some(part),
             }
         }
     }
 
-    fn tag(&mut self, tag: &'a str) -> Result<Event<'a>, String> {
-        if let Some(name) = tag.strip_prefix('/') {
-            let name = local(name.trim_end());
-            return match self.open.pop() {
-                Some(open) if open == name => Ok(Event::End(open)),
-                _ => Err("its XML is damaged: an element ends that did not begin".to_owned()),
-            };
-        }
-        let (tag, is_empty) = tag.strip_suffix('/').map_or((tag, false), |tag| (tag, true));
-        let (name, attributes) =
-            tag.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((tag, ""));
-        let name = local(name);
+    /// The element whose tag was read last, of so many bytes between `<` and `>` or `/>`: out of our own
+    /// text, which lives longer than what the reader lends.
+    fn begin(&mut self, length: usize, name: usize) -> Result<Event<'a>, String> {
         if self.open.len() == MOST_DEPTH {
             return Err(format!("its XML has more than {MOST_DEPTH} levels"));
         }
+        let end = usize::try_from(self.reader.buffer_position()).unwrap_or(usize::MAX);
+        let tag = self.text.get(..end).and_then(|read| read.strip_suffix('>'));
+        let tag = tag.map(|tag| tag.strip_suffix('/').unwrap_or(tag));
+        let tag = tag.and_then(|tag| tag.get(tag.len().checked_sub(length)?..));
+        let (name, attributes) =
+            tag.and_then(|tag| tag.split_at_checked(name)).ok_or("its XML is damaged")?;
+        let name = name.rsplit_once(':').map_or(name, |(_, local)| local);
         self.open.push(name);
-        self.is_empty = is_empty;
         Ok(Event::Begin { name, attributes: Attributes(attributes) })
     }
 }
 
-fn cut_off() -> String {
-    "its XML is cut off".to_owned()
-}
-
-/// The place of the `>` that ends a tag: not one between quotes.
-fn end_of_tag(text: &str) -> Option<usize> {
-    let mut quote = None;
-    text.bytes().position(|byte| {
-        match (quote, byte) {
-            (None, b'>') => return true,
-            (None, b'"' | b'\'') => quote = Some(byte),
-            (Some(open), byte) if open == byte => quote = None,
-            _ => {}
-        }
-        false
-    })
-}
-
-/// A name without its prefix.
-fn local(name: &str) -> &str {
-    name.rsplit_once(':').map_or(name, |(_, local)| local)
+/// What a reference means; one that XML does not know stands as it is written.
+fn meaning(name: &BytesRef) -> Cow<'static, str> {
+    match (name.resolve_char_ref(), resolve_predefined_entity(name)) {
+        (Ok(Some(letter)), _) => Cow::Owned(letter.to_string()),
+        (_, Some(letter)) => Cow::Borrowed(letter),
+        _ => Cow::Owned(format!("&{};", &**name)),
+    }
 }
 
 /// The attributes of an element, as they stand in its tag.
@@ -122,63 +119,16 @@ pub(super) struct Attributes<'a>(&'a str);
 impl<'a> Attributes<'a> {
     /// The value of the first one of this name.
     pub(super) fn get(self, wanted: &str) -> Option<Cow<'a, str>> {
-        let mut rest = self.0;
-        loop {
-            let (name, tail) = rest.split_once('=')?;
-            let tail = tail.trim_start();
-            let quote = tail.chars().next().filter(|c| ['"', '\''].contains(c))?;
-            let (value, tail) = tail[1..].split_once(quote)?;
-            if local(name.trim()) == wanted {
-                return Some(plain(value));
-            }
-            rest = tail;
-        }
+        let mut all = Written::new(self.0, 0);
+        let mut readable = all.with_checks(false).filter_map(Result::ok);
+        let attribute = readable.find(|one| one.key.local_name().as_ref() == wanted)?;
+        Some(attribute.normalized_value(XmlVersion::Implicit1_0).unwrap_or(attribute.value))
     }
 
     /// The number that an attribute spells.
     pub(super) fn number(self, wanted: &str) -> Option<usize> {
         self.get(wanted)?.trim().parse().ok()
     }
-}
-
-/// A text with XML's own five names, and characters by number, read as what they mean.
-fn plain(text: &str) -> Cow<'_, str> {
-    if !text.contains('&') {
-        return Cow::Borrowed(text);
-    }
-    let mut parts = text.split('&');
-    let mut plain = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        match part.split_once(';').and_then(|(name, rest)| Some((letter(name)?, rest))) {
-            Some((letter, rest)) => {
-                plain.push(letter);
-                plain.push_str(rest);
-            }
-            None => {
-                plain.push('&');
-                plain.push_str(part);
-            }
-        }
-    }
-    Cow::Owned(plain)
-}
-
-fn letter(name: &str) -> Option<char> {
-    Some(match name {
-        "amp" => '&',
-        "lt" => '<',
-        "gt" => '>',
-        "quot" => '"',
-        "apos" => '\'',
-        _ => {
-            let number = name.strip_prefix('#')?;
-            let code = match number.strip_prefix('x') {
-                Some(hex) => u32::from_str_radix(hex, 16),
-                None => number.parse(),
-            };
-            return char::from_u32(code.ok()?);
-        }
-    })
 }
 
 #[cfg(test)]
@@ -204,6 +154,18 @@ mod tests {
     fn elements_attributes_and_texts_come_in_their_order() {
         let xml = "<?xml v='1'?><!-- <no> --><x:a q = \"1>2\" x:r='&lt;3'>t&amp;&#228;&#xe4;&no;<b/><![CDATA[<&]]></x:a>";
         assert_eq!(told(xml).unwrap(), ["<a <3", "t&ää&no;", "<b ", "/b", "<&", "/a"]);
+    }
+
+    #[test]
+    fn what_stands_before_the_first_element_and_within_a_text_is_passed_by() {
+        let xml = "\u{feff}<!DOCTYPE a [<!ENTITY b \"c>\">]><a>s<!-- no -->t &amp<i r='1'/></a>";
+        assert_eq!(told(xml).unwrap(), ["<a ", "st &amp", "<i 1", "/i", "/a"]);
+    }
+
+    #[test]
+    fn what_is_damaged_is_told_with_its_place() {
+        let error = told("<a><b></a>").unwrap_err();
+        assert!(error.contains("at byte 6 (") && error.contains("</b>"), "{error}");
     }
 
     #[test]
