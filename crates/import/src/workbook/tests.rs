@@ -116,6 +116,14 @@ fn numbers_texts_dates_errors_and_formulas_of_a_sheet_are_what_they_are() {
 }
 
 #[test]
+fn an_error_of_a_newer_program_is_a_text_and_the_rest_of_its_sheet_is_read() {
+    let rows = ROWS.replace("#DIV/0!", "#SPILL!");
+    let table = try_xlsx(&xlsx(&[("data", &rows)])).unwrap();
+    assert_eq!(cells(&table, 1)[2], Cell::Text("#SPILL!"));
+    assert_eq!(cells(&table, 0)[0], Cell::Number(0.5));
+}
+
+#[test]
 fn a_sheet_of_an_ods_reads_alike_and_what_is_repeated_counts() {
     let row = "<table:table-row><table:table-cell office:value-type=\"string\"><text:p>t</text:p></table:table-cell>\
         <table:table-cell office:value-type=\"string\"><office:annotation><text:p>no</text:p></office:annotation><text:p>F</text:p></table:table-cell></table:table-row>\
