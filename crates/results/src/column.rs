@@ -98,6 +98,14 @@ impl Values {
         }
     }
 
+    /// The text of a row; `None` where there is none.
+    pub(crate) fn text(&self, row: usize) -> Option<&str> {
+        match self {
+            Self::Text(texts) => texts.get(row)?.as_deref(),
+            _ => None,
+        }
+    }
+
     /// Their type.
     pub fn kind(&self) -> Type {
         match self {

@@ -49,25 +49,30 @@ pub trait Row: Sized {
 }
 
 /// A column that is read: its name and its values; none of one that need not be there.
-pub(crate) struct Known<'a> {
+pub(crate) struct Known<'a, V> {
     name: &'static str,
     values: Option<&'a Values>,
+    /// What was read last where texts stand. Rows of one trial follow each other with the same
+    /// words, so that most need not be understood again.
+    last: Option<(&'a str, V)>,
 }
 
-impl<'a> Known<'a> {
+impl<'a, V: Value + Clone> Known<'a, V> {
     /// The column of that name, of a type that values `V` are read from.
     ///
     /// # Errors
     /// There is none, and it may not be `absent`; it is of another type.
-    pub(crate) fn of<V: Value>(
+    pub(crate) fn of(
         columns: &'a [Column],
         name: &'static str,
         absent: &[&str],
-    ) -> Result<Known<'a>, ReadError> {
+    ) -> Result<Self, ReadError> {
         let found = columns.iter().find(|column| column.field.name == name);
         match found.map(|column| &column.values) {
-            None if !absent.is_empty() => Ok(Known { name, values: None }),
-            Some(values) if V::reads(values.kind()) => Ok(Known { name, values: Some(values) }),
+            None if !absent.is_empty() => Ok(Known { name, values: None, last: None }),
+            Some(values) if V::reads(values.kind()) => {
+                Ok(Known { name, values: Some(values), last: None })
+            }
             _ => Err(ReadError::NoColumn { column: name, kind: V::KIND }),
         }
     }
@@ -76,21 +81,38 @@ impl<'a> Known<'a> {
     ///
     /// # Errors
     /// Nothing, or no such value.
-    pub(crate) fn at<V: Value>(&self, row: usize) -> Result<V, ReadError> {
-        let none = || ReadError::NoValue {
+    pub(crate) fn at(&mut self, row: usize) -> Result<V, ReadError> {
+        let text = self.values.and_then(|values| values.text(row));
+        if let (Some((before, value)), Some(text)) = (&self.last, text)
+            && *before == text
+        {
+            return Ok(value.clone());
+        }
+        let scalar = self.values.map_or(Scalar::Null, |values| values.scalar(row));
+        let value = V::of(scalar).ok_or_else(|| ReadError::NoValue {
             row: row + 1,
             column: self.name,
             what: std::any::type_name::<V>(),
-        };
-        let scalar = self.values.map_or(Scalar::Null, |values| values.scalar(row));
-        V::of(scalar).ok_or_else(none)
+        })?;
+        self.last = text.map(|text| (text, value.clone()));
+        Ok(value)
     }
 }
 
-/// The values of one field of some rows.
-pub(crate) fn values<'a, V: Value + 'a>(fields: impl ExactSizeIterator<Item = &'a V>) -> Values {
+/// The values of one field of some rows; what is the same in one row after the other is kept once.
+pub(crate) fn values<'a, V: Value + PartialEq + 'a>(
+    fields: impl ExactSizeIterator<Item = &'a V>,
+) -> Values {
     let mut values = Values::with_room(V::KIND, fields.len());
-    fields.for_each(|field| values.push(field.scalar()));
+    let mut last: Option<(&V, Scalar)> = None;
+    for field in fields {
+        let scalar = match last {
+            Some((before, scalar)) if V::KIND == Type::Text && before == field => scalar,
+            _ => field.scalar(),
+        };
+        values.push(scalar.clone());
+        last = Some((field, scalar));
+    }
     values
 }
 
@@ -135,7 +157,7 @@ macro_rules! rows {
             fn read(
                 columns: &[$crate::column::Column],
             ) -> Result<Vec<Self>, $crate::row::ReadError> {
-                $(let $field = $crate::row::Known::of::<$kind>(
+                $(let mut $field = $crate::row::Known::<$kind>::of(
                     columns,
                     stringify!($field),
                     &[$(stringify!($absent))?],

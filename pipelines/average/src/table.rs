@@ -10,16 +10,27 @@ use zwidth_stats::band::Band;
 use zwidth_store::Signal;
 use zwidth_tables::{Column, NoteKind, Table, TableError};
 
-/// The four columns of a signal: what stands between stem and unit in the name, the meaning, the
-/// values.
-pub(crate) type Part = (&'static str, &'static str, fn(&Band) -> &[Option<f64>]);
+/// A column of a signal: what stands between stem and unit in its name, its meaning, its values.
+struct Statistic {
+    part: &'static str,
+    meaning: String,
+    of: fn(&Band) -> &[Option<f64>],
+}
 
-pub(crate) const PARTS: [Part; 4] = [
-    ("mean", "mean of the repeats", |b| &b.mean),
-    ("sd", "standard deviation of the repeats", |b| &b.sd),
-    ("ci_low", "lower end of the mean's pointwise t interval", |b| &b.ci_low),
-    ("ci_high", "upper end of the mean's pointwise t interval", |b| &b.ci_high),
-];
+/// The four columns of a signal, averaged over `whose`: repeats, or participants.
+fn statistics(whose: &str) -> [Statistic; 4] {
+    let end = |which| format!("{which} end of the mean's pointwise t interval");
+    [
+        Statistic { part: "mean", meaning: format!("mean of the {whose}"), of: |b| &b.mean },
+        Statistic {
+            part: "sd",
+            meaning: format!("standard deviation of the {whose}"),
+            of: |b| &b.sd,
+        },
+        Statistic { part: "ci_low", meaning: end("lower"), of: |b| &b.ci_low },
+        Statistic { part: "ci_high", meaning: end("upper"), of: |b| &b.ci_high },
+    ]
+}
 
 /// One row a point of time of each average: participant, session, environment, mode, source,
 /// `alignment` (`onset` or `landmarks`), `t_s` since onset, `phase` by landmarks, `n` repeats, and mean, SD and band of
@@ -43,8 +54,8 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
     };
     let mut columns = AveragePoint::columns(&rows().map(point).collect::<Vec<_>>());
     for signal in SIGNALS {
-        for (part, meaning, values) in PARTS {
-            let value = |(a, i): (&Average, usize)| values(&course(a, signal)?.band)[i];
+        for Statistic { part, meaning, of } in statistics("repeats") {
+            let value = |(a, i): (&Average, usize)| of(&course(a, signal)?.band)[i];
             let name = column_name(signal, part);
             let description = format!("{}: {meaning}", signal.column().description);
             columns.push(renamed(signal, name, description, rows().map(value).collect()));
@@ -97,11 +108,10 @@ pub(crate) fn loads(branches: &[MeanBranch], whose: &str) -> Vec<Column> {
     let rows = || branches.iter().flat_map(|b| (0..b.theta_rad.len()).map(move |i| (b, i)));
     let mut columns = Vec::new();
     for signal in LOADS {
-        for (part, meaning, values) in PARTS {
+        for Statistic { part, meaning, of } in statistics(whose) {
             let value = |(b, i): (&MeanBranch, usize)| {
-                values(&b.loads.iter().find(|(of, _)| *of == signal)?.1)[i]
+                of(&b.loads.iter().find(|(load, _)| *load == signal)?.1)[i]
             };
-            let meaning = meaning.replace("repeats", whose);
             let description = format!("{}: {meaning}", signal.column().description);
             let name = column_name(signal, part);
             columns.push(renamed(signal, name, description, rows().map(value).collect()));
