@@ -4,12 +4,12 @@
 //! What a reader makes of them is thrown away; what is looked for is a panic, a hang, or memory
 //! without end.
 
-use crate::events::read_events_from;
-use crate::footer::read_footer_from;
-use crate::journal::read_journal;
-use crate::read::read_trial_from;
-use crate::sessions::record_from;
-use crate::sweep::read_sweep_from;
+use crate::form::events::read_events_from;
+use crate::form::footer::read_footer_from;
+use crate::form::journaled::read_journal;
+use crate::form::read::read_trial_from;
+use crate::form::session_record::record_from;
+use crate::form::sweep::read_sweep_from;
 use crate::{Files, Signal, StoreError};
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ pub fn events(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
 
 /// Where the head of a log lies.
 pub fn head_of(log: &Path) -> PathBuf {
-    crate::head::head_of(log)
+    crate::form::head::head_of(log)
 }
 
 /// A session's record.

@@ -5,134 +5,81 @@
 //! are the boundary to the analysis. Whatever is wrong with a file is one [`StoreError`] that says
 //! which file, which column, which row, and what to do.
 
-mod accept;
-mod alike;
-mod atomic;
-mod bounds;
-mod calibrated;
 pub mod claims;
-mod codec;
-mod columns;
 mod command;
-pub mod commit;
-mod content;
-mod digest;
-mod encode;
-mod entries;
+mod disk;
 mod error;
-mod events;
 mod first;
-mod fit;
-mod footer;
 mod form;
-mod frame;
-mod hash;
-mod head;
-mod held;
 pub mod hostile;
-mod journal;
-mod json;
-mod laid;
-mod lately;
-mod layout;
-mod lock;
+mod judge;
+mod keep;
 mod memo;
-mod memory;
-mod open;
-mod open_log;
-mod open_session;
-mod opened;
-mod pages;
-mod parts;
-mod plausible;
-mod port;
-mod raw;
-mod read;
-mod real_path;
-mod record;
-mod recover;
-mod regular;
-mod sealed;
-mod sectors;
-mod seen;
-mod sessions;
-mod shown;
-mod signal;
-mod sources;
-mod stamp;
-mod stream;
-mod streams;
-mod study;
-mod sweep;
-mod sweep_log;
 #[cfg(test)]
 mod tests;
-mod thin;
-mod trial;
-mod values;
-mod verify;
-mod walk;
-mod whole;
-mod write;
 
-pub use accept::{accept_study, study_notes};
-pub use alike::{check_session_ids, check_study_id};
-pub use atomic::{
+pub use command::{shell_line, shell_option};
+pub use disk::atomic::{
     Append, Entry, Files, RealFiles, append_to, is_unfinished, keep_private, replace, sync_names,
     write_new, write_private,
 };
-pub use bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
-pub use columns::{Columns, Recorded, Values};
-pub use command::{shell_line, shell_option};
-pub use commit::commit_events;
-pub use content::Content;
-pub use encode::{Encoding, decoded_rows, encoded_column, encoding_of};
+pub use disk::content::Content;
+pub use disk::hash::{file_blake3, hex_blake3};
+pub use disk::held::Held;
+pub use disk::layout::Layout;
+pub use disk::lock::{StudyLock, owner};
+pub use disk::memory::{Fault, Memory, Survives};
+pub use disk::port::{PortFile, read_port};
+pub use disk::raw::Raw;
+pub use disk::real_path::real_path;
+pub use disk::regular::{
+    MOST_BYTES, MOST_RECORDING, open_named, open_regular, read_named, read_regular,
+};
+pub use disk::stamp::Stamp;
+pub use disk::walk::files_below;
+pub use disk::walk::unfinished_below;
 pub use error::StoreError;
-pub use events::{Entered, append_events, new_log, read_events};
 pub use first::FirstErrors;
-pub use footer::{TrialFooter, read_footer};
-pub use form::check_form;
-pub use frame::Protocol;
-pub use hash::{file_blake3, hex_blake3};
-pub use held::Held;
-pub use journal::Journal;
-pub use json::{MOST_KEYS, from_json};
-pub use laid::{laid_down, lay_down, record_bytes};
-pub use lately::Lately;
-pub use layout::Layout;
-pub use lock::{StudyLock, owner};
-pub use memory::{Fault, Memory, Survives};
-pub use open::OpenTrial;
-pub use open_session::OpenSession;
-pub use parts::{PART_ROWS, TableParts, TableWriter, write_table};
-pub use plausible::{Asked, Plateau, plateau};
-pub use port::{PortFile, read_port};
-pub use raw::Raw;
-pub use read::{
+pub use form::bounds::{MOST_COLUMN_BYTES, MOST_COLUMNS, MOST_ROWS};
+pub use form::columns::{Columns, Recorded, Values};
+pub use form::encode::{Encoding, encoding_of};
+pub use form::entry::{MOST_STUDY, Said, SessionLog, SweepEntry, TrialEntry};
+pub use form::events::{Entered, append_events, new_log, read_events};
+pub use form::footer::{TrialFooter, read_footer};
+pub use form::frame::Protocol;
+pub use form::json::{MOST_KEYS, from_json};
+pub use form::measure::{decoded_rows, encoded_column};
+pub use form::parts::{PART_ROWS, TableParts, TableWriter, write_table};
+pub use form::read::{
     read_channels, read_entries, read_parquet, read_trial, read_trial_and_channels, read_trial_from,
 };
-pub use real_path::real_path;
-pub use record::record_trial;
-pub use recover::{Done, Recovered, recover, unfinished_below};
-pub use regular::{MOST_BYTES, MOST_RECORDING, open_named, open_regular, read_named, read_regular};
-pub use seen::Seen;
-pub use sessions::read_records;
-pub use signal::{COLUMNS, Column, Signal, Storage};
-pub use sources::{TrialName, readable_records, sweep_sources, trial_sources};
-pub use stamp::Stamp;
-pub use stream::{Staged, TrialWriter, replace_by};
-pub use study::{
-    Answer, LeftOutAnswer, MOST_STUDY, Said, SessionLog, StudyData, SweepEntry, TrialEntry,
-    read_study,
+pub use form::seen::Seen;
+pub use form::session_record::read_records;
+pub use form::signal::{COLUMNS, Column, Signal, Storage};
+pub use form::sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
+pub use form::trial::{DOUBTS, GAPS, LOST, SOURCE, Samples, Trial, TrialFile, ZEROS};
+pub use form::write::{described, trial_bytes, write_parquet};
+pub use judge::alike::{check_session_ids, check_study_id};
+pub use judge::lately::Lately;
+pub use judge::one_form::check_form;
+pub use judge::open::OpenTrial;
+pub use judge::plausible::{Asked, Plateau, plateau};
+pub use judge::samples::{CHECKED, check_samples};
+pub use judge::sources::{TrialName, readable_records, sweep_sources, trial_sources};
+pub use judge::study::{Answer, LeftOutAnswer, StudyData, read_study};
+pub use judge::thin::{check_trial, read_thinned};
+pub use judge::verify::{
+    Findings, against_plan, findings, verify, verify_from, verify_kept, verify_with,
 };
-pub use sweep::{Quantity, Sweep, read_sweep, sweep_bytes};
-pub use sweep_log::{log_sweeps, record_sweep};
-pub use thin::{check_trial, read_thinned};
-pub use trial::{DOUBTS, GAPS, LOST, SOURCE, Samples, Trial, TrialFile, ZEROS};
-pub use verify::{
-    CHECKED, Findings, against_plan, check_samples, findings, verify, verify_from, verify_kept,
-    verify_with,
-};
-pub use walk::files_below;
-pub use whole::{WholeSession, read_session, session_study};
-pub use write::{described, trial_bytes, write_parquet};
+pub use judge::whole::{WholeSession, read_session, session_study};
+pub use keep::accept::{accept_study, study_notes};
+pub use keep::commit;
+pub use keep::commit::commit_events;
+pub use keep::journal::Journal;
+pub use keep::lay_down::{laid_down, lay_down, record_bytes};
+pub use keep::open_session::{OpenSession, record_trial};
+
+pub use keep::recover::recover;
+pub use keep::recovered::{Done, Recovered};
+pub use keep::stream::{Staged, TrialWriter, replace_by};
+pub use keep::sweep_log::{log_sweeps, record_sweep};

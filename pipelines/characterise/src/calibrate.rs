@@ -1,7 +1,8 @@
 //! The calibration: the chosen curves of motor and brake as knots, read forward and backward.
 
 use crate::error::CharacteriseError;
-use crate::models::{Model, Quantity};
+use crate::models::Model;
+use crate::shape::Quantity;
 use zwidth_numerics::branch::Branch;
 use zwidth_results::CurveSymbol;
 use zwidth_study::Characteristic;

@@ -3,9 +3,10 @@
 use crate::characteristic::{Candidate, Characteristic, Grouping, Parameter, Quality, Settings};
 use crate::crossval::{LeftOut, cross_validate, folds};
 use crate::error::CharacteriseError;
-use crate::models::{self, Model, Quantity, break_range};
+use crate::models::{self, Model};
 use crate::noise::noise;
 use crate::samples::{Samples, Sweep};
+use crate::shape::{Quantity, break_range};
 use crate::uncertainty::resampled;
 use crate::verdict::{self, significant};
 use core::ops::Range;

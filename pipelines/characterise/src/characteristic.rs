@@ -1,6 +1,6 @@
 //! What is found: plain data, ready for a table.
 
-use crate::models::Quantity;
+use crate::shape::Quantity;
 use zwidth_numerics::branch::Branch;
 use zwidth_results::{CandidateVerdict, CurveModel, CurveSymbol};
 use zwidth_stats::StatsError;

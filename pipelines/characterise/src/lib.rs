@@ -55,6 +55,7 @@ mod noise;
 #[cfg(test)]
 mod real_data;
 mod samples;
+pub mod shape;
 mod steps;
 mod table;
 mod uncertainty;

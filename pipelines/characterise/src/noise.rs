@@ -1,7 +1,7 @@
 //! How much the response scatters where the curve cannot be the reason.
 
-use crate::models::weighted_line;
 use crate::samples::{Samples, split};
+use crate::shape::weighted_line;
 use core::ops::Range;
 
 /// Neighbouring samples that share one local line: short enough that any smooth curve is straight

@@ -1,6 +1,6 @@
 //! Samples gathered by step of the command: what a fit needs of them, a hundred times shorter.
 
-use crate::models::{Point, Points};
+use crate::shape::{Point, Points};
 use core::ops::Range;
 use zwidth_numerics::branch::Branch;
 

@@ -15,44 +15,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Circles that stand: the reason, the crate, the modules (`crate` is `lib.rs` or `main.rs`).
-const KNOWN: [(&str, &str, &[&str]); 11] = [
+const KNOWN: [(&str, &str, &[&str]); 8] = [
     (
         "a job says its provenance, which is read back from records, which are made of jobs",
         "crates/runner",
         &["job", "provenance", "record"],
     ),
     (
-        "one subject, the files of a session: whoever reads one repairs or judges it by a rule of another",
-        "crates/store",
-        &[
-            "alike",
-            "commit",
-            "entries",
-            "events",
-            "fit",
-            "form",
-            "journal",
-            "laid",
-            "open_log",
-            "open_session",
-            "record",
-            "recover",
-            "sessions",
-            "study",
-            "sweep",
-            "sweep_log",
-            "whole",
-        ],
-    ),
-    (
         "a file is opened without following a link, and how it is read is one of the ways to files",
         "crates/store",
-        &["atomic", "regular"],
-    ),
-    (
-        "encodings are chosen by measuring columns as they are written",
-        "crates/store",
-        &["encode", "write"],
+        &["disk::atomic", "disk::regular"],
     ),
     (
         "the form of a mapping file, its checks and its readers name each other",
@@ -100,19 +72,6 @@ const KNOWN: [(&str, &str, &[&str]); 11] = [
         &["layout", "shown", "width"],
     ),
     (
-        "models share the list they stand in, and points come from steps gathered for them",
-        "pipelines/characterise",
-        &[
-            "models",
-            "models::hinge",
-            "models::line",
-            "models::power_law",
-            "models::saturation",
-            "models::spline",
-            "steps",
-        ],
-    ),
-    (
         "an estimate carries its profile and verdict, which are drawn from its spread",
         "pipelines/identify",
         &["estimate", "profile", "verdict"],
@@ -146,6 +105,24 @@ fn no_files_of_a_crate_need_each_other_in_a_circle_but_the_known_ones() {
     let broken: Vec<_> = known.difference(&found).collect();
     assert!(broken.is_empty(), "circles that are no more, take them off the list: {broken:#?}");
     assert!(read > 300, "only {read} files: were they found?");
+}
+
+/// The folders of `crates/store`, the lowest first.
+const STORE: [&str; 4] = ["disk", "form", "judge", "keep"];
+
+#[test]
+fn a_layer_of_the_store_needs_those_below_it_and_none_above() {
+    let modules = modules(&workspace().join("crates/store/src/lib.rs"));
+    let layer =
+        |name: &Name| STORE.iter().position(|layer| name.first().is_some_and(|n| n == layer));
+    let mut layers = BTreeSet::new();
+    for (name, needed) in needs(&modules) {
+        let above =
+            needed.into_iter().filter(|other| layer(name).is_some() && layer(other) > layer(name));
+        assert_eq!(above.collect::<Vec<_>>(), Vec::<&Name>::new(), "{name:?}");
+        layers.extend(layer(name));
+    }
+    assert_eq!(layers.len(), STORE.len());
 }
 
 #[test]

@@ -2,8 +2,8 @@
 //! power cuts; what is promised holds after `recover`, and after a `recover` that was itself cut
 //! short.
 
-use crate::events::read_events_from;
-use crate::read::read_trial_from;
+use crate::form::events::read_events_from;
+use crate::form::read::read_trial_from;
 use crate::tests::faulty::Faulty;
 use crate::{
     Fault, Files, Journal, Layout, Memory, Signal, Survives, TrialFile, append_events, lay_down,

@@ -1,6 +1,6 @@
 //! A line above a free break, constant below it: a dead zone.
 
-use super::{Point, Points, Quantity, Shape};
+use crate::shape::{Point, Points, Quantity, Shape};
 use core::ops::{Add, Sub};
 use zwidth_results::CurveSymbol;
 
@@ -199,8 +199,8 @@ impl Cut {
 
 #[cfg(test)]
 mod tests {
-    use super::super::check;
     use super::*;
+    use crate::shape::check;
 
     #[test]
     fn a_hinge_is_recovered_on_and_between_commands() {
@@ -232,7 +232,7 @@ mod tests {
         for step in 0..990 {
             let x0 = f64::from(step) * 0.01;
             let points = x.iter().zip(&y).map(|(x, y)| ((x - x0).max(0.0), *y, 1.0));
-            let (a, b) = super::super::weighted_line(points).unwrap();
+            let (a, b) = crate::shape::weighted_line(points).unwrap();
             let other = check::rss(&Hinge, &[a, b, x0], &x, &y);
             assert!(found <= other * (1.0 + 1e-9), "a break at {x0} is better");
         }

@@ -1,6 +1,6 @@
 //! A straight line, as in the thesis.
 
-use super::{Points, Quantity, Shape, weighted_line};
+use crate::shape::{Points, Quantity, Shape, weighted_line};
 use zwidth_results::CurveSymbol;
 
 /// y = a + b x.
@@ -31,8 +31,8 @@ impl Shape for Line {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Point, check};
     use super::*;
+    use crate::shape::{Point, check};
 
     #[test]
     fn a_line_is_recovered() {

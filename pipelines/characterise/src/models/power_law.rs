@@ -1,6 +1,6 @@
 //! A power law above a free break, constant below it: a magnetic-particle brake.
 
-use super::{Points, Quantity, Shape, weighted_line};
+use crate::shape::{Points, Quantity, Shape, weighted_line};
 use zwidth_numerics::nonlinear::{Bounds, least_squares};
 use zwidth_results::CurveSymbol;
 
@@ -125,8 +125,8 @@ fn start_at(points: &[Scaled], x0: f64, p: f64) -> Option<(f64, [f64; 4])> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::check;
     use super::*;
+    use crate::shape::check;
 
     #[test]
     fn a_power_law_is_recovered() {

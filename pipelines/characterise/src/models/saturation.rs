@@ -2,7 +2,7 @@
 //! more.
 
 use super::hinge::{self, Fit, Scale};
-use super::{Point, Points, Quantity, Shape};
+use crate::shape::{Point, Points, Quantity, Shape};
 use zwidth_numerics::nonlinear::{Bounds, least_squares};
 use zwidth_results::CurveSymbol;
 
@@ -125,8 +125,8 @@ fn golden_section(cost: impl Fn(f64) -> f64, left: f64, right: f64, width: f64) 
 
 #[cfg(test)]
 mod tests {
-    use super::super::check;
     use super::*;
+    use crate::shape::check;
 
     #[test]
     fn break_and_plateau_are_recovered() {
@@ -177,7 +177,7 @@ mod tests {
         for (i, j) in (0..90).flat_map(|i| (i + 6..100).map(move |j| (i, j))) {
             let (x0, x1) = (f64::from(i) * 0.1, f64::from(j) * 0.1);
             let points = x.iter().zip(&y).map(|(x, y)| (x.clamp(x0, x1) - x0, *y, 1.0));
-            let (a, b) = super::super::weighted_line(points).unwrap();
+            let (a, b) = crate::shape::weighted_line(points).unwrap();
             let other = check::rss(&Saturation, &[a, b, x0, x1], &x, &y);
             assert!(found <= other * (1.0 + 1e-9), "{x0} … {x1} is better");
         }

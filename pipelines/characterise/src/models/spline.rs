@@ -1,7 +1,7 @@
 //! A smooth curve that only rises (or only falls), for laws that no other candidate knows.
 
 use super::nonnegative::nonnegative;
-use super::{Point, Points, Quantity, Shape};
+use crate::shape::{Point, Points, Quantity, Shape};
 use zwidth_results::CurveSymbol;
 
 /// Knots: six equal pieces follow a dead zone, a bend and a plateau in one curve, and need no
@@ -120,8 +120,8 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
-    use super::super::check;
     use super::*;
+    use crate::shape::check;
 
     #[test]
     fn a_rising_and_a_falling_spline_are_recovered() {

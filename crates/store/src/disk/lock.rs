@@ -1,0 +1,159 @@
+//! One writer at a time: a lock file that says who holds it.
+//!
+//! The lock is the operating system's (`flock`, `LockFileEx`): it goes with the process that holds
+//! it, however that ends, so that no lock is ever stale. The file stays where it is, empty while
+//! nobody holds it; an owner that still stands in it did not end in order.
+
+use crate::disk::atomic::create_folders;
+use crate::disk::regular::open_as;
+use crate::{Layout, RealFiles, StoreError};
+use std::fs::{File, TryLockError};
+use std::io::{self, Read as _, Seek as _, Write as _};
+use std::path::Path;
+
+/// The right to write to a study, until it is dropped.
+#[derive(Debug)]
+pub struct StudyLock {
+    file: File,
+}
+
+impl StudyLock {
+    /// Takes the lock of a study for `owner` ([`owner`] makes one).
+    ///
+    /// # Errors
+    /// Somebody else holds it, with who that is; a folder that cannot be written.
+    pub fn take(layout: &Layout, owner: &str) -> Result<Self, StoreError> {
+        let path = layout.lock();
+        let mut file = opened(&path).map_err(|e| StoreError::io(&path, "open the lock", &e))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(describe_held(&path, &mut file)),
+            Err(TryLockError::Error(e)) => return Err(StoreError::io(&path, "lock", &e)),
+        }
+        write_owner(&mut file, owner).map_err(|e| StoreError::io(&path, "write the lock", &e))?;
+        Ok(Self { file })
+    }
+}
+
+impl Drop for StudyLock {
+    fn drop(&mut self) {
+        // A name that stays says no more than that its owner did not end in order; the lock itself
+        // goes in any case.
+        let _ = self.file.set_len(0);
+    }
+}
+
+/// An owner's id: what it does, its process and host, and since when.
+pub fn owner(command: &str, utc: &str) -> String {
+    let host = std::fs::read_to_string("/proc/sys/kernel/hostname")
+        .ok()
+        .or(std::env::var("COMPUTERNAME").ok());
+    let host = host.map(|name| format!(" on {}", name.trim())).unwrap_or_default();
+    format!("{command}, process {}{host}, since {utc}", std::process::id())
+}
+
+/// Opens the lock's file, or creates it. It is written to, so nothing but a file of its own will
+/// do: what a link or a second name leads to would be emptied.
+fn opened(path: &Path) -> io::Result<File> {
+    create_folders(&RealFiles, crate::disk::atomic::folder_of(path))?;
+    let created = File::options().read(true).write(true).create_new(true).open(path);
+    let file = match created {
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
+            open_as(File::options().read(true).write(true), path)?
+        }
+        created => created?,
+    };
+    if is_owner(&file)? {
+        Ok(file)
+    } else {
+        Err(io::Error::new(io::ErrorKind::InvalidInput, OTHER))
+    }
+}
+
+/// Why a file is not taken for the lock's.
+const OTHER: &str =
+    ".lock is not the file that zwidth makes there, or has a second name (a hard link); remove it";
+/// Longest owner, bytes.
+const MOST_OWNER: u64 = 1 << 12;
+
+/// Whether a file may be the lock's: short, and known by no other name.
+fn is_owner(file: &File) -> io::Result<bool> {
+    let found = file.metadata()?;
+    #[cfg(unix)]
+    if std::os::unix::fs::MetadataExt::nlink(&found) > 1 {
+        return Ok(false);
+    }
+    Ok(found.len() <= MOST_OWNER)
+}
+
+fn read(file: &mut File) -> Option<String> {
+    let mut text = String::new();
+    file.rewind().ok()?;
+    file.read_to_string(&mut text).ok()?;
+    Some(text.trim().to_owned())
+}
+
+fn write_owner(file: &mut File, owner: &str) -> io::Result<()> {
+    file.set_len(0)?;
+    file.rewind()?;
+    writeln!(file, "{owner}")
+}
+
+fn describe_held(path: &Path, file: &mut File) -> StoreError {
+    let who =
+        read(file).filter(|text| !text.is_empty()).unwrap_or_else(|| "another process".to_owned());
+    StoreError::new(path, format!("the study is in use: {who}"), "wait for it, or end it")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::crashes::folder_with_study;
+
+    #[test]
+    fn the_second_who_asks_is_told_who_holds_it() {
+        let (_folder, layout) = folder_with_study();
+        let first =
+            StudyLock::take(&layout, &owner("zwidth acquire", "2026-01-01T00:00:00Z")).unwrap();
+        let error = StudyLock::take(&layout, "another").unwrap_err();
+        let words = format!("in use: zwidth acquire, process {}", std::process::id());
+        assert!(error.what.contains(&words) && error.what.contains("since 2026-01-01"), "{error}");
+        drop(first);
+        assert!(StudyLock::take(&layout, "another").is_ok());
+    }
+
+    #[test]
+    fn an_owner_that_did_not_end_in_order_keeps_nobody_out() {
+        let (_folder, layout) = folder_with_study();
+        std::fs::write(layout.lock(), "zwidth acquire, process 1, since yesterday\n").unwrap();
+        let lock = StudyLock::take(&layout, "me").unwrap();
+        drop(lock);
+        assert_eq!(std::fs::read(layout.lock()).unwrap(), b"");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_lock_that_is_a_link_or_a_second_name_of_a_file_leaves_that_file_as_it_is() {
+        let (_folder, layout) = folder_with_study();
+        let text = std::fs::read(layout.study_toml()).unwrap();
+        let as_link = |lock: &Path| std::os::unix::fs::symlink("study.toml", lock);
+        let as_name = |lock: &Path| std::fs::hard_link(layout.study_toml(), lock);
+        for make in [&as_link as &dyn Fn(&Path) -> io::Result<()>, &as_name] {
+            make(&layout.lock()).unwrap();
+            let error = StudyLock::take(&layout, "me").unwrap_err();
+            assert!(
+                error.path == layout.lock() && error.remedy.contains("put the file itself"),
+                "{error}"
+            );
+            assert_eq!(std::fs::read(layout.study_toml()).unwrap(), text);
+            std::fs::remove_file(layout.lock()).unwrap();
+        }
+    }
+
+    #[test]
+    fn a_lock_is_no_finding() {
+        let (_folder, layout) = folder_with_study();
+        let _lock = StudyLock::take(&layout, "me").unwrap();
+        assert_eq!(crate::verify(&layout), []);
+    }
+}

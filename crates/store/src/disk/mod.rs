@@ -1,0 +1,16 @@
+//! Files, whatever is in them: written whole or not at all, held, locked, walked.
+
+pub(crate) mod atomic;
+pub(crate) mod content;
+pub(crate) mod hash;
+pub(crate) mod held;
+pub(crate) mod layout;
+pub(crate) mod lock;
+pub(crate) mod memory;
+pub(crate) mod port;
+pub(crate) mod raw;
+pub(crate) mod real_path;
+pub(crate) mod regular;
+pub(crate) mod sectors;
+pub(crate) mod stamp;
+pub(crate) mod walk;

@@ -1,0 +1,349 @@
+//! The handle that writes below `raw/<study>`: the one way in which a command does.
+//!
+//! It is a file layer that refuses, where the file is opened, whatever lies elsewhere, and what its
+//! command may not do: a command that records adds and removes nothing but its own journals;
+//! `recover` and `import` may also remove and write anew what an unfinished life left. To have one
+//! a command holds the study's lock, or makes the study.
+
+use crate::disk::atomic::is_unfinished;
+use crate::disk::content::Content;
+use crate::{Append, Entry, Files, Held, Layout, Stamp, StudyLock};
+use std::io;
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What a handle may do besides adding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum May {
+    Add,
+    Mend,
+}
+
+/// The right to write below `raw/<study>`.
+pub struct Raw<'a> {
+    files: &'a dyn Files,
+    root: PathBuf,
+    raw: PathBuf,
+    journals: PathBuf,
+    /// The list of a change of several files, which goes when that is made.
+    list: PathBuf,
+    vault: Option<PathBuf>,
+    may: May,
+    /// The file that was given its name last: it is taken away again where its name cannot be
+    /// synced.
+    newest: Mutex<Option<PathBuf>>,
+}
+
+impl<'a> Raw<'a> {
+    fn of(files: &'a dyn Files, layout: &Layout, may: May) -> Self {
+        let root = layout.root().to_owned();
+        let (raw, journals, list) = (layout.raw(), layout.journals(), layout.unfinished());
+        Self { files, root, raw, journals, list, vault: None, may, newest: Mutex::new(None) }
+    }
+
+    /// For a study that is made: nobody can hold its lock yet.
+    pub fn new_study(files: &'a dyn Files, layout: &Layout) -> Self {
+        Self::of(files, layout, May::Add)
+    }
+
+    /// For a command that records: it adds, and removes its own journals.
+    pub fn adds(files: &'a dyn Files, layout: &Layout, _lock: &'a StudyLock) -> Self {
+        Self::of(files, layout, May::Add)
+    }
+
+    /// For `recover` and `import`: they take back what an unfinished life left.
+    pub fn mends(files: &'a dyn Files, layout: &Layout, _lock: &'a StudyLock) -> Self {
+        Self::of(files, layout, May::Mend)
+    }
+
+    /// The same, which may add to the folder of seals too. An empty path names none: every path
+    /// begins with it.
+    #[must_use]
+    pub fn with_vault(self, folder: &Path) -> Self {
+        let vault = Some(folder.to_owned()).filter(|folder| *folder != Path::new(""));
+        Self { vault, ..self }
+    }
+
+    /// The layer below, if the handle is for this path, by its text and by every folder on the way.
+    fn here(&self, path: &Path) -> io::Result<&'a dyn Files> {
+        let vault = self.vault.as_deref().filter(|vault| path.starts_with(vault));
+        let top = if path.starts_with(&self.raw) { Some(self.root.as_path()) } else { vault };
+        let top = top
+            .filter(|top| is_straight(path, top))
+            .ok_or_else(|| refused(path, "this command writes only below raw/ of its study"))?;
+        self.check_way(top, path)?;
+        Ok(self.files)
+    }
+
+    /// The same for a folder that is created: those above raw/ and the vault have to be made as
+    /// well, and nothing is recorded in them.
+    fn where_folders_are_made(&self, path: &Path) -> io::Result<&'a dyn Files> {
+        let is_above = self.raw.starts_with(path)
+            || self.vault.as_deref().is_some_and(|vault| vault.starts_with(path));
+        if is_above { Ok(self.files) } else { self.here(path) }
+    }
+
+    /// Whether no folder between the top and the path is a link, which would lead a writer out of
+    /// the study.
+    fn check_way(&self, top: &Path, path: &Path) -> io::Result<()> {
+        let folders =
+            path.ancestors().skip(1).take_while(|folder| *folder != top && folder.starts_with(top));
+        match folders.into_iter().find(|folder| self.files.kind(folder) == Some(Entry::Link)) {
+            Some(link) => Err(refused(link, "this command does not follow a link below raw/")),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether this is a session's copy of study.toml without the session's record: no session
+    /// names it, and laying the session down writes it anew.
+    fn is_left_by_a_kill(&self, path: &Path) -> bool {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let session = name.strip_suffix(".study.toml").filter(|session| !session.is_empty());
+        let record = session.map(|session| path.with_file_name(format!("{session}.json")));
+        let in_sessions = path.parent() == Some(self.raw.join("sessions").as_path());
+        in_sessions && record.is_some_and(|record| self.files.kind(&record).is_none())
+    }
+
+    /// A panic elsewhere leaves a path or none.
+    fn newest(&self) -> MutexGuard<'_, Option<PathBuf>> {
+        self.newest.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The same for something that goes.
+    fn gone(&self, path: &Path, own: bool) -> io::Result<&'a dyn Files> {
+        if own || self.may == May::Mend {
+            return self.here(path);
+        }
+        Err(refused(path, "this command does not remove what was recorded"))
+    }
+}
+
+/// Whether nothing below `top` leads up again. `top` itself is the user's to spell: `../data`.
+fn is_straight(path: &Path, top: &Path) -> bool {
+    path.strip_prefix(top)
+        .is_ok_and(|below| below.components().all(|part| part != Component::ParentDir))
+}
+
+fn refused(path: &Path, why: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::PermissionDenied, format!("{why}: {}", path.display()))
+}
+
+impl Files for Raw<'_> {
+    fn kind(&self, path: &Path) -> Option<Entry> {
+        self.files.kind(path)
+    }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<(PathBuf, Entry)>> {
+        self.files.list(folder)
+    }
+
+    fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
+        self.files.read(path, most)
+    }
+
+    fn open(&self, path: &Path, most: u64) -> io::Result<Content> {
+        self.files.open(path, most)
+    }
+
+    fn stamp(&self, path: &Path) -> Option<Stamp> {
+        self.files.stamp(path)
+    }
+
+    fn hold(&self, folder: &Path) -> io::Result<Box<dyn Held>> {
+        self.files.hold(folder)
+    }
+
+    fn make_private(&self, path: &Path) -> io::Result<()> {
+        self.here(path)?.make_private(path)
+    }
+
+    fn create_folder(&self, path: &Path) -> io::Result<()> {
+        self.where_folders_are_made(path)?.create_folder(path)
+    }
+
+    fn create_private_folder(&self, path: &Path) -> io::Result<()> {
+        self.where_folders_are_made(path)?.create_private_folder(path)
+    }
+
+    fn write_synced(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        // What is written lies beside its name first; the name itself is never written to.
+        let beside = is_unfinished(path) || self.files.kind(path).is_none();
+        self.gone(path, beside)?.write_synced(path, bytes)
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        // The head of a log counts its lines, and is written anew with each.
+        let is_head = to.extension().is_some_and(|e| e == "head");
+        let free = self.files.kind(to).is_none() || is_head || self.is_left_by_a_kill(to);
+        let is_new = self.files.kind(to).is_none();
+        self.here(from)?;
+        self.gone(to, free && is_unfinished(from))?.rename(from, to)?;
+        *self.newest() = is_new.then(|| to.to_owned());
+        Ok(())
+    }
+
+    fn sync_folder(&self, path: &Path) -> io::Result<()> {
+        self.files.sync_folder(path)
+    }
+
+    fn open_append(&self, path: &Path) -> io::Result<Box<dyn Append>> {
+        self.here(path)?.open_append(path)
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        let own = is_unfinished(path)
+            || path.starts_with(&self.journals)
+            || path == self.list
+            || self.newest().as_deref() == Some(path);
+        self.gone(path, own)?.remove(path)
+    }
+
+    fn remove_folder(&self, path: &Path) -> io::Result<()> {
+        self.gone(path, path == self.journals)?.remove_folder(path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Memory, replace, write_new, write_private};
+
+    fn study() -> (Memory, Layout) {
+        let layout = Layout::new(Path::new("/r"), "demo".parse().unwrap());
+        let disk = Memory::new();
+        disk.put(&layout.study_toml(), b"study");
+        disk.put(&layout.raw().join("trials/trial-001.parquet"), b"a trial");
+        disk.put(&layout.journals().join("a.journal"), b"a journal");
+        disk.put(Path::new("/r/derived/demo/x"), b"a result");
+        disk.put(Path::new("/r/raw/other/study.toml"), b"another study");
+        (disk, layout)
+    }
+
+    #[test]
+    fn no_handle_writes_or_removes_outside_of_its_study() {
+        let (disk, layout) = study();
+        let before = disk.below(Path::new("/"));
+        for may in [May::Add, May::Mend] {
+            let raw = Raw::of(&disk, &layout, may).with_vault(Path::new("/keys"));
+            for path in [
+                "/r/derived/demo/x",
+                "/r/raw/other/study.toml",
+                "/r/raw/demo/../other/study.toml",
+                "/etc/x",
+            ] {
+                let path = Path::new(path);
+                assert!(
+                    replace(&raw, path, b"no").is_err() && raw.remove(path).is_err(),
+                    "{path:?}"
+                );
+                assert!(
+                    raw.open_append(path).is_err() && raw.remove_folder(path).is_err(),
+                    "{path:?}"
+                );
+                assert!(raw.rename(&layout.study_toml(), path).is_err(), "{path:?}");
+                assert!(raw.make_private(path).is_err(), "{path:?}");
+            }
+        }
+        assert_eq!(disk.below(Path::new("/")), before);
+    }
+
+    #[test]
+    fn folders_above_the_vault_are_made_and_nothing_is_written_in_them() {
+        let (disk, layout) = study();
+        let vault = Path::new("/home/.local/state/zwidth");
+        let raw = Raw::of(&disk, &layout, May::Add).with_vault(vault);
+        write_private(&raw, &vault.join("demo/seed"), b"1").unwrap();
+        assert!(write_private(&raw, Path::new("/home/.local/seed"), b"1").is_err());
+        assert!(raw.make_private(Path::new("/home/.local")).is_err());
+    }
+
+    #[test]
+    fn a_vault_without_a_name_opens_no_other_folder() {
+        let (disk, layout) = study();
+        let raw = Raw::of(&disk, &layout, May::Add).with_vault(Path::new(""));
+        assert!(write_new(&raw, Path::new("/r/derived/demo/new"), b"no").is_err());
+    }
+
+    #[test]
+    fn root_and_vault_may_lead_up_and_nothing_below_them() {
+        let layout = Layout::new(Path::new("../r"), "demo".parse().unwrap());
+        let (disk, vault) = (Memory::new(), Path::new("../keys"));
+        let raw = Raw::of(&disk, &layout, May::Add).with_vault(vault);
+        write_new(&raw, &layout.study_toml(), b"study").unwrap();
+        write_private(&raw, &vault.join("demo/seed"), b"1").unwrap();
+        for path in ["../r/raw/demo/../other/x", "../keys/../x"] {
+            assert!(write_new(&raw, Path::new(path), b"no").is_err(), "{path}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn no_handle_follows_a_linked_folder_out_of_its_study() {
+        use crate::RealFiles;
+        use std::fs;
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let layout = Layout::new(&folder.path().join("root"), "demo".parse().unwrap());
+        let (outside, vault) = (folder.path().join("outside"), folder.path().join("vault"));
+        for made in [&layout.raw(), &outside, &vault] {
+            fs::create_dir_all(made).unwrap();
+        }
+        fs::write(outside.join("theirs"), "theirs").unwrap();
+        symlink(&outside, layout.trials()).unwrap();
+        symlink(&outside, vault.join("demo")).unwrap();
+        for may in [May::Add, May::Mend] {
+            let raw = Raw::of(&RealFiles, &layout, may).with_vault(&vault);
+            for linked in [layout.trials(), vault.join("demo")] {
+                let error = write_new(&raw, &linked.join("new"), b"ours").unwrap_err();
+                assert!(error.to_string().contains("does not follow a link"), "{error}");
+                let theirs = linked.join("theirs");
+                assert!(raw.remove(&theirs).is_err() && raw.open_append(&theirs).is_err());
+                assert!(raw.create_folder(&linked.join("folder")).is_err());
+            }
+        }
+        let left: Vec<_> =
+            fs::read_dir(&outside).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(left, ["theirs"]);
+    }
+
+    #[test]
+    fn a_handle_that_adds_changes_and_removes_nothing_that_was_recorded() {
+        let (disk, layout) = study();
+        let raw = Raw::new_study(&disk, &layout).with_vault(Path::new("/keys"));
+        let trial = layout.raw().join("trials/trial-001.parquet");
+        for path in [&trial, &layout.study_toml()] {
+            assert!(raw.remove(path).is_err() && replace(&raw, path, b"no").is_err());
+            assert!(raw.write_synced(path, b"no").is_err());
+        }
+        assert!(raw.remove_folder(&layout.trials()).is_err());
+        write_new(&raw, &layout.raw().join("trials/trial-002.parquet"), b"a second").unwrap();
+        write_new(&raw, Path::new("/keys/demo/seed"), b"1").unwrap();
+        let head = layout.raw().join("sessions/P01_S01.events.head");
+        replace(&raw, &head, b"1").unwrap();
+        replace(&raw, &head, b"2").unwrap();
+        raw.remove(&layout.journals().join("a.journal")).unwrap();
+        raw.remove_folder(&layout.journals()).unwrap();
+    }
+
+    /// Found by `soak kill`: a life that was killed between the copy and the record of a session
+    /// kept the next one from laying the session down.
+    #[test]
+    fn a_copy_of_the_study_that_no_record_names_is_written_anew_and_one_that_is_named_is_not() {
+        let (disk, layout) = study();
+        let raw = Raw::new_study(&disk, &layout);
+        let copy = layout.raw().join("sessions/P01_S01.study.toml");
+        write_new(&raw, &copy, b"killed").unwrap();
+        replace(&raw, &copy, b"again").unwrap();
+        write_new(&raw, &layout.raw().join("sessions/P01_S01.json"), b"{}").unwrap();
+        assert!(replace(&raw, &copy, b"never").is_err() && raw.remove(&copy).is_err());
+        assert!(replace(&raw, &layout.study_toml(), b"never").is_err());
+    }
+
+    #[test]
+    fn a_handle_that_mends_may_take_back_what_lies_in_its_study() {
+        let (disk, layout) = study();
+        let raw = Raw::of(&disk, &layout, May::Mend);
+        raw.remove(&layout.raw().join("trials/trial-001.parquet")).unwrap();
+        replace(&raw, &layout.raw().join("sessions/P01_S01.events.jsonl"), b"mended").unwrap();
+    }
+}

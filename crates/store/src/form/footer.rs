@@ -1,0 +1,212 @@
+//! What a trial's file says of itself, read strictly.
+
+use crate::disk::regular::open_end;
+use crate::form::json::from_json;
+use crate::form::opened::{DAMAGED, ParquetFile, opened_before, version};
+use crate::form::seen::{Begun, Seen, Signals};
+use crate::form::write::{CHANNELS, DIGEST, FOOTER_DIGEST, VERSION};
+use crate::{Files, MOST_RECORDING, RealFiles, Signal, StoreError, TrialFile};
+use std::collections::BTreeMap;
+use std::path::Path;
+use zwidth_study::{
+    AnswerScale, Channel, Kind, MOST_CHANNELS, ParticipantId, Schema, SessionId, Source, Status,
+    TrialForm, TrialMeta,
+};
+
+/// What a trial file says of itself, without its samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialFooter {
+    /// What is known of the trial.
+    pub meta: TrialMeta,
+    /// The remaining footer keys.
+    pub file: TrialFile,
+    /// Which columns the file has.
+    pub form: TrialForm,
+    /// The signals that were recorded, in file order.
+    pub signals: Vec<Signal>,
+    /// Number of samples.
+    pub rows: usize,
+    /// BLAKE3 of the whole file, hexadecimal.
+    pub blake3: String,
+}
+
+/// Reads what a trial file says of itself, without its samples. Participant and session come from
+/// the path.
+pub fn read_footer(path: &Path) -> Result<TrialFooter, StoreError> {
+    read_footer_from(&RealFiles, path)
+}
+
+pub(crate) fn read_footer_from(files: &dyn Files, path: &Path) -> Result<TrialFooter, StoreError> {
+    let opened = ParquetFile::open_recording(files, path)?;
+    let blake3 = opened.blake3()?;
+    footer_of(path, &opened.footer, opened.rows, blake3)
+}
+
+/// The same of the real disk, where the hash of a file that was seen before is known: of that the
+/// end alone is read.
+pub(crate) fn read_footer_seen(seen: &Seen, path: &Path) -> Result<TrialFooter, StoreError> {
+    if let Some(blake3) = seen.known(path) {
+        let content = open_end(path, MOST_RECORDING);
+        let content = content.map_err(|e| StoreError::io(path, "read", &e))?;
+        let (footer, rows) = opened_before(path, &content)?;
+        return footer_of(path, &footer, rows, blake3);
+    }
+    let begun = Begun::now(path);
+    let footer = read_footer(path)?;
+    seen.read(path, begun, &footer.blake3);
+    Ok(footer)
+}
+
+fn footer_of(
+    path: &Path,
+    footer: &BTreeMap<String, String>,
+    rows: usize,
+    blake3: String,
+) -> Result<TrialFooter, StoreError> {
+    let form = form_of(path, footer)?;
+    let recorded = recorded(footer, form.schema);
+    let signals = Signal::all().filter(|signal| recorded.has(Signals::of(&[*signal]))).collect();
+    let (meta, file) = (meta_from(path, footer, &form)?, rest_of(footer));
+    Ok(TrialFooter { meta, file, form, signals, rows, blake3 })
+}
+
+/// The signals that a file has: a column that is null throughout has no digest.
+pub(crate) fn recorded(footer: &BTreeMap<String, String>, schema: Schema) -> Signals {
+    let from = footer.range(DIGEST.to_owned()..);
+    let names = from.map_while(|(key, _)| key.strip_prefix(DIGEST));
+    let signal = |name: &str| Signal::all().find(|of| of.column().name_in(schema) == name);
+    Signals::of(&names.filter_map(signal).collect::<Vec<_>>())
+}
+
+/// Which columns a trial's file has, by its footer.
+pub(crate) fn form_of(
+    path: &Path,
+    footer: &BTreeMap<String, String>,
+) -> Result<TrialForm, StoreError> {
+    let schema = version(path, footer)?;
+    let bad = |why: String| {
+        let what = format!("its metadata '{CHANNELS}' do not list channels: {why}");
+        StoreError::new(path, what, DAMAGED)
+    };
+    let channels: Vec<Channel> = match footer.get(CHANNELS) {
+        Some(text) if schema > Schema::One => from_json(text).map_err(|e| bad(e.to_string()))?,
+        _ => Vec::new(),
+    };
+    if channels.len() > MOST_CHANNELS {
+        let n = channels.len();
+        return Err(bad(format!("it has {n}, and at most {MOST_CHANNELS} are read")));
+    }
+    Ok(TrialForm { schema, likert: footer.contains_key("likert"), channels })
+}
+
+/// What a footer says of the trial.
+pub(crate) fn meta_from(
+    path: &Path,
+    footer: &BTreeMap<String, String>,
+    form: &TrialForm,
+) -> Result<TrialMeta, StoreError> {
+    let bad = |key: &str, value: &str| {
+        StoreError::new(path, format!("its metadata '{key}' have the value '{value}'"), DAMAGED)
+    };
+    let said = |key: &str| {
+        footer.get(key).map(String::as_str).ok_or_else(|| {
+            StoreError::new(path, format!("its metadata '{key}' are missing"), DAMAGED)
+        })
+    };
+    let number = |key: &str| {
+        let text = said(key)?;
+        text.parse::<u32>().map_err(|_| bad(key, text))
+    };
+    let (kind, status, source) = (said("kind")?, said("status")?, said("source")?);
+    let likert = if form.likert || form.schema == Schema::One { said("likert")? } else { "" };
+    let (environment, mode) = (said("environment")?, said("mode")?);
+    Ok(TrialMeta {
+        participant: from_path(path, "participant").and_then(|t| {
+            ParticipantId::new(t)
+                .map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
+        })?,
+        session: from_path(path, "session").and_then(|t| {
+            SessionId::new(t).map_err(|e| StoreError::new(path, e.to_string(), "rename the folder"))
+        })?,
+        trial: number("trial")?,
+        repeat: number("repeat")?,
+        kind: Kind::from_word(kind).ok_or_else(|| bad("kind", kind))?,
+        status: Status::from_word(status).ok_or_else(|| bad("status", status))?,
+        environment: environment.parse().map_err(|_| bad("environment", environment))?,
+        mode: mode.parse().map_err(|_| bad("mode", mode))?,
+        likert: match likert {
+            "" => None,
+            text => Some(
+                text.parse()
+                    .ok()
+                    .filter(|v| (1..=i16::from(AnswerScale::most_points())).contains(v))
+                    .ok_or_else(|| bad("likert", text))?,
+            ),
+        },
+        source: Source::from_word(source).ok_or_else(|| bad("source", source))?,
+    })
+}
+
+/// The keys of a footer that say what is known of the trial.
+const OF_TRIAL: [&str; 8] =
+    ["trial", "repeat", "kind", "status", "environment", "mode", "likert", "source"];
+
+/// What a file says of itself besides.
+pub(crate) fn rest_of(footer: &BTreeMap<String, String>) -> TrialFile {
+    let is_rest = |key: &str| {
+        !key.starts_with(DIGEST)
+            && ![VERSION, FOOTER_DIGEST, CHANNELS, "units"].contains(&key)
+            && !OF_TRIAL.contains(&key)
+    };
+    let rest = footer.iter().filter(|(key, _)| is_rest(key));
+    rest.map(|(key, value)| (key.clone(), value.clone())).collect()
+}
+
+/// The value of a Hive partition folder (`key=value`) in a path.
+pub(crate) fn from_path(path: &Path, key: &str) -> Result<String, StoreError> {
+    let prefix = format!("{key}=");
+    path.iter()
+        .filter_map(|part| part.to_str())
+        .rev()
+        .find_map(|part| part.strip_prefix(&prefix).map(str::to_owned))
+        .ok_or_else(|| {
+            let what = format!("the path has no folder '{key}=…'");
+            StoreError::new(path, what, "move the file to where the layout wants it")
+        })
+}
+
+#[cfg(test)]
+#[cfg(unix)]
+mod tests {
+    use super::*;
+    use crate::form::codec::tests::said_to_be;
+    use crate::form::read::tests::{with_other_entries, written};
+    use parquet::basic::CompressionCodec;
+
+    /// Nothing of a file that was hashed before is read but its end.
+    #[test]
+    fn a_footer_that_was_read_before_says_the_same_without_the_columns_being_looked_at() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let footer = read_footer(&path).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let changed = said_to_be(&bytes, CompressionCodec::BROTLI);
+        for (bytes, seen_before) in [(&bytes, true), (&changed, true), (&changed, false)] {
+            std::fs::write(&path, bytes).unwrap();
+            let seen = Seen::default();
+            if seen_before {
+                seen.written(&path, &footer.blake3);
+                assert_eq!(read_footer_seen(&seen, &path).unwrap(), footer);
+            } else {
+                assert!(read_footer_seen(&seen, &path).unwrap_err().what.contains("Brotli"));
+            }
+        }
+        let other = with_other_entries(&bytes, |entries| {
+            entries.insert("kind".to_owned(), "no kind".to_owned());
+        });
+        std::fs::write(&path, other).unwrap();
+        let seen = Seen::default();
+        seen.written(&path, &footer.blake3);
+        assert!(read_footer_seen(&seen, &path).unwrap_err().what.contains("'kind'"));
+    }
+}

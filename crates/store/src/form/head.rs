@@ -1,0 +1,99 @@
+//! The head of a log: how many lines it has, and the digest of the last, in a file of its own.
+//!
+//! A log that is cut at a line's end is a log as whole as any other; only something outside of it
+//! can tell. The head is written after the lines that it counts are safe on the disk, so that it
+//! may be behind the log (a kill came between), and never ahead of it.
+
+use crate::disk::regular::text;
+use crate::form::json::from_json;
+use crate::{Files, StoreError, replace};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Longest head, bytes.
+const MOST_HEAD: u64 = 1 << 12;
+
+/// What a log's head says.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Head {
+    /// Lines of the log.
+    pub(crate) lines: usize,
+    /// The digest of the last of them.
+    pub(crate) blake3: String,
+}
+
+/// How a log stands to its head.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Standing {
+    /// The head counts every line.
+    Even,
+    /// There is no head, or it counts fewer lines: the head is to be written anew.
+    Behind,
+}
+
+/// Where the head of a log lies.
+pub(crate) fn head_of(log: &Path) -> PathBuf {
+    log.with_extension("head")
+}
+
+/// Writes the head of a log with these digests of its lines.
+pub(crate) fn write_head(
+    files: &dyn Files,
+    log: &Path,
+    digests: &[String],
+) -> Result<(), StoreError> {
+    head_bytes(log, digests)?.map_or(Ok(()), |bytes| replace(files, &head_of(log), &bytes))
+}
+
+/// The bytes of the head of a log with these digests of its lines; an empty log has no head.
+pub(crate) fn head_bytes(log: &Path, digests: &[String]) -> Result<Option<Vec<u8>>, StoreError> {
+    let Some(blake3) = digests.last().cloned() else { return Ok(None) };
+    let text = serde_json::to_string(&Head { lines: digests.len(), blake3 });
+    let text = text.map_err(|e| {
+        StoreError::new(
+            &head_of(log),
+            e.to_string(),
+            "this is a defect of zwidth, please report it",
+        )
+    })?;
+    Ok(Some((text + "\n").into_bytes()))
+}
+
+/// How many lines the head of a log counts; nothing where there is no head, or none to be read.
+pub(crate) fn counted(files: &dyn Files, log: &Path) -> Option<usize> {
+    let head: Head = from_json(&text(files, &head_of(log), MOST_HEAD).ok()?).ok()?;
+    Some(head.lines)
+}
+
+/// Holds a log, by the digests of its lines, against its head.
+///
+/// # Errors
+/// Lines that are gone, or another log than the head's; a head that cannot be read.
+pub(crate) fn standing(
+    files: &dyn Files,
+    log: &Path,
+    digests: &[String],
+) -> Result<Standing, StoreError> {
+    let path = head_of(log);
+    if files.kind(&path).is_none() {
+        return Ok(Standing::Behind);
+    }
+    let text = text(files, &path, MOST_HEAD)?;
+    let remedy = "restore the log and its head from a copy";
+    let head: Head = from_json(&text)
+        .map_err(|e| StoreError::new(&path, format!("not the head of a log: {e}"), remedy))?;
+    let there = digests.len();
+    if there < head.lines {
+        let what = format!(
+            "the log has {there} lines where its head counts {}: the others are gone",
+            head.lines
+        );
+        return Err(StoreError::new(log, what, remedy));
+    }
+    if head.lines.checked_sub(1).and_then(|last| digests.get(last)) != Some(&head.blake3) {
+        let what = "the log is not the one that its head belongs to: a line was changed, or the log was replaced";
+        return Err(StoreError::new(log, what, remedy));
+    }
+    Ok(if there == head.lines { Standing::Even } else { Standing::Behind })
+}

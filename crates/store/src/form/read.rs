@@ -1,0 +1,516 @@
+//! Reading strictly: a file that is not exactly what it should be is one clear error.
+
+use crate::form::bounds::MOST_VALUES;
+use crate::form::columns::{Columns, Values};
+use crate::form::footer::{form_of, meta_from, recorded, rest_of};
+use crate::form::opened::{ParquetFile, table_error};
+use crate::form::seen::Signals;
+use crate::form::trial::{check_column, check_time};
+use crate::form::values::column_values;
+use crate::{Column, Files, RealFiles, Samples, Signal, Storage, StoreError, Trial, TrialFile};
+use arrow::array::RecordBatch;
+use arrow::datatypes::{DataType, SchemaRef};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, VecDeque};
+use std::path::Path;
+use std::sync::Arc;
+use zwidth_numerics::series::ends;
+use zwidth_study::{Channel, ChannelId, Schema, TrialForm, TrialMeta};
+
+/// Reads a trial, with only the `signals` asked for (all: `Signal::all()`). Time is always read.
+///
+/// Every column read is checked: type, unit, digest, finite values, time that runs forward.
+pub fn read_trial(
+    path: &Path,
+    signals: impl IntoIterator<Item = Signal>,
+) -> Result<Trial, StoreError> {
+    read_trial_from(&RealFiles, path, signals)
+}
+
+/// Reads a trial's time, and of the study's own channels those of these names that its file has.
+/// Checks are those of [`read_trial`].
+///
+/// # Errors
+/// Those of [`read_trial`].
+pub fn read_channels(path: &Path, wanted: &[ChannelId]) -> Result<Trial, StoreError> {
+    read_trial_and_channels(path, [], wanted)
+}
+
+/// Reads a trial with the `signals` asked for, and of the study's own channels those of these names
+/// that its file has. Checks are those of [`read_trial`].
+///
+/// # Errors
+/// Those of [`read_trial`].
+pub fn read_trial_and_channels(
+    path: &Path,
+    signals: impl IntoIterator<Item = Signal>,
+    wanted: &[ChannelId],
+) -> Result<Trial, StoreError> {
+    read_some(&RealFiles, path, with_time(signals), &|channel| wanted.contains(&channel.id))
+}
+
+/// Reads a trial with all that its file has.
+pub(crate) fn read_whole_trial(files: &dyn Files, path: &Path) -> Result<Trial, StoreError> {
+    read_some(files, path, Signal::all().collect(), &|_| true)
+}
+
+/// [`read_trial`] from any disk.
+///
+/// # Errors
+/// Those of [`read_trial`].
+pub fn read_trial_from(
+    files: &dyn Files,
+    path: &Path,
+    signals: impl IntoIterator<Item = Signal>,
+) -> Result<Trial, StoreError> {
+    read_some(files, path, with_time(signals), &|_| false)
+}
+
+/// These signals and time, each once and in order.
+pub(crate) fn with_time(signals: impl IntoIterator<Item = Signal>) -> Vec<Signal> {
+    let mut wanted: Vec<Signal> = signals.into_iter().chain([Signal::Time]).collect();
+    wanted.sort();
+    wanted.dedup();
+    wanted
+}
+
+fn read_some(
+    files: &dyn Files,
+    path: &Path,
+    wanted: Vec<Signal>,
+    is_wanted: &dyn Fn(&Channel) -> bool,
+) -> Result<Trial, StoreError> {
+    OpenColumns::open(files, path)?.read(&wanted, is_wanted)
+}
+/// A trial's file, opened: its columns are read one by one.
+pub(crate) struct OpenColumns {
+    form: TrialForm,
+    file: ParquetFile,
+    schema: SchemaRef,
+    /// The signals that the file has.
+    recorded: Signals,
+    /// Those that are known to match their digests.
+    pub(crate) matched: Signals,
+    /// The columns that were looked at last.
+    last: RefCell<VecDeque<(Signal, Arc<Vec<f64>>)>>,
+    /// Which were looked at, and so read and checked.
+    seen: RefCell<[bool; Signal::COUNT]>,
+    failed: RefCell<Option<StoreError>>,
+}
+
+/// Columns that an open trial keeps in memory.
+const KEPT: usize = 2;
+
+impl OpenColumns {
+    pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<Self, StoreError> {
+        let file = ParquetFile::open_recording(files, path)?;
+        let form = form_of(path, &file.footer)?;
+        let schema = file.schema()?;
+        let recorded = recorded(&file.footer, form.schema);
+        let (matched, last, seen, failed) = Default::default();
+        Ok(Self { form, file, schema, recorded, matched, last, seen, failed })
+    }
+
+    /// BLAKE3 of the whole file, hexadecimal.
+    pub(crate) fn blake3(&self) -> Result<String, StoreError> {
+        self.file.blake3()
+    }
+
+    /// What is known of the trial, and what the file says of itself besides.
+    pub(crate) fn said(&self) -> Result<(TrialMeta, TrialFile), StoreError> {
+        let meta = meta_from(&self.file.path, &self.file.footer, &self.form)?;
+        Ok((meta, rest_of(&self.file.footer)))
+    }
+
+    /// A trial in memory with these signals, and the channels that are wanted.
+    ///
+    /// # Errors
+    /// Those of [`read_trial`].
+    pub(crate) fn read(
+        &self,
+        wanted: &[Signal],
+        is_wanted: &dyn Fn(&Channel) -> bool,
+    ) -> Result<Trial, StoreError> {
+        let (path, rows) = (&self.file.path, self.file.rows);
+        let (meta, said) = self.said()?;
+        let channels: Vec<&Channel> = self.form.channels.iter().filter(|c| is_wanted(c)).collect();
+        let recorded = wanted.iter().filter(|signal| self.has(**signal)).count() + channels.len();
+        if rows.saturating_mul(recorded) > MOST_VALUES {
+            let what = format!(
+                "{rows} rows of {recorded} columns are more numbers than the {MOST_VALUES} that are read at once"
+            );
+            return Err(StoreError::new(path, what, "split the recording"));
+        }
+        let mut samples = Samples::default();
+        for signal in wanted {
+            if let Some(values) = self.signal(*signal)? {
+                samples.set(*signal, values);
+            }
+        }
+        for channel in channels {
+            if let Some(values) = self.channel(channel)? {
+                samples.set_channel(channel.id.clone(), values);
+            }
+        }
+        samples.check(path)?;
+        Ok(Trial { meta, file: said, samples })
+    }
+
+    /// Checks what [`read_whole_trial`] checks, a column at a time.
+    ///
+    /// # Errors
+    /// Those of [`read_trial`].
+    pub(crate) fn check(&self) -> Result<(), StoreError> {
+        let (path, rows) = (&self.file.path, self.file.rows);
+        self.said()?;
+        let mut room = Vec::new();
+        for signal in Signal::all() {
+            let column = signal.column();
+            match self.decoded(signal, std::mem::take(&mut room))? {
+                Some(values) => {
+                    check_column(path, column.name, column.storage, (&values, rows))?;
+                    if signal == Signal::Time {
+                        check_time(path, &values)?;
+                    }
+                    room = values;
+                }
+                None if signal == Signal::Time => Samples::default().check(path)?,
+                None => {}
+            }
+        }
+        for channel in &self.form.channels {
+            if let Some(values) = self.channel(channel)? {
+                check_column(path, channel.id.as_str(), Storage::F64, (&values, rows))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The values of a signal; `None` where the column is null throughout. Of one without a digest
+    /// whose statistics say that it is, nothing is decoded.
+    pub(crate) fn signal(&self, signal: Signal) -> Result<Option<Vec<f64>>, StoreError> {
+        self.signal_in(signal, Vec::new())
+    }
+
+    /// [`OpenColumns::signal`] in the memory of values that nobody needs any more: to get new memory
+    /// from the system and to give it back takes as long as to decode a column into it.
+    pub(crate) fn signal_in(
+        &self,
+        signal: Signal,
+        room: Vec<f64>,
+    ) -> Result<Option<Vec<f64>>, StoreError> {
+        let column = signal.column();
+        check_field(&self.file.path, &self.schema, column, self.form.schema)?;
+        let name = column.name_in(self.form.schema);
+        if !self.has(signal) && self.file.is_said_to_be_null(name) {
+            return Ok(None);
+        }
+        let is_known = self.matched.has(Signals::of(&[signal]));
+        column_values(&self.file, (name, column.storage), room, is_known)
+    }
+
+    /// [`OpenColumns::signal_in`], decoded whatever the statistics say.
+    fn decoded(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
+        let column = signal.column();
+        check_field(&self.file.path, &self.schema, column, self.form.schema)?;
+        let of = (column.name_in(self.form.schema), column.storage);
+        column_values(&self.file, of, room, false)
+    }
+
+    /// [`OpenColumns::signal_in`], and whether it is what a trial's file promises.
+    fn checked(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
+        let (path, column) = (&self.file.path, signal.column());
+        let values = self.signal_in(signal, room)?;
+        if let Some(values) = &values {
+            check_column(path, column.name, column.storage, (values, self.file.rows))?;
+            if signal == Signal::Time {
+                check_time(path, values)?;
+            }
+        }
+        Ok(values)
+    }
+
+    /// What was read, unless it failed.
+    fn kept<T>(&self, read: Result<Option<T>, StoreError>) -> Option<T> {
+        read.unwrap_or_else(|error| {
+            self.failed.borrow_mut().get_or_insert(error);
+            None
+        })
+    }
+
+    /// How far apart the ends of a signal lie, by what the file says of it; else by its values.
+    ///
+    /// # Errors
+    /// Those of [`OpenColumns::signal`], where they are read.
+    pub(crate) fn reach_of(&self, signal: Signal) -> Result<Option<f64>, StoreError> {
+        let name = signal.column().name_in(self.form.schema);
+        let said = self.file.said_ends(name).filter(|_| self.has(signal));
+        let found = match said {
+            Some(ends) => Some(ends),
+            None => self.signal(signal)?.map(|values| ends(&values)),
+        };
+        Ok(found.map(|(low, high)| high - low))
+    }
+
+    /// The values of a channel of the study's own.
+    pub(crate) fn channel(&self, channel: &Channel) -> Result<Option<Vec<f64>>, StoreError> {
+        let of = (channel.id.as_str(), Storage::F64);
+        let described = (of.0, &DataType::Float64, channel.unit.as_str());
+        check_described(&self.file.path, &self.schema, described)?;
+        column_values(&self.file, of, Vec::new(), false)
+    }
+}
+
+impl Columns for OpenColumns {
+    fn rows(&self) -> usize {
+        self.file.rows
+    }
+
+    fn column(&self, signal: Signal) -> Option<Values<'_>> {
+        let mut last = self.last.borrow_mut();
+        let found = match last.iter().position(|(kept, _)| *kept == signal) {
+            Some(at) => last.remove(at)?.1,
+            None => {
+                // Before the next is read, so that there are never more.
+                // Of those that nobody holds, which give their memory, the one looked at first.
+                let free = last.iter().rposition(|(_, values)| Arc::strong_count(values) == 1);
+                let oldest = last.len().saturating_sub(1);
+                let gone =
+                    (last.len() >= KEPT).then(|| last.remove(free.unwrap_or(oldest))).flatten();
+                let room = gone.and_then(|(_, values)| Arc::into_inner(values));
+                self.seen.borrow_mut()[signal as usize] = true;
+                Arc::new(self.kept(self.checked(signal, room.unwrap_or_default()))?)
+            }
+        };
+        last.push_front((signal, found.clone()));
+        Some(Values::Read(found))
+    }
+
+    fn has(&self, signal: Signal) -> bool {
+        self.recorded.has(Signals::of(&[signal]))
+    }
+
+    fn channel(&self, name: &str) -> Option<Values<'_>> {
+        let channel = self.form.channels.iter().find(|channel| channel.id.as_str() == name)?;
+        Some(Values::Read(Arc::new(self.kept(OpenColumns::channel(self, channel))?)))
+    }
+
+    fn reach(&self, signal: Signal) -> Option<f64> {
+        self.kept(self.reach_of(signal))
+    }
+
+    fn forget(&self) {
+        self.last.borrow_mut().retain(|(_, values)| Arc::strong_count(values) > 1);
+    }
+
+    fn failure(&self) -> Option<StoreError> {
+        let seen = *self.seen.borrow();
+        for signal in Signal::all().filter(|signal| !seen[*signal as usize]) {
+            drop(self.column(signal));
+        }
+        self.failed.borrow().clone()
+    }
+}
+
+/// Reads any Parquet file that [`crate::write_parquet`] or [`crate::write_table`] wrote, whole: its
+/// rows and its footer.
+pub fn read_parquet(path: &Path) -> Result<(RecordBatch, BTreeMap<String, String>), StoreError> {
+    let read = || {
+        let file = ParquetFile::open(&RealFiles, path)?;
+        let columns = file.columns()?;
+        let schema = columns.schema().clone();
+        let names: Vec<&str> = schema.fields().iter().map(|f| f.name().as_str()).collect();
+        let batch = file.read(columns, &names)?;
+        Ok((batch, file.footer))
+    };
+    read().map_err(table_error)
+}
+
+/// The footer of such a file, and how many rows it has.
+pub fn read_entries(path: &Path) -> Result<(BTreeMap<String, String>, usize), StoreError> {
+    let file = ParquetFile::open(&RealFiles, path).map_err(table_error)?;
+    Ok((file.footer, file.rows))
+}
+
+/// Checks a column's presence, type and unit.
+pub(crate) fn check_field(
+    path: &Path,
+    columns: &SchemaRef,
+    c: &Column,
+    schema: Schema,
+) -> Result<(), StoreError> {
+    let expected = match c.storage {
+        Storage::F64 => DataType::Float64,
+        Storage::F32 => DataType::Float32,
+        Storage::U16 => DataType::UInt16,
+    };
+    check_described(path, columns, (c.name_in(schema), &expected, c.unit))
+}
+
+/// Checks that `schema` has a column of this name, with this type and unit.
+pub(crate) fn check_described(
+    path: &Path,
+    schema: &SchemaRef,
+    (name, data_type, unit): (&str, &DataType, &str),
+) -> Result<(), StoreError> {
+    let remedy = "convert the file with `zwidth import`";
+    let Ok(found) = schema.field_with_name(name) else {
+        return Err(StoreError::new(path, "the column is missing", remedy).column(name));
+    };
+    if found.data_type() != data_type {
+        let what = format!("its type is {} where {data_type} belongs", found.data_type());
+        return Err(StoreError::new(path, what, remedy).column(name));
+    }
+    let said = found.metadata().get("unit").map_or("", String::as_str);
+    if said != unit {
+        let what = format!("its unit is '{said}' where '{unit}' belongs");
+        return Err(StoreError::new(path, what, remedy).column(name));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::form::write::FOOTER_DIGEST;
+    use crate::{RealFiles, trial_bytes, write_new};
+    use parquet::file::metadata::{
+        FileMetaData, KeyValue, ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter,
+    };
+    use std::path::PathBuf;
+    use zwidth_study::{Kind, ParticipantId, SessionId, Source, Status};
+
+    /// That of a study with one question.
+    pub(crate) fn form() -> TrialForm {
+        TrialForm { likert: true, ..TrialForm::default() }
+    }
+
+    pub(crate) fn sample_trial() -> Trial {
+        let mut samples = Samples::default();
+        let t: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.0083).collect();
+        samples.set(Signal::Theta, t.iter().map(|t| libm::sin(*t)).collect());
+        samples.set(Signal::StateBits, t.iter().map(|t| f64::from(u8::from(*t > 1.0))).collect());
+        samples.set(Signal::VoltageMotor, t.iter().map(|t| t * 0.1).collect());
+        samples.set(Signal::Time, t);
+        let meta = TrialMeta {
+            participant: ParticipantId::new("P01").unwrap(),
+            session: SessionId::new("S01").unwrap(),
+            trial: 17,
+            repeat: 3,
+            kind: Kind::Trial,
+            status: Status::Complete,
+            environment: "spring".parse().unwrap(),
+            mode: "hybrid".parse().unwrap(),
+            likert: Some(4),
+            source: Source::Twin,
+        };
+        let file = [("seed".to_owned(), "1".to_owned())].into();
+        Trial { meta, file, samples }
+    }
+
+    pub(crate) fn written(folder: &Path) -> (Trial, PathBuf) {
+        let trial = sample_trial();
+        let path = folder.join("participant=P01/session=S01/trial-017.parquet");
+        write_new(&RealFiles, &path, &trial_bytes(&trial, &form(), &path).unwrap()).unwrap();
+        (trial, path)
+    }
+
+    /// A file's bytes with other entries in its footer, which match their own digest.
+    pub(crate) fn with_other_entries(
+        bytes: &[u8],
+        change: impl FnOnce(&mut BTreeMap<String, String>),
+    ) -> Vec<u8> {
+        let file = bytes::Bytes::copy_from_slice(bytes);
+        let metadata = ParquetMetaDataReader::new().parse_and_finish(&file).unwrap();
+        let of = metadata.file_metadata();
+        let entries = of.key_value_metadata().unwrap().iter();
+        let mut entries =
+            entries.map(|entry| (entry.key.clone(), entry.value.clone().unwrap())).collect();
+        change(&mut entries);
+        entries.insert(FOOTER_DIGEST.to_owned(), crate::form::write::footer_digest(&entries));
+        let entries = entries.into_iter().map(|(key, value)| KeyValue::new(key, value));
+        let said = FileMetaData::new(
+            of.version(),
+            of.num_rows(),
+            of.created_by().map(str::to_owned),
+            Some(entries.collect()),
+            of.schema_descr_ptr(),
+            of.column_orders().cloned(),
+        );
+        let metadata = ParquetMetaData::new(said, metadata.row_groups().to_vec());
+        let end = bytes.len() - 8;
+        let length = u32::from_le_bytes(bytes[end..end + 4].try_into().unwrap()) as usize;
+        let mut changed = bytes[..end - length].to_vec();
+        ParquetMetaDataWriter::new(&mut changed, &metadata).finish().unwrap();
+        changed
+    }
+
+    #[test]
+    fn a_trial_comes_back_as_it_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let (trial, path) = written(folder.path());
+        let again = read_trial(&path, Signal::all()).unwrap();
+        assert_eq!(again.meta, trial.meta);
+        assert_eq!(again.file, trial.file);
+        assert_eq!(again.samples.get(Signal::Theta), trial.samples.get(Signal::Theta));
+        assert_eq!(again.samples.get(Signal::ForceEx), None);
+    }
+
+    #[test]
+    fn the_same_trial_gives_the_same_bytes() {
+        let path = Path::new("x");
+        let bytes = || trial_bytes(&sample_trial(), &form(), path);
+        assert_eq!(bytes(), bytes());
+    }
+
+    #[test]
+    fn a_footer_says_what_the_parquet_crate_finds_in_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let file = bytes::Bytes::from(std::fs::read(&path).unwrap());
+        let metadata = ParquetMetaDataReader::new().parse_and_finish(&file).unwrap();
+        let entries = metadata.file_metadata().key_value_metadata().unwrap().iter();
+        let mut entries: BTreeMap<String, String> =
+            entries.map(|entry| (entry.key.clone(), entry.value.clone().unwrap())).collect();
+        assert!(entries.remove("ARROW:schema").is_some() && entries.len() > 10);
+        let opened = ParquetFile::open(&RealFiles, &path).unwrap();
+        assert_eq!((&opened.footer, opened.rows), (&entries, 200));
+    }
+
+    #[test]
+    fn only_the_columns_asked_for_are_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let trial = read_trial(&path, [Signal::Theta]).unwrap();
+        assert!(trial.samples.get(Signal::Time).is_some());
+        assert!(trial.samples.get(Signal::StateBits).is_none());
+    }
+
+    #[test]
+    fn a_file_cut_anywhere_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let bytes = std::fs::read(&path).unwrap();
+        for cut in (0..bytes.len()).step_by(97) {
+            std::fs::write(&path, &bytes[..cut]).unwrap();
+            let error = read_trial(&path, Signal::all()).unwrap_err();
+            assert!(!error.what.is_empty() && !error.remedy.is_empty());
+        }
+    }
+
+    #[test]
+    fn a_flipped_bit_gives_an_error_or_the_same_trial_never_another_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, path) = written(folder.path());
+        let good = read_trial(&path, Signal::all()).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        for i in (0..bytes.len()).step_by(3) {
+            let mut bad = bytes.clone();
+            bad[i] ^= 1 << (i % 8);
+            std::fs::write(&path, &bad).unwrap();
+            if let Ok(trial) = read_trial(&path, Signal::all()) {
+                assert_eq!(trial, good, "byte {i}");
+            }
+        }
+    }
+}

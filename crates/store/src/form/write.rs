@@ -1,0 +1,285 @@
+//! From a trial (or any record batch) to the bytes of a Parquet file.
+
+use crate::disk::hash::hex_blake3;
+use crate::form::digest::column_digest;
+use crate::form::encode::{GROUP_ROWS, recorded};
+use crate::memo::Memo;
+use crate::{COLUMNS, Column, Samples, Storage, StoreError, Trial, TrialFile};
+use arrow::array::{
+    ArrayRef, DictionaryArray, Float32Array, Float64Array, Int32Array, RecordBatch, StringArray,
+    UInt16Array, new_null_array,
+};
+use arrow::datatypes::{DataType, Field, Int32Type, Schema as ArrowSchema};
+use parquet::arrow::arrow_writer::ArrowWriterOptions;
+use parquet::arrow::{ARROW_SCHEMA_META_KEY, ArrowWriter, encode_arrow_schema};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+use zwidth_study::{AnswerScale, Channel, Schema, TrialForm, TrialMeta};
+
+/// Prefix of the footer keys that carry a column's digest.
+pub(crate) const DIGEST: &str = "blake3:";
+/// Footer key of the digest over all other keys.
+pub(crate) const FOOTER_DIGEST: &str = "footer_blake3";
+/// Footer key of the version of the file's form.
+pub(crate) const VERSION: &str = "schema_version";
+/// Version of the form of sweeps and derived tables.
+pub(crate) const TABLE_VERSION: u32 = 1;
+/// Footer key of the study's own channels.
+pub(crate) const CHANNELS: &str = "channels";
+/// Footer key of the units of all columns, for readers that do not show Arrow field metadata.
+const UNITS: &str = "units";
+
+/// The bytes of a trial's file of this form. The same trial gives the same bytes. A form without a
+/// column for the answer leaves it out: it is an event.
+///
+/// # Errors
+/// Samples that break a promise of the schema, with column and row (`Samples::check`); a channel
+/// that the form has not. `path` only names the file in errors.
+pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u8>, StoreError> {
+    trial.samples.check(path)?;
+    let mut unknown = trial.samples.channels();
+    if let Some((id, _)) = unknown.find(|(id, _)| form.channels.iter().all(|c| c.id != **id)) {
+        let what = "the study's trial files have no such channel";
+        return Err(StoreError::new(path, what, "leave it out").column(id.as_str()));
+    }
+    let batch = trial_batch(&trial.meta, &trial.samples, form, path)?;
+    let mut footer = footer(&trial.meta, &trial.file, form);
+    for c in &COLUMNS {
+        if let Some(values) = trial.samples.get(c.signal) {
+            let key = format!("{DIGEST}{}", c.name_in(form.schema));
+            footer.insert(key, column_digest(values, c.storage));
+        }
+    }
+    for (id, values) in trial.samples.channels() {
+        let key = format!("{DIGEST}{}", id.as_str());
+        footer.insert(key, column_digest(values, Storage::F64));
+    }
+    let entries = all_entries(&batch.schema(), footer);
+    let rows = (form.schema > Schema::One).then_some(GROUP_ROWS);
+    let properties =
+        recorded(&batch.schema(), entries, rows).map_err(|e| cannot_encode(path, &e))?;
+    write(&batch, properties, path)
+}
+
+/// The rows of a trial, or some of them, as its file of this form has them.
+pub(crate) fn trial_batch(
+    meta: &TrialMeta,
+    samples: &Samples,
+    form: &TrialForm,
+    path: &Path,
+) -> Result<RecordBatch, StoreError> {
+    let mut columns: Vec<(Field, ArrayRef)> =
+        COLUMNS.iter().map(|c| signal_column(c, form.schema, samples)).collect();
+    columns.extend(form.channels.iter().map(|c| channel_column(c, samples)));
+    columns.extend(constant_columns(meta, samples.len(), form));
+    let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
+    RecordBatch::try_new(Arc::new(ArrowSchema::new(fields)), arrays).map_err(|e| {
+        StoreError::new(path, e.to_string(), "this is a defect of zwidth; please report it")
+    })
+}
+
+/// The bytes of a sweep's Parquet file with one row group, our encodings, and `footer` as its
+/// key-value metadata (in key order), to which the units, a digest and, where it says none, the
+/// version are added.
+pub fn write_parquet(
+    batch: &RecordBatch,
+    footer: BTreeMap<String, String>,
+    path: &Path,
+) -> Result<Vec<u8>, StoreError> {
+    let entries = all_entries(&batch.schema(), footer);
+    let properties =
+        recorded(&batch.schema(), entries, None).map_err(|e| cannot_encode(path, &e))?;
+    write(batch, properties, path)
+}
+
+/// What a file says in its footer, with the units, and the digest of it all.
+pub(crate) fn entries(schema: &ArrowSchema, mut footer: BTreeMap<String, String>) -> Vec<KeyValue> {
+    footer.entry(VERSION.to_owned()).or_insert_with(|| TABLE_VERSION.to_string());
+    footer.insert(UNITS.to_owned(), units(schema));
+    // Last, for it is of all the others.
+    footer.insert(FOOTER_DIGEST.to_owned(), footer_digest(&footer));
+    footer.into_iter().map(|(k, v)| KeyValue::new(k, v)).collect()
+}
+
+/// [`entries`], and what readers of Arrow are told, which the writer of Arrow would add by itself.
+pub(crate) fn all_entries(schema: &ArrowSchema, footer: BTreeMap<String, String>) -> Vec<KeyValue> {
+    let mut entries = entries(schema, footer);
+    entries.push(KeyValue::new(ARROW_SCHEMA_META_KEY.to_owned(), encoded(schema)));
+    entries
+}
+
+/// What a file says of its columns to readers of Arrow. Most that a thread writes one after the other
+/// have one of a few schemas.
+fn encoded(schema: &ArrowSchema) -> String {
+    thread_local! {
+        static KNOWN: RefCell<Memo<ArrowSchema, String>> = const { RefCell::new(Memo::new()) };
+    }
+    KNOWN.with_borrow_mut(|known| {
+        known.known(|of| of == schema).unwrap_or_else(|| {
+            let encoded = encode_arrow_schema(schema);
+            known.keep(schema.clone(), encoded.clone());
+            encoded
+        })
+    })
+}
+
+fn write(
+    batch: &RecordBatch,
+    properties: WriterProperties,
+    path: &Path,
+) -> Result<Vec<u8>, StoreError> {
+    let bytes = (|| {
+        let mut bytes = Vec::new();
+        let options = ArrowWriterOptions::new().with_properties(properties);
+        let options = options.with_skip_arrow_metadata(true); // it is there (`all_entries`)
+        let mut writer = ArrowWriter::try_new_with_options(&mut bytes, batch.schema(), options)?;
+        writer.write(batch)?;
+        writer.close()?;
+        Ok(bytes)
+    })();
+    bytes.map_err(|e| cannot_encode(path, &e))
+}
+
+pub(crate) fn cannot_encode(path: &Path, e: &ParquetError) -> StoreError {
+    StoreError::new(
+        path,
+        format!("cannot encode: {e}"),
+        "this is a defect of zwidth; please report it",
+    )
+}
+
+/// An Arrow field that carries `unit` and `description`.
+pub fn described(
+    name: &str,
+    data_type: DataType,
+    nullable: bool,
+    unit: &str,
+    about: &str,
+) -> Field {
+    let metadata = [("unit", unit), ("description", about)];
+    Field::new(name, data_type, nullable)
+        .with_metadata(metadata.map(|(k, v)| (k.to_owned(), v.to_owned())).into())
+}
+
+fn field(c: &Column, schema: Schema) -> Field {
+    let data_type = match c.storage {
+        Storage::F64 => DataType::Float64,
+        Storage::F32 => DataType::Float32,
+        Storage::U16 => DataType::UInt16,
+    };
+    described(c.name_in(schema), data_type, true, c.unit, c.description)
+}
+
+/// A signal as a column; null throughout where the recording lacks it.
+/// The storage types hold the values: floats are narrowed as the schema says, counts were checked.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub(crate) fn signal_column(c: &Column, schema: Schema, samples: &Samples) -> (Field, ArrayRef) {
+    let field = field(c, schema);
+    let array: ArrayRef = match (samples.get(c.signal), c.storage) {
+        (None, _) => new_null_array(field.data_type(), samples.len()),
+        (Some(v), Storage::F64) => Arc::new(Float64Array::from(v.to_vec())),
+        (Some(v), Storage::F32) => Arc::new(v.iter().map(|v| *v as f32).collect::<Float32Array>()),
+        (Some(v), Storage::U16) => Arc::new(v.iter().map(|v| *v as u16).collect::<UInt16Array>()),
+    };
+    (field, array)
+}
+
+/// The field of a study's own channel.
+pub(crate) fn channel_field(channel: &Channel) -> Field {
+    let Channel { id, unit, description } = channel;
+    described(id.as_str(), DataType::Float64, true, unit, description)
+}
+
+/// A study's own channel as a column; null throughout where the recording lacks it.
+fn channel_column(channel: &Channel, samples: &Samples) -> (Field, ArrayRef) {
+    let field = channel_field(channel);
+    let array: ArrayRef = match samples.channel(&channel.id) {
+        None => new_null_array(field.data_type(), samples.len()),
+        Some(values) => Arc::new(Float64Array::from(values.to_vec())),
+    };
+    (field, array)
+}
+
+/// The values that are constant in a file, as columns, so that any reader can group by them.
+fn constant_columns(meta: &TrialMeta, n: usize, form: &TrialForm) -> Vec<(Field, ArrayRef)> {
+    let integer = |name: &str, value: Option<i32>, about: &str| {
+        let array: ArrayRef = Arc::new(Int32Array::from(vec![value; n]));
+        // An answer is given in one file and not in the next, and both open as one data set.
+        (described(name, DataType::Int32, value.is_none() || name == "likert", "1", about), array)
+    };
+    let word = |name: &str, value: &str, about: &str| {
+        let keys = Int32Array::from(vec![0; n]);
+        let words: ArrayRef = Arc::new(StringArray::from(vec![value]));
+        let array: ArrayRef = Arc::new(DictionaryArray::<Int32Type>::new(keys, words));
+        (described(name, array.data_type().clone(), false, "1", about), array)
+    };
+    let mut columns = vec![
+        integer("trial", i32::try_from(meta.trial).ok(), "number within the session, from 1"),
+        integer("repeat", i32::try_from(meta.repeat).ok(), "repeat of the condition, from 1"),
+        word("kind", meta.kind.as_str(), "trial or familiarisation"),
+        word("status", meta.status.as_str(), "complete or incomplete"),
+        word("environment", meta.environment.as_str(), "what was rendered"),
+        word("mode", meta.mode.as_str(), "how; a sealed code until the session is unsealed"),
+    ];
+    let likert = meta.likert.map(i32::from);
+    let points = AnswerScale::most_points();
+    let about = format!("answer 1…{points}, where given before the file was finished");
+    columns.extend(form.likert.then(|| integer("likert", likert, &about)));
+    columns
+}
+
+/// What a trial's file says of itself, but for the digests of its columns.
+pub(crate) fn footer(
+    meta: &TrialMeta,
+    file: &TrialFile,
+    form: &TrialForm,
+) -> BTreeMap<String, String> {
+    let mut footer = file.clone();
+    for (key, value) in [
+        ("trial", meta.trial.to_string()),
+        ("repeat", meta.repeat.to_string()),
+        ("kind", meta.kind.as_str().to_owned()),
+        ("status", meta.status.as_str().to_owned()),
+        ("environment", meta.environment.to_string()),
+        ("mode", meta.mode.to_string()),
+        ("source", meta.source.as_str().to_owned()),
+    ] {
+        footer.insert(key.to_owned(), value);
+    }
+    footer.insert(VERSION.to_owned(), form.schema.number().to_string());
+    if form.likert {
+        let answer = meta.likert.map(|v| v.to_string()).unwrap_or_default();
+        footer.insert("likert".to_owned(), answer);
+    }
+    if !form.channels.is_empty() {
+        let channels = serde_json::to_string(&form.channels).unwrap_or_default();
+        footer.insert(CHANNELS.to_owned(), channels);
+    }
+    footer
+}
+
+fn units(schema: &ArrowSchema) -> String {
+    let units: BTreeMap<_, _> = schema
+        .fields()
+        .iter()
+        .filter_map(|f| f.metadata().get("unit").map(|u| (f.name().clone(), u.clone())))
+        .collect();
+    serde_json::to_string(&units).unwrap_or_default()
+}
+
+/// Digest of all footer keys but the digest itself.
+pub(crate) fn footer_digest(footer: &BTreeMap<String, String>) -> String {
+    let ours = footer.iter().filter(|(k, _)| *k != FOOTER_DIGEST && *k != "ARROW:schema");
+    let mut text = String::with_capacity(1 << 13);
+    for (k, v) in ours {
+        // Writing to a text does not fail.
+        let _ = write!(text, "{}:{k}={}:{v};", k.len(), v.len());
+    }
+    hex_blake3(text.as_bytes())
+}

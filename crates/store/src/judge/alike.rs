@@ -1,0 +1,199 @@
+//! Ids that differ only by case: two folders on one system, one and the same on another, and for
+//! people most likely one id that was once typed otherwise. None is made beside another, and of
+//! those that are there nobody knows whose trials are whose.
+
+use crate::disk::regular::text;
+use crate::disk::walk::files_below;
+use crate::form::session_record::{MOST_RECORD, record_from};
+use crate::{Entry, Files, Layout, SessionLog, StoreError};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use zwidth_study::{ParticipantId, SessionId};
+
+/// What to do about ids that are alike.
+const RENAME: &str = "use the id that is there, or one that differs by more than case";
+
+/// Whether a session can be made under these ids.
+///
+/// # Errors
+/// A participant, or a session of this one, whose id differs from it only by case.
+pub fn check_session_ids(
+    files: &dyn Files,
+    layout: &Layout,
+    participant: &ParticipantId,
+    session: &SessionId,
+) -> Result<(), StoreError> {
+    for path in files_below(files, &layout.sessions())? {
+        let Some((other, other_session)) = perhaps_alike(files, &path, participant, session) else {
+            continue;
+        };
+        let (other, other_session) = (other.as_str(), other_session.as_str());
+        if alike(other, participant.as_str()) {
+            return Err(clash(&path, "participant", participant.as_str(), other));
+        }
+        if other == participant.as_str() && alike(other_session, session.as_str()) {
+            return Err(clash(&path, "session", session.as_str(), other_session));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a study can be made under this layout's id.
+///
+/// # Errors
+/// A study below the same root whose id differs from it only by case.
+pub fn check_study_id(files: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
+    let (id, beside) = (layout.study().as_str(), files.list(&layout.root().join("raw")));
+    for (path, kind) in beside.unwrap_or_default() {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if kind == Entry::Folder && alike(name, id) {
+            return Err(clash(&layout.raw(), "study", id, name));
+        }
+    }
+    Ok(())
+}
+
+/// Those of the sessions whose ids nothing is like, and a finding each for the others.
+pub(crate) fn apart(sessions: Vec<SessionLog>) -> (Vec<SessionLog>, Vec<(SessionLog, StoreError)>) {
+    let mut participants: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    let mut ids: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
+    let of =
+        |log: &SessionLog| (log.record.participant.to_string(), log.record.session.to_string());
+    for (participant, session) in sessions.iter().map(of) {
+        ids.entry((participant.clone(), session.to_ascii_lowercase())).or_default().insert(session);
+        participants.entry(participant.to_ascii_lowercase()).or_default().insert(participant);
+    }
+    let finding = |log: &SessionLog| {
+        let (participant, session) = of(log);
+        let other = |ids: Option<&BTreeSet<String>>, id: &str| {
+            ids?.iter().find(|other| *other != id).cloned()
+        };
+        let alike = other(participants.get(&participant.to_ascii_lowercase()), &participant)
+            .map(|other| ("participant", participant.clone(), other));
+        let (what, id, other) = alike.or_else(|| {
+            other(ids.get(&(participant, session.to_ascii_lowercase())), &session)
+                .map(|other| ("session", session.clone(), other))
+        })?;
+        let said = clash(&log.path, what, &id, &other);
+        Some(StoreError {
+            what: format!("{}: its trials are left out", said.what),
+            remedy: "find out whose trials they are, and import the sessions anew under one id"
+                .to_owned(),
+            ..said
+        })
+    };
+    let found: Vec<(Option<StoreError>, SessionLog)> =
+        sessions.iter().map(finding).collect::<Vec<_>>().into_iter().zip(sessions).collect();
+    let (mut kept, mut clashing) = (Vec::new(), Vec::new());
+    for (finding, log) in found {
+        match finding {
+            None => kept.push(log),
+            Some(finding) => clashing.push((log, finding)),
+        }
+    }
+    (kept, clashing)
+}
+
+fn alike(a: &str, b: &str) -> bool {
+    a != b && a.eq_ignore_ascii_case(b)
+}
+
+fn clash(path: &Path, what: &str, id: &str, other: &str) -> StoreError {
+    StoreError::new(path, format!("the {what} '{id}' differs from '{other}' only by case"), RENAME)
+}
+
+/// Participant and session of a record whose file's name could be one of ids that are alike; the
+/// others are not read.
+fn perhaps_alike(
+    files: &dyn Files,
+    path: &Path,
+    participant: &ParticipantId,
+    session: &SessionId,
+) -> Option<(ParticipantId, SessionId)> {
+    let stem = path.file_name()?.to_str()?.strip_suffix(".json")?;
+    // By `get`: where this text ends, another's name may be in the middle of a letter.
+    let starts =
+        |with: &str| stem.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
+    let (of_participant, whole) = (format!("{participant}_"), format!("{participant}_{session}"));
+    let of_another = starts(&of_participant) && !stem.starts_with(&of_participant);
+    if !of_another && !alike(stem, &whole) {
+        return None;
+    }
+    let record = record_from(path, &text(files, path, MOST_RECORD).ok()?).ok()?;
+    Some((record.participant, record.session))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::crashes::{UTC, folder_with_study};
+    use crate::{RealFiles, StudyData, lay_down, verify};
+    use zwidth_study::{SessionRecord, Source};
+
+    fn lay(layout: &Layout, participant: &str, session: &str) -> Result<(), StoreError> {
+        let (participant, session) = (participant.parse().unwrap(), session.parse().unwrap());
+        let study_toml = std::fs::read(layout.study_toml()).unwrap();
+        let hash = crate::hex_blake3(&study_toml);
+        let record =
+            SessionRecord::new(participant, session, Source::Recorded, "tests", hash, Vec::new());
+        lay_down(&RealFiles, layout, UTC, &record, &study_toml)
+    }
+
+    #[test]
+    fn no_session_is_laid_down_beside_one_whose_ids_differ_only_by_case() {
+        let (_folder, layout) = folder_with_study();
+        lay(&layout, "Q1", "Sa").unwrap();
+        lay(&layout, "Q1_x", "Sa").unwrap();
+        let before = std::fs::read_dir(layout.sessions()).unwrap().count();
+        for (participant, session, words) in [
+            ("q1", "Sb", "the participant 'q1' differs from 'Q1' only by case"),
+            ("Q1_X", "Sb", "the participant 'Q1_X' differs from 'Q1_x' only by case"),
+            ("Q1", "sA", "the session 'sA' differs from 'Sa' only by case"),
+        ] {
+            let error = lay(&layout, participant, session).unwrap_err();
+            assert_eq!(error.what, words);
+        }
+        assert_eq!(
+            std::fs::read_dir(layout.sessions()).unwrap().count(),
+            before,
+            "nothing was written"
+        );
+        lay(&layout, "Q1", "Sb").unwrap();
+        lay(&layout, "Q2", "sa").unwrap();
+    }
+
+    #[test]
+    fn sessions_whose_ids_differ_only_by_case_are_findings_and_left_out() {
+        let (_folder, layout) = folder_with_study();
+        let count = || StudyData::load(&layout).unwrap().sessions.len();
+        let before = count();
+        lay(&layout, "Q1", "Sa").unwrap();
+        lay(&layout, "Q2", "Sa").unwrap();
+        // As another system would have made it.
+        let other = Layout::new(layout.root().join("other").as_path(), layout.study().clone());
+        std::fs::create_dir_all(other.raw()).unwrap();
+        std::fs::copy(layout.study_toml(), other.study_toml()).unwrap();
+        lay(&other, "q1", "Sb").unwrap();
+        for entry in std::fs::read_dir(other.sessions()).unwrap() {
+            let path = entry.unwrap().path();
+            std::fs::copy(&path, layout.sessions().join(path.file_name().unwrap())).unwrap();
+        }
+        let findings = verify(&layout);
+        assert_eq!(findings.len(), 2, "{findings:?}");
+        assert!(
+            findings.iter().all(|f| f.what.contains("only by case: its trials are left out")),
+            "{findings:?}"
+        );
+        assert_eq!(count(), before + 1, "Q2 counts as it did");
+    }
+
+    #[test]
+    fn a_study_beside_one_of_the_same_letters_is_refused() {
+        let (_folder, layout) = folder_with_study();
+        check_study_id(&RealFiles, &layout).unwrap();
+        let shout =
+            Layout::new(layout.root(), layout.study().as_str().to_uppercase().parse().unwrap());
+        let error = check_study_id(&RealFiles, &shout).unwrap_err();
+        assert!(error.what.contains("only by case"), "{error}");
+    }
+}

@@ -1,0 +1,156 @@
+//! A session is laid down before its first trial: its copy of `study.toml`, its record, and the
+//! first line of its log, which holds the record's hash. Later all three are held against each
+//! other, against the trials' footers, and against the present `study.toml`.
+
+use crate::disk::regular::text;
+use crate::form::entry::MOST_STUDY;
+use crate::memo::Memo;
+use crate::{Files, Layout, SessionLog, StoreError, TrialEntry, hex_blake3};
+use std::cell::RefCell;
+use std::path::Path;
+use std::sync::Arc;
+use zwidth_study::{Affects, Event, SessionRecord, Study, study_changes};
+
+pub(crate) const RESTORE: &str = "restore the session's files from a copy, or exclude its trials";
+
+/// Whether the record is the one that was laid down, by the log.
+///
+/// # Errors
+/// It is another: nobody knows then what was recorded with what.
+pub(crate) fn check_record(path: &Path, bytes: &[u8], events: &[Event]) -> Result<(), StoreError> {
+    let hash = hex_blake3(bytes);
+    let laid = events.iter().find_map(|event| match event {
+        Event::LaidDown { record_blake3 } => Some(record_blake3),
+        _ => None,
+    });
+    match laid {
+        Some(laid) if *laid != hash => {
+            let what = "the record is not the one that the session began with, by its log";
+            Err(StoreError::new(path, what, RESTORE))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The study as it was when the session was laid down; nothing for a session without a copy.
+///
+/// # Errors
+/// A copy that cannot be read, or that is not the one whose hash the record has.
+pub(crate) fn read_copy(
+    files: &dyn Files,
+    layout: &Layout,
+    record: &SessionRecord,
+) -> Result<Option<Arc<Study>>, StoreError> {
+    thread_local! {
+        // Most sessions of a study have the same.
+        static LAST: RefCell<Memo<String, Arc<Study>>> = const { RefCell::new(Memo::new()) };
+    }
+    let path = layout.study_copy(&record.participant, &record.session);
+    if files.kind(&path).is_none() {
+        return Ok(None);
+    }
+    let text = text(files, &path, MOST_STUDY)?;
+    is_copy(&path, text.as_bytes(), record)?;
+    let hash = &record.study_blake3;
+    if let Some(study) = LAST.with_borrow(|last| last.known(|known| known == hash)) {
+        return Ok(Some(study));
+    }
+    let study = Arc::new(Study::from_toml(&text).map_err(|errors| {
+        let what = errors.first().map_or_else(String::new, ToString::to_string);
+        StoreError::new(&path, what, RESTORE)
+    })?);
+    LAST.with_borrow_mut(|last| last.keep(hash.clone(), study.clone()));
+    Ok(Some(study))
+}
+
+/// Whether these bytes are the `study.toml` of a record.
+///
+/// # Errors
+/// They have not the hash in it.
+pub(crate) fn is_copy(path: &Path, bytes: &[u8], record: &SessionRecord) -> Result<(), StoreError> {
+    if hex_blake3(bytes) == record.study_blake3 {
+        return Ok(());
+    }
+    let what = "it is not the study.toml that the session began with, by the hash in its record";
+    Err(StoreError::new(path, what, RESTORE))
+}
+
+/// What a trial's footer says of it that its session's record says otherwise.
+pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<String> {
+    let (record, meta) = (&log.record, &trial.meta);
+    let differs = |what: &str, footer: &str, record: &str| {
+        (footer != record)
+            .then(|| format!("its {what} is '{footer}' and '{record}' in its session's record"))
+    };
+    let footer = |key: &str| trial.said.file.get(key).map(String::as_str);
+    // What one of the two does not say contradicts nothing.
+    let both =
+        |what: &str, key: &str, of_record: Option<&str>| differs(what, footer(key)?, of_record?);
+    // A trial that was done again, or sealed, stands in the session's trials as they are known now.
+    let planned = log.record.trials.iter().find(|t| t.trial == meta.trial);
+    let of_plan = planned.and_then(|t| {
+        differs("environment", meta.environment.as_str(), t.environment.as_str())
+            .or_else(|| differs("mode", meta.mode.as_str(), t.mode.as_str()))
+            .or_else(|| differs("kind", meta.kind.as_str(), t.kind.as_str()))
+            .or_else(|| differs("repeat", &meta.repeat.to_string(), &t.repeat.to_string()))
+    });
+    let accepted =
+        log.studies().any(|hash| footer("study_blake3").is_none_or(|of_trial| of_trial == hash));
+    let seed = record.seed.map(|seed| seed.to_string());
+    differs("source", meta.source.as_str(), record.source.as_str())
+        .or(of_plan)
+        .or_else(|| both("calibration", "calibration_blake3", record.calibration_blake3.as_deref()))
+        .or_else(|| both("device", "device", record.device.as_deref()))
+        .or_else(|| both("seed", "seed", seed.as_deref()))
+        .or_else(|| {
+            (!accepted)
+                .then(|| "it was recorded with a study.toml that its session never had".to_owned())
+        })
+}
+
+/// What changed in `study.toml` since a session was laid down and matters to it, in words, accepted
+/// or not; nothing if nothing does. `hash` is the present file's.
+pub(crate) fn matters(log: &SessionLog, study: &Study, hash: &str) -> Option<String> {
+    if log.record.study_blake3 == hash {
+        return None;
+    }
+    let Some(then) = &log.study else {
+        return Some("what changed is not known, because the session has no copy of it".to_owned());
+    };
+    let mut changes = study_changes(then, study);
+    changes.retain(|change| change.affects == Affects::Recording);
+    let told: Vec<String> = changes.iter().map(ToString::to_string).collect();
+    (!told.is_empty()).then(|| told.join("; "))
+}
+
+/// What changed in `study.toml` since a session was laid down and may matter to it: a warning,
+/// until an event accepts the present one. `hash` is the present file's.
+pub(crate) fn study_warning(
+    layout: &Layout,
+    log: &SessionLog,
+    study: &Study,
+    hash: &str,
+) -> Option<StoreError> {
+    if log.studies().any(|known| known == hash) {
+        return None;
+    }
+    let changes = matters(log, study, hash)?;
+    let (participant, session) = (&log.record.participant, &log.record.session);
+    let what = format!("study.toml has changed since {participant} {session} began: {changes}");
+    let copy = layout.study_copy(participant, session);
+    let as_it_was = match &log.study {
+        None => String::new(),
+        Some(_) => format!(" (as it was, it is {})", layout.shown(&copy).display()),
+    };
+    let study = layout.study();
+    let accept =
+        format!("zwidth recover {study} --accept-study-change -p {participant} -s {session}");
+    Some(StoreError::new(
+        &log.path,
+        what,
+        format!("put it back{as_it_was}, or accept it with `{accept}`"),
+    ))
+}
+
+#[cfg(test)]
+mod tests;

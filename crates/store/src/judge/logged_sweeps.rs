@@ -1,0 +1,69 @@
+//! The sweeps, held against the log that has the hash of each.
+
+use crate::form::change_list::pending;
+use crate::form::events::read_events_to;
+use crate::form::sweep::read_sweep_from;
+use crate::{Entry, Files, Layout, StoreError, SweepEntry};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zwidth_study::Event;
+
+/// The hash of each sweep that the log calls recorded, by its file.
+pub(crate) fn logged(
+    files: &dyn Files,
+    layout: &Layout,
+) -> Result<BTreeMap<PathBuf, String>, StoreError> {
+    let mut logged = BTreeMap::new();
+    let log = layout.sweep_events();
+    for event in read_events_to(files, &log, pending(files, layout).get(&log).copied())? {
+        if let Event::SweepRecorded { actuator, sweep, blake3 } = event {
+            logged.insert(layout.sweep(&actuator, sweep), blake3);
+        }
+    }
+    Ok(logged)
+}
+
+/// The sweeps that are, by the log, the ones that were recorded; and what does not fit.
+pub(crate) fn logged_sweeps(
+    files: &dyn Files,
+    layout: &Layout,
+    sweeps: Vec<SweepEntry>,
+) -> (Vec<SweepEntry>, Vec<StoreError>) {
+    let logged = match logged(files, layout) {
+        Ok(logged) => logged,
+        Err(error) => return (Vec::new(), vec![error]),
+    };
+    let gone =
+        logged.keys().filter(|path| files.kind(path) != Some(Entry::File)).map(|path| gone(path));
+    let mut problems: Vec<StoreError> = gone.collect();
+    let mut kept = Vec::new();
+    for sweep in sweeps {
+        match logged.get(&sweep.path) {
+            Some(hash) if *hash == sweep.blake3 => kept.push(sweep),
+            Some(_) => problems.push(other(files, &sweep.path)),
+            None => problems.push(unknown(layout, &sweep.path)),
+        }
+    }
+    (kept, problems)
+}
+
+fn gone(path: &Path) -> StoreError {
+    StoreError::new(
+        path,
+        "the log knows the sweep, but its file is missing",
+        "restore the file from a copy",
+    )
+}
+
+/// How a file whose hash is not the log's came to differ: damage where that can be seen.
+fn other(files: &dyn Files, path: &Path) -> StoreError {
+    read_sweep_from(files, path).err().unwrap_or_else(|| {
+        let what = "the file is not the one that was recorded: its hash differs from the log of the sweeps";
+        StoreError::new(path, what, "restore the file from a copy")
+    })
+}
+
+fn unknown(layout: &Layout, path: &Path) -> StoreError {
+    let what = "the log of the sweeps does not mention it: left out";
+    StoreError::new(path, what, format!("run `zwidth recover {}` to take it in", layout.study()))
+}

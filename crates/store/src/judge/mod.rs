@@ -1,0 +1,20 @@
+//! What was read, held against itself, against the logs, against the plan and against what can be:
+//! a study is loaded here, and every finding is made.
+
+pub(crate) mod alike;
+pub(crate) mod calibrated;
+pub(crate) mod fit;
+pub(crate) mod laid;
+pub(crate) mod lately;
+pub(crate) mod logged_sweeps;
+pub(crate) mod one_form;
+pub(crate) mod open;
+pub(crate) mod plausible;
+pub(crate) mod samples;
+pub(crate) mod sealed;
+pub(crate) mod sessions;
+pub(crate) mod sources;
+pub(crate) mod study;
+pub(crate) mod thin;
+pub(crate) mod verify;
+pub(crate) mod whole;

@@ -1,0 +1,71 @@
+//! What the samples of a trial, and what its import found, say against it.
+
+use crate::judge::plausible::implausible;
+use crate::{Asked, Columns, DOUBTS, LOST, Signal, StoreError, TrialFile};
+use std::path::Path;
+use zwidth_study::Coordinate;
+
+/// How far past the work space an angle may be measured before it is a finding, rad (2°: the limit
+/// at which the safety layer cuts the voltage).
+const WORK_SPACE_SLACK_RAD: f64 = 0.034_906_585_039_886_59;
+
+/// What samples say against their trial, of which it is known what was asked for.
+pub(crate) type Check = fn(&Asked, &Path, &dyn Columns) -> Vec<StoreError>;
+
+/// What an import found that a trial's samples do not show, as its footer says: the trial counts, and is to be
+/// read with care.
+pub(crate) fn import_findings(path: &Path, file: &TrialFile) -> Vec<StoreError> {
+    let lost = "import a whole copy of the recording as another session, or exclude the trial if what is lost matters";
+    let doubts =
+        "mend the mapping or the recording and import it as another session, or exclude the trial";
+    let found = [(LOST, lost), (DOUBTS, doubts)]
+        .map(|(key, remedy)| file.get(key).map(|what| StoreError::new(path, what, remedy)));
+    found.into_iter().flatten().collect()
+}
+
+/// The signals that [`check_samples`] looks at. Of the device's clock it asks [`Columns::reach`] alone,
+/// which a trial's file says without it.
+pub const CHECKED: [Signal; 5] =
+    [Signal::Time, Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx];
+
+/// What the samples of a trial, which are whole, say against it: it counts, and is to be read with
+/// care.
+pub fn check_samples(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
+    [within_limits(asked, path, samples), implausible(asked, path, samples)].concat()
+}
+
+/// Whether samples keep to what study.toml plans.
+pub(crate) fn within_limits(asked: &Asked, path: &Path, samples: &dyn Columns) -> Vec<StoreError> {
+    let found = [work_space(asked, path, samples), too_long(asked, path, samples)];
+    found.into_iter().flatten().collect()
+}
+
+/// A trial longer than the design allows: usually milliseconds taken for seconds.
+fn too_long(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
+    let t = samples.column(Signal::Time)?;
+    let (length, limit) = (t.last()? - t.first()?, asked.trial_limit_s);
+    let is_too_long = length > limit;
+    if !is_too_long {
+        return None;
+    }
+    let what = format!("it lasts {length} s, longer than design.trial_limit_s = {limit} s");
+    let remedy = "check the unit of its time, or raise the limit in study.toml";
+    Some(StoreError::new(path, what, remedy).column(Signal::Time.name()))
+}
+
+fn work_space(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
+    let theta = samples.column(Signal::Theta)?;
+    let low = asked.theta_min_rad.unwrap_or(f64::NEG_INFINITY) - WORK_SPACE_SLACK_RAD;
+    let high = asked.theta_max_rad.unwrap_or(f64::INFINITY) + WORK_SPACE_SLACK_RAD;
+    let row = theta.iter().position(|v| !(low..=high).contains(v))?;
+    let what = format!(
+        "{} is more than {} outside of the work space",
+        asked.place(theta[row]),
+        match asked.coordinate {
+            Coordinate::Rotational => "2°".to_owned(),
+            Coordinate::Linear { .. } => asked.place(WORK_SPACE_SLACK_RAD),
+        }
+    );
+    let remedy = "exclude the trial if the angle was lost, or mend theta_min_deg and theta_max_deg in study.toml";
+    Some(StoreError::new(path, what, remedy).column(Signal::Theta.name()).row0(row))
+}

@@ -1,0 +1,138 @@
+//! A `study.toml` that was changed after sessions were laid down: an event accepts it, session by
+//! session.
+
+use crate::judge::laid::{matters, study_warning};
+use crate::judge::sessions::read_sessions;
+use crate::judge::study::read_study_from;
+use crate::{Files, Layout, StoreError, commit_events};
+use std::path::Path;
+use zwidth_study::{Event, ParticipantId, SessionId};
+
+/// Accepts the present `study.toml` for every session to which a change of it matters, or for
+/// `only` one; what was accepted, in words, a session each. The caller holds the study's lock.
+///
+/// # Errors
+/// A `study.toml` or the session asked for that cannot be read; a write that failed.
+pub fn accept_study(
+    files: &dyn Files,
+    layout: &Layout,
+    utc: &str,
+    only: Option<(&ParticipantId, &SessionId)>,
+) -> Result<Vec<String>, Vec<StoreError>> {
+    let (study, hash) = read_study_from(files, layout)?;
+    let mut problems = Vec::new();
+    let (mut sessions, _) = read_sessions(files, layout, &mut problems);
+    if let Some((participant, session)) = only {
+        sessions
+            .retain(|log| (&log.record.participant, &log.record.session) == (participant, session));
+        if sessions.is_empty() {
+            let path = layout.session(participant, session);
+            let of_it = problems
+                .into_iter()
+                .find(|problem| problem.path.with_extension("") == path.with_extension(""));
+            return Err(vec![of_it.unwrap_or_else(|| {
+                StoreError::new(&path, "there is no such session", "see `zwidth list`")
+            })]);
+        }
+    }
+    // A session that the disk did not give may need it too. What is damaged, `verify` tells.
+    problems.retain(|problem| problem.by_system);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    sessions.retain(|log| study_warning(layout, log, &study, &hash).is_some());
+    let event = [Event::StudyAccepted { study_blake3: hash.clone() }];
+    let logs: Vec<(&Path, &[Event])> =
+        sessions.iter().map(|log| (log.events_path.as_path(), event.as_slice())).collect();
+    commit_events(files, layout, utc, &logs).map_err(|error| vec![error])?;
+    let accepted = sessions.iter().map(|log| {
+        let (participant, session) = (&log.record.participant, &log.record.session);
+        let changes = matters(log, &study, &hash).unwrap_or_default();
+        format!("{participant} {session}: the changed study.toml is accepted: {changes}")
+    });
+    Ok(accepted.collect())
+}
+
+/// What a reader of a study should know although it is not a finding: changes of `study.toml` that
+/// were accepted.
+pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
+    let Ok((study, hash)) = read_study_from(files, layout) else { return Vec::new() };
+    let (sessions, _) = read_sessions(files, layout, &mut Vec::new());
+    let accepted = sessions.iter().filter(|log| log.studies().any(|known| known == hash));
+    let notes = accepted.filter_map(|log| {
+        let (participant, session) = (&log.record.participant, &log.record.session);
+        let changes = matters(log, &study, &hash)?;
+        Some(format!(
+            "study.toml has changed since {participant} {session} began, and was accepted: {changes}"
+        ))
+    });
+    notes.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::crashes::{UTC, folder_with_study, meta, toml};
+    use crate::{RealFiles, read_events, verify};
+    use std::fs;
+
+    /// Changes `study.toml` of the small study.
+    fn change(layout: &Layout, from: &str, to: &str) {
+        let text = String::from_utf8(toml(layout)).unwrap();
+        assert!(text.contains(from), "{text}");
+        fs::write(layout.study_toml(), text.replacen(from, to, 1)).unwrap();
+    }
+
+    #[test]
+    fn an_event_accepts_a_changed_study_and_the_warning_is_a_note_from_then_on() {
+        let (_folder, layout) = folder_with_study();
+        change(&layout, "pause_s = 5.0", "pause_s = 4.0");
+        let [finding] = verify(&layout).try_into().unwrap();
+        let command = "`zwidth recover demo --accept-study-change -p P01 -s S01`";
+        assert!(
+            finding.remedy.contains(command) && finding.remedy.contains("P01_S01.study.toml"),
+            "{finding}"
+        );
+        assert_eq!(study_notes(&RealFiles, &layout), Vec::<String>::new());
+        let (participant, session) = (meta(1).participant, meta(1).session);
+        let accept = |only| accept_study(&RealFiles, &layout, UTC, only).unwrap();
+        let said = accept(Some((&participant, &session)));
+        assert_eq!(
+            said,
+            ["P01 S01: the changed study.toml is accepted: design.pause_s was 5.0 and is 4.0"]
+        );
+        assert_eq!(verify(&layout), []);
+        let [note] = study_notes(&RealFiles, &layout).try_into().unwrap();
+        assert!(
+            note.contains("P01 S01") && note.contains("design.pause_s was 5.0 and is 4.0"),
+            "{note}"
+        );
+        // Accepted once; another change asks again.
+        assert_eq!(accept(None), Vec::<String>::new());
+        change(&layout, "pause_s = 5.0", "pause_s = 3.0");
+        assert_eq!((verify(&layout).len(), accept(None).len(), verify(&layout).len()), (1, 1, 0));
+        let events = read_events(&layout.events(&participant, &session)).unwrap();
+        assert_eq!(events.iter().filter(|e| matches!(e, Event::StudyAccepted { .. })).count(), 2);
+    }
+
+    #[test]
+    fn a_change_that_affects_nothing_needs_no_event_and_an_unknown_session_gets_none() {
+        let (_folder, layout) = folder_with_study();
+        change(&layout, "label = \"Active\"", "label = \"Motor\"");
+        assert_eq!((verify(&layout), study_notes(&RealFiles, &layout)), (vec![], vec![]));
+        assert_eq!(accept_study(&RealFiles, &layout, UTC, None), Ok(vec![]));
+        let (participant, session) = ("P09".parse().unwrap(), meta(1).session);
+        let [error] = accept_study(&RealFiles, &layout, UTC, Some((&participant, &session)))
+            .unwrap_err()
+            .try_into()
+            .unwrap();
+        assert!(error.to_string().contains("no such session"), "{error}");
+        fs::write(layout.session(&meta(1).participant, &session), "{").unwrap();
+        let [error] =
+            accept_study(&RealFiles, &layout, UTC, Some((&meta(1).participant, &session)))
+                .unwrap_err()
+                .try_into()
+                .unwrap();
+        assert!(error.to_string().contains("not a session record"), "{error}");
+    }
+}
