@@ -23,7 +23,7 @@ use zwidth_store::{
     Asked, DOUBTS, GAPS, LOST, Samples, Signal, StoreError, Trial, TrialFile, TrialWriter, ZEROS,
     check_form, check_samples, trial_bytes,
 };
-use zwidth_study::{AnswerValue, Event, PlannedTrial, Schema, Source, Status, Study, TrialMeta};
+use zwidth_study::{AnswerValue, Event, PlannedTrial, Source, Status, Study, TrialMeta};
 
 /// One trial of a file.
 struct Piece {
@@ -338,11 +338,10 @@ impl<'a> Open<'a> {
     }
 }
 
-/// The event of an answer that stands beside the samples. In schema 1 the trial's file has it.
+/// The event of an answer that stands beside the samples.
 fn answer(study: &Study, identity: &Identity, trial: u32) -> Option<Event> {
     let question = study.environment(&identity.environment)?.question.clone()?;
-    let value = identity.likert.filter(|_| study.schema > Schema::One)?;
-    Some(Event::Answer { trial, question, value, time_ms: None })
+    Some(Event::Answer { trial, question, value: identity.likert?, time_ms: None })
 }
 
 fn words(i: &Identity, number: &PlannedTrial, samples: usize) -> String {
@@ -827,13 +826,15 @@ mod tests {
         assert_eq!(streamed.trial("P01", "S01", 1).meta.source, Source::Simulated);
     }
 
+    const GRIP: &str = "[[channels]]\nid = \"grip_n\"\nunit = \"N\"\ndescription = \"grip\"\n";
+
     #[test]
     fn an_import_of_another_form_than_the_trials_that_are_there_is_refused() {
         let world = World::new();
         let (map, file) = (trials_map(&[ONE, FORCE]), world.file("a.csv", "t,f\n0,1\n"));
         world.import(&map, &[file]).unwrap();
         let text = std::fs::read_to_string(world.layout.study_toml()).unwrap();
-        let world = World::again(world, &text.replace("schema = 2", "schema = 1"));
+        let world = World::again(world, &format!("{text}\n{GRIP}"));
         let other = world.file("b.csv", "t,f\n0,2\n");
         let errors = world.import(&map.replace("P01", "P02"), &[other]).unwrap_err();
         assert!(errors[0].remedy.contains("keeps the form it began with"), "{errors:?}");

@@ -235,14 +235,13 @@ pub fn asked_in_vain(study: &Study) -> Vec<String> {
     let unknown = wanted(study).into_iter().filter(|metric| !zwidth_metrics::is_number(metric));
     let mut unknown: Vec<String> = unknown
         .map(|metric| {
-            let now = zwidth_metrics::renamed(&metric).map(|now| format!(": it is '{now}' now"));
             let on_a_lever = metric.replace("_per_mm", "_per_rad").replace("_mm", "_rad");
             let meant = zwidth_metrics::is_number(&on_a_lever)
                 .then(|| format!(": write {on_a_lever}, also on a slide"));
-            let now = now.or(meant).unwrap_or_default();
+            let meant = meant.unwrap_or_default();
             format!(
-                "[compare] of study.toml: there is no metric '{metric}' that is a number{now}; it \
-                 is left out"
+                "[compare] of study.toml: there is no metric '{metric}' that is a number{meant}; \
+                 it is left out"
             )
         })
         .collect();

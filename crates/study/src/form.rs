@@ -11,11 +11,8 @@ use serde::{Deserialize, Serialize};
 )]
 #[serde(try_from = "u32", into = "u32")]
 pub enum Schema {
-    /// Status bits are called `flags`; an answer stands in the trial file, whatever the question;
-    /// one row group.
-    One,
-    /// Status bits are called `state_bits`; answers are events, and stand in the trial file too
-    /// where the study has one question; channels of its own; a row group per 2²⁰ rows.
+    /// Answers are events, and stand in the trial file too where the study has one question;
+    /// channels of its own; a row group per 2²⁰ rows. Version 1 was never released.
     #[default]
     Two,
 }
@@ -28,14 +25,13 @@ impl Schema {
 
     /// The version of this number, if it is known.
     pub fn from_number(number: u32) -> Option<Self> {
-        [Self::One, Self::Two].into_iter().find(|schema| schema.number() == number)
+        [Self::Two].into_iter().find(|schema| schema.number() == number)
     }
 }
 
 impl From<Schema> for u32 {
     fn from(schema: Schema) -> u32 {
         match schema {
-            Schema::One => 1,
             Schema::Two => 2,
         }
     }
@@ -45,9 +41,8 @@ impl TryFrom<u32> for Schema {
     type Error = String;
 
     fn try_from(number: u32) -> Result<Self, String> {
-        Self::from_number(number).ok_or_else(|| {
-            format!("version {number} is unknown; this software reads versions 1 and 2")
-        })
+        Self::from_number(number)
+            .ok_or_else(|| format!("version {number} is unknown; this software reads version 2"))
     }
 }
 
@@ -86,23 +81,15 @@ pub struct TrialForm {
     pub channels: Vec<Channel>,
 }
 
-impl TrialForm {
-    /// The form of version 1, which is the same in every study.
-    pub fn first() -> Self {
-        Self { schema: Schema::One, likert: true, channels: Vec::new() }
-    }
-}
-
 impl Study {
-    /// The form of this study's trial files. In version 2 there is a column `likert` only where
+    /// The form of this study's trial files. There is a column `likert` only where
     /// the study has one question, on a scale that has a name, so that nobody has to ask which one
     /// is meant.
     pub fn trial_form(&self) -> TrialForm {
         let (schema, channels) = (self.schema, self.channels.clone());
         let named = |question: &Question| AnswerScale::NAMED.contains(&question.scale);
         let one = self.questions.len() == 1 && self.questions.iter().all(named);
-        let likert = schema == Schema::One || one;
-        TrialForm { schema, likert, channels }
+        TrialForm { schema, likert: one, channels }
     }
 }
 
@@ -124,8 +111,10 @@ mod tests {
                         description = \"force of the grip\"\n";
 
     #[test]
-    fn a_study_of_version_1_has_one_form_whatever_it_asks() {
-        assert_eq!(study(&[("schema = 2", "schema = 1")]).trial_form(), TrialForm::first());
+    fn a_version_that_is_not_read_is_named_with_the_one_that_is() {
+        let text = template(&"demo".parse().unwrap()).replace("schema = 2", "schema = 1");
+        let error = Study::from_toml(&text).unwrap_err()[0].to_string();
+        assert!(error.contains("version 1 is unknown; this software reads version 2"), "{error}");
     }
 
     #[test]
@@ -162,7 +151,6 @@ mod tests {
             "{current}"
         );
         assert!(refused(format!("{text}\n{GRIP}\n{GRIP}")).contains("stands twice"));
-        assert!(refused(with("x", "x").replace("schema = 2", "schema = 1")).contains("schema = 2"));
         let many: String = (0..9).map(|i| GRIP.replace("grip_n", &format!("g{i}"))).collect();
         assert!(refused(format!("{text}\n{many}")).contains("at most 8"));
     }

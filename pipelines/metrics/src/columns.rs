@@ -95,12 +95,6 @@ pub fn in_words(metric: &str) -> Option<&'static str> {
     of_trial.chain(of_plant).find(|(name, _)| *name == metric).map(|(_, words)| words)
 }
 
-/// What a metric is called that had this name when force discrepancy meant the user's alone.
-pub fn renamed(metric: &str) -> Option<String> {
-    let rest = metric.strip_prefix("discrepancy_")?;
-    Some(format!("discrepancy_user_{rest}")).filter(|now| is_number(now))
-}
-
 /// The names of all metrics that are numbers with a unit, and whether each is summarised.
 pub(crate) fn numbers() -> impl Iterator<Item = (&'static str, bool)> {
     let of_trial = GROUPS.into_iter().flatten().filter_map(number);

@@ -56,9 +56,7 @@ mod wall;
 
 pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
-pub use columns::{
-    VERSION, commanded, in_words, is_number, is_possible, names, needs_lever, renamed,
-};
+pub use columns::{VERSION, commanded, in_words, is_number, is_possible, names, needs_lever};
 pub use compliance::Compliance;
 pub use conditions::{ConditionsError, by_condition, summarised};
 pub use discrepancy::Discrepancy;

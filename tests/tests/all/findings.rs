@@ -120,7 +120,7 @@ fn a_changed_and_a_deleted_sweep_are_told_by_run_and_summary() {
 fn a_journal_that_waits_for_recover_is_told_by_run_and_summary() {
     let leave = |s: &Study| {
         fs::create_dir_all(s.layout().journals()).unwrap();
-        fs::write(s.layout().journals().join("P01_S01.trial-004.journal"), "zwidth journal 1\n")
+        fs::write(s.layout().journals().join("P01_S01.trial-004.journal"), "zwidth journal 2\n")
             .unwrap();
     };
     damaged(leave, &["P01_S01.trial-004.journal", "a trial was cut short here"]);

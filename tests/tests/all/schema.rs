@@ -1,9 +1,9 @@
-//! A study's schema from the outside: channels of its own, and studies that began with schema 1.
+//! A study's schema from the outside: channels of its own.
 
 use crate::binary::zwidth;
 use std::fs;
 use std::path::Path;
-use zwidth_store::{Layout, Signal, read_channels, read_footer, read_trial};
+use zwidth_store::{Layout, Signal, read_channels, read_trial};
 use zwidth_study::ChannelId;
 
 const CHANNELS: &str = "
@@ -147,29 +147,4 @@ fn a_channel_in_another_unit_than_the_devices_is_refused() {
         study(root.path(), "schema = 2", "schema = 2", &CHANNELS.replace("\"rad\"", "\"deg\""));
     zwidth(root.path(), &TWIN).exits(1).says(&["'theta_true_rad' is in 'deg' in study.toml"]);
     assert!(!layout.trials().exists());
-}
-
-#[test]
-fn a_study_that_began_with_schema_1_goes_on_with_it_and_gives_the_same_answers() {
-    let [one, two] = [("schema = 1", 1), ("schema = 2", 2)].map(|(schema, number)| {
-        let root = tempfile::tempdir().unwrap();
-        let layout = study(root.path(), "schema = 2", schema, "");
-        zwidth(root.path(), &TWIN).exits(0);
-        let found = zwidth(root.path(), &["verify", "own"]).exits(0).out;
-        assert_eq!(found, format!("own: no findings (schema {number})\n"));
-        let path = layout.trial(&"P01".parse().unwrap(), &"S01".parse().unwrap(), 2);
-        assert_eq!(read_footer(&path).unwrap().form.schema.number(), number);
-        zwidth(root.path(), &["run", "own", "--only", "likert tallies"]).exits(0);
-        let derived =
-            |name: &str| zwidth_tables::Table::from_parquet(&layout.derived().join(name)).unwrap();
-        let (tally, answers) = (derived("likert.parquet"), derived("answers.parquet"));
-        (read_trial(&path, Signal::all()).unwrap().samples, tally, answers)
-    });
-    assert!(one.0 == two.0, "the same samples");
-    assert_eq!(one.1.columns(), two.1.columns());
-    assert_eq!(one.2.columns(), two.2.columns());
-    // The answer after the trial of familiarisation does not count.
-    let counts = one.2.flags("counts").unwrap();
-    let counting = counts.iter().filter(|counts| **counts == Some(true)).count();
-    assert_eq!((one.2.height(), counting), (7, 6));
 }

@@ -9,8 +9,8 @@ use crate::{Files, MOST_RECORDING, RealFiles, Signal, StoreError, TrialFile};
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_study::{
-    AnswerScale, Channel, Kind, MOST_CHANNELS, ParticipantId, Schema, SessionId, Source, Status,
-    TrialForm, TrialMeta,
+    AnswerScale, Channel, Kind, MOST_CHANNELS, ParticipantId, SessionId, Source, Status, TrialForm,
+    TrialMeta,
 };
 
 /// What a trial file says of itself, without its samples.
@@ -64,17 +64,17 @@ fn footer_of(
     blake3: String,
 ) -> Result<TrialFooter, StoreError> {
     let form = form_of(path, footer)?;
-    let recorded = recorded(footer, form.schema);
+    let recorded = recorded(footer);
     let signals = Signal::all().filter(|signal| recorded.has(Signals::of(&[*signal]))).collect();
     let (meta, file) = (meta_from(path, footer, &form)?, rest_of(footer));
     Ok(TrialFooter { meta, file, form, signals, rows, blake3 })
 }
 
 /// The signals that a file has: a column that is null throughout has no digest.
-pub(crate) fn recorded(footer: &BTreeMap<String, String>, schema: Schema) -> Signals {
+pub(crate) fn recorded(footer: &BTreeMap<String, String>) -> Signals {
     let from = footer.range(DIGEST.to_owned()..);
     let names = from.map_while(|(key, _)| key.strip_prefix(DIGEST));
-    let signal = |name: &str| Signal::all().find(|of| of.column().name_in(schema) == name);
+    let signal = |name: &str| Signal::all().find(|of| of.column().name == name);
     Signals::of(&names.filter_map(signal).collect::<Vec<_>>())
 }
 
@@ -83,14 +83,17 @@ pub(crate) fn form_of(
     path: &Path,
     footer: &BTreeMap<String, String>,
 ) -> Result<TrialForm, StoreError> {
-    let schema = version(path, footer)?;
+    let schema = version(path, footer)?.ok_or_else(|| {
+        let what = "its form is that of sweeps, or of trials of a version that was never released";
+        StoreError::new(path, what, DAMAGED)
+    })?;
     let bad = |why: String| {
         let what = format!("its metadata '{CHANNELS}' do not list channels: {why}");
         StoreError::new(path, what, DAMAGED)
     };
     let channels: Vec<Channel> = match footer.get(CHANNELS) {
-        Some(text) if schema > Schema::One => from_json(text).map_err(|e| bad(e.to_string()))?,
-        _ => Vec::new(),
+        Some(text) => from_json(text).map_err(|e| bad(e.to_string()))?,
+        None => Vec::new(),
     };
     if channels.len() > MOST_CHANNELS {
         let n = channels.len();
@@ -118,7 +121,7 @@ pub(crate) fn meta_from(
         text.parse::<u32>().map_err(|_| bad(key, text))
     };
     let (kind, status, source) = (said("kind")?, said("status")?, said("source")?);
-    let likert = if form.likert || form.schema == Schema::One { said("likert")? } else { "" };
+    let likert = if form.likert { said("likert")? } else { "" };
     let (environment, mode) = (said("environment")?, said("mode")?);
     Ok(TrialMeta {
         participant: from_path(path, "participant").and_then(|t| {

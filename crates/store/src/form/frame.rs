@@ -13,7 +13,6 @@
 //! digest  = BLAKE3(digest of the frame before · length · kind · payload)
 //! ```
 //!
-//! A journal of version 1 differs in what its header does not say: its trial is of schema 1.
 //! Numbers are little-endian. A frame counts only if its digest holds. Behind damage the digest
 //! that stands before a frame takes the place of the digest that was computed, so that what was
 //! lost hides nothing of what comes after it.
@@ -27,8 +26,6 @@ use zwidth_study::{
 
 /// The first bytes of every journal.
 pub(crate) const MAGIC: &[u8] = b"zwidth journal 2\n";
-/// Those of the version before.
-pub(crate) const FIRST_MAGIC: &[u8] = b"zwidth journal 1\n";
 /// Bytes of a digest.
 const DIGEST: usize = 32;
 /// Bytes before a frame's payload: its length and its kind.
@@ -70,7 +67,6 @@ pub(crate) enum Frame {
 pub(crate) struct Header {
     pub(crate) meta: TrialMeta,
     pub(crate) file: TrialFile,
-    #[serde(default = "Protocol::first")]
     pub(crate) protocol: Protocol,
 }
 
@@ -84,13 +80,6 @@ pub struct Protocol {
     pub question: Option<QuestionId>,
     /// What the device gives besides, in the order in which a sample has it.
     pub given: Vec<Channel>,
-}
-
-impl Protocol {
-    /// That of journals from before there was another.
-    fn first() -> Self {
-        Self { form: TrialForm::first(), ..Self::default() }
-    }
 }
 
 /// The digest that a frame's own follows: that of the frame before, if there is one.

@@ -1,7 +1,7 @@
 //! A journal, read.
 
 use crate::disk::sectors::SECTOR;
-use crate::form::frame::{Decoded, FIRST_MAGIC, Frame, Header, MAGIC, Protocol, decode};
+use crate::form::frame::{Decoded, Frame, Header, MAGIC, Protocol, decode};
 use crate::{Files, MOST_BYTES, Samples, StoreError, Trial};
 use std::path::Path;
 use zwidth_study::{Given, Sample, Status, TrialMeta};
@@ -51,7 +51,7 @@ impl Journaled {
 pub(crate) fn read_journal(files: &dyn Files, path: &Path) -> Result<Journaled, StoreError> {
     let bytes = files.read(path, MOST_BYTES).map_err(|e| StoreError::io(path, "read", &e))?;
     let (first, framed) = bytes.split_at(MAGIC.len().min(bytes.len()));
-    let is_journal = [MAGIC, FIRST_MAGIC].contains(&first);
+    let is_journal = first == MAGIC;
     let decoded = decode(framed);
     // The first append has the magic and the header; of what was not synced any sector may be zeros.
     let lacks_first = bytes.iter().take(SECTOR).all(|b| *b == 0) && decoded.frames.is_empty();

@@ -22,7 +22,7 @@ pub fn encoded_column(
 ) -> Result<Vec<u8>, StoreError> {
     let mut samples = Samples::default();
     samples.set(signal, values.to_vec());
-    let (field, array) = signal_column(signal.column(), zwidth_study::Schema::Two, &samples);
+    let (field, array) = signal_column(signal.column(), &samples);
     let name = signal.name();
     (|| {
         let batch = RecordBatch::try_new(Arc::new(Schema::new(vec![field])), vec![array])?;

@@ -6,7 +6,7 @@ use crate::form::bounds::{
     MOST_COLUMN_BYTES, Said, Why, check_footer_in, check_pages_in, check_size,
 };
 use crate::form::codec::check_codecs;
-use crate::form::write::{FOOTER_DIGEST, VERSION, footer_digest};
+use crate::form::write::{FOOTER_DIGEST, TABLE_VERSION, VERSION, footer_digest};
 use crate::memo::Memo;
 use crate::{Files, MOST_RECORDING, StoreError};
 use arrow::array::RecordBatch;
@@ -320,21 +320,28 @@ fn unreadable(path: &Path, remedy: &str, why: &str) -> StoreError {
     StoreError::new(path, format!("not a readable Parquet file: {why}"), remedy)
 }
 
-/// The version that a file says it has, if it is one of a file of ours.
+/// The version that a file says it has, if it is one of a file of ours: that of trials, or none of a
+/// sweep.
 pub(crate) fn version(
     path: &Path,
     footer: &BTreeMap<String, String>,
-) -> Result<Schema, StoreError> {
+) -> Result<Option<Schema>, StoreError> {
     let error = |what: String| {
-        let remedy = "this software reads versions 1 and 2; use `zwidth import` for other files";
+        let remedy = format!(
+            "this software reads sweeps of version {TABLE_VERSION} and trials of version {}; use `zwidth import` for \
+             other files",
+            Schema::default().number()
+        );
         StoreError::new(path, what, remedy)
     };
     let said = footer
         .get(VERSION)
         .ok_or_else(|| error("not a zwidth file: no schema version in its footer".to_owned()))?;
-    let known = said.parse().ok().and_then(Schema::from_number);
     // `+1` and `01` are numbers too, and nothing that we write.
-    known
-        .filter(|schema| schema.number().to_string() == *said)
-        .ok_or_else(|| error(format!("schema version {said} is unknown")))
+    let number = said.parse::<u32>().ok().filter(|number| number.to_string() == *said);
+    let schema = number.and_then(Schema::from_number);
+    if schema.is_none() && number != Some(TABLE_VERSION) {
+        return Err(error(format!("schema version {said} is unknown")));
+    }
+    Ok(schema)
 }

@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 use std::sync::Arc;
 use zwidth_numerics::series::ends;
-use zwidth_study::{Channel, ChannelId, Schema, TrialForm, TrialMeta};
+use zwidth_study::{Channel, ChannelId, TrialForm, TrialMeta};
 
 /// Reads a trial, with only the `signals` asked for (all: `Signal::all()`). Time is always read.
 ///
@@ -106,7 +106,7 @@ impl OpenColumns {
         let file = ParquetFile::open_recording(files, path)?;
         let form = form_of(path, &file.footer)?;
         let schema = file.schema()?;
-        let recorded = recorded(&file.footer, form.schema);
+        let recorded = recorded(&file.footer);
         let (matched, last, seen, failed) = Default::default();
         Ok(Self { form, file, schema, recorded, matched, last, seen, failed })
     }
@@ -200,8 +200,8 @@ impl OpenColumns {
         room: Vec<f64>,
     ) -> Result<Option<Vec<f64>>, StoreError> {
         let column = signal.column();
-        check_field(&self.file.path, &self.schema, column, self.form.schema)?;
-        let name = column.name_in(self.form.schema);
+        check_field(&self.file.path, &self.schema, column)?;
+        let name = column.name;
         if !self.has(signal) && self.file.is_said_to_be_null(name) {
             return Ok(None);
         }
@@ -212,8 +212,8 @@ impl OpenColumns {
     /// [`OpenColumns::signal_in`], decoded whatever the statistics say.
     fn decoded(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
         let column = signal.column();
-        check_field(&self.file.path, &self.schema, column, self.form.schema)?;
-        let of = (column.name_in(self.form.schema), column.storage);
+        check_field(&self.file.path, &self.schema, column)?;
+        let of = (column.name, column.storage);
         column_values(&self.file, of, room, false)
     }
 
@@ -243,7 +243,7 @@ impl OpenColumns {
     /// # Errors
     /// Those of [`OpenColumns::signal`], where they are read.
     pub(crate) fn reach_of(&self, signal: Signal) -> Result<Option<f64>, StoreError> {
-        let name = signal.column().name_in(self.form.schema);
+        let name = signal.column().name;
         let said = self.file.said_ends(name).filter(|_| self.has(signal));
         let found = match said {
             Some(ends) => Some(ends),
@@ -333,18 +333,13 @@ pub fn read_entries(path: &Path) -> Result<(BTreeMap<String, String>, usize), St
 }
 
 /// Checks a column's presence, type and unit.
-pub(crate) fn check_field(
-    path: &Path,
-    columns: &SchemaRef,
-    c: &Column,
-    schema: Schema,
-) -> Result<(), StoreError> {
+pub(crate) fn check_field(path: &Path, columns: &SchemaRef, c: &Column) -> Result<(), StoreError> {
     let expected = match c.storage {
         Storage::F64 => DataType::Float64,
         Storage::F32 => DataType::Float32,
         Storage::U16 => DataType::UInt16,
     };
-    check_described(path, columns, (c.name_in(schema), &expected, c.unit))
+    check_described(path, columns, (c.name, &expected, c.unit))
 }
 
 /// Checks that `schema` has a column of this name, with this type and unit.

@@ -1,8 +1,6 @@
 //! The per-sample columns of a trial file: one table, read by the writer, the reader, `verify` and
 //! `import` alike.
 
-use zwidth_study::Schema;
-
 /// A per-sample quantity of a trial. SI units; angles in radians.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Signal {
@@ -50,7 +48,7 @@ pub enum Storage {
 pub struct Column {
     /// The signal.
     pub signal: Signal,
-    /// The column's name, with its unit, in the newest schema ([`Column::name_in`]).
+    /// The column's name, with its unit.
     pub name: &'static str,
     /// Unit, as in the field's metadata.
     pub unit: &'static str,
@@ -58,17 +56,6 @@ pub struct Column {
     pub description: &'static str,
     /// Type in the file. In memory every signal is `f64`, which holds all three exactly.
     pub storage: Storage,
-}
-
-impl Column {
-    /// The column's name in files of this version.
-    pub fn name_in(&self, schema: Schema) -> &'static str {
-        match (self.signal, schema) {
-            // `flags` is an attribute of every data frame of pandas, which hides the column.
-            (Signal::StateBits, Schema::One) => "flags",
-            _ => self.name,
-        }
-    }
 }
 
 const fn column(

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
-use zwidth_study::{AnswerScale, Channel, Schema, TrialForm, TrialMeta};
+use zwidth_study::{AnswerScale, Channel, TrialForm, TrialMeta};
 
 /// Prefix of the footer keys that carry a column's digest.
 pub(crate) const DIGEST: &str = "blake3:";
@@ -52,7 +52,7 @@ pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u
     let mut footer = footer(&trial.meta, &trial.file, form);
     for c in &COLUMNS {
         if let Some(values) = trial.samples.get(c.signal) {
-            let key = format!("{DIGEST}{}", c.name_in(form.schema));
+            let key = format!("{DIGEST}{}", c.name);
             footer.insert(key, column_digest(values, c.storage));
         }
     }
@@ -61,9 +61,8 @@ pub fn trial_bytes(trial: &Trial, form: &TrialForm, path: &Path) -> Result<Vec<u
         footer.insert(key, column_digest(values, Storage::F64));
     }
     let entries = all_entries(&batch.schema(), footer);
-    let rows = (form.schema > Schema::One).then_some(GROUP_ROWS);
-    let properties =
-        recorded(&batch.schema(), entries, rows).map_err(|e| cannot_encode(path, &e))?;
+    let properties = recorded(&batch.schema(), entries, Some(GROUP_ROWS))
+        .map_err(|e| cannot_encode(path, &e))?;
     write(&batch, properties, path)
 }
 
@@ -75,7 +74,7 @@ pub(crate) fn trial_batch(
     path: &Path,
 ) -> Result<RecordBatch, StoreError> {
     let mut columns: Vec<(Field, ArrayRef)> =
-        COLUMNS.iter().map(|c| signal_column(c, form.schema, samples)).collect();
+        COLUMNS.iter().map(|c| signal_column(c, samples)).collect();
     columns.extend(form.channels.iter().map(|c| channel_column(c, samples)));
     columns.extend(constant_columns(meta, samples.len(), form));
     let (fields, arrays): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
@@ -167,20 +166,20 @@ pub fn described(
         .with_metadata(metadata.map(|(k, v)| (k.to_owned(), v.to_owned())).into())
 }
 
-fn field(c: &Column, schema: Schema) -> Field {
+fn field(c: &Column) -> Field {
     let data_type = match c.storage {
         Storage::F64 => DataType::Float64,
         Storage::F32 => DataType::Float32,
         Storage::U16 => DataType::UInt16,
     };
-    described(c.name_in(schema), data_type, true, c.unit, c.description)
+    described(c.name, data_type, true, c.unit, c.description)
 }
 
 /// A signal as a column; null throughout where the recording lacks it.
 /// The storage types hold the values: floats are narrowed as the schema says, counts were checked.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub(crate) fn signal_column(c: &Column, schema: Schema, samples: &Samples) -> (Field, ArrayRef) {
-    let field = field(c, schema);
+pub(crate) fn signal_column(c: &Column, samples: &Samples) -> (Field, ArrayRef) {
+    let field = field(c);
     let array: ArrayRef = match (samples.get(c.signal), c.storage) {
         (None, _) => new_null_array(field.data_type(), samples.len()),
         (Some(v), Storage::F64) => Arc::new(Float64Array::from(v.to_vec())),

@@ -70,12 +70,14 @@ mod tests {
         read_trial, verify,
     };
     use std::path::PathBuf;
-    use zwidth_study::{Event, Extra, Given, Sample};
+    use zwidth_study::{Extra, Given, Sample};
 
-    fn study(layout: &Layout, from: &str, to: &str) -> Study {
+    const SKIN: &str = "[[channels]]\nid = \"skin_c\"\nunit = \"°C\"\ndescription = \"the skin\"\n";
+
+    /// The study with a channel of its own.
+    fn with_skin(layout: &Layout) -> Study {
         let text = String::from_utf8(toml(layout)).unwrap();
-        assert!(text.contains(from), "{text}");
-        Study::from_toml(&text.replacen(from, to, 1)).unwrap()
+        Study::from_toml(&format!("{text}\n{SKIN}")).unwrap()
     }
 
     /// Records trial 1 of P01 S01 as a protocol says.
@@ -91,34 +93,24 @@ mod tests {
     }
 
     #[test]
-    fn a_trial_of_schema_1_has_flags_and_its_answer_and_is_read_like_any() {
+    fn trials_of_another_form_than_the_study_asks_for_are_told_and_no_more_are_added() {
         let (_folder, layout) = folder_with_study();
-        let first = Protocol { form: TrialForm::first(), ..protocol() };
-        let path = recorded(&layout, &first, &rows(0, 20));
-        let footer = read_footer(&path).unwrap();
-        assert_eq!((&footer.form, footer.file.len()), (&TrialForm::first(), 0));
-        let trial = read_trial(&path, Signal::all()).unwrap();
-        assert_eq!(trial.meta.likert, Some(4));
-        assert_eq!(trial.samples.get(Signal::StateBits), Some([256.0; 20].as_slice()));
-        let (batch, _) = crate::read_parquet(&path).unwrap();
-        assert!(batch.column_by_name("flags").is_some());
-        assert!(batch.column_by_name("state_bits").is_none());
-        // The file alone has the answer, and it counts.
+        let other = with_skin(&layout);
+        recorded(&layout, &Protocol { form: other.trial_form(), ..protocol() }, &rows(0, 20));
+        // They count all the same.
         let data = StudyData::load(&layout).unwrap();
-        assert_eq!(data.answers.len(), 1);
-        assert!(!data.sessions[0].events.iter().any(|e| matches!(e, Event::Answer { .. })));
-        // The present study.toml asks for the other form.
+        assert_eq!((data.trials.len(), data.answers.len()), (1, 1));
         let [finding] = verify(&layout).try_into().unwrap();
         assert!(finding.what.contains("1 of 1 have others"), "{finding}");
-        assert!(finding.what.contains("schema 1, a column for the answer"), "{finding}");
+        let form = "schema 2, no column for the answer, skin_c (°C)";
+        assert!(finding.what.contains(form), "{finding}");
         let error = check_form(&RealFiles, &layout, &data.study).unwrap_err();
         assert!(error.remedy.contains("keeps the form it began with"), "{error}");
-        let one = study(&layout, "schema = 2", "schema = 1");
-        assert_eq!(check_form(&RealFiles, &layout, &one), Ok(()));
+        assert_eq!(check_form(&RealFiles, &layout, &other), Ok(()));
     }
 
     #[test]
-    fn in_schema_2_an_answer_is_an_event_and_no_column() {
+    fn where_several_questions_are_asked_an_answer_is_an_event_and_no_column() {
         let (_folder, layout) = folder_with_study();
         let path = recorded(&layout, &protocol(), &rows(0, 20));
         assert_eq!(read_trial(&path, []).unwrap().meta.likert, None);
@@ -132,10 +124,9 @@ mod tests {
     #[test]
     fn a_channel_comes_back_by_its_name_and_what_the_study_did_not_ask_for_does_not() {
         let (_folder, layout) = folder_with_study();
-        let channels = "[[channels]]\nid = \"grip_n\"\nunit = \"N\"\ndescription = \"the grip\"\n\
-                        [[channels]]\nid = \"skin_c\"\nunit = \"°C\"\ndescription = \"the skin\"\n";
+        let grip = "[[channels]]\nid = \"grip_n\"\nunit = \"N\"\ndescription = \"the grip\"\n";
         let text = String::from_utf8(toml(&layout)).unwrap();
-        let study = Study::from_toml(&format!("{text}\n{channels}")).unwrap();
+        let study = Study::from_toml(&format!("{text}\n{grip}{SKIN}")).unwrap();
         let form = study.trial_form();
         let other = zwidth_study::Channel {
             id: "current_a".parse().unwrap(),
@@ -186,14 +177,12 @@ mod tests {
         let trial = crate::Trial { meta: meta(1), file: TrialFile::new(), samples };
         let (_folder, layout) = folder_with_study();
         let path = layout.trial(&meta(1).participant, &meta(1).session, 1);
-        for (form, groups) in [(TrialForm::default(), 2), (TrialForm::first(), 1)] {
-            let bytes = crate::trial_bytes(&trial, &form, &path).unwrap();
-            let reader = SerializedFileReader::new(bytes::Bytes::from(bytes.clone())).unwrap();
-            assert_eq!(reader.metadata().num_row_groups(), groups);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(&path, bytes).unwrap();
-            let again = read_trial(&path, [Signal::Time]).unwrap();
-            assert!(again.samples == trial.samples, "form {form:?}");
-        }
+        let bytes = crate::trial_bytes(&trial, &TrialForm::default(), &path).unwrap();
+        let reader = SerializedFileReader::new(bytes::Bytes::from(bytes.clone())).unwrap();
+        assert_eq!(reader.metadata().num_row_groups(), 2);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        let again = read_trial(&path, [Signal::Time]).unwrap();
+        assert!(again.samples == trial.samples);
     }
 }

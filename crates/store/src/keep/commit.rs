@@ -340,24 +340,16 @@ pub(crate) fn take_back_listed(
     disk: &dyn Files,
     layout: &Layout,
 ) -> Vec<Result<Recovered, StoreError>> {
-    let mut found = Vec::new();
-    // The second is what imports wrote before other changes had a list too.
-    for path in [layout.unfinished(), layout.raw().join("import-unfinished.json")] {
-        let list = match List::read(disk, &path) {
-            Ok(Some(list)) => list,
-            Ok(None) => continue,
-            Err(error) => {
-                found.push(Err(error));
-                continue;
-            }
-        };
-        let TakenBack { files, logs, left, unsynced } = list.take_back(disk, layout);
-        let is_whole = left.is_empty() && unsynced.is_none();
-        found.extend(left.into_iter().chain(unsynced).map(Err));
-        if is_whole {
-            let done = Recovered { path: path.clone(), done: Done::TakenBack { files, logs } };
-            found.push(end(disk, &path).map(|()| done));
-        }
+    let path = layout.unfinished();
+    let list = match List::read(disk, &path) {
+        Ok(Some(list)) => list,
+        Ok(None) => return Vec::new(),
+        Err(error) => return vec![Err(error)],
+    };
+    let TakenBack { files, logs, left, unsynced } = list.take_back(disk, layout);
+    if left.is_empty() && unsynced.is_none() {
+        let done = Recovered { path: path.clone(), done: Done::TakenBack { files, logs } };
+        return vec![end(disk, &path).map(|()| done)];
     }
-    found
+    left.into_iter().chain(unsynced).map(Err).collect()
 }

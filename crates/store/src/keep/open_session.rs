@@ -107,7 +107,7 @@ impl OpenSession {
     }
 }
 
-/// Writes a trial's file, the event that calls it recorded and, from schema 2 on, the event of the
+/// Writes a trial's file, the event that calls it recorded and the event of the
 /// answer to its question; gives the file's path. `utc` is the time of the events,
 /// `answer_time_ms` what the answer took, where it was measured.
 ///

@@ -10,7 +10,7 @@ use crate::{
     Entered, Files, Layout, Samples, Signal, Storage, StoreError, Trial, trial_bytes, write_new,
 };
 use std::path::{Path, PathBuf};
-use zwidth_study::{Event, QuestionId, Schema, TrialForm, TrialMeta};
+use zwidth_study::{Event, QuestionId, TrialForm, TrialMeta};
 
 /// A trial that ended, to be made a file.
 pub(crate) struct Ended<'a> {
@@ -77,11 +77,10 @@ impl Ended<'_> {
     }
 
     /// The question that was answered before the trial's file was finished, and its answer, which
-    /// becomes an event. In schema 1 the file alone has it.
+    /// becomes an event.
     fn answer(&self) -> Option<(QuestionId, i16)> {
         let question = self.protocol.question.clone()?;
-        let value = self.trial.meta.likert?;
-        (self.protocol.form.schema > Schema::One).then_some((question, value))
+        Some((question, self.trial.meta.likert?))
     }
 }
 

@@ -12,7 +12,7 @@ use parquet::arrow::ArrowWriter;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use zwidth_study::{Schema, TrialForm, TrialMeta};
+use zwidth_study::{TrialForm, TrialMeta};
 
 /// Bytes that are synced at a time.
 const SYNCED_AT_ONCE: usize = 1 << 23;
@@ -48,18 +48,13 @@ impl TrialWriter {
     /// same disk that is there, beside which it is written.
     ///
     /// # Errors
-    /// A form of the first schema, which has one row group a file; the disk's.
+    /// The disk's.
     pub fn begin(
         files: &dyn Files,
         (near, path): (&Path, &Path),
         (meta, file): (TrialMeta, TrialFile),
         form: &TrialForm,
     ) -> Result<Self, StoreError> {
-        if form.schema == Schema::One {
-            let what = "a study of schema 1 holds no recording of that length";
-            let remedy = "begin a new study, of schema 2";
-            return Err(StoreError::new(path, what, remedy));
-        }
         let beside = temporary(near);
         let batch = trial_batch(&meta, &Samples::default(), form, path)?;
         let properties = recorded(&batch.schema(), Vec::new(), Some(GROUP_ROWS))
@@ -96,13 +91,13 @@ impl TrialWriter {
         }
         self.last_s = t.last().copied();
         let known = |name: &str| self.digests.contains_key(&format!("{DIGEST}{name}"));
-        let same = named(samples, &self.form).all(|(name, ..)| known(name))
-            && named(samples, &self.form).count() == self.digests.len();
+        let same = named(samples).all(|(name, ..)| known(name))
+            && named(samples).count() == self.digests.len();
         if before > 0 && !same {
             let what = "some of its rows have other columns than the rest";
             return Err(StoreError::new(&self.path, what, "leave that column out"));
         }
-        for (name, storage, values) in named(samples, &self.form) {
+        for (name, storage, values) in named(samples) {
             let new = || ColumnDigest::new(storage);
             self.digests.entry(format!("{DIGEST}{name}")).or_insert_with(new).add(values);
         }
@@ -218,14 +213,11 @@ fn later(error: StoreError, rows: usize) -> StoreError {
     StoreError { row: error.row.map(|row| row + rows), ..error }
 }
 
-/// The columns that samples have, by the names and storage that they have in a file of this form.
-fn named<'a>(
-    samples: &'a Samples,
-    form: &'a TrialForm,
-) -> impl Iterator<Item = (&'a str, Storage, &'a [f64])> {
+/// The columns that samples have, by the names and storage that they have in a file.
+fn named(samples: &Samples) -> impl Iterator<Item = (&str, Storage, &[f64])> {
     let signals = Signal::all().filter_map(|signal| {
         let column = signal.column();
-        Some((column.name_in(form.schema), column.storage, samples.get(signal)?))
+        Some((column.name, column.storage, samples.get(signal)?))
     });
     signals.chain(samples.channels().map(|(id, values)| (id.as_str(), Storage::F64, values)))
 }

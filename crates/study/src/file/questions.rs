@@ -2,7 +2,7 @@
 
 use super::check::Check;
 use super::shape::{Asks, QuestionTable};
-use crate::{AnswerScale, NumberScale, Question, Schema};
+use crate::{AnswerScale, NumberScale, Question};
 
 /// An answer lies no farther from 0 on a scale's lower end.
 const FARTHEST: i16 = 1_000;
@@ -19,15 +19,14 @@ impl Check<'_> {
     pub(super) fn questions(
         &mut self,
         tables: Vec<QuestionTable>,
-        schema: Schema,
         modes: &[&str],
     ) -> Vec<Question> {
         let mut questions: Vec<Question> = Vec::new();
         for (i, table) in tables.into_iter().enumerate() {
             let key = format!("questions[{i}]");
             let scale = match table.asks {
-                Some(Asks::Mode) => self.modes_asked(&key, &table, schema, modes),
-                None => self.scale(&key, &table, schema),
+                Some(Asks::Mode) => self.modes_asked(&key, &table, modes),
+                None => self.scale(&key, &table),
             };
             if scale.is_nominal() && questions.iter().any(|question| !question.is_rating()) {
                 let what = "stands twice: one question per study asks for the mode";
@@ -51,13 +50,7 @@ impl Check<'_> {
     }
 
     /// The answers to the question which mode it was: the modes, and 0.
-    fn modes_asked(
-        &mut self,
-        key: &str,
-        table: &QuestionTable,
-        schema: Schema,
-        modes: &[&str],
-    ) -> AnswerScale {
+    fn modes_asked(&mut self, key: &str, table: &QuestionTable, modes: &[&str]) -> AnswerScale {
         let beside = [
             ("scale", table.scale.is_some()),
             ("points", table.points.is_some()),
@@ -72,10 +65,6 @@ impl Check<'_> {
             self.error(&format!("{key}.{name}"), what.to_owned());
         }
         let at = format!("{key}.asks");
-        if schema == Schema::One {
-            let what = "trial files of schema 1 hold answers from 1 to 5; a new study with schema = 2 has others";
-            self.error(&at, what.to_owned());
-        }
         let n = modes.len();
         if n < LEAST_MODES {
             let what = "the study has one mode: it can be asked for from two modes on";
@@ -98,7 +87,7 @@ impl Check<'_> {
     }
 
     /// The scale of a question: a named one, or so many points.
-    fn scale(&mut self, key: &str, table: &QuestionTable, schema: Schema) -> AnswerScale {
+    fn scale(&mut self, key: &str, table: &QuestionTable) -> AnswerScale {
         let Some(points) = table.points else {
             let given = [
                 ("from", table.from.is_some()),
@@ -114,10 +103,6 @@ impl Check<'_> {
         if table.scale.is_some() {
             let what = "is not used beside points; leave one of them out";
             self.error(&format!("{key}.scale"), what.to_owned());
-        }
-        if schema == Schema::One {
-            let what = "trial files of schema 1 hold answers from 1 to 5; a new study with schema = 2 has others";
-            self.error(&format!("{key}.points"), what.to_owned());
         }
         let most = i16::from(AnswerScale::MOST_POINTS);
         let points = self.whole(&format!("{key}.points"), points, [2, most]);
@@ -267,8 +252,6 @@ mod tests {
         check(&twice, "questions[1].asks", "stands twice");
         let same = text.replace("label = \"Passive\"", "label = \"Active\"");
         check(&same, "modes[1].label", "the label of two modes");
-        let first = text.replace("schema = 2", "schema = 1");
-        check(&first, "questions[0].asks", "a new study with schema = 2");
         let from = text.find("[[modes]]\nid = \"passive\"").unwrap();
         let to = text.find("[[questions]]").unwrap();
         let one = format!("{}{}", &text[..from], &text[to..]);
@@ -325,15 +308,6 @@ mod tests {
                 errors.iter().find(|e| e.key == key).unwrap_or_else(|| panic!("{errors:?}"));
             assert!(found.problem.contains(words), "{found}");
         }
-    }
-
-    #[test]
-    fn a_study_of_schema_1_has_the_answers_that_its_trial_files_hold() {
-        let text = template(&StudyId::new("demo").unwrap());
-        let text = text.replace("schema = 2", "schema = 1");
-        let errors =
-            Study::from_toml(&text.replacen("[[questions]]", "[[questions]]\npoints = 7", 1));
-        assert!(errors.unwrap_err()[0].problem.contains("a new study with schema = 2"));
     }
 
     #[test]

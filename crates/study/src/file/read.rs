@@ -118,10 +118,6 @@ impl Check<'_> {
             let problem = format!("the list has {n} entries; at most {MOST_CHANNELS} are allowed");
             self.error("channels", problem);
         }
-        if n > 0 && schema == Schema::One {
-            let problem = "trial files of schema 1 have none; a new study with schema = 2 has";
-            self.error("channels", problem.to_owned());
-        }
         for (i, channel) in file.channels.iter().enumerate() {
             for (key, text) in [("unit", &channel.unit), ("description", &channel.description)] {
                 let key = format!("channels[{i}].{key}");
@@ -195,7 +191,7 @@ impl Check<'_> {
             },
             environments,
             modes,
-            questions: self.questions(file.questions, schema, &labels),
+            questions: self.questions(file.questions, &labels),
             schema,
             channels: file.channels,
             analysis,
