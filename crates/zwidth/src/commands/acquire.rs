@@ -4,9 +4,10 @@ use super::device::{Bench, bench, clock, keys, raised_by_signals, secret, warn_o
 use super::participant::{beside, way};
 use super::recover::{lock, put_in_order_and_tell};
 use super::resume::resume;
-use crate::args::Acquire;
-use crate::devices::{is_homed_by_hand, mixed, open, steps_alone};
+use crate::commands::device::Keys;
+use crate::devices::{DEVICES, DeviceSpec, is_homed_by_hand, mixed, open, steps_alone};
 use crate::exit::Exit;
+use crate::limits::{positive, rate};
 use crate::screen::Screen;
 use crate::text::read_beside;
 use anyhow::bail;
@@ -15,18 +16,76 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use zwidth_acquire::{
-    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session,
+    Auto, Front, Look, Options, Outcome, Parts, Plain, Plan, Screen as Terminal, Session, Target,
     own_study, run, seed_of,
 };
 use zwidth_device::check::steps;
 use zwidth_store::{Raw, RealFiles, from_json};
-use zwidth_study::{SessionRecord, Source};
+use zwidth_study::{ExperimenterId, ParticipantId, SessionId, SessionRecord, Source, StudyId};
+
+#[derive(Debug, Clone, PartialEq, clap::Args)]
+pub(crate) struct AcquireArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The participant's code; the number at its end says which order, without one it is that of
+    /// appearance
+    #[arg(long, short, value_name = "P01")]
+    pub(crate) participant: ParticipantId,
+    /// The session
+    #[arg(long, short, value_name = "S01")]
+    pub(crate) session: SessionId,
+    /// The device
+    #[arg(long, default_value = "twin", value_name = DEVICES)]
+    pub(crate) device: DeviceSpec,
+    /// Lines in and out instead of the screen
+    #[arg(long)]
+    pub(crate) plain: bool,
+    /// The screen in ASCII alone
+    #[arg(long)]
+    pub(crate) ascii: bool,
+    /// Run without an experimenter: trials start by themselves, the simulated participant answers
+    #[arg(long)]
+    pub(crate) auto: bool,
+    /// Rate of the control loop, Hz [default: the study's]
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    pub(crate) rate: Option<f64>,
+    /// Seed of the order and of the simulated device [default: from the study's id; secret if it
+    /// is blinded]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// A simulated clock: as fast as the machine can (simulated devices only)
+    #[arg(long)]
+    pub(crate) fast: bool,
+    /// Go through the whole device check: each step waits for what a hand must do, and what moves
+    /// the lever for a yes
+    #[arg(long, conflicts_with = "auto")]
+    pub(crate) ask: bool,
+    /// A known mass for the load cell, kg; asked for after the tare
+    #[arg(long, value_name = "KG", value_parser = positive, requires = "ask")]
+    pub(crate) mass: Option<f64>,
+    #[command(flatten)]
+    pub(crate) keys: Keys,
+    /// Use the motor of a device without a watchdog; every trial is marked
+    #[arg(long)]
+    pub(crate) no_watchdog: bool,
+    /// Your code, which stands beside everything that is kept in the session's log; no name
+    #[arg(long, value_name = "E1")]
+    pub(crate) by: Option<ExperimenterId>,
+    /// Who is told of each trial's start, contact, end and answer: programs, or the pins of the board
+    /// (docs/acquire.md)
+    #[arg(long, value_name = "tcp:HOST:PORT,osc:HOST:PORT,board", value_delimiter = ',')]
+    pub(crate) markers: Vec<Target>,
+    /// Go on with a session although study.toml has changed in what it records: by the session's
+    /// own copy; its log says so
+    #[arg(long)]
+    pub(crate) accept_study_change: bool,
+}
 
 /// The software, as every record and trial names it.
 pub(super) const SOFTWARE: &str = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
 
-pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow::Result<Exit> {
-    let Acquire { participant, session, .. } = command;
+pub(crate) fn acquire(root: &Path, command: &AcquireArgs, screen: &Screen) -> anyhow::Result<Exit> {
+    let AcquireArgs { participant, session, .. } = command;
     let mut bench = bench(root, command.study.clone(), command.rate)?;
     let layout = bench.layout.clone();
     let lock = lock(&layout, "zwidth acquire")?;
@@ -94,7 +153,7 @@ pub(crate) fn acquire(root: &Path, command: &Acquire, screen: &Screen) -> anyhow
 /// The simulated device's seed: the one asked for, else the one the session began with, so that it
 /// goes on with the same device and person. A blinded session's seed stands nowhere, so its device
 /// has one of its own.
-fn device_seed(bench: &Bench, command: &Acquire) -> u64 {
+fn device_seed(bench: &Bench, command: &AcquireArgs) -> u64 {
     if bench.study.design.blinded {
         return mixed(0, &["device", command.study.as_str()]);
     }
@@ -104,7 +163,7 @@ fn device_seed(bench: &Bench, command: &Acquire) -> u64 {
 }
 
 /// Who sits before it.
-fn front(command: &Acquire, stop: Arc<AtomicBool>) -> anyhow::Result<Box<dyn Front>> {
+fn front(command: &AcquireArgs, stop: Arc<AtomicBool>) -> anyhow::Result<Box<dyn Front>> {
     let plain = |stop| Plain::new(BufReader::new(stdin()), stdout(), stop, !command.auto);
     let terminal = |stop| Terminal::open(Look::from_env(command.ascii), stop);
     Ok(match (command.plain, command.auto) {

@@ -3,20 +3,59 @@
 use super::device::{Bench, bench};
 use super::impedance::impedance;
 use super::recover::{lock, now, put_in_order_and_tell};
-use crate::args::{Actuator, Characterise, Subject};
 use crate::devices::DeviceSpec;
 use crate::exit::Exit;
+use crate::limits::MOST_SWEEPS;
 use crate::screen::Screen;
 use anyhow::bail;
+use clap::ValueEnum;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_device::{Device as _, Person, SweepPoint, Twin, brake_sweep, motor_sweep};
 use zwidth_store::{Layout, Quantity, Raw, RealFiles, Sweep, hex_blake3, record_sweep};
-use zwidth_study::{ActuatorId, Source};
+use zwidth_study::{ActuatorId, Source, StudyId};
+
+/// An actuator that can be swept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Actuator {
+    /// The motor.
+    Motor,
+    /// The brake.
+    Brake,
+}
+
+/// What can be characterised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Subject {
+    /// The motor, at a held lever
+    Motor,
+    /// The brake, at a lever that is driven
+    Brake,
+    /// The Z-width: which stiffness and damping of a virtual wall the device renders; goes on where
+    /// it was left
+    Impedance,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct CharacteriseArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The actuator, or the impedance of the whole device
+    pub(crate) actuator: Subject,
+    /// The device: the simulated one alone can be characterised
+    #[arg(long, default_value = "twin", value_name = "twin")]
+    pub(crate) device: DeviceSpec,
+    /// Number of sweeps
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_SWEEPS))]
+    pub(crate) sweeps: u32,
+    /// Seed of the simulated device
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+}
 
 pub(crate) fn characterise(
     root: &Path,
-    command: &Characterise,
+    command: &CharacteriseArgs,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), None)?;

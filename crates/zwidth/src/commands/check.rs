@@ -2,9 +2,9 @@
 
 use super::device::{bench, clock, raised_by_signals, warn_of_calibration};
 use super::recover::lock;
-use crate::args;
-use crate::devices::{checks_itself, open};
+use crate::devices::{DEVICES, DeviceSpec, checks_itself, open};
 use crate::exit::Exit;
+use crate::limits::{positive, rate};
 use crate::screen::Screen;
 use anyhow::bail;
 use serde::Serialize;
@@ -13,7 +13,28 @@ use std::path::Path;
 use zwidth_acquire::{check_value, step_words};
 use zwidth_device::check::{Finding, Step, check_device};
 use zwidth_device::{Guard, Limits};
-use zwidth_study::Check;
+use zwidth_study::{Check, StudyId};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct CheckArgs {
+    /// The study, whose work space, rate and calibration the device is to fit
+    pub(crate) study: StudyId,
+    /// The device
+    #[arg(long, default_value = "twin", value_name = DEVICES)]
+    pub(crate) device: DeviceSpec,
+    /// Rate of the control loop, Hz [default: the study's]
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    pub(crate) rate: Option<f64>,
+    /// A simulated clock: as fast as the machine can (simulated devices only)
+    #[arg(long)]
+    pub(crate) fast: bool,
+    /// Ask for what a hand must do before each step; without it only steps that need none are done
+    #[arg(long)]
+    pub(crate) ask: bool,
+    /// A known mass for the load cell, kg; asked for after the tare
+    #[arg(long, value_name = "KG", value_parser = positive, requires = "ask")]
+    pub(crate) mass: Option<f64>,
+}
 
 /// Seed of the simulated device and its clock.
 const SEED: u64 = 1;
@@ -27,7 +48,7 @@ struct Line {
     about: &'static str,
 }
 
-pub(crate) fn check(root: &Path, command: &args::Check, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn check(root: &Path, command: &CheckArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), command.rate)?;
     let _lock = lock(&bench.layout, "zwidth check")?;
     let (nobody, none) = ("check".parse()?, "check".parse()?);

@@ -4,10 +4,10 @@
 use super::hashes_read;
 use super::near::did_you_mean;
 use super::run::lengths;
-use crate::args::{By, Compare};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
+use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,9 +15,49 @@ use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
 use zwidth_runner::{JobEnd, Options, Results, run as run_jobs, wanted};
 use zwidth_store::{RealFiles, StudyData, findings};
+use zwidth_study::StudyId;
 use zwidth_tables::{Format, Table, TableError, Type, Wording};
 
-pub(crate) fn compare(root: &Path, asked: &Compare, screen: &Screen) -> anyhow::Result<Exit> {
+/// What can be compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum By {
+    /// The modes: means, and differences with their intervals
+    Mode,
+    /// The participants: each one's differences between modes
+    Participant,
+    /// The sessions: changes from the first to each later one
+    Session,
+    /// The repeats: the change from one to the next
+    Repeat,
+    /// The modes by the answers: effects over participants, odds ratios for one person
+    Answer,
+}
+
+impl From<By> for zwidth_plan::By {
+    fn from(by: By) -> Self {
+        match by {
+            By::Mode => Self::Mode,
+            By::Participant => Self::Participant,
+            By::Session => Self::Session,
+            By::Repeat => Self::Repeat,
+            By::Answer => Self::Answer,
+        }
+    }
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct CompareArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// What is compared [default: the modes; by the answers in a study without a metric]
+    #[arg(long, value_enum)]
+    pub(crate) by: Option<By>,
+    /// The metric's column in the table of metrics [default: the primary one]
+    #[arg(long, value_name = "METRIC")]
+    pub(crate) metric: Option<String>,
+}
+
+pub(crate) fn compare(root: &Path, asked: &CompareArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
     let by = asked.by.unwrap_or_else(|| default_of(&data));
@@ -101,7 +141,7 @@ fn default_of(data: &StudyData) -> By {
 }
 
 /// The metric asked for, or the first.
-fn metric(data: &StudyData, asked: &Compare) -> anyhow::Result<String> {
+fn metric(data: &StudyData, asked: &CompareArgs) -> anyhow::Result<String> {
     let metrics = plan::compared(data);
     let Some(first) = metrics.first() else {
         let answers = plan::answers(data).map_or("", |_| " (its answers: --by answer)");

@@ -1,7 +1,6 @@
 //! What recording needs: the study as it is to be run, the device, seeds, and the folder of seals.
 
 use super::{join_findings, study};
-use crate::args::Keys;
 use crate::devices::{DeviceSpec, Occasion};
 use crate::screen::Screen;
 use crate::text::read_beside;
@@ -13,6 +12,14 @@ use zwidth_device::{Clock, RealClock, SimulatedClock, TwinParameters, stop_on_si
 use zwidth_link::Settings;
 use zwidth_store::{Layout, MOST_BYTES, read_regular, read_study};
 use zwidth_study::{Calibration, Control, ParticipantId, SessionId, Study, StudyId};
+
+/// Where seals lie.
+#[derive(Debug, Clone, PartialEq, Eq, clap::Args)]
+pub(crate) struct Keys {
+    /// Folder of the seals of blinded sessions [default: zwidth/ in the user's state folder]
+    #[arg(long = "key", value_name = "DIR")]
+    pub(crate) folder: Option<PathBuf>,
+}
 
 /// A study, ready to be recorded.
 pub(super) struct Bench {

@@ -4,10 +4,11 @@ use super::locate::REMADE;
 use super::near::did_you_mean;
 use super::output::Output;
 use super::{join_findings, study};
-use crate::args::{Figure as Asked, FigureFormat};
 use crate::exit::Exit;
+use crate::limits::{positive, size};
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
+use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,13 +20,71 @@ use zwidth_runner::{JobEnd, ORIGIN, Options, Report, Results, origins, run as ru
 use zwidth_store::{Layout, RealFiles, StudyData, findings, read_named};
 use zwidth_study::StudyId;
 
+/// The form of a figure's file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FigureFormat {
+    /// For the web and for editing
+    Svg,
+    /// For print
+    Pdf,
+    /// For screens
+    Png,
+}
+
+impl FigureFormat {
+    /// Of its files' names.
+    pub(crate) fn extension(self) -> &'static str {
+        match self {
+            Self::Svg => "svg",
+            Self::Pdf => "pdf",
+            Self::Png => "png",
+        }
+    }
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct FigureArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The figure; omit it to list the figures
+    pub(crate) name: Option<String>,
+    /// Its width on paper in mm, or its width and height: 85 (one column), 175x120 [default: as a
+    /// run makes it]
+    #[arg(long, value_name = "MM[xMM]", value_parser = size)]
+    pub(crate) size: Option<(f64, Option<f64>)>,
+    /// File formats, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "svg,pdf,png")]
+    pub(crate) format: Vec<FigureFormat>,
+    /// Without heading and small print, which stand in its caption's file; the mark of simulated
+    /// data stays
+    #[arg(long)]
+    pub(crate) bare: bool,
+    /// Words of an SVG as text, to be edited and searched, in place of outlines
+    #[arg(long)]
+    pub(crate) text: bool,
+    /// Font of these words, such as the document's, by its name; each keeps the width that it has
+    /// in the font by which the figure is laid out
+    #[arg(long, value_name = "NAME", requires = "text")]
+    pub(crate) font: Option<String>,
+    /// Font file (.ttf, .otf) in which the figure is laid out and set, in every format; give it up
+    /// to three times, for upright, italic and bold [default: that of study.toml, else Noto Sans]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) font_file: Vec<PathBuf>,
+    /// Dots per inch of a PNG
+    #[arg(long, value_name = "DPI", default_value_t = zwidth_draw::DEFAULT_DPI, value_parser = positive)]
+    pub(crate) dpi: f64,
+    /// Folder to write to [default: reports/STUDY/remade]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
 #[derive(Serialize)]
 struct Entry {
     name: String,
     shows: String,
 }
 
-pub(crate) fn figure(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn figure(root: &Path, asked: &FigureArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, asked.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| join_findings(&findings))?;
     let captions = plan::captions(&data);
@@ -77,7 +136,7 @@ fn list(figures: Vec<Entry>, screen: &Screen) -> anyhow::Result<Exit> {
 }
 
 /// Where the files go, which may not be among recordings nor among what a run makes.
-fn folder(layout: &Layout, asked: &Asked) -> anyhow::Result<PathBuf> {
+fn folder(layout: &Layout, asked: &FigureArgs) -> anyhow::Result<PathBuf> {
     let Some(folder) = &asked.out else { return Ok(layout.reports().join(REMADE)) };
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let own = [layout.raw(), layout.derived(), layout.reports().join("figures")];
@@ -113,7 +172,7 @@ fn make(data: &StudyData, name: &str) -> anyhow::Result<Option<String>> {
 }
 
 /// The figure as large and as bare as it was asked for.
-fn resized(figure: Figure, asked: &Asked) -> Figure {
+fn resized(figure: Figure, asked: &FigureArgs) -> Figure {
     let (width_mm, height_mm) = match asked.size {
         Some((width_mm, height_mm)) => (width_mm, height_mm),
         None => (figure.width_mm, figure.height_mm),
@@ -141,7 +200,7 @@ fn write(
     figure: Figure,
     folder: &Path,
     origin: Option<String>,
-    asked: &Asked,
+    asked: &FigureArgs,
 ) -> anyhow::Result<Vec<PathBuf>> {
     let source = match &figure.mark {
         Some(mark) => mark.clone(),

@@ -2,7 +2,6 @@
 
 use super::recover::{lock, now};
 use super::{join_findings, study, sum_up};
-use crate::args::Import;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
@@ -11,6 +10,24 @@ use std::path::{Path, PathBuf};
 use zwidth_import::{Guess, Mapping, Step, bytes_of, guess, import as import_files};
 use zwidth_store::commit::settle;
 use zwidth_store::{Raw, RealFiles, read_study};
+use zwidth_study::StudyId;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct ImportArgs {
+    /// The study the recordings belong to; its study.toml must exist
+    #[arg(required_unless_present = "guess")]
+    pub(crate) study: Option<StudyId>,
+    /// The mapping file: their columns to ours; with --guess, where the guess is written
+    #[arg(long, value_name = "MAP.toml", required_unless_present = "guess")]
+    pub(crate) map: Option<PathBuf>,
+    /// The recordings
+    #[arg(required_unless_present = "guess")]
+    pub(crate) files: Vec<PathBuf>,
+    /// Guess a mapping file from recordings (their columns from the first, whose they are from all
+    /// names) and print it, to be edited; nothing is imported
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["study", "files"])]
+    pub(crate) guess: Vec<PathBuf>,
+}
 
 /// Prints a guessed mapping, or writes it where no file is yet.
 fn guessed(
@@ -40,7 +57,7 @@ fn guessed(
     Ok(exit)
 }
 
-pub(crate) fn import(root: &Path, command: &Import, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn import(root: &Path, command: &ImportArgs, screen: &Screen) -> anyhow::Result<Exit> {
     if let Some((file, others)) = command.guess.split_first() {
         return guessed((file, others), command.map.as_deref(), screen);
     }

@@ -2,8 +2,8 @@
 
 use super::output::Output;
 use super::{no_study, study};
-use crate::args::Ladder as Asked;
 use crate::exit::Exit;
+use crate::limits::positive;
 use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
 use serde::Serialize;
@@ -20,6 +20,24 @@ use zwidth_runner::Provenance;
 use zwidth_simulate::ModelScene;
 use zwidth_store::StudyData;
 use zwidth_study::{Control, Perception, StudyId, counted};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct LadderArgs {
+    /// Scenes, files that end in .toml, or studies, of which every condition with a recording is
+    /// one [default: all studies under raw/]
+    #[arg(value_name = "SCENE.toml|STUDY")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// Points of the simulated device's parameters
+    #[arg(long, value_name = "N", default_value_t = zwidth_ladder::DEFAULT_POINTS)]
+    pub(crate) points: usize,
+    /// Rate of the control loop in Hz [default: a scene's is the thesis' 120.5, one sample in 8.3
+    /// ms; a study's its own]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub(crate) rate: Option<f64>,
+    /// Folder to write to [default: reports/ladder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
 
 /// The loop of a scene that no study names: the thesis' h, s (Table 3).
 const THESIS_PERIOD_S: f64 = 0.0083;
@@ -39,7 +57,7 @@ struct Outcome {
 /// A ladder, what its files are called, and whether its force was simulated.
 type Climbed = (String, Ladder, bool);
 
-pub(crate) fn ladder(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn ladder(root: &Path, asked: &LadderArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let folder = asked.out.clone().unwrap_or_else(|| root.join("reports").join("ladder"));
     let mut outcomes = Vec::new();
     for name in named(root, asked)? {
@@ -74,7 +92,7 @@ pub(crate) fn ladder(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Res
 }
 
 /// What is asked for, each once; all studies by default.
-fn named(root: &Path, asked: &Asked) -> anyhow::Result<Vec<PathBuf>> {
+fn named(root: &Path, asked: &LadderArgs) -> anyhow::Result<Vec<PathBuf>> {
     let mut named = if asked.scenes.is_empty() {
         let all = super::studies(root, Vec::new())?;
         all.iter().map(|layout| PathBuf::from(layout.study().as_str())).collect()
@@ -104,7 +122,7 @@ fn stem(path: &Path) -> String {
 fn climbed(
     root: &Path,
     name: &Path,
-    asked: &Asked,
+    asked: &LadderArgs,
     screen: &Screen,
 ) -> anyhow::Result<Vec<Climbed>> {
     if name.extension().is_some_and(|extension| extension == "toml") {
@@ -137,7 +155,7 @@ fn climbed(
 }
 
 /// The ladder of a scene's file, over the terms that it can have.
-fn of_scene(path: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Climbed> {
+fn of_scene(path: &Path, asked: &LadderArgs, screen: &Screen) -> anyhow::Result<Climbed> {
     let text = crate::text::scene(path)?;
     let at = || path.display().to_string();
     let scene = ModelScene::from_toml(&text).with_context(at)?;
@@ -166,7 +184,7 @@ fn rows(ladder: &Ladder) -> LadderRows {
 /// Writes a ladder, its figure on axes that hold those of all conditions, `beside`.
 fn written(
     folder: &Path,
-    asked: &Asked,
+    asked: &LadderArgs,
     (name, ladder, synthetic): &Climbed,
     beside: &[LadderRows],
 ) -> anyhow::Result<Outcome> {
@@ -206,7 +224,7 @@ fn tell(outcome: &Outcome, screen: &Screen) {
 }
 
 /// What the files of a ladder say of their making.
-fn origin(ladder: &Ladder, asked: &Asked, synthetic: bool) -> Provenance {
+fn origin(ladder: &Ladder, asked: &LadderArgs, synthetic: bool) -> Provenance {
     let source = match synthetic {
         true => "SYNTHETIC: model runs under a simulated force, not measured",
         false => "model runs, not measured",

@@ -1,12 +1,21 @@
 //! `zwidth merge`: the results of shards become the study's.
 
 use super::sharded::{Sharded, line};
-use crate::args::Merge;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zwidth_runner::{Share, merge as merge_shards};
+use zwidth_study::StudyId;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct MergeArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Other data folders in which shards were made; nothing there is changed
+    #[arg(long, value_name = "DIR", num_args = 1..)]
+    pub(crate) from: Vec<PathBuf>,
+}
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -19,7 +28,7 @@ struct Outcome {
     missing: Vec<String>,
 }
 
-pub(crate) fn merge(root: &Path, command: &Merge, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn merge(root: &Path, command: &MergeArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let sharded = Sharded::load(root, &command.study, &command.from)?;
     let (own, others) = sharded.results();
     let bar = screen.bar(0);

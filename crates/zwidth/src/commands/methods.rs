@@ -1,14 +1,32 @@
 //! `zwidth methods`: what was done, in words.
 
-use crate::args::Methods;
 use crate::exit::Exit;
 use crate::screen::Screen;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::Path;
 use zwidth_plan as plan;
-use zwidth_report::methods as parts;
+use zwidth_report::{MethodsForm, methods as parts};
 use zwidth_store::StudyData;
+use zwidth_study::StudyId;
 
-pub(crate) fn methods(root: &Path, asked: &Methods, screen: &Screen) -> anyhow::Result<Exit> {
+#[derive(Debug, clap::Args)]
+pub(crate) struct MethodsArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The form in which to print them: Markdown, LaTeX or Typst
+    #[arg(long, default_value = MethodsForm::ALL[0].0, value_parser = methods_forms())]
+    pub(crate) format: MethodsForm,
+}
+
+/// The forms of the methods, by the extensions of their files.
+fn methods_forms() -> impl TypedValueParser<Value = MethodsForm> {
+    PossibleValuesParser::new(MethodsForm::ALL.map(|(word, _)| word)).try_map(|word| {
+        let found = MethodsForm::ALL.into_iter().find(|(known, _)| *known == word);
+        found.map(|(_, form)| form).ok_or_else(|| format!("'{word}' is not a format"))
+    })
+}
+
+pub(crate) fn methods(root: &Path, asked: &MethodsArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
     let parts = parts(&data.study, &plan::recorded(&data), env!("CARGO_PKG_VERSION"));

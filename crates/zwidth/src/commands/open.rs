@@ -2,18 +2,28 @@
 
 use super::output::Output;
 use super::study;
-use crate::args::Open;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use std::collections::BTreeMap;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zwidth_report::single_file;
 use zwidth_runner::Results;
 use zwidth_store::{Layout, MOST_BYTES, RealFiles, StoreError};
+use zwidth_study::StudyId;
 
-pub(crate) fn open(root: &Path, command: &Open, screen: &Screen) -> anyhow::Result<Exit> {
+#[derive(Debug, clap::Args)]
+pub(crate) struct OpenArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Write the page with its figures and samples into this one file, to send or to keep, and open
+    /// nothing
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) single_file: Option<PathBuf>,
+}
+
+pub(crate) fn open(root: &Path, command: &OpenArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
     let page = zwidth_plan::page_file(&layout);
     let shown = layout.shown(&page).display();

@@ -2,7 +2,6 @@
 
 use super::device::{raised_by_signals, secret};
 use super::study;
-use crate::args::Participant;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
@@ -15,13 +14,26 @@ use std::thread;
 use std::time::Duration;
 use zwidth_acquire::{Beside, Door, Front, Guest, Look, Secret, place_of, show_lines, show_screen};
 use zwidth_store::{Layout, PortFile, StudyLock, read_port};
+use zwidth_study::StudyId;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct ParticipantArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Lines in and out instead of the screen
+    #[arg(long)]
+    pub(crate) plain: bool,
+    /// The screen in ASCII alone
+    #[arg(long)]
+    pub(crate) ascii: bool,
+}
 
 /// A screen that a signal ends gives its terminal back within this time, or not at all.
 const LAST: Duration = Duration::from_millis(500);
 
 pub(crate) fn participant(
     root: &Path,
-    command: &Participant,
+    command: &ParticipantArgs,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;

@@ -2,8 +2,8 @@
 //! and testing them as `compare` does; and a plan to deposit before data are taken.
 
 use super::recover::lock;
-use crate::args::Power;
 use crate::exit::Exit;
+use crate::limits::{MOST_PARTICIPANTS, positive};
 use crate::screen::Screen;
 use crate::text::read_beside;
 use anyhow::{Context as _, bail};
@@ -15,7 +15,41 @@ use zwidth_plan as plan;
 use zwidth_results::{ModeDifference, Model, UnitOfAnalysis};
 use zwidth_stats::power::{self, HALVINGS, Plan, PlannedTest, Searched, Simulation};
 use zwidth_store::{Raw, RealFiles, StudyData, hex_blake3, write_new};
-use zwidth_study::{Study, contrast_label};
+use zwidth_study::{Study, StudyId, contrast_label};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct PowerArgs {
+    /// The study: its repeats, modes, alpha and contrasts are planned with
+    pub(crate) study: StudyId,
+    /// The true difference between two modes, in the metric's SI unit
+    #[arg(long, value_name = "D", value_parser = positive)]
+    pub(crate) difference: f64,
+    /// Number of participants
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PARTICIPANTS))]
+    pub(crate) participants: Option<u32>,
+    /// The metric's column in the table of metrics [default: the primary one]
+    #[arg(long, value_name = "METRIC")]
+    pub(crate) metric: Option<String>,
+    /// Standard deviation of participants' levels [default: that of the study's own trials]
+    #[arg(long, value_name = "SD", value_parser = positive)]
+    pub(crate) participant_sd: Option<f64>,
+    /// Standard deviation of participants' own effects of a mode [default: likewise]
+    #[arg(long, value_name = "SD", value_parser = positive)]
+    pub(crate) participant_mode_sd: Option<f64>,
+    /// Standard deviation of repeats [default: likewise]
+    #[arg(long, value_name = "SD", value_parser = positive)]
+    pub(crate) residual_sd: Option<f64>,
+    /// Number of studies that are simulated
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=100_000))]
+    pub(crate) studies: u32,
+    /// Seed of the simulated studies
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Write the plan to raw/STUDY/plan.json, to deposit before data are taken: `compare` then says
+    /// whether the analysis is that one
+    #[arg(long)]
+    pub(crate) plan: bool,
+}
 
 /// The power that a study is planned with.
 const TARGET: f64 = 0.8;
@@ -63,7 +97,7 @@ struct Spread {
     source: String,
 }
 
-pub(crate) fn power(root: &Path, asked: &Power, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn power(root: &Path, asked: &PowerArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
     let metric = asked.metric.clone().unwrap_or_else(|| data.study.compare.primary.to_string());
@@ -154,7 +188,7 @@ fn advance(bar: &ProgressBar, searched: Searched, before: usize, next: usize) {
 /// The SDs given, or those of the study's own trials.
 fn spread(
     data: &StudyData,
-    asked: &Power,
+    asked: &PowerArgs,
     metric: &str,
     screen: &Screen,
 ) -> anyhow::Result<Spread> {

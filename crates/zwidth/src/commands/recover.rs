@@ -1,7 +1,6 @@
 //! `zwidth recover`: what a kill or a power cut left is brought in order.
 
 use super::{join_findings, study};
-use crate::args::Recover;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use jiff::Timestamp;
@@ -12,6 +11,23 @@ use zwidth_store::{
     Layout, Raw, RealFiles, Recovered, StoreError, StudyLock, accept_study, owner,
     recover as recover_study,
 };
+use zwidth_study::{ParticipantId, SessionId, StudyId};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct RecoverArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Accept a study.toml that has changed since sessions began: `verify` notes it then, and
+    /// warns no more
+    #[arg(long)]
+    pub(crate) accept_study_change: bool,
+    /// Of this participant's session alone
+    #[arg(long, short, value_name = "P01", requires_all = ["session", "accept_study_change"])]
+    pub(crate) participant: Option<ParticipantId>,
+    /// Of this session alone
+    #[arg(long, short, value_name = "S01", requires_all = ["participant", "accept_study_change"])]
+    pub(crate) session: Option<SessionId>,
+}
 
 #[derive(Serialize)]
 struct Line {
@@ -20,7 +36,7 @@ struct Line {
     ok: bool,
 }
 
-pub(crate) fn recover(root: &Path, command: &Recover, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn recover(root: &Path, command: &RecoverArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
     let lock = lock(&layout, "zwidth recover")?;
     let mut lines = put_in_order(&layout, &lock);
@@ -42,7 +58,7 @@ pub(crate) fn recover(root: &Path, command: &Recover, screen: &Screen) -> anyhow
 }
 
 /// Accepts the present `study.toml`, for one session or for all to which a change of it matters.
-fn accepted(layout: &Layout, lock: &StudyLock, command: &Recover) -> anyhow::Result<Vec<Line>> {
+fn accepted(layout: &Layout, lock: &StudyLock, command: &RecoverArgs) -> anyhow::Result<Vec<Line>> {
     let only = command.participant.as_ref().zip(command.session.as_ref());
     let raw = Raw::adds(&RealFiles, layout, lock);
     let accepted =

@@ -1,15 +1,25 @@
 //! The command that goes on with a session: with every option that it was begun with and needs
 //! again, as a shell reads it.
 
-use crate::args::Acquire;
+use crate::commands::acquire::AcquireArgs;
 use crate::devices::DeviceSpec;
 use std::path::Path;
 use zwidth_store::{shell_line, shell_option};
 
 /// The command. A blinded session needs no seed to go on, so its seed is not shown.
-pub(super) fn resume(root: &Path, command: &Acquire, blinded: bool) -> String {
-    let Acquire {
-        study, participant, session, device, plain, ascii, auto, rate, seed, fast, ..
+pub(super) fn resume(root: &Path, command: &AcquireArgs, blinded: bool) -> String {
+    let AcquireArgs {
+        study,
+        participant,
+        session,
+        device,
+        plain,
+        ascii,
+        auto,
+        rate,
+        seed,
+        fast,
+        ..
     } = command;
     let mut words = vec!["zwidth".to_owned(), "acquire".to_owned()];
     // What looks like an option comes last, where nothing is taken for one.
@@ -44,7 +54,8 @@ pub(super) fn resume(root: &Path, command: &Acquire, blinded: bool) -> String {
 #[cfg(unix)]
 mod tests {
     use super::*;
-    use crate::args::{Args, Command, Keys};
+    use crate::args::{Args, Command};
+    use crate::commands::device::Keys;
     use clap::Parser as _;
 
     /// The words that a shell makes of a line.
@@ -61,14 +72,14 @@ mod tests {
     }
 
     /// What the suggested command is read back as.
-    fn read_back(root: &str, command: &Acquire, blinded: bool) -> (String, Acquire) {
+    fn read_back(root: &str, command: &AcquireArgs, blinded: bool) -> (String, AcquireArgs) {
         let line = resume(Path::new(root), command, blinded);
         let args = Args::try_parse_from(words(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
         let Command::Acquire(read) = args.command else { panic!("{line}") };
         (args.root.display().to_string(), read)
     }
 
-    fn plain(study: &str) -> Acquire {
+    fn plain(study: &str) -> AcquireArgs {
         let typed = ["zwidth", "acquire", "-p", "P01", "-s", "S01", "--", study];
         let Command::Acquire(command) = Args::parse_from(typed).command else { panic!() };
         command
@@ -78,10 +89,10 @@ mod tests {
     fn the_suggested_command_is_read_back_as_the_one_that_was_given() {
         let paths = ["a", "a b", "it's", "-x", "~/x", "$HOME`id`\"\\", "ä/new\nline", "*?[x]", "-"];
         let ids = ["P01", "-p", "--root", "_"];
-        let ways = |command: &Acquire, i: usize| {
+        let ways = |command: &AcquireArgs, i: usize| {
             let path = paths[i % paths.len()];
             let id = ids[i % ids.len()];
-            Acquire {
+            AcquireArgs {
                 participant: id.parse().unwrap(),
                 session: ids[(i / 2) % ids.len()].parse().unwrap(),
                 device: match i % 3 {
@@ -111,7 +122,7 @@ mod tests {
             let command = ways(&plain(ids[(i / 5) % ids.len()]), i);
             let root = paths[(i / 7) % paths.len()];
             assert_eq!(read_back(root, &command, false), (root.to_owned(), command.clone()), "{i}");
-            let unseeded = Acquire { seed: None, ..command.clone() };
+            let unseeded = AcquireArgs { seed: None, ..command.clone() };
             assert_eq!(
                 read_back(root, &command, true).1,
                 unseeded,
@@ -126,7 +137,7 @@ mod tests {
             resume(Path::new(""), &plain("small"), false),
             "zwidth acquire small -p P01 -s S01"
         );
-        let accepts = Acquire { accept_study_change: true, ..plain("small") };
+        let accepts = AcquireArgs { accept_study_change: true, ..plain("small") };
         assert_eq!(
             resume(Path::new(""), &accepts, false),
             "zwidth acquire small -p P01 -s S01",

@@ -4,7 +4,6 @@ use super::alike::once;
 use super::cluster::run_on;
 use super::near::did_you_mean;
 use super::{hashes_read, join_findings, nameless, studies};
-use crate::args::Run;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use serde::Serialize;
@@ -15,10 +14,39 @@ use std::time::Instant;
 use zwidth_acquire::Unsynced;
 use zwidth_plan as plan;
 use zwidth_runner::{
-    Done, Job, JobEnd, Options, Report, Results, run as run_jobs, waiting, wanted,
+    Done, Job, JobEnd, Options, Report, Results, Shard, run as run_jobs, waiting, wanted,
 };
 use zwidth_store::{Findings, Layout, RealFiles, Seen, StoreError, StudyData, findings};
 use zwidth_study::StudyId;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct RunArgs {
+    /// Studies to run [default: all under raw/]
+    pub(crate) studies: Vec<StudyId>,
+    /// Make everything again
+    #[arg(long)]
+    pub(crate) fresh: bool,
+    /// Only this stage, figure or table, and what it needs
+    #[arg(long, value_name = "STAGE|FIGURE|TABLE")]
+    pub(crate) only: Option<String>,
+    /// Only the share I of N of what is derived from trials, to be merged later: 3/7
+    #[arg(long, value_name = "I/N", conflicts_with = "only")]
+    pub(crate) shard: Option<Shard>,
+    /// Have what is derived from trials made on a Ballista cluster, by its scheduler's address; the
+    /// program `zwidth-cluster` must be on the path
+    #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["fresh", "only", "shard", "dry_run", "without_origin"])]
+    pub(crate) cluster: Option<String>,
+    /// Where the cluster's executors find raw/: a folder that all machines share, or an object store
+    /// [default: the same folder as here]
+    #[arg(long, value_name = "DIR|s3://BUCKET/PREFIX", requires = "cluster")]
+    pub(crate) raw: Option<String>,
+    /// Say what would be made, and why; make nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Files say nothing of their making, so that two programs' bytes can be compared
+    #[arg(long, hide = true)]
+    pub(crate) without_origin: bool,
+}
 
 /// What `--json` prints of a study.
 #[derive(Serialize)]
@@ -47,7 +75,7 @@ struct Entry {
     seconds: f64,
 }
 
-pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn run(root: &Path, command: &RunArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let nameless = nameless(root, &command.studies);
     nameless.iter().for_each(|finding| screen.warn(finding.to_string()));
     let mut exit = if nameless.is_empty() { Exit::Fine } else { Exit::Partly };
@@ -91,7 +119,7 @@ pub(crate) fn run(root: &Path, command: &Run, screen: &Screen) -> anyhow::Result
     })
 }
 
-fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcome> {
+fn one(layout: &Layout, command: &RunArgs, screen: &Screen) -> anyhow::Result<Outcome> {
     let start = Instant::now();
     // Who asks for everything afresh wants nothing taken for what it was.
     let seen = if command.fresh { Seen::nothing(layout) } else { Seen::of(layout) };
@@ -142,7 +170,7 @@ fn one(layout: &Layout, command: &Run, screen: &Screen) -> anyhow::Result<Outcom
 fn tell_waiting(
     results: &Results,
     layout: &Layout,
-    command: &Run,
+    command: &RunArgs,
     screen: &Screen,
 ) -> anyhow::Result<()> {
     let waiting = if command.shard.is_some() { 0 } else { waiting(results)? };
@@ -166,7 +194,7 @@ pub(super) fn lengths(jobs: &[Job], wanted: &[bool]) -> Vec<(&'static str, usize
 }
 
 /// The jobs among which are all that a run looks at.
-fn planned(data: &StudyData, found: &Findings, command: &Run) -> Vec<Job> {
+fn planned(data: &StudyData, found: &Findings, command: &RunArgs) -> Vec<Job> {
     let stage = command.only.as_deref();
     stage.and_then(|stage| plan::jobs_of_stage(data, stage)).unwrap_or_else(|| {
         let mut jobs = plan::jobs(data, found);
@@ -176,14 +204,14 @@ fn planned(data: &StudyData, found: &Findings, command: &Run) -> Vec<Job> {
 }
 
 /// The figure that `--only` asks for, where a run makes it on demand alone.
-fn on_demand(data: &StudyData, jobs: &[Job], command: &Run) -> Option<Job> {
+fn on_demand(data: &StudyData, jobs: &[Job], command: &RunArgs) -> Option<Job> {
     let only = command.only.as_deref()?;
     let is_there = plan::STAGES.contains(&only) || jobs.iter().any(|job| job.is_called(only));
     if is_there { None } else { plan::on_demand(data, only) }
 }
 
 /// `--only` must name something there is.
-fn check_only(jobs: &[Job], study: &StudyId, command: &Run) -> anyhow::Result<()> {
+fn check_only(jobs: &[Job], study: &StudyId, command: &RunArgs) -> anyhow::Result<()> {
     let Some(only) = &command.only else { return Ok(()) };
     if jobs.iter().any(|job| job.is_called(only)) {
         return Ok(());
@@ -244,7 +272,13 @@ fn outcome(layout: &Layout, reports: &[Report], seconds: f64) -> Outcome {
     }
 }
 
-fn tell(layout: &Layout, reports: &[Report], outcome: &Outcome, command: &Run, screen: &Screen) {
+fn tell(
+    layout: &Layout,
+    reports: &[Report],
+    outcome: &Outcome,
+    command: &RunArgs,
+    screen: &Screen,
+) {
     let verb = if command.dry_run { "to make" } else { "made" };
     for stage in plan::STAGES {
         let of_stage: Vec<_> = reports.iter().filter(|r| r.stage == stage).collect();

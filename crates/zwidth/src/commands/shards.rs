@@ -1,12 +1,27 @@
 //! `zwidth shards`: which shards have made their share, and what is missing.
 
 use super::sharded::{Sharded, line};
-use crate::args::Shards;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use serde::Serialize;
-use std::path::Path;
-use zwidth_runner::{Share, survey};
+use std::path::{Path, PathBuf};
+use zwidth_runner::{MOST_SHARDS, Share, survey};
+use zwidth_study::StudyId;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct ShardsArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// Only shards that something is missing of
+    #[arg(long)]
+    pub(crate) missing: bool,
+    /// How many shards there are [default: as many as the manifests say]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SHARDS)))]
+    pub(crate) of: Option<u32>,
+    /// Other data folders in which shards were made
+    #[arg(long, value_name = "DIR", num_args = 1..)]
+    pub(crate) from: Vec<PathBuf>,
+}
 
 /// What `--json` prints of a shard.
 #[derive(Serialize)]
@@ -16,7 +31,7 @@ struct Entry<'a> {
     missing: &'a [&'a str],
 }
 
-pub(crate) fn shards(root: &Path, command: &Shards, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn shards(root: &Path, command: &ShardsArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let sharded = Sharded::load(root, &command.study, &command.from)?;
     let (own, others) = sharded.results();
     let bar = screen.bar(0);

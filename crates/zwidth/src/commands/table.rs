@@ -1,16 +1,38 @@
 //! `zwidth table`: a derived table, in any form.
 
 use super::near::did_you_mean;
-use crate::args::Table as Asked;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_plan as plan;
 use zwidth_store::StudyData;
-use zwidth_tables::Wording;
+use zwidth_study::StudyId;
+use zwidth_tables::{Format, Wording};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct TableArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The table; omit it to list the tables
+    pub(crate) name: Option<String>,
+    /// The form in which to print it
+    #[arg(long, default_value = Format::Markdown.extension(), value_parser = text_formats())]
+    pub(crate) format: Format,
+}
+
+/// The formats of a table that are text, by the extensions of their files.
+fn text_formats() -> impl TypedValueParser<Value = Format> {
+    let text = || Format::ALL.into_iter().filter(|format| format.is_text());
+    let values = text().map(|f| PossibleValue::new(f.extension()).help(f.about()));
+    PossibleValuesParser::new(values).try_map(move |word| {
+        let of_word = text().find(|format| format.extension() == word);
+        of_word.ok_or_else(|| format!("'{word}' is not a format"))
+    })
+}
 
 #[derive(Serialize)]
 struct Entry {
@@ -19,7 +41,7 @@ struct Entry {
     rows: usize,
 }
 
-pub(crate) fn table(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn table(root: &Path, asked: &TableArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = super::study(root, asked.study.clone())?;
     let data = StudyData::load(&layout).map_err(|findings| super::join_findings(&findings))?;
     let printed: Vec<_> =

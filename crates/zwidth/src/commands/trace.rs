@@ -4,17 +4,24 @@
 use super::locate::{FoundBy, Made, Place, copies, is_a_copy, is_raw, no_job, place, records};
 use super::study;
 use super::why::short;
-use crate::args::Traced;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{anyhow, bail};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_plan as plan;
 use zwidth_runner::{Record, Source, Step, Trace, trace as follow};
 use zwidth_store::file_blake3;
+
+/// A result asked about.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Traced {
+    /// A file under derived/ or reports/, relative to the current folder or --root; or a copy of
+    /// one, anywhere
+    pub(crate) path: PathBuf,
+}
 
 /// What `--json` prints of a file.
 #[derive(Serialize)]

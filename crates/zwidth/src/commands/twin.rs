@@ -4,10 +4,11 @@
 use super::characterise::simulated_sweep;
 use super::device::{Bench, bench, keys};
 use super::recover::lock;
-use crate::args::{Actuator, Twin};
+use crate::commands::characterise::Actuator;
+use crate::commands::device::Keys;
 use crate::devices::{DeviceSpec, mixed, steps_alone, twin as device};
 use crate::exit::Exit;
-use crate::limits::MOST_SCALE;
+use crate::limits::{MOST_PARTICIPANTS, MOST_SCALE, MOST_SESSIONS, rate};
 use crate::screen::Screen;
 use crate::text::read_beside;
 use anyhow::{Context as _, bail, ensure};
@@ -22,7 +23,34 @@ use zwidth_store::{
     Files as _, Layout, Raw, RealFiles, check_study_id, hex_blake3, log_sweeps, sweep_bytes,
     write_new,
 };
-use zwidth_study::{ParticipantId, SessionId, template};
+use zwidth_study::{ParticipantId, SessionId, StudyId, template};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct TwinArgs {
+    /// The study; it is made with `zwidth new` if it is not there
+    pub(crate) study: StudyId,
+    /// Number of participants
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=MOST_PARTICIPANTS))]
+    pub(crate) participants: u32,
+    /// Sessions of each
+    #[arg(long, value_name = "M", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=MOST_SESSIONS))]
+    pub(crate) sessions: u32,
+    /// Seed of participants, devices and order: one seed, the same bytes
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Rate of the control loop, Hz [default: the study's]
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    pub(crate) rate: Option<f64>,
+    /// So many times the repeats of the design, in a study that is made: for data of any size
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MOST_SCALE))]
+    pub(crate) scale: u32,
+    /// Participants now and then give a trial up, which is then done again, or leave a question
+    /// open
+    #[arg(long)]
+    pub(crate) untidy: bool,
+    #[command(flatten)]
+    pub(crate) keys: Keys,
+}
 
 /// Version of what this command makes of a seed. Another version gives other bytes, and another
 /// software in the files.
@@ -39,7 +67,7 @@ const DAY_S: i64 = 86_400;
 const WEEK_DAYS: i64 = 7;
 const YEAR_DAYS: i64 = 366;
 
-pub(crate) fn twin(root: &Path, command: &Twin, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn twin(root: &Path, command: &TwinArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = Layout::new(root, command.study.clone());
     make_study(&layout, command)?;
     let bench = bench(root, command.study.clone(), command.rate)?;
@@ -72,7 +100,7 @@ pub(crate) fn twin(root: &Path, command: &Twin, screen: &Screen) -> anyhow::Resu
 }
 
 /// Writes `study.toml` where there is none.
-fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
+fn make_study(layout: &Layout, command: &TwinArgs) -> anyhow::Result<()> {
     let path = layout.study_toml();
     if path.exists() && command.scale <= 1 {
         return Ok(());
@@ -99,7 +127,7 @@ fn make_study(layout: &Layout, command: &Twin) -> anyhow::Result<()> {
 }
 
 /// P01 S01, P01 S02, …
-fn sessions(command: &Twin) -> anyhow::Result<Vec<(ParticipantId, SessionId)>> {
+fn sessions(command: &TwinArgs) -> anyhow::Result<Vec<(ParticipantId, SessionId)>> {
     let mut sessions = Vec::new();
     for participant in 1..=command.participants {
         for session in 1..=command.sessions {
@@ -132,7 +160,7 @@ fn refuse_what_is_there(
 fn one(
     bench: &Bench,
     raw: &Raw,
-    command: &Twin,
+    command: &TwinArgs,
     participant: &ParticipantId,
     session: &SessionId,
     keys: &Path,
@@ -220,7 +248,7 @@ fn sweep_all(bench: &Bench, raw: &Raw, seed: u64) -> anyhow::Result<()> {
 
 /// What was made, and what was not.
 fn tell(
-    command: &Twin,
+    command: &TwinArgs,
     sessions: &[(ParticipantId, SessionId)],
     outcomes: Vec<anyhow::Result<Outcome>>,
     screen: &Screen,

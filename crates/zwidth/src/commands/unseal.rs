@@ -4,15 +4,33 @@
 use super::device::keys;
 use super::recover::{lock, now, put_in_order_and_tell};
 use super::{join_findings, session, study};
-use crate::args::Unseal;
+use crate::commands::device::Keys;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
 use std::path::Path;
 use zwidth_acquire::{left_to_do, vault};
 use zwidth_store::{Raw, RealFiles, StudyData, commit_events};
+use zwidth_study::{ParticipantId, SessionId, StudyId};
 
-pub(crate) fn unseal(root: &Path, command: &Unseal, screen: &Screen) -> anyhow::Result<Exit> {
+#[derive(Debug, clap::Args)]
+pub(crate) struct UnsealArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The participant
+    #[arg(long, short, value_name = "P01")]
+    pub(crate) participant: ParticipantId,
+    /// The session
+    #[arg(long, short, value_name = "S01")]
+    pub(crate) session: SessionId,
+    /// Even if trials are still to come, which are not blind then
+    #[arg(long)]
+    pub(crate) unfinished: bool,
+    #[command(flatten)]
+    pub(crate) keys: Keys,
+}
+
+pub(crate) fn unseal(root: &Path, command: &UnsealArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let layout = study(root, command.study.clone())?;
     let lock = lock(&layout, "zwidth unseal")?;
     put_in_order_and_tell(&layout, &lock, screen);

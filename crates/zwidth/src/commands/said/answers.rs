@@ -1,24 +1,57 @@
 //! `zwidth answer --from`: a table of answers to trials that are there, all given or none.
 
 use super::given::{Given, Known};
-use crate::args::Answer;
 use crate::commands::recover::{lock, now, put_in_order_and_tell};
 use crate::commands::{join_findings, session, study, sum_up};
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, btree_map::Entry};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zwidth_import::{Claims, LateAnswer, LateAnswers, TrialMeant};
 use zwidth_store::{
     Entered, FirstErrors, Raw, RealFiles, SessionLog, StudyData, TrialEntry, commit_events,
 };
-use zwidth_study::{Event, ParticipantId, QuestionId, SessionId, Study};
+use zwidth_study::{
+    AnswerValue, Event, ExperimenterId, ParticipantId, QuestionId, SessionId, Study, StudyId,
+};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct AnswerArgs {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The participant
+    #[arg(long, short, value_name = "P01", required_unless_present = "from")]
+    pub(crate) participant: Option<ParticipantId>,
+    /// The session; with --from, that of a table without a column of sessions
+    #[arg(long, short, value_name = "S01", required_unless_present = "from")]
+    pub(crate) session: Option<SessionId>,
+    /// Your code, which is kept with it; no name
+    #[arg(long, value_name = "E1")]
+    pub(crate) by: Option<ExperimenterId>,
+    /// The trial's number
+    #[arg(long, value_name = "N", required_unless_present = "from")]
+    pub(crate) trial: Option<u32>,
+    /// The question [default: the only one that is asked after that trial]; with --from, that of a
+    /// table without a column of questions
+    #[arg(long, value_name = "ID")]
+    pub(crate) question: Option<QuestionId>,
+    /// The answer, a number of the question's scale
+    #[arg(allow_negative_numbers = true, required_unless_present = "from")]
+    pub(crate) value: Option<AnswerValue>,
+    /// A table of answers (CSV, Excel), one row each, with the columns participant, session, trial
+    /// (or environment, mode and repeat), question and answer: all are given, or none
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["participant", "trial", "value"])]
+    pub(crate) from: Option<PathBuf>,
+    /// Check the table and say what would be given; nothing is written
+    #[arg(long, requires = "from")]
+    pub(crate) dry_run: bool,
+}
 
 /// Gives every answer of the table. Each was checked before the first is written.
 pub(super) fn from_table(
     root: &Path,
-    command: &Answer,
+    command: &AnswerArgs,
     table: &Path,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
@@ -87,7 +120,7 @@ impl Checked<'_> {
 /// Every row beside the study: what it gives, or what is wrong with each.
 fn check<'a>(
     data: &'a StudyData,
-    command: &Answer,
+    command: &AnswerArgs,
     answers: &LateAnswers,
 ) -> Result<Checked<'a>, FirstErrors> {
     let (mut checked, mut errors) = (Checked::default(), FirstErrors::default());
@@ -137,7 +170,7 @@ struct Sessions<'a> {
 
 impl<'a> Sessions<'a> {
     /// The session of a row.
-    fn of(&mut self, command: &Answer, row: &LateAnswer) -> anyhow::Result<&Known<'a>> {
+    fn of(&mut self, command: &AnswerArgs, row: &LateAnswer) -> anyhow::Result<&Known<'a>> {
         let id = row.session.as_ref().or(command.session.as_ref());
         let id = id.context("the table has no column 'session': add it, or name one with -s")?;
         let Self { data, entries, known } = self;
@@ -164,7 +197,7 @@ struct Resolved<'a> {
 fn resolve<'a>(
     data: &'a StudyData,
     known: &Known<'a>,
-    command: &Answer,
+    command: &AnswerArgs,
     row: &LateAnswer,
 ) -> anyhow::Result<Resolved<'a>> {
     let trial = number(known, &row.trial)?;

@@ -1,12 +1,12 @@
 //! `zwidth exclude`, `note`, `answer`: what is said of a session after it was recorded. Each is an
 //! event that is added to its log; nothing that stands there changes.
 
-mod answers;
+pub(crate) mod answers;
 mod given;
 
 use super::recover::{lock, now, put_in_order_and_tell};
 use super::{join_findings, session, study};
-use crate::args::{Answer, Exclude, Note, Said};
+use crate::commands::said::answers::AnswerArgs;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::bail;
@@ -14,9 +14,47 @@ use given::{Given, Known};
 use std::collections::BTreeSet;
 use std::path::Path;
 use zwidth_store::{Entered, Raw, RealFiles, SessionLog, StudyData, commit_events};
-use zwidth_study::Event;
+use zwidth_study::{Event, ExperimenterId, ParticipantId, SessionId, StudyId};
 
-pub(crate) fn exclude(root: &Path, command: &Exclude, screen: &Screen) -> anyhow::Result<Exit> {
+/// A session that was recorded, and who says something of it.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Said {
+    /// The study
+    pub(crate) study: StudyId,
+    /// The participant
+    #[arg(long, short, value_name = "P01")]
+    pub(crate) participant: ParticipantId,
+    /// The session
+    #[arg(long, short, value_name = "S01")]
+    pub(crate) session: SessionId,
+    /// Your code, which is kept with it; no name
+    #[arg(long, value_name = "E1")]
+    pub(crate) by: Option<ExperimenterId>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct NoteArgs {
+    #[command(flatten)]
+    pub(crate) said: Said,
+    /// The trial's number [default: a remark on the session]
+    #[arg(long, value_name = "N")]
+    pub(crate) trial: Option<u32>,
+    /// The remark
+    pub(crate) text: String,
+}
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct ExcludeArgs {
+    #[command(flatten)]
+    pub(crate) said: Said,
+    /// The trial's number, or several, separated by commas: all are excluded, or none
+    #[arg(long, value_name = "N[,N…]", required = true, value_delimiter = ',')]
+    pub(crate) trial: Vec<u32>,
+    /// Why they do not count
+    pub(crate) reason: String,
+}
+
+pub(crate) fn exclude(root: &Path, command: &ExcludeArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let reason = text(&command.reason, "an exclusion needs its reason")?;
     let trials: BTreeSet<u32> = command.trial.iter().copied().collect();
     add(root, &command.said, screen, &|data, log| {
@@ -47,7 +85,7 @@ pub(crate) fn exclude(root: &Path, command: &Exclude, screen: &Screen) -> anyhow
     })
 }
 
-pub(crate) fn note(root: &Path, command: &Note, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn note(root: &Path, command: &NoteArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let text = text(&command.text, "the note is empty")?;
     add(root, &command.said, screen, &|data, log| {
         if let Some(trial) = command.trial {
@@ -59,8 +97,8 @@ pub(crate) fn note(root: &Path, command: &Note, screen: &Screen) -> anyhow::Resu
     })
 }
 
-pub(crate) fn answer(root: &Path, command: &Answer, screen: &Screen) -> anyhow::Result<Exit> {
-    let Answer { study, participant, session, by, trial, question, value, from, .. } = command;
+pub(crate) fn answer(root: &Path, command: &AnswerArgs, screen: &Screen) -> anyhow::Result<Exit> {
+    let AnswerArgs { study, participant, session, by, trial, question, value, from, .. } = command;
     if let Some(from) = from {
         return answers::from_table(root, command, from, screen);
     }

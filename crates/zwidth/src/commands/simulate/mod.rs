@@ -4,10 +4,11 @@ pub(super) mod scene_file;
 mod words;
 
 use super::output::Output;
-use crate::args::Simulate;
 use crate::exit::Exit;
+use crate::limits::{positive, tolerance};
 use crate::screen::Screen;
 use anyhow::bail;
+use clap::builder::PossibleValuesParser;
 use scene_file::SceneFile;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -15,10 +16,41 @@ use std::path::{Path, PathBuf};
 use zwidth_figures::MOST_SIDE_BY_SIDE;
 use zwidth_results::{BowTieSample, ChatteringRun, ModelEvent, ModelRun, Row as _};
 use zwidth_simulate::{
-    BOW_TIE_NOTE, CHATTERING_NOTE, CHATTERING_STEPS_S, ModelScene, SOLVERS, Summary, bow_tie,
-    chattering, model_events, model_run, simulate as run_scene, solver,
+    BOW_TIE_NOTE, CHATTERING_NOTE, CHATTERING_STEPS_S, DEFAULT_SOLVER, ModelScene, SOLVERS,
+    Summary, bow_tie, chattering, model_events, model_run, simulate as run_scene, solver,
 };
 use zwidth_tables::Table;
+
+/// What --tolerance is unless told otherwise: [`zwidth_simulate::DEFAULT_TOLERANCE`] as people
+/// write it.
+const DEFAULT_TOLERANCE: &str = "1e-9";
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct SimulateArgs {
+    /// Scenes; of two or more the inputs are drawn beside each other too
+    #[arg(required = true, value_name = "SCENE.toml")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// The solver
+    #[arg(long, value_name = "NAME", default_value = DEFAULT_SOLVER, value_parser = PossibleValuesParser::new(SOLVERS))]
+    pub(crate) solver: String,
+    /// Time between samples in s, which is the step of solvers of a fixed step [default: the
+    /// scene's]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) step: Option<f64>,
+    /// Relative error a step that dormand_prince and tr_bdf2 aim for
+    #[arg(long, value_name = "X", value_parser = tolerance, default_value = DEFAULT_TOLERANCE)]
+    pub(crate) tolerance: f64,
+    /// Folder to write to [default: reports/simulate]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Every solver at steps from 8.3 ms down: which oscillation is the method's, and which the
+    /// model's
+    #[arg(long)]
+    pub(crate) chattering: bool,
+    /// Instead of pushing the lever, move it from stop to stop and back: force against angle
+    #[arg(long, conflicts_with = "chattering")]
+    pub(crate) bow_tie: bool,
+}
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -44,7 +76,11 @@ struct Done {
     files: Vec<PathBuf>,
 }
 
-pub(crate) fn simulate(root: &Path, command: &Simulate, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn simulate(
+    root: &Path,
+    command: &SimulateArgs,
+    screen: &Screen,
+) -> anyhow::Result<Exit> {
     let folder = command.out.clone().unwrap_or_else(|| root.join("reports").join("simulate"));
     check_stems(&command.scenes)?;
     let mut outcomes = Vec::new();
@@ -94,7 +130,7 @@ pub(super) fn stem(path: &Path) -> String {
 fn one(
     path: &Path,
     folder: &Path,
-    command: &Simulate,
+    command: &SimulateArgs,
     progress: &dyn Fn(),
 ) -> anyhow::Result<Done> {
     let mut file = SceneFile::read(path)?;
@@ -134,7 +170,7 @@ fn one(
 
 /// Which solver made the files, and of which scene, word for word.
 fn made_from(
-    command: &Simulate,
+    command: &SimulateArgs,
     scene: Option<&ModelScene>,
 ) -> anyhow::Result<BTreeMap<String, String>> {
     let mut facts = BTreeMap::from([
@@ -149,7 +185,7 @@ fn made_from(
 
 /// The figures of several scenes: their inputs, and the runs side by side where the page is wide
 /// enough.
-fn shared(done: &[Done], folder: &Path, command: &Simulate) -> anyhow::Result<Vec<PathBuf>> {
+fn shared(done: &[Done], folder: &Path, command: &SimulateArgs) -> anyhow::Result<Vec<PathBuf>> {
     let runs: Vec<&ModelRun> =
         done.iter().filter_map(|d| d.run.as_ref()).map(|run| &run.1).collect();
     if runs.len() < 2 {
@@ -192,4 +228,15 @@ fn tell(outcome: &Outcome, screen: &Screen) {
 fn tell_files(files: &[PathBuf], screen: &Screen) {
     let pictures = files.iter().filter(|path| path.extension().is_some_and(|e| e == "png"));
     pictures.for_each(|path| screen.result(format!("  {}", path.display())));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::positive;
+
+    #[test]
+    fn the_default_tolerance_is_the_stage_s_own() {
+        assert_eq!(positive(DEFAULT_TOLERANCE), Ok(zwidth_simulate::DEFAULT_TOLERANCE));
+    }
 }

@@ -6,8 +6,8 @@ mod recorded;
 mod words;
 
 use super::output::Output;
-use crate::args::Stability as Command;
 use crate::exit::Exit;
+use crate::limits::{MOST_CELLS, setting, span};
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use serde::Serialize;
@@ -19,6 +19,47 @@ use zwidth_stability::{
     Area, Boundary, Curve, Map, Point, Span, VERSION, cells_table, curves, curves_table, extent,
     extents_table, limit_points, limits, limits_table, map, measured,
 };
+use zwidth_study::{ParticipantId, SessionId, StudyId};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct StabilityArgs {
+    /// A scene, whose device, spring and step are taken [default: the simulated device of
+    /// docs/twin.md]
+    #[arg(value_name = "SCENE.toml")]
+    pub(crate) scene: Option<PathBuf>,
+    /// Another value of a quantity, in SI units: delay=0.0083, wall_damping=2; each may be given.
+    /// Quantities: step, mass, damping, wall_damping, stiffness, lever, finger, delay, rate
+    #[arg(long, value_name = "QUANTITY=VALUE", value_parser = setting)]
+    pub(crate) at: Vec<(WallQuantity, f64)>,
+    /// What runs along x, with its ends in SI units; with --y one map in place of six
+    #[arg(long, value_name = "QUANTITY[=FROM..TO]", value_parser = span, requires = "y")]
+    pub(crate) x: Option<(WallQuantity, Option<[f64; 2]>)>,
+    /// What runs along y
+    #[arg(long, value_name = "QUANTITY[=FROM..TO]", value_parser = span, requires = "x")]
+    pub(crate) y: Option<(WallQuantity, Option<[f64; 2]>)>,
+    /// Cells a side of a map
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=MOST_CELLS))]
+    pub(crate) cells: u32,
+    /// Boundaries that others measured, drawn too: files with the columns K and B
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) beside: Vec<PathBuf>,
+    /// Instead of maps: was what swings in this study's recorded trials real? Each trial's loop is
+    /// run again
+    #[arg(long, value_name = "STUDY", conflicts_with_all = ["scene", "at", "x", "y", "beside"])]
+    pub(crate) study: Option<StudyId>,
+    /// Of this participant's trials alone
+    #[arg(long, short, value_name = "P01", requires = "study")]
+    pub(crate) participant: Option<ParticipantId>,
+    /// Of this session's trials alone
+    #[arg(long, short, value_name = "S01", requires = "study")]
+    pub(crate) session: Option<SessionId>,
+    /// Of this trial alone
+    #[arg(long, value_name = "N", requires_all = ["participant", "session"])]
+    pub(crate) trial: Option<u32>,
+    /// Folder to write to [default: reports/stability; of a study reports/STUDY/stability]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
 
 /// What runs along x where nothing is asked for; the stiffness runs along y.
 const USUAL: [WallQuantity; 6] = [
@@ -50,7 +91,11 @@ struct Outcome {
     files: Vec<PathBuf>,
 }
 
-pub(crate) fn stability(root: &Path, command: &Command, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn stability(
+    root: &Path,
+    command: &StabilityArgs,
+    screen: &Screen,
+) -> anyhow::Result<Exit> {
     if let Some(study) = &command.study {
         return recorded::recorded(root, study, command, screen);
     }
@@ -87,7 +132,7 @@ pub(crate) fn stability(root: &Path, command: &Command, screen: &Screen) -> anyh
 }
 
 /// The pairs of axes that are asked for, or the usual ones.
-fn spans(command: &Command) -> Vec<[Span; 2]> {
+fn spans(command: &StabilityArgs) -> Vec<[Span; 2]> {
     let span = |quantity, ends: Option<[f64; 2]>| {
         let usual = Span::usual(quantity, command.cells as usize);
         Span { ends: ends.unwrap_or(usual.ends), ..usual }
@@ -217,7 +262,7 @@ fn tell(outcome: &Outcome, screen: &Screen) {
 }
 
 /// What the files say of their making.
-fn made_from(command: &Command, point: &Point) -> BTreeMap<String, String> {
+fn made_from(command: &StabilityArgs, point: &Point) -> BTreeMap<String, String> {
     let scene = command
         .scene
         .as_ref()

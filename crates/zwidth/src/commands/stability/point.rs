@@ -1,6 +1,6 @@
 //! The device and the wall that a command asks for.
 
-use crate::args::Stability as Command;
+use crate::commands::stability::StabilityArgs;
 use anyhow::Context as _;
 use std::f64::consts::TAU;
 use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};
@@ -11,7 +11,7 @@ use zwidth_stability::{Point, of_scene};
 const PERIOD_S: f64 = 0.0083;
 
 /// Its name in files, and the point.
-pub(super) fn of(command: &Command) -> anyhow::Result<(String, Point)> {
+pub(super) fn of(command: &StabilityArgs) -> anyhow::Result<(String, Point)> {
     let (name, point) = match &command.scene {
         Some(path) => {
             let text = crate::text::scene(path)?;

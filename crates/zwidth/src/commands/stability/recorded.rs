@@ -1,7 +1,7 @@
 //! `zwidth stability --study`: whether what swings in recorded trials is the device's own.
 
 use super::super::output::Output;
-use crate::args::Stability as Command;
+use crate::commands::stability::StabilityArgs;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{anyhow, bail};
@@ -31,7 +31,7 @@ struct Told<'a> {
 pub(super) fn recorded(
     root: &Path,
     study: &StudyId,
-    command: &Command,
+    command: &StabilityArgs,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
     let layout = super::super::study(root, study.clone())?;
@@ -61,7 +61,7 @@ pub(super) fn recorded(
 fn write(
     root: &Path,
     data: &StudyData,
-    command: &Command,
+    command: &StabilityArgs,
     found: &Oscillations,
 ) -> anyhow::Result<Vec<PathBuf>> {
     let study = data.layout.study();
@@ -128,11 +128,11 @@ fn tell(found: &Oscillations, files: &[PathBuf], screen: &Screen) {
 }
 
 mod words {
-    use crate::args::Stability as Command;
+    use crate::commands::stability::StabilityArgs;
     use zwidth_replay::{Oscillation, RecordedSwings};
     use zwidth_study::TrialMeta;
 
-    pub(super) fn nothing(command: &Command) -> String {
+    pub(super) fn nothing(command: &StabilityArgs) -> String {
         let parts = [
             command.participant.as_ref().map(ToString::to_string),
             command.session.as_ref().map(ToString::to_string),

@@ -6,7 +6,6 @@ mod timing;
 mod words;
 
 use super::output::Output;
-use crate::args::Trade as Command;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use crate::text::read_beside;
@@ -18,10 +17,28 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::Felt;
 use zwidth_results::TradeChoice;
+use zwidth_study::StudyId;
 use zwidth_trade::{
     Fineness, Parameters, Setting, Trade, choice, choices_table, courses, courses_table, metrics,
     metrics_table, models, recommended_scene, settings, settings_table, trade as trade_scene,
 };
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct TradeArgs {
+    /// Scenes, files that end in .toml, or studies, of which every condition is one, and whose
+    /// trials are simulated with another loop and other sensors [default: all studies under raw/]
+    #[arg(value_name = "SCENE.toml|STUDY")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// A study, as above
+    #[arg(long, value_name = "STUDY")]
+    pub(crate) study: Vec<StudyId>,
+    /// Folder to write to [default: reports/trade; for a study reports/STUDY/timing]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Do everything again, whether it changed or not
+    #[arg(long)]
+    pub(crate) fresh: bool,
+}
 
 /// What `--json` prints of a scene.
 #[derive(Serialize)]
@@ -34,7 +51,7 @@ struct Outcome {
     error: Option<String>,
 }
 
-pub(crate) fn trade(root: &Path, command: &Command, screen: &Screen) -> anyhow::Result<Exit> {
+pub(crate) fn trade(root: &Path, command: &TradeArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let Asked { scenes, studies } = asked(root, command, screen)?;
     let mut outcomes = Vec::new();
     let settings: usize = scenes.iter().map(Source::settings).sum();

@@ -4,7 +4,7 @@ use super::super::simulate::scene_file::SceneFile;
 use super::super::simulate::{check_stems, stem};
 use super::super::{join_findings, no_study, studies};
 use super::setups::Study;
-use crate::args::Trade as Command;
+use crate::commands::trade::TradeArgs;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ pub(super) struct Asked {
 }
 
 /// The scenes and studies that a command names; all studies where it names none.
-pub(super) fn asked(root: &Path, command: &Command, screen: &Screen) -> anyhow::Result<Asked> {
+pub(super) fn asked(root: &Path, command: &TradeArgs, screen: &Screen) -> anyhow::Result<Asked> {
     let is_scene = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "toml");
     let files: Vec<PathBuf> = command.scenes.iter().filter(is_scene).cloned().collect();
     let mut named = command.study.clone();
@@ -86,7 +86,7 @@ fn study_id(name: &Path) -> anyhow::Result<StudyId> {
 /// The conditions of a study, and its trials.
 fn of_study(
     layout: &Layout,
-    command: &Command,
+    command: &TradeArgs,
     screen: &Screen,
     found: &mut Asked,
 ) -> anyhow::Result<()> {

@@ -1,0 +1,257 @@
+//! What can be typed. Parsed here, resolved into work by the commands.
+
+use crate::commands::acquire::AcquireArgs;
+use crate::commands::characterise::CharacteriseArgs;
+use crate::commands::check::CheckArgs;
+use crate::commands::compare::CompareArgs;
+use crate::commands::figure::FigureArgs;
+use crate::commands::import::ImportArgs;
+use crate::commands::ladder::LadderArgs;
+use crate::commands::merge::MergeArgs;
+use crate::commands::methods::MethodsArgs;
+use crate::commands::open::OpenArgs;
+use crate::commands::participant::ParticipantArgs;
+use crate::commands::power::PowerArgs;
+use crate::commands::recover::RecoverArgs;
+use crate::commands::run::RunArgs;
+use crate::commands::said::answers::AnswerArgs;
+use crate::commands::said::{ExcludeArgs, NoteArgs};
+use crate::commands::shards::ShardsArgs;
+use crate::commands::simulate::SimulateArgs;
+use crate::commands::stability::StabilityArgs;
+use crate::commands::table::TableArgs;
+use crate::commands::trace::Traced;
+use crate::commands::trade::TradeArgs;
+use crate::commands::twin::TwinArgs;
+use crate::commands::unseal::UnsealArgs;
+use crate::limits::MOST_THREADS;
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use zwidth_study::StudyId;
+
+/// Force-feedback studies: from raw recordings to figures, tables and a summary.
+///
+/// Exit codes: 0 fine, 1 failed, 2 bad arguments, 3 done but something was skipped or lost, or is
+/// to be read with care (and listed).
+#[derive(Debug, Parser)]
+#[command(name = "zwidth", version, max_term_width = 100)]
+pub(crate) struct Args {
+    /// Folder that holds raw/, derived/ and reports/
+    #[arg(long, global = true, env = "ZWIDTH_ROOT", default_value = ".", value_name = "DIR")]
+    pub(crate) root: PathBuf,
+    /// Listings as JSON, for machines
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Number of threads, at most 1024 [default: all cores]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    pub(crate) threads: Option<u16>,
+    /// Only results, warnings and errors
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+    /// Say why each thing is made again, how long it took, and every finding
+    #[arg(long, short, global = true)]
+    pub(crate) verbose: bool,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// The main job: raw data to every figure, table and summary; does only what changed
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth run thesis-twin\n",
+        "  zwidth run thesis-twin --only metrics\n",
+        "  zwidth run thesis-twin --cluster node1:50050"
+    ))]
+    Run(RunArgs),
+    /// Which shards of a study have made their share (`run --shard`), and what is missing
+    #[command(after_help = "Example:\n  zwidth shards thesis-twin --missing")]
+    Shards(ShardsArgs),
+    /// Put the results of a study's shards together; then `run` makes the rest
+    #[command(after_help = "Example:\n  zwidth merge thesis-twin")]
+    Merge(MergeArgs),
+    /// Write a commented study.toml for a new study
+    #[command(after_help = "Example:\n  zwidth new mystudy")]
+    New {
+        /// The study's id: a folder's name under raw/
+        study: StudyId,
+        /// A shorter study.toml, for recordings that another program made
+        #[arg(long)]
+        imported: bool,
+    },
+    /// Record a session: trials, questions, pauses; resumes where it was left
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth acquire mystudy -p P01 -s S01\n",
+        "  zwidth acquire mystudy -p P01 -s S01 --device rig:/dev/ttyACM0"
+    ))]
+    Acquire(AcquireArgs),
+    /// The participant's own screen beside a session that is being recorded: what to do, and the
+    /// question
+    #[command(after_help = "Example:\n  zwidth participant mystudy")]
+    Participant(ParticipantArgs),
+    /// List the serial ports, or ask those that are named which board is there
+    #[command(after_help = "Example:\n  zwidth ports /dev/ttyACM0")]
+    Ports {
+        /// Ports to be asked: 12 s at most for each. Only name one at which a board is: what is
+        /// something else may take a question for a command
+        #[arg(value_name = "PORT")]
+        ports: Vec<PathBuf>,
+    },
+    /// The device check before a session
+    #[command(after_help = "Example:\n  zwidth check mystudy --device rig:/dev/ttyACM0")]
+    Check(CheckArgs),
+    /// Record characterisation sweeps of an actuator, or the Z-width of the device
+    #[command(after_help = "Example:\n  zwidth characterise mystudy motor --sweeps 3")]
+    Characterise(CharacteriseArgs),
+    /// A whole study on the simulated device, at once
+    #[command(after_help = "Example:\n  zwidth twin mytwin --participants 4 --sessions 1")]
+    Twin(TwinArgs),
+    #[command(after_help = concat!(
+        "Example:\n",
+        "  zwidth exclude mystudy -p P01 -s S01 --trial 7 \"the phone rang\""
+    ))]
+    /// Exclude a recorded trial, with a reason: it is missing until it is done again
+    Exclude(ExcludeArgs),
+    #[command(after_help = "Example:\n  zwidth note mystudy -p P01 -s S01 left-handed")]
+    /// Add a remark to a session, or to one of its trials
+    Note(NoteArgs),
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth answer mystudy -p P01 -s S01 --trial 7 4\n",
+        "  zwidth answer mystudy --from ratings.csv"
+    ))]
+    /// Give answers after the session, one or a table of them; each counts in place of an earlier
+    /// one, which is kept
+    Answer(AnswerArgs),
+    /// Open a blinded session's seal: its modes are known from then on
+    #[command(after_help = "Example:\n  zwidth unseal mystudy -p P01 -s S01")]
+    Unseal(UnsealArgs),
+    /// After a kill or a power cut: journals become trials, half-written files go
+    #[command(after_help = "Example:\n  zwidth recover mystudy")]
+    Recover(RecoverArgs),
+    /// Bring in recordings of other rigs, as a mapping file says
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth import --guess recordings/P01.csv --map map.toml\n",
+        "  zwidth import mystudy --map map.toml recordings/P01.csv"
+    ))]
+    Import(ImportArgs),
+    /// Check studies: every finding, with file, column, row and remedy
+    #[command(after_help = "Example:\n  zwidth verify thesis-twin")]
+    Verify {
+        /// Studies to check [default: all under raw/]
+        studies: Vec<StudyId>,
+    },
+    /// Studies, sessions and trials; what is missing
+    #[command(after_help = "Example:\n  zwidth list thesis-twin")]
+    List {
+        /// A study [default: all]
+        study: Option<StudyId>,
+    },
+    /// Run a model of the device: figures and tables of scenes
+    #[command(after_help = "Example:\n  zwidth simulate scenes/sine.toml")]
+    Simulate(SimulateArgs),
+    /// Speed against accuracy: every solver and step on scenes, and the cheapest that is good
+    /// enough
+    #[command(after_help = "Example:\n  zwidth trade scenes/sine.toml")]
+    Trade(TradeArgs),
+    /// Which terms of the model a scene needs: all sets of eight against the fullest
+    #[command(after_help = "Example:\n  zwidth ladder scenes/sine.toml")]
+    Ladder(LadderArgs),
+    /// Which virtual walls a device bears: limits of a sampled wall, kept apart, over pairs of
+    /// quantities; whether what swung in a recorded trial was real
+    #[command(after_help = "Example:\n  zwidth stability --at delay=0.0083")]
+    Stability(StabilityArgs),
+    /// Modes, participants, sessions or repeats of a study compared, one metric at a time
+    #[command(after_help = "Example:\n  zwidth compare thesis-twin --by participant")]
+    Compare(CompareArgs),
+    /// How many participants a study needs to find a difference; a plan to deposit
+    #[command(after_help = concat!(
+        "Example:\n",
+        "  zwidth power thesis-twin --difference 0.2 --participant-mode-sd 0.1 --residual-sd 0.2"
+    ))]
+    Power(PowerArgs),
+    /// Show a study's page in the browser, or write it as one file
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth open thesis-twin\n",
+        "  zwidth open thesis-twin --single-file thesis-twin.html"
+    ))]
+    Open(OpenArgs),
+    /// Make one figure of a study again, in another size or form, or list its figures
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth figure thesis-twin\n",
+        "  zwidth figure thesis-twin modes.P01.S01.spring --size 120 --format png"
+    ))]
+    Figure(FigureArgs),
+    /// Print a table of a study, or list its tables
+    #[command(after_help = concat!(
+        "Examples:\n",
+        "  zwidth table thesis-twin\n",
+        "  zwidth table thesis-twin conditions --format tex"
+    ))]
+    Table(TableArgs),
+    /// Print what was done in words, with its sources: for a thesis' methods chapter
+    #[command(after_help = "Example:\n  zwidth methods thesis-twin --format tex")]
+    Methods(MethodsArgs),
+    /// What a result was last made from, and why a run would make it again
+    #[command(after_help = concat!(
+        "Example:\n",
+        "  zwidth why reports/thesis-twin/figures/modes.P01.S01.spring.png"
+    ))]
+    Why(Traced),
+    /// The raw files behind a result, and the jobs between; also of a copy that lies elsewhere
+    #[command(after_help = concat!(
+        "Example:\n",
+        "  zwidth trace reports/thesis-twin/figures/modes.P01.S01.spring.png"
+    ))]
+    Trace(Traced),
+    /// Completions for a shell
+    #[command(after_help = "Example:\n  zwidth completions bash")]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// The manual page
+    #[command(after_help = "Example:\n  zwidth man")]
+    Man,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    /// The words of a line as a shell reads them: what stands in quotation marks is one.
+    fn words(line: &str) -> Vec<String> {
+        let parts = line.split('"').enumerate();
+        let words = parts.flat_map(|(at, part)| match at % 2 {
+            0 => part.split_whitespace().map(str::to_owned).collect(),
+            _ => vec![part.to_owned()],
+        });
+        words.collect()
+    }
+
+    /// The words of the examples that a command's help ends with.
+    fn examples(command: &clap::Command) -> Vec<Vec<String>> {
+        let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        let lines = help.lines().filter_map(|line| line.strip_prefix("  "));
+        lines.map(words).collect()
+    }
+
+    #[test]
+    fn the_help_of_every_command_ends_with_examples_that_can_be_typed() {
+        for command in Args::command().get_subcommands() {
+            let name = command.get_name();
+            let examples = examples(command);
+            assert!(!examples.is_empty(), "{name} has no example");
+            for words in examples {
+                assert_eq!(words[..2], ["zwidth", name], "another command's: {words:?}");
+                Args::try_parse_from(&words).unwrap_or_else(|error| panic!("{words:?}: {error}"));
+            }
+        }
+    }
+}
