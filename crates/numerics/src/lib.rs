@@ -8,6 +8,7 @@
 pub mod activity;
 pub mod branch;
 pub mod cubic;
+pub mod dense;
 mod error;
 pub mod expm;
 pub mod fourier;

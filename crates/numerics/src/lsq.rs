@@ -4,6 +4,7 @@
 //! number of X rather than squaring it, as the normal equations would: Longley's data keep ten
 //! digits.
 
+use crate::dense::{back_substitute, dot};
 use crate::error::{NumericsError, all_finite, same_length};
 
 /// A column whose part not explained by earlier columns is smaller than this share of its length
@@ -115,15 +116,15 @@ fn reflect(v: &[f64], v_norm2: f64, x: &mut [f64]) {
 }
 
 /// Inverse of an upper triangle, by back substitution on the unit vectors.
-#[expect(clippy::needless_range_loop, reason = "k counts columns, not rows")]
 fn invert_upper(r: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let p = r.len();
     let mut inverse = vec![vec![0.0; p]; p];
     for k in 0..p {
-        for i in (0..=k).rev() {
-            let rhs = if i == k { 1.0 } else { 0.0 };
-            let known: f64 = (i + 1..=k).map(|j| r[i][j] * inverse[j][k]).sum();
-            inverse[i][k] = (rhs - known) / r[i][i];
+        let mut column = vec![0.0; k + 1];
+        column[k] = 1.0;
+        back_substitute(|i, j| r[i][j], &mut column);
+        for (row, x) in inverse.iter_mut().zip(column) {
+            row[k] = x;
         }
     }
     inverse
@@ -145,10 +146,6 @@ fn r_squared(y: &[f64], rss: f64) -> Option<f64> {
     let mean = y.iter().sum::<f64>() / y.len() as f64;
     let total: f64 = y.iter().map(|y| (y - mean) * (y - mean)).sum();
     (total > 0.0).then(|| 1.0 - rss / total)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! fixed arrays and the Jacobian is never stored: one pass over the samples sums what a step needs,
 //! in the samples' order.
 
+use crate::dense::solve_symmetric;
 use crate::error::NumericsError;
 
 /// First damping, as a share of the diagonal of JᵀJ: nearly a Gauss–Newton step.
@@ -147,25 +148,8 @@ fn step<const P: usize>(
         })
     });
     let rhs: [f64; P] = core::array::from_fn(|j| if free[j] { -sums.gradient[j] } else { 0.0 });
-    let delta = solve_symmetric(matrix, rhs);
+    let delta = solve_symmetric(matrix, rhs, |_, _| false);
     core::array::from_fn(|j| parameters[j] + delta[j])
-}
-
-/// Solves A x = b for a symmetric positive definite A by elimination without pivoting.
-fn solve_symmetric<const P: usize>(mut a: [[f64; P]; P], mut b: [f64; P]) -> [f64; P] {
-    for j in 0..P {
-        for i in j + 1..P {
-            let share = a[i][j] / a[j][j];
-            let pivot_row = a[j];
-            (j..P).for_each(|k| a[i][k] -= share * pivot_row[k]);
-            b[i] -= share * b[j];
-        }
-    }
-    for j in (0..P).rev() {
-        let known: f64 = (j + 1..P).map(|k| a[j][k] * b[k]).sum();
-        b[j] = (b[j] - known) / a[j][j];
-    }
-    b
 }
 
 /// Fall of Σ r² that the linearised residuals promise: −2 δᵀJᵀr − δᵀJᵀJ δ.

@@ -14,11 +14,11 @@
 use crate::agreement::{Agreement, Correlation, LIMIT, averaged};
 use crate::bootstrap::stream;
 use crate::error::{all_finite, check_level};
-use crate::matrix::{Matrix, add_scaled, dot};
 use crate::null::Sampling;
 use crate::tested::Unestimable;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use zwidth_numerics::dense::{Matrix, add_scaled, dot};
 use zwidth_numerics::minimise::minimise;
 
 /// Slope of twice the log-likelihood per e-fold of a variance ratio at which it is flat.

@@ -25,7 +25,6 @@ pub mod interval;
 pub mod line;
 pub mod lmm;
 mod logistic;
-mod matrix;
 pub mod null;
 pub mod paired;
 pub mod power;
@@ -41,7 +40,6 @@ pub mod sign_flip;
 pub mod signed_rank;
 pub mod student_t;
 pub mod superiority;
-mod symmetric;
 mod tested;
 pub mod welch;
 

@@ -7,8 +7,8 @@
 
 use crate::anova::{ROUNDING, check_table, two_way};
 use crate::f_distribution::upper_p;
-use crate::matrix::Matrix;
 use crate::tested::{FTest, Unestimable};
+use zwidth_numerics::dense::Matrix;
 
 /// A repeated-measures analysis of variance.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,8 +14,7 @@
 //! chapter 23). Where its residual r = Aᵀy is not 0, the conditions of optimality say A r ≥ 0 and
 //! A r ≠ 0: the residual itself is the direction, a proof that can be checked.
 
-use crate::matrix::dot;
-use crate::symmetric::{cholesky, solve};
+use zwidth_numerics::dense::{Matrix, dot};
 
 /// Answers that share their values of all columns.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,10 +113,11 @@ fn settle(rows: &[Vec<f64>], y: &mut [f64], free: &mut Vec<usize>) -> bool {
         let held: Vec<f64> =
             (0..y.len()).map(|i| if free.contains(&i) { 0.0 } else { y[i] }).collect();
         let rest = combination(rows, &held);
-        let products: Vec<Vec<f64>> =
-            free.iter().map(|&i| free.iter().map(|&j| dot(&rows[i], &rows[j])).collect()).collect();
-        let Some(l) = cholesky(&products) else { return false };
-        let target = solve(&l, &free.iter().map(|&i| -dot(&rows[i], &rest)).collect::<Vec<_>>());
+        let products =
+            Matrix::from_fn(free.len(), free.len(), |a, b| dot(&rows[free[a]], &rows[free[b]]));
+        let Some(l) = products.cholesky(0.0) else { return false };
+        let pulls: Vec<f64> = free.iter().map(|&i| -dot(&rows[i], &rest)).collect();
+        let target = l.solve_by_triangle(&pulls);
         let falling = free.iter().zip(&target).filter(|(_, to)| **to < 1.0);
         let shares = falling.map(|(&i, to)| (y[i] - 1.0) / (y[i] - to));
         let step = shares.fold(1.0_f64, f64::min);

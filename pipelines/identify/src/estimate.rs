@@ -5,6 +5,7 @@ use crate::fit::{Block, Problem, sum};
 use crate::profile::{Curve, Point};
 use crate::slopes::Parameter;
 use crate::verdict::{inflation, verdict};
+use zwidth_numerics::expm::Matrix;
 use zwidth_numerics::nonlinear::Minimum;
 use zwidth_results::Identifiability;
 use zwidth_stats::student_t::critical_value;
@@ -128,44 +129,26 @@ pub(crate) fn stepped<const P: usize>(
     }))
 }
 
-/// The inverse over the free parameters, 0 elsewhere, by Gauss–Jordan elimination of the matrix
-/// scaled to a diagonal of ones; `None` if it is singular.
+/// The inverse over the free parameters, 0 elsewhere, by elimination of the matrix scaled to a
+/// diagonal of ones; `None` if it is singular.
 pub(crate) fn inverse<const P: usize>(
     matrix: &[[f64; P]; P],
     free: &[bool; P],
 ) -> Option<[[f64; P]; P]> {
     let scale: [f64; P] = core::array::from_fn(|j| matrix[j][j].sqrt());
     let both = |j: usize, k: usize| free[j] && free[k];
-    let mut left: [[f64; P]; P] = core::array::from_fn(|j| {
-        core::array::from_fn(|k| match both(j, k) {
-            true => matrix[j][k] / (scale[j] * scale[k]),
-            false => f64::from(u8::from(j == k)),
-        })
+    let scaled = Matrix::<P>::from_fn(|j, k| match both(j, k) {
+        true => matrix[j][k] / (scale[j] * scale[k]),
+        false => f64::from(u8::from(j == k)),
     });
-    let mut right: [[f64; P]; P] =
-        core::array::from_fn(|j| core::array::from_fn(|k| f64::from(u8::from(j == k))));
-    for j in 0..P {
-        let pivot = left[j][j];
-        // positive definite: every pivot is above 0, and rounding is what is left of one that is
-        // not
-        if pivot.is_nan() || pivot <= f64::EPSILON {
-            return None;
-        }
-        for k in 0..P {
-            left[j][k] /= pivot;
-            right[j][k] /= pivot;
-        }
-        let (row, of) = (left[j], right[j]);
-        for i in (0..P).filter(|i| *i != j) {
-            let share = left[i][j];
-            for k in 0..P {
-                left[i][k] -= share * row[k];
-                right[i][k] -= share * of[k];
-            }
-        }
-    }
+    // Positive definite: every pivot is above 0 where it stands, and rounding is what is left of
+    // one that is not.
+    let inverse = scaled.inverse_by(|rows, k| (rows[k][k] > f64::EPSILON).then_some(k))?;
     Some(core::array::from_fn(|j| {
-        core::array::from_fn(|k| if both(j, k) { right[j][k] / (scale[j] * scale[k]) } else { 0.0 })
+        core::array::from_fn(|k| match both(j, k) {
+            true => inverse.at(j, k) / (scale[j] * scale[k]),
+            false => 0.0,
+        })
     }))
 }
 

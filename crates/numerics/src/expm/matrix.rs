@@ -81,24 +81,36 @@ impl<const N: usize> Matrix<N> {
 
     /// The inverse by Gauss–Jordan elimination with row pivoting; `None` if the matrix is singular.
     pub fn inverse(&self) -> Option<Self> {
+        self.inverse_by(|rows, k| {
+            // In this order a NaN is the largest: it becomes the pivot, and is refused.
+            let pivot = (k..N).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
+            let head = rows[pivot][k];
+            (head.is_finite() && head != 0.0).then_some(pivot)
+        })
+    }
+
+    /// The inverse by Gauss–Jordan elimination (Golub & Van Loan, *Matrix Computations*, 4th ed.,
+    /// §3.4); `pivot` chooses, from what is left of the rows, the one that column `k` is divided by:
+    /// row `k` or a later one. `None` where it finds none.
+    pub fn inverse_by(
+        &self,
+        pivot: impl Fn(&[[f64; N]; N], usize) -> Option<usize>,
+    ) -> Option<Self> {
         let mut rows: [[f64; N]; N] =
             std::array::from_fn(|i| std::array::from_fn(|j| self.at(i, j)));
         let mut inverse: [[f64; N]; N] =
             std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
         for k in 0..N {
-            // In this order a NaN is the largest: it becomes the pivot, and is refused below.
-            let pivot = (k..N).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
-            rows.swap(k, pivot);
-            inverse.swap(k, pivot);
+            let chosen = pivot(&rows, k)?;
+            rows.swap(k, chosen);
+            inverse.swap(k, chosen);
             let head = rows[k][k];
-            if !head.is_finite() || head == 0.0 {
-                return None;
-            }
             for j in 0..N {
                 rows[k][j] /= head;
                 inverse[k][j] /= head;
             }
-            let (unit, image) = (rows[k], inverse[k]);
+            let unit = rows[k];
+            let image = inverse[k];
             for i in (0..N).filter(|&i| i != k) {
                 let factor = rows[i][k];
                 for j in 0..N {

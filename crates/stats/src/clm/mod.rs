@@ -11,13 +11,12 @@ pub use crate::answers::{Column, Scale};
 use crate::error::StatsError;
 
 use crate::logistic::{by_threshold, inner, logit, softplus_and_share};
-use crate::matrix::dot;
 use crate::profile;
 use crate::reference;
 pub use crate::reference::ChiSquareTest;
 use crate::separation::Pattern;
-use crate::symmetric::{cholesky, inverse, solve};
 use crate::tested::{Tested, Unestimable};
+use zwidth_numerics::dense::{Matrix, dot};
 
 /// Newton's method has converged where the next step promises less of the log-likelihood.
 const PROMISE: f64 = 1e-18;
@@ -56,7 +55,7 @@ pub struct Fit {
 struct Surface {
     value: f64,
     gradient: Vec<f64>,
-    information: Vec<Vec<f64>>,
+    information: Matrix,
 }
 
 impl Model {
@@ -117,13 +116,13 @@ impl Fit {
 /// model next to separation.
 pub fn fit(model: &Model) -> Result<Fit, Unestimable> {
     let (point, surface) = maximise(model, model.start(), None)?;
-    let l = cholesky(&surface.information).ok_or_else(|| not_converged(&surface))?;
+    let l = surface.information.cholesky(0.0).ok_or_else(|| not_converged(&surface))?;
     let (thresholds, coefficients) = point.split_at(model.thresholds());
     Ok(Fit {
         scale: model.answers.scale.clone(),
         thresholds: thresholds.to_vec(),
         coefficients: coefficients.to_vec(),
-        covariance: inverse(&l),
+        covariance: l.inverse_by_triangle(),
         log_likelihood: surface.value,
     })
 }
@@ -181,8 +180,8 @@ fn maximise(
         if let Some(held) = held {
             hold(&mut here, held);
         }
-        let l = cholesky(&here.information).ok_or_else(|| not_converged(&here))?;
-        let step = solve(&l, &here.gradient);
+        let l = here.information.cholesky(0.0).ok_or_else(|| not_converged(&here))?;
+        let step = l.solve_by_triangle(&here.gradient);
         let promise = dot(&step, &here.gradient) / 2.0;
         if promise <= PROMISE {
             return Ok((point, here));
@@ -213,13 +212,11 @@ fn not_converged(surface: &Surface) -> Unestimable {
 /// Makes the step along one parameter 0.
 fn hold(surface: &mut Surface, held: usize) {
     surface.gradient[held] = 0.0;
-    for (i, row) in surface.information.iter_mut().enumerate() {
-        row[held] = 0.0;
-        if i == held {
-            row.fill(0.0);
-            row[held] = 1.0;
-        }
+    for i in 0..surface.information.rows {
+        surface.information[(i, held)] = 0.0;
     }
+    surface.information.row_mut(held).fill(0.0);
+    surface.information[(held, held)] = 1.0;
 }
 
 fn ascending(model: &Model, point: &[f64]) -> bool {
@@ -233,7 +230,7 @@ fn surface(model: &Model, point: &[f64]) -> Surface {
     let mut sum = Surface {
         value: 0.0,
         gradient: vec![0.0; point.len()],
-        information: vec![vec![0.0; point.len()]; point.len()],
+        information: Matrix::zeros(point.len(), point.len()),
     };
     for pattern in &model.patterns {
         let eta = dot(&pattern.x, beta);
@@ -246,13 +243,13 @@ fn surface(model: &Model, point: &[f64]) -> Surface {
             let bend = beside[j] * share * (1.0 - share);
             // z falls along β by x.
             sum.gradient[j] += slope;
-            sum.information[j][j] += bend;
+            sum.information[(j, j)] += bend;
             for (a, xa) in pattern.x.iter().enumerate() {
                 let row = thresholds + a;
                 sum.gradient[row] -= slope * xa;
-                sum.information[row][j] -= bend * xa;
+                sum.information[(row, j)] -= bend * xa;
                 for (b, xb) in pattern.x[..=a].iter().enumerate() {
-                    sum.information[row][thresholds + b] += bend * xa * xb;
+                    sum.information[(row, thresholds + b)] += bend * xa * xb;
                 }
             }
         }
@@ -263,13 +260,13 @@ fn surface(model: &Model, point: &[f64]) -> Surface {
         sum.value += value;
         sum.gradient[k] += slope;
         sum.gradient[k - 1] -= slope;
-        sum.information[k][k] -= bend;
-        sum.information[k - 1][k - 1] -= bend;
-        sum.information[k][k - 1] += bend;
+        sum.information[(k, k)] -= bend;
+        sum.information[(k - 1, k - 1)] -= bend;
+        sum.information[(k, k - 1)] += bend;
     }
     for i in 0..point.len() {
         for j in i + 1..point.len() {
-            sum.information[i][j] = sum.information[j][i];
+            sum.information[(i, j)] = sum.information[(j, i)];
         }
     }
     sum

@@ -78,7 +78,7 @@ fn gradient_and_information_agree_with_differences() {
         assert!((slope - here.gradient[i]).abs() < 1e-8, "{slope} {}", here.gradient[i]);
         for j in 0..point.len() {
             let bend = (low.gradient[j] - high.gradient[j]) / (2.0 * h);
-            assert!((bend - here.information[i][j]).abs() < 1e-8, "{i} {j}");
+            assert!((bend - here.information[(i, j)]).abs() < 1e-8, "{i} {j}");
         }
     }
 }

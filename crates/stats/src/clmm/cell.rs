@@ -6,7 +6,7 @@
 
 use super::model::Cells;
 use super::point::Point;
-use crate::matrix::dot;
+use zwidth_numerics::dense::dot;
 
 /// A threshold or predictor farther out counts as if it were here: the odds are 10^±130, and the
 /// products of two of them finite. Only steps of a search that are taken back go there.

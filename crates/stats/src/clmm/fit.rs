@@ -7,8 +7,8 @@ use super::search::{Peak, Start, climb};
 use crate::answers::Scale;
 use crate::error::StatsError;
 use crate::reference::normal_wald;
-use crate::symmetric::{cholesky, inverse};
 use crate::tested::{Tested, Unestimable};
+use zwidth_numerics::dense::Matrix;
 
 /// An SD below this is compared with none at all.
 const SMALL_SD: f64 = 0.1;
@@ -140,7 +140,7 @@ fn covariance(
         likelihood.at(&point).1.by_coordinates(coordinates)
     };
     let free: Vec<usize> = (0..start.held.len()).filter(|&i| !start.held[i]).collect();
-    let mut information = vec![vec![0.0; free.len()]; free.len()];
+    let mut information = Matrix::zeros(free.len(), free.len());
     for (a, &i) in free.iter().enumerate() {
         let step = STEP * start.covariance[i][i].sqrt();
         let mut at = |sign: f64| {
@@ -151,14 +151,15 @@ fn covariance(
         let (low, high) = (at(-1.0), at(1.0));
         for (b, &j) in free.iter().enumerate() {
             let bend = (low[j] - high[j]) / (2.0 * step);
-            information[a][b] += bend / 2.0;
-            information[b][a] += bend / 2.0;
+            information[(a, b)] += bend / 2.0;
+            information[(b, a)] += bend / 2.0;
         }
     }
     let what = "standard errors";
-    let l = cholesky(&information).ok_or(Unestimable::NotConverged { what, slope: peak.slope })?;
+    let l =
+        information.cholesky(0.0).ok_or(Unestimable::NotConverged { what, slope: peak.slope })?;
     let mut all = vec![vec![0.0; start.held.len()]; start.held.len()];
-    for (row, &i) in inverse(&l).iter().zip(&free) {
+    for (row, &i) in l.inverse_by_triangle().iter().zip(&free) {
         row.iter().zip(&free).for_each(|(entry, &j)| all[i][j] = *entry);
     }
     Ok(all)

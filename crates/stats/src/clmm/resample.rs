@@ -13,10 +13,10 @@ use super::search::{Start, climb};
 use crate::answers::{Answers, Scale};
 use crate::bootstrap::{normal, stream, uniform};
 use crate::logistic::logit;
-use crate::matrix::dot;
 use crate::tested::Unestimable;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use zwidth_numerics::dense::dot;
 
 /// Ratios of discrete answers tie; searches leave less than this between equal ones.
 const TIE: f64 = 1e-6;

@@ -4,9 +4,8 @@ use super::likelihood::{Integral, Likelihood};
 use super::model::{Model, Terms};
 use super::point::Point;
 use crate::clm;
-use crate::matrix::dot;
-use crate::symmetric::cholesky;
 use crate::tested::Unestimable;
+use zwidth_numerics::dense::{Matrix, dot};
 use zwidth_numerics::minimise::minimise;
 
 /// Slope of the log-likelihood, per standard error of a parameter, at which a maximum is flat: it
@@ -110,12 +109,15 @@ impl Start {
     }
 
     /// The triangle whose product with its transpose is the covariance of the free coordinates.
-    fn shape(&self, free: &[usize]) -> Vec<Vec<f64>> {
-        let pick = |i: &usize| free.iter().map(|&j| self.covariance[*i][j]).collect::<Vec<_>>();
-        let covariance: Vec<Vec<f64>> = free.iter().map(pick).collect();
+    fn shape(&self, free: &[usize]) -> Matrix {
+        let size = free.len();
+        let covariance = Matrix::from_fn(size, size, |a, b| self.covariance[free[a]][free[b]]);
         // Any shape will do, if slowly.
-        let diagonal = |i: usize| [vec![0.0; i], vec![covariance[i][i].max(0.01).sqrt()]].concat();
-        cholesky(&covariance).unwrap_or_else(|| (0..free.len()).map(diagonal).collect())
+        covariance.cholesky(0.0).unwrap_or_else(|| {
+            Matrix::from_fn(size, size, |a, b| {
+                if a == b { covariance[(a, a)].max(0.01).sqrt() } else { 0.0 }
+            })
+        })
     }
 }
 
@@ -188,8 +190,8 @@ pub(super) fn climb(model: &Model, integral: Integral, start: &Start) -> Result<
     }
     let place = |steps: &[f64]| {
         let mut coordinates = first.clone();
-        for (row, &i) in shape.iter().zip(&free) {
-            coordinates[i] += row.iter().zip(steps).map(|(l, s)| l * s).sum::<f64>();
+        for (row, &i) in free.iter().enumerate() {
+            coordinates[i] += dot(shape.row(row), steps);
         }
         coordinates
     };
@@ -199,7 +201,8 @@ pub(super) fn climb(model: &Model, integral: Integral, start: &Start) -> Result<
         let (value, gradient) = likelihood.at(&point);
         let slopes = gradient.by_coordinates(&coordinates);
         let along = |j: usize| {
-            -shape.iter().zip(&free).skip(j).map(|(row, &i)| row[j] * slopes[i]).sum::<f64>()
+            let rows = free.iter().enumerate().skip(j);
+            -rows.map(|(row, &i)| shape[(row, j)] * slopes[i]).sum::<f64>()
         };
         (-value, (0..free.len()).map(along).collect())
     };

@@ -4,10 +4,10 @@ use super::design::Design;
 use crate::error::StatsError;
 use crate::f_distribution::upper_p;
 use crate::interval::t_interval;
-use crate::matrix::{Matrix, dot};
 use crate::student_t::two_sided_p;
 use crate::tested::{FTest, Tested, Unestimable};
 use zwidth_numerics::NumericsError;
+use zwidth_numerics::dense::{Matrix, dot};
 
 /// A variance below this share of its parts is rounding: the contrasts say one thing twice.
 const SAME_TWICE: f64 = 1e-10;

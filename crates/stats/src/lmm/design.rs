@@ -9,9 +9,9 @@
 //! large mean costs no digits; the random columns are divided by their root mean squares.
 
 use super::model::{Model, RandomTerm};
-use crate::matrix::{Matrix, add_scaled, dot};
 use crate::tested::Unestimable;
 use std::collections::BTreeMap;
+use zwidth_numerics::dense::{Matrix, add_scaled, dot};
 
 /// A column whose part not explained by earlier columns is smaller than this share of its length
 /// depends on them.

@@ -9,8 +9,8 @@ use super::profile::{Profile, factors, profile};
 use super::satterthwaite::{Approximated, approximate};
 use super::search::{Optimum, search};
 use crate::error::StatsError;
-use crate::matrix::{Matrix, dot};
 use crate::tested::{FTest, Tested, Unestimable};
+use zwidth_numerics::dense::{Matrix, dot};
 
 /// What is maximised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

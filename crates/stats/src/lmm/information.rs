@@ -13,8 +13,8 @@
 
 use super::design::{Block, Design, Entry, Pattern};
 use super::profile::{Profile, Spread, residual_squares};
-use crate::matrix::{Matrix, dot};
 use crate::tested::Unestimable;
+use zwidth_numerics::dense::{Matrix, dot};
 
 /// A variance parameter of which less than this share is left beside the others is not told apart
 /// from them.

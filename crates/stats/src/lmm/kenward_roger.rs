@@ -8,8 +8,8 @@ use super::contrast::{Contrasts, check_independent, f_test, sandwich, t_test};
 use super::design::Design;
 use super::information::{Information, information};
 use super::profile::Profile;
-use crate::matrix::{Matrix, dot};
 use crate::tested::{FTest, Tested, Unestimable};
+use zwidth_numerics::dense::{Matrix, dot};
 
 /// Below this 1 + c₁ B counts as zero, as in pbkrtest.
 const ZERO: f64 = 1e-10;

@@ -12,7 +12,7 @@
 //! bounds: a negative column is the positive one.
 
 use super::design::{Block, Design, Entry, Pattern};
-use crate::matrix::{Matrix, add_scaled, dot};
+use zwidth_numerics::dense::{Matrix, SINGULAR, add_scaled, dot};
 
 const TWO_PI: f64 = 2.0 * core::f64::consts::PI;
 
@@ -105,7 +105,7 @@ fn spread(pattern: &Pattern, factors: &[Matrix]) -> Option<Spread> {
     let sl = times_lambda(&pattern.ztz, &pattern.blocks, factors);
     let mut inner = times_lambda(&sl.transpose(), &pattern.blocks, factors);
     (0..size).for_each(|i| inner[(i, i)] += 1.0);
-    let l = inner.cholesky()?;
+    let l = inner.cholesky(SINGULAR)?;
     // B = L⁻¹ Λᵀ and B S; N itself grows with θ² where columns of Z depend on each other, these do
     // not
     let root = times_lambda_transposed(&l.lower_inverse(), &pattern.blocks, factors);

@@ -10,8 +10,8 @@ use super::contrast::{Contrasts, check_independent, f_test, sandwich, t_test};
 use super::design::{Design, Entry};
 use super::information::{information, observed};
 use super::profile::{Profile, factors};
-use crate::matrix::{Matrix, dot};
 use crate::tested::{FTest, Tested, Unestimable};
+use zwidth_numerics::dense::{Matrix, dot};
 
 /// Curvatures below this share of their own scale tell nothing (lmerTest: 1e-8 of their unit).
 const NO_CURVATURE: f64 = 1e-8;

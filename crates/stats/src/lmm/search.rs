@@ -2,8 +2,8 @@
 
 use super::design::Design;
 use super::profile::{factors, profile};
-use crate::matrix::{Matrix, dot};
 use crate::tested::Unestimable;
+use zwidth_numerics::dense::{Matrix, dot};
 use zwidth_numerics::minimise::minimise;
 
 /// Relative standard deviations that searches begin with.

@@ -1,11 +1,15 @@
 //! Least squares with parameters that may not be negative.
 
+use zwidth_numerics::dense::solve_symmetric;
+
 /// A parameter is set free only for a gradient above this share of the largest one at the start:
 /// rounding.
 const GRADIENT_TOLERANCE: f64 = 1e-12;
 /// Parameters are set free this often for each that there is; Lawson and Hanson's method needs
 /// about one.
 const ROUNDS: usize = 5;
+/// A pivot below this share of its diagonal element is rounding.
+const PIVOT_TOLERANCE: f64 = 1e-12;
 
 /// Minimises ½ xᵀ G x − mᵀ x over x ≥ 0, G = XᵀX positive semidefinite and m = Xᵀy: the active-set
 /// method of Lawson & Hanson (1974), *Solving Least Squares Problems*, ch. 23, on the normal
@@ -39,7 +43,11 @@ fn settle<const P: usize>(
     free: &mut [bool; P],
 ) {
     loop {
-        let goal = solve_free(gram, moment, free);
+        // The minimum over the free parameters, the others being 0; one that the others explain
+        // wholly stays 0.
+        let goal = solve_symmetric(*gram, *moment, |j, pivot| {
+            !(free[j] && pivot > PIVOT_TOLERANCE * gram[j][j])
+        });
         let blocked = (0..P).filter(|&j| free[j] && goal[j] <= 0.0);
         let stop =
             blocked.map(|j| (x[j] / (x[j] - goal[j]), j)).min_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -51,36 +59,6 @@ fn settle<const P: usize>(
         (0..P).filter(|&j| free[j]).for_each(|j| x[j] = (x[j] + share * (goal[j] - x[j])).max(0.0));
         (x[first], free[first]) = (0.0, false);
     }
-}
-
-/// The minimum over the free parameters, the others being 0: elimination, without pivoting as G is
-/// positive definite there; a parameter that the others explain wholly stays 0.
-fn solve_free<const P: usize>(
-    gram: &[[f64; P]; P],
-    moment: &[f64; P],
-    free: &[bool; P],
-) -> [f64; P] {
-    /// A pivot below this share of its diagonal element is rounding.
-    const PIVOT_TOLERANCE: f64 = 1e-12;
-    let (mut a, mut b) = (*gram, *moment);
-    let mut used = *free;
-    for j in 0..P {
-        used[j] = free[j] && a[j][j] > PIVOT_TOLERANCE * gram[j][j];
-        if !used[j] {
-            continue;
-        }
-        for i in (j + 1..P).filter(|&i| free[i]) {
-            let (share, pivot) = (a[i][j] / a[j][j], a[j]);
-            (j..P).for_each(|k| a[i][k] -= share * pivot[k]);
-            b[i] -= share * b[j];
-        }
-    }
-    let mut x = [0.0; P];
-    for j in (0..P).rev().filter(|&j| used[j]) {
-        let rest: f64 = (j + 1..P).map(|k| a[j][k] * x[k]).sum();
-        x[j] = (b[j] - rest) / a[j][j];
-    }
-    x
 }
 
 #[cfg(test)]

@@ -162,9 +162,9 @@ fn laplace_is_what_its_definition_says() {
         };
         (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0)) / (4.0 * step * step)
     };
-    let hessian: Vec<Vec<f64>> = (0..4).map(|i| (0..4).map(|j| bend(i, j)).collect()).collect();
-    let l = crate::symmetric::cholesky(&hessian).unwrap();
-    let half_log_determinant: f64 = (0..4).map(|i| libm::log(l[i][i])).sum();
+    let hessian = zwidth_numerics::dense::Matrix::from_fn(4, 4, bend);
+    let l = hessian.cholesky(0.0).unwrap();
+    let half_log_determinant: f64 = (0..4).map(|i| libm::log(l[(i, i)])).sum();
     let (found, _) = laplace(cells, &point, &mut Effects::none(cells));
     assert!((found - (-h(&v) - half_log_determinant)).abs() < 1e-6, "{found}");
 }

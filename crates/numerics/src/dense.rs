@@ -1,4 +1,12 @@
-//! Small dense matrices, row by row: what mixed models ask for, in plain loops of a fixed order.
+//! Small dense systems: matrices whose size is known when they are made, row by row, and the
+//! solvers of the workspace, in plain loops of a fixed order.
+//!
+//! There is one of each method. Systems of symmetric positive definite matrices go by Cholesky's
+//! triangle ([`Matrix::cholesky`]) or, with a size known to the compiler and unknowns that may have
+//! to be left out, by elimination ([`solve_symmetric`]); inverses of matrices of a fixed size by
+//! Gauss and Jordan ([`crate::expm::Matrix::inverse_by`]); fits with many rows by reflections
+//! ([`crate::lsq`]). They are not one method because each rounds in another way, and results of
+//! each are stored and compared to the last bit.
 
 use core::ops::{Index, IndexMut};
 
@@ -7,13 +15,15 @@ const ROTATED: f64 = 1e-15;
 /// More sweeps than any symmetric matrix of this size takes (it takes six to ten).
 const MAX_SWEEPS: usize = 60;
 /// What is left of a diagonal entry below this share of itself is rounding: the matrix is singular.
-const SINGULAR: f64 = 1e-14;
+pub const SINGULAR: f64 = 1e-14;
 
 /// A matrix of `rows` × `cols` numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Matrix {
-    pub(crate) rows: usize,
-    pub(crate) cols: usize,
+pub struct Matrix {
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub cols: usize,
     data: Vec<f64>,
 }
 
@@ -31,15 +41,18 @@ impl IndexMut<(usize, usize)> for Matrix {
 }
 
 impl Matrix {
-    pub(crate) fn zeros(rows: usize, cols: usize) -> Self {
+    /// All entries zero.
+    pub fn zeros(rows: usize, cols: usize) -> Self {
         Self { rows, cols, data: vec![0.0; rows * cols] }
     }
 
-    pub(crate) fn identity(size: usize) -> Self {
+    /// The identity.
+    pub fn identity(size: usize) -> Self {
         Self::from_fn(size, size, |i, j| if i == j { 1.0 } else { 0.0 })
     }
 
-    pub(crate) fn from_fn(rows: usize, cols: usize, f: impl Fn(usize, usize) -> f64) -> Self {
+    /// The matrix whose entry in row `i`, column `j` is `f(i, j)`.
+    pub fn from_fn(rows: usize, cols: usize, f: impl Fn(usize, usize) -> f64) -> Self {
         let mut data = Vec::with_capacity(rows * cols);
         for i in 0..rows {
             data.extend((0..cols).map(|j| f(i, j)));
@@ -47,24 +60,28 @@ impl Matrix {
         Self { rows, cols, data }
     }
 
-    pub(crate) fn row(&self, i: usize) -> &[f64] {
+    /// Row `i`.
+    pub fn row(&self, i: usize) -> &[f64] {
         &self.data[i * self.cols..(i + 1) * self.cols]
     }
 
-    pub(crate) fn row_mut(&mut self, i: usize) -> &mut [f64] {
+    /// Row `i`, to be changed.
+    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
         &mut self.data[i * self.cols..(i + 1) * self.cols]
     }
 
-    pub(crate) fn diagonal(&self) -> Vec<f64> {
+    /// The diagonal.
+    pub fn diagonal(&self) -> Vec<f64> {
         (0..self.rows).map(|i| self[(i, i)]).collect()
     }
 
-    pub(crate) fn transpose(&self) -> Self {
+    /// Aᵀ.
+    pub fn transpose(&self) -> Self {
         Self::from_fn(self.cols, self.rows, |i, j| self[(j, i)])
     }
 
     /// A B.
-    pub(crate) fn times(&self, other: &Self) -> Self {
+    pub fn times(&self, other: &Self) -> Self {
         let mut product = Self::zeros(self.rows, other.cols);
         for i in 0..self.rows {
             for (k, a) in self.row(i).iter().enumerate() {
@@ -75,7 +92,7 @@ impl Matrix {
     }
 
     /// Aᵀ B.
-    pub(crate) fn transposed_times(&self, other: &Self) -> Self {
+    pub fn transposed_times(&self, other: &Self) -> Self {
         let mut product = Self::zeros(self.cols, other.cols);
         for k in 0..self.rows {
             for (i, a) in self.row(k).iter().enumerate() {
@@ -86,47 +103,50 @@ impl Matrix {
     }
 
     /// A v.
-    pub(crate) fn times_vector(&self, v: &[f64]) -> Vec<f64> {
+    pub fn times_vector(&self, v: &[f64]) -> Vec<f64> {
         (0..self.rows).map(|i| dot(self.row(i), v)).collect()
     }
 
     /// Aᵀ v.
-    pub(crate) fn transposed_times_vector(&self, v: &[f64]) -> Vec<f64> {
+    pub fn transposed_times_vector(&self, v: &[f64]) -> Vec<f64> {
         let mut product = vec![0.0; self.cols];
         v.iter().enumerate().for_each(|(i, v)| add_scaled(&mut product, *v, self.row(i)));
         product
     }
 
     /// A ← A + s B.
-    pub(crate) fn add(&mut self, scale: f64, other: &Self) {
+    pub fn add(&mut self, scale: f64, other: &Self) {
         add_scaled(&mut self.data, scale, &other.data);
     }
 
     /// A ← A + s v wᵀ.
-    pub(crate) fn add_outer(&mut self, scale: f64, v: &[f64], w: &[f64]) {
+    pub fn add_outer(&mut self, scale: f64, v: &[f64], w: &[f64]) {
         v.iter().enumerate().for_each(|(i, v)| add_scaled(self.row_mut(i), scale * v, w));
     }
 
     /// tr(Aᵀ B), the sum of the products entry by entry.
-    pub(crate) fn dot(&self, other: &Self) -> f64 {
+    pub fn dot(&self, other: &Self) -> f64 {
         dot(&self.data, &other.data)
     }
 
     /// vᵀ A w.
-    pub(crate) fn form(&self, v: &[f64], w: &[f64]) -> f64 {
+    pub fn form(&self, v: &[f64], w: &[f64]) -> f64 {
         v.iter().enumerate().map(|(i, v)| v * dot(self.row(i), w)).sum()
     }
 
-    /// The lower triangle L with L Lᵀ = A, for a symmetric A; `None` if A is not positive definite
-    /// to rounding.
-    pub(crate) fn cholesky(&self) -> Option<Self> {
+    /// The lower triangle L with L Lᵀ = A, of a symmetric A (Golub & Van Loan, *Matrix
+    /// Computations*, 4th ed., §4.2). `None` where A is not positive definite: where what is left of
+    /// a diagonal entry is no more than `least_share` of it. With [`SINGULAR`] a matrix that is
+    /// singular but for rounding is refused; with 0 any triangle counts that exists, as next to
+    /// separation, where what is left is tiny without being rounding.
+    pub fn cholesky(&self, least_share: f64) -> Option<Self> {
         let mut l = Self::zeros(self.rows, self.rows);
         for i in 0..self.rows {
             for j in 0..=i {
                 let rest = self[(i, j)] - dot(&l.row(i)[..j], &l.row(j)[..j]);
                 if i > j {
                     l[(i, j)] = rest / l[(j, j)];
-                } else if rest > SINGULAR * self[(i, i)] {
+                } else if rest > least_share * self[(i, i)] {
                     l[(i, i)] = rest.sqrt();
                 } else {
                     return None;
@@ -136,8 +156,26 @@ impl Matrix {
         Some(l)
     }
 
+    /// Solves L Lᵀ x = b, this matrix being the lower triangle L.
+    pub fn solve_by_triangle(&self, b: &[f64]) -> Vec<f64> {
+        let mut x = b.to_vec();
+        for i in 0..x.len() {
+            x[i] = (x[i] - dot(&self.row(i)[..i], &x[..i])) / self[(i, i)];
+        }
+        back_substitute(|i, j| self[(j, i)], &mut x);
+        x
+    }
+
+    /// (L Lᵀ)⁻¹ row by row, this matrix being the lower triangle L: one system a row. By
+    /// [`Matrix::lower_inverse`] its last digits are others; covariances of ordinal models are
+    /// stored with those of this one.
+    pub fn inverse_by_triangle(&self) -> Vec<Vec<f64>> {
+        let identity = Self::identity(self.rows);
+        (0..self.rows).map(|i| self.solve_by_triangle(identity.row(i))).collect()
+    }
+
     /// L⁻¹ of a lower triangle without zeros on its diagonal.
-    pub(crate) fn lower_inverse(&self) -> Self {
+    pub fn lower_inverse(&self) -> Self {
         let mut inverse = Self::zeros(self.rows, self.rows);
         for i in 0..self.rows {
             let (above, rest) = inverse.data.split_at_mut(i * self.rows);
@@ -151,9 +189,9 @@ impl Matrix {
         inverse
     }
 
-    /// A⁻¹ and ln det A of a symmetric positive definite A; `None` if it is not.
-    pub(crate) fn inverse_and_log_det(&self) -> Option<(Self, f64)> {
-        let l = self.cholesky()?;
+    /// A⁻¹ and ln det A of a symmetric A that is positive definite to rounding; `None` if it is not.
+    pub fn inverse_and_log_det(&self) -> Option<(Self, f64)> {
+        let l = self.cholesky(SINGULAR)?;
         let root = l.lower_inverse();
         let log_det = l.diagonal().iter().map(|d| 2.0 * libm::log(*d)).sum();
         Some((root.transposed_times(&root), log_det))
@@ -161,7 +199,7 @@ impl Matrix {
 
     /// Eigenvalues, and the eigenvectors as rows in the same order, of a symmetric matrix, by
     /// Jacobi's rotations (Golub & Van Loan, *Matrix Computations*, 4th ed., §8.5).
-    pub(crate) fn eigen(&self) -> (Vec<f64>, Self) {
+    pub fn eigen(&self) -> (Vec<f64>, Self) {
         let mut a = self.clone();
         let mut vectors = Self::identity(self.rows);
         let scale = self.data.iter().fold(0.0_f64, |most, x| x.abs().max(most));
@@ -202,12 +240,51 @@ fn rotate(a: &mut Matrix, vectors: &mut Matrix, p: usize, q: usize) {
     }
 }
 
+/// Solves A x = b for a symmetric positive definite A by elimination without pivoting (Golub & Van
+/// Loan, §4.1). Unknown `j` stays 0 where `is_left_out(j, pivot)` says so, with what is left of its
+/// diagonal entry: it is held, or the ones before it explain it wholly.
+pub fn solve_symmetric<const P: usize>(
+    mut a: [[f64; P]; P],
+    mut b: [f64; P],
+    is_left_out: impl Fn(usize, f64) -> bool,
+) -> [f64; P] {
+    for j in 0..P {
+        if is_left_out(j, a[j][j]) {
+            // Its row is that of the identity, and the row of no other needs it.
+            a[j] = [0.0; P];
+            a[j][j] = 1.0;
+            b[j] = 0.0;
+            continue;
+        }
+        let pivot_row = a[j];
+        for i in j + 1..P {
+            let share = a[i][j] / pivot_row[j];
+            for k in j..P {
+                a[i][k] -= share * pivot_row[k];
+            }
+            b[i] -= share * b[j];
+        }
+    }
+    back_substitute(|i, j| a[i][j], &mut b);
+    b
+}
+
+/// Solves U x = b for an upper triangle `u` without zeros on its diagonal, in the place of b, from
+/// the last unknown on.
+pub(crate) fn back_substitute(u: impl Fn(usize, usize) -> f64, x: &mut [f64]) {
+    for i in (0..x.len()).rev() {
+        let known: f64 = (i + 1..x.len()).map(|j| u(i, j) * x[j]).sum();
+        x[i] = (x[i] - known) / u(i, i);
+    }
+}
+
 /// v ← v + s w.
-pub(crate) fn add_scaled(v: &mut [f64], scale: f64, w: &[f64]) {
+pub fn add_scaled(v: &mut [f64], scale: f64, w: &[f64]) {
     v.iter_mut().zip(w).for_each(|(v, w)| *v += scale * w);
 }
 
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// a · b.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
@@ -245,6 +322,46 @@ mod tests {
         let scaled = Matrix::from_fn(6, 6, |i, j| values[i] * vectors[(i, j)]);
         assert_close(&vectors.transposed_times(&scaled), &a);
         assert_close(&vectors.times(&vectors.transpose()), &Matrix::identity(6));
+    }
+
+    #[test]
+    fn a_system_with_a_known_triangle_is_solved() {
+        let rows = [[4.0, 2.0, -2.0], [2.0, 10.0, 5.0], [-2.0, 5.0, 21.0]];
+        let a = Matrix::from_fn(3, 3, |i, j| rows[i][j]);
+        let l = a.cholesky(0.0).unwrap();
+        let triangle = [[2.0, 0.0, 0.0], [1.0, 3.0, 0.0], [-1.0, 2.0, 4.0]];
+        assert_eq!(l, Matrix::from_fn(3, 3, |i, j| triangle[i][j]));
+        let b = [0.0, 27.0, 71.0];
+        let eliminated = solve_symmetric(rows, b, |_, _| false);
+        for x in [&l.solve_by_triangle(&b)[..], &eliminated] {
+            for (row, b) in rows.iter().zip(b) {
+                assert!((dot(row, x) - b).abs() < 1e-12);
+            }
+        }
+        for (i, row) in l.inverse_by_triangle().iter().enumerate() {
+            for (j, other) in rows.iter().enumerate() {
+                assert!((dot(row, other) - f64::from(u8::from(i == j))).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_has_no_triangle() {
+        assert_eq!(
+            Matrix::from_fn(2, 2, |i, j| [[1.0, 2.0], [2.0, 4.0]][i][j]).cholesky(0.0),
+            None
+        );
+        assert_eq!(Matrix::from_fn(1, 1, |_, _| f64::NAN).cholesky(0.0), None);
+        let nearly = Matrix::from_fn(2, 2, |i, j| if i + j == 2 { 1.0 + 1e-15 } else { 1.0 });
+        assert!(nearly.cholesky(0.0).is_some() && nearly.cholesky(SINGULAR).is_none());
+    }
+
+    #[test]
+    fn an_unknown_that_is_left_out_is_0_and_the_others_are_those_of_the_system_without_it() {
+        let a = [[4.0, 2.0, -2.0], [2.0, 10.0, 5.0], [-2.0, 5.0, 21.0]];
+        let x = solve_symmetric(a, [6.0, 1.0, 4.0], |j, _| j == 1);
+        let without = solve_symmetric([[4.0, -2.0], [-2.0, 21.0]], [6.0, 4.0], |_, _| false);
+        assert_eq!(x, [without[0], 0.0, without[1]]);
     }
 
     #[test]
