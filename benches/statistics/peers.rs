@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
+use zwidth_numerics::order::upper_median;
 
 /// Rounds, each with both sides one after the other.
 const ROUNDS: usize = 3;
@@ -58,7 +59,7 @@ fn time(case: &Case, data: &Data) -> anyhow::Result<f64> {
         std::hint::black_box(fit(case, std::hint::black_box(data))?);
         all.push(start.elapsed().as_secs_f64());
     }
-    Ok(median(&all))
+    upper_median(all).context("a fit was timed")
 }
 
 fn ask(script: &Path, files: &[PathBuf]) -> anyhow::Result<Said> {
@@ -127,20 +128,22 @@ fn tell(cases: &[(Case, Data)], seconds: &[Vec<[f64; 2]>], apart: &[Apart], vers
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut least = f64::INFINITY;
     for (((case, _), seconds), apart) in cases.iter().zip(seconds).zip(apart) {
-        let side = |side: usize| seconds.iter().map(|s| s[side]).collect::<Vec<_>>();
         let ratios: Vec<f64> = seconds.iter().map(|[ours, r]| r / ours).collect();
         let lowest = ratios.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = ratios.iter().copied().fold(0.0, f64::max);
-        least = least.min(median(&ratios));
+        let ratio = upper_median(ratios.iter().copied()).unwrap_or(f64::NAN);
+        let [ours_s, theirs_s] = [0, 1]
+            .map(|side| upper_median(seconds.iter().map(|both| both[side])).unwrap_or(f64::NAN));
+        least = least.min(ratio);
         println!(
             "| {} | {} × {} × 3 × {} | {:.3} | {:.1} | **{:.0}** | {lowest:.0} to {highest:.0} | {:.0e} | {:.0e} |",
             about(case.kind),
             case.participants,
             case.sessions,
             case.repeats,
-            1e3 * median(&side(0)),
-            1e3 * median(&side(1)),
-            median(&ratios),
+            1e3 * ours_s,
+            1e3 * theirs_s,
+            ratio,
             apart.estimate,
             apart.relative,
         );
@@ -154,11 +157,4 @@ fn about(kind: Kind) -> &'static str {
         Kind::Mixed => "mixed model, two contrasts after Kenward–Roger (lme4, pbkrtest)",
         Kind::Ordinal => "cumulative-link mixed model by Laplace (clmm)",
     }
-}
-
-/// The middle value; of an even number the upper one of two.
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }

@@ -6,6 +6,7 @@
 
 use crate::dense::{back_substitute, dot};
 use crate::error::{NumericsError, all_finite, same_length};
+use crate::moments::Moments;
 
 /// A column whose part not explained by earlier columns is smaller than this share of its length
 /// counts as dependent on them: a hundred times the rounding error of a sum over 10 000 rows.
@@ -143,8 +144,7 @@ fn residuals(columns: &[&[f64]], y: &[f64], coefficients: &[f64]) -> Vec<f64> {
 }
 
 fn r_squared(y: &[f64], rss: f64) -> Option<f64> {
-    let mean = y.iter().sum::<f64>() / y.len() as f64;
-    let total: f64 = y.iter().map(|y| (y - mean) * (y - mean)).sum();
+    let total = Moments::of(y).squares;
     (total > 0.0).then(|| 1.0 - rss / total)
 }
 

@@ -8,8 +8,9 @@
 use crate::anova::{ROUNDING, check_table, two_way};
 use crate::error::check_level;
 use crate::f_distribution::quantile;
-use crate::interval::{Estimate, mean_and_sd, t_interval};
+use crate::interval::{Estimate, t_interval};
 use crate::tested::Unestimable;
+use zwidth_numerics::moments::Moments;
 
 /// Limits of agreement hold about 95 % of differences, as Bland & Altman (1999) have them.
 pub(crate) const LIMIT: f64 = 1.96;
@@ -169,8 +170,8 @@ pub struct BlandAltman {
 pub fn bland_altman(differences: &[f64], level: f64) -> Result<BlandAltman, Unestimable> {
     crate::error::all_finite(differences)?;
     let n = differences.len();
-    let found = if n < 2 { None } else { Some(mean_and_sd(differences)) };
-    let Some((mean, Some(sd))) = found else {
+    let found = Moments::of(differences);
+    let Some(sd) = found.sd() else {
         return Err(Unestimable::TooFew { units: "participants", found: n, needed: 2 });
     };
     if differences.iter().all(|d| d.total_cmp(&differences[0]).is_eq()) {
@@ -181,10 +182,10 @@ pub fn bland_altman(differences: &[f64], level: f64) -> Result<BlandAltman, Unes
     let interval = |centre: f64, error: f64| t_interval(centre, error, count - 1.0, level);
     Ok(BlandAltman {
         n,
-        bias: interval(mean, sd / count.sqrt())?,
+        bias: interval(found.mean, sd / count.sqrt())?,
         sd,
-        lower: interval(mean - LIMIT * sd, limit_error)?,
-        upper: interval(mean + LIMIT * sd, limit_error)?,
+        lower: interval(found.mean - LIMIT * sd, limit_error)?,
+        upper: interval(found.mean + LIMIT * sd, limit_error)?,
     })
 }
 

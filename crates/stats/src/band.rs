@@ -1,8 +1,8 @@
 //! The pointwise mean of repeats on a common grid, with its band.
 
 use crate::error::{StatsError, all_finite, check_level};
-use crate::interval::mean_and_sd;
 use crate::student_t::critical_value;
+use zwidth_numerics::moments::Moments;
 
 /// Mean, SD and pointwise t band of repeats, one entry a grid point. Units as the values.
 ///
@@ -59,11 +59,9 @@ fn critical_values(most: usize, level: f64) -> Result<Vec<Option<f64>>, StatsErr
 
 fn push(band: &mut Band, here: &[f64], repeats: usize, critical: &[Option<f64>]) {
     let n = here.len();
-    let (mean, sd) = match n > 0 && 2 * n >= repeats {
-        true => Some(mean_and_sd(here)).unzip(),
-        false => (None, None),
-    };
-    let sd = sd.flatten();
+    let found = (n > 0 && 2 * n >= repeats).then(|| Moments::of(here));
+    let mean = found.map(|found| found.mean);
+    let sd = found.and_then(|found| found.sd());
     let half = sd.zip(critical[n]).map(|(sd, factor)| sd * factor);
     band.n.push(n);
     band.mean.push(mean);

@@ -5,11 +5,12 @@
 //! for statistics that have none, and is to be labelled approximate.
 
 use crate::Unestimable;
-use crate::bootstrap::{percentile_interval, quantile, resample};
+use crate::bootstrap::{percentile_interval, resample};
 use crate::error::{all_finite, check_level};
 use crate::null::SAME;
 use crate::rounded::rounded;
 use statrs::distribution::{ContinuousCDF, Normal};
+use zwidth_numerics::order::{quantile, sorted};
 
 /// An interval of a statistic by the bootstrap. Units as the statistic.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,8 +106,7 @@ pub fn of_resamples(
     let Some(plain) = plain else {
         return Err(Unestimable::TooFew { units: "resamples", found: 0, needed: 1 });
     };
-    let mut sorted = resampled.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    let sorted = sorted(resampled.iter().copied());
     if sorted.first() >= sorted.last() {
         return Err(Unestimable::Constant { units: "resampled statistics" });
     }
@@ -187,7 +187,8 @@ mod tests {
     }
 
     fn sd(drawn: &[&f64]) -> f64 {
-        crate::interval::sd(&drawn.iter().map(|v| **v).collect::<Vec<_>>()).unwrap_or(f64::NAN)
+        let values: Vec<f64> = drawn.iter().map(|v| **v).collect();
+        zwidth_numerics::moments::Moments::of(&values).sd().unwrap_or(f64::NAN)
     }
 
     fn percentile(found: Result<Bootstrapped, Unestimable>) -> Option<Uncorrected> {

@@ -13,6 +13,7 @@ use crate::student_t::critical_value;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
+use zwidth_numerics::order::{quantile, sorted};
 
 /// Number of bytes of the cipher's key.
 const KEY_BYTES: usize = 32;
@@ -43,16 +44,15 @@ pub fn resample<B: Sync, T: Send>(
         .collect()
 }
 
-/// The percentile interval of resampled `values`: their (1 ∓ level)/2 quantiles, interpolated as
-/// NumPy's default does (type 7 of Hyndman & Fan 1996). Unit as the values; `None` without values.
+/// The percentile interval of resampled `values`: their (1 ∓ level)/2 quantiles
+/// ([`quantile`]). Unit as the values; `None` without values.
 ///
 /// # Errors
 /// A value that is not finite, `level` outside (0, 1).
 pub fn percentile_interval(values: &[f64], level: f64) -> Result<Option<(f64, f64)>, StatsError> {
     check_level(level)?;
     all_finite(values)?;
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    let sorted = sorted(values.iter().copied());
     let tail = (1.0 - level) / 2.0;
     Ok(quantile(&sorted, tail).zip(quantile(&sorted, 1.0 - tail)))
 }
@@ -71,14 +71,6 @@ pub fn expanded_level(level: f64, n: usize) -> Result<f64, StatsError> {
     let df = n as f64 - 1.0;
     let z = (n as f64 / df).sqrt() * critical_value(level, df)?;
     Ok(libm::erf(z / core::f64::consts::SQRT_2).min(NEARLY_ALL))
-}
-
-/// The quantile of `sorted` values at `share` of the way from the first to the last.
-pub(crate) fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
-    let place = share * sorted.len().checked_sub(1)? as f64;
-    let below = place.floor() as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    Some(sorted[below] + (place - below as f64) * (sorted[above] - sorted[below]))
 }
 
 /// The random numbers of one draw: stream `number` of the cipher keyed with `seed`.

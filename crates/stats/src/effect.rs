@@ -2,10 +2,10 @@
 //! d_av, in those of people within a mode, each without its bias in small samples as Hedges' g.
 
 use crate::error::{all_finite, check_level};
-use crate::interval::mean_and_sd;
 use crate::paired::{self, ROUNDINGS};
 use crate::{Tested, Unestimable};
 use core::f64::consts::SQRT_2;
+use zwidth_numerics::moments::Moments;
 
 /// A standardised difference. No unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,18 +45,20 @@ pub fn d_av(pairs: &[[f64; 2]], level: f64) -> Result<Effect, Unestimable> {
     let [a, b] = [0, 1].map(|side| pairs.iter().map(|pair| pair[side]).collect::<Vec<f64>>());
     all_finite(&a)?;
     all_finite(&b)?;
-    let ((mean_a, Some(sd_a)), (mean_b, Some(sd_b))) = (mean_and_sd(&a), mean_and_sd(&b)) else {
+    let [of_a, of_b] = [&a, &b].map(|values| Moments::of(values));
+    let (Some(sd_a), Some(sd_b)) = (of_a.sd(), of_b.sd()) else {
         return Err(Unestimable::TooFew { units: "participants", found: pairs.len(), needed: 2 });
     };
     let scatter = libm::hypot(sd_a, sd_b) / SQRT_2;
-    if scatter <= ROUNDINGS * f64::EPSILON * mean_a.abs().max(mean_b.abs()) {
+    if scatter <= ROUNDINGS * f64::EPSILON * of_a.mean.abs().max(of_b.mean.abs()) {
         return Err(Unestimable::Constant { units: "participants' means within each mode" });
     }
-    let d = (mean_a - mean_b) / scatter;
+    let d = (of_a.mean - of_b.mean) / scatter;
 
     let spare = (pairs.len() - 1) as f64;
     let [share_a, share_b] = [sd_a / scatter, sd_b / scatter].map(|share| share * share / 2.0);
-    let products = pairs.iter().map(|[a, b]| (a - mean_a) / scatter * ((b - mean_b) / scatter));
+    let products =
+        pairs.iter().map(|[a, b]| (a - of_a.mean) / scatter * ((b - of_b.mean) / scatter));
     let covariance = products.sum::<f64>() / spare / 2.0;
     let squares = share_a * share_a + share_b * share_b + 2.0 * covariance * covariance;
     let df = spare * (share_a + share_b).powi(2) / squares;

@@ -109,6 +109,8 @@ pub fn incomplete_agreement(
 fn basic(estimate: f64, truth: f64, drawn: Vec<f64>, k: f64, level: f64) -> Correlation {
     let mut drawn: Vec<f64> = drawn.into_iter().map(|rho| log_ratio(rho, k)).collect();
     drawn.sort_unstable_by(f64::total_cmp);
+    // Of R draws the (R + 1) share-th, as bootstraps count them, and one of them: a quantile between
+    // two draws would move every interval that is stored.
     let end = |share: f64| {
         let place = (share * (drawn.len() + 1) as f64).round() as usize;
         let quantile = drawn[place.clamp(1, drawn.len()) - 1];

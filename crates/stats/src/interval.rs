@@ -2,6 +2,7 @@
 
 use crate::error::{StatsError, all_finite};
 use crate::student_t::critical_value;
+use zwidth_numerics::moments::Moments;
 
 /// The mean of n independent values, with what can be said about its error. Units as the values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,25 +58,12 @@ pub fn mean(values: &[f64], level: f64) -> Result<Mean, StatsError> {
     if n == 0 {
         return Ok(Mean { n, estimate: None, sd: None, interval: None });
     }
-    let (estimate, sd) = mean_and_sd(values);
-    let interval = sd
-        .map(|sd| t_interval(estimate, sd / (n as f64).sqrt(), (n - 1) as f64, level))
+    let found = Moments::of(values);
+    let interval = found
+        .sd()
+        .map(|sd| t_interval(found.mean, sd / (n as f64).sqrt(), (n - 1) as f64, level))
         .transpose()?;
-    Ok(Mean { n, estimate: Some(estimate), sd, interval })
-}
-
-/// Sample standard deviation (divisor n − 1), unit as the values; `None` for fewer than two. A
-/// value that is not finite gives NaN: check before.
-pub fn sd(values: &[f64]) -> Option<f64> {
-    mean_and_sd(values).1
-}
-
-/// Mean and sample SD (two passes) of at least one value.
-pub(crate) fn mean_and_sd(values: &[f64]) -> (f64, Option<f64>) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-    (mean, (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt()))
+    Ok(Mean { n, estimate: Some(found.mean), sd: found.sd(), interval })
 }
 
 #[cfg(test)]

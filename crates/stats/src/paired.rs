@@ -6,9 +6,10 @@
 //! mixed model whose participants differ freely in every mode.
 
 use crate::error::{StatsError, all_finite};
-use crate::interval::{mean_and_sd, t_interval};
+use crate::interval::t_interval;
 use crate::student_t::two_sided_p;
 use crate::{Tested, Unestimable};
+use zwidth_numerics::moments::Moments;
 
 /// A difference below this share of its two terms is their rounding: it is no difference.
 const ROUNDING: f64 = 1e-12;
@@ -60,13 +61,16 @@ pub(crate) fn difference(a: f64, b: f64) -> f64 {
 pub fn mean_difference(differences: &[f64], level: f64) -> Result<Tested, Unestimable> {
     all_finite(differences)?;
     let n = differences.len();
-    let (mean, sd) = two_or_more(differences)?;
+    let found = Moments::of(differences);
+    let Some(sd) = found.sd() else {
+        return Err(Unestimable::TooFew { units: "participants", found: n, needed: 2 });
+    };
     let largest = differences.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     if largest <= 0.0 {
         return Err(Unestimable::NoDifference);
     }
     // Differences that cancel leave the rounding of their sum.
-    let mean = if mean.abs() <= ROUNDING * largest { 0.0 } else { mean };
+    let mean = if found.mean.abs() <= ROUNDING * largest { 0.0 } else { found.mean };
     let std_error = sd / (n as f64).sqrt();
     if std_error <= ROUNDINGS * f64::EPSILON * mean.abs() {
         return Err(Unestimable::Constant { units: "differences" });
@@ -93,15 +97,6 @@ pub(crate) fn nonzero(differences: &[f64]) -> Result<Vec<f64>, Unestimable> {
         (false, false) => return Ok(found),
     };
     Err(Unestimable::TooFew { units, found: 0, needed: 1 })
-}
-
-fn two_or_more(values: &[f64]) -> Result<(f64, f64), Unestimable> {
-    if let [_, _, ..] = values
-        && let (mean, Some(sd)) = mean_and_sd(values)
-    {
-        return Ok((mean, sd));
-    }
-    Err(Unestimable::TooFew { units: "participants", found: values.len(), needed: 2 })
 }
 
 /// Two one-sided tests of "the quantity lies beyond the bound": together they show that it is too

@@ -7,7 +7,6 @@
 //! same with any number of threads; the same seed draws the same people at any difference.
 
 use crate::error::{StatsError, all_finite, check_level};
-use crate::interval::mean_and_sd;
 use crate::lmm::trials::{Trials, fit_trials};
 use crate::rounded::rounded;
 use crate::student_t::two_sided_p;
@@ -16,6 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use statrs::function::beta::checked_beta_reg;
+use zwidth_numerics::moments::Moments;
 
 /// Number of bytes of the cipher's key.
 const KEY_BYTES: usize = 32;
@@ -279,8 +279,9 @@ fn paired_t(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
         .map(|person| mean(&person[size - plan.repeats..]) - mean(&person[..plan.repeats]))
         .collect();
     let n = differences.len() as f64;
-    match mean_and_sd(&differences) {
-        (mean, Some(sd)) if sd > 0.0 => Ok(two_sided_p(mean / (sd / n.sqrt()), n - 1.0)?),
+    let found = Moments::of(&differences);
+    match found.sd() {
+        Some(sd) if sd > 0.0 => Ok(two_sided_p(found.mean / (sd / n.sqrt()), n - 1.0)?),
         _ => Err(Unestimable::Constant { units: "differences" }),
     }
 }

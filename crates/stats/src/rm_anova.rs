@@ -122,8 +122,8 @@ mod tests {
     fn two_modes_are_the_paired_t_test() {
         let table = [[1.0, 2.5], [2.0, 2.9], [4.0, 5.5], [3.0, 3.1]].map(Vec::from);
         let found = rm_anova(&table).unwrap();
-        let (mean, sd) = crate::interval::mean_and_sd(&[1.5, 0.9, 1.5, 0.1]);
-        let t = mean / (sd.unwrap() / 2.0);
+        let differences = zwidth_numerics::moments::Moments::of(&[1.5, 0.9, 1.5, 0.1]);
+        let t = differences.mean / (differences.sd().unwrap() / 2.0);
         close(found.test.statistic, t * t, 1e-12);
         close(found.greenhouse_geisser, 1.0, 1e-12);
         close(found.p_greenhouse_geisser, found.test.p_value, 1e-8);

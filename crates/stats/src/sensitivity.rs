@@ -6,6 +6,8 @@
 //! where f is a sum of functions of one input each. I. M. Sobol', Math. Comput. Simul. 55 (2001)
 //! 271–280; A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259–270.
 
+use zwidth_numerics::moments::Moments;
+
 /// Indices of an output, one number an input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Indices {
@@ -28,7 +30,8 @@ pub fn jansen(f: impl Fn(&[f64]) -> f64, a: &[Vec<f64>], b: &[Vec<f64>]) -> Opti
     (a.len() >= 2 && alike).then_some(())?;
     let of = |points: &[Vec<f64>]| points.iter().map(|x| f(x)).collect::<Vec<f64>>();
     let (at_a, at_b) = (of(a), of(b));
-    let spread = 2.0 * a.len() as f64 * variance(&[at_a.as_slice(), &at_b].concat());
+    let spread =
+        2.0 * a.len() as f64 * Moments::of(&[at_a.as_slice(), &at_b].concat()).mean_square();
     (spread > 0.0).then_some(())?;
     let swapped = |i: usize| {
         let one = |(a, b): (&Vec<f64>, &Vec<f64>)| {
@@ -49,13 +52,6 @@ pub fn jansen(f: impl Fn(&[f64]) -> f64, a: &[Vec<f64>], b: &[Vec<f64>]) -> Opti
 
 fn squares(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| (x - y) * (x - y)).sum()
-}
-
-/// Mean square about the mean.
-fn variance(x: &[f64]) -> f64 {
-    let n = x.len() as f64;
-    let mean = x.iter().sum::<f64>() / n;
-    x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n
 }
 
 /// Parts of the variance that switches make, each on or off with equal chance and independent, from
@@ -229,11 +225,11 @@ mod tests {
         let values: Vec<f64> = (0..32).map(f).collect();
         let mut found = SwitchVariance::none(5);
         found.add(&values);
-        assert!((found.variance() - variance(&values)).abs() < 1e-12);
+        assert!((found.variance() - Moments::of(&values).mean_square()).abs() < 1e-12);
         for i in 0..5 {
             let pairs = (0..32).filter(|set| set >> i & 1 == 0);
             let sum: f64 = pairs.map(|set| (f(set) - f(set | 1 << i)).powi(2)).sum();
-            let expect = sum / 16.0 / 4.0 / variance(&values);
+            let expect = sum / 16.0 / 4.0 / Moments::of(&values).mean_square();
             assert!((found.total(i).unwrap() - expect).abs() < 1e-12);
         }
     }

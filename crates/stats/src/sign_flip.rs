@@ -2,12 +2,12 @@
 //! had the other sign.
 
 use crate::error::all_finite;
-use crate::interval::mean_and_sd;
 use crate::null::{Null, SAME, Sampling, sampled_p};
 use crate::paired::nonzero;
 use crate::{StatsError, Unestimable};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
+use zwidth_numerics::moments::Moments;
 
 /// Up to here all 2ⁿ flips are counted.
 pub const EXACT_UP_TO: usize = 40;
@@ -61,7 +61,7 @@ pub fn test(differences: &[f64], sampling: Sampling) -> Result<SignFlip, Unestim
         (p, Null::Sampled { draws }, 1.0 / (1 + draws) as f64)
     };
     Ok(SignFlip {
-        estimate: mean_and_sd(differences).0,
+        estimate: Moments::of(differences).mean,
         nonzero: n,
         p_value,
         smallest_p: smallest_p(n).max(least),

@@ -5,9 +5,9 @@
 //! of a scale and no model. Participants are the units: their probabilities are averaged, each
 //! counting the same however many repeats there are.
 
-use crate::interval::mean_and_sd;
 use crate::student_t::{critical_value, two_sided_p};
 use crate::tested::{Tested, Unestimable};
+use zwidth_numerics::moments::Moments;
 
 /// One participant's answers in two modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,8 +47,10 @@ pub fn superiority<T: Ord>(
     if present.is_empty() {
         return Err(Unestimable::TooFew { units: "participants", found: 0, needed: 1 });
     }
-    let (probability, sd) = mean_and_sd(&present);
-    let cliff_delta = tested(present.len(), 2.0 * probability - 1.0, sd.map(|sd| 2.0 * sd), level);
+    let found = Moments::of(&present);
+    let probability = found.mean;
+    let sd_of_delta = found.sd().map(|sd| 2.0 * sd);
+    let cliff_delta = tested(present.len(), 2.0 * probability - 1.0, sd_of_delta, level);
     let interval =
         cliff_delta.clone().map(|delta| ((1.0 + delta.ci_low) / 2.0, (1.0 + delta.ci_high) / 2.0));
     Ok(Superiority { shares, probability, interval, cliff_delta })

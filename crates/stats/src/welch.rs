@@ -85,11 +85,11 @@ pub(crate) fn tested(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interval::mean_and_sd;
+    use zwidth_numerics::moments::Moments;
 
     fn group(values: &[f64]) -> Group {
-        let (mean, sd) = mean_and_sd(values);
-        Group { n: values.len(), mean, sd: sd.unwrap_or(0.0) }
+        let found = Moments::of(values);
+        Group { n: values.len(), mean: found.mean, sd: found.sd().unwrap_or(0.0) }
     }
 
     const A: [f64; 6] = [4.1, 3.9, 4.4, 4.0, 4.6, 4.3];

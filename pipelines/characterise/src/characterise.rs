@@ -11,10 +11,10 @@ use crate::uncertainty::resampled;
 use crate::verdict::{self, significant};
 use core::ops::Range;
 use rayon::prelude::*;
+use zwidth_numerics::moments::Moments;
 use zwidth_results::CandidateVerdict;
 use zwidth_stats::aicc::aicc;
 use zwidth_stats::autocorrelation::lag1;
-use zwidth_stats::interval::sd;
 
 /// Commands are gathered into this many bins at most for AICc.
 const BINS: usize = 50;
@@ -146,15 +146,14 @@ fn parameters(
         let interval = candidate.interval(&values, settings.level)?.map(holds);
         let unit = quantity.unit(&settings.command_unit, &settings.response_unit);
         let note = note(quantity, &samples.steps.levels, fitted[j], interval, &unit);
-        let (estimate, std_error) = (fitted[j], sd(&values));
         let (ci_low, ci_high) = interval.unzip();
         parameters.push(Parameter {
             name,
             branch,
             quantity,
             unit,
-            estimate,
-            std_error,
+            estimate: fitted[j],
+            std_error: Moments::of(&values).sd(),
             ci_low,
             ci_high,
             note,

@@ -4,6 +4,7 @@ use crate::models::Model;
 use crate::samples::{Samples, split};
 use core::ops::Range;
 use rayon::prelude::*;
+use zwidth_numerics::moments::Moments;
 
 /// Blocks a single sweep is cut into.
 const BLOCKS: usize = 10;
@@ -56,9 +57,8 @@ pub(crate) fn cross_validate(
 /// Mean over folds and its standard error, SD / √K.
 pub(crate) fn mean_and_error(folds: &[f64]) -> (f64, f64) {
     let k = folds.len() as f64;
-    let mean = folds.iter().sum::<f64>() / k;
-    let variance = folds.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / (k - 1.0);
-    (mean, (variance / k).sqrt())
+    let found = Moments::of(folds);
+    (found.mean, found.variance().map_or(f64::NAN, |variance| (variance / k).sqrt()))
 }
 
 /// Mean squared error on the samples of `fold`.

@@ -1,6 +1,8 @@
 //! Counts of the answers on a scale, and what they say of the middle and the spread.
 
 use std::collections::BTreeMap;
+use zwidth_numerics::moments::Moments;
+use zwidth_numerics::order::quantile_by;
 use zwidth_study::{AnswerScale, AnswerValue, ParticipantId};
 
 /// How often each answer was given, and by whom.
@@ -69,13 +71,9 @@ impl Counts {
         })
     }
 
-    /// The quantile at `share`, between the two answers beside rank (n − 1) · share by how far it
-    /// lies from each (Hyndman & Fan 1996, Am. Stat. 50:361, definition 7: that of R and NumPy).
+    /// The quantile at `share`, as [`zwidth_numerics::order::quantile`]. `None` without answers.
     pub(crate) fn quantile(&self, share: f64) -> Option<f64> {
-        let rank = self.n().checked_sub(1)? as f64 * share;
-        let low = self.ranked(rank as usize)?.get();
-        let high = self.ranked(rank.ceil() as usize)?.get();
-        Some(low + (high - low) * rank.fract())
+        quantile_by(self.n(), share, |rank| self.ranked(rank).map(AnswerValue::get))
     }
 
     /// What is one number each, with how often it is there: of several people their means, of one
@@ -90,18 +88,18 @@ impl Counts {
     /// The mean of people's means; of one person's answers where there is one. `None` without
     /// answers.
     pub(crate) fn mean(&self) -> Option<f64> {
-        let units = self.units();
-        let n: f64 = units.iter().map(|(_, n)| n).sum();
-        (n > 0.0).then(|| units.iter().map(|(unit, n)| unit * n).sum::<f64>() / n)
+        let found = self.moments();
+        (found.n > 0.0).then_some(found.mean)
     }
 
     /// The standard deviation between people's means, or of one person's answers (divisor n − 1);
     /// `None` for fewer than two.
     pub(crate) fn sd(&self) -> Option<f64> {
-        let (units, mean) = (self.units(), self.mean()?);
-        let n: f64 = units.iter().map(|(_, n)| n).sum();
-        let squares: f64 = units.iter().map(|(unit, n)| n * (unit - mean) * (unit - mean)).sum();
-        (n > 1.0).then(|| (squares / (n - 1.0)).sqrt())
+        self.moments().sd()
+    }
+
+    fn moments(&self) -> Moments {
+        Moments::of_weighted(self.units().into_iter())
     }
 }
 

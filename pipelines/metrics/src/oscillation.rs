@@ -3,6 +3,7 @@
 use crate::MetricsError;
 use crate::compliance::range;
 use crate::signals::Signals;
+use zwidth_numerics::order::upper_median;
 use zwidth_numerics::phases::Phases;
 use zwidth_numerics::spectrum::{BandPower, band_power};
 use zwidth_numerics::zigzag::zigzag;
@@ -66,7 +67,7 @@ fn swings_of(t: &[f64], theta: &[f64]) -> Swings {
         verdict: Some(verdict),
         frequency_hz: oscillates
             .then(|| fast.len() as f64 / (2.0 * fast.iter().map(|s| s.0).sum::<f64>())),
-        amplitude_rad: oscillates.then(|| median(fast.iter().map(|s| s.1).collect())),
+        amplitude_rad: upper_median(fast.iter().map(|s| s.1)).filter(|_| oscillates),
     }
 }
 
@@ -74,12 +75,6 @@ fn swings_of(t: &[f64], theta: &[f64]) -> Swings {
 fn rate_hz(t: &[f64]) -> Option<f64> {
     let (first, last) = (t.first()?, t.last()?);
     (last > first).then(|| (t.len() - 1) as f64 / (last - first))
-}
-
-/// The middle value, the upper of two; `values` has at least one.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 /// What θ̇ does from 5 to 50 Hz between onset and end.

@@ -3,6 +3,7 @@
 use crate::ReplayError;
 use crate::lag::lag_s;
 use zwidth_numerics::local::derivatives;
+use zwidth_numerics::moments::Moments;
 
 /// Velocities are those of parabolas through the angles of this time to either side, s, of
 /// recording and model alike: what a controller's filter delays is not the model's error.
@@ -30,11 +31,12 @@ pub(crate) fn compare_velocities(
     let (recorded, model) = (recorded.first, model.first);
     let squares: f64 = model.iter().zip(&recorded).map(|(m, r)| (m - r) * (m - r)).sum();
     let rmse_rad_s = (squares / t.len() as f64).sqrt();
-    let (range, spread) = (range(&recorded), variance(&recorded));
+    let range = range(&recorded);
+    let spread = Moments::of(&recorded).mean_square();
     Ok(VelocityError {
         rmse_rad_s,
         nrmse: (range > 0.0).then(|| rmse_rad_s / range),
-        sd_ratio: (spread > 0.0).then(|| (variance(&model) / spread).sqrt()),
+        sd_ratio: (spread > 0.0).then(|| (Moments::of(&model).mean_square() / spread).sqrt()),
     })
 }
 
@@ -72,12 +74,12 @@ pub(crate) fn compare(
     let errors: Vec<f64> = model.iter().zip(recorded).map(|(m, r)| m - r).collect();
     let rmse = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
     let range = range(recorded);
-    let spread = variance(recorded);
+    let spread = Moments::of(recorded).mean_square();
     let (peak, model_peak) = (peak(recorded), peak(model));
     Ok(Comparison {
         rmse,
         nrmse: (range > 0.0).then(|| rmse / range),
-        vaf: (spread > 0.0).then(|| 1.0 - variance(&errors) / spread),
+        vaf: (spread > 0.0).then(|| 1.0 - Moments::of(&errors).mean_square() / spread),
         lag_s: lag_s(t, recorded, model)?,
         peak_recorded: recorded[peak],
         peak_error: model[model_peak] - recorded[peak],
@@ -99,13 +101,6 @@ fn peak(y: &[f64]) -> usize {
         }
     }
     peak
-}
-
-/// Mean square about the mean.
-fn variance(y: &[f64]) -> f64 {
-    let n = y.len() as f64;
-    let mean = y.iter().sum::<f64>() / n;
-    y.iter().map(|y| (y - mean) * (y - mean)).sum::<f64>() / n
 }
 
 #[cfg(test)]

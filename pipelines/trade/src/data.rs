@@ -2,6 +2,7 @@
 
 use crate::Less;
 use crate::setup::Rehearsed;
+use zwidth_numerics::order::{quantile, sorted};
 use zwidth_results::{LessKind, MetricShift, Row};
 use zwidth_study::{Perception, is_felt};
 use zwidth_tables::{Table, TableError};
@@ -87,13 +88,13 @@ fn shifts(taken: &Taken, whole: &Table, table: &Table, bounds: &Bounds<'_>) -> V
         let pairs = a.into_iter().zip(b).filter_map(|(a, b)| Some((a?, b)));
         let pairs: Vec<(f64, Option<f64>)> = pairs.collect();
         let changes: Vec<f64> = pairs.iter().filter_map(|(a, b)| Some((*b)? - a)).collect();
-        if changes.is_empty() {
-            continue;
-        }
         let mean = mean(pairs.iter().map(|pair| pair.0));
-        let mut sizes: Vec<f64> = changes.iter().map(|x| x.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let [median, p90, largest] = [0.5, 0.9, 1.0].map(|level| quantile(&sizes, level));
+        let sizes = sorted(changes.iter().map(|x| x.abs()));
+        let [Some(median), Some(p90), Some(largest)] =
+            [0.5, 0.9, 1.0].map(|share| quantile(&sizes, share))
+        else {
+            continue;
+        };
         let bound = bounds.of(&field.name, &field.unit, mean);
         rows.push(MetricShift {
             condition: taken.condition.into(),
@@ -119,14 +120,6 @@ fn shifts(taken: &Taken, whole: &Table, table: &Table, bounds: &Bounds<'_>) -> V
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let n = values.len() as f64;
     values.sum::<f64>() / n
-}
-
-/// The quantile of sorted values, on straight lines between them (Hyndman & Fan 1996, type 7).
-fn quantile(sorted: &[f64], level: f64) -> f64 {
-    let place = level * (sorted.len() - 1) as f64;
-    let below = place.floor() as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
 /// The table of [`less_shifts`], of one condition or of many.
@@ -174,13 +167,5 @@ mod tests {
         let table = recordings_table(&found).unwrap();
         assert_eq!(table.to_rows::<MetricShift>().unwrap(), found);
         assert_eq!(twin_table(&found).unwrap().name(), "trade_twin");
-    }
-
-    #[test]
-    fn a_quantile_lies_on_straight_lines_between_the_values() {
-        let values = [1.0, 2.0, 4.0];
-        let at = |level| quantile(&values, level);
-        assert!((at(0.5) - 2.0).abs() < 1e-15 && (at(0.9) - 3.6).abs() < 1e-12);
-        assert!((at(1.0) - 4.0).abs() < 1e-15 && (quantile(&[7.0], 0.9) - 7.0).abs() < 1e-15);
     }
 }

@@ -4,6 +4,7 @@ use super::finding::Finding;
 use crate::angle::{rad_per_count, unwrap_margin};
 use crate::{Angle, Capabilities, Limits, Reading, Timing, Unwrap};
 use std::collections::BTreeSet;
+use zwidth_numerics::moments::Moments;
 
 /// A reading and when it was asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,7 +94,8 @@ pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Ve
         let about = "new forces per second; if too few, check the amplifier's rate switch";
         found.push(Finding::new("force rate", force_hz, "Hz", fast(force_hz, nominal_hz), about));
     }
-    let (mean_n, sd_n) = mean_and_sd(&forces);
+    let mean_n = mean_n(&forces);
+    let sd_n = Moments::of(&forces).sd().unwrap_or(0.0);
     let noise =
         "standard deviation of the force at rest; if too large, check cable, shield and supply";
     let tare = "force at rest; if it is not near zero, tare the load cell with nothing on it";
@@ -240,7 +242,14 @@ fn new_forces_n(looks: &[Look]) -> Vec<f64> {
 
 /// Mean force of a stretch, each value of the sensor once, N; 0 of none.
 pub(super) fn mean_force_n(looks: &[Look]) -> f64 {
-    mean_and_sd(&new_forces_n(looks)).0
+    mean_n(&new_forces_n(looks))
+}
+
+fn mean_n(forces_n: &[f64]) -> f64 {
+    match forces_n {
+        [] => 0.0,
+        _ => Moments::of(forces_n).mean,
+    }
 }
 
 /// The time a stretch of evenly spaced looks stands for, s.
@@ -249,13 +258,6 @@ fn span_s(looks: &[Look]) -> f64 {
         [first, .., last] => (last.t_s - first.t_s) * looks.len() as f64 / (looks.len() - 1) as f64,
         _ => f64::INFINITY,
     }
-}
-
-fn mean_and_sd(values: &[f64]) -> (f64, f64) {
-    let n = values.len().max(1) as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
-    (mean, (squares / (n - 1.0).max(1.0)).sqrt())
 }
 
 /// Share of values that are the lowest or the highest, beyond the two there always are; 0 of fewer

@@ -1,6 +1,7 @@
 //! Swings of a run: from one end of a motion to the next.
 
 use std::cmp::Ordering;
+use zwidth_numerics::order::{sorted, upper_median};
 
 use crate::system::region::Motion;
 use crate::system::transition::EventKind;
@@ -41,9 +42,8 @@ pub struct Swings {
 
 impl Swings {
     pub(super) fn of(swings: &[Swing]) -> Self {
-        let amplitudes = sorted(swings.iter().map(|swing| swing.amplitude_rad));
-        let median = amplitudes.get(amplitudes.len() / 2);
-        let Some(&amplitude_rad) = median.filter(|_| swings.len() >= FEW) else {
+        let median = upper_median(swings.iter().map(|swing| swing.amplitude_rad));
+        let Some(amplitude_rad) = median.filter(|_| swings.len() >= FEW) else {
             return Self::default();
         };
         let whole_s: f64 = swings.iter().map(Swing::duration_s).sum();
@@ -124,10 +124,4 @@ pub(super) fn has_its_own(run: &[Swing], reference: &[Swing], duration_s: f64) -
 fn tenths(sorted: &[f64]) -> Vec<f64> {
     let Some(last) = sorted.len().checked_sub(1) else { return Vec::new() };
     (0..=10).map(|i| sorted[i * last / 10]).collect()
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut list: Vec<f64> = values.collect();
-    list.sort_by(f64::total_cmp);
-    list
 }

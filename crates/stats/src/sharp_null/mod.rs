@@ -283,7 +283,8 @@ fn largest(found: &[f64]) -> f64 {
     found.iter().fold(0.0, |most, s| most.max(s.abs()))
 }
 
-/// Of the orders in which both modes have a value.
+/// Of the orders in which both modes have a value: the middle one of each hundredth of them, which
+/// is the statistic of an order and no mean of two.
 fn percentiles(mut found: Vec<f64>) -> Vec<f64> {
     found.retain(|s| s.is_finite());
     found.sort_by(f64::total_cmp);

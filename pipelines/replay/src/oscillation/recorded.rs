@@ -3,6 +3,7 @@
 use crate::Course;
 use zwidth_dynamics::FEWEST_SWINGS;
 use zwidth_numerics::activity::activity;
+use zwidth_numerics::order::upper_median;
 use zwidth_numerics::zigzag::zigzag;
 use zwidth_study::Analysis;
 
@@ -106,15 +107,9 @@ pub(crate) fn swings(
         from_s: row[0].from_s,
         to_s: row[row.len() - 1].to_s,
         swings: row.len(),
-        amplitude_rad: median(row.iter().map(|swing| swing.amplitude_rad)),
+        amplitude_rad: upper_median(row.iter().map(|swing| swing.amplitude_rad))?,
         frequency_hz: 0.5 * row.len() as f64 / (row[row.len() - 1].to_s - row[0].from_s),
     })
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

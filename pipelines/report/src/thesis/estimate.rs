@@ -2,7 +2,7 @@
 //! else over the trials of the one.
 
 use crate::trials::{People, mean_of_one};
-use zwidth_stats::interval::sd;
+use zwidth_numerics::moments::Moments;
 use zwidth_stats::welch::{self, Group};
 use zwidth_stats::{Tested, Unestimable, paired};
 use zwidth_study::ParticipantId;
@@ -76,8 +76,8 @@ fn over_participants(values: Vec<f64>, level: f64) -> Estimated {
 }
 
 fn group(values: &[f64]) -> Group {
-    let n = values.len();
-    Group { n, mean: values.iter().sum::<f64>() / n as f64, sd: sd(values).unwrap_or_default() }
+    let found = Moments::of(values);
+    Group { n: values.len(), mean: found.mean, sd: found.sd().unwrap_or_default() }
 }
 
 fn spread(tested: Result<Tested, Unestimable>) -> Spread {

@@ -1,5 +1,6 @@
 //! Impedance against frequency: Z = F / ẋ of what a user feels at the lever's end, from recordings.
 
+use zwidth_numerics::order::upper_median;
 use zwidth_numerics::series::interpolate_all;
 use zwidth_numerics::updates::{Updates, updates};
 use zwidth_numerics::welch::{CrossPoint, CrossSpectra};
@@ -150,9 +151,7 @@ fn taken(recording: &Recording<'_>) -> Updates {
 /// 1 / the median time between new values, Hz.
 fn rate_hz(taken: &[Updates]) -> Option<f64> {
     let steps = taken.iter().flat_map(|force| force.t.windows(2).map(|pair| pair[1] - pair[0]));
-    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).map(|step| 1.0 / step)
+    upper_median(steps.filter(|step| *step > 0.0)).map(|step| 1.0 / step)
 }
 
 fn length(rate_hz: f64) -> usize {

@@ -3,6 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 use zwidth_dynamics::{Grid, System};
+use zwidth_numerics::order::{median, sorted};
 use zwidth_results::{Row, RunTime};
 use zwidth_tables::Table;
 use zwidth_trade::{Cell, Trade};
@@ -59,8 +60,6 @@ fn time_s(cell: &Cell, trade: &Trade, system: &System) -> [f64; 3] {
         time_s
     };
     let (runs, [low, high]) = if once() < LONG_S { OF_SHORT } else { OF_LONG }; // it warms up, too
-    let mut times: Vec<f64> = (0..runs).map(|_| once()).collect();
-    times.sort_by(f64::total_cmp);
-    let median_s = 0.5 * (times[(runs - 1) / 2] + times[runs / 2]);
-    [median_s, times[low], times[high]]
+    let times = sorted((0..runs).map(|_| once()));
+    [median(times.iter().copied()).unwrap_or(f64::NAN), times[low], times[high]]
 }
