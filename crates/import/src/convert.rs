@@ -1,5 +1,9 @@
 //! From their numbers to ours: a line, a derivative, an integral, a mean.
 
+use zwidth_numerics::order;
+use zwidth_numerics::series::central_differences;
+pub(super) use zwidth_numerics::series::{central_slope as central, slope};
+
 /// `sign · (scale · (x − zero) + offset)`, where `zero` is the first value, a median or 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Linear {
@@ -62,32 +66,9 @@ impl Linear {
     }
 }
 
-/// dx/dt by central differences, second order on uneven times too; one-sided at both ends. At least two
-/// samples, t increasing.
+/// dx/dt by [`central_differences`]; of at least two samples, t increasing.
 pub(super) fn derivative(t: &[f64], x: &[f64]) -> Vec<f64> {
-    let n = x.len();
-    (0..n)
-        .map(|i| match i {
-            0 => slope(t, x, 0),
-            _ if i == n - 1 => slope(t, x, n - 2),
-            _ => central(t, x, i),
-        })
-        .collect()
-}
-
-/// The slope from a sample to the next.
-pub(super) fn slope(t: &[f64], x: &[f64], i: usize) -> f64 {
-    (x[i + 1] - x[i]) / (t[i + 1] - t[i])
-}
-
-/// The slope at a sample between two others: that of the parabola through the three, exactly 0 where they
-/// are equal.
-///
-/// Fornberg, Math. Comp. 51 (1988) 699: with steps h before and k after the sample, the slopes of both
-/// weighted by k and h.
-pub(super) fn central(t: &[f64], x: &[f64], i: usize) -> f64 {
-    let (h, k) = (t[i] - t[i - 1], t[i + 1] - t[i]);
-    (k * slope(t, x, i - 1) + h * slope(t, x, i)) / (h + k)
+    central_differences(t, x).unwrap_or_default() // equally long
 }
 
 /// ∫ x dt from the first sample, where it is 0, by the trapezoidal rule.
@@ -109,15 +90,9 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The middle value, or the mean of the two in the middle; 0 of none.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => 0.0,
-        n if n % 2 == 1 => values[middle],
-        _ => (values[middle - 1] + values[middle]) / 2.0,
-    }
+/// The median; 0 of none.
+pub(super) fn median(values: Vec<f64>) -> f64 {
+    order::median(values).unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Cubics through neighbouring samples: a smooth signal between samples that are far apart, and its
 //! integral.
 
+use crate::series::slope;
+
 /// Fewest samples a cubic takes.
 pub const SAMPLES: usize = 4;
 
@@ -26,12 +28,11 @@ fn weight(t: &[f64], i: usize, at: f64) -> f64 {
 /// samples. At the outermost samples the second derivative counts as 0. `t` is strictly increasing
 /// and as long as `y`.
 pub fn integrals(t: &[f64], y: &[f64]) -> Vec<f64> {
-    let slope = |i: usize| (y[i + 1] - y[i]) / (t[i + 1] - t[i]);
     let bend = |i: usize| {
         if i == 0 || i + 1 == t.len() {
             return 0.0;
         }
-        2.0 * (slope(i) - slope(i - 1)) / (t[i + 1] - t[i - 1])
+        2.0 * (slope(t, y, i) - slope(t, y, i - 1)) / (t[i + 1] - t[i - 1])
     };
     let intervals = 0..t.len().saturating_sub(1);
     intervals

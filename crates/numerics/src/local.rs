@@ -1,4 +1,6 @@
-//! First and second derivative of a sampled signal, by parabolas through its neighbourhoods.
+//! First and second derivative of a sampled signal, by parabolas through its neighbourhoods: what a
+//! sensor's counts leave of them. [`crate::series::central_differences`] has the derivative of the
+//! samples as they are; the two differ in definition, and results of both are stored.
 
 use crate::error::{NumericsError, same_length};
 

@@ -93,22 +93,42 @@ pub fn cumulative_trapezoid(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsEr
     Ok(integral)
 }
 
-/// dy/dt at every sample of an uneven grid, exact for a parabola inside: with h₋, h₊ the steps to
-/// either side, dy/dt = (h₋ s₊ + h₊ s₋) / (h₋ + h₊), s± the slopes of the two segments. At the ends
-/// it is the slope of the end segment (first order). As long as `t`; a single sample has no slope
-/// and gives an empty vector.
+/// dy/dt at every sample of an uneven grid: [`central_slope`] inside, the slope of the end segment
+/// at either end (first order). As long as `t`; a single sample has no slope and gives an empty
+/// vector.
+///
+/// This is the derivative of samples as they are. Where they are counts of a sensor, which it would
+/// make steps of, [`crate::local`] has that of parabolas through many samples.
 ///
 /// # Errors
 /// Unequal lengths.
 pub fn central_differences(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsError> {
     same_length("y", t.len(), y.len())?;
-    let steps: Vec<f64> = t.windows(2).map(|t| t[1] - t[0]).collect();
-    let slopes: Vec<f64> = y.windows(2).zip(&steps).map(|(y, h)| (y[1] - y[0]) / h).collect();
-    let inner = steps
-        .windows(2)
-        .zip(slopes.windows(2))
-        .map(|(h, s)| (h[0] * s[1] + h[1] * s[0]) / (h[0] + h[1]));
-    Ok(slopes.first().copied().into_iter().chain(inner).chain(slopes.last().copied()).collect())
+    if t.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let last = t.len() - 1;
+    let mut slopes = Vec::with_capacity(t.len());
+    slopes.push(slope(t, y, 0));
+    slopes.extend((1..last).map(|i| central_slope(t, y, i)));
+    slopes.push(slope(t, y, last - 1));
+    Ok(slopes)
+}
+
+/// (yᵢ₊₁ − yᵢ) / (tᵢ₊₁ − tᵢ), the slope of the segment from sample `i` to the next, of which there
+/// must be one.
+pub fn slope(t: &[f64], y: &[f64], i: usize) -> f64 {
+    (y[i + 1] - y[i]) / (t[i + 1] - t[i])
+}
+
+/// dy/dt at sample `i`, which must have one to either side: that of the parabola through the three,
+/// (h₋ s₊ + h₊ s₋) / (h₋ + h₊), with h₋, h₊ the steps to either side and s₋, s₊ the slopes of the two
+/// segments (Fornberg 1988, Math. Comp. 51:699). Second order on uneven times too, exactly 0 where
+/// the three are equal.
+pub fn central_slope(t: &[f64], y: &[f64], i: usize) -> f64 {
+    let before = t[i] - t[i - 1];
+    let after = t[i + 1] - t[i];
+    (before * slope(t, y, i) + after * slope(t, y, i - 1)) / (before + after)
 }
 
 /// Signed area ∮ y dx enclosed by the path (xᵢ, yᵢ), closed from its last point to its first
