@@ -1,5 +1,28 @@
-//! The command line: `zwidth`. This file is the table of contents; each command is a file of its
-//! own.
+//! Force-feedback (haptics) studies: trials with a motor-and-brake device recorded as Parquet,
+//! pipelines from these files to every figure and table, a simulator that solves the device's
+//! hybrid dynamics exactly, and the statistics and the report of a study.
+//!
+//! This crate is the command line. `main.rs` is its table of contents: the arguments of each
+//! command and what it does stand in one file of `commands`. What the commands call is the
+//! workspace below, floor by floor; a crate knows those above it in this table, and none below:
+//!
+//! | crates | what they are | begin with |
+//! |---|---|---|
+//! | [`zwidth_study`] | the words of a study: trials, sessions, events, modes, environments | [`zwidth_study::Study`] |
+//! | [`zwidth_numerics`] | series, dense systems, least squares, exponentials, spectra | [`zwidth_numerics::lsq`] |
+//! | [`zwidth_store`] | files of trials and sweeps, journal, logs, recovery, `verify` | [`zwidth_store::StudyData`] |
+//! | [`zwidth_stats`] | intervals, tests, mixed models, agreement, power | [`zwidth_stats::paired`] |
+//! | [`zwidth_dynamics`] | scenes, models and their solvers, exact and stepped | [`zwidth_dynamics::Solver`] |
+//! | [`zwidth_results`] | what the stages find: a row type for each derived table | [`zwidth_results::Row`] |
+//! | [`zwidth_device`], [`zwidth_link`] | the device as a trait, its twin, its loop; boards behind a serial line | [`zwidth_device::Device`] |
+//! | [`zwidth_draw`], [`zwidth_tables`], `zwidth_frames` | figures as SVG, PDF and PNG; tables in print; rows in groups | [`zwidth_draw::Figure`] |
+//! | [`zwidth_import`] | recordings of other rigs, through a mapping file | [`zwidth_import::import`] |
+//! | `pipelines/*`, as [`zwidth_metrics`], [`zwidth_replay`], [`zwidth_report`] | one stage each, from rows to rows | [`zwidth_metrics::by_condition`] |
+//! | [`zwidth_runner`], [`zwidth_plan`] | jobs that are skipped when nothing changed; which stage reads and makes which files | [`zwidth_plan::jobs`] |
+//! | [`zwidth_acquire`] | a session: its flow, its runner, its screens | [`zwidth_acquire::Session`] |
+//!
+//! `ARCHITECTURE.md` tells how they work together, `CONTRIBUTING.md` where the next metric,
+//! figure, model or format goes, and `docs/` what users read.
 
 mod args;
 mod commands;
