@@ -13,7 +13,7 @@ pub struct Recovered {
     pub done: Done,
 }
 
-/// What [`recover`] did with a file.
+/// What [`recover`](crate::recover) did with a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Done {
     /// A journal became the trial at the path.
