@@ -188,15 +188,14 @@ fn same(expected: &Hashes, made: &Hashes) -> anyhow::Result<()> {
 
 /// An error that names the stages of which some file has another content, at the same version.
 fn not_raised(before: &Content, made: &Content) -> anyhow::Result<()> {
-    let is_other = |(path, (stage, hash)): &(&String, &(String, String))| {
-        let was = before.files.get(*path).filter(|(was_of, _)| was_of == stage);
-        was.is_some_and(|(_, was)| was != hash)
-            && before.versions.get(stage) == made.versions.get(stage)
-    };
     let other: Vec<String> = made
         .files
         .iter()
-        .filter(is_other)
+        .filter(|(path, (stage, hash))| {
+            let was = before.files.get(*path).filter(|(was_of, _)| was_of == stage);
+            was.is_some_and(|(_, was)| was != hash)
+                && before.versions.get(stage) == made.versions.get(stage)
+        })
         .map(|(path, (stage, _))| format!("{path} ({stage})"))
         .collect();
     if other.is_empty() {

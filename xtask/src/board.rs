@@ -51,7 +51,8 @@ impl Plugged {
             bail!("a board speaks {}", LINKS.map(|(word, _, _)| word).join(", "));
         };
         let twin = Twin::new(TwinParameters::default(), Person::draw(seed), seed)?;
-        let (line, cell) = (Pair::open()?, Pair::open()?);
+        let line = Pair::open()?;
+        let cell = Pair::open()?;
         let settings =
             Settings::of_board(*link, *angle, STREAM_HZ, twin.capabilities(), cell.port());
         let board = match &settings.firmata {
@@ -74,7 +75,8 @@ impl Plugged {
         let _ = Priority::raise();
         let began = Instant::now();
         loop {
-            let (mut bytes, mut out) = ([0; 256], Vec::new());
+            let mut bytes = [0; 256];
+            let mut out = Vec::new();
             let came = self.line.receive(&mut bytes, TURN)?;
             self.board.take(began.elapsed().as_secs_f64(), &bytes[..came], &mut out)?;
             send(&mut self.line, &out)?;

@@ -88,7 +88,8 @@ pub(crate) fn fuzz(which: &str, runs: Option<u64>) -> anyhow::Result<()> {
         ensure!(written.success(), "the seeds cannot be written");
         return Ok(());
     }
-    let (next, broken) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let next = AtomicUsize::new(0);
+    let broken = AtomicUsize::new(0);
     let work = || -> anyhow::Result<()> {
         while let Some(kind) = chosen.get(next.fetch_add(1, Ordering::Relaxed)) {
             let found = tell(&program, kind, runs.unwrap_or(kind.runs))?;

@@ -19,7 +19,8 @@ pub(crate) fn run(command: &[&str]) -> anyhow::Result<()> {
     let mut emulator = Emulator::start(command)?;
     let settings: Settings = toml::from_str(RIG)?;
     let template = settings.hx711.context("no table [hx711]")?.template()?;
-    let (mut lines, mut printed) = (Lines::from_anywhere(), Vec::new());
+    let mut lines = Lines::from_anywhere();
+    let mut printed = Vec::new();
     let values: Vec<i32> = (0..VALUES).map(value).collect();
     for value in &values {
         emulator.set("force", *value)?;

@@ -90,7 +90,8 @@ fn main() -> anyhow::Result<()> {
             number(rest.get(1), 0)?,
         ),
         ["soak", "live", rest @ ..] => {
-            let (minutes, link) = (number(rest.first(), 10.0)?, rest.get(1).copied());
+            let minutes = number(rest.first(), 10.0)?;
+            let link = rest.get(1).copied();
             soak::live::live(&soak::program()?, &scratch("live"), minutes, link)
         }
         ["soak", "watchdog", rest @ ..] => {

@@ -24,7 +24,8 @@ const BEGIN: &str = "2026-01-01T08:00:00Z";
 pub(crate) fn play<W: Fn(f64)>(
     plan: &Plan,
     disk: &Memory,
-    (device, clock): (&mut dyn Device, &mut dyn Clock),
+    device: &mut dyn Device,
+    clock: &mut dyn Clock,
     person: &mut Person<W>,
     answers: bool,
 ) -> Result<Outcome, String> {
@@ -113,7 +114,8 @@ pub(crate) fn id() -> Result<zwidth_study::StudyId, String> {
 
 /// A study on a disk of its own.
 pub(crate) fn plan(study_toml: &str) -> Result<(Memory, Plan), String> {
-    let (disk, layout) = (Memory::new(), Layout::new(Path::new("/simulated"), id()?));
+    let disk = Memory::new();
+    let layout = Layout::new(Path::new("/simulated"), id()?);
     let study = Study::from_toml(study_toml).map_err(|e| format!("{e:?}"))?;
     disk.put(&layout.study_toml(), study_toml.as_bytes());
     let plan = Plan {

@@ -43,7 +43,9 @@ pub(crate) fn look(root: &Path, study: &str) -> anyhow::Result<()> {
         anyhow::anyhow!("{study}: {} findings; see `zwidth verify`", findings.len())
     })?;
     let font = zwidth_plan::font(&data).map_err(|error| anyhow::anyhow!("{study}: {error}"))?;
-    let (mut drawn, mut crowded, mut small) = (0, Vec::new(), Vec::new());
+    let mut drawn = 0;
+    let mut crowded = Vec::new();
+    let mut small = Vec::new();
     for (name, _) in zwidth_plan::captions(&data) {
         let Some(described) = zwidth_plan::describe(&data, &name) else { continue };
         let (figure, _) = described.map_err(|error| anyhow::anyhow!("{name}: {error}"))?;

@@ -30,7 +30,8 @@ pub(crate) fn write(figures: &Path, folder: &Path) -> anyhow::Result<()> {
         let name = picture.file_stem().unwrap_or_default().to_string_lossy();
         std::fs::copy(picture, folder.join(format!("{name}.svg")))?;
         let caption = std::fs::read_to_string(picture.with_extension("txt")).unwrap_or_default();
-        let (name, caption) = (escape(&name), escape(caption.trim()));
+        let name = escape(&name);
+        let caption = escape(caption.trim());
         let image = |class: &str| format!("<img class=\"{class}\" src=\"{name}.svg\" alt=\"\">");
         writeln!(
             page,

@@ -119,7 +119,9 @@ fn one(
     text: &str,
     tally: &mut Tally,
 ) -> anyhow::Result<()> {
-    let (base, again, anew) = (scratch.join("base"), scratch.join("again"), scratch.join("anew"));
+    let base = scratch.join("base");
+    let again = scratch.join("again");
+    let anew = scratch.join("anew");
     for (root, folders) in [(&again, ["raw", "derived", "reports"].as_slice()), (&anew, &["raw"])] {
         if root.exists() {
             std::fs::remove_dir_all(root)?;
@@ -140,7 +142,8 @@ fn one(
         return Ok(());
     }
     tally.changed += 1;
-    let (now, expected) = (hashes(&again)?, hashes(&anew)?);
+    let now = hashes(&again)?;
+    let expected = hashes(&anew)?;
     let paths: BTreeSet<&PathBuf> = now.keys().chain(expected.keys()).collect();
     let differ: Vec<String> = paths
         .into_iter()
@@ -163,7 +166,8 @@ fn needless(base: &Path, again: &Path, output: &Output) -> anyhow::Result<BTreeM
         let file = root.join("derived").join(STUDY).join("records.json");
         Ok(serde_json::from_slice(&std::fs::read(file)?)?)
     };
-    let (before, after) = (records(base)?, records(again)?);
+    let before = records(base)?;
+    let after = records(again)?;
     let said: Value = serde_json::from_slice(&output.stdout)?;
     let mut found = BTreeMap::new();
     let made = said[0]["made"].as_array().context("run --json lists no jobs")?;

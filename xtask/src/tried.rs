@@ -111,7 +111,8 @@ fn cell(row: &str, column: usize) -> &str {
 }
 
 fn row(Tried { what, command, times, broken, seconds }: &Tried) -> String {
-    let (times, took) = (grouped(*times), took(*seconds));
+    let times = grouped(*times);
+    let took = took(*seconds);
     format!("| {what} | {times} | {broken} | {took} | `{command}` |")
 }
 

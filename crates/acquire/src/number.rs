@@ -44,9 +44,8 @@ pub(crate) fn numbers(
 fn may_lack_a_number(record: &Path) -> bool {
     let name =
         record.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let lacks =
-        |(at, _): (usize, &str)| number(&name[..at]).is_none() || number(&name[at + 1..]).is_none();
-    name.match_indices('_').any(lacks)
+    name.match_indices('_')
+        .any(|(at, _)| number(&name[..at]).is_none() || number(&name[at + 1..]).is_none())
 }
 
 /// The numbers of a session that comes after these.
@@ -71,13 +70,12 @@ fn among(records: &[SessionRecord], participant: &ParticipantId, session: &Sessi
 fn one(kind: &str, id: &str, known: &BTreeMap<&str, u32>) -> (u32, Option<String>) {
     if let Some(digits) = number(id) {
         let namesake = known.iter().find(|(other, n)| **n == digits && number(other).is_none());
-        let remark = |(other, _): (&&str, &u32)| {
+        return (digits, namesake.map(|(other, _)| {
             format!(
                 "{kind} {id} has number {digits} in the counterbalancing, as {kind} {other} has, which got it by order of \
                  appearance; give new ids numbers of their own"
             )
-        };
-        return (digits, namesake.map(remark));
+        }));
     }
     let told = |n: u32, how: &str| {
         format!("{kind} {id} ends in no number: it is counterbalanced as number {n}, {how}")

@@ -18,11 +18,10 @@ pub fn own_study(
     participant: &ParticipantId,
     session: &SessionId,
 ) -> Result<Option<Study>, AcquireError> {
-    let not_whole = |finding| AcquireError::NotWhole {
+    session_study(files, layout, participant, session).map_err(|finding| AcquireError::NotWhole {
         session: format!("{participant} {session}"),
         findings: vec![finding],
-    };
-    session_study(files, layout, participant, session).map_err(not_whole)
+    })
 }
 
 /// What is to be told, and kept in the log, of a `study.toml` that is another than the session's

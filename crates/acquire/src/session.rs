@@ -208,7 +208,8 @@ fn draw_session(
         None
     };
     let blinded = seal.is_some();
-    let (recorded, events) = (Vec::new(), Vec::new());
+    let recorded = Vec::new();
+    let events = Vec::new();
     let opening = remarks.into_iter().map(|text| Event::Note { trial: None, text }).collect();
     Ok(Session { record, laid_down: false, seal, blinded, modes, recorded, events, opening })
 }

@@ -155,14 +155,13 @@ pub fn seed(
     }
     last(files, folder, &path)?;
     let text = text(files, &path).map_err(|e| StoreError::io(&path, "read", &e))?;
-    let wrong = |_| {
+    Ok(text.trim().parse().map_err(|_| {
         StoreError::new(
             &path,
             "it should hold a seed, a whole number below 2⁶⁴, and does not",
             "restore the file from a copy",
         )
-    };
-    Ok(text.trim().parse().map_err(wrong)?)
+    })?)
 }
 
 #[cfg(test)]

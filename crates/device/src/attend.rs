@@ -98,10 +98,13 @@ impl<'a> Station<'a> {
             idle(self.clock.wait_until(now_s + UNHOMED_S));
             return false;
         }
-        let (device, clock, guard) = (&mut *self.device, &mut *self.clock, &mut self.guard);
-        let reading = || read_on(device, clock, guard, self.rate_hz, idle, &mut |_, _, _| {});
-        let found =
-            catch_unwind(AssertUnwindSafe(reading)).unwrap_or_else(|panic| Err(said(&*panic)));
+        let device = &mut *self.device;
+        let clock = &mut *self.clock;
+        let guard = &mut self.guard;
+        let found = catch_unwind(AssertUnwindSafe(|| {
+            read_on(device, clock, guard, self.rate_hz, idle, &mut |_, _, _| {})
+        }))
+        .unwrap_or_else(|panic| Err(said(&*panic)));
         self.fault = found.err();
         if self.fault.is_some() {
             self.guard.lose();
@@ -269,7 +272,8 @@ fn wait_for<'a, T: Send + 'a>(
     meanwhile: &mut dyn FnMut(),
 ) -> Result<T, Trip> {
     let (mut answer, mut answered) = RingBuffer::new(1);
-    let (shared, caller) = (Arc::clone(shared), thread::current());
+    let shared = Arc::clone(shared);
+    let caller = thread::current();
     let order = move |station: &mut Station<'a>| {
         let done = catch_unwind(AssertUnwindSafe(|| work(station))).map_err(|panic| said(&*panic));
         shared.tell_time(station.clock.now_s()); // before the answer: whoever has it may ask for the time

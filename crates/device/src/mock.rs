@@ -194,7 +194,8 @@ impl Device for Mock {
         }
         let angle_s = self.since(now_s, Fault::AngleStops).unwrap_or(now_s);
         let force_s = self.since(now_s, Fault::ForceStops).unwrap_or(now_s);
-        let ((theta_rad, _), (_, force_n)) = (self.state(angle_s), self.state(force_s));
+        let (theta_rad, _) = self.state(angle_s);
+        let (_, force_n) = self.state(force_s);
         Ok(Reading {
             t_device_s: None,
             angle: self.angle(theta_rad),
@@ -241,7 +242,8 @@ impl SharedClock {
     /// when. Without such a loop the time passes all the same.
     pub fn stand(&self, for_s: f64) -> (f64, f64) {
         let now_s = self.lock();
-        let (from_s, until_s) = (*now_s, *now_s + for_s);
+        let from_s = *now_s;
+        let until_s = *now_s + for_s;
         let waited = self.0.1.wait_timeout_while(now_s, NOBODY, |now_s| *now_s < until_s);
         let (mut now_s, _) = waited.unwrap_or_else(PoisonError::into_inner);
         *now_s = now_s.max(until_s);

@@ -29,7 +29,8 @@ impl Playback {
     /// No rows, or times that do not rise.
     pub fn new(rows: Vec<Sample>, stop_rad: f64) -> Result<Self, DeviceError> {
         let unable = |what: &str| {
-            let (device, remedy) = ("playback".to_owned(), "choose another trial".to_owned());
+            let device = "playback".to_owned();
+            let remedy = "choose another trial".to_owned();
             Err(DeviceError::Unable { device, what: what.to_owned(), remedy })
         };
         if rows.len() < 2 {

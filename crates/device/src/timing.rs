@@ -65,7 +65,8 @@ fn bucket(ns: u64) -> usize {
 
 /// Where a bucket ends, ns.
 fn upper_ns(bucket: usize) -> f64 {
-    let (octave, within) = (bucket as u64 / PER_OCTAVE, bucket as u64 % PER_OCTAVE);
+    let octave = bucket as u64 / PER_OCTAVE;
+    let within = bucket as u64 % PER_OCTAVE;
     if octave == 0 { within as f64 } else { ((PER_OCTAVE + within + 1) << (octave - 1)) as f64 }
 }
 

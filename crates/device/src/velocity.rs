@@ -95,7 +95,8 @@ fn advance(omega: f64, last: Smooth, t_s: f64, x: f64) -> Smooth {
     let h = t_s - last.t_s;
     let slope = (x - last.x) / h;
     let lag = 2.0 * slope / omega;
-    let (z0, rate0) = (last.y - last.x + lag, last.v - slope);
+    let z0 = last.y - last.x + lag;
+    let rate0 = last.v - slope;
     let a = rate0 + omega * z0;
     let decay = libm::exp(-omega * h);
     Smooth { t_s, x, y: x - lag + (z0 + a * h) * decay, v: slope + (rate0 - omega * a * h) * decay }

@@ -62,9 +62,12 @@ const WALL_DEG: f64 = 26.6;
 
 fn push(mode: usize, repeat: u32) -> Push {
     let mut noise = Noise(repeat * 97 + mode as u32 * 13 + 5);
-    let (reach, drop) = ([36.0, 27.4, 27.0][mode] + 0.8 * noise.next(), [0.0, 5.0, 2.2][mode]);
-    let (period, lag) = (2.6 + 0.15 * noise.next(), 0.05 * noise.next());
-    let (phase, depth) = (TAU * noise.next(), [0.05, 0.12, 0.03][mode]);
+    let reach = [36.0, 27.4, 27.0][mode] + 0.8 * noise.next();
+    let drop = [0.0, 5.0, 2.2][mode];
+    let period = 2.6 + 0.15 * noise.next();
+    let lag = 0.05 * noise.next();
+    let phase = TAU * noise.next();
+    let depth = [0.05, 0.12, 0.03][mode];
     let mut run = Push { t_s: vec![], theta_deg: vec![], force_n: vec![], velocity_deg_s: vec![] };
     for i in 0..3000 {
         let t = f64::from(i) / 1000.0;
@@ -98,13 +101,14 @@ fn quantity<'a>(run: &'a Push, name: &str) -> &'a [f64] {
 
 /// Mean and standard deviation over the repeats, sample by sample.
 fn mean_sd(runs: &[Push], name: &str) -> Vec<(f64, f64)> {
-    let at = |i: usize| {
-        let values: Vec<f64> = runs.iter().map(|run| quantity(run, name)[i]).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let sum2 = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
-        (mean, (sum2 / (values.len() - 1) as f64).sqrt())
-    };
-    (0..runs[0].t_s.len()).map(at).collect()
+    (0..runs[0].t_s.len())
+        .map(|i| {
+            let values: Vec<f64> = runs.iter().map(|run| quantity(run, name)[i]).collect();
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let sum2 = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
+            (mean, (sum2 / (values.len() - 1) as f64).sqrt())
+        })
+        .collect()
 }
 
 fn mode_layers(x: &str, y: &str) -> Vec<Layer> {
@@ -114,13 +118,16 @@ fn mode_layers(x: &str, y: &str) -> Vec<Layer> {
     for (mode, runs) in all.iter().enumerate() {
         let colour = style::mode_colour(mode);
         layers.extend(runs.iter().map(|run| {
-            let (x, y) = (quantity(run, x).to_vec(), quantity(run, y).to_vec());
+            let x = quantity(run, x).to_vec();
+            let y = quantity(run, y).to_vec();
             Layer::Line(Line { x, y, stroke: style::faint(colour), ..Line::default() })
         }));
     }
     for (mode, runs) in all.iter().enumerate() {
-        let (colour, name) = (style::mode_colour(mode), Some(MODES[mode].to_owned()));
-        let (along, across) = (mean_sd(runs, x), mean_sd(runs, y));
+        let colour = style::mode_colour(mode);
+        let name = Some(MODES[mode].to_owned());
+        let along = mean_sd(runs, x);
+        let across = mean_sd(runs, y);
         let x: Vec<f64> = along.iter().map(|(mean, _)| *mean).collect();
         let y: Vec<f64> = across.iter().map(|(mean, _)| *mean).collect();
         if along[1].1 == 0.0 {
@@ -149,8 +156,8 @@ fn wall(direction: Direction, label: Option<&str>) -> Layer {
 
 fn four_panels() -> Figure {
     let t = || Axis::new("*t*", "s").ranged(Range::Tight).linked("t");
-    let (theta, force) =
-        (Axis::new("*θ*", "°").linked("θ"), Axis::new("*F*_{ex}", "N").linked("F"));
+    let theta = Axis::new("*θ*", "°").linked("θ");
+    let force = Axis::new("*F*_{ex}", "N").linked("F");
     let mut angle = mode_layers("t", "θ");
     angle.push(wall(Direction::Horizontal, None));
     let mut loops = mode_layers("θ", "F");
@@ -178,7 +185,8 @@ fn one_mode() -> Figure {
     let layers = |x: &str, y: &str| -> Vec<Layer> {
         let repeat = |i: u32| {
             let run = push(2, i);
-            let (x, y) = (quantity(&run, x).to_vec(), quantity(&run, y).to_vec());
+            let x = quantity(&run, x).to_vec();
+            let y = quantity(&run, y).to_vec();
             let stroke = style::single(style::repeat_colour(style::mode_colour(2), i as usize, 6));
             Layer::Line(Line {
                 x,
@@ -298,8 +306,10 @@ fn intervals() -> Figure {
             let half: Vec<f64> = at.iter().map(|_| size * (0.12 + 0.08 * noise.next())).collect();
             let low = estimate.iter().zip(&half).map(|(e, h)| e - h).collect();
             let high = estimate.iter().zip(&half).map(|(e, h)| e + h).collect();
-            let (colour, marker) = (style::mode_colour(mode), markers[mode]);
-            let (direction, name) = (Direction::Vertical, Some(name.to_owned()));
+            let colour = style::mode_colour(mode);
+            let marker = markers[mode];
+            let direction = Direction::Vertical;
+            let name = Some(name.to_owned());
             layers.push(Layer::Intervals(Intervals {
                 direction,
                 at,
@@ -332,7 +342,8 @@ fn powers() -> Figure {
     let steps: Vec<f64> = (0..9).map(|i| -1.0 - 0.25 * f64::from(i)).collect();
     let mut layers = Vec::new();
     for (i, (name, order)) in [("Euler", 1.0), ("Runge–Kutta", 4.0)].into_iter().enumerate() {
-        let (x, y) = (steps.clone(), steps.iter().map(|h| order * h - 1.0).collect::<Vec<f64>>());
+        let x = steps.clone();
+        let y = steps.iter().map(|h| order * h - 1.0).collect::<Vec<f64>>();
         let colour = style::mode_colour(i);
         layers.push(Layer::Points(Points {
             x: x.clone(),
@@ -367,8 +378,7 @@ fn places() -> Figure {
     };
     let frame = |(left, low): (f64, f64), (right, high): (f64, f64)| {
         let corners = [(left, low), (right, low), (right, high), (left, high), (left, low)];
-        let edge = |i: usize| line([corners[i], corners[i + 1]]);
-        (0..4).map(edge).collect::<Vec<Layer>>()
+        (0..4).map(|i| line([corners[i], corners[i + 1]])).collect::<Vec<Layer>>()
     };
     let mut layers = vec![
         line([(30.0, 10.0), (50.0, 10.0)]),
@@ -390,7 +400,8 @@ fn places() -> Figure {
         ),
     ];
     for (left, lines) in boxes {
-        let (low, high) = ((left, 20.0), (left + 24.0, 32.0));
+        let low = (left, 20.0);
+        let high = (left + 24.0, 32.0);
         layers.extend(frame(low, high));
         layers.push(text(lines, TextPlace::Within(low, high)));
     }

@@ -211,7 +211,8 @@ fn categories<'f>(
         }
     }
     let ticks = set(NAME_PT[NAME_PT.len() - 1], Fonts::parted)?;
-    let (need_pt, have_pt) = (height_pt(&ticks), slot_pt);
+    let need_pt = height_pt(&ticks);
+    let have_pt = slot_pt;
     if need_pt > have_pt {
         return Err(Error::TextTooLong { text: names.join(" / "), need_pt, have_pt });
     }

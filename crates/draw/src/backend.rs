@@ -82,7 +82,8 @@ impl DrawingBackend for Pen<'_, '_> {
         style: &S,
         fill: bool,
     ) -> Outcome {
-        let ((left, top), (right, bottom)) = (on_page(a), on_page(b));
+        let (left, top) = on_page(a);
+        let (right, bottom) = on_page(b);
         let rect = Rect { left, top, right, bottom };
         let (colour, opacity) = colour(style.color());
         match fill {
@@ -247,7 +248,7 @@ mod tests {
             .draw(&element)
             .unwrap();
         let head = Head { title: "", description: "", provenance: None };
-        let svg = svg::svg(&sheet.shapes, sheet.fonts, (100.0, 50.0), &head, svg::Words::Outlines);
+        let svg = svg::svg(&sheet.shapes, sheet.fonts, 100.0, 50.0, &head, svg::Words::Outlines);
         assert!(expect.iter().all(|part| svg.contains(part)), "{expect:?} in {svg}");
     }
 

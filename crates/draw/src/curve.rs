@@ -65,8 +65,10 @@ pub(crate) fn cut_line(points: &[Point], window: &Window) -> Vec<Vec<Point>> {
 }
 
 fn cut_piece(a: Point, b: Point, window: &Window) -> Option<(Point, Point)> {
-    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    let dx = b.0 - a.0;
+    let dy = b.1 - a.1;
+    let mut enter = 0.0_f64;
+    let mut leave = 1.0_f64;
     let edges = [
         (-dx, a.0 - window.x.0),
         (dx, window.x.1 - a.0),
@@ -179,11 +181,13 @@ fn straighten(points: &[Point], chosen: &[usize]) -> Vec<usize> {
 
 /// Distance of `p` from the straight piece `a`–`b`.
 fn distance(p: Point, a: Point, b: Point) -> f64 {
-    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+    let dx = b.0 - a.0;
+    let dy = b.1 - a.1;
     let length2 = dx * dx + dy * dy;
     let along = if length2 > 0.0 { ((p.0 - a.0) * dx + (p.1 - a.1) * dy) / length2 } else { 0.0 };
     let along = along.clamp(0.0, 1.0);
-    let (ex, ey) = (p.0 - a.0 - along * dx, p.1 - a.1 - along * dy);
+    let ex = p.0 - a.0 - along * dx;
+    let ey = p.1 - a.1 - along * dy;
     (ex * ex + ey * ey).sqrt()
 }
 

@@ -203,7 +203,8 @@ impl<'a> Fonts<'a> {
         let mut label = Label { size_pt, metrics: self.metrics, ..Label::default() };
         for run in runs {
             for (text, is_own) in self.stretches(run) {
-                let (text, x_pt) = (text.to_owned(), label.width_pt);
+                let text = text.to_owned();
+                let x_pt = label.width_pt;
                 let run = Run { text, ..*run };
                 let (piece, advance_pt) = self.piece(&run, is_own, size_pt, x_pt, markup)?;
                 label.width_pt += advance_pt;
@@ -410,7 +411,8 @@ fn shape(face: &Face<'_>, text: &str, markup: &str) -> Result<Shaped, Error> {
     let mut base = None;
     for (info, place) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
         let start = info.cluster as usize;
-        let (x, y) = (pen.saturating_add(place.x_offset), place.y_offset);
+        let x = pen.saturating_add(place.x_offset);
+        let y = place.y_offset;
         // the shaper may have moved marks past each other: what follows in the text need not
         // come next
         let next = shaped

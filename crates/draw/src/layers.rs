@@ -135,7 +135,8 @@ impl Plot<'_, '_> {
     }
 
     fn reference(&self, reference: &Reference) -> Outcome {
-        let (at, Window { x, y }) = (reference.at, self.window);
+        let at = reference.at;
+        let Window { x, y } = self.window;
         let ends = match reference.direction {
             Direction::Horizontal => [(x.0, at), (x.1, at)],
             Direction::Vertical => [(at, y.0), (at, y.1)],
@@ -193,7 +194,8 @@ impl Plot<'_, '_> {
         (top, bottom): Ends,
         colour: Colour,
     ) -> Result<Option<Ends>, Error> {
-        let (from, to) = (segment.from.max(self.window.x.0), segment.to.min(self.window.x.1));
+        let from = segment.from.max(self.window.x.0);
+        let to = segment.to.min(self.window.x.1);
         if from >= to {
             return Ok(None);
         }
@@ -214,7 +216,8 @@ impl Plot<'_, '_> {
         ground: Colour,
         taken_pt: f64,
     ) -> Result<f64, Error> {
-        let (text, middle_pt) = (count.to_string(), (room_pt.0 + room_pt.1) / 2.0);
+        let text = count.to_string();
+        let middle_pt = (room_pt.0 + room_pt.1) / 2.0;
         let style = |ink: Colour, vertical| TextStyle {
             font: ("sans-serif", SMALL_PT * UNITS_PER_PT).into_font(),
             color: rgb(ink).to_backend_color(),

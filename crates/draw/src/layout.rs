@@ -192,8 +192,9 @@ fn place(
     height_pt: Option<f64>,
 ) -> (Vec<Rect>, f64) {
     let inner_pt = figure.width_mm * PT_PER_MM - 2.0 * PAGE_MARGIN_PT;
-    let weight = |column: usize| figure.column_weights.get(column).copied().unwrap_or(1.0);
-    let weights: Vec<f64> = (0..grid::size(cells).1).map(weight).collect();
+    let weights: Vec<f64> = (0..grid::size(cells).1)
+        .map(|column| figure.column_weights.get(column).copied().unwrap_or(1.0))
+        .collect();
     let margins = grid::column_margins(cells, decor);
     let widths = grid::share(inner_pt, &margins, GRID_GAP_PT.0, &weights);
     let columns = grid::tracks(PAGE_MARGIN_PT, &margins, GRID_GAP_PT.0, &widths);

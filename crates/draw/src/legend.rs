@@ -123,12 +123,16 @@ fn samples(layer: &Layer) -> Vec<(String, Sample)> {
         Layer::Line(l) => (&l.name, Sample::Line(l.stroke)),
         Layer::Band(b) => (&b.name, Sample::Band(b.colour)),
         Layer::Points(p) => {
-            let (colour, diameter_pt, opacity) = (p.colour, p.diameter_pt, p.opacity);
+            let colour = p.colour;
+            let diameter_pt = p.diameter_pt;
+            let opacity = p.opacity;
             (&p.name, Sample::Disc { colour, diameter_pt, opacity })
         }
         Layer::Reference(r) => (&r.name, Sample::Line(r.stroke)),
         Layer::Intervals(i) => {
-            let (colour, marker, direction) = (i.colour, i.marker, i.direction);
+            let colour = i.colour;
+            let marker = i.marker;
+            let direction = i.direction;
             (&i.name, Sample::Whisker { colour, marker, direction })
         }
         Layer::Text(_) => return Vec::new(),

@@ -126,8 +126,9 @@ impl Drawing {
 
     fn svg_of(&self, words: svg::Words<'_>) -> Result<String, Error> {
         with_font(self.font.as_ref(), || {
+            let (width_pt, height_pt) = self.size_pt;
             let fonts = Fonts::new(self.font.as_ref())?;
-            Ok(svg::svg(&self.shapes, &fonts, self.size_pt, &self.head(), words))
+            Ok(svg::svg(&self.shapes, &fonts, width_pt, height_pt, &self.head(), words))
         })
     }
 
@@ -139,8 +140,9 @@ impl Drawing {
     /// [`Error::Encode`] if the libraries refuse the drawing, otherwise as [`svg`](Self::svg).
     pub fn png(&self, dpi: f64) -> Result<Vec<u8>, Error> {
         with_font(self.font.as_ref(), || {
+            let (width_pt, height_pt) = self.size_pt;
             let fonts = Fonts::new(self.font.as_ref())?;
-            png::png(&self.shapes, &fonts, self.size_pt, dpi, self.provenance.as_deref())
+            png::png(&self.shapes, &fonts, width_pt, height_pt, dpi, self.provenance.as_deref())
         })
     }
 
@@ -151,8 +153,9 @@ impl Drawing {
     /// [`Error::Encode`] if the libraries refuse the drawing, otherwise as [`svg`](Self::svg).
     pub fn pdf(&self) -> Result<Vec<u8>, Error> {
         with_font(self.font.as_ref(), || {
+            let (width_pt, height_pt) = self.size_pt;
             let fonts = Fonts::new(self.font.as_ref())?;
-            pdf::pdf(&self.shapes, &fonts, self.font.as_ref(), self.size_pt, &self.head())
+            pdf::pdf(&self.shapes, &fonts, self.font.as_ref(), width_pt, height_pt, &self.head())
         })
     }
 

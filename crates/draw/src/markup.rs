@@ -56,8 +56,9 @@ pub fn typed(markup: &str) -> String {
 
 /// Letters that have raised ones of their own, as these; none where one has not.
 fn raised_letters(text: &str) -> Option<String> {
-    let raise = |letter: char| RAISED.iter().find(|(_, plain)| *plain == letter).map(|(r, _)| *r);
-    text.chars().map(raise).collect()
+    text.chars()
+        .map(|letter| RAISED.iter().find(|(_, plain)| *plain == letter).map(|(r, _)| *r))
+        .collect()
 }
 
 /// Splits markup into runs. Total: every text has a reading.

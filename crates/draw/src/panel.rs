@@ -75,7 +75,7 @@ pub(crate) fn plan<'a>(
     let note = block(&panel.note, SMALL_PT, NOTE_SHARE * plot.width())?;
     let references = match panel.note {
         None => {
-            references::plan(fonts, panel, (x_scale(&x, &plot), y_scale(&y, &plot)), &title, &plot)?
+            references::plan(fonts, panel, x_scale(&x, &plot), y_scale(&y, &plot), &title, &plot)?
         }
         Some(_) => Vec::new(),
     };

@@ -30,7 +30,8 @@ pub(crate) fn pdf(
     shapes: &[Shape],
     fonts: &Fonts,
     font: Option<&Font>,
-    (width_pt, height_pt): (f64, f64),
+    width_pt: f64,
+    height_pt: f64,
     head: &Head<'_>,
 ) -> Result<Vec<u8>, Error> {
     let size = Size::from_wh(width_pt as f32, height_pt as f32)
@@ -101,7 +102,8 @@ fn write(
     let place = |k: usize| piece.glyphs.get(k).map_or(piece.advance, |glyph| glyph.x);
     let glyph = |(k, glyph): (usize, &Glyph)| {
         let advance = f64::from(place(k + 1) - glyph.x) / em;
-        let (id, letters) = (GlyphId::new(u32::from(glyph.id)), glyph.letters.clone());
+        let id = GlyphId::new(u32::from(glyph.id));
+        let letters = glyph.letters.clone();
         KrillaGlyph::new(
             id,
             advance as f32,
@@ -113,7 +115,8 @@ fn write(
         )
     };
     let glyphs: Vec<KrillaGlyph> = piece.glyphs.iter().enumerate().map(glyph).collect();
-    let (x, y) = (x as f32, y as f32);
+    let x = x as f32;
+    let y = y as f32;
     surface.push_transform(&match turned {
         true => Transform::from_row(0.0, -1.0, 1.0, 0.0, x, y),
         false => Transform::from_translate(x, y),

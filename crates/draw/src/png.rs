@@ -35,12 +35,14 @@ fn fault(reason: &dyn std::fmt::Display) -> Error {
 pub(crate) fn png(
     shapes: &[Shape],
     fonts: &Fonts,
-    (width_pt, height_pt): (f64, f64),
+    width_pt: f64,
+    height_pt: f64,
     dpi: f64,
     comment: Option<&str>,
 ) -> Result<Vec<u8>, Error> {
     let scale = dpi / PT_PER_INCH;
-    let (width, height) = (width_pt * scale, height_pt * scale);
+    let width = width_pt * scale;
+    let height = height_pt * scale;
     if !(dpi > 0.0 && width * height <= MOST_PIXELS) {
         let most = (MOST_PIXELS / (width * height)).sqrt() * dpi;
         return Err(Error::Size {
@@ -49,7 +51,8 @@ pub(crate) fn png(
             most: if most.is_finite() { most.floor() } else { 0.0 },
         });
     }
-    let (width, height) = (width.round().max(1.0) as u32, height.round().max(1.0) as u32);
+    let width = width.round().max(1.0) as u32;
+    let height = height.round().max(1.0) as u32;
     let mut pixmap = Pixmap::new(width, height).ok_or_else(|| fault(&"the image has no pixels"))?;
     pixmap.fill(Color::WHITE);
     shapes.iter().for_each(|shape| paint(&mut pixmap, shape, fonts, scale as f32));
@@ -125,7 +128,8 @@ fn long_curve(pixmap: &mut Pixmap, points: &[At], stroke: &Stroke, scale: f32) {
 }
 
 fn length(from: At, to: At) -> f64 {
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    let dx = to.0 - from.0;
+    let dy = to.1 - from.1;
     (dx * dx + dy * dy).sqrt()
 }
 

@@ -2,7 +2,7 @@
 
 use crate::axis::{LABEL_GAP_PT, PLOT_GAP_PT};
 use crate::error::Error;
-use crate::figure::{Direction, Layer, Panel, Reference};
+use crate::figure::{Direction, Layer, Panel};
 use crate::font::{self, Fonts, Label};
 use crate::scale::Scale;
 use crate::sheet::{At, Rect};
@@ -21,7 +21,8 @@ pub(crate) struct Word {
 pub(crate) fn plan(
     fonts: &Fonts,
     panel: &Panel,
-    (x, y): (Option<Scale>, Option<Scale>),
+    x: Option<Scale>,
+    y: Option<Scale>,
     title: &[Label],
     plot: &Rect,
 ) -> Result<Vec<Word>, Error> {
@@ -43,13 +44,12 @@ pub(crate) fn plan(
 /// the axis have none.
 fn labels(panel: &Panel, direction: Direction, scale: Option<Scale>) -> Vec<(f64, &str)> {
     let Some(scale) = scale else { return Vec::new() };
-    let seen = |line: &&Reference| (scale.ends.0..=scale.ends.1).contains(&line.at);
     let lines = panel.layers.iter().filter_map(|layer| match layer {
         Layer::Reference(line) if line.direction == direction => Some(line),
         _ => None,
     });
     let mut labels = Vec::new();
-    for line in lines.filter(seen) {
+    for line in lines.filter(|line| (scale.ends.0..=scale.ends.1).contains(&line.at)) {
         if let Some(markup) = &line.label {
             labels.push((scale.pt(line.at), markup.as_str()));
         }
@@ -64,10 +64,11 @@ fn over(labels: Vec<(f64, Vec<Label>)>, mut row_ends: Vec<f64>, plot: &Rect) -> 
     for (at, lines) in labels {
         let width_pt = font::widest_pt(&lines);
         let left = (at - width_pt / 2.0).min(plot.right - width_pt).max(plot.left);
-        let is_free = |row: &usize| {
-            row_ends[*row..].iter().take(lines.len()).all(|end| end + LABEL_GAP_PT < left)
-        };
-        let lowest = (0..row_ends.len()).find(is_free).unwrap_or(row_ends.len());
+        let lowest = (0..row_ends.len())
+            .find(|row| {
+                row_ends[*row..].iter().take(lines.len()).all(|end| end + LABEL_GAP_PT < left)
+            })
+            .unwrap_or(row_ends.len());
         row_ends.resize(row_ends.len().max(lowest + lines.len()), 0.0);
         for (i, label) in lines.into_iter().rev().enumerate() {
             let row = lowest + i;
@@ -124,13 +125,19 @@ mod tests {
         let layers = ["brake: none below 1.01 V of the command", "stop"].map(|label| {
             let (direction, label) = (Direction::Vertical, Some(label.to_owned()));
             let stroke = crate::style::reference();
-            Layer::Reference(Reference { direction, at: 1.0, label, stroke, name: None })
+            Layer::Reference(crate::figure::Reference {
+                direction,
+                at: 1.0,
+                label,
+                stroke,
+                name: None,
+            })
         });
         let [x, y] = [0, 1].map(|_| crate::figure::Axis::new("", ""));
         let cell = crate::figure::Cell::at(0, 0);
         let panel = Panel::new(cell, x, y, layers.to_vec());
         let x = Scale { ends: (0.0, 2.0), page_pt: (PLOT.left, PLOT.right) };
-        let words = plan(Fonts::bundled().unwrap(), &panel, (Some(x), None), &[], &PLOT).unwrap();
+        let words = plan(Fonts::bundled().unwrap(), &panel, Some(x), None, &[], &PLOT).unwrap();
         let texts: Vec<String> = words.iter().map(|word| word.label.text()).collect();
         assert_eq!(texts, ["the command", "brake: none below 1.01 V of", "stop"]);
         assert!(words.iter().all(|word| word.at.0 + word.label.width_pt <= PLOT.right));

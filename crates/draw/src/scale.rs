@@ -60,8 +60,9 @@ pub(crate) fn check(panel: &Panel) -> Result<(), Error> {
 fn check_layer(panel: &Panel, layer: &Layer) -> Result<(), Error> {
     let arrays = arrays(layer);
     for pair in arrays.windows(2) {
-        let ((first, a), (second, b)) = (pair[0], pair[1]);
-        same_length(panel, (first, a.len()), (second, b.len()))?;
+        let (first, a) = pair[0];
+        let (second, b) = pair[1];
+        same_length(panel, first, a.len(), second, b.len())?;
     }
     for (what, values) in arrays {
         if let Some(index) = values.iter().position(|v| v.is_infinite()) {
@@ -70,7 +71,7 @@ fn check_layer(panel: &Panel, layer: &Layer) -> Result<(), Error> {
     }
     match layer {
         Layer::Line(line) if !line.dotted.is_empty() => {
-            same_length(panel, ("x", line.x.len()), ("dotted", line.dotted.len()))
+            same_length(panel, "x", line.x.len(), "dotted", line.dotted.len())
         }
         Layer::Reference(reference) => place(panel, "a reference line", &[reference.at]),
         Layer::Text(text) => place(panel, "a text", &coordinates(text.place)),
@@ -101,8 +102,10 @@ fn place(panel: &Panel, what: &'static str, at: &[f64]) -> Result<(), Error> {
 
 fn same_length(
     panel: &Panel,
-    (first, first_len): (&'static str, usize),
-    (second, second_len): (&'static str, usize),
+    first: &'static str,
+    first_len: usize,
+    second: &'static str,
+    second_len: usize,
 ) -> Result<(), Error> {
     if first_len == second_len {
         return Ok(());
@@ -141,7 +144,8 @@ fn extent(layer: &Layer) -> [Option<Ends>; 2] {
         Layer::Points(p) => [cover([&p.x]), cover([&p.y])],
         Layer::Band(b) => [cover([&b.x]), cover([&b.low, &b.high])],
         Layer::Intervals(i) => {
-            let (at, reach) = (cover([&i.at]), cover([&i.estimate, &i.low, &i.high]));
+            let at = cover([&i.at]);
+            let reach = cover([&i.estimate, &i.low, &i.high]);
             along(i.direction, reach, at)
         }
         Layer::Reference(r) => along(r.direction, None, Some((r.at, r.at))),
@@ -232,8 +236,8 @@ fn panel_ends(panel: &Panel, which: usize) -> Result<Option<Ends>, Error> {
 /// Logarithms between which fewer than two whole powers lie reach to the ones around them: with one
 /// number alone an axis says nothing.
 fn two_powers((low, high): Ends) -> Ends {
-    let (inner, outer) =
-        ((libm::ceil(low), libm::floor(high)), (libm::floor(low), libm::ceil(high)));
+    let inner = (libm::ceil(low), libm::floor(high));
+    let outer = (libm::floor(low), libm::ceil(high));
     if inner.1 > inner.0 { (low, high) } else { outer }
 }
 

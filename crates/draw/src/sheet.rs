@@ -212,8 +212,10 @@ fn rounded(&Rect { left, top, right, bottom }: &Rect, r: f64, pen: &mut dyn Outl
             ((x - back * dx - on * dy) as f32, (y - back * dy + on * dx) as f32)
         };
         let rest = (1.0 - QUARTER) * r;
-        let ((x0, y0), (x1, y1), (x2, y2), (x3, y3)) =
-            (at(r, 0.0), at(rest, 0.0), at(0.0, rest), at(0.0, r));
+        let (x0, y0) = at(r, 0.0);
+        let (x1, y1) = at(rest, 0.0);
+        let (x2, y2) = at(0.0, rest);
+        let (x3, y3) = at(0.0, r);
         pen.line_to(x0, y0);
         pen.curve_to(x1, y1, x2, y2, x3, y3);
     }
@@ -231,8 +233,8 @@ struct Placed<'p> {
 
 impl Placed<'_> {
     fn at(&self, x: f32, y: f32) -> (f32, f32) {
-        let (along, up) =
-            (self.scale * (self.from.0 + f64::from(x)), self.scale * (self.from.1 + f64::from(y)));
+        let along = self.scale * (self.from.0 + f64::from(x));
+        let up = self.scale * (self.from.1 + f64::from(y));
         let (dx, dy) = if self.turned { (-up, -along) } else { (along, -up) };
         ((self.start.0 + dx) as f32, (self.start.1 + dy) as f32)
     }
@@ -248,11 +250,14 @@ impl OutlineBuilder for Placed<'_> {
         self.pen.line_to(x, y);
     }
     fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        let ((x1, y1), (x, y)) = (self.at(x1, y1), self.at(x, y));
+        let (x1, y1) = self.at(x1, y1);
+        let (x, y) = self.at(x, y);
         self.pen.quad_to(x1, y1, x, y);
     }
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let ((x1, y1), (x2, y2), (x, y)) = (self.at(x1, y1), self.at(x2, y2), self.at(x, y));
+        let (x1, y1) = self.at(x1, y1);
+        let (x2, y2) = self.at(x2, y2);
+        let (x, y) = self.at(x, y);
         self.pen.curve_to(x1, y1, x2, y2, x, y);
     }
     fn close(&mut self) {

@@ -183,7 +183,8 @@ pub fn likert_colour(index: usize, count: usize) -> Colour {
 /// Black or white, whichever stands out more against `ground` (contrast ratio of WCAG 2.2, §1.4.3).
 pub fn text_on(ground: Colour) -> Colour {
     let contrast = |colour| {
-        let (a, b) = (luminance(colour), luminance(ground));
+        let a = luminance(colour);
+        let b = luminance(ground);
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
     };
     if contrast(BLACK) >= contrast(PAPER) { BLACK } else { PAPER }

@@ -36,15 +36,18 @@ const FAMILY: &str = "'Noto Sans', 'DejaVu Sans', sans-serif";
 pub(crate) fn svg(
     shapes: &[Shape],
     fonts: &Fonts,
-    (width_pt, height_pt): (f64, f64),
+    width_pt: f64,
+    height_pt: f64,
     head: &Head<'_>,
     words: Words<'_>,
 ) -> String {
     let mut body = Body { fonts, words, text: String::new(), open: None, glyphs: BTreeMap::new() };
     shapes.iter().for_each(|shape| body.put(shape));
     body.close();
-    let (w, h) = (number(width_pt), number(height_pt));
-    let (w_mm, h_mm) = (number(width_pt / PT_PER_MM), number(height_pt / PT_PER_MM));
+    let w = number(width_pt);
+    let h = number(height_pt);
+    let w_mm = number(width_pt / PT_PER_MM);
+    let h_mm = number(height_pt / PT_PER_MM);
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
@@ -98,7 +101,9 @@ impl Body<'_> {
                 self.text.push_str("z\"/>");
             }
             Form::Disc((x, y), r) => {
-                let (x, y, r) = (number(*x), number(*y), number(*r));
+                let x = number(*x);
+                let y = number(*y);
+                let r = number(*r);
                 let _ = write!(self.text, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>");
             }
             Form::Box(rect, r) => {
@@ -126,7 +131,9 @@ impl Body<'_> {
     fn as_text(&mut self, piece: &Piece, (x, y): At, turned: bool) {
         let scale = piece.size_pt / self.fonts.units_per_em(piece.face);
         let length = number(f64::from(piece.advance) * scale);
-        let (x, y, size) = (number(x), number(y), number(piece.size_pt));
+        let x = number(x);
+        let y = number(y);
+        let size = number(piece.size_pt);
         let face = match piece.face.style {
             Style::Regular => "",
             Style::Italic => " font-style=\"italic\"",
@@ -146,7 +153,8 @@ impl Body<'_> {
 
     fn outlines(&mut self, piece: &Piece, start: At, turned: bool) {
         let fonts = self.fonts;
-        let (label, place) = (escape(&piece.text), transform(piece, fonts, start, turned));
+        let label = escape(&piece.text);
+        let place = transform(piece, fonts, start, turned);
         let _ = write!(self.text, "<g aria-label=\"{label}\" transform=\"{place}\">");
         for glyph in &piece.glyphs {
             let outline = self.glyphs.entry((piece.face, glyph.id)).or_insert_with(|| {
@@ -181,8 +189,10 @@ fn stored(name: &str, text: &str) -> String {
 /// Transform from a piece's own units, y upwards, to the page.
 fn transform(piece: &Piece, fonts: &Fonts, (x, y): At, turned: bool) -> String {
     let scale = piece.size_pt / fonts.units_per_em(piece.face);
-    let (along, down) = (factor(scale), factor(-scale));
-    let (x, y) = (number(x), number(y));
+    let along = factor(scale);
+    let down = factor(-scale);
+    let x = number(x);
+    let y = number(y);
     match turned {
         true => format!("matrix(0 {down} {down} 0 {x} {y})"),
         false => format!("matrix({along} 0 0 {down} {x} {y})"),
@@ -252,8 +262,10 @@ fn fill_style(colour: Colour, opacity: f64) -> String {
 }
 
 fn rect_attributes(rect: &Rect) -> String {
-    let (x, y, w, h) =
-        (number(rect.left), number(rect.top), number(rect.width()), number(rect.height()));
+    let x = number(rect.left);
+    let y = number(rect.top);
+    let w = number(rect.width());
+    let h = number(rect.height());
     format!("x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"")
 }
 
@@ -298,7 +310,8 @@ fn decimal(hundredths: i64) -> String {
 /// figure.
 fn push_decimal(text: &mut String, hundredths: i64) {
     let size = hundredths.unsigned_abs();
-    let (whole, rest) = (size / 100, (size % 100) as u8);
+    let whole = size / 100;
+    let rest = (size % 100) as u8;
     let digit = |value: u8| char::from(b'0' + value);
     if hundredths < 0 {
         text.push('-');
@@ -310,7 +323,7 @@ fn push_decimal(text: &mut String, hundredths: i64) {
         text.push('.');
         text.push(digit(rest / 10));
     }
-    if rest % 10 > 0 {
+    if !rest.is_multiple_of(10) {
         text.push(digit(rest % 10));
     }
 }

@@ -160,8 +160,9 @@ fn check(file: &FontFile) -> Result<(Style, Option<String>), String> {
     let letters = ('!'..='~').filter(|&letter| face.glyph_index(letter).is_some());
     let letters: String = letters.collect();
     let glyph = |letter: char| face.glyph_index(letter).unwrap_or_default();
-    let is_drawn = |letter: char| face.outline_glyph(glyph(letter), &mut NoPen).is_some();
-    if !letters.is_empty() && !letters.chars().any(is_drawn) {
+    if !letters.is_empty()
+        && !letters.chars().any(|letter| face.outline_glyph(glyph(letter), &mut NoPen).is_some())
+    {
         return Err("its letters are pictures without outlines".to_owned());
     }
     let glyphs = letters.char_indices().map(|(at, letter)| (at, glyph(letter)));

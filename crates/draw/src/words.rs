@@ -22,7 +22,8 @@ pub(crate) fn draw(
     taken: &mut Vec<Rect>,
 ) -> Result<(), Error> {
     let plot = plan.plot.grown(-OFF_PT);
-    let (x, y) = (plan.x_scale(), plan.y_scale());
+    let x = plan.x_scale();
+    let y = plan.y_scale();
     let page = |(at_x, at_y): Point| Some((x?.pt(at_x), y?.pt(at_y)));
     if let TextPlace::Within(low, high) = text.place
         && let (Some((left, bottom)), Some((right, top))) = (page(low), page(high))
@@ -34,7 +35,8 @@ pub(crate) fn draw(
         return Ok(());
     }
     let block = wrapped(sheet.fonts, &text.lines, plot.width())?;
-    let (width, height) = (font::widest_pt(&block), font::height_pt(&block));
+    let width = font::widest_pt(&block);
+    let height = font::height_pt(&block);
     if height > plot.height() {
         let text = text.lines.join(" / ");
         return Err(Error::TextTooLong { text, need_pt: height, have_pt: plot.height() });
@@ -99,11 +101,13 @@ fn free(wish: Rect, plot: &Rect, taken: &[Rect]) -> Rect {
         return wish;
     }
     let reach = |length_pt: f64| (length_pt / STEP_PT) as i32;
-    let (across, along) = (reach(plot.width()), reach(plot.height()));
+    let across = reach(plot.width());
+    let along = reach(plot.height());
     let mut nearest: Option<(f64, Rect)> = None;
     for i in -across..=across {
         for j in -along..=along {
-            let (dx, dy) = (STEP_PT * f64::from(i), STEP_PT * f64::from(j));
+            let dx = STEP_PT * f64::from(i);
+            let dy = STEP_PT * f64::from(j);
             // Sideways a word leaves what it names sooner than up or down.
             let far = 4.0 * dx.abs() + dy.abs();
             let rect = moved(dx, dy);
@@ -137,7 +141,8 @@ fn fitted(fonts: &Fonts, lines: &[String], room: &Rect) -> Result<Vec<Label>, Er
     }
     let cut = |most: usize| lines.iter().map(|l| shortened(l, most)).collect::<Vec<String>>();
     let longest = lines.iter().map(|l| l.chars().count()).max().unwrap_or(0);
-    let (mut fits, mut too_long) = (0, longest);
+    let mut fits = 0;
+    let mut too_long = longest;
     while too_long - fits > 1 {
         let most = usize::midpoint(fits, too_long);
         match in_box(&cut(most))? {
@@ -162,7 +167,8 @@ fn shortened(line: &str, most: usize) -> String {
 /// Boxes of the given size in the corners: upper left, upper right, lower right, lower left.
 fn corners(plot: &Rect, width: f64, height: f64) -> [Rect; 4] {
     let at = |left: f64, top: f64| Rect { left, top, right: left + width, bottom: top + height };
-    let (right, low) = (plot.right - width, plot.bottom - height);
+    let right = plot.right - width;
+    let low = plot.bottom - height;
     [at(plot.left, plot.top), at(right, plot.top), at(right, low), at(plot.left, low)]
 }
 

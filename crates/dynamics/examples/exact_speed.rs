@@ -30,7 +30,8 @@ fn measure(name: &str, scene: ModelScene, grid: &Grid) {
         best = best.min(start.elapsed().as_secs_f64() / (runs * grid.samples()) as f64);
     }
     let run = solver.run(&system, grid).unwrap();
-    let (events, pieces) = (run.events.len(), run.work.evaluations - run.work.steps);
+    let events = run.events.len();
+    let pieces = run.work.evaluations - run.work.steps;
     let whole_us = best * grid.samples() as f64 * 1e6;
     println!(
         "{name}: {:.1} ns a sample, {whole_us:.1} us a run, {:.1} us the first; {events} events, {} regions, {pieces} pieces",

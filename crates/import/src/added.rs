@@ -58,11 +58,12 @@ impl There {
     ) -> Result<usize, StoreError> {
         let Identity { participant, session, file, .. } = &row.identity;
         let path = context.layout.events(participant, session);
-        let is_its = |log: &&SessionLog| log.events_path == path;
-        let log = self.data.sessions.iter().find(is_its).ok_or_else(|| {
-            let what = format!("session {session} of {participant} is there, and cannot be read");
-            StoreError::new(file, what, "see `zwidth verify`")
-        })?;
+        let log =
+            self.data.sessions.iter().find(|log| log.events_path == path).ok_or_else(|| {
+                let what =
+                    format!("session {session} of {participant} is there, and cannot be read");
+                StoreError::new(file, what, "see `zwidth verify`")
+            })?;
         let trial = trial_of(log, &row.identity, self.from_zero)?;
         let mut new = Vec::new();
         for (question, given) in &row.answers {
@@ -72,7 +73,8 @@ impl There {
                 Some(known) => return Err(differs(row, trial, question, [*known, given.value])),
                 None => {
                     self.answers.insert(answer, given.value);
-                    let (value, time_ms) = (given.value, given.time_ms);
+                    let value = given.value;
+                    let time_ms = given.time_ms;
                     new.push(Event::Answer { trial, question: question.clone(), value, time_ms });
                 }
             }

@@ -90,8 +90,7 @@ impl Check<'_> {
         let groups: Vec<&str> = name.iter().flat_map(Regex::capture_names).flatten().collect();
         let content = match shape.kind {
             KindShape::Trials => {
-                let columns = (shape.column, shape.channel);
-                self.trials(shape.trial, shape.time, columns, &groups)
+                self.trials(shape.trial, shape.time, shape.column, shape.channel, &groups)
             }
             KindShape::Sweeps => {
                 let quantities = [shape.command, shape.response];
@@ -113,7 +112,8 @@ impl Check<'_> {
             file.cells.truths = bits.chain(channels.iter().map(|c| &c.from)).cloned().collect();
         }
         let blake3 = hex_blake3(self.text.as_bytes());
-        let (drop, simulated) = (shape.drop, shape.simulated);
+        let drop = shape.drop;
+        let simulated = shape.simulated;
         Some(Mapping { path: path.to_owned(), blake3, file, simulated, drop, content, name })
     }
 
@@ -267,7 +267,8 @@ impl Check<'_> {
         &mut self,
         trial: Option<TrialShape>,
         time: Option<TimeShape>,
-        (columns, own): (Vec<ColumnShape>, Vec<ChannelShape>),
+        columns: Vec<ColumnShape>,
+        own: Vec<ChannelShape>,
         groups: &[&str],
     ) -> Option<Content> {
         let who = self.who(trial, groups);
@@ -278,7 +279,8 @@ impl Check<'_> {
                 "is missing; a trial needs at least one [[column]] besides its time",
             );
         }
-        let (mut known, mut above) = (Vec::new(), Vec::new());
+        let mut known = Vec::new();
+        let mut above = Vec::new();
         for (i, shape) in columns.into_iter().enumerate() {
             let named = Signal::from_name(&shape.to);
             if let Some(column) = self.column(&format!("column[{i}]"), shape, &known, &above) {

@@ -21,7 +21,8 @@ impl Check<'_> {
         let timed = conditions.iter().any(|condition| !condition.times.is_empty());
         let is_timed = timed || shape.time.is_some() || !shape.times.is_empty();
         let time_unit = self.time_unit(shape.time_unit.as_deref(), is_timed);
-        let (translate, lowest) = (shape.translate.clone(), shape.lowest);
+        let translate = shape.translate.clone();
+        let lowest = shape.lowest;
         let form = match (shape.question.is_some() || shape.answer.is_some(), conditions) {
             (false, conditions) if conditions.is_empty() => self.wide_form(trial, shape, groups),
             (false, conditions) => self.conditions(trial, &shape, conditions, groups),

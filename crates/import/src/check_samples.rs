@@ -18,7 +18,8 @@ impl Check<'_> {
             );
         }
         if let Some(rate_hz) = t.rate_hz.filter(|rate| !RATES_HZ.contains(rate)) {
-            let (low, high) = (RATES_HZ.start(), RATES_HZ.end());
+            let low = RATES_HZ.start();
+            let high = RATES_HZ.end();
             self.error(
                 "time.rate_hz",
                 format!("{rate_hz:?} must be a number from {low} to {high}"),
@@ -105,7 +106,8 @@ impl Check<'_> {
         zero: Zero,
     ) -> Option<Linear> {
         let same = Linear::IDENTITY;
-        let (sign, scale) = (sign.unwrap_or(same.sign), scale.unwrap_or(same.scale));
+        let sign = sign.unwrap_or(same.sign);
+        let scale = scale.unwrap_or(same.scale);
         let offset = offset.unwrap_or(same.offset);
         let before = self.errors.len();
         #[allow(clippy::float_cmp)] // exactly one of the two
@@ -246,7 +248,8 @@ fn derived(rule: &str, to: Signal, above: &[Signal]) -> Result<Rule, String> {
         (true, true) => Ok(Rule::DerivativeOf(of)),
         (true, false) => Ok(Rule::IntegralOf(of)),
         (false, _) => {
-            let (to_unit, of_unit) = (to.column().unit, of.column().unit);
+            let to_unit = to.column().unit;
+            let of_unit = of.column().unit;
             Err(format!(
                 "'{rule}' is not in {to_unit}, the unit of {}: {name} is in {of_unit}",
                 to.name()

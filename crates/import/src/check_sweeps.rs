@@ -32,7 +32,8 @@ impl Check<'_> {
         }
         let time = time.map(|t| self.time(t));
         let labels = SweepLabels { actuator: actuator?, sweep: number };
-        let ((command_from, command), (response_from, response)) = (command?, response?);
+        let (command_from, command) = command?;
+        let (response_from, response) = response?;
         let form = match wide {
             Some(wide) => {
                 let pattern = self.regex("wide.pattern", &wide.pattern)?;
@@ -43,7 +44,8 @@ impl Check<'_> {
                 SweepForm::Wide(Wide { pattern, header, reduce, command, response })
             }
             None => {
-                let (command, response) = ((command_from?, command), (response_from?, response));
+                let command = (command_from?, command);
+                let response = (response_from?, response);
                 SweepForm::Pairs(Pairs { time: time.flatten(), command, response })
             }
         };

@@ -52,11 +52,12 @@ pub(super) fn clock(
     }
     let Some(origin) = nanoseconds(first) else { return Ok(None) };
     let origin = if from_first { origin } else { 0 };
-    let read = |row| match cell(row) {
-        None => Ok(None),
-        Some(text) => nanoseconds(text).map(|ns| Some((ns - origin) as f64 / 1e9)).ok_or(row),
-    };
-    let values: Result<Vec<Option<f64>>, usize> = (0..cells.len()).map(read).collect();
+    let values: Result<Vec<Option<f64>>, usize> = (0..cells.len())
+        .map(|row| match cell(row) {
+            None => Ok(None),
+            Some(text) => nanoseconds(text).map(|ns| Some((ns - origin) as f64 / 1e9)).ok_or(row),
+        })
+        .collect();
     values.map(|values| Some(Clock::Seconds(values.into())))
 }
 

@@ -48,7 +48,8 @@ pub(super) fn wrap_of(times: &[f64]) -> Option<f64> {
     let near = 5.0 * median(times.windows(2).map(|t| (t[1] - t[0]).abs()).collect());
     let fits = |[low, high]: &[f64; 2]| {
         falls.iter().all(|fall| {
-            let (before, after) = (high - fall[0], fall[1] - low);
+            let before = high - fall[0];
+            let after = fall[1] - low;
             before >= 0.0 && after >= 0.0 && before + after <= near
         })
     };
@@ -134,9 +135,11 @@ impl Elsewhere {
 /// too; `numeric` are the places of signals and channels.
 pub(super) fn elsewhere(
     recording: &Recording,
-    (numeric, plan): (&[usize], &Plan),
+    numeric: &[usize],
+    plan: &Plan,
     labels: &[usize],
-    (rows, t_s): (&[usize], &[f64]),
+    rows: &[usize],
+    t_s: &[f64],
 ) -> Elsewhere {
     let signals = &numeric[..plan.taken.len()];
     let mut found = Elsewhere::default();

@@ -75,13 +75,16 @@ pub(super) fn read(
     let has_comments = names.as_deref().is_some_and(has_comments);
     // Without a header the first record says how many columns there are.
     let width = names.as_ref().map_or(record.len(), Vec::len);
-    let builder = |place: usize| {
-        let name = names.as_ref().and_then(|names| names.get(place));
-        take.wants(place, name.map(String::as_str)).then(LargeStringBuilder::new)
-    };
-    let mut columns: Vec<Option<LargeStringBuilder>> = (0..width).map(builder).collect();
+    let mut columns: Vec<Option<LargeStringBuilder>> = (0..width)
+        .map(|place| {
+            let name = names.as_ref().and_then(|names| names.get(place));
+            take.wants(place, name.map(String::as_str)).then(LargeStringBuilder::new)
+        })
+        .collect();
     let taken = columns.iter().flatten().count();
-    let (mut lines, mut bad, mut empty) = (Vec::new(), Vec::new(), EmptyRows::default());
+    let mut lines = Vec::new();
+    let mut bad = Vec::new();
+    let mut empty = EmptyRows::default();
     while more {
         let line = counter.line;
         empty.add(lines.len(), std::mem::take(&mut counter.empty));
@@ -275,7 +278,9 @@ impl At {
 /// Checks that no record has more cells or bytes than are read, before the reader takes memory for
 /// it. It goes through the text as the reader does: a quote has a meaning only where a cell begins.
 fn check_records(path: &Path, text: &str, dialect: Dialect) -> Result<(), StoreError> {
-    let (mut at, mut start, mut cells) = (At::Record, 0, 1);
+    let mut at = At::Record;
+    let mut start = 0;
+    let mut cells = 1;
     for (i, byte) in text.bytes().enumerate() {
         at = at.after(byte, dialect);
         cells += usize::from(at == At::Cell);

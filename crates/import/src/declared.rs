@@ -14,7 +14,8 @@ impl Recording {
     pub(super) fn check_unit(
         &self,
         column: usize,
-        (unit, text): (&Unit, &str),
+        unit: &Unit,
+        text: &str,
         line: &Linear,
     ) -> Result<Option<String>, StoreError> {
         let is_scaled = line.scale.to_bits() != 1_f64.to_bits();

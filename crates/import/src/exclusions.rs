@@ -73,11 +73,14 @@ pub(super) fn import(
     let take = context.take(form.columns().collect(), &budget);
     let converted =
         context.convert(files, &take, |recording| read(context, form, recording, &sources))?;
-    let (mut events, mut reports) = (BTreeMap::<_, Vec<Event>>::new(), Vec::new());
+    let mut events = BTreeMap::<_, Vec<Event>>::new();
+    let mut reports = Vec::new();
     let mut told = BTreeSet::new();
     for table in converted {
         let (rows, mut report) = table.made;
-        let (mut new, mut before, mut shifted) = (0, 0, false);
+        let mut new = 0;
+        let mut before = 0;
+        let mut shifted = false;
         for (row, (participant, session, number), reason) in rows {
             let log = data.sessions.iter().find(|log| {
                 (&log.record.participant, &log.record.session) == (&participant, &session)
@@ -167,7 +170,7 @@ fn read(
             trials.into_iter().map(|trial| (*row, trial, reason.clone())).collect::<Vec<_>>(),
         )
     }))?;
-    let report = context.file_report(recording, (&rows, meant.len()), &used)?;
+    let report = context.file_report(recording, &rows, meant.len(), &used)?;
     Ok((excluded.concat(), report))
 }
 
@@ -181,12 +184,11 @@ fn from_recording(
 ) -> Result<Vec<TrialName>, StoreError> {
     let named = table.cell(column, row)?.to_string();
     let path = table.path.parent().unwrap_or(Path::new("")).join(folder).join(&named);
-    let at = |error: StoreError| {
+    let blake3 = blake3_of(&path).map_err(|error| {
         let what = format!("{}: {}", path.display(), error.what);
         let remedy = "set folder in [exclude] to where the recordings lie, seen from the table";
         table.row_error(row, &what, remedy)
-    };
-    let blake3 = blake3_of(&path).map_err(at)?;
+    })?;
     sources.get(&blake3).map(|trials| trials.iter().cloned().collect()).ok_or_else(|| {
         let what = format!("no trial of the study was imported from {}", path.display());
         table.row_error(row, &what, "import the recordings first, or leave the row out with when")

@@ -160,18 +160,18 @@ impl Format {
             Self::Parquet => parquet::read(path, bytes, take),
             Self::Arrow => feather::read(path, &bytes, take),
             Self::Mat if bytes.starts_with(MATLAB_7_3) => {
-                hdf5::read(path, bytes, (options.part, hdf5::Order::Columns), take)
+                hdf5::read(path, bytes, options.part, hdf5::Order::Columns, take)
             }
             // Of version 7.3 without the text that MATLAB puts first: what MATLAB wrote says so itself.
             Self::Mat if hdf5::is_hdf5(&bytes) => {
-                hdf5::read(path, bytes, (options.part, hdf5::Order::Rows), take)
+                hdf5::read(path, bytes, options.part, hdf5::Order::Rows, take)
             }
             Self::Mat => mat::read(path, &bytes, options.part, take),
-            Self::Hdf5 => hdf5::read(path, bytes, (options.part, hdf5::Order::Rows), take),
+            Self::Hdf5 => hdf5::read(path, bytes, options.part, hdf5::Order::Rows, take),
             Self::Npy => npy::read(path, &bytes, take),
             Self::Npz => npy::read_archive(path, &bytes, options.part, take),
             Self::Xdf => {
-                xdf::read(path, &bytes, options.part, (options.clock, options.dejitter), take)
+                xdf::read(path, &bytes, options.part, options.clock, options.dejitter, take)
             }
             Self::Xlsx => workbook::read_xlsx(path, &bytes, options.dialect, options.part, take),
             Self::Ods => workbook::read_ods(path, &bytes, options.dialect, options.part, take),

@@ -47,7 +47,8 @@ pub(super) fn read_given(
                   [questions.translate]";
     let wrong = |what: String| recording.cell_error(column, row, &what, remedy);
     let there = recording.table.columns[column].cell(row);
-    let (cell, decimal_comma) = (there.to_string(), recording.has_decimal_comma(&there));
+    let cell = there.to_string();
+    let decimal_comma = recording.has_decimal_comma(&there);
     let (cell, is_empty) = match key {
         Some(key) if !cell.trim().is_empty() => {
             let found = value_of(&cell, key).map_err(wrong)?;

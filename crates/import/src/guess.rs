@@ -43,12 +43,12 @@ pub fn guess(path: &Path, others: &[PathBuf]) -> Result<Guess, StoreError> {
     let Sorted { alike, apart } = sort(&files);
     let first = alike.first().map_or(path, PathBuf::as_path);
     let looked = look(first)?;
-    let text = mapping((first, &apart), &looked, &names(&alike));
+    let text = mapping(first, &apart, &looked, &names(&alike));
     Ok(Guess { mapping: text, apart })
 }
 
 /// The mapping's text.
-fn mapping((path, apart): (&Path, &[StoreError]), looked: &Looked, names: &Names) -> String {
+fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) -> String {
     let mut text = format!(
         "# Guessed from {}: check every line, fill in what stands at `TODO`, then\n# zwidth import STUDY --map THIS FILES…\n",
         file_name(path)
@@ -265,8 +265,8 @@ impl Guessed {
             let which = if self.says(&["brake", "bremse"]) { CURRENT_BRAKE } else { CURRENT_MOTOR };
             return which.to_owned();
         }
-        let asked_for = |word: &&String| !COMMANDED.contains(&word.as_str());
-        let words: Vec<String> = self.words.iter().filter(asked_for).cloned().collect();
+        let words: Vec<String> =
+            self.words.iter().filter(|word| !COMMANDED.contains(&word.as_str())).cloned().collect();
         let is_angle = match words.is_empty() {
             true => self.unit.as_deref().is_some_and(|unit| ["rad", "deg", "°"].contains(&unit)),
             false => signal_of(&words) == Some(Signal::Theta),
@@ -342,7 +342,8 @@ impl Guessed {
 /// Every column, each of ours at most once.
 fn described(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
     let Looked { table, labview, labels, .. } = looked;
-    let (mut taken, mut columns) = (Vec::new(), Vec::new());
+    let mut taken = Vec::new();
+    let mut columns = Vec::new();
     let usual = usual_length(table);
     let names = table.names.as_deref().unwrap_or_default();
     for (place, cells) in table.columns.iter().enumerate().take(MOST_GUESSED) {
@@ -405,10 +406,9 @@ fn described(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
 
 /// Whether a name is that of a structure whose fields are columns too.
 fn has_parts(name: &str, names: &[String]) -> bool {
-    let is_part = |other: &String| {
-        other.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '(', '/']))
-    };
-    names.iter().any(is_part)
+    names
+        .iter()
+        .any(|other| other.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '(', '/'])))
 }
 
 /// How many values most columns have that have several; of equally many the most. Vectors of one file may
@@ -447,8 +447,8 @@ fn of_next_channel(has_many_times: bool, are_those_of_the_first: bool) -> Option
 /// Whether a column of numbers grows from each row to the next.
 fn only_grows(cells: &Cells) -> bool {
     let numbers = first_numbers(cells, false);
-    let grows = |pair: &[Option<f64>]| pair[0].zip(pair[1]).is_some_and(|(a, b)| b > a);
-    numbers.len() > 1 && numbers.windows(2).all(grows)
+    numbers.len() > 1
+        && numbers.windows(2).all(|pair| pair[0].zip(pair[1]).is_some_and(|(a, b)| b > a))
 }
 
 /// From where to where the numbers of a column go, in words.
@@ -471,10 +471,9 @@ fn clock_times(cells: &Cells, decimal_comma: bool) -> Option<Cells> {
 fn unit_of(named: &str, signal: Option<Signal>) -> Option<String> {
     let singular = named.strip_suffix('s').unwrap_or(named);
     let spellings = [named, singular].into_iter();
-    let fits = |text: &&str| {
+    let found = spellings.chain(word_of(singular)).find(|text| {
         find(text).is_some_and(|unit| signal.is_none_or(|signal| may_become(unit, signal)))
-    };
-    let found = spellings.chain(word_of(singular)).find(fits);
+    });
     found.map(str::to_owned)
 }
 

@@ -87,7 +87,6 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
         loops.contains(place) || labels.iter().chain(&others).any(|(_, label)| label == place)
     };
     let free = || (0..names.len()).filter(|place| !is_label(place) && !names[*place].is_empty());
-    let ends = |place: &usize| ANSWERED.iter().any(|end| names[*place].ends_with(end));
     let says = |place: &usize, known: &[&str]| {
         let words = said(&names[*place]).words;
         words.iter().any(|word| known.contains(&word.as_str()))
@@ -97,7 +96,8 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
         let on_scale = |number: &f64| number.fract() == 0.0 && SCALES.contains(number);
         is_numbers(place) && numbers.iter().flatten().all(on_scale) && !says(place, &ABOUT)
     };
-    let mut asked: Vec<usize> = free().filter(ends).collect();
+    let mut asked: Vec<usize> =
+        free().filter(|place| ANSWERED.iter().any(|end| names[*place].ends_with(end))).collect();
     if asked.is_empty() {
         let is_answer = |place: &usize| says(place, &ANSWERS) && !names[*place].ends_with(TOOK);
         asked = free().filter(is_answer).filter(is_numbers).collect();
@@ -203,7 +203,8 @@ impl Form {
 
 /// The keys of the JSON objects in a column, if one of its first cells holds one.
 fn objects(cells: &Cells, place: usize) -> Option<Form> {
-    let (mut keys, mut from_zero) = (Vec::new(), false);
+    let mut keys = Vec::new();
+    let mut from_zero = false;
     for row in 0..cells.len().min(LOOKED_AT) {
         let Cell::Text(text) = cells.cell(row) else { continue };
         let Ok(object) = serde_json::from_str::<serde_json::Map<_, _>>(text) else { continue };
@@ -278,7 +279,8 @@ impl Answers {
                 }
                 text.push_str(QUESTIONS_TO_DO);
                 for key in keys {
-                    let (column, named) = (column(*place), quoted(key));
+                    let column = column(*place);
+                    let named = quoted(key);
                     let _ =
                         writeln!(text, "{} = {{ column = {column}, key = {named} }}", id(key, 0));
                 }

@@ -99,7 +99,9 @@ fn ending(file: &Path) -> String {
 }
 
 fn of_columns(kinds: &[Kind], columns: &[Vec<&str>], ending: &str, files: usize) -> Names {
-    let (mut names, mut pattern, mut taken) = (Names::default(), String::new(), BTreeSet::new());
+    let mut names = Names::default();
+    let mut pattern = String::new();
+    let mut taken = BTreeSet::new();
     let mut fresh = |label: Label| taken.insert(label);
     let mut word = "";
     for (kind, values) in kinds.iter().zip(columns) {

@@ -105,7 +105,8 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
     check_readable(path, &bytes)?;
     let (named, format) = format_of(path);
     let encoding = encoding(&bytes);
-    let (mut labview, mut labels) = (None, Vec::new());
+    let mut labview = None;
+    let mut labels = Vec::new();
     let mut form = Written {
         encoding,
         delimiter: b',',
@@ -256,7 +257,9 @@ fn records(text: &str, delimiter: u8) -> Vec<Record> {
         bad_lines: 0,
         before: 0,
     };
-    let (mut records, mut begin, mut line) = (Vec::new(), 0, 0);
+    let mut records = Vec::new();
+    let mut begin = 0;
+    let mut line = 0;
     for end in record_ends(text.as_bytes(), dialect).chain([text.len()]) {
         let record = &text[begin..end];
         if !record.trim().is_empty() {
@@ -307,13 +310,12 @@ fn named_delimiter(text: &str) -> Option<(u8, &str)> {
 /// The delimiter that is named, or that parts most records into the same number of cells, and what
 /// follows from it.
 fn form(text: &str, encoding: Encoding, named: Option<u8>) -> Written {
-    let of = |delimiter: u8| {
-        let records = records(text, delimiter);
-        let usual = usual_width(&records);
-        (records.iter().filter(|r| r.cells.len() == usual && usual > 1).count(), delimiter)
-    };
     let delimiter = named.unwrap_or_else(|| {
-        let counts = DELIMITERS.into_iter().map(of);
+        let counts = DELIMITERS.into_iter().map(|delimiter| {
+            let records = records(text, delimiter);
+            let usual = usual_width(&records);
+            (records.iter().filter(|r| r.cells.len() == usual && usual > 1).count(), delimiter)
+        });
         counts.fold((0, b','), |best, next| if next.0 > best.0 { next } else { best }).1
     });
     let records = records(text, delimiter);
@@ -321,11 +323,12 @@ fn form(text: &str, encoding: Encoding, named: Option<u8>) -> Written {
     let rows = || records.iter().filter(|record| record.cells.len() == width);
     // A comma that is no delimiter and stands between digits is one before decimals.
     let is_comma = |cell: &&String| number(cell, false).is_err() && number(cell, true).is_ok();
-    let is_point =
-        |cell: &&String| cell.contains('.') && matches!(number(cell, false), Ok(Some(_)));
     let all_cells = || rows().flat_map(|record| &record.cells);
     let decimal_comma = delimiter != b','
-        && all_cells().filter(is_comma).count() > all_cells().filter(is_point).count();
+        && all_cells().filter(is_comma).count()
+            > all_cells()
+                .filter(|cell| cell.contains('.') && matches!(number(cell, false), Ok(Some(_))))
+                .count();
     // The names stand above the first row of numbers, with a row of units between them perhaps; a table
     // without numbers begins with them.
     let quotes = rows().any(|row| row.cells.iter().any(|cell| opens_single_quote(cell)));
@@ -336,8 +339,7 @@ fn form(text: &str, encoding: Encoding, named: Option<u8>) -> Written {
         (top < data).then_some(top)
     };
     let numbers = |is_wide: &dyn Fn(usize) -> bool| {
-        let is_row = |r: &Record| is_wide(r.cells.len()) && r.has_number(decimal_comma);
-        records.iter().position(is_row)
+        records.iter().position(|r| is_wide(r.cells.len()) && r.has_number(decimal_comma))
     };
     let data = numbers(&|cells| cells == width);
     let header = match data {
@@ -377,12 +379,13 @@ pub(super) fn quoted(text: &str) -> String {
 }
 
 pub(super) fn first_numbers(cells: &Cells, decimal_comma: bool) -> Vec<Option<f64>> {
-    let value = |row: usize| match cells.cell(row) {
-        Cell::Number(value) => Some(value),
-        Cell::Text(text) => number(text, decimal_comma).ok().flatten(),
-        Cell::Empty => None,
-    };
-    (0..cells.len()).map(value).collect()
+    (0..cells.len())
+        .map(|row| match cells.cell(row) {
+            Cell::Number(value) => Some(value),
+            Cell::Text(text) => number(text, decimal_comma).ok().flatten(),
+            Cell::Empty => None,
+        })
+        .collect()
 }
 
 /// Whether most of a column's first cells are numbers.

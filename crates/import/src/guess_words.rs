@@ -64,7 +64,6 @@ pub(super) struct Said {
 /// The name of a column within groups (`rig/force_n`) or structures (`rig.force_n`), and of one within a
 /// variable of Octave's (`t/value`).
 fn own_name(name: &str) -> &str {
-    let is_letter = |letter: char| letter.is_alphanumeric() || "_./".contains(letter);
     let mut parts = name.rsplit(['/', '.']);
     let last = parts.next().unwrap_or(name);
     let own = match last {
@@ -72,7 +71,8 @@ fn own_name(name: &str) -> &str {
         _ => last,
     };
     // A dot may be that of a unit, or of a number.
-    let is_path = name.chars().all(is_letter) && own.starts_with(char::is_alphabetic);
+    let is_path = name.chars().all(|letter| letter.is_alphanumeric() || "_./".contains(letter))
+        && own.starts_with(char::is_alphabetic);
     if is_path { own } else { name }
 }
 
@@ -154,13 +154,11 @@ pub(super) fn label_of(name: &str) -> Option<&'static str> {
 /// what a device measures.
 pub(super) fn are_answers(names: &[String]) -> bool {
     let said: Vec<Said> = names.iter().map(|name| said(name)).collect();
-    let asks = |said: &Said| {
-        let known =
-            |word: &String| ANSWERS.contains(&word.as_str()) || QUESTIONS.contains(&word.as_str());
-        said.words.iter().any(known)
-    };
-    said.iter().any(asks)
-        && said.iter().all(|said| matches!(said.signal, None | Some(Signal::Time)))
+    said.iter().any(|said| {
+        said.words
+            .iter()
+            .any(|word| ANSWERS.contains(&word.as_str()) || QUESTIONS.contains(&word.as_str()))
+    }) && said.iter().all(|said| matches!(said.signal, None | Some(Signal::Time)))
 }
 
 #[cfg(test)]

@@ -151,9 +151,8 @@ pub(super) fn number(what: &str, text: &str) -> Result<u32, String> {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub(super) fn counted(what: &str, text: &str) -> Result<u32, String> {
     let value: Option<f64> = plain(text).parse().ok();
-    let whole = |v: &f64| (0.0..=f64::from(MOST_NUMBER)).contains(v) && v.fract() == 0.0;
     value
-        .filter(whole)
+        .filter(|v| (0.0..=f64::from(MOST_NUMBER)).contains(v) && v.fract() == 0.0)
         .map(|v| v as u32)
         .ok_or_else(|| format!("{what} '{text}' must be a whole number from 0 to {MOST_NUMBER}"))
 }
@@ -278,7 +277,8 @@ pub(super) fn number_trials(
     identities: &[Identity],
     samples: bool,
 ) -> Result<Vec<PlannedTrial>, Errors> {
-    let (mut trials, mut repeats) = (BTreeMap::new(), BTreeMap::new());
+    let mut trials = BTreeMap::new();
+    let mut repeats = BTreeMap::new();
     let mut planned = Vec::new();
     let from_zero = FromZero::of(identities);
     for i in identities {
@@ -287,7 +287,8 @@ pub(super) fn number_trials(
         let trial = next(&mut trials, session, trial);
         // Practice has repeats of its own: the first repeat that counts is 1.
         let repeat = next(&mut repeats, (session, &i.environment, &i.mode, i.kind), repeat);
-        let (environment, mode) = (i.environment.clone(), i.mode.clone());
+        let environment = i.environment.clone();
+        let mode = i.mode.clone();
         planned.push(PlannedTrial { trial, repeat, kind: i.kind, environment, mode, samples });
     }
     let mut errors = duplicates(context, identities, &planned);
@@ -343,10 +344,8 @@ fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTria
     }
     // A session whose trials were named above is not named again.
     for ((participant, session), _) in sessions.iter().filter(|(_, named)| !**named) {
-        let (record, events) = (
-            context.layout.session(participant, session),
-            context.layout.events(participant, session),
-        );
+        let record = context.layout.session(participant, session);
+        let events = context.layout.events(participant, session);
         if let Some(path) = [record, events].iter().find(|p| context.files.kind(p).is_some()) {
             let what = format!("session {session} of {participant} exists already");
             errors.push(StoreError::new(path, what, again(context, participant, session)));
@@ -366,7 +365,8 @@ fn twins(context: &Context, identities: &[Identity]) -> Result<Errors, StoreErro
     }
     let mut errors = Errors::default();
     for i in identities {
-        let (who, which) = (i.participant.as_str(), i.session.as_str());
+        let who = i.participant.as_str();
+        let which = i.session.as_str();
         let twin = people.add("", who).map(|other| ("participant", who, other));
         let twin = twin.or_else(|| sessions.add(who, which).map(|other| ("session", which, other)));
         errors.extend(twin.map(|(what, id, other)| {

@@ -35,8 +35,9 @@ pub(super) fn read(
     if !take.budget.cells(lines.len().saturating_mul(columns.iter().flatten().count())) {
         return Err(too_much(path));
     }
-    let is_row = |(number, _): &(u64, &str)| lines.binary_search(number).is_ok();
-    for (row, (number, line)) in full_lines(text).filter(is_row).enumerate() {
+    for (row, (number, line)) in
+        full_lines(text).filter(|(number, _)| lines.binary_search(number).is_ok()).enumerate()
+    {
         let mut cell = |key: String, raw: &RawValue| {
             // The names are sorted: they come out of a set.
             let column = names.binary_search(&key).ok().and_then(|place| columns[place].as_mut());
@@ -63,7 +64,8 @@ fn full_lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
 
 /// Every key of the file, sorted, and the number of the line of each row.
 fn keys(path: &Path, text: &str) -> Result<(Vec<String>, Vec<u64>), StoreError> {
-    let (mut names, mut lines) = (BTreeSet::new(), Vec::new());
+    let mut names = BTreeSet::new();
+    let mut lines = Vec::new();
     for (number, line) in full_lines(text) {
         if line.len() > MOST_LINE {
             let what =
@@ -120,7 +122,9 @@ fn without_nan(line: &str) -> Cow<'_, str> {
     }
     let mut plain = String::new();
     // A quote behind a backslash does not end a text; a backslash behind one is a letter.
-    let (mut in_text, mut escaped, mut from) = (false, false, 0);
+    let mut in_text = false;
+    let mut escaped = false;
+    let mut from = 0;
     for (at, letter) in line.char_indices() {
         if !in_text && at >= from && line[at..].starts_with("NaN") {
             plain.push_str(&line[from..at]);

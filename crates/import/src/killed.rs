@@ -1,7 +1,7 @@
 //! An import is killed, or the power is cut, at every step of its writing; the next import goes
 //! through without hands, and each recording counts once.
 
-use super::world::{COLUMNS, FORCE, ONE, UTC, trials_map};
+use super::world::{BY, COLUMNS, FORCE, ONE, UTC, trials_map};
 use super::{Mapping, Report, import};
 use rayon::prelude::*;
 use std::cell::Cell;
@@ -82,8 +82,8 @@ impl Case {
 
     /// A study with what was imported before.
     fn study(&self) -> (Memory, Layout) {
-        let (disk, layout) =
-            (Memory::new(), Layout::new(Path::new("/root"), StudyId::new("demo").unwrap()));
+        let disk = Memory::new();
+        let layout = Layout::new(Path::new("/root"), StudyId::new("demo").unwrap());
         disk.put(&layout.study_toml(), study_toml(&layout).as_bytes());
         if !self.before.is_empty() {
             self.import(&disk, &layout, &self.before).unwrap();
@@ -98,7 +98,7 @@ impl Case {
         files: &[PathBuf],
     ) -> Result<Report, Vec<StoreError>> {
         let study = Study::from_toml(&study_toml(layout)).unwrap();
-        Ok(import(layout, &study, &self.mapping, files, (UTC, "zwidth test"), disk, &|_| {})?)
+        Ok(import(layout, &study, &self.mapping, files, BY, disk, &|_| {})?)
     }
 
     /// The import, killed at step `n`, and what then stands on the disk; whether the kill came

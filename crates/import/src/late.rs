@@ -87,7 +87,8 @@ impl LateAnswers {
         let cells = CellForm { decimal_comma, ..CellForm::default() };
         let recording = Recording::part(path, table, cells, BTreeMap::new());
         let columns = Columns::of(&recording)?;
-        let (mut rows, mut errors) = (Vec::new(), FirstErrors::default());
+        let mut rows = Vec::new();
+        let mut errors = FirstErrors::default();
         let mut bad = recording.table.bad.iter().peekable();
         for row in 0..recording.table.columns[columns.answer].len() {
             // Bad rows are in order: each is looked at once.

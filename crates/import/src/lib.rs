@@ -110,11 +110,19 @@ pub enum Step {
     },
 }
 
+/// Who imports, and when.
+#[derive(Debug, Clone, Copy)]
+pub struct By<'a> {
+    /// The time in RFC 3339, for the event log.
+    pub utc: &'a str,
+    /// The program with its version, for the session records.
+    pub software: &'a str,
+}
+
 /// Imports `files` into the study at `layout`, as `mapping` says.
 ///
-/// `study` is the content of the study's `study.toml`; `utc` is the time in RFC 3339, for the event
-/// log; `software` is the program with its version, for the session records; `disk` holds the
-/// study; `progress` is told each step, from any thread. The caller
+/// `study` is the content of the study's `study.toml`; `disk` holds the study; `progress` is told
+/// each step, from any thread. The caller
 /// holds the study's lock. What an import before this one left because it was killed is removed
 /// first.
 ///
@@ -126,7 +134,7 @@ pub fn import(
     study: &Study,
     mapping: &Mapping,
     files: &[PathBuf],
-    (utc, software): (&str, &str),
+    by: By,
     disk: &dyn Files,
     progress: &(dyn Fn(Step) + Sync),
 ) -> Result<Report, FirstErrors> {
@@ -139,7 +147,7 @@ pub fn import(
         layout,
         study,
         mapping,
-        software,
+        software: by.software,
         study_toml,
         study_blake3,
         files: disk,
@@ -152,14 +160,14 @@ pub fn import(
     let files = &in_order(files);
     let batch = match &mapping.content {
         Content::Trials { who, time, columns, channels } => {
-            trials::trials(&context, (who, time, columns, channels), files)?
+            trials::trials(&context, who, time, columns, channels, files)?
         }
         Content::Sweeps(sweep) => sweeps::sweeps(&context, sweep, files)?,
         Content::Likert(asked) => likert::likert(&context, asked, files)?,
         // They add to logs that are there.
-        Content::Exclusions(form) => return exclusions::import(&context, form, files, utc),
+        Content::Exclusions(form) => return exclusions::import(&context, form, files, by.utc),
     };
-    batch.write(disk, layout, utc, &|all| progress(Step::Written { all }))?;
+    batch.write(disk, layout, by.utc, &|all| progress(Step::Written { all }))?;
     let odd = against_plan_of(disk, layout, &batch);
     Ok(batch.report(layout, odd))
 }
@@ -171,11 +179,12 @@ fn against_plan_of(disk: &dyn Files, layout: &Layout, batch: &Batch) -> Vec<Unpl
     let new: BTreeSet<&Path> = batch.outputs.iter().map(|(path, _)| path.as_path()).collect();
     let found =
         against_plan(&data).into_iter().filter(|finding| new.contains(finding.path.as_path()));
-    let shown = |finding: StoreError| Unplanned {
-        file: layout.shown(&finding.path).display().to_string(),
-        what: format!("{}; {}", finding.what, finding.remedy),
-    };
-    found.map(shown).collect()
+    found
+        .map(|finding| Unplanned {
+            file: layout.shown(&finding.path).display().to_string(),
+            what: format!("{}; {}", finding.what, finding.remedy),
+        })
+        .collect()
 }
 
 /// Why rows are left out where the mapping drops those without a value.
@@ -202,7 +211,8 @@ type Errors = FirstErrors;
 fn all<T, E: Into<Errors>>(
     results: impl IntoIterator<Item = Result<T, E>>,
 ) -> Result<Vec<T>, Errors> {
-    let (mut values, mut errors) = (Vec::new(), Errors::default());
+    let mut values = Vec::new();
+    let mut errors = Errors::default();
     for result in results {
         match result {
             Ok(value) => values.push(value),
@@ -282,7 +292,9 @@ impl Context<'_> {
             true => MOST_FILE,
             false => std::fs::metadata(path).map_or(0, |found| found.len()),
         };
-        let (mut groups, mut from, mut together) = (Vec::new(), 0, 0);
+        let mut groups = Vec::new();
+        let mut from = 0;
+        let mut together = 0;
         for (i, path) in files.iter().enumerate() {
             let bytes = bytes(path).min(MOST_FILE);
             // A group has one file at least, however large that is.
@@ -321,7 +333,8 @@ impl Context<'_> {
     fn file_report(
         &self,
         recording: &Recording,
-        (rows, kept): (&Rows, usize),
+        rows: &Rows,
+        kept: usize,
         used: &[usize],
     ) -> Result<FileReport, StoreError> {
         let names: Vec<_> =

@@ -98,7 +98,8 @@ fn made_of(
 ) -> Result<FileReport, Errors> {
     let Read { found, report, empty, .. } = &file.made;
     let (mut new, mut answered, mut answers, mut known) = (0, 0, 0, BTreeSet::new());
-    let (mut errors, mut logs) = (Errors::default(), BTreeSet::new());
+    let mut errors = Errors::default();
+    let mut logs = BTreeSet::new();
     for row in found {
         let Identity { participant, session, .. } = &row.identity;
         let is_there = context.files.kind(&context.layout.session(participant, session)).is_some();
@@ -220,13 +221,12 @@ fn convert(
     let find = |column: &ColumnRef| recording.find(column);
     let labels = |of: &Wide| all(of.who.columns().into_iter().map(find));
     let labels = all(wide.iter().map(labels))?;
-    let of_questions = |of: &Wide| {
+    let places = all(wide.iter().map(|of| {
         all(of.questions.iter().map(|(_, from, time)| {
             let time = time.as_ref().map(find).transpose()?;
             Ok::<_, StoreError>((find(from.column())?, time))
         }))
-    };
-    let places = all(wide.iter().map(of_questions))?;
+    }))?;
     let columns: BTreeSet<usize> = places.iter().flatten().map(|(answer, _)| *answer).collect();
     let times = places.iter().flatten().filter_map(|(_, time)| *time);
     let used = labels.iter().flatten().chain(&columns).copied().chain(times);
@@ -251,8 +251,11 @@ fn convert(
     }
     let others = before - rows.kept.len();
     budget.trials(&recording.path, rows.kept.len() * wide.len())?;
-    let (mut found, mut errors, mut named) = (Vec::new(), Errors::default(), Named::default());
-    let (mut empty, mut absent) = (0, 0);
+    let mut found = Vec::new();
+    let mut errors = Errors::default();
+    let mut named = Named::default();
+    let mut empty = 0;
+    let mut absent = 0;
     for row in &rows.kept {
         for (of, (labels, places)) in wide.iter().zip(labels.iter().zip(&places)) {
             // A person who did not do this condition.
@@ -262,7 +265,7 @@ fn convert(
                 absent += 1;
                 continue;
             }
-            match read_row(context, asked, (of, places), recording, *row, &mut named) {
+            match read_row(context, asked, of, places, recording, *row, &mut named) {
                 Ok(read) => {
                     empty += of.questions.len() - read.answers.len();
                     found.push(read);
@@ -272,7 +275,7 @@ fn convert(
         }
     }
     errors.none()?;
-    let mut report = context.file_report(recording, (&rows, rows.kept.len()), &used)?;
+    let mut report = context.file_report(recording, &rows, rows.kept.len(), &used)?;
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
     report.add_headers(headers);
     if others > 0 {
@@ -295,7 +298,8 @@ fn is_object(cell: &Cell) -> bool {
 fn read_row(
     context: &Context,
     asked: &Questionnaire,
-    (of, places): (&Wide, &[(usize, Option<usize>)]),
+    of: &Wide,
+    places: &[(usize, Option<usize>)],
     recording: &Recording,
     row: usize,
     named: &mut Named,

@@ -31,11 +31,12 @@ pub(super) fn convert(
     let headers = recording.leave_out_headers(&mut rows, &used);
     let mut found: Vec<Answered> = Vec::new();
     let mut places: BTreeMap<String, usize> = BTreeMap::new();
-    let (mut errors, mut named) = (Errors::default(), Named::default());
+    let mut errors = Errors::default();
+    let mut named = Named::default();
     let mut answers = 0;
     for row in &rows.kept {
         let place = Place { row: *row, answer, key: None, time };
-        match read_row(context, (who, asked, &form.question), recording, place) {
+        match read_row(context, who, asked, &form.question, recording, place) {
             Ok((identity, Some((question, given)))) => {
                 if let Err(other) = named.add(recording, *row, &identity) {
                     errors.push(other);
@@ -58,7 +59,7 @@ pub(super) fn convert(
     }
     errors.none()?;
     budget.trials(&recording.path, found.len())?;
-    let mut report = context.file_report(recording, (&rows, rows.kept.len()), &used)?;
+    let mut report = context.file_report(recording, &rows, rows.kept.len(), &used)?;
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
     report.add_headers(headers);
     let timed = if time.is_some() { ", with the time that each took" } else { "" };
@@ -72,7 +73,9 @@ type Row = (Identity, Option<(QuestionId, Given)>);
 /// Whose answer a row is, to what, and what it is; no answer where the cell is empty.
 fn read_row(
     context: &Context,
-    (who, asked, question): (&Who, &Questionnaire, &Label),
+    who: &Who,
+    asked: &Questionnaire,
+    question: &Label,
     recording: &Recording,
     place: Place,
 ) -> Result<Row, Errors> {

@@ -152,7 +152,8 @@ impl Recording {
                 self.table.columns[*other] = spread(&values, &rows.kept);
             }
         }
-        let (mut kept, mut joined) = (Vec::new(), Vec::new());
+        let mut kept = Vec::new();
+        let mut joined = Vec::new();
         for (i, row) in rows.kept.iter().enumerate() {
             if goes_on(i) { joined.push(*row) } else { kept.push(*row) }
         }

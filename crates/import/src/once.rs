@@ -7,7 +7,6 @@ use super::{Context, Converted, Errors, all};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zwidth_store::{StoreError, files_below, readable_records, sweep_sources, trial_sources};
-use zwidth_study::SessionRecord;
 
 /// Whether no recording is there twice, under whatever names.
 pub(super) fn given_once<T>(files: &[Converted<T>]) -> Result<(), Errors> {
@@ -69,12 +68,11 @@ pub(super) fn answers<'a>(
     let records = readable_records(context.files, context.layout)?;
     let mut told = BTreeSet::new();
     let checked = tables.filter(|table| told.insert(&table.path)).map(|table| {
-        let has_them = |record: &&SessionRecord| {
+        match records.iter().find(|record| {
             let taken = &record.answer_columns;
             record.imported_from.contains(&table.blake3)
                 && (taken.is_empty() || taken.iter().any(|at| table.made.columns.contains(at)))
-        };
-        match records.iter().find(has_them) {
+        }) {
             None => Ok(()),
             Some(record) => {
                 let first = format!("{} {}", record.participant, record.session);

@@ -13,14 +13,16 @@ pub(super) fn in_order(files: &[PathBuf]) -> Vec<PathBuf> {
 
 fn compare(a: &Path, b: &Path) -> Ordering {
     let [a, b] = [a, b].map(|path| path.to_string_lossy().replace('\\', "/"));
-    let (mut x, mut y) = (a.as_str(), b.as_str());
+    let mut x = a.as_str();
+    let mut y = b.as_str();
     loop {
         let (Some(first), Some(second)) = (x.chars().next(), y.chars().next()) else {
             // The texts may differ in zeros before a number alone.
             return x.len().cmp(&y.len()).then_with(|| a.cmp(&b));
         };
         let order = if first.is_ascii_digit() && second.is_ascii_digit() {
-            let (m, n) = (digits(&mut x), digits(&mut y));
+            let m = digits(&mut x);
+            let n = digits(&mut y);
             m.len().cmp(&n.len()).then_with(|| m.cmp(n))
         } else {
             (x, y) = (&x[first.len_utf8()..], &y[second.len_utf8()..]);

@@ -85,10 +85,10 @@ fn against_others(trial: &Outline, trials: &[Outline]) -> Vec<String> {
         }
         _ => false,
     };
-    let goes_on =
-        |other: &&Outline| other.largest.zip(trial.largest).is_some_and(|(o, own)| o.0 > own.0);
-    let at_an_end =
-        others.iter().filter(stands).count() >= LEAST_OTHERS && !others.iter().any(goes_on);
+    let at_an_end = others.iter().filter(stands).count() >= LEAST_OTHERS
+        && !others
+            .iter()
+            .any(|other| other.largest.zip(trial.largest).is_some_and(|(o, own)| o.0 > own.0));
     if let Some((_, Some(Plateau { value, .. }))) =
         trial.largest.filter(|_| trial.moves != Some(true) && at_an_end)
     {

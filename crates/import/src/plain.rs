@@ -59,7 +59,8 @@ pub(super) fn spaced(text: &str, comment: Option<u8>) -> String {
 }
 
 fn push_cells(lines: &mut String, cells: &str) {
-    let (mut quoted, mut blank) = (false, false);
+    let mut quoted = false;
+    let mut blank = false;
     for letter in cells.chars() {
         quoted ^= letter == '"';
         if letter.is_whitespace() && !quoted {

@@ -64,7 +64,7 @@ pub(super) fn plan<'a>(
             plan.computed.push(rate_words(*rate_hz));
         }
         Time::Column { from, unit, unit_text, line, mend } => {
-            plan.take(context, Signal::Time, from, (unit, unit_text), *line)?;
+            plan.take(context, Signal::Time, from, unit, unit_text, *line)?;
             let from_first = line.zero == Zero::First;
             plan.time = Some(TimeColumn { from, unit, from_first, mend: *mend });
             plan.computed.extend(mend.words());
@@ -73,7 +73,7 @@ pub(super) fn plan<'a>(
     let added = columns.iter().map(|SignalFrom { to, origin }| match origin {
         Origin::Column { from, unit, unit_text, line, wrap } => {
             let to = target(*to, columns, context.study);
-            plan.take(context, to, from, (unit, unit_text), *line)?;
+            plan.take(context, to, from, unit, unit_text, *line)?;
             if let (Some(wrap), Some(taken)) = (*wrap, plan.taken.last_mut()) {
                 taken.wrap = Some(wrap);
                 plan.computed.push(format!("{} unwrapped at {wrap} {unit_text}", to.name()));
@@ -154,7 +154,8 @@ impl<'a> Plan<'a> {
         context: &Context,
         to: Signal,
         from: &'a ColumnRef,
-        (unit, unit_text): (&'static unit::Unit, &'a str),
+        unit: &'static unit::Unit,
+        unit_text: &'a str,
         line: Linear,
     ) -> Result<(), StoreError> {
         let (factor, length) = unit::factor(unit, to, context.study).map_err(|lacks| {

@@ -26,7 +26,8 @@ fn sweep(world: &World, actuator: &str) -> Sweep {
 
 /// Ordinary least squares y = a + b x.
 fn line(x: &[f64], y: &[f64]) -> (f64, f64) {
-    let (mx, my) = (convert::mean(x), convert::mean(y));
+    let mx = convert::mean(x);
+    let my = convert::mean(y);
     let sxy: f64 = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum();
     let sxx: f64 = x.iter().map(|x| (x - mx) * (x - mx)).sum();
     (my - sxy / sxx * mx, sxy / sxx)

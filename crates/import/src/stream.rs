@@ -90,7 +90,8 @@ impl<'a> Source<'a> {
     /// A path that the pattern of the mapping does not match.
     pub(super) fn of(
         context: &'a Context<'a>,
-        (who, plan): (&'a Who, &'a Plan<'a>),
+        who: &'a Who,
+        plan: &'a Plan<'a>,
         path: &'a Path,
     ) -> Result<Option<Self>, StoreError> {
         let form = &context.mapping.file;
@@ -151,8 +152,8 @@ impl<'a> Source<'a> {
                 || -> Result<(), Errors> {
                     for block in parsed {
                         let block = block.map_err(|errors| later(errors, walked.rows.read))?;
-                        let state = (&mut walked, &mut last);
-                        go_on = go_on && self.pass(&block, state, progress, each)?;
+                        go_on =
+                            go_on && self.pass(&block, &mut walked, &mut last, progress, each)?;
                     }
                     Ok(())
                 },
@@ -175,7 +176,8 @@ impl<'a> Source<'a> {
     fn pass(
         &self,
         parsed: &Parsed,
-        (walked, last): (&mut Walked, &mut Last),
+        walked: &mut Walked,
+        last: &mut Last,
         progress: &(dyn Fn(u64) + Sync),
         each: &mut (dyn FnMut(&Stretch) -> Result<bool, Errors> + Send),
     ) -> Result<bool, Errors> {
@@ -382,8 +384,7 @@ impl<'a> Growing<'a> {
         }
         let Parsed { recording, numeric, labels, .. } = stretch.parsed;
         let t_s = part.get(Signal::Time).unwrap_or_default();
-        let plan = (numeric.as_slice(), self.plan);
-        let found = counter::elsewhere(recording, plan, labels, (rows, t_s));
+        let found = counter::elsewhere(recording, numeric, self.plan, labels, rows, t_s);
         let (hidden, told) = &mut self.hidden;
         hidden.add(found);
         *told = counter::told(recording, self.plan, hidden);
@@ -467,8 +468,10 @@ impl<'a> Growing<'a> {
         match (place, error.row) {
             (Some(i), Some(row)) => {
                 // An error counts rows from 1. The time comes first.
-                let (at, rows) = (row - 1, &parsed.rows.kept[stretch.range.clone()]);
-                let (column, recording) = (parsed.numeric[i], &parsed.recording);
+                let at = row - 1;
+                let rows = &parsed.rows.kept[stretch.range.clone()];
+                let column = parsed.numeric[i];
+                let recording = &parsed.recording;
                 let is_time = i == 0 && self.plan.time.is_some();
                 let key = is_time.then(|| recording.time_remedy(column, rows, at)).flatten();
                 let remedy = key.unwrap_or(error.remedy);
@@ -519,19 +522,22 @@ impl<'a> Growing<'a> {
     /// `convert::integral`.
     fn derived(&self, to: Signal, rule: Rule, end: bool) -> Vec<f64> {
         let (Rule::DerivativeOf(of) | Rule::IntegralOf(of)) = rule;
-        let (t, x, have) = (self.column(Signal::Time), self.column(of), self.column(to));
+        let t = self.column(Signal::Time);
+        let x = self.column(of);
+        let have = self.column(to);
         let n = t.len().min(x.len());
         // Whether the first row at hand is the trial's first.
         let from_start = self.rows == self.given;
         match rule {
             Rule::DerivativeOf(_) => {
                 let until = if end { n } else { n.saturating_sub(1) };
-                let value = |i: usize| match i {
-                    0 if from_start => slope(t, x, 0),
-                    _ if i + 1 == n => slope(t, x, i - 1),
-                    _ => central(t, x, i),
-                };
-                (have.len()..until).map(value).collect()
+                (have.len()..until)
+                    .map(|i| match i {
+                        0 if from_start => slope(t, x, 0),
+                        _ if i + 1 == n => slope(t, x, i - 1),
+                        _ => central(t, x, i),
+                    })
+                    .collect()
             }
             Rule::IntegralOf(_) => {
                 let mut sum = have.last().copied().unwrap_or(0.0);

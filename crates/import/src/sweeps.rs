@@ -47,7 +47,8 @@ pub(super) fn sweeps(
     })?;
     once::sweeps(context, &converted)?;
     let mut batch = Batch::default();
-    let (mut last, mut taken) = (BTreeMap::new(), BTreeSet::new());
+    let mut last = BTreeMap::new();
+    let mut taken = BTreeSet::new();
     let mut results = Vec::new();
     let mut cases = once::actuators_there(context)?;
     for Converted { path: file, blake3, made: (pieces, mut report) } in converted {
@@ -66,7 +67,7 @@ pub(super) fn sweeps(
             let free = taken.insert(path.clone()) && context.files.kind(&path).is_none();
             let bytes = match cases.add("", actuator.as_str()) {
                 Some(other) => Err(twin(&actuator, &other, &file)),
-                None if free => encode(form, piece, (number, source), &footer, &file),
+                None if free => encode(form, piece, number, source, &footer, &file),
                 None => Err(duplicate(context, &path, &file)),
             };
             results.push(bytes.map(|bytes| {
@@ -94,7 +95,8 @@ fn twin(actuator: &ActuatorId, other: &str, file: &Path) -> StoreError {
 fn encode(
     form: &SweepForm,
     piece: Piece,
-    (number, source): (u32, Source),
+    number: u32,
+    source: Source,
     footer: &BTreeMap<String, String>,
     from: &Path,
 ) -> Result<Vec<u8>, StoreError> {
@@ -154,7 +156,7 @@ fn pairs(
     if let (Some(Time::Column { unit, unit_text, line, .. }), Some(place)) =
         (&form.time, numeric.get(2))
     {
-        recording.table.told.extend(recording.check_unit(*place, (unit, unit_text), line)?);
+        recording.table.told.extend(recording.check_unit(*place, unit, unit_text, line)?);
     }
     if let Some(time) = time {
         recording.read_clock(time, time.from_first)?;
@@ -176,7 +178,8 @@ fn pairs(
     }))?;
     let mut report = context.file_report(
         recording,
-        (&rows, rows.kept.len()),
+        &rows,
+        rows.kept.len(),
         &[numeric.as_slice(), &label_columns].concat(),
     )?;
     report.add_empty(
@@ -196,7 +199,8 @@ fn pairs(
         if let Some(unit) = unit::declared(q.quantity.unit.as_str()) {
             report.told.extend(recording.check_unit(
                 *place,
-                (unit, q.quantity.unit.as_str()),
+                unit,
+                q.quantity.unit.as_str(),
                 &q.line,
             )?);
         }

@@ -67,14 +67,17 @@ struct Encoded {
 /// Converts every file, numbers the trials over all of them, and encodes them.
 pub(super) fn trials(
     context: &Context,
-    (who, time, columns, channels): (&Who, &Time, &[SignalFrom], &[ChannelFrom]),
+    who: &Who,
+    time: &Time,
+    columns: &[SignalFrom],
+    channels: &[ChannelFrom],
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
     // Before any file is read: whatever is in them, the study takes no trial of another form.
     check_form(context.files, context.layout, context.study)?;
     let plan = plan(context, time, columns, channels)?;
     let budget = Budget::default();
-    let converted = converted(context, (who, &plan), &budget, files)?;
+    let converted = converted(context, who, &plan, &budget, files)?;
     let (mut converted, there) = once::new_trials(context, converted, |(pieces, _)| {
         pieces.iter().map(|piece| &piece.identity).collect()
     })?;
@@ -107,7 +110,7 @@ pub(super) fn trials(
                 .map(|(piece, number)| encode(context, &plan, piece, number, &blake3))
                 .collect::<Vec<_>>())
             .map(|encoded| (encoded, report)),
-            None => streamed(context, (who, &plan), &path, numbered, &blake3),
+            None => streamed(context, who, &plan, &path, numbered, &blake3),
         };
         let encoded = encoded.map(|(encoded, mut report)| {
             tell_labels(&mut report, &own, &identities);
@@ -118,7 +121,8 @@ pub(super) fn trials(
             break;
         }
     }
-    let (mut failed, mut losses) = (None, Vec::new());
+    let mut failed = None;
+    let mut losses = Vec::new();
     for encoded in done {
         match encoded {
             Ok((encoded, mut report)) => {
@@ -158,7 +162,8 @@ type FileTrials = (Vec<Piece>, Option<FileReport>);
 /// What became of the files, in their order.
 fn converted(
     context: &Context,
-    (who, plan): (&Who, &Plan),
+    who: &Who,
+    plan: &Plan,
     budget: &Budget,
     files: &[PathBuf],
 ) -> Result<Vec<Converted<FileTrials>>, Errors> {
@@ -180,7 +185,7 @@ fn converted(
     }
     let scanned = |path: &PathBuf| {
         let blake3 = blake3_of(path)?;
-        let Some(source) = LongText::of(context, (who, plan), path)? else {
+        let Some(source) = LongText::of(context, who, plan, path)? else {
             let what = "it was long when the import began, and is not now";
             return Err(StoreError::new(path, what, "import it again").into());
         };
@@ -204,7 +209,8 @@ fn converted(
 /// The trials of a long text, written beside their places, and the report on it.
 fn streamed(
     context: &Context,
-    (who, plan): (&Who, &Plan),
+    who: &Who,
+    plan: &Plan,
     path: &Path,
     pieces: Vec<(Piece, &PlannedTrial)>,
     blake3: &str,
@@ -213,7 +219,7 @@ fn streamed(
         let what = "the file changed while it was read";
         StoreError::new(path, what, "import it again when nothing writes to it").into()
     };
-    let source = LongText::of(context, (who, plan), path)?.ok_or_else(changed)?;
+    let source = LongText::of(context, who, plan, path)?.ok_or_else(changed)?;
     let mut pieces = pieces.into_iter();
     let mut encoded: Vec<Encoded> = Vec::new();
     let mut open: Option<Open> = None;
@@ -227,7 +233,7 @@ fn streamed(
         }
         if report.is_none() {
             let (recording, used) = stretch.recording();
-            report = Some(context.file_report(recording, (&Rows::default(), 0), &used)?);
+            report = Some(context.file_report(recording, &Rows::default(), 0, &used)?);
         }
         if let Some(Open { growing, writer, .. }) = &mut open {
             growing.add(stretch, writer)?;
@@ -301,9 +307,10 @@ impl<'a> Open<'a> {
         let name =
             format!("{}_{}_trial-{}.parquet", identity.participant, identity.session, number.trial);
         let near = context.layout.raw().join(name);
-        let of = (meta(&identity, number, context.mapping.source()), file(context, plan, blake3));
+        let meta = meta(&identity, number, context.mapping.source());
+        let file = file(context, plan, blake3);
         let form = context.study.trial_form();
-        let writer = TrialWriter::begin(context.files, (&near, &path), of, &form)?;
+        let writer = TrialWriter::begin(context.files, &near, &path, meta, file, &form)?;
         Ok(Self { growing: Growing::new(plan, from), writer, path, identity, number })
     }
 
@@ -380,14 +387,12 @@ fn convert(
     check_turned(context.mapping.file.turned, recording)?;
     let numeric = all(plan.columns().map(|column| recording.find(column)))?;
     let labels = all(who.columns().into_iter().map(|c| recording.find(c)))?;
-    let mut other_units = all(plan
-        .taken
-        .iter()
-        .zip(&numeric)
-        .map(|(taken, place)| recording.check_unit(*place, taken.unit, &taken.line)))?;
+    let mut other_units = all(plan.taken.iter().zip(&numeric).map(|(taken, place)| {
+        recording.check_unit(*place, taken.unit.0, taken.unit.1, &taken.line)
+    }))?;
     other_units.extend(all(plan.channels.iter().zip(&numeric[plan.taken.len()..]).map(
         |(channel, place)| match unit::declared(&channel.unit) {
-            Some(unit) => recording.check_unit(*place, (unit, &channel.unit), &channel.line),
+            Some(unit) => recording.check_unit(*place, unit, &channel.unit, &channel.line),
             None => Ok(None),
         },
     ))?);
@@ -450,8 +455,7 @@ fn convert(
             Some(rate_hz) => passed_over(samples.get(Signal::Time).unwrap_or_default(), rate_hz),
             None => {
                 let t_s = samples.get(Signal::Time).unwrap_or_default();
-                let found =
-                    counter::elsewhere(recording, (&numeric, plan), &labels, (stretch, t_s));
+                let found = counter::elsewhere(recording, &numeric, plan, &labels, stretch, t_s);
                 counter::told(recording, plan, &found)
             }
         };
@@ -469,7 +473,8 @@ fn convert(
         null: null_columns(&made),
         ..context.file_report(
             recording,
-            (&rows, rows.kept.len()),
+            &rows,
+            rows.kept.len(),
             &[numeric.as_slice(), &labels].concat(),
         )?
     };
@@ -491,8 +496,8 @@ fn check_turned(turned: bool, recording: &Recording) -> Result<(), StoreError> {
     if !table.is_turned() {
         return Ok(());
     }
-    let (rows, columns) =
-        (table.columns.iter().map(Cells::len).max().unwrap_or(0), table.columns.len());
+    let rows = table.columns.iter().map(Cells::len).max().unwrap_or(0);
+    let columns = table.columns.len();
     if table.names.is_some() || !table.lines.is_empty() {
         let what = format!("it has {rows} rows and {columns} columns: are its rows the signals?");
         return Err(recording.error(what, "turn the table, so that each signal has a column"));
@@ -542,7 +547,8 @@ fn samples(
     numeric: &[usize],
     rows: &[usize],
 ) -> Result<(Samples, Zeros), Errors> {
-    let (mut samples, mut zeros) = (Samples::default(), Zeros::default());
+    let mut samples = Samples::default();
+    let mut zeros = Zeros::default();
     let (signals, channels) = numeric.split_at(plan.taken.len());
     match plan.rate_hz {
         Some(rate_hz) => samples.set(Signal::Time, rate_times(rate_hz, recording.places(rows))),

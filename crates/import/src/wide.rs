@@ -43,7 +43,8 @@ pub(super) fn wide(
     let (headers, cells): (Vec<f64>, Vec<f64>) = samples.into_iter().flatten().unzip();
     let mut report = context.file_report(
         recording,
-        (&rows, rows.kept.len()),
+        &rows,
+        rows.kept.len(),
         &[places, label_columns].concat(),
     )?;
     report.null.push("t_s".to_owned());

@@ -1,6 +1,6 @@
 //! A small study in a temporary folder, for the tests of import.
 
-use super::{Mapping, Report, Step, bytes_of, import};
+use super::{By, Mapping, Report, Step, bytes_of, import};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use tempfile::TempDir;
@@ -9,6 +9,8 @@ use zwidth_store::{Signal, read_events};
 use zwidth_study::{Event, Study, StudyId, template};
 
 pub(super) const UTC: &str = "2026-01-01T00:00:00Z";
+/// Who imports in tests.
+pub(super) const BY: By = By { utc: UTC, software: "zwidth test" };
 
 /// Labels for a file that is one trial of P01 S01.
 pub(super) const ONE: &str = "
@@ -87,8 +89,7 @@ impl World {
         disk: &dyn Files,
     ) -> Result<Report, Vec<StoreError>> {
         let mapping = Mapping::from_toml(map, Path::new("map.toml"))?;
-        let said = (UTC, "zwidth test");
-        self.followed(&mapping, files, said, disk)
+        self.followed(&mapping, files, disk)
     }
 
     /// Imports, and holds what progress is told against what there is.
@@ -96,7 +97,6 @@ impl World {
         &self,
         mapping: &Mapping,
         files: &[PathBuf],
-        said: (&str, &str),
         disk: &dyn Files,
     ) -> Result<Report, Vec<StoreError>> {
         let told = Mutex::new((0, Vec::new()));
@@ -104,10 +104,11 @@ impl World {
             Step::Read(bytes) => told.lock().unwrap().0 += bytes,
             Step::Written { all } => told.lock().unwrap().1.push(all),
         };
-        let report = import(&self.layout, &self.study, mapping, files, said, disk, &progress)?;
+        let report = import(&self.layout, &self.study, mapping, files, BY, disk, &progress)?;
         let (read, written) = told.into_inner().unwrap();
         // Each block of a long text has its header again.
-        let (most, all) = (2 * bytes_of(files), bytes_of(files));
+        let most = 2 * bytes_of(files);
+        let all = bytes_of(files);
         assert!((all..=most).contains(&read), "progress reaches the end: {read} of {all} bytes");
         assert!(written.iter().all(|all| *all == written.len()), "{written:?}");
         Ok(report)
@@ -121,8 +122,8 @@ impl World {
     ) -> Result<Report, Vec<StoreError>> {
         let mut mapping = Mapping::from_toml(map, Path::new("map.toml"))?;
         mapping.file.long_from = 0;
-        let (said, disk) = ((UTC, "zwidth test"), &RealFiles);
-        self.followed(&mapping, files, said, disk)
+        let disk = &RealFiles;
+        self.followed(&mapping, files, disk)
     }
 
     pub(super) fn import(&self, map: &str, files: &[PathBuf]) -> Result<Report, Vec<StoreError>> {
@@ -167,7 +168,8 @@ impl World {
     }
 
     pub(super) fn trial(&self, participant: &str, session: &str, trial: u32) -> Trial {
-        let (p, s) = (participant.parse().unwrap(), session.parse().unwrap());
+        let p = participant.parse().unwrap();
+        let s = session.parse().unwrap();
         read_trial(&self.layout.trial(&p, &s, trial), Signal::all()).unwrap()
     }
 
@@ -182,7 +184,8 @@ impl World {
     }
 
     pub(super) fn events(&self, participant: &str, session: &str) -> Vec<Event> {
-        let (p, s) = (participant.parse().unwrap(), session.parse().unwrap());
+        let p = participant.parse().unwrap();
+        let s = session.parse().unwrap();
         let mut events = read_events(&self.layout.events(&p, &s)).unwrap();
         assert!(matches!(events.remove(0), Event::LaidDown { .. }));
         events

@@ -58,7 +58,8 @@ impl<'a> Xml<'a> {
             let read = match self.behind.take() {
                 Some(read) => read,
                 None => self.reader.read_event().map_err(|e| {
-                    let (place, why) = (self.reader.error_position(), e.to_string());
+                    let place = self.reader.error_position();
+                    let why = e.to_string();
                     format!("its XML is cut off or damaged at byte {place} ({})", shown(&why))
                 })?,
             };

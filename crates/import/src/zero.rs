@@ -60,7 +60,7 @@ pub(super) fn find(zero: Zero, t_s: &[f64], x: &[f64]) -> Result<Found, String> 
                     "its zero is taken from {n} samples, from {from_s} s to {to_s} s; one odd value among so few is taken \
                      for it: choose a longer stretch"
                 )),
-                false => unrest((t_s, stretch), x, (from_s, to_s)),
+                false => unrest(t_s, stretch, x, from_s, to_s),
             };
             Ok(Found { value, words: Some(words), doubt })
         }
@@ -120,11 +120,7 @@ fn steps_off(t_s: &[f64], x: &[f64]) -> Option<String> {
 }
 
 /// A stretch in which the signal does not rest.
-fn unrest(
-    (t_s, stretch): (&[f64], &[f64]),
-    x: &[f64],
-    (from_s, to_s): (f64, f64),
-) -> Option<String> {
+fn unrest(t_s: &[f64], stretch: &[f64], x: &[f64], from_s: f64, to_s: f64) -> Option<String> {
     if stretch.len() < 2 * LEAST {
         return None;
     }

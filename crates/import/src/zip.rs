@@ -72,7 +72,9 @@ fn entry(bytes: &[u8], at: usize) -> Option<Result<(Entry, usize), String>> {
     let head =
         bytes.get(at..at.checked_add(ENTRY_LENGTH)?).filter(|head| head.starts_with(ENTRY))?;
     let [name, extra, remark] = [28, 30, 32].map(|at| u16_at(head, at).map(usize::from));
-    let (name, extra, remark) = (name?, extra?, remark?);
+    let name = name?;
+    let extra = extra?;
+    let remark = remark?;
     let name_at = at + ENTRY_LENGTH;
     if name > MOST_NAME {
         return Some(Err(format!("a name has {name} bytes, and at most {MOST_NAME} are read")));

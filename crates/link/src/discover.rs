@@ -126,7 +126,8 @@ fn heard<T>(
     mut hear: impl FnMut(u8) -> Option<T>,
 ) -> Result<Option<T>, Fault> {
     let began = wire.now();
-    let (mut bytes, mut asks) = ([0; 256], began);
+    let mut bytes = [0; 256];
+    let mut asks = began;
     loop {
         let now = wire.now();
         if now - began >= PATIENCE {
@@ -145,11 +146,12 @@ fn heard<T>(
 
 /// A line that can be read, behind others.
 fn lines(wire: &mut dyn Wire, _: u32) -> Result<Option<Found>, Fault> {
-    let (mut lines, mut read) = (Lines::from_anywhere(), 0);
+    let mut lines = Lines::from_anywhere();
+    let mut read = 0;
     heard(wire, &[], |byte| {
         let line = lines.push(byte)?;
-        let is_text = |byte: &u8| byte.is_ascii_graphic() || matches!(byte, b' ' | b'\t');
-        let reads = line.iter().any(u8::is_ascii_digit) && line.iter().all(is_text);
+        let reads = line.iter().any(u8::is_ascii_digit)
+            && line.iter().all(|byte| byte.is_ascii_graphic() || matches!(byte, b' ' | b'\t'));
         read = if reads { read + 1 } else { 0 };
         (read == LINES).then(|| Found::Lines(String::from_utf8_lossy(line).into_owned()))
     })

@@ -166,11 +166,10 @@ impl Settings {
             Link::Firmata => ("firmata", table_of(&self.firmata)),
             Link::Text => ("text", table_of(&self.text)),
         };
-        let missing = || {
+        table.map(Some).ok_or_else(|| {
             let remedy = format!("write it, or take link = \"{name}\" out");
             unable(format!("link is \"{name}\", and there is no table [{name}]"), &remedy)
-        };
-        table.map(Some).ok_or_else(missing)
+        })
     }
 
     /// The host's end of a link that streams.

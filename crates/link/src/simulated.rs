@@ -120,7 +120,8 @@ impl Inside {
     /// Everything that happens until then.
     fn go_on(&mut self, until_s: f64) {
         loop {
-            let (look_s, next_s) = (self.looked_s + LOOK_S, self.next_s());
+            let look_s = self.looked_s + LOOK_S;
+            let next_s = self.next_s();
             if next_s > until_s {
                 break;
             }
@@ -136,7 +137,8 @@ impl Inside {
 
     /// The board hears, and says what it has to say.
     fn let_it(&mut self, bytes: &[u8]) {
-        let (mut out, now_s) = (Vec::new(), self.now_s);
+        let mut out = Vec::new();
+        let now_s = self.now_s;
         // A board whose device is lost says nothing.
         let _ = self.board.take(now_s, bytes, &mut out);
         let weighed = self.board.load_cell();

@@ -86,7 +86,8 @@ impl<W: Wire> Cell<W> {
     /// # Errors
     /// A template that is none.
     pub(crate) fn new(wire: W, settings: &Hx711) -> Result<Self, DeviceError> {
-        let (template, rate_hz) = (settings.template()?, settings.rate_hz);
+        let template = settings.template()?;
+        let rate_hz = settings.rate_hz;
         let port = settings.port.display().to_string();
         Ok(Self { wire, lines: Lines::from_anywhere(), template, port, rate_hz, damaged: 0 })
     }
@@ -99,7 +100,8 @@ impl<W: Wire> Cell<W> {
 
     /// The newest value that has come.
     fn newest(&mut self) -> io::Result<Option<i32>> {
-        let (mut newest, mut bytes) = (None, [0; 256]);
+        let mut newest = None;
+        let mut bytes = [0; 256];
         for _ in 0..MOST_BYTES / bytes.len() {
             let came = self.wire.receive(&mut bytes, Duration::ZERO)?;
             for byte in &bytes[..came] {
@@ -220,7 +222,8 @@ impl<W: Wire> Stream<W> {
                 }
             }
         }
-        let (baud, damaged) = (self.settings.baud(), self.damaged());
+        let baud = self.settings.baud();
+        let damaged = self.damaged();
         let what =
             format!("nothing understood came at {baud} baud, {damaged} pieces not understood");
         Err(self.unable(what, "check port, link and baud in rig.toml, and what runs on the board; `zwidth ports PORT` asks who is there"))
@@ -252,7 +255,8 @@ impl<W: Wire> Stream<W> {
 
     /// Takes in what has come; waits for the first of it for so long.
     fn take_in(&mut self, now_s: f64, wait: Duration) -> Result<(), DeviceError> {
-        let (mut bytes, mut wait) = ([0; 256], wait);
+        let mut bytes = [0; 256];
+        let mut wait = wait;
         let before = self.waiting.len();
         for _ in 0..MOST_BYTES / bytes.len() {
             let came = self.wire.receive(&mut bytes, std::mem::take(&mut wait));
@@ -306,7 +310,8 @@ impl<W: Wire> Stream<W> {
 
     /// Readings that came together came one after another, but not before the last look.
     fn date(&mut self, before: usize, now_s: f64) {
-        let (period_s, looked_s) = (1.0 / self.plan.rate_hz, self.looked_s.min(now_s));
+        let period_s = 1.0 / self.plan.rate_hz;
+        let looked_s = self.looked_s.min(now_s);
         for (behind, known) in (0_u32..).zip(self.waiting.iter_mut().skip(before).rev()) {
             known.came_s = (now_s - f64::from(behind) * period_s).max(looked_s);
         }
@@ -371,7 +376,9 @@ impl<W: Wire> Device for Stream<W> {
             talk.begin(out);
             talk.mark(mark::HOMING, 0, out);
         })?;
-        let (began, mut rest, mut moved) = (self.wire.now(), None, String::new());
+        let began = self.wire.now();
+        let mut rest = None;
+        let mut moved = String::new();
         loop {
             let passed_s = (self.wire.now() - began).as_secs_f64();
             self.take_in(now_s + passed_s, HELLO_EVERY)?;

@@ -53,7 +53,8 @@ pub fn branches(command: &[f64]) -> Vec<Branch> {
     let moved = |x: &f64| (x - command[0]).abs() > threshold;
     let mut branch =
         command.iter().find(|x| moved(x)).map_or(Branch::Up, |x| first(command[0], *x));
-    let (mut found, mut furthest) = (Vec::with_capacity(command.len()), 0);
+    let mut found = Vec::with_capacity(command.len());
+    let mut furthest = 0;
     for (i, &x) in command.iter().enumerate() {
         found.push(branch);
         let lost = branch.fallback(command[furthest], x);

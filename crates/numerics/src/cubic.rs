@@ -13,7 +13,8 @@ pub const SAMPLES: usize = 4;
 pub fn value(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let last = t.len().min(y.len()).checked_sub(SAMPLES)?;
     let first = t.partition_point(|t| *t < at).saturating_sub(2).min(last);
-    let (t, y) = (&t[first..first + SAMPLES], &y[first..first + SAMPLES]);
+    let t = &t[first..first + SAMPLES];
+    let y = &y[first..first + SAMPLES];
     Some((0..SAMPLES).map(|i| weight(t, i, at) * y[i]).sum())
 }
 

@@ -229,12 +229,14 @@ fn rotate(a: &mut Matrix, vectors: &mut Matrix, p: usize, q: usize) {
     let c = 1.0 / (1.0 + t * t).sqrt();
     let s = t * c;
     for k in 0..a.rows {
-        let (x, y) = (a[(k, p)], a[(k, q)]);
+        let x = a[(k, p)];
+        let y = a[(k, q)];
         (a[(k, p)], a[(k, q)]) = (c * x - s * y, s * x + c * y);
     }
     for m in [a, vectors] {
         for k in 0..m.cols {
-            let (x, y) = (m[(p, k)], m[(q, k)]);
+            let x = m[(p, k)];
+            let y = m[(q, k)];
             (m[(p, k)], m[(q, k)]) = (c * x - s * y, s * x + c * y);
         }
     }

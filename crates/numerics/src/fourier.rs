@@ -46,7 +46,8 @@ impl Spread {
     /// `t` in s, increasing; `of` makes y of `values`, of which there are as many.
     pub(crate) fn of(
         t: &[f64],
-        (values, of): (&[f64], impl Fn(f64) -> f64),
+        values: &[f64],
+        of: impl Fn(f64) -> f64,
         step_hz: f64,
         count: usize,
     ) -> Self {
@@ -64,7 +65,7 @@ impl Spread {
         let set = |power: &mut f64, &[re, im]: &[f64; 2]| *power = re * re + im * im;
         // A real signal has |Y(f)| = |Y(−f)|: the frequencies of one part are those of another one below 0.
         for part in 0..=parts / 2 {
-            let spectrum = transform(folded(&self.grid, part, (length, parts)), &turns);
+            let spectrum = transform(folded(&self.grid, part, length, parts), &turns);
             let own = power.iter_mut().skip(part).step_by(parts);
             own.zip(&spectrum).for_each(|(power, y)| set(power, y));
             if part > 0 {
@@ -157,7 +158,9 @@ impl Gaussian {
         let start = t.first().copied().unwrap_or(0.0);
         let last = t.last().map_or(0.0, |last| (last - start) * cells_a_s);
         let mut grid = vec![0.0; last as usize + CELLS];
-        let (cells, first, ratio) = ([0; AT_ONCE], [0.0; AT_ONCE], [0.0; AT_ONCE]);
+        let cells = [0; AT_ONCE];
+        let first = [0.0; AT_ONCE];
+        let ratio = [0.0; AT_ONCE];
         let mut placed = Placed { cells, first, ratio };
         for from in (0..t.len()).step_by(AT_ONCE) {
             let samples = from..t.len().min(from + AT_ONCE);
@@ -169,7 +172,8 @@ impl Gaussian {
             let samples = placed.cells.iter().zip(&placed.first).zip(&placed.ratio);
             for ((cell, first), ratio) in samples.take(some) {
                 let two = ratio * ratio;
-                let (mut values, next) = ([1.0, *ratio, two, two * ratio], two * two);
+                let mut values = [1.0, *ratio, two, two * ratio];
+                let next = two * two;
                 values.iter_mut().for_each(|v| *v *= first);
                 let cells = grid.get_mut(*cell as usize..);
                 let cells = cells.and_then(|cells| cells.first_chunk_mut());
@@ -234,7 +238,7 @@ impl Gaussian {
 /// What the transform of one of `parts` of the grid's `length` has to be taken of, so that it gives
 /// the frequencies `part`, `part` + `parts`, …: each cell turned by its phase, and those a transform's
 /// length apart together.
-fn folded(grid: &[f64], part: usize, (length, parts): (usize, usize)) -> Vec<[f64; 2]> {
+fn folded(grid: &[f64], part: usize, length: usize, parts: usize) -> Vec<[f64; 2]> {
     let folded_length = length / parts;
     let half = if length <= KEPT { turns(length) } else { Cow::Borrowed(&[][..]) };
     let turn = |at: usize| match (half.get(at), half.get(at.wrapping_sub(length / 2))) {
@@ -334,13 +338,15 @@ fn trapezoidal_weights(t: &[f64], samples: Range<usize>, weights: &mut [f64]) {
     let inner = samples.start.max(1)..samples.end.min(last);
     if let Some(before) = t.get(inner.start - 1..) {
         let weights = weights.iter_mut().skip(inner.start - samples.start).take(inner.len());
-        let (before, after) = (before.iter(), t.iter().skip(inner.start + 1));
+        let before = before.iter();
+        let after = t.iter().skip(inner.start + 1);
         weights
             .zip(before.zip(after))
             .for_each(|(weight, (before, after))| *weight = (after - before) / 2.0);
     }
     for end in [0, last].into_iter().filter(|end| samples.contains(end)) {
-        let (before, after) = (t[end.saturating_sub(1)], t[(end + 1).min(last)]);
+        let before = t[end.saturating_sub(1)];
+        let after = t[(end + 1).min(last)];
         weights[end - samples.start] = (after - before) / 2.0;
     }
 }
@@ -383,7 +389,7 @@ mod tests {
     use super::*;
 
     fn squared_fourier_from_zero(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
-        Spread::of(t, (y, |y| y), step_hz, count).squared()
+        Spread::of(t, y, |y| y, step_hz, count).squared()
     }
 
     /// Uneven times about 1/200 s apart, and a signal with slow, fast and random parts.

@@ -36,13 +36,13 @@ pub fn derivatives(t: &[f64], y: &[f64], half: f64) -> Result<Derivatives, Numer
 fn derivatives_at(t: &[f64], y: &[f64], half: f64, i: usize) -> (f64, f64) {
     let before = t[..i].iter().rev().take_while(|at| **at >= t[i] - half).count();
     let after = t[i..].iter().take_while(|at| **at <= t[i] + half).count();
-    let (low, high) = neighbourhood(i, (i - before, i + after), t.len());
+    let (low, high) = neighbourhood(i, i - before, i + after, t.len());
     let [slope, bend] = parabola(&t[low..high], &y[low..high], i - low);
     (slope, 2.0 * bend)
 }
 
 /// A neighbourhood with two samples to either side at least, where the signal has them.
-fn neighbourhood(i: usize, (low, high): (usize, usize), samples: usize) -> (usize, usize) {
+fn neighbourhood(i: usize, low: usize, high: usize, samples: usize) -> (usize, usize) {
     (low.min(i.saturating_sub(LEAST_BESIDE)), high.max((i + LEAST_BESIDE + 1).min(samples)))
 }
 
@@ -119,15 +119,18 @@ impl<'a> Derivator<'a> {
         let is_dense = self.t[to - 1] - self.t[from] <= 2.0 * self.half && to - from > 1;
         if is_dense {
             // Each neighbourhood's ends lie at or after those of the one before.
-            let (first, last) = (self.window(from).0, self.window(to - 1).1);
+            let first = self.window(from).0;
+            let last = self.window(to - 1).1;
             let scale = self.scale;
             let mut sum = [0.0; 8];
             self.stretch.first = first;
             self.stretch.sums.push(sum);
             let samples = self.t[first..last].iter().zip(&self.y[first..last]);
             self.stretch.sums.extend(samples.map(|(t, y)| {
-                let (x, y) = ((t - origin.0) * scale, y - origin.1);
-                let (xx, xy) = (x * x, x * y);
+                let x = (t - origin.0) * scale;
+                let y = y - origin.1;
+                let xx = x * x;
+                let xy = x * y;
                 let terms = [1.0, x, xx, x * xx, xx * xx, y, xy, x * xy];
                 sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
                 sum
@@ -137,20 +140,23 @@ impl<'a> Derivator<'a> {
 
     /// From which sample to which (exclusive) the neighbourhood of one goes.
     fn window(&mut self, i: usize) -> (usize, usize) {
-        let (t, (before, after)) = (self.t, self.reach);
-        let (from, to) = (t[i] - self.half, t[i] + self.half);
+        let t = self.t;
+        let (before, after) = self.reach;
+        let from = t[i] - self.half;
+        let to = t[i] + self.half;
         // A sample is in its own, even where times do not rise.
         let low = end_of(t, |at| at < from, i.saturating_sub(before)).min(i);
         let high = end_of(t, |at| at <= to, i + after).max(i);
         self.reach = (i - low, high - i);
-        neighbourhood(i, (low, high), t.len())
+        neighbourhood(i, low, high, t.len())
     }
 
     fn by_sums(&mut self, i: usize) -> (f64, f64) {
         let (low, high) = self.window(i);
         let Stretch { origin, first, sums, .. } = &self.stretch;
         let at = |sample: usize| sums[sample.saturating_sub(*first).min(sums.len() - 1)];
-        let (before, until) = (at(low), at(high));
+        let before = at(low);
+        let until = at(high);
         let [n, s1, s2, s3, s4, m0, m1, m2] = std::array::from_fn(|k| until[k] - before[k]);
         let scale = self.scale;
         // The parabola about the origin, and its derivatives where the sample lies.
@@ -162,11 +168,10 @@ impl<'a> Derivator<'a> {
 
 /// How many times come before an end of them all: near a guess, or by halving.
 fn end_of(t: &[f64], is_before: impl Fn(f64) -> bool, guess: usize) -> usize {
-    let is_end = |end: &usize| {
+    let near = [guess, guess + 1, guess.saturating_sub(1)].into_iter().find(|end| {
         let last = end.checked_sub(1).map(|last| t.get(last).is_some_and(|at| is_before(*at)));
         last.unwrap_or(true) && t.get(*end).is_none_or(|at| !is_before(*at))
-    };
-    let near = [guess, guess + 1, guess.saturating_sub(1)].into_iter().find(is_end);
+    });
     near.unwrap_or_else(|| t.partition_point(|at| is_before(*at)))
 }
 
@@ -176,7 +181,8 @@ const LANES: usize = 4;
 /// Slope, and half of the second derivative, of the parabola by least squares through samples, at
 /// the one in the `middle`.
 fn parabola(t: &[f64], y: &[f64], middle: usize) -> [f64; 2] {
-    let (t0, y0) = (t[middle], y[middle]);
+    let t0 = t[middle];
+    let y0 = y[middle];
     let reach = (t0 - t[0]).max(t[t.len() - 1] - t0);
     let scale = reach.recip();
     if t.len() < 3 || !scale.is_finite() {
@@ -186,16 +192,20 @@ fn parabola(t: &[f64], y: &[f64], middle: usize) -> [f64; 2] {
     let mut sums = [[0.0; LANES]; 7];
     let mut add = |t: &[f64; LANES], y: &[f64; LANES]| {
         for lane in 0..LANES {
-            let (x, y) = ((t[lane] - t0) * scale, y[lane] - y0);
-            let (xx, xy) = (x * x, x * y);
+            let x = (t[lane] - t0) * scale;
+            let y = y[lane] - y0;
+            let xx = x * x;
+            let xy = x * y;
             let terms = [x, xx, x * xx, xx * xx, y, xy, x * xy];
             (0..terms.len()).for_each(|i| sums[i][lane] += terms[i]);
         }
     };
-    let ((t_whole, t_rest), (y_whole, y_rest)) = (t.as_chunks::<LANES>(), y.as_chunks::<LANES>());
+    let (t_whole, t_rest) = t.as_chunks::<LANES>();
+    let (y_whole, y_rest) = y.as_chunks::<LANES>();
     t_whole.iter().zip(y_whole).for_each(|(t, y)| add(t, y));
     // What fills the last ones up lies in the middle: it adds 0.
-    let (mut t_last, mut y_last) = ([t0; LANES], [y0; LANES]);
+    let mut t_last = [t0; LANES];
+    let mut y_last = [y0; LANES];
     t_last[..t_rest.len()].copy_from_slice(t_rest);
     y_last[..y_rest.len()].copy_from_slice(y_rest);
     add(&t_last, &y_last);

@@ -133,7 +133,9 @@ fn step(
     if slope.is_nan() || slope >= 0.0 {
         return None;
     }
-    let (mut low, mut high, mut length) = (0.0, f64::INFINITY, 1.0);
+    let mut low = 0.0;
+    let mut high = f64::INFINITY;
+    let mut length = 1.0;
     for _ in 0..MAX_TRIALS {
         let point: Vec<f64> =
             here.point.iter().zip(direction).map(|(x, d)| x + length * d).collect();

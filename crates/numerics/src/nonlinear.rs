@@ -84,7 +84,8 @@ pub fn least_squares<const P: usize>(
     if !sums.rss.is_finite() {
         return Err(NumericsError::BadStart { value: sums.rss });
     }
-    let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
+    let mut damping = FIRST_DAMPING;
+    let mut growth = 2.0;
     for iterations in 0..MAX_ITERATIONS {
         let trial = bounds.project(step(&parameters, &sums, damping, bounds));
         let promised = predicted_reduction(&parameters, &trial, &sums);

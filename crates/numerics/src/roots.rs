@@ -17,7 +17,8 @@ pub fn first_descent(c: &[f64], span: f64, resolution: f64) -> Option<f64> {
     /// Intervals looked at: forty halvings for a crossing, and many near misses.
     const MOST_INTERVALS: u32 = 4_000;
     let start = c.first().copied().unwrap_or(0.0);
-    let (sag, end) = (sag_bound(c, span), polynomial(c, span));
+    let sag = sag_bound(c, span);
+    let end = polynomial(c, span);
     if start < 0.0 || !(sag + end).is_finite() {
         return Some(0.0);
     }
@@ -89,7 +90,8 @@ fn just_below(search: &Search, left: [f64; 2], right: [f64; 2]) -> Option<f64> {
 pub fn bracketed(mut f: impl FnMut(f64) -> f64, left: f64, right: f64, resolution: f64) -> f64 {
     /// Illinois converges superlinearly; bisection from 1 to 1e-16 would take 54.
     const MOST_STEPS: usize = 200;
-    let (mut a, mut b) = ([left, f(left)], [right, f(right)]);
+    let mut a = [left, f(left)];
+    let mut b = [right, f(right)];
     if (a[1] > 0.0) == (b[1] > 0.0) {
         return if a[1].abs() <= b[1].abs() { left } else { right };
     }

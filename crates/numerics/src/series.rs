@@ -21,7 +21,8 @@ pub fn interpolate_by(
     at: f64,
 ) -> Option<f64> {
     // The first sample that is not before `at`, by halving.
-    let (mut after, mut end) = (0, samples);
+    let mut after = 0;
+    let mut end = samples;
     while after < end {
         let middle = after + (end - after) / 2;
         if t(middle) < at { after = middle + 1 } else { end = middle }
@@ -36,13 +37,15 @@ fn interpolated(
     at: f64,
     after: usize,
 ) -> Option<f64> {
-    let (t1, y1) = (t(after), y(after));
+    let t1 = t(after);
+    let y1 = y(after);
     if t1 <= at {
         // A sample's own time: arithmetic would blur its value.
         return Some(y1);
     }
     let before = after.checked_sub(1)?;
-    let (t0, y0) = (t(before), y(before));
+    let t0 = t(before);
+    let y0 = y(before);
     Some(y0 + (at - t0) / (t1 - t0) * (y1 - y0))
 }
 
@@ -51,7 +54,8 @@ fn interpolated(
 pub fn interpolate_all(t: &[f64], y: &[f64], grid: &[f64]) -> Vec<Option<f64>> {
     // From a point to the next, this far.
     const STEPS: usize = 8;
-    let (samples, mut after) = (t.len().min(y.len()), 0);
+    let samples = t.len().min(y.len());
+    let mut after = 0;
     let value = |&at: &f64| {
         let is_ahead = after == 0 || t[after - 1] < at;
         after = if is_ahead { after } else { 0 };
@@ -157,7 +161,8 @@ pub fn ends(values: &[f64]) -> (f64, f64) {
 
 #[inline(always)]
 fn ends_by(values: &[f64]) -> (f64, f64) {
-    let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+    let mut low = [f64::INFINITY; 4];
+    let mut high = [f64::NEG_INFINITY; 4];
     let (whole, rest) = values.as_chunks::<4>();
     let mut take = |lane: usize, v: f64| {
         low[lane] = if v < low[lane] { v } else { low[lane] };

@@ -54,7 +54,8 @@ pub fn band_power(
 ) -> Option<BandPower> {
     let top = (low_hz..=high_hz).rfind(|f| (*f as f64) < nyquist_hz)?;
     // A bin more at either side, so that a peak at the band's edge has two neighbours.
-    let (below, bins) = (low_hz.checked_sub(1)?, top + 3 - low_hz);
+    let below = low_hz.checked_sub(1)?;
+    let bins = top + 3 - low_hz;
     let power = mean_periodogram(t, y, below, bins)?;
     let in_band = &power[1..bins - 1];
     let sum: f64 = in_band.iter().sum();
@@ -70,7 +71,8 @@ pub fn band_power(
 
 /// Power a bin, mean over the segments, from bin `first` on.
 fn mean_periodogram(t: &[f64], y: &[f64], first: usize, count: usize) -> Option<Vec<f64>> {
-    let (start, length) = (*t.first()?, t.last()? - t.first()?);
+    let start = *t.first()?;
+    let length = t.last()? - t.first()?;
     if length < SEGMENT_S {
         return None;
     }
@@ -86,7 +88,8 @@ fn mean_periodogram(t: &[f64], y: &[f64], first: usize, count: usize) -> Option<
         summed_squares(segments.map(windowed), SEGMENT_S.recip(), first + count)
     };
     let scale = 2.0 / (HANN_POWER_S * SEGMENT_S * (hops + 1.0));
-    let (mut mean, segments) = (vec![0.0; count], hops as usize + 1);
+    let mut mean = vec![0.0; count];
+    let segments = hops as usize + 1;
     // Side by side, and added up in the order of time: the same bits on any number of cores.
     let some = (0..segments.div_ceil(TOGETHER)).into_par_iter();
     let some = some.map(|i| summed(i * TOGETHER..segments.min((i + 1) * TOGETHER)));
@@ -121,7 +124,8 @@ fn windowed_by(t: &[f64], y: &[f64], from: f64) -> Vec<f64> {
 /// other.
 #[inline(always)]
 fn sums<const N: usize>(t: &[f64], y: &[f64], terms: impl Fn(f64, f64) -> [f64; N]) -> [f64; N] {
-    let ((t_whole, t_rest), (y_whole, y_rest)) = (t.as_chunks::<4>(), y.as_chunks::<4>());
+    let (t_whole, t_rest) = t.as_chunks::<4>();
+    let (y_whole, y_rest) = y.as_chunks::<4>();
     let mut sums = [[0.0; 4]; N];
     for (t, y) in t_whole.iter().zip(y_whole) {
         for lane in 0..4 {
@@ -159,7 +163,8 @@ fn hann(after_s: f64) -> f64 {
 /// How far a tone lies from its highest bin `k`, in bins: with r the amplitude of the higher
 /// neighbour over that of the bin, ±(2r − 1) / (1 + r) for a Hann window.
 fn offset(power: &[f64], k: usize) -> f64 {
-    let (before, after) = (power[k - 1], power[k + 1]);
+    let before = power[k - 1];
+    let after = power[k + 1];
     let ratio = (before.max(after) / power[k]).sqrt();
     let size = ((2.0 * ratio - 1.0) / (1.0 + ratio)).max(0.0);
     if after > before { size } else { -size }

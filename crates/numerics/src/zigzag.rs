@@ -20,7 +20,8 @@ pub struct Leg {
 pub fn zigzag(y: &[f64], least: f64) -> Vec<Leg> {
     let Some(mut now) = first_leg(y, least) else { return Vec::new() };
     let mut legs = Vec::new();
-    let (mut sign, mut extreme) = (if now.up { 1.0 } else { -1.0 }, y[now.to]);
+    let mut sign = if now.up { 1.0 } else { -1.0 };
+    let mut extreme = y[now.to];
     for (i, &y) in y.iter().enumerate().skip(now.to + 1) {
         let beyond = sign * (y - extreme);
         if beyond > 0.0 {
@@ -37,11 +38,13 @@ pub fn zigzag(y: &[f64], least: f64) -> Vec<Leg> {
 
 /// The first leg, as far as the sample that tells its direction.
 fn first_leg(y: &[f64], least: f64) -> Option<Leg> {
-    let (mut lowest, mut highest) = (*y.first()?, *y.first()?);
+    let mut lowest = *y.first()?;
+    let mut highest = *y.first()?;
     y.iter().enumerate().find_map(|(to, &y)| {
         (lowest, highest) =
             (if y < lowest { y } else { lowest }, if y > highest { y } else { highest });
-        let (up, down) = (y - lowest > least, highest - y > least);
+        let up = y - lowest > least;
+        let down = highest - y > least;
         (up || down).then_some(Leg { from: 0, to, up })
     })
 }

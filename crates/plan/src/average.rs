@@ -69,10 +69,9 @@ fn over_people(data: &StudyData) -> Vec<People<'_>> {
             let first = of.iter().filter_map(|repeats| repeats.trials.first());
             let people: BTreeSet<_> = first.map(|trial| &trial.meta.participant).collect();
             if people.len() > 1 {
-                let looped = |r: &Repeats| looped(&data.layout, r);
                 let name = format!("average/people.{}.{}.parquet", environment.id, mode.id);
-                let (sessions, mean) =
-                    (of.iter().map(looped).collect(), derived(&data.layout, name));
+                let sessions = of.iter().map(|r| looped(&data.layout, r)).collect();
+                let mean = derived(&data.layout, name);
                 found.push(People { environment, mode: place, sessions, mean });
             }
         }
@@ -87,7 +86,8 @@ fn is_rendered(environment: &Environment) -> bool {
 
 impl People<'_> {
     fn job(self, data: &StudyData) -> Job {
-        let (environment, mode) = (&self.environment.id, &data.study.modes[self.mode].id);
+        let environment = &self.environment.id;
+        let mode = &data.study.modes[self.mode].id;
         let name = format!("average over participants {environment} {mode}");
         let level = data.study.analysis.confidence;
         Job::new(STAGE, name, level, self.sessions, vec![self.mean], make_people)

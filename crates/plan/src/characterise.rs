@@ -135,7 +135,8 @@ fn make_characteristic(
     let (sweeps, problems) = read_sweeps(files)?;
     let first =
         sweeps.first().ok_or_else(|| format!("no sweep could be read: {}", problems.join("; ")))?;
-    let (command_unit, response_unit) = (&first.command.unit, &first.response.unit);
+    let command_unit = &first.command.unit;
+    let response_unit = &first.response.unit;
     let settings = Settings {
         resamples: of.resamples,
         seed: of.seed,
@@ -167,7 +168,8 @@ fn calibrate(
     (motor, brake): &(Characterisation, Characterisation),
     _: &Making,
 ) -> Result<Made, JobError> {
-    let (motor, brake) = (characteristic("motor", motor)?, characteristic("brake", brake)?);
+    let motor = characteristic("motor", motor)?;
+    let brake = characteristic("brake", brake)?;
     let text = Calibration { motor, brake }.to_toml()?;
     Calibration::from_toml(&text)?;
     Ok(Made::of(vec![text.into_bytes()]))

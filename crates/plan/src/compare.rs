@@ -402,7 +402,8 @@ fn order(log: &SessionLog, study: &Study) -> SessionOrder {
         modes: study.modes.iter().map(|m| m.id.clone()).collect(),
         repeated: repeated(&log.events),
     });
-    let (participant, session) = (log.record.participant.clone(), log.record.session.clone());
+    let participant = log.record.participant.clone();
+    let session = log.record.session.clone();
     SessionOrder { participant, session, drawn }
 }
 
@@ -426,7 +427,8 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
 
 /// The comparison of all metrics, from those of all trials.
 fn metrics_job(data: &StudyData) -> Option<Job> {
-    let (metrics, found) = (metrics::of_study(data)?, of_study(data)?);
+    let metrics = metrics::of_study(data)?;
+    let found = of_study(data)?;
     // Every metric that there is has a name that is an id.
     let parameters = Comparing::of(data).ok()?;
     Some(Job::new(STAGE, "compare metrics", parameters, metrics, found.files(), make))
@@ -525,7 +527,8 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
             metric,
         };
         for (_, kind, draw) in kinds.into_iter().filter(|(is_shown, ..)| *is_shown) {
-            let (of, found) = (of.clone(), found.clone());
+            let of = of.clone();
+            let found = found.clone();
             let drawing = Drawing::new(data, kind, [of.metric.clone()], of, found, draw);
             drawings.push(drawing.of(trials));
         }
@@ -559,8 +562,8 @@ fn answers_figures(data: &StudyData) -> Vec<Drawing> {
 
 /// One page of answers compared.
 fn answers_figure(data: &StudyData, page: AnswersPage, number: Option<String>) -> Drawing {
-    let of_page = |a: &&zwidth_store::Answer| page.shows(&a.condition.environment, &a.question);
-    let answers = data.answers.iter().filter(of_page).count();
+    let answers =
+        data.answers.iter().filter(|a| page.shows(&a.condition.environment, &a.question)).count();
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let of = AnswersDrawn { about: About::of(&data.study), page, sources };
     let found = answers_of(&data.layout);
@@ -569,7 +572,8 @@ fn answers_figure(data: &StudyData, page: AnswersPage, number: Option<String>) -
 
 fn draw_answers(of: &AnswersDrawn, (contrasts, participants): &AnswersOf) -> Figured {
     let sources: Vec<Source> = of.sources.iter().copied().collect();
-    let (contrasts, participants) = (contrasts.read()?, participants.read()?);
+    let contrasts = contrasts.read()?;
+    let participants = participants.read()?;
     let about = &of.about;
     Ok((answers_compared(about, &of.page, &contrasts, &participants, &sources), Vec::new()))
 }

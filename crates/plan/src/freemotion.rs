@@ -48,11 +48,13 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let (with_plant, with_plane) = trials(data);
     let of = |trials: &[&TrialEntry]| OfTrials::new(Parameters::of(&data.study), trials);
     let plane = planes(data).map(|output| {
-        let (of, files) = (of(&with_plane), files(&with_plane));
+        let of = of(&with_plane);
+        let files = files(&with_plane);
         Job::new(STAGE, "plane fits of free motion", of, files, output.files(), make_planes)
     });
     let plant = plants(data).map(|output| {
-        let (of, files) = (of(&with_plant), files(&with_plant));
+        let of = of(&with_plant);
+        let files = files(&with_plant);
         Job::new(STAGE, "plant in free motion", of, files, output.files(), make_plants)
     });
     plane.into_iter().chain(plant).collect()

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use zwidth_device::{TwinParameters, Velocity};
 use zwidth_figures::{LADDER, LadderRows};
 use zwidth_ladder::{Course, Ladder, Loop, Recorded, Settings};
-use zwidth_replay::{Drive, Rendering};
+use zwidth_replay::{Drive, Rendering, replay_with};
 use zwidth_results::{
     HeldOutModel, LadderChoice, LadderCondition, LadderModel, LadderTerm, ModelPlant, TermEffect,
     TermPair, TermSet,
@@ -178,7 +178,8 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     for condition in &conditions {
         let laddered = condition.laddered(data, zwidth_ladder::DEFAULT_POINTS);
         let tables = tables_of(data, condition);
-        let (key, trials) = (condition.key(), &condition.trials);
+        let key = condition.key();
+        let trials = &condition.trials;
         let first = &trials[..1];
         let of = OfTrials::new(laddered.clone(), first);
         let name = format!("ladder {key}");
@@ -190,8 +191,8 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         let name = format!("ladder held out {key}");
         jobs.push(Job::new(STAGE, name, of, inputs, outputs, make_held_out).of_part(&key));
     }
-    let of = |c: &Condition| held_out_of(data, c.environment, c.mode);
-    let held_out = conditions.iter().map(of).collect::<Vec<_>>();
+    let held_out =
+        conditions.iter().map(|c| held_out_of(data, c.environment, c.mode)).collect::<Vec<_>>();
     jobs.push(Job::new(STAGE, "ladder of the study", (), held_out, whole.files(), make_study));
     jobs
 }
@@ -201,13 +202,14 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     // All conditions have the same axes.
     let drawn = |condition: &Condition| Drawn::of(tables_of(data, condition));
     let beside: Vec<Drawn> = all.iter().map(drawn).collect();
-    let one = |condition: &Condition| {
-        let subject = [condition.environment.id.to_string(), condition.mode.id.to_string()];
-        let synthetic = condition.trials.iter().any(|t| t.meta.source.is_simulated());
-        let inputs = (drawn(condition), beside.clone());
-        Drawing::new(data, LADDER, subject, synthetic, inputs, draw).of(1)
-    };
-    all.iter().map(one).collect()
+    all.iter()
+        .map(|condition| {
+            let subject = [condition.environment.id.to_string(), condition.mode.id.to_string()];
+            let synthetic = condition.trials.iter().any(|t| t.meta.source.is_simulated());
+            let inputs = (drawn(condition), beside.clone());
+            Drawing::new(data, LADDER, subject, synthetic, inputs, draw).of(1)
+        })
+        .collect()
 }
 
 fn draw(synthetic: &bool, (own, beside): &(Drawn, Vec<Drawn>)) -> Figured {
@@ -315,7 +317,8 @@ fn make_held_out(
     let choice = zwidth_ladder::chosen(&tables.models.read()?);
     let choice = choice.ok_or("the ladder has no choice")?;
     let looped = looped(&of.stage.control)?;
-    let (mut recordings, mut problems) = (Vec::new(), Vec::new());
+    let mut recordings = Vec::new();
+    let mut problems = Vec::new();
     for (i, rendering) in of.stage.renderings.iter().enumerate().take(files.len()) {
         let (trial, more) = read_all(&files[i..=i], &of.trials[i..=i], Signal::all())?;
         problems.extend(more);
@@ -382,8 +385,8 @@ impl Auto {
             let course = zwidth_ladder::predict(&scene, set, &looped, knobs)?;
             Ok(at(course, drive.recorded()))
         };
-        let which = (ModelPlant::Auto, &parameters);
-        Ok(zwidth_replay::replay_with(trial, rendering, analysis, which, &force_driven)?)
+        let which = ModelPlant::Auto;
+        Ok(replay_with(trial, rendering, analysis, which, &parameters, &force_driven)?)
     }
 }
 
@@ -392,9 +395,9 @@ fn at(course: Course, recorded: &zwidth_replay::Course) -> zwidth_replay::Course
     let t_s = &recorded.t_s;
     let of = |values: &[f64]| -> Vec<f64> {
         let last = values.last().copied().unwrap_or(f64::NAN);
-        let one =
-            |t: &f64| zwidth_numerics::series::interpolate(&course.t_s, values, *t).unwrap_or(last);
-        t_s.iter().map(one).collect()
+        t_s.iter()
+            .map(|t| zwidth_numerics::series::interpolate(&course.t_s, values, *t).unwrap_or(last))
+            .collect()
     };
     zwidth_replay::Course {
         theta_rad: of(&course.theta_rad),

@@ -112,7 +112,8 @@ fn session_job(data: &StudyData, session: &[Repeats]) -> Job {
         OfTrials::new(Asking { metrics, asked }, &repeats.trials)
     };
     let conditions: Vec<_> = session.iter().map(of_condition).collect();
-    let (of, key) = (meta(session), key(meta(session)));
+    let of = meta(session);
+    let key = key(meta(session));
     let events = events_of(&data.layout, of).path().to_owned();
     let remarks = remarks_of(&data.layout, &key).path().to_owned();
     let outputs = vec![of_session(&data.layout, &key), events, remarks];
@@ -127,7 +128,8 @@ fn plant_job(data: &StudyData, session: &[Repeats], plant: Option<[PathBuf; 2]>)
         OfTrials::new(metrics, &repeats.trials)
     };
     let conditions: Vec<_> = session.iter().map(of_condition).collect();
-    let (of, key) = (meta(session), key(meta(session)));
+    let of = meta(session);
+    let key = key(meta(session));
     let outputs = vec![with_plant(&data.layout, &key)];
     let title = format!("metrics {} {} with the plant", of.participant, of.session);
     let inputs = (trials_of(session), plant);
@@ -137,7 +139,8 @@ fn plant_job(data: &StudyData, session: &[Repeats], plant: Option<[PathBuf; 2]>)
 /// The metrics of all sessions in one table, and by condition.
 fn study_jobs(data: &StudyData, sessions: Vec<Vec<PathBuf>>) -> [Job; 2] {
     let [metrics, by_condition] = study_files(&data.layout);
-    let (whole, conditions) = ("metrics of the study", "metrics by condition");
+    let whole = "metrics of the study";
+    let conditions = "metrics by condition";
     let asked = data.study.conditions();
     [
         Job::new(STAGE, whole, (), sessions, vec![metrics.clone()], make_study),
@@ -153,20 +156,19 @@ fn make_with_plant(
 ) -> Result<Made, JobError> {
     let plant = match plant {
         Some([estimates, covariances]) => {
-            let (estimates, covariances) =
-                (read_shared(estimates, making)?, read_shared(covariances, making)?);
+            let estimates = read_shared(estimates, making)?;
+            let covariances = read_shared(covariances, making)?;
             plant_with_spread(&estimates, &covariances)?
         }
         None => None,
     };
-    let of_condition = |(of, trials): (&OfTrials<Parameters>, &Recordings)| {
+    let rows = conditions.par_iter().zip(trials).map(|(of, trials)| {
         let signals = &zwidth_metrics::PLANT_SIGNALS;
-        let found = of_each(making.trials, (trials, &of.trials), signals, |trial| {
+        let found = of_each(making.trials, trials, &of.trials, signals, |trial| {
             zwidth_metrics::plant_metrics(trial, &of.stage, plant.as_ref())
         });
         found.map(|each| each.into_iter().flatten().flatten().collect::<Vec<_>>())
-    };
-    let rows = conditions.par_iter().zip(trials).map(of_condition);
+    });
     let rows: Vec<_> = rows.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
     write_tables(&[zwidth_metrics::plant_table(&rows)?], making, Vec::new())
 }
@@ -179,11 +181,12 @@ fn make_session(
     trials: &Vec<Recordings>,
     making: &Making,
 ) -> Result<Made, JobError> {
-    let of_condition = |(of, files)| make_condition(of, files, making);
-    let made = conditions.par_iter().zip(trials).map(of_condition);
+    let made =
+        conditions.par_iter().zip(trials).map(|(of, files)| make_condition(of, files, making));
     let made: Vec<OfCondition> = made.collect::<Result<_, StoreError>>()?;
     let (rows, remarks): (Vec<_>, Vec<_>) = made.into_iter().unzip();
-    let (rows, mut remarks) = (rows.concat(), remarks.concat());
+    let rows = rows.concat();
+    let mut remarks = remarks.concat();
     // Those that are left out come first.
     remarks.sort_by_key(|remark| remark.kind == NoteKind::Care);
 
@@ -194,7 +197,8 @@ fn make_session(
         .fold(metrics, |table, remark| table.with_note_of(remark.kind, in_words(remark)));
     let events = rows.iter().flat_map(|row| row.events.iter().map(|event| event.of(&row.meta)));
     let tables = [metrics, Table::of_rows(&events.collect::<Vec<_>>())?, Table::of_rows(&remarks)?];
-    let (problems, care) = (told(NoteKind::LeftOut).collect(), told(NoteKind::Care).collect());
+    let problems = told(NoteKind::LeftOut).collect();
+    let care = told(NoteKind::Care).collect();
     Ok(Made { care, ..write_tables(&tables, making, problems)? })
 }
 
@@ -208,14 +212,15 @@ fn make_condition(
     making: &Making,
 ) -> Result<OfCondition, StoreError> {
     let signals = [&zwidth_metrics::SIGNALS[..], &zwidth_store::CHECKED].concat();
-    let each = of_each(making.trials, (files, &of.trials), &signals, |trial| {
+    let each = of_each(making.trials, files, &of.trials, &signals, |trial| {
         let found = zwidth_metrics::trial_metrics(trial, &of.stage.metrics);
         let mut care: Vec<_> =
             trial.check(&of.stage.asked).into_iter().map(|f| describe(trial, f)).collect();
         care.extend(found.as_ref().ok().and_then(|row| covers_little(row, trial)));
         (found.map_err(|error| (name(&trial.meta), error.to_string())), care)
     })?;
-    let (mut rows, mut remarks) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
+    let mut remarks = Vec::new();
     for (file, each) in files.iter().zip(each) {
         let mut remark = |kind, (what, why): (String, String)| {
             let path = making.shown(file);

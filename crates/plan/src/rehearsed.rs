@@ -32,12 +32,13 @@ pub struct Rehearsal {
 /// The conditions that are simulated: from the first on, until there are enough trials.
 fn conditions(data: &StudyData) -> Vec<Repeats<'_>> {
     let mut trials = 0;
-    let is_room = |repeats: &Repeats| {
-        let before = trials;
-        trials += repeats.trials.len();
-        before < MOST_TRIALS
-    };
-    measured_conditions(data).take_while(is_room).collect()
+    measured_conditions(data)
+        .take_while(|repeats| {
+            let before = trials;
+            trials += repeats.trials.len();
+            before < MOST_TRIALS
+        })
+        .collect()
 }
 
 /// What a study's trade of setups would be made of; `None` where no condition has angle and force.
@@ -85,7 +86,8 @@ pub fn rehearsed(
     progress: &(dyn Fn() + Sync),
 ) -> Result<Option<OtherSetups>, JobError> {
     let calibration = scenes_calibration(data);
-    let (mut shifts, mut stops) = (Vec::new(), Vec::new());
+    let mut shifts = Vec::new();
+    let mut stops = Vec::new();
     let conditions = conditions(data);
     for repeats in &conditions {
         let made = condition(data, repeats, &calibration, twin_of, progress)?;
@@ -109,14 +111,15 @@ fn condition(
     let at = |setup: Setup| -> Vec<Result<TrialMetrics, String>> {
         let study = setup.of(&data.study);
         let one = |entry: &&TrialEntry| {
-            let row = trial(entry, &twin, setup, (&data.study, &study), repeats, calibration);
+            let row = trial(entry, &twin, setup, &data.study, &study, repeats, calibration);
             progress();
             row
         };
         repeats.trials.par_iter().map(one).collect()
     };
     let own = at(Setup::Own);
-    let (mut rehearsals, mut stops) = (Vec::new(), Vec::new());
+    let mut rehearsals = Vec::new();
+    let mut stops = Vec::new();
     for setup in Setup::others(&data.study) {
         let changed = at(setup);
         let both = own.iter().zip(&changed);
@@ -125,7 +128,8 @@ fn condition(
         let (own, changed_rows): (Vec<_>, Vec<_>) = pairs.unzip();
         let reasons: Vec<&String> = changed.iter().filter_map(|row| row.as_ref().err()).collect();
         if let Some(why) = reasons.first() {
-            let (trials, of) = (reasons.len(), changed.len());
+            let trials = reasons.len();
+            let of = changed.len();
             let why = format!("{}, {}: {trials} of {of} trials: {why}", repeats.who, setup.words());
             stops.push(Stops { setup, trials, why });
         }
@@ -145,7 +149,8 @@ fn trial(
     entry: &TrialEntry,
     twin: &Twin,
     setup: Setup,
-    (own, with_setup): (&Study, &Study),
+    own: &Study,
+    with_setup: &Study,
     Repeats { environment, mode, .. }: &Repeats<'_>,
     calibration: &Calibration,
 ) -> Result<TrialMetrics, String> {

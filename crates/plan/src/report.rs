@@ -140,13 +140,13 @@ fn make_statements(asked: &Asked, files: &Files, making: &Making) -> Result<Made
     let calibration = &Forces::read(files.calibration.as_deref())?;
     let columns = zwidth_report::replayed_columns();
     let columns: Vec<&str> = columns.iter().map(|name| &**name).collect();
-    let asked_of = |part: Table| zwidth_report::replayed(&part);
-    let replays = files
-        .replays
-        .as_deref()
-        .map(|file| Table::gathered(file, &columns, asked_of).and_then(Measured::of));
+    let replays = files.replays.as_deref().map(|file| {
+        Table::gathered(file, &columns, |part| zwidth_report::replayed(&part))
+            .and_then(Measured::of)
+    });
     let metrics = files.metrics.as_deref().map(|file| metrics::looked_at(file, &[]));
-    let (metrics, replays) = (metrics.transpose()?, replays.transpose()?);
+    let metrics = metrics.transpose()?;
+    let replays = replays.transpose()?;
     let answers = files.answers.as_ref().filter(|answers| answers.path().exists());
     let answers = answers.map(likert::read_counting).transpose()?;
     let tally = files.tally.as_ref().map(Derived::read).transpose()?;

@@ -29,9 +29,10 @@ pub fn responses(data: &StudyData) -> Result<Responses, JobError> {
     let Some(lever_m) = data.study.device.lever_m else { return Ok(all) };
     for environment in data.study.environments.iter().filter(|e| e.scene != Scene::None) {
         for mode in &data.study.modes {
-            let is_of =
-                |t: &&TrialEntry| t.meta.environment == environment.id && t.meta.mode == mode.id;
-            let entries: Vec<&TrialEntry> = data.counting().filter(is_of).collect();
+            let entries: Vec<&TrialEntry> = data
+                .counting()
+                .filter(|t| t.meta.environment == environment.id && t.meta.mode == mode.id)
+                .collect();
             let signals = [Signal::Time, Signal::Theta, Signal::ForceEx, Signal::ForceAge];
             let (trials, problems) =
                 read_all(&files(&entries), &describe_trials(&entries), signals.into_iter())?;

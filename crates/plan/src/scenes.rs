@@ -29,8 +29,9 @@ fn files(data: &StudyData, figure: &SceneFigure) -> Vec<PathBuf> {
 
 /// The results of their runs, one table each.
 fn tables(data: &StudyData, figure: &SceneFigure) -> Vec<PathBuf> {
-    let of = |n| derived(&data.layout, format!("scenes/{}.{n}.parquet", figure.id));
-    (1..=figure.files.len()).map(of).collect()
+    (1..=figure.files.len())
+        .map(|n| derived(&data.layout, format!("scenes/{}.{n}.parquet", figure.id)))
+        .collect()
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {

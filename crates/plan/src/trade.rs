@@ -91,16 +91,17 @@ pub(crate) fn scenes_calibration(data: &StudyData) -> Calibration {
 pub fn scenes(data: &StudyData) -> Vec<Traded> {
     let study = &data.study;
     let calibration = scenes_calibration(data);
-    let modes = |e| study.modes.iter().map(move |mode| (e, mode));
-    let conditions = study.environments.iter().flat_map(modes);
-    let traded = |(e, m)| {
-        Some(Traded {
-            scene: condition_scene(study, e, m, &calibration)?,
-            metrics: zwidth_metrics::Parameters::of(study, e, m),
-            metrics_version: zwidth_metrics::VERSION,
+    let conditions =
+        study.environments.iter().flat_map(|e| study.modes.iter().map(move |mode| (e, mode)));
+    conditions
+        .filter_map(|(e, m)| {
+            Some(Traded {
+                scene: condition_scene(study, e, m, &calibration)?,
+                metrics: zwidth_metrics::Parameters::of(study, e, m),
+                metrics_version: zwidth_metrics::VERSION,
+            })
         })
-    };
-    conditions.filter_map(traded).collect()
+        .collect()
 }
 
 /// What is found of the scenes, a table for each kind of row.
@@ -287,11 +288,10 @@ fn make(of: &OfStudy, (): &(), making: &Making) -> Result<Made, JobError> {
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
     const KIND: FigureKind = WORK_PRECISION;
     let found = OfScenes::of(&data.layout);
-    let one = |Traded { scene, .. }: Traded| {
+    let scenes = scenes(data).into_iter().map(|Traded { scene, .. }| {
         let inputs = found.clone();
         Drawing::new(data, KIND, [scene.name.replace('.', "_")], scene.name, inputs, draw)
-    };
-    let scenes = scenes(data).into_iter().map(one);
+    });
     let less = shifts_of(data).map(|table| {
         let sources: BTreeSet<Source> = data.counting().map(|t| t.meta.source).collect();
         let sources: Vec<Source> = sources.into_iter().collect();
@@ -303,11 +303,13 @@ pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {
 }
 
 fn draw_less(sources: &Vec<Source>, table: &Derived<MetricShift>) -> Figured {
-    let (notes, parts) = (table.notes()?, table.parts()?);
+    let notes = table.notes()?;
+    let parts = table.parts()?;
     Ok((zwidth_figures::less(MetricShift::TITLE, &notes, parts, sources)?, Vec::new()))
 }
 
 fn draw(scene: &String, found: &OfScenes) -> Figured {
-    let (settings, choices) = (found.settings.read()?, found.choices.read()?);
+    let settings = found.settings.read()?;
+    let choices = found.choices.read()?;
     Ok((zwidth_figures::work_precision_of(scene, &settings, &choices), Vec::new()))
 }

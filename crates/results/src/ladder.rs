@@ -138,8 +138,9 @@ impl FromStr for TermSet {
         if text == RIGID {
             return Ok(Self::NONE);
         }
-        let with = |set: Self, word| LadderTerm::from_word(word).map(|term| set.with(term));
-        let set = text.split(' ').try_fold(Self::NONE, with);
+        let set = text.split(' ').try_fold(Self::NONE, |set, word| {
+            LadderTerm::from_word(word).map(|term| set.with(term))
+        });
         set.ok_or_else(|| NoLadderText(text.to_owned(), "set of terms"))
     }
 }

@@ -156,19 +156,20 @@ impl ModelRun {
     /// Columns of anything else.
     pub fn read(scene: String, notes: Vec<String>, columns: &[Column]) -> Result<Self, ReadError> {
         let declared = ModelSample::fields();
-        let term = |column: &Column| {
-            let Values::Float(values) = &column.values else { return None };
-            Some(TermForce {
-                column: column.field.name.to_string(),
-                about: column.field.description.to_string(),
-                force_n: values.iter().map(|force| force.unwrap_or(0.0)).collect(),
-            })
-        };
         let others = columns.iter().filter(|column| {
             column.field.kind == Type::Float
                 && declared.iter().all(|field| field.name != column.field.name)
         });
-        let terms = others.filter_map(term).collect();
+        let terms = others
+            .filter_map(|column| {
+                let Values::Float(values) = &column.values else { return None };
+                Some(TermForce {
+                    column: column.field.name.to_string(),
+                    about: column.field.description.to_string(),
+                    force_n: values.iter().map(|force| force.unwrap_or(0.0)).collect(),
+                })
+            })
+            .collect();
         Ok(Self { scene, notes, samples: ModelSample::read(columns)?, terms })
     }
 }

@@ -179,13 +179,15 @@ fn of_what_goes_in(before: &Record, now: &Record) -> Vec<Change> {
     }
     let mut fields = Vec::new();
     if before.stage != now.stage {
-        let (recorded, now) = (Some(json!(before.stage)), Some(json!(now.stage)));
+        let recorded = Some(json!(before.stage));
+        let now = Some(json!(now.stage));
         fields.push(Field { name: "stage".to_owned(), recorded, now });
     }
     if before.parameters != now.parameters {
         // Whoever can write a record can write anything there: what is no JSON is a text.
         let value = |text: &str| serde_json::from_str(text).unwrap_or_else(|_| json!(text));
-        let (recorded, now) = (value(&before.parameters), value(&now.parameters));
+        let recorded = value(&before.parameters);
+        let now = value(&now.parameters);
         compare("", Some(&recorded), Some(&now), &mut fields);
     }
     if !fields.is_empty() {
@@ -210,7 +212,8 @@ fn compare(name: &str, recorded: Option<&Value>, now: Option<&Value>, found: &mu
             }
         }
         (recorded, now) if recorded != now => {
-            let (recorded, now) = (recorded.cloned(), now.cloned());
+            let recorded = recorded.cloned();
+            let now = now.cloned();
             found.push(Field { name: name.to_owned(), recorded, now });
         }
         _ => {}

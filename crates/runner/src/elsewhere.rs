@@ -29,7 +29,8 @@ pub fn due<'j>(
     known: &HashesRead,
 ) -> Result<BTreeMap<&'j str, Vec<&'j Job>>, StoreError> {
     let (records, _) = Records::read(results)?;
-    let (root, hashes) = (results.root(), Hashes::new(known));
+    let root = results.root();
+    let hashes = Hashes::new(known);
     let current = up_to_date(jobs, |job| job.part.is_some(), root, &records, &hashes);
     let ready = ready(jobs, |job| job.part.clone(), &current);
     let mut due: BTreeMap<&str, Vec<&Job>> = BTreeMap::new();
@@ -132,8 +133,7 @@ mod tests {
             .unwrap();
         }
         let merged =
-            merge(&planned, (&own, &laid), &HashesRead::default(), &Arc::default(), &|_| {})
-                .unwrap();
+            merge(&planned, &own, &laid, &HashesRead::default(), &Arc::default(), &|_| {}).unwrap();
         assert_eq!((merged.shards, merged.jobs), (BTreeSet::from([shard]), 4));
         assert_eq!(
             names(&due(&planned, &own, &HashesRead::default()).unwrap()),

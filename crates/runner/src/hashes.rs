@@ -104,8 +104,9 @@ impl Hashes {
 
     fn one(&self, path: &Path) -> String {
         let since = self.lock().get(path.as_os_str()).copied();
-        let known = || self.known.0.get(path.as_os_str()).copied().map(Known::Hash);
-        if let Some(content) = since.or_else(known) {
+        if let Some(content) =
+            since.or_else(|| self.known.0.get(path.as_os_str()).copied().map(Known::Hash))
+        {
             return content.text();
         }
         // Not locked meanwhile: others go on, and at worst two threads find the same hash.

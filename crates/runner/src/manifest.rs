@@ -3,10 +3,9 @@
 //! A shard writes its own outputs and its own manifest, and nothing else: shards that run at the
 //! same time never write the same file. Each write is of a whole file, or does not happen.
 
-use crate::{Record, Records, Results, Shard};
+use crate::{Records, Results, Shard};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use zwidth_store::{Layout, MOST_BYTES, StoreError, hex_blake3};
 
 /// The version of the program: results of another version are not merged.
@@ -122,17 +121,17 @@ fn parsed(
     let text = std::str::from_utf8(bytes).map_err(|e| damaged(e.to_string()))?;
     let manifest: Manifest = serde_json::from_str(text).map_err(|e| damaged(e.to_string()))?;
     if manifest.shard != shard || manifest.study != layout.study().as_str() {
-        let (study, of) = (&manifest.study, manifest.shard);
+        let study = &manifest.study;
+        let of = manifest.shard;
         return Err(damaged(format!("it says that it is shard {of} of the study {study:?}")));
     }
     if manifest.zwidth != PROGRAM {
         let made = &manifest.zwidth;
         return Err(refused(format!("zwidth {made:?} made it, and this is zwidth {PROGRAM}")));
     }
-    let elsewhere = |(job, record): (&str, Arc<Record>)| {
+    let wrong = manifest.records.iter().find_map(|(job, record)| {
         record.names_elsewhere(layout).map(|why| format!("the job {job:?}: {why}"))
-    };
-    let wrong = manifest.records.iter().find_map(elsewhere);
+    });
     wrong.map_or(Ok(manifest), |why| Err(damaged(why)))
 }
 

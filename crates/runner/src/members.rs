@@ -37,7 +37,9 @@ fn members_by(
     file: &Content,
     mut take: impl FnMut(Vec<Member>) -> Result<(), String>,
 ) -> Result<(), String> {
-    let (mut bytes, mut from, mut before) = (Vec::new(), 0, Before::Object);
+    let mut bytes = Vec::new();
+    let mut from = 0;
+    let mut before = Before::Object;
     loop {
         if bytes.len() > MOST_MEMBER {
             return Err(format!("a record has more than {MOST_MEMBER} bytes"));

@@ -36,17 +36,20 @@ pub struct Merged<'r, 'j> {
 /// cannot be written.
 pub fn merge<'r, 'j>(
     jobs: &'j [Job],
-    (own, others): (&'r Results<'r>, &'r [Results<'r>]),
+    own: &'r Results<'r>,
+    others: &'r [Results<'r>],
     known: &HashesRead,
     seen: &Arc<Seen>,
     progress: &dyn Fn(usize),
 ) -> Result<Merged<'r, 'j>, StoreError> {
     let _held = own.hold_alone()?;
-    let mut survey = survey(jobs, (own, others), known, seen, progress)?;
+    let mut survey = survey(jobs, own, others, known, seen, progress)?;
     let steps = survey.steps;
     // Before files are copied that other jobs wait for.
     let shares = survey.shares(jobs, None);
-    let (mut shards, mut jobs, mut copied) = (BTreeSet::new(), BTreeSet::new(), 0);
+    let mut shards = BTreeSet::new();
+    let mut jobs = BTreeSet::new();
+    let mut copied = 0;
     for offer in &survey.accepted {
         if !offer.is_own {
             copied += copy(offer, own, &|| progress(steps))?;
@@ -156,7 +159,7 @@ mod tests {
 
         fn merge(&self, others: &[Results]) -> (usize, Vec<String>) {
             let (jobs, own) = (self.jobs(), self.results());
-            let merged = merge(&jobs, (&own, others), &none(), &Arc::default(), &|_| {}).unwrap();
+            let merged = merge(&jobs, &own, others, &none(), &Arc::default(), &|_| {}).unwrap();
             let refused = merged.survey.refused.iter().map(ToString::to_string).collect();
             (merged.jobs, refused)
         }
@@ -213,10 +216,8 @@ mod tests {
         world.run(Some("1/1"));
         let fewer: Vec<Job> = world.jobs().into_iter().filter(|job| job.name != "own a").collect();
         let results = world.results();
-        let refused = merge(&fewer, (&results, &[]), &none(), &Arc::default(), &|_| {})
-            .unwrap()
-            .survey
-            .refused;
+        let refused =
+            merge(&fewer, &results, &[], &none(), &Arc::default(), &|_| {}).unwrap().survey.refused;
         let why = refused[0].to_string();
         assert!(why.contains("the study has no job \"own a\" now"), "{why}");
         assert!(why.contains(&format!("--root {} run s", world.layout.root().display())), "{why}");
@@ -226,7 +227,7 @@ mod tests {
         run(&fewer, &results, &shard, &|_| {}).unwrap();
         assert!(!world.layout.derived().join("a").exists());
         assert!(world.layout.derived().join("b").exists());
-        let merged = merge(&fewer, (&results, &[]), &none(), &Arc::default(), &|_| {}).unwrap();
+        let merged = merge(&fewer, &results, &[], &none(), &Arc::default(), &|_| {}).unwrap();
         assert_eq!((merged.jobs, merged.survey.refused), (2, Vec::new()));
     }
 
@@ -261,7 +262,7 @@ mod tests {
         let steps = RefCell::new(Vec::new());
         let keep = |all| steps.borrow_mut().push(all);
         let (jobs, own, others) = (world.jobs(), world.results(), [other.results()]);
-        let merged = merge(&jobs, (&own, &others), &none(), &Arc::default(), &keep).unwrap();
+        let merged = merge(&jobs, &own, &others, &none(), &Arc::default(), &keep).unwrap();
         let counted = steps.take();
         assert!(counted.iter().all(|all| *all == counted.len()), "{counted:?}");
         assert_eq!((merged.copied, counted.len()), (3, jobs.len() + 3));
@@ -275,7 +276,7 @@ mod tests {
         let text = fs::read(&manifest).unwrap();
         let (jobs, results) = (world.jobs(), world.results());
         let running = results.hold_beside_shards().unwrap();
-        let error = merge(&jobs, (&results, &[]), &none(), &Arc::default(), &|_| {}).err().unwrap();
+        let error = merge(&jobs, &results, &[], &none(), &Arc::default(), &|_| {}).err().unwrap();
         assert!(
             error.to_string().contains("a run, a merge or a shard of the study goes on"),
             "{error}"
@@ -298,7 +299,7 @@ mod tests {
         }
         let (jobs, own) = (world.jobs(), world.results());
         let missing = |of| {
-            let found = survey(&jobs, (&own, &[]), &none(), &Arc::default(), &|_| {}).unwrap();
+            let found = survey(&jobs, &own, &[], &none(), &Arc::default(), &|_| {}).unwrap();
             let shares = found.shares(&jobs, of).into_iter().filter(|s| !s.missing.is_empty());
             shares.map(|s| (s.shard, s.missing)).collect::<Vec<_>>()
         };

@@ -163,7 +163,8 @@ impl Records {
 
 /// What is believed of a file of records, and in words what is not.
 fn believed(file: &Arc<Content>, layout: &Layout) -> Result<(Records, Vec<String>), String> {
-    let (mut all, mut ignored) = (BTreeMap::new(), Vec::new());
+    let mut all = BTreeMap::new();
+    let mut ignored = Vec::new();
     members(file, |found| {
         let read: Vec<_> = found.par_iter().map(|found| kept(found, file, layout)).collect();
         for (Member { name, .. }, read) in found.into_iter().zip(read) {

@@ -111,8 +111,7 @@ pub(crate) fn ready<S: Clone + PartialEq>(
     let needs = needs(jobs, &is_shared);
     let mut ready = vec![None; jobs.len()];
     for i in levels(jobs, &is_shared).into_iter().flatten() {
-        let is_there = |maker: &usize| up_to_date[*maker] || ready[*maker] == shares[i];
-        if needs[i].iter().all(is_there) {
+        if needs[i].iter().all(|maker| up_to_date[*maker] || ready[*maker] == shares[i]) {
             ready[i].clone_from(&shares[i]);
         }
     }

@@ -89,13 +89,16 @@ impl Survey<'_> {
 /// Records or manifests that cannot be looked for: a link on the way to them.
 pub fn survey<'r>(
     jobs: &[Job],
-    (own, others): (&'r Results<'r>, &'r [Results<'r>]),
+    own: &'r Results<'r>,
+    others: &'r [Results<'r>],
     known: &HashesRead,
     seen: &Arc<Seen>,
     progress: &dyn Fn(usize),
 ) -> Result<Survey<'r>, StoreError> {
     let (records, remarks) = Records::read(own)?;
-    let (mut offers, mut refused, mut counts) = (Vec::new(), Vec::new(), BTreeSet::new());
+    let mut offers = Vec::new();
+    let mut refused = Vec::new();
+    let mut counts = BTreeSet::new();
     let roots = std::iter::once((own, true)).chain(others.iter().map(|results| (results, false)));
     for (results, is_own) in roots {
         for Found { path, shard, blake3, manifest } in Manifest::all(results)? {
@@ -109,7 +112,8 @@ pub fn survey<'r>(
             }
         }
     }
-    let (root, hashes) = (own.root(), Hashes::seen(known, seen.clone()));
+    let root = own.root();
+    let hashes = Hashes::seen(known, seen.clone());
     // Those that others need first: what a shard made is what its next job read.
     let wanted = with_needs(jobs, |job| job.part.is_some());
     let to_copy = offers.iter().filter(|offer| !offer.is_own && offer.refused.is_none());
@@ -126,7 +130,7 @@ pub fn survey<'r>(
         let mut first: Option<Arc<Record>> = None;
         for (k, offer) in offers.iter_mut().enumerate().filter(|(_, o)| o.refused.is_none()) {
             let Some(record) = offer.manifest.records.get(&job.name) else { continue };
-            match why_not(job, &now, &record, (own, offer.results), first.as_deref()) {
+            match why_not(job, &now, &record, own, offer.results, first.as_deref()) {
                 Some(why) => offer.refused = Some(format!("{}: {why}", job.name)),
                 None => {
                     first.get_or_insert(record);
@@ -164,7 +168,8 @@ fn why_not(
     job: &Job,
     now: &Record,
     record: &Record,
-    (own, results): (&Results, &Results),
+    own: &Results,
+    results: &Results,
     other: Option<&Record>,
 ) -> Option<String> {
     // Its outputs are held against the files below.
@@ -188,12 +193,11 @@ fn why_not(
     if other.is_some_and(|other| other.outputs != record.outputs) {
         return Some("another shard made something else of the same inputs".to_owned());
     }
-    let differs = |(path, hash): (&String, &String)| match content(results, path) {
+    record.outputs.iter().find_map(|(path, hash)| match content(results, path) {
         Ok(bytes) if hex_blake3(&bytes) == *hash => None,
         Ok(_) => Some(format!("its result {path} is not the one it made")),
         Err(why) => Some(format!("its result {path} is not there: {why}")),
-    };
-    record.outputs.iter().find_map(differs)
+    })
 }
 
 /// What a file of a shard's results holds.

@@ -49,7 +49,8 @@ pub fn trace<'r>(records: &'r Records, job: &str) -> Option<Trace<'r>> {
     let mut waiting = VecDeque::from([first.as_str()]);
     let mut seen = BTreeSet::from([first.as_str()]);
     let mut steps = Vec::new();
-    let (mut sources, mut lost) = (BTreeSet::new(), BTreeSet::new());
+    let mut sources = BTreeSet::new();
+    let mut lost = BTreeSet::new();
     while let Some(job) = waiting.pop_front() {
         let step = Step { job, record: records.get(job)? };
         // What was missing when the job was made did not enter it.

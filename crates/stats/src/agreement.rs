@@ -87,7 +87,8 @@ struct Squares {
 }
 
 fn mean_squares(table: &[Vec<f64>]) -> Result<Squares, Unestimable> {
-    let (n, k) = (table.len() as f64, table[0].len() as f64);
+    let n = table.len() as f64;
+    let k = table[0].len() as f64;
     let sums = two_way(table);
     if sums.error <= ROUNDING * sums.total || sums.total <= 0.0 {
         return Err(Unestimable::Constant { units: "differences of sessions" });
@@ -105,7 +106,8 @@ fn mean_squares(table: &[Vec<f64>]) -> Result<Squares, Unestimable> {
 fn consistency(squares: &Squares, level: f64) -> Result<Correlation, Unestimable> {
     let Squares { n, k, rows, error, .. } = squares;
     let of = |f: f64| (f - 1.0) / (f + k - 1.0);
-    let (df_rows, df_error) = (n - 1.0, (n - 1.0) * (k - 1.0));
+    let df_rows = n - 1.0;
+    let df_error = (n - 1.0) * (k - 1.0);
     let f = rows / error;
     let end = (1.0 + level) / 2.0;
     Ok(Correlation {
@@ -126,7 +128,8 @@ fn absolute(squares: &Squares, level: f64) -> Result<Correlation, Unestimable> {
     let v = (a + b) * (a + b) / (a * a / (k - 1.0) + b * b / ((n - 1.0) * (k - 1.0)));
     let end = (1.0 + level) / 2.0;
     let rest = k * columns + (k * n - k - n) * error;
-    let (low, high) = (quantile(end, n - 1.0, v)?, quantile(end, v, n - 1.0)?);
+    let low = quantile(end, n - 1.0, v)?;
+    let high = quantile(end, v, n - 1.0)?;
     Ok(Correlation {
         estimate,
         ci_low: n * (rows - low * error) / (low * rest + n * rows),

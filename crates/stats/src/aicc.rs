@@ -7,7 +7,8 @@
 /// `parameters` counts those of the curve; k adds one for the error variance. `None` where the
 /// correction does not exist (n ≤ k + 1) or the fit is exact.
 pub fn aicc(points: usize, rss: f64, parameters: usize) -> Option<f64> {
-    let (n, k) = (points as f64, parameters as f64 + 1.0);
+    let n = points as f64;
+    let k = parameters as f64 + 1.0;
     let room = n - k - 1.0;
     (room > 0.0 && rss > 0.0).then(|| n * libm::log(rss / n) + 2.0 * k + 2.0 * k * (k + 1.0) / room)
 }

@@ -28,7 +28,8 @@ pub struct OneWay {
 /// Fewer than two groups or an empty one, no more values than groups, a value that is not finite,
 /// values that do not differ within groups.
 pub fn one_way(groups: &[&[f64]]) -> Result<OneWay, Unestimable> {
-    let (k, n) = (groups.len(), groups.iter().map(|g| g.len()).sum::<usize>());
+    let k = groups.len();
+    let n = groups.iter().map(|g| g.len()).sum::<usize>();
     let filled = groups.iter().filter(|group| !group.is_empty()).count();
     if filled < 2 || filled < k {
         return Err(Unestimable::TooFew {
@@ -58,7 +59,8 @@ pub fn one_way(groups: &[&[f64]]) -> Result<OneWay, Unestimable> {
     if within <= 0.0 {
         return Err(Unestimable::Constant { units: "values of a group" });
     }
-    let (df_num, df_den) = ((k - 1) as f64, (n - k) as f64);
+    let df_num = (k - 1) as f64;
+    let df_den = (n - k) as f64;
     let statistic = between / df_num / (within / df_den);
     let p_value = upper_p(statistic, df_num, df_den)?;
     Ok(OneWay {
@@ -111,7 +113,8 @@ pub(crate) const ROUNDING: f64 = 1e-24;
 
 /// Decomposes a checked table.
 pub(crate) fn two_way(table: &[Vec<f64>]) -> TwoWay {
-    let (n, k) = (table.len(), table[0].len());
+    let n = table.len();
+    let k = table[0].len();
     // Far from zero the squares would lose the digits in which values differ.
     let origin = table[0][0];
     let of_row: Vec<f64> =

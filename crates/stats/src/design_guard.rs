@@ -37,7 +37,8 @@ pub fn pairs_needed(contrasts: usize, alpha: f64) -> Result<usize, StatsError> {
 /// A claim out of reach, in words, with the number of participants that would carry it; `alpha`
 /// outside (0, 0.5).
 pub fn check(pairs: usize, contrasts: usize, alpha: f64) -> Result<f64, StatsError> {
-    let (reachable, needed) = (reachable_p(pairs, contrasts), pairs_needed(contrasts, alpha)?);
+    let reachable = reachable_p(pairs, contrasts);
+    let needed = pairs_needed(contrasts, alpha)?;
     match pairs >= needed {
         true => Ok(reachable),
         false => Err(StatsError::OutOfReach { pairs, contrasts, reachable, alpha, needed }),

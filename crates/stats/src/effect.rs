@@ -87,7 +87,8 @@ fn noncentrality(tested: &Tested, level: f64) -> [f64; 2] {
     // P(T ≤ t) falls as λ grows.
     [f64::midpoint(1.0, level), f64::midpoint(1.0, -level)].map(|share| {
         let reach = 10.0 + 10.0 * t.abs();
-        let (mut low, mut high) = (t - reach, t + reach);
+        let mut low = t - reach;
+        let mut high = t + reach;
         while high - low > 1e-10 * high.abs().max(low.abs()).max(1.0) {
             let middle = f64::midpoint(low, high);
             match noncentral.below(middle) > share {

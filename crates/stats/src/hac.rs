@@ -51,7 +51,8 @@ pub(crate) fn long_run_sum<const N: usize>(
     lags: usize,
 ) -> [[f64; N]; N] {
     // Σ of the scores up to the window's last sample, and up to the one before its first.
-    let (mut until, mut before) = ([0.0; N], [0.0; N]);
+    let mut until = [0.0; N];
+    let mut before = [0.0; N];
     let mut sums = [[0.0; N]; N];
     let add = |row: usize, sum: &mut [f64; N]| {
         sum.iter_mut().zip(score(row)).for_each(|(sum, score)| *sum += score);

@@ -64,7 +64,8 @@ pub fn incomplete_agreement(
 ) -> Result<IncompleteAgreement, Unestimable> {
     check_level(level)?;
     if sampling.draws < FEWEST {
-        let (units, found) = ("draws", sampling.draws);
+        let units = "draws";
+        let found = sampling.draws;
         return Err(Unestimable::TooFew { units, found, needed: FEWEST });
     }
     let study = Study::new(table)?;
@@ -84,7 +85,8 @@ pub fn incomplete_agreement(
         let drawn = drawn.iter().map(|rho| rho[which]).collect();
         basic(fit.correlations()[which], truth.correlations()[which], drawn, k, level)
     };
-    let (a1, c1) = (interval(0), interval(1));
+    let a1 = interval(0);
+    let c1 = interval(1);
     let sem = (fit.session.max(0.0) + fit.error).sqrt();
     Ok(IncompleteAgreement {
         agreement: Agreement {
@@ -211,7 +213,8 @@ impl Study {
         let mut part: Vec<usize> = (0..self.participants).collect();
         for a in &self.values {
             for b in self.values.iter().filter(|b| b.session == a.session) {
-                let (from, to) = (part[a.participant], part[b.participant]);
+                let from = part[a.participant];
+                let to = part[b.participant];
                 part.iter_mut().filter(|part| **part == from).for_each(|part| *part = to);
             }
         }
@@ -275,7 +278,8 @@ struct Totals {
 
 impl Totals {
     fn new(study: &Study) -> Self {
-        let (n, k) = (study.participants, study.sessions);
+        let n = study.participants;
+        let k = study.sessions;
         let mut totals = Self {
             sessions: vec![Vec::new(); n],
             sums: vec![0.0; n],
@@ -301,7 +305,9 @@ impl Totals {
         let k = self.of_session.len();
         let df = self.of_session.iter().sum::<f64>() - 1.0;
         let mut m = Matrix::from_fn(k, k, |i, j| if i == j { self.of_session[i] } else { 0.0 });
-        let (mut r, mut squares, mut log_det) = (self.session_sums.clone(), self.squares, 0.0);
+        let mut r = self.session_sums.clone();
+        let mut squares = self.squares;
+        let mut log_det = 0.0;
         for ((sessions, sum), count) in
             self.sessions.iter().zip(&self.sums).zip(&self.of_participant)
         {
@@ -316,7 +322,8 @@ impl Totals {
         }
         let b = Inverse::new(&m, times);
         let ones = m.times_vector(&vec![1.0; k]);
-        let (by_one, by_r) = (b.times(&ones), b.times(&r));
+        let by_one = b.times(&ones);
+        let by_r = b.times(&r);
         let weight: f64 = by_one.iter().sum();
         let mean = by_r.iter().sum::<f64>() / weight;
         // SᵀV⁻¹(y − μ)

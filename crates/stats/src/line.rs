@@ -45,7 +45,8 @@ fn within(strata: &[Vec<[f64; 2]>]) -> [f64; 3] {
         let n = stratum.len() as f64;
         let mean = [0, 1].map(|i| stratum.iter().map(|point| point[i]).sum::<f64>() / n);
         for point in stratum {
-            let (x, y) = (point[0] - mean[0], point[1] - mean[1]);
+            let x = point[0] - mean[0];
+            let y = point[1] - mean[1];
             sums = [sums[0] + x * x, sums[1] + x * y, sums[2] + y * y];
         }
     }

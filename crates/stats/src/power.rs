@@ -141,7 +141,8 @@ pub fn participants_for(
         let to_come = halvings * (low + high) / 2 * simulation.studies;
         progress(Searched { simulated, to_come });
     };
-    let (mut low, mut high) = (1, 2);
+    let mut low = 1;
+    let mut high = 2;
     let mut found = at(high)?;
     searched(high, low, high);
     while found.estimate < target {
@@ -309,7 +310,8 @@ pub fn clopper_pearson(count: usize, n: usize, level: f64) -> Result<(f64, f64),
     if n == 0 || count > n {
         return Err(StatsError::DegreesOfFreedom { df: n as f64 });
     }
-    let (x, rest) = (count as f64, (n - count) as f64);
+    let x = count as f64;
+    let rest = (n - count) as f64;
     let tail = (1.0 - level) / 2.0;
     let low = if count == 0 { 0.0 } else { beta_quantile(tail, x, rest + 1.0) };
     let high = if count == n { 1.0 } else { beta_quantile(1.0 - tail, x + 1.0, rest) };
@@ -318,7 +320,8 @@ pub fn clopper_pearson(count: usize, n: usize, level: f64) -> Result<(f64, f64),
 
 /// The quantile of the beta distribution, by bisection down to neighbouring numbers.
 fn beta_quantile(share: f64, a: f64, b: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
+    let mut low = 0.0;
+    let mut high = 1.0;
     loop {
         let middle: f64 = low + (high - low) / 2.0;
         if middle <= low || middle >= high {

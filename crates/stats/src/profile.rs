@@ -19,7 +19,8 @@ pub(crate) fn end(
     farthest: f64,
 ) -> Result<Option<f64>, Unestimable> {
     let first = critical.min(farthest);
-    let (mut inner, mut outer) = ([0.0, critical], [first, critical - fall(first)?]);
+    let mut inner = [0.0, critical];
+    let mut outer = [first, critical - fall(first)?];
     while outer[1] > 0.0 {
         if outer[0] >= farthest {
             return Ok(None);

@@ -93,9 +93,13 @@ pub fn recording_line(
         let sums = (0..n).map(&sample).fold((0.0, 0.0), |sum, (x, y)| (sum.0 + x, sum.1 + y));
         (sums.0 / n as f64, sums.1 / n as f64)
     };
-    let (mut xx, mut xy, mut yy, mut whole) = (0.0, 0.0, 0.0, 0.0_f64);
+    let mut xx = 0.0;
+    let mut xy = 0.0;
+    let mut yy = 0.0;
+    let mut whole = 0.0_f64;
     for (x, y) in (0..n).map(&sample) {
-        let (dx, dy) = (x - x_mean, y - y_mean);
+        let dx = x - x_mean;
+        let dy = y - y_mean;
         (xx, xy, yy) = (xx + dx * dx, xy + dx * dy, yy + dy * dy);
         whole += (x - at) * (x - at);
     }
@@ -113,7 +117,8 @@ pub fn recording_line(
         [e, dx * e]
     };
     let s = long_run_sum(n, score, n / SHARE_OF_RECORDING);
-    let (of_mean, of_slope) = (1.0 / n as f64, (at - x_mean) / xx);
+    let of_mean = 1.0 / n as f64;
+    let of_slope = (at - x_mean) / xx;
     let variance = of_mean * of_mean * s[0][0]
         + 2.0 * of_mean * of_slope * s[0][1]
         + of_slope * of_slope * s[1][1];

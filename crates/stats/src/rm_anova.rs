@@ -33,12 +33,14 @@ pub struct RmAnova {
 /// modes that differ alike in all participants.
 pub fn rm_anova(table: &[Vec<f64>]) -> Result<RmAnova, Unestimable> {
     check_table(table, (2, 2), ("participants", "modes"))?;
-    let (n, k) = (table.len() as f64, table[0].len() as f64);
+    let n = table.len() as f64;
+    let k = table[0].len() as f64;
     let sums = two_way(table);
     if sums.error <= ROUNDING * sums.total || sums.total <= 0.0 {
         return Err(Unestimable::Constant { units: "differences of modes" });
     }
-    let (df_num, df_den) = (k - 1.0, (n - 1.0) * (k - 1.0));
+    let df_num = k - 1.0;
+    let df_den = (n - 1.0) * (k - 1.0);
     let statistic = sums.columns / df_num / (sums.error / df_den);
     let greenhouse_geisser = greenhouse_geisser(table);
     let huynh_feldt = huynh_feldt(greenhouse_geisser, n, k);
@@ -54,7 +56,8 @@ pub fn rm_anova(table: &[Vec<f64>]) -> Result<RmAnova, Unestimable> {
 
 /// ε̂ = (tr C)² / ((k − 1) tr C²), with C the modes' covariance matrix centred by rows and columns.
 fn greenhouse_geisser(table: &[Vec<f64>]) -> f64 {
-    let (n, k) = (table.len(), table[0].len());
+    let n = table.len();
+    let k = table[0].len();
     let origin = &table[0];
     // rows without their participant's level, columns without their mode's
     let centred: Vec<Vec<f64>> = table

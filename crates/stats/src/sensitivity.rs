@@ -29,7 +29,8 @@ pub fn jansen(f: impl Fn(&[f64]) -> f64, a: &[Vec<f64>], b: &[Vec<f64>]) -> Opti
     let alike = a.len() == b.len() && a.iter().chain(b).all(|x| x.len() == inputs);
     (a.len() >= 2 && alike).then_some(())?;
     let of = |points: &[Vec<f64>]| points.iter().map(|x| f(x)).collect::<Vec<f64>>();
-    let (at_a, at_b) = (of(a), of(b));
+    let at_a = of(a);
+    let at_b = of(b);
     let spread =
         2.0 * a.len() as f64 * Moments::of(&[at_a.as_slice(), &at_b].concat()).mean_square();
     (spread > 0.0).then_some(())?;
@@ -134,7 +135,8 @@ fn transform(values: &mut [f64]) {
     let mut half = 1;
     while half < values.len() {
         for at in (0..values.len()).filter(|at| at & half == 0) {
-            let (off, on) = (values[at], values[at + half]);
+            let off = values[at];
+            let on = values[at + half];
             (values[at], values[at + half]) = (on + off, on - off);
         }
         half *= 2;

@@ -47,7 +47,8 @@ pub fn smallest_p(n: usize) -> f64 {
 pub fn test(differences: &[f64], sampling: Sampling) -> Result<SignFlip, Unestimable> {
     all_finite(differences)?;
     let nonzero = nonzero(differences)?;
-    let (observed, total) = (sum(&nonzero).abs(), nonzero.iter().map(|d| d.abs()).sum::<f64>());
+    let observed = sum(&nonzero).abs();
+    let total = nonzero.iter().map(|d| d.abs()).sum::<f64>();
     if !total.is_finite() {
         return Err(StatsError::NonFinite { index: 0, value: total }.into());
     }
@@ -90,7 +91,8 @@ fn exact_p(values: &[f64], threshold: f64) -> f64 {
         return 1.0;
     }
     let (left, right) = values.split_at(values.len() / 2);
-    let (left, right) = (sorted_sums(left), sorted_sums(right));
+    let left = sorted_sums(left);
+    let right = sorted_sums(right);
     // Flips come in pairs of opposite sums: those of at least the threshold are half of all.
     let mut enough = right.len();
     let mut count: u64 = 0;

@@ -47,8 +47,10 @@ pub fn test(differences: &[f64]) -> Result<SignedRank, Unestimable> {
         let pairs = differences.iter().zip(&ranks).filter(move |(d, _)| keep(d));
         pairs.map(|(_, rank)| *rank).collect::<Vec<u64>>()
     };
-    let (above, below) = (of(|d| *d > 0.0), of(|d| *d < 0.0));
-    let (plus, minus) = (above.iter().sum::<u64>(), below.iter().sum::<u64>());
+    let above = of(|d| *d > 0.0);
+    let below = of(|d| *d < 0.0);
+    let plus = above.iter().sum::<u64>();
+    let minus = below.iter().sum::<u64>();
     let ranks = [above, below].concat();
     let (p_value, null) = if n <= EXACT_UP_TO {
         (exact_p(&ranks, plus.min(minus)), Null::Exact)

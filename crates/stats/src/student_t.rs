@@ -74,8 +74,10 @@ const ROUNDED_AWAY: f64 = 1e-13;
 fn searched(level: f64, distribution: &StudentsT) -> f64 {
     let alpha = 1.0 - level;
     let over = |t: f64| tails(t, distribution) - alpha;
-    let (mut low, mut at_low) = (0.0, level);
-    let (mut high, mut at_high) = (1.0, over(1.0));
+    let mut low = 0.0;
+    let mut at_low = level;
+    let mut high = 1.0;
+    let mut at_high = over(1.0);
     while at_high > 0.0 {
         (low, at_low) = (high, at_high);
         high *= 2.0;

@@ -28,8 +28,9 @@ pub fn shell_line(words: impl IntoIterator<Item = String>) -> String {
 }
 
 fn quoted(word: String) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:,=@%+".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
+    if !word.is_empty()
+        && word.chars().all(|c| c.is_ascii_alphanumeric() || "_-./:,=@%+".contains(c))
+    {
         return word;
     }
     format!("'{}'", word.replace('\'', r"'\''"))

@@ -105,7 +105,8 @@ fn reordered(
         let both = all.split(", ").filter(|id| other.contains_key(&format!("{list}.{id}")));
         both.collect::<Vec<_>>().join(", ")
     };
-    let (then, now) = (ids(before, after), ids(after, before));
+    let then = ids(before, after);
+    let now = ids(after, before);
     (then != now).then(|| change(list, then, now))
 }
 

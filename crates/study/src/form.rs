@@ -2,7 +2,7 @@
 //! a study's files are alike and open as one data set, and so that a study keeps the form it began
 //! with.
 
-use crate::{AnswerScale, ChannelId, Question, Study};
+use crate::{AnswerScale, ChannelId, Study};
 use serde::{Deserialize, Serialize};
 
 /// A version of the form of trial files: `schema` of `study.toml`.
@@ -86,9 +86,10 @@ impl Study {
     /// the study has one question, on a scale that has a name, so that nobody has to ask which one
     /// is meant.
     pub fn trial_form(&self) -> TrialForm {
-        let (schema, channels) = (self.schema, self.channels.clone());
-        let named = |question: &Question| AnswerScale::NAMED.contains(&question.scale);
-        let one = self.questions.len() == 1 && self.questions.iter().all(named);
+        let schema = self.schema;
+        let channels = self.channels.clone();
+        let one = self.questions.len() == 1
+            && self.questions.iter().all(|question| AnswerScale::NAMED.contains(&question.scale));
         TrialForm { schema, likert: one, channels }
     }
 }

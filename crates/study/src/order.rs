@@ -202,7 +202,8 @@ fn renamed(row: &[usize], as_first: &[usize], first: &[usize]) -> Vec<usize> {
 
 /// Practice trials: (environment, mode) with modes in an order of the participant's own.
 fn familiarisation(order: &Order, trials: u32) -> Vec<(Kind, usize, usize)> {
-    let (blocks, modes) = (&order.blocks, &order.practice);
+    let blocks = &order.blocks;
+    let modes = &order.practice;
     // Both indices run in step until they meet again at their least common multiple; then the modes
     // shift by one.
     let period = blocks.len() * modes.len() / gcd(blocks.len(), modes.len());

@@ -48,7 +48,8 @@ fn names(table: &Table) -> String {
 
 /// The lines of the rows.
 fn rows(table: &Table) -> String {
-    let (columns, mark) = (table.columns(), || mark(table, "true"));
+    let columns = table.columns();
+    let mark = || mark(table, "true");
     let mut text = String::new();
     for row in 0..table.height() {
         line(&mut text, columns.iter().map(|c| field(c, row)).chain(mark()));

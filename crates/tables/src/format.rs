@@ -110,9 +110,10 @@ impl Table {
     ) -> Result<Vec<Vec<u8>>, TableError> {
         // A long table as people would see it takes many times the memory of its numbers.
         if files.iter().all(|(format, _)| format.is_for_programs()) {
-            let written =
-                |(format, path): &(Format, &Path)| self.in_format(*format, provenance, path);
-            return files.iter().map(written).collect();
+            return files
+                .iter()
+                .map(|(format, path)| self.in_format(*format, provenance, path))
+                .collect();
         }
         Seen::of(&wording.tell(narrow)?, |seen| {
             let written = |(format, path): &(Format, &Path)| match format.of_people(seen) {

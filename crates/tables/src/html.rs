@@ -18,7 +18,8 @@ pub(crate) fn html(&Seen { table, columns, .. }: &Seen) -> String {
 
 fn heading(column: &Shown) -> String {
     let unit = column.unit.as_ref().map(|u| format!(" <span class=\"unit\">{}</span>", escape(u)));
-    let (words, about) = (escape(&column.words), escape(&column.description));
+    let words = escape(&column.words);
+    let about = escape(&column.description);
     format!(
         "<th scope=\"col\"{} title=\"{about}\">{words}{}</th>",
         class(column),

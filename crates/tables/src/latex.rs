@@ -79,7 +79,9 @@ fn long(table: &Table, layout: &Layout, notes: &str) -> String {
 
 /// One of the tables under a number: the first has the caption, any other goes on.
 fn longtable(label: &str, caption: Option<&str>, group: &[Placed], sections: &Sections) -> String {
-    let (types, head, width) = (column_types(group), head(group), group.len());
+    let types = column_types(group);
+    let head = head(group);
+    let width = group.len();
     let again = format!(
         "  \\multicolumn{{{width}}}{{@{{}}l@{{}}}}{{\\tablename~\\ref{{tab:{label}}}, continued}}\\\\\n"
     );

@@ -61,10 +61,10 @@ impl Layout<'_> {
     /// Whether it fits a column of a page with two, where no text was wrapped to a wider one.
     pub(crate) fn fits_a_column(&self) -> bool {
         let page = Page { digits: COLUMN_DIGITS, ..ROOMY };
-        let fits = |group: &Vec<Placed>| {
-            fits(group, &page) && group.iter().all(|placed| placed.share.is_none())
-        };
-        !self.long && self.groups.iter().all(fits)
+        !self.long
+            && self.groups.iter().all(|group| {
+                fits(group, &page) && group.iter().all(|placed| placed.share.is_none())
+            })
     }
 }
 
@@ -177,7 +177,8 @@ fn squeezed<'a>(
         return None;
     }
     for column in &mut columns {
-        let (least, natural) = (least(column, narrowest_text), natural(column));
+        let least = least(column, narrowest_text);
+        let natural = natural(column);
         if least < natural {
             column.share = Some((least + spare * (natural - least) / wanted) / page.digits);
         }

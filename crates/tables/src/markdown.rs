@@ -57,7 +57,8 @@ fn block_sign(text: &str) -> Option<usize> {
     let at = text.find(|c: char| !c.is_ascii_digit())?;
     let mut rest = text[at..].chars();
     // A sign alone on its line counts as if a space followed.
-    let (sign, next) = (rest.next()?, rest.next().unwrap_or(' '));
+    let sign = rest.next()?;
+    let next = rest.next().unwrap_or(' ');
     let numbered = at > 0 && matches!(sign, '.' | ')') && next == ' ';
     let bulleted = at == 0 && matches!(sign, '-' | '+' | '=') && (next == ' ' || next == sign);
     (numbered || bulleted).then_some(at)

@@ -72,7 +72,8 @@ impl Table {
     pub fn parts(
         path: &Path,
     ) -> Result<impl Iterator<Item = Result<Self, TableError>> + use<>, TableError> {
-        let (mut parts, path) = (TableParts::open(path, None)?, path.to_owned());
+        let mut parts = TableParts::open(path, None)?;
+        let path = path.to_owned();
         let footer = of_table(parts.take_footer(), &[NAME, TITLE, NOTES, KINDS]);
         Ok(parts.map(move |batch| Self::back(&path, batch?, &footer)))
     }
@@ -85,7 +86,8 @@ impl Table {
     /// Those of the parts; parts whose columns differ; those of `out`.
     pub fn write_parts<E: From<TableError>>(
         mut parts: impl Iterator<Item = Result<Self, E>>,
-        (provenance, path): (&BTreeMap<String, String>, &Path),
+        provenance: &BTreeMap<String, String>,
+        path: &Path,
         out: &mut (dyn Write + Send),
     ) -> Result<(), E> {
         let first = parts.next().ok_or(TableError::NoPart)??;
@@ -118,7 +120,7 @@ impl Table {
 
     /// Reads these columns alone, in the order of the file; a name that the file lacks is ignored.
     pub fn columns_from_parquet(path: &Path, names: &[&str]) -> Result<Self, TableError> {
-        Self::joined(path, (names, MOST_RESERVED), Ok)
+        Self::joined(path, names, MOST_RESERVED, Ok)
     }
 
     /// The same, and of the rows of each part what `of` leaves: in memory is no more than that, and a
@@ -131,13 +133,14 @@ impl Table {
         names: &[&str],
         of: impl Fn(Self) -> Result<Self, TableError>,
     ) -> Result<Self, TableError> {
-        Self::joined(path, (names, 0), of)
+        Self::joined(path, names, 0, of)
     }
 
     /// The same, with room for all rows of the file, up to so many.
     fn joined(
         path: &Path,
-        (names, most): (&[&str], usize),
+        names: &[&str],
+        most: usize,
         of: impl Fn(Self) -> Result<Self, TableError>,
     ) -> Result<Self, TableError> {
         let mut parts = TableParts::open(path, Some(names))?;
@@ -172,7 +175,8 @@ impl Table {
                     StoreError::new(path, what, "delete derived/ and run again").column(f.name())
                 })?;
                 let meta = |key: &str| f.metadata().get(key).cloned().unwrap_or_default();
-                let (unit, description) = (meta("unit").into(), meta("description").into());
+                let unit = meta("unit").into();
+                let description = meta("description").into();
                 let kind = kind_of(&values);
                 Ok(Column {
                     field: Field { name: f.name().clone().into(), unit, description, kind },
@@ -326,8 +330,8 @@ mod tests {
             let mut bytes = Vec::new();
             let starts = (0..rows.max(1)).step_by(PART_ROWS / 4);
             let parts = starts.map(|from| Ok(table(from..rows.min(from + PART_ROWS / 4))));
-            let to = (&BTreeMap::new(), path.as_path());
-            Table::write_parts::<TableError>(parts, to, &mut bytes).unwrap();
+            let none = BTreeMap::new();
+            Table::write_parts::<TableError>(parts, &none, &path, &mut bytes).unwrap();
             let all = table(0..rows);
             assert!(bytes == all.to_parquet(&BTreeMap::new(), &path).unwrap(), "{rows} rows");
             std::fs::write(&path, bytes).unwrap();
@@ -357,7 +361,7 @@ mod tests {
         let other = Table::new("u", "", vec![Column::flag("no", "", [None])]).unwrap();
         let unlike = parts().chain([Ok(other)]);
         let written = |parts: &mut dyn Iterator<Item = Result<Table, TableError>>| {
-            Table::write_parts(parts, (&BTreeMap::new(), &path), &mut Vec::new())
+            Table::write_parts(parts, &BTreeMap::new(), &path, &mut Vec::new())
         };
         assert!(matches!(written(&mut unlike.into_iter()), Err(TableError::Unlike { .. })));
         assert!(matches!(written(&mut std::iter::empty()), Err(TableError::NoPart)));

@@ -233,7 +233,8 @@ fn uncertainties(field: &Field, all: &[Column]) -> Vec<Option<f64>> {
     }
     let part = |part| sibling(field, part, all);
     let std_errors = part(Part::StdError);
-    let (low, high) = (part(Part::CiLow), part(Part::CiHigh));
+    let low = part(Part::CiLow);
+    let high = part(Part::CiHigh);
     let height = std_errors.len().max(low.len());
     let at = |values: &[Option<f64>], row: usize| values.get(row).copied().flatten();
     let uncertainties = (0..height).map(|row| {

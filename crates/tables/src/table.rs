@@ -30,15 +30,18 @@ impl Table {
         for (i, c) in columns.iter().enumerate() {
             check_finite(name, c)?;
             if columns[..i].iter().any(|before| before.field.name == c.field.name) {
-                let (table, column) = (name.to_owned(), c.field.name.to_string());
+                let table = name.to_owned();
+                let column = c.field.name.to_string();
                 return Err(TableError::Twice { table, column });
             }
             if c.values.len() != expected {
-                let (table, column) = (name.to_owned(), c.field.name.to_string());
+                let table = name.to_owned();
+                let column = c.field.name.to_string();
                 return Err(TableError::Ragged { table, column, expected, found: c.values.len() });
             }
         }
-        let (name, title) = (name.to_owned(), title.to_owned());
+        let name = name.to_owned();
+        let title = title.to_owned();
         Ok(Self { name, title, notes: Vec::new(), kinds: Vec::new(), columns })
     }
 
@@ -305,7 +308,9 @@ impl Table {
         if form(self) == form(other) {
             return Ok(());
         }
-        let (table, columns, expected) = (other.name.clone(), other.names(), self.names());
+        let table = other.name.clone();
+        let columns = other.names();
+        let expected = self.names();
         Err(TableError::Unlike { table, columns, expected })
     }
 
@@ -329,8 +334,10 @@ impl Table {
             Column { field: column.field.clone(), values }
         };
         let columns = self.columns.iter().map(some).collect();
-        let (name, title) = (self.name.clone(), self.title.clone());
-        let (notes, kinds) = (self.notes.clone(), self.kinds.clone());
+        let name = self.name.clone();
+        let title = self.title.clone();
+        let notes = self.notes.clone();
+        let kinds = self.kinds.clone();
         Self { name, title, notes, kinds, columns }
     }
 

@@ -63,8 +63,7 @@ fn groups<'a>(all: &[&'a Shown], width: usize, least: &[&str]) -> Vec<Vec<Set<'a
     if groups.is_empty() {
         groups.push(Vec::new());
     }
-    let set = |group: &Vec<&'a Shown>| keys.iter().chain(group).map(|c| wrapped(c)).collect();
-    groups.iter().map(set).collect()
+    groups.iter().map(|group| keys.iter().chain(group).map(|c| wrapped(c)).collect()).collect()
 }
 
 fn unwrapped(column: &Shown) -> Set<'_> {
@@ -77,15 +76,14 @@ fn unwrapped(column: &Shown) -> Set<'_> {
 /// A column as narrow as its numbers and its words allow.
 fn wrapped(column: &Shown) -> Set<'_> {
     let longest = |text: &str| text.split(' ').map(letters).max().unwrap_or_default();
-    let cell = |cell: &Cell| {
+    let heading = column.heading();
+    let cells = column.cells.iter().map(|cell| {
         let text = cell.typeset();
         match cell {
             Cell::Text(_) => letters(&text).min(WIDEST_TEXT.max(longest(&text))),
             _ => letters(&text),
         }
-    };
-    let heading = column.heading();
-    let cells = column.cells.iter().map(cell);
+    });
     let width = cells.chain([longest(&heading)]).max().unwrap_or_default();
     Set { column, width, head: broken(&heading, width) }
 }
@@ -128,15 +126,16 @@ fn lines(columns: &[Set]) -> String {
 /// Cells of several lines beside each other.
 fn in_line(columns: &[Set], cells: Vec<Vec<String>>) -> Vec<String> {
     let tallest = cells.iter().map(Vec::len).max().unwrap_or_default();
-    let line = |i: usize| {
-        let parts = columns.iter().zip(&cells).map(|(set, lines)| {
-            let text = lines.get(i).map_or("", String::as_str);
-            let room = " ".repeat(set.width.saturating_sub(letters(text)));
-            if set.column.numeric { room + text } else { text.to_owned() + &room }
-        });
-        parts.collect::<Vec<_>>().join(GAP).trim_end().to_owned()
-    };
-    (0..tallest).map(line).collect()
+    (0..tallest)
+        .map(|i| {
+            let parts = columns.iter().zip(&cells).map(|(set, lines)| {
+                let text = lines.get(i).map_or("", String::as_str);
+                let room = " ".repeat(set.width.saturating_sub(letters(text)));
+                if set.column.numeric { room + text } else { text.to_owned() + &room }
+            });
+            parts.collect::<Vec<_>>().join(GAP).trim_end().to_owned()
+        })
+        .collect()
 }
 
 fn total(columns: &[Set]) -> usize {

@@ -143,14 +143,14 @@ pub(crate) fn steps_alone(spec: &DeviceSpec) -> Vec<Step> {
 /// A trial's rows.
 fn rows(path: &Path, samples: &Samples) -> anyhow::Result<Vec<Sample>> {
     let needed = |signal: Signal| {
-        let missing = || {
+        samples.get(signal).ok_or_else(|| {
             anyhow!("{}: {signal:?} was not recorded; choose a trial that has it", path.display())
-        };
-        samples.get(signal).ok_or_else(missing)
+        })
     };
     let or_zero = |signal: Signal, i: usize| samples.get(signal).map_or(0.0, |v| v[i]);
-    let (t, theta, force) =
-        (needed(Signal::Time)?, needed(Signal::Theta)?, needed(Signal::ForceEx)?);
+    let t = needed(Signal::Time)?;
+    let theta = needed(Signal::Theta)?;
+    let force = needed(Signal::ForceEx)?;
     let row = |i: usize| Sample {
         t_s: t[i],
         t_device_s: samples.get(Signal::DeviceTime).map(|v| v[i]),

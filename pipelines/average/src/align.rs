@@ -99,7 +99,8 @@ impl<'a> Aligned<'a> {
     /// `signal` on the grid: null where the repeat has ended. `None` where it was not recorded.
     pub(crate) fn on_grid(&self, signal: Signal, grid_s: &[f64]) -> Option<Vec<Option<f64>>> {
         let columns = self.trial.columns;
-        let (t, values) = (columns.column(Signal::Time)?, columns.column(signal)?);
+        let t = columns.column(Signal::Time)?;
+        let values = columns.column(signal)?;
         let time = |i: usize| self.common_s(t[i] - self.onset_s);
         Some(grid_s.iter().map(|at| interpolate_by(t.len(), time, |i| values[i], *at)).collect())
     }

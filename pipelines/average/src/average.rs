@@ -121,13 +121,12 @@ where
         return Err(AverageError::Grid { points });
     }
     let t_s = grid(average_length_s(aligned.iter().map(Aligned::length_s).collect()), points);
-    let count = |t: &f64| aligned.iter().filter(|a| a.length_s() >= *t).count();
     Ok(Average {
         participant: first.meta.participant.clone(),
         session: first.meta.session.clone(),
         condition: first.meta.condition(),
         source: source_of(&trials),
-        n: t_s.iter().map(count).collect(),
+        n: t_s.iter().map(|t| aligned.iter().filter(|a| a.length_s() >= *t).count()).collect(),
         courses: courses(&aligned, &t_s, parameters.analysis.confidence)?,
         repeats: aligned.iter().map(repeat).collect(),
         left_out,
@@ -209,7 +208,8 @@ fn align<'a>(
     wall_rad: Option<f64>,
     alignment: Alignment,
 ) -> Result<(Vec<Aligned<'a>>, Vec<LeftOut>), WhyNot> {
-    let (mut aligned, mut left_out) = (Vec::new(), Vec::new());
+    let mut aligned = Vec::new();
+    let mut left_out = Vec::new();
     for trial in trials {
         match Aligned::new(*trial, analysis, wall_rad).and_then(|a| a.fit_for(alignment)) {
             Ok(repeat) => aligned.push(repeat),

@@ -47,11 +47,10 @@ pub(crate) fn shared(repeats: &[Times]) -> Vec<Landmark> {
     let mut shared = vec![start];
     for landmark in [wall, reversal, returns] {
         let before = shared[shared.len() - 1];
-        let is_between = |times: &Times| {
+        if repeats.iter().all(|times| {
             let [t, t_before, t_end] = [landmark, before, end].map(|l| times[l as usize]);
             t.zip(t_before).zip(t_end).is_some_and(|((t, before), end)| before < t && t < end)
-        };
-        if repeats.iter().all(is_between) {
+        }) {
             shared.push(landmark);
         }
     }

@@ -121,7 +121,9 @@ where
     let trials: Vec<Recorded> = trials.iter().map(Into::into).collect();
     let first = trials.first().ok_or(AverageError::Empty)?;
     let Placed { aligned, left_out, .. } = place(&trials, parameters, Alignment::Onset)?;
-    let (mut ways_in, mut held, mut ways_out) = (Vec::new(), Vec::new(), Vec::new());
+    let mut ways_in = Vec::new();
+    let mut held = Vec::new();
+    let mut ways_out = Vec::new();
     for repeat in &aligned {
         let Some(theta) = repeat.column(Signal::Theta) else { continue };
         let (phases, returns) = repeat.phases;

@@ -33,8 +33,8 @@ impl SessionLoop {
         };
         let mut courses = BTreeMap::new();
         for branch in Branch::ALL.iter().copied() {
-            let is_its = |row: &usize| points[*row].branch == branch;
-            let mut rows: Vec<usize> = (0..points.len()).filter(is_its).collect();
+            let mut rows: Vec<usize> =
+                (0..points.len()).filter(|row| points[*row].branch == branch).collect();
             // Rows come in the order of the movement, courses in that of the angle.
             if branch == Branch::Out {
                 rows.reverse();
@@ -74,11 +74,10 @@ pub fn over_participants(
         return Ok(None);
     }
     let sessions: usize = people.values().map(Vec::len).sum();
-    let of_all = |branch: Branch| {
+    let all = [Branch::In, Branch::Held, Branch::Out].map(|branch| {
         let of = people.values().flatten().map(|courses| courses.get(&branch).cloned());
         of.collect::<Option<Vec<Course>>>().unwrap_or_default()
-    };
-    let all = [Branch::In, Branch::Held, Branch::Out].map(of_all);
+    });
     // At the angles of all sessions; then each participant's sessions are one.
     let found = branches([&all[0], &all[1], &all[2]], level)?;
     let counts: Vec<usize> = people.values().map(Vec::len).collect();
@@ -88,8 +87,9 @@ pub fn over_participants(
     };
     let found = found.iter().map(of_people).collect::<Result<Vec<MeanBranch>, _>>()?;
     let n = people.len();
-    let point = |(branch, theta_rad)| ParticipantsLoopPoint { n, sessions, branch, theta_rad };
-    let points: Vec<ParticipantsLoopPoint> = angles(&found).map(point).collect();
+    let points: Vec<ParticipantsLoopPoint> = angles(&found)
+        .map(|(branch, theta_rad)| ParticipantsLoopPoint { n, sessions, branch, theta_rad })
+        .collect();
     let table = of_loop(&points, loads(&found, "participants"))?;
     Ok(Some(table.with_note(
         "n counts participants: each one's repeats are averaged, then their sessions with equal weight, at each angle that \

@@ -51,7 +51,8 @@ pub fn calibrated(
     actuator: &'static str,
     chosen: &Chosen,
 ) -> Result<Characteristic, CharacteriseError> {
-    let (low, high) = (chosen.voltage_v.0.max(0.0), chosen.voltage_v.1);
+    let low = chosen.voltage_v.0.max(0.0);
+    let high = chosen.voltage_v.1;
     let refuse = |problem: String| Err(CharacteriseError::Calibration { actuator, problem });
     if high <= low {
         return refuse(format!(
@@ -59,7 +60,8 @@ pub fn calibrated(
         ));
     }
     let met = chosen.met(low, high);
-    let (first, last) = (met.response(chosen, low), met.response(chosen, high));
+    let first = met.response(chosen, low);
+    let last = met.response(chosen, high);
     if last <= first {
         return refuse(format!(
             "the response goes from {first:.3} N at {low} V to {last:.3} N at {high} V, yet force must rise with voltage: \
@@ -108,8 +110,8 @@ impl Met {
 impl Chosen {
     fn met(&self, low: f64, high: f64) -> Met {
         let end = AT_END * (high - low);
-        let (breaks, plateaus) =
-            (self.of_branches(Quantity::Break), self.of_branches(Quantity::Plateau));
+        let breaks = self.of_branches(Quantity::Break);
+        let plateaus = self.of_branches(Quantity::Plateau);
         let from = breaks.iter().copied().fold(low, f64::max);
         let to = plateaus.iter().copied().fold(high, f64::min);
         let (from, to) = if from < to { (from, to) } else { (low, high) };

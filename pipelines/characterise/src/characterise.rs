@@ -94,10 +94,9 @@ fn quality(
     left_out: &LeftOut,
     noise: Option<f64>,
 ) -> Quality {
-    let residual = |i: usize| {
-        samples.response[i] - model.predict(fitted, samples.command[i], samples.branch[i])
-    };
-    let residuals: Vec<f64> = (0..samples.len()).map(residual).collect();
+    let residuals: Vec<f64> = (0..samples.len())
+        .map(|i| samples.response[i] - model.predict(fitted, samples.command[i], samples.branch[i]))
+        .collect();
     let n = samples.len() as f64;
     let mean = samples.response.iter().sum::<f64>() / n;
     let rss: f64 = residuals.iter().map(|r| r * r).sum();
@@ -142,8 +141,9 @@ fn parameters(
         let is_set = quantity == Quantity::Knot;
         let values: Vec<f64> =
             candidate.resampled.iter().map(|p| p[j]).filter(|_| !is_set).collect();
-        let holds = |(low, high): (f64, f64)| (low.min(fitted[j]), high.max(fitted[j]));
-        let interval = candidate.interval(&values, settings.level)?.map(holds);
+        let interval = candidate
+            .interval(&values, settings.level)?
+            .map(|(low, high)| (low.min(fitted[j]), high.max(fitted[j])));
         let unit = quantity.unit(&settings.command_unit, &settings.response_unit);
         let note = note(quantity, &samples.steps.levels, fitted[j], interval, &unit);
         let (ci_low, ci_high) = interval.unzip();
@@ -172,8 +172,8 @@ fn note(
 ) -> Option<String> {
     let n = levels.len();
     match quantity {
-        Quantity::Break => edge_note((levels[1], break_range(levels)?.1), at, interval, unit),
-        Quantity::Plateau => edge_note((levels[2], levels[n - 2]), at, interval, unit),
+        Quantity::Break => edge_note(levels[1], break_range(levels)?.1, at, interval, unit),
+        Quantity::Plateau => edge_note(levels[2], levels[n - 2], at, interval, unit),
         Quantity::Knot => Some("set by the range of the data".to_owned()),
         _ => None,
     }
@@ -182,7 +182,8 @@ fn note(
 /// What to say of a break or plateau with one command or none to one side of it, or whose interval
 /// reaches there: it is known to lie beyond the first or last place where the data could show it.
 fn edge_note(
-    (low, high): (f64, f64),
+    low: f64,
+    high: f64,
     at: f64,
     interval: Option<(f64, f64)>,
     unit: &str,

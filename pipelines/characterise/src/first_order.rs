@@ -38,7 +38,9 @@ pub struct FirstOrder {
 pub fn first_order(sweeps: &[Sweep], level: f64) -> Result<FirstOrder, CharacteriseError> {
     let samples = Samples::new(sweeps)?;
     let fit = lsq::fit(&[&vec![1.0; samples.len()], &samples.command], &samples.response)?;
-    let (se, df, v) = (fit.std_errors(), fit.df as f64, &fit.xtx_inverse);
+    let se = fit.std_errors();
+    let df = fit.df as f64;
+    let v = &fit.xtx_inverse;
     Ok(FirstOrder {
         intercept: t_interval(fit.coefficients[0], se[0], df, level)?,
         slope: t_interval(fit.coefficients[1], se[1], df, level)?,
@@ -60,11 +62,10 @@ impl FirstOrder {
         let [[v00, v01], [v10, v11]] = self.xtx_inverse;
         let mut curve = Curve::default();
         for &x in grid {
-            let (fit, leverage) = (
-                self.intercept.estimate + self.slope.estimate * x,
-                v00 + x * (v01 + v10 + x * v11),
-            );
-            let (mean, new) = (half * leverage.sqrt(), half * (1.0 + leverage).sqrt());
+            let fit = self.intercept.estimate + self.slope.estimate * x;
+            let leverage = v00 + x * (v01 + v10 + x * v11);
+            let mean = half * leverage.sqrt();
+            let new = half * (1.0 + leverage).sqrt();
             curve.push(x, fit, (fit - mean, fit + mean), (fit - new, fit + new));
         }
         curve

@@ -24,7 +24,8 @@ pub(crate) fn noise(samples: &Samples) -> Option<f64> {
 
 /// Sum of squares about the local line and its degrees of freedom.
 fn about_local_line(samples: &Samples, window: Range<usize>) -> (f64, usize) {
-    let (x, y) = (&samples.command[window.clone()], &samples.response[window]);
+    let x = &samples.command[window.clone()];
+    let y = &samples.response[window];
     let mean = y.iter().sum::<f64>() / y.len() as f64;
     let line = weighted_line(x.iter().zip(y).map(|(&x, &y)| (x, y, 1.0)));
     let (a, b) = line.unwrap_or((mean, 0.0));

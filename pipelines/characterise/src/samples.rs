@@ -79,7 +79,8 @@ impl Samples {
 }
 
 fn check(number: usize, sweep: &Sweep) -> Result<(), CharacteriseError> {
-    let (commands, responses) = (sweep.command.len(), sweep.response.len());
+    let commands = sweep.command.len();
+    let responses = sweep.response.len();
     if commands != responses {
         return Err(CharacteriseError::LengthMismatch { sweep: number, commands, responses });
     }

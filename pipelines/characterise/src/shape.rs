@@ -109,12 +109,16 @@ pub(crate) fn break_range(levels: &[f64]) -> Option<(f64, f64)> {
 pub(crate) fn weighted_line(
     points: impl Iterator<Item = (f64, f64, f64)> + Clone,
 ) -> Option<(f64, f64)> {
-    let (mut sw, mut sx, mut sy) = (0.0, 0.0, 0.0);
+    let mut sw = 0.0;
+    let mut sx = 0.0;
+    let mut sy = 0.0;
     for (x, y, w) in points.clone() {
         (sw, sx, sy) = (sw + w, sx + w * x, sy + w * y);
     }
-    let (mean_x, mean_y) = (sx / sw, sy / sw);
-    let (mut sxx, mut sxy) = (0.0, 0.0);
+    let mean_x = sx / sw;
+    let mean_y = sy / sw;
+    let mut sxx = 0.0;
+    let mut sxy = 0.0;
     for (x, y, w) in points {
         let dx = x - mean_x;
         (sxx, sxy) = (sxx + w * dx * dx, sxy + w * dx * (y - mean_y));

@@ -109,12 +109,12 @@ impl Steps {
 
     fn points(&self, cells: &[Cell]) -> Vec<Point> {
         let used = cells.iter().zip(&self.levels).filter(|(cell, _)| cell.weight > 0.0);
-        let point = |(cell, &level): (&Cell, &f64)| Point {
+        used.map(|(cell, &level)| Point {
             command: if self.exact { level } else { cell.command / cell.weight },
             response: cell.response / cell.weight,
             weight: cell.weight,
-        };
-        used.map(point).collect()
+        })
+        .collect()
     }
 }
 

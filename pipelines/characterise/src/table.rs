@@ -28,7 +28,9 @@ impl Subject<'_> {
     /// A number that is not finite.
     pub fn models_table(&self, found: &Characteristic) -> Result<Table, TableError> {
         let table = self.table(&fitted_models(found), "candidate models")?;
-        let (sweeps, points, folds) = (found.sweeps, found.points, found.folds);
+        let sweeps = found.sweeps;
+        let points = found.points;
+        let folds = found.folds;
         let plural = if sweeps == 1 { "" } else { "s" };
         let grouping = found.grouping.name();
         let data = format!(
@@ -183,7 +185,8 @@ impl Fit {
     /// # Errors
     /// Units other than N against V, no chosen model.
     pub fn chosen(&self, actuator: &'static str) -> Result<Chosen, CharacteriseError> {
-        let (command, response) = (self.command_unit.as_str(), self.response_unit.as_str());
+        let command = self.command_unit.as_str();
+        let response = self.response_unit.as_str();
         if (command, response) != ("V", "N") {
             let problem = format!(
                 "its sweeps hold {response} against {command}, not N against V: convert them on import, or give them another actuator's name"

@@ -81,7 +81,8 @@ fn reason(
     left_out: &str,
     unit: &str,
 ) -> String {
-    let (winner, best) = (&candidates[chosen], &candidates[best]);
+    let winner = &candidates[chosen];
+    let best = &candidates[best];
     let error = best.quality.map(|q| left_out_error(&q, unit)).unwrap_or_default();
     let smallest = format!("the smallest cross-validated RMS ({error}, {left_out})");
     let simplest = candidates.iter().all(|c| c.complexity >= winner.complexity);

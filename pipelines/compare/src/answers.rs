@@ -116,12 +116,11 @@ impl Row<'_> {
             true => "cumulative logit".to_owned(),
             false => format!("means, as for a metric ({} points)", self.question.scale.points()),
         };
-        let shares = |effect: &Superiority| effect.shares.iter().flatten().count();
         AnswerDifference {
             question: self.question.id.clone(),
             environment: self.environment.clone(),
             contrast: self.contrast.clone(),
-            n: effect.map(shares),
+            n: effect.map(|effect| effect.shares.iter().flatten().count()),
             answers: self.answers,
             superiority: effect.map(|effect| effect.probability),
             superiority_ci_low: interval.map(|ends| ends.0),
@@ -272,13 +271,13 @@ fn of_environment<'a>(
 /// The answers as numbers.
 fn scores(answers: &Answers) -> Vec<Score> {
     let rows = 0..answers.value.len();
-    let score = |row: usize| Score {
+    rows.map(|row| Score {
         participant: answers.participant[row],
         session: answers.session[row],
         mode: answers.mode[row],
         value: answers.value[row].into(),
-    };
-    rows.map(score).collect()
+    })
+    .collect()
 }
 
 fn model(

@@ -114,7 +114,8 @@ impl Row {
 
     /// What the interval says of whether the difference is felt: a description, no claim.
     fn size(&self) -> Option<Size> {
-        let (low, high) = (self.in_jnds(|t| t.ci_low)?, self.in_jnds(|t| t.ci_high)?);
+        let low = self.in_jnds(|t| t.ci_low)?;
+        let high = self.in_jnds(|t| t.ci_high)?;
         Some(match () {
             () if low > 1.0 || high < -1.0 => Size::Felt,
             () if low > -1.0 && high < 1.0 => Size::BelowWhatIsFelt,
@@ -208,7 +209,8 @@ fn adjust(rows: &mut [Row], unit: &UnitOfAnalysis, alpha: f64) -> Result<(), Sta
     let adjusted = |p: fn(&Row, &UnitOfAnalysis) -> Option<f64>| {
         holm::adjusted(&rows.iter().filter_map(|row| p(row, unit)).collect::<Vec<_>>())
     };
-    let (claims, smallest) = (adjusted(Row::p_of_claim)?, adjusted(Row::smallest_p)?);
+    let claims = adjusted(Row::p_of_claim)?;
+    let smallest = adjusted(Row::smallest_p)?;
     let with_claim = rows.iter_mut().filter(|row| row.p_of_claim(unit).is_some());
     for (row, p) in with_claim.zip(claims) {
         row.p_adjusted = Some(p);
@@ -239,7 +241,8 @@ pub(crate) fn named(
     let row = |row: &Row| {
         let tested = row.tested.as_ref().ok();
         let by_t = tested.filter(|_| of_people);
-        let (pairs, level) = (row.pairs(), parameters.level);
+        let pairs = row.pairs();
+        let level = parameters.level;
         let av = effect::d_av(&pairs, level).ok();
         let av = av.filter(|_| asked(EffectSize::GAv) || asked(EffectSize::DAv));
         let z = effect::d_z(&pairs, level).ok();

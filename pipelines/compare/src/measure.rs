@@ -22,7 +22,8 @@ impl<'a> Measure<'a> {
         parameters: &'a MetricParameters,
     ) -> Result<Self, TableError> {
         let field = &metrics.table().column(parameters.metric.as_str())?.field;
-        let (unit, words) = (field.unit.as_ref().into(), field.description.to_string());
+        let unit = field.unit.as_ref().into();
+        let words = field.description.to_string();
         Ok(Self { parameters, unit, words })
     }
 }

@@ -94,11 +94,10 @@ pub(crate) fn sessions(measure: &Measure, changes: &Changes) -> Vec<MetricNote> 
              intervals by a parametric bootstrap (999); changes are of those who came to both.",
         ));
     }
-    let is_negative = |row: &SessionChange| {
+    if changes.rows.iter().any(|row| {
         let all = [row.icc_a1, row.icc_c1, row.icc_ak, row.icc_ck, row.icc_a1_all];
         all.into_iter().flatten().any(|icc| icc < 0.0)
-    };
-    if changes.rows.iter().any(is_negative) {
+    }) {
         notes.push(general(
             "An ICC below 0 means that participants differed less from each other than from themselves \
              in another session (chance alone can do that where participants are alike): one session \

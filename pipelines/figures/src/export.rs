@@ -41,11 +41,12 @@ fn points_of(layer: &Layer) -> Vec<Point> {
     let points = |name: &Option<String>, x: &[f64], columns: [&[f64]; 3]| -> Vec<Point> {
         let name: Option<Arc<str>> = name.as_deref().map(|name| markup::plain(name).into());
         let value = |column: &[f64], i: usize| column.get(i).copied().and_then(known);
-        let point = |i: usize| {
-            let [y, low, high] = columns.map(|column| value(column, i));
-            (name.clone(), [known(x[i]), y, low, high])
-        };
-        (0..x.len()).map(point).collect()
+        (0..x.len())
+            .map(|i| {
+                let [y, low, high] = columns.map(|column| value(column, i));
+                (name.clone(), [known(x[i]), y, low, high])
+            })
+            .collect()
     };
     match layer {
         Layer::Line(l) => points(&l.name, &l.x, [&l.y, &[], &[]]),

@@ -39,11 +39,11 @@ pub(crate) fn shared(scenes: &[&EnvironmentData], words: Words, signal: Signal) 
 
 /// The axis of time that holds the same.
 pub(crate) fn shared_time(scenes: &[&EnvironmentData]) -> Range {
-    let placed = |scene: &&&EnvironmentData| scene.aligned() == scenes[0].aligned();
-    let repeats = scenes.iter().filter(placed).flat_map(|scene| {
-        let all = scene.modes.iter().flat_map(|mode| &mode.repeats);
-        all.filter(|r| r.onset_s.is_some() || !scene.aligned())
-    });
+    let repeats =
+        scenes.iter().filter(|scene| scene.aligned() == scenes[0].aligned()).flat_map(|scene| {
+            let all = scene.modes.iter().flat_map(|mode| &mode.repeats);
+            all.filter(|r| r.onset_s.is_some() || !scene.aligned())
+        });
     match ends(repeats.flat_map(|repeat| repeat.time())) {
         Some((low, high)) if high > low => Range::Fixed(low, high),
         _ => Range::Tight,

@@ -36,8 +36,8 @@ pub(crate) fn stretch(t: &[f64], centre: usize) -> Option<Stretch> {
     if first == 0 || end == t.len() {
         return None;
     }
-    let part = |i: usize| Part::of((t[i] - at) / HALF_S, (t[i + 1] - t[i - 1]) / 2.0);
-    let parts: Vec<Part> = (first..end).map(part).collect();
+    let parts: Vec<Part> =
+        (first..end).map(|i| Part::of((t[i] - at) / HALF_S, (t[i + 1] - t[i - 1]) / 2.0)).collect();
     let whole: f64 = parts.iter().map(|p| p.weight).sum();
     Some(Stretch {
         first,

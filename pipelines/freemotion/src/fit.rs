@@ -108,7 +108,8 @@ impl Parameters {
     /// Those of a study.
     pub fn of(study: &Study) -> Self {
         let Analysis { onset_rad_s, confidence, .. } = study.analysis;
-        let (lever_m, coordinate) = (study.device.lever_m, study.coordinate);
+        let lever_m = study.device.lever_m;
+        let coordinate = study.coordinate;
         Self { lever_m, onset_rad_s, confidence, coordinate }
     }
 }

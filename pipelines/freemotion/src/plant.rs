@@ -55,8 +55,9 @@ pub struct PlantFit {
 /// the five apart.
 pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, FreeMotionError> {
     let column = |signal: Signal| recorded(&trial.samples, signal, NEEDS);
-    let (t, theta, velocity) =
-        (column(Signal::Time)?, column(Signal::Theta)?, column(Signal::ThetaDot)?);
+    let t = column(Signal::Time)?;
+    let theta = column(Signal::Theta)?;
+    let velocity = column(Signal::ThetaDot)?;
     let torque = torque(&trial.samples, parameters.lever_m)?;
     let least_rad_s = parameters.onset_rad_s;
     let rows: Vec<StretchMeans> = (0..t.len())

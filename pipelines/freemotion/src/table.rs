@@ -160,8 +160,7 @@ fn unseen(fits: &[PlantFit]) -> Vec<String> {
     ];
     let mut notes = Vec::new();
     for (what, get) in coefficients {
-        let around_zero = |f: &&PlantFit| get(f).ci_low <= 0.0 && get(f).ci_high >= 0.0;
-        let count = fits.iter().filter(around_zero).count();
+        let count = fits.iter().filter(|f| get(f).ci_low <= 0.0 && get(f).ci_high >= 0.0).count();
         let among = match fits.len() {
             1 => String::new(),
             all => format!(" in {count} of {all} recordings"),

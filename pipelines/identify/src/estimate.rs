@@ -81,21 +81,24 @@ pub(crate) fn covariance<const P: usize>(
 
 /// By how much the parameters move without each trial in turn, one Gauss–Newton step each.
 fn moved<const P: usize>(blocks: &[Block<P>], free: &[bool; P]) -> Option<Vec<[f64; P]>> {
-    let without = |g: usize| {
-        let others =
-            sum(blocks.iter().enumerate().filter(|(i, _)| *i != g).map(|(_, block)| block));
-        let inverse = inverse(&others.curvature, free)?;
-        let step = |j: usize| -(0..P).map(|k| inverse[j][k] * others.gradient[k]).sum::<f64>();
-        Some(core::array::from_fn(step))
-    };
-    (0..blocks.len()).map(without).collect()
+    (0..blocks.len())
+        .map(|g| {
+            let others =
+                sum(blocks.iter().enumerate().filter(|(i, _)| *i != g).map(|(_, block)| block));
+            let inverse = inverse(&others.curvature, free)?;
+            Some(core::array::from_fn(|j| {
+                -(0..P).map(|k| inverse[j][k] * others.gradient[k]).sum::<f64>()
+            }))
+        })
+        .collect()
 }
 
 /// (G − 1)/G times the sum of products of two parameters' departures from their means.
 fn jackknife<const P: usize>(moved: &[[f64; P]], j: usize, k: usize) -> f64 {
     let n = moved.len() as f64;
     let mean = |j: usize| moved.iter().map(|m| m[j]).sum::<f64>() / n;
-    let (mean_j, mean_k) = (mean(j), mean(k));
+    let mean_j = mean(j);
+    let mean_k = mean(k);
     (n - 1.0) / n * moved.iter().map(|m| (m[j] - mean_j) * (m[k] - mean_k)).sum::<f64>()
 }
 
@@ -157,7 +160,8 @@ pub(crate) fn inverse<const P: usize>(
 pub(crate) fn estimates<const P: usize>(
     problem: &Problem<P>,
     minimum: &Minimum<P>,
-    (blocks, slopes): (&[Block<P>], &[Vec<[f64; P]>]),
+    blocks: &[Block<P>],
+    slopes: &[Vec<[f64; P]>],
     level: f64,
 ) -> Result<Vec<Estimate>, IdentifyError> {
     let all = sum(blocks);
@@ -170,8 +174,8 @@ pub(crate) fn estimates<const P: usize>(
         let spread = spread(blocks, &free, j).filter(|_| free[j]);
         let fitted = minimum.parameters[j];
         let noisy = spread.filter(|spread| spread.std_error > NOISELESS * fitted.abs());
-        let curve = noisy
-            .and_then(|spread| Curve::new(problem, minimum, (&all, slopes), &free, (j, spread)));
+        let curve =
+            noisy.and_then(|spread| Curve::new(problem, minimum, &all, slopes, &free, j, spread));
         let critical = spread.map(|spread| critical_value(level, spread.df)).transpose()?;
         let interval = match (noisy, &curve) {
             (None, _) => spread.map(|_| (fitted, fitted)),

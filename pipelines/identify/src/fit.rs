@@ -37,7 +37,8 @@ impl<const P: usize> Problem<'_, P> {
 
     /// The least Σ r² with parameter `j` held at `value`, from `start`.
     pub(crate) fn held(&self, start: [f64; P], j: usize, value: f64) -> Option<f64> {
-        let (mut parameters, mut start) = (*self.parameters, start);
+        let mut parameters = *self.parameters;
+        let mut start = start;
         (parameters[j].lower, parameters[j].upper, start[j]) = (value, value, value);
         let held = Problem { parameters: &parameters, ..*self };
         held.from(start).ok().map(|minimum| minimum.rss)

@@ -90,7 +90,7 @@ pub fn identify<const P: usize>(
         }
     };
     Ok(Identified {
-        estimates: estimates(&problem, &minimum, (&blocks, &slopes), task.level)?,
+        estimates: estimates(&problem, &minimum, &blocks, &slopes, task.level)?,
         trials: recordings.par_iter().enumerate().map(one).collect(),
         covariance: covariance(&blocks, &free(parameters, &minimum.parameters, &sum(&blocks)))
             .map(|rows| rows.iter().map(|row| row.to_vec()).collect()),
@@ -117,11 +117,12 @@ fn without_each<const P: usize>(
     blocks: &[Block<P>],
 ) -> Vec<Option<[f64; P]>> {
     let free = free(parameters, at, &sum(blocks));
-    let without = |k: usize| {
-        let others = blocks.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, block)| block);
-        stepped(parameters, at, &free, &sum(others))
-    };
-    (0..blocks.len()).map(without).collect()
+    (0..blocks.len())
+        .map(|k| {
+            let others = blocks.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, block)| block);
+            stepped(parameters, at, &free, &sum(others))
+        })
+        .collect()
 }
 
 #[cfg(test)]

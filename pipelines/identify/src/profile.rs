@@ -58,13 +58,16 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
     pub(crate) fn new(
         problem: &'p Problem<'d, P>,
         minimum: &'p Minimum<P>,
-        (all, slopes): (&Block<P>, &'p [Vec<[f64; P]>]),
+        all: &Block<P>,
+        slopes: &'p [Vec<[f64; P]>],
         free: &[bool; P],
-        (j, spread): (usize, Spread),
+        j: usize,
+        spread: Spread,
     ) -> Option<Self> {
         let mut rest = *free;
         rest[j] = false;
-        let (others, inverse) = (inverse(&all.curvature, &rest)?, inverse(&all.curvature, free)?);
+        let others = inverse(&all.curvature, &rest)?;
+        let inverse = inverse(&all.curvature, free)?;
         let scale = inverse[j][j] / (spread.std_error * spread.std_error);
         let along = core::array::from_fn(|k| inverse[k][j] / inverse[j][j]);
         let std_error = spread.std_error;
@@ -101,16 +104,16 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
         let Parameter { lower, upper, .. } = self.problem.parameters[self.j];
         let bound = if side < 0.0 { lower } else { upper };
         let furthest = (bound - self.fitted()).abs();
-        let root = |distance: f64| {
+        let distance = meet(critical, critical * self.std_error, furthest, |distance| {
             let value = self.inside(self.fitted() + side * distance);
             Some(self.at(value)?.likelihood_ratio.sqrt())
-        };
-        let distance = meet(critical, critical * self.std_error, furthest, root)?;
+        })?;
         Some(self.inside(self.fitted() + side * distance))
     }
 
     fn at(&self, value: f64) -> Option<Point> {
-        let (minimum, away) = (self.minimum, value - self.fitted());
+        let minimum = self.minimum;
+        let away = value - self.fitted();
         let start =
             self.within(core::array::from_fn(|k| minimum.parameters[k] + away * self.along[k]));
         let rss = match away == 0.0 {
@@ -162,7 +165,8 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
 /// The distance from the fit at which `root` meets the level, by secants through the last two
 /// points, the first of which is the fit; `furthest` where it stays below up to there.
 fn meet(level: f64, first: f64, furthest: f64, root: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-    let (mut before, mut distance) = ([0.0, 0.0], first);
+    let mut before = [0.0, 0.0];
+    let mut distance = first;
     for _ in 0..MAX_SECANTS {
         let beyond = distance > furthest;
         let here = distance.min(furthest);

@@ -30,7 +30,8 @@ pub(crate) fn metas(count: u32) -> Vec<TrialMeta> {
 /// θ of trial `i`: a push there and back, each trial another one.
 pub(crate) fn pushed(i: usize, [mass_kg, damping, friction_n]: &[f64; 3]) -> Option<Vec<f64>> {
     let t_s: Vec<f64> = (0..=150).map(|k| f64::from(k) * 0.02).collect();
-    let (size, omega) = (1.5 + 0.1 * i as f64, 2.0 + 0.3 * i as f64);
+    let size = 1.5 + 0.1 * i as f64;
+    let omega = 2.0 + 0.3 * i as f64;
     let push = |t: f64| size * (1.0 - libm::cos(omega * t)) + 0.2 * libm::sin(11.0 * t);
     let value = t_s.iter().map(|t| push(*t)).collect();
     let scene = ModelScene {

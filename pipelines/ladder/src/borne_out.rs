@@ -62,12 +62,14 @@ pub fn choices(conditions: &[Vec<HeldOutModel>]) -> Vec<LadderChoice> {
 
 fn choice(models: &[HeldOutModel]) -> Option<LadderChoice> {
     let is = |role: TriedModel| models.iter().find(move |tried| tried.model == role);
-    let (own, fullest) = (is(TriedModel::Choice)?, is(TriedModel::Fullest));
+    let own = is(TriedModel::Choice)?;
+    let fullest = is(TriedModel::Fullest);
     let mut less: Vec<&HeldOutModel> =
         models.iter().filter(|tried| tried.model.lacks().is_some()).collect();
     // The best first.
     less.sort_by(|a, b| error(a).total_cmp(&error(b)));
-    let (least, most) = (less.first().copied(), less.last().copied());
+    let least = less.first().copied();
+    let most = less.last().copied();
     Some(LadderChoice {
         condition: own.condition.clone(),
         terms: own.terms,

@@ -52,7 +52,8 @@ impl Knobs {
     /// Those that a model with these terms has.
     fn used(set: TermSet) -> [bool; KNOBS] {
         let friction = set.has(LadderTerm::Friction);
-        let (lag, weight) = (set.has(LadderTerm::BrakeLag), set.has(LadderTerm::Gravity));
+        let lag = set.has(LadderTerm::BrakeLag);
+        let weight = set.has(LadderTerm::Gravity);
         [true, friction, friction, lag, weight]
     }
 
@@ -152,7 +153,8 @@ pub struct HeldOut {
 /// the error of none is infinite; `None` without trials.
 pub fn held_out(trials: &[Recorded], set: TermSet, looped: &Loop) -> Option<HeldOut> {
     let part = |rest: usize| trials.iter().skip(rest).step_by(2).collect::<Vec<_>>();
-    let (own, others) = (part(0), part(1));
+    let own = part(0);
+    let others = part(1);
     if own.is_empty() {
         return None;
     }
@@ -180,10 +182,11 @@ pub fn tried(trials: &[Recorded], choice: TermSet, fullest: TermSet, looped: &Lo
     let less = choice.terms().map(|term| (TriedModel::Without(term), choice.without(term)));
     let sets = std::iter::once((TriedModel::Choice, choice)).chain(less);
     let sets: Vec<(TriedModel, TermSet)> = sets.chain([(TriedModel::Fullest, fullest)]).collect();
-    let one = |(role, set): &(TriedModel, TermSet)| {
-        Some(Tried { role: *role, held_out: held_out(trials, *set, looped)? })
-    };
-    sets.par_iter().filter_map(one).collect()
+    sets.par_iter()
+        .filter_map(|(role, set)| {
+            Some(Tried { role: *role, held_out: held_out(trials, *set, looped)? })
+        })
+        .collect()
 }
 
 /// The numbers of a fitted model as a replay's table has them; what it has no term for is 0.

@@ -257,11 +257,10 @@ fn off(
     numbers: &[Measured],
     bounds: &Perception,
 ) -> Vec<f64> {
-    let of = |(i, full): (usize, &Measured)| {
+    let numbers = numbers.iter().enumerate().map(|(i, full)| {
         let value = found.get(i).and_then(|found| found.value);
         bounds.off(value, full.value, &full.unit, course.lever_m).unwrap_or(0.0)
-    };
-    let numbers = numbers.iter().enumerate().map(of);
+    });
     off_course(course, full, bounds).into_iter().chain(numbers).collect()
 }
 

@@ -43,8 +43,9 @@ pub(crate) fn model(base: &ModelScene, set: TermSet, point: &Point, period_s: f6
     let mut scene = ModelScene { plant: plant(base, point, &usual), ..base.clone() };
     scene.friction = set.has(LadderTerm::Friction).then(|| friction(base, point, &usual));
     scene.finger = set.has(LadderTerm::Finger).then(|| finger(base, point, &usual));
-    let motor_lag = || scaled(base.motor.lag_s, motor_lag_s(&point.twin), motor_lag_s(&usual.twin));
-    let lag_s = set.has(LadderTerm::MotorLag).then(motor_lag);
+    let lag_s = set
+        .has(LadderTerm::MotorLag)
+        .then(|| scaled(base.motor.lag_s, motor_lag_s(&point.twin), motor_lag_s(&usual.twin)));
     scene.motor = Motor { lag_s, ..base.motor };
     let lag_on_off_s = set.has(LadderTerm::BrakeLag).then(|| brake_lag(base, point, &usual));
     scene.brake = Brake { lag_on_off_s, ..base.brake };
@@ -124,6 +125,7 @@ fn finger(base: &ModelScene, point: &Point, usual: &Point) -> Finger {
 
 fn brake_lag(base: &ModelScene, point: &Point, usual: &Point) -> [f64; 2] {
     let of = |twin: &TwinParameters| [twin.brake_on_s, twin.brake_off_s];
-    let (value, default) = (of(&point.twin), of(&usual.twin));
+    let value = of(&point.twin);
+    let default = of(&usual.twin);
     std::array::from_fn(|i| scaled(base.brake.lag_on_off_s.map(|lag| lag[i]), value[i], default[i]))
 }

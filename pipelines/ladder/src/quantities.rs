@@ -59,9 +59,10 @@ fn slow(t_s: &[f64], force_n: &[f64]) -> Vec<f64> {
     for force in force_n {
         sums.push(sums[sums.len() - 1] + force);
     }
-    let mean =
-        |Range { start, end }: Range<usize>| (sums[end] - sums[start]) / (end - start) as f64;
-    windows(t_s).into_iter().map(mean).collect()
+    windows(t_s)
+        .into_iter()
+        .map(|Range { start, end }| (sums[end] - sums[start]) / (end - start) as f64)
+        .collect()
 }
 
 /// Whether a signal changes by more than its share within the window of each sample, or of one
@@ -81,7 +82,8 @@ fn jumps(t_s: &[f64], slow_n: &[f64]) -> Vec<bool> {
 
 /// The samples within 50 ms of each.
 fn windows(t_s: &[f64]) -> Vec<Range<usize>> {
-    let (mut start, mut end) = (0, 0);
+    let mut start = 0;
+    let mut end = 0;
     let window = |t: &f64| {
         while t_s[start] < t - HALF_WINDOW_S {
             start += 1;

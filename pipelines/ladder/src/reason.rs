@@ -10,9 +10,11 @@ pub fn reason(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
 
 fn kept(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
     let Some(without) = ladder.deciding(choice, term) else { return String::new() };
-    let (name, [be, it, make]) = (term.title(), words(term));
+    let name = term.title();
+    let [be, it, make] = words(term);
     if without.is_enough() {
-        let (more, less) = (without.evaluations, choice.evaluations);
+        let more = without.evaluations;
+        let less = choice.evaluations;
         return format!(
             "{name} {be} kept because {make} a run cheaper: without {it} {more:.0} evaluations instead of {less:.0}"
         );
@@ -33,7 +35,8 @@ fn words(term: LadderTerm) -> [&'static str; 3] {
 }
 
 fn left_out(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
-    let (name, [be, it, _]) = (term.title(), words(term));
+    let name = term.title();
+    let [be, it, _] = words(term);
     match ladder.deciding(choice, term) {
         Some(alone) if alone.set != choice.set => {
             format!("{name} {be} left out: the fullest model without {it} {}", off(ladder, alone))

@@ -121,7 +121,8 @@ fn ticked(model: &Model, looped: &Loop, frame: &Frame) -> Result<(Course, Cost),
     let mut control = Control::new(model, looped);
     let mut course = Course { lever_m: model.scene.plant.lever_m, ..Course::default() };
     let mut waiting: VecDeque<(f64, HeldCommand)> = VecDeque::new();
-    let (per_sample, ticks) = (frame.every * fine, frame.steps * frame.every * fine);
+    let per_sample = frame.every * fine;
+    let ticks = frame.steps * frame.every * fine;
     for k in 0..=ticks {
         let t_s = k as f64 * tick_s;
         run.advance(t_s)?;
@@ -139,7 +140,8 @@ fn ticked(model: &Model, looped: &Loop, frame: &Frame) -> Result<(Course, Cost),
             act(&mut run, &mut waiting, now_s)?;
         }
     }
-    let (decisions, entries) = (ticks as u64 + 1, scene.entries() as u64);
+    let decisions = ticks as u64 + 1;
+    let entries = scene.entries() as u64;
     Ok((course, Cost { work: run.work(), decisions, entries }))
 }
 

@@ -58,7 +58,8 @@ impl Sensors {
     /// A normal variate (Box & Muller 1958).
     fn normal(&mut self) -> f64 {
         let mut uniform = || ((self.noise.next_u64() >> 11) as f64 + 1.0) / (1_u64 << 53) as f64;
-        let (a, b) = (uniform(), uniform());
+        let a = uniform();
+        let b = uniform();
         (-2.0 * libm::log(a)).sqrt() * libm::cos(TAU * b)
     }
 }

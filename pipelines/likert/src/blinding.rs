@@ -195,7 +195,8 @@ fn over_participants(
 
 fn notes(of: &Blinding, participants: usize) -> Vec<(NoteKind, String)> {
     let choices = || of.guesses.iter().map(|guess| guess.choices);
-    let (few, many) = (choices().min().unwrap_or_default(), choices().max().unwrap_or_default());
+    let few = choices().min().unwrap_or_default();
+    let many = choices().max().unwrap_or_default();
     let k = if few == many { few.to_string() } else { format!("{few} to {many}") };
     let form = match many {
         2 => "It is the index of Bang, Ni & Davis 2004",

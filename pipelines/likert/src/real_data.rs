@@ -28,7 +28,9 @@ fn rows(path: PathBuf) -> Vec<Vec<String>> {
 fn questions(rows: &[Vec<String>]) -> Vec<(usize, Question)> {
     let question = |(i, row): (usize, &Vec<String>)| {
         let id = QuestionId::new(format!("q{i}")).unwrap();
-        let (group, text, reversed) = (Some(row[0].clone()), row[1].clone(), row[2] == "-1");
+        let group = Some(row[0].clone());
+        let text = row[1].clone();
+        let reversed = row[2] == "-1";
         let scale = AnswerScale::FivePoint;
         (row[2] != OTHER_SCALE)
             .then_some((BEFORE + i, Question { id, text, group, scale, reversed }))
@@ -39,14 +41,15 @@ fn questions(rows: &[Vec<String>]) -> Vec<(usize, Question)> {
 fn scheme(questions: &[(usize, Question)]) -> Scheme {
     let mut study =
         Study::from_toml(&zwidth_study::template(&StudyId::new("shoes").unwrap())).unwrap();
-    let mode = |id: &str| Mode {
-        id: ModeId::new(id).unwrap(),
-        label: id.to_owned(),
-        motor_max_v: None,
-        brake_max_v: None,
-        law: None,
-    };
-    study.modes = ["HED", "HIP", "STF", "AVG"].map(mode).to_vec();
+    study.modes = ["HED", "HIP", "STF", "AVG"]
+        .map(|id| Mode {
+            id: ModeId::new(id).unwrap(),
+            label: id.to_owned(),
+            motor_max_v: None,
+            brake_max_v: None,
+            law: None,
+        })
+        .to_vec();
     study.environments.truncate(1);
     study.environments[0].scene = Scene::None;
     study.questions = questions.iter().map(|(_, q)| q.clone()).collect();
@@ -70,7 +73,8 @@ fn answer(row: &[String], value: &str, question: &QuestionId) -> Answer {
 
 /// The counts 1 … 5 of the pooled row of `group`, for each mode.
 fn pooled(table: &Table, group: &str) -> Vec<[i64; 5]> {
-    let (flags, groups) = (table.flags("pooled").unwrap(), table.texts("group").unwrap());
+    let flags = table.flags("pooled").unwrap();
+    let groups = table.texts("group").unwrap();
     let counts =
         ["count_1", "count_2", "count_3", "count_4", "count_5"].map(|c| table.integers(c).unwrap());
     let rows = (0..table.height())

@@ -158,7 +158,8 @@ pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Vec<AnswerTally>, Li
 
 /// The row of a group's answers, without its name.
 fn row(condition: &Condition, counts: &Counts) -> AnswerTally {
-    let (is_ordinal, medians) = (counts.scale().is_ordinal(), counts.medians());
+    let is_ordinal = counts.scale().is_ordinal();
+    let medians = counts.medians();
     let point = |point: u8| counts.of_point(point).filter(|_| is_ordinal);
     let sum = |value: Option<f64>| value.filter(|_| !is_ordinal);
     AnswerTally {
@@ -329,11 +330,12 @@ fn turned(scales: &[AnswerScale]) -> String {
 fn about_point(scales: &[&AnswerScale], point: u8) -> String {
     let here = scales.iter().filter(|scale| point <= scale.points());
     let numbered = here.clone().all(|scale| scale.answer_at(point) == i16::from(point));
-    let word = |scale: &&AnswerScale| match numbered {
-        true => scale.word(i16::from(point)).map(str::to_owned),
-        false => Some(scale.worded(scale.answer_at(point))),
-    };
-    let words: Vec<String> = here.filter_map(word).collect();
+    let words: Vec<String> = here
+        .filter_map(|scale| match numbered {
+            true => scale.word(i16::from(point)).map(str::to_owned),
+            false => Some(scale.worded(scale.answer_at(point))),
+        })
+        .collect();
     let which =
         if numbered { format!("answers {point}") } else { format!("answers at point {point}") };
     let colon = if words.is_empty() { "" } else { ": " };

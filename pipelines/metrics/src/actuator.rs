@@ -70,11 +70,14 @@ pub(crate) fn actuator_discrepancy(
     let mut motion = Derivator::new(&t, &theta, HALF_S);
     let mut motion = |i: usize| <[f64; 2]>::from(motion.at(i));
     let [slower, later] = branches.gaps(|i| while_held(&mut motion, i, theta.len()));
-    let (inertia, damping) = (plant.mass_kg * lever_m, plant.damping_ns_per_rad);
+    let inertia = plant.mass_kg * lever_m;
+    let damping = plant.damping_ns_per_rad;
     let of_plant = |i: usize| inertia * later[i] + damping * slower[i] + 2.0 * plant.friction_n;
     let d: Vec<f64> = (0..user.len()).map(|i| user[i] - of_plant(i)).collect();
     let at = |d: Vec<f64>| Gap::new(branches.grid.clone(), d, theta[reversal]);
-    let (gap, slower, later) = (at(d), at(slower), at(later));
+    let gap = at(d);
+    let slower = at(slower);
+    let later = at(later);
     let level = analysis.confidence;
     let mean = gap.mean()?;
     let felt = [lever_m * later.mean()?, slower.mean()?, 2.0];
@@ -104,7 +107,8 @@ fn while_held<const N: usize>(
     i: usize,
     samples: usize,
 ) -> [f64; N] {
-    let (now, next) = (y(i), y((i + 1).min(samples - 1)));
+    let now = y(i);
+    let next = y((i + 1).min(samples - 1));
     std::array::from_fn(|j| (now[j] + next[j]) / 2.0)
 }
 

@@ -23,7 +23,8 @@ fn advancing(
     left: Option<f64>,
     direction: f64,
 ) -> Vec<u32> {
-    let (mut branch, mut farthest) = (Vec::new(), left);
+    let mut branch = Vec::new();
+    let mut farthest = left;
     for i in samples {
         if farthest.is_none_or(|farthest| direction * theta[i] > direction * farthest) {
             // a recording has fewer samples than that: the store has checked
@@ -50,8 +51,10 @@ impl<'a> Branches<'a> {
         let forward = advancing(theta, onset..=reversal, None, 1.0);
         let backward = advancing(theta, reversal + 1..=end, Some(theta[reversal]), -1.0);
         let ends = |branch: &[u32]| Some((at(theta, *branch.first()?), at(theta, *branch.last()?)));
-        let (ahead, back) = (ends(&forward)?, ends(&backward)?);
-        let (low, high) = (ahead.0.max(back.0), ahead.1.min(back.1));
+        let ahead = ends(&forward)?;
+        let back = ends(&backward)?;
+        let low = ahead.0.max(back.0);
+        let high = ahead.1.min(back.1);
         if high <= low || high - low < LEAST_SHARE * (ahead.1 - ahead.0) || points < 2 {
             return None;
         }
@@ -69,7 +72,9 @@ impl<'a> Branches<'a> {
         [&self.forward, &self.backward].map(|branch| {
             let theta = |k: usize| at(self.theta, branch[k]);
             // The first sample that is not before the angle, what is there, and what is before it.
-            let (mut k, mut here, mut before) = (0, y(branch[0] as usize), None);
+            let mut k = 0;
+            let mut here = y(branch[0] as usize);
+            let mut before = None;
             let mut found = Vec::with_capacity(self.grid.len());
             for angle in &self.grid {
                 let from = k;

@@ -56,7 +56,8 @@ pub(crate) fn compliance(signals: &Signals, parameters: &Parameters) -> Complian
 
 /// The movements in order, true for a way forward.
 fn ways(signals: &Signals) -> Option<Vec<bool>> {
-    let (theta, phases) = (signals.theta()?, signals.phases?);
+    let theta = signals.theta()?;
+    let phases = signals.phases?;
     let moving = &theta[phases.onset..=phases.end];
     let least = MOVEMENT_SHARE * range(moving);
     Some(zigzag(moving, least).iter().map(|leg| leg.up).collect())
@@ -69,14 +70,16 @@ pub(crate) fn range(values: &[f64]) -> f64 {
 }
 
 fn in_time(signals: &Signals, limit_s: f64) -> Option<bool> {
-    let (activity, t) = (signals.activity?, signals.t().ok()?);
+    let activity = signals.activity?;
+    let t = signals.t().ok()?;
     let last = activity.end.unwrap_or(t.len() - 1);
     let took_s = t[last] - t[activity.onset];
     (activity.end.is_some() || took_s > limit_s).then_some(took_s <= limit_s)
 }
 
 fn inside(theta: Option<&[f64]>, parameters: &Parameters) -> Option<bool> {
-    let (min, max) = (parameters.theta_min_rad?, parameters.theta_max_rad?);
+    let min = parameters.theta_min_rad?;
+    let max = parameters.theta_max_rad?;
     let (low, high) = ends(theta?);
     let excess = OUTSIDE_SHARE * (max - min);
     Some(low >= min - excess && high <= max + excess)

@@ -76,7 +76,8 @@ pub(crate) fn discrepancy(
     let area = loop_area(&theta[onset..=end], &force[onset..=end])?;
     let [d] = branches.gaps(|i| [force[i]]);
     let gap = Gap::new(branches.grid, d, theta[reversal]);
-    let (mean, line) = (gap.mean()?, gap.line_in_the_middle(level)?);
+    let mean = gap.mean()?;
+    let line = gap.line_in_the_middle(level)?;
     let mean_interval = around(mean, line, 1.0, level)?;
     let loop_area_j = signals.lever_m.map(|lever_m| lever_m * area);
     let area_interval = match signals.lever_m {
@@ -105,8 +106,7 @@ fn around(
     factor: f64,
     level: f64,
 ) -> Result<Option<Estimate>, MetricsError> {
-    let interval = |line: Estimate| t_interval(centre, factor * line.std_error, line.df, level);
-    Ok(line.map(interval).transpose()?)
+    Ok(line.map(|line| t_interval(centre, factor * line.std_error, line.df, level)).transpose()?)
 }
 
 #[cfg(test)]

@@ -48,7 +48,8 @@ pub(crate) fn electrical_energy(signals: &Signals, parameters: &Parameters) -> E
     if !(parameters.uses_motor || parameters.uses_brake) {
         return ElectricalEnergy::default();
     }
-    let (taken_j, bound_j) = (taken_j(signals, parameters), bound_j(signals, parameters));
+    let taken_j = taken_j(signals, parameters);
+    let bound_j = bound_j(signals, parameters);
     let commanded = held(signals, Signal::ForceCmd, |f| f.abs());
     let share = |energy_j: Option<f64>| {
         let both = commanded.zip(energy_j).filter(|(force, energy)| *force > 0.0 && *energy > 0.0);
@@ -68,9 +69,9 @@ fn taken_j(signals: &Signals, parameters: &Parameters) -> Option<f64> {
         if !used {
             return Some(0.0);
         }
-        let (v, a) = (signals.column(voltage)?, signals.channel(current)?);
-        let power = |i: usize| v[i] * (a[i] + a[i + 1]) / 2.0;
-        Some(over_time(&signals.t().ok()?, power))
+        let v = signals.column(voltage)?;
+        let a = signals.channel(current)?;
+        Some(over_time(&signals.t().ok()?, |i| v[i] * (a[i] + a[i + 1]) / 2.0))
     };
     let motor_j = taken(parameters.uses_motor, Signal::VoltageMotor, CURRENT_MOTOR)?;
     Some(motor_j + taken(parameters.uses_brake, Signal::VoltageBrake, CURRENT_BRAKE)?)
@@ -103,12 +104,12 @@ fn over_time(t: &[f64], power: impl Fn(usize) -> f64) -> f64 {
 
 /// ∫ |F_cmd| L |dθ| while the motor is on.
 fn driven_j(signals: &Signals) -> Option<f64> {
-    let (voltage, force) =
-        (signals.column(Signal::VoltageMotor)?, signals.column(Signal::ForceCmd)?);
-    let (theta, lever_m) = (signals.theta()?, signals.lever_m?);
-    let on = |i: &usize| voltage[*i] != 0.0;
+    let voltage = signals.column(Signal::VoltageMotor)?;
+    let force = signals.column(Signal::ForceCmd)?;
+    let theta = signals.theta()?;
+    let lever_m = signals.lever_m?;
     let step = |i: usize| force[i].abs() * lever_m * (theta[i + 1] - theta[i]).abs();
-    Some((0..theta.len().saturating_sub(1)).filter(on).map(step).sum())
+    Some((0..theta.len().saturating_sub(1)).filter(|i| voltage[*i] != 0.0).map(step).sum())
 }
 
 #[cfg(test)]

@@ -131,7 +131,8 @@ pub fn trial_metrics<'a>(
     let Recorded { meta, columns } = trial.into();
     let signals = Signals::of(columns, parameters)?;
     let analysis = &parameters.analysis;
-    let (spring, wall_rad) = (parameters.scene.spring(), parameters.scene.wall_rad());
+    let spring = parameters.scene.spring();
+    let wall_rad = parameters.scene.wall_rad();
     let discrepancy = spring
         .map(|_| discrepancy::discrepancy(&signals, analysis.grid_points, analysis.confidence));
     let rendering =

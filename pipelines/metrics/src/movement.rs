@@ -53,22 +53,23 @@ pub(crate) fn movement(
     signals: &Signals,
     parameters: &Parameters,
 ) -> Result<Movement, MetricsError> {
-    let (activity, phases) = (signals.activity, signals.phases);
+    let activity = signals.activity;
+    let phases = signals.phases;
     let ways = phases.map(|p| [(p.onset, p.reversal), (p.reversal, p.end)]);
     // The angle before the velocity, so that no more than two columns are needed at a time.
     let angles = signals.theta().map(|theta| Angles::of(&theta, ways, parameters));
-    let (t, theta_dot) = (signals.t()?, signals.theta_dot());
-    let speed = |(from, to): (usize, usize)| {
-        theta_dot.as_ref().map(|v| speed(&t[from..=to], &v[from..=to]))
-    };
-    let [forward, backward] = ways.map_or([None; 2], |ways| ways.map(speed));
+    let t = signals.t()?;
+    let theta_dot = signals.theta_dot();
+    let [forward, backward] = ways.map_or([None; 2], |ways| {
+        ways.map(|(from, to)| theta_dot.as_ref().map(|v| speed(&t[from..=to], &v[from..=to])))
+    });
     let smoothness = |way: usize| {
         let (from, to) = ways.filter(|_| angles.is_some_and(|a| a.is_movement[way]))?[way];
         Smoothness::of(&t[from..=to], &theta_dot.as_ref()?[from..=to])
     };
     let smoothness = [smoothness(0), smoothness(1)];
-    let (onset_s, end_s) =
-        (activity.map(|a| t[a.onset]), activity.and_then(|a| a.end).map(|i| t[i]));
+    let onset_s = activity.map(|a| t[a.onset]);
+    let end_s = activity.and_then(|a| a.end).map(|i| t[i]);
     let reversal_s = phases.map(|p| t[p.reversal]);
     drop((t, theta_dot));
     signals.forget();

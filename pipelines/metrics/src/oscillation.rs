@@ -73,7 +73,8 @@ fn swings_of(t: &[f64], theta: &[f64]) -> Swings {
 
 /// Mean rate of samples, Hz; `None` for a single one.
 fn rate_hz(t: &[f64]) -> Option<f64> {
-    let (first, last) = (t.first()?, t.last()?);
+    let first = t.first()?;
+    let last = t.last()?;
     (last > first).then(|| (t.len() - 1) as f64 / (last - first))
 }
 

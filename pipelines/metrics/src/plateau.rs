@@ -32,9 +32,13 @@ pub(crate) fn plateau(u: &[f64], f: &[f64]) -> Option<f64> {
     order.sort_unstable_by(|a, b| u[*a as usize].total_cmp(&u[*b as usize]).then(a.cmp(b)));
     let points = Points { order: &order, u, f };
     let (at, u_s, rss) = best_division(points)?;
-    let (line, flat) = (points.part(0..at), points.part(at..order.len()));
-    let (whole, rise, on) = (points.fit()?, line.fit()?.slope, flat.fit()?.slope);
-    let (first, last) = (points.at(0).0, points.at(order.len() - 1).0);
+    let line = points.part(0..at);
+    let flat = points.part(at..order.len());
+    let whole = points.fit()?;
+    let rise = line.fit()?.slope;
+    let on = flat.fit()?.slope;
+    let first = points.at(0).0;
+    let last = points.at(order.len() - 1).0;
     let is_long = last - u_s >= LEAST_SPAN * (last - first);
     let is_flat = rise > 0.0 && on < FLAT * rise;
     let is_better = rss <= BETTER * whole.rss;
@@ -160,7 +164,8 @@ fn best_division(points: Points) -> Option<(usize, f64, f64)> {
         }
         let (intercept, slope, rss_line) = below.line();
         let (level, rss_flat) = all.without(below).mean();
-        let (meets, rss) = ((level - intercept) / slope, rss_line + rss_flat);
+        let meets = (level - intercept) / slope;
+        let rss = rss_line + rss_flat;
         let between = centred(at - 1).0 <= meets && meets <= centred(at).0;
         if between && best.is_none_or(|(_, _, least)| rss < least) {
             best = Some((at, meets + u0, rss));

@@ -42,8 +42,9 @@ impl Sorted {
         some.sort_by(f64::total_cmp);
         let Some((first, last)) = some.first().zip(some.last()) else { return self };
         let steps = some.windows(2).map(|two| two[1] - two[0]);
-        let step = |least: f64, step| if step > LEAST_RAD && step < least { step } else { least };
-        let least = steps.fold(self.with(*first).least, step);
+        let least = steps.fold(self.with(*first).least, |least, step| {
+            if step > LEAST_RAD && step < least { step } else { least }
+        });
         Self { last: Some(*last), least }
     }
 }
@@ -59,7 +60,8 @@ fn within(theta: &[f64], (low, high): (f64, f64), before: Sorted, at_once: usize
     let mut found = before;
     for part in 0..parts {
         let is_last = part + 1 == parts;
-        let (from, to) = (bound(part), bound(part + 1));
+        let from = bound(part);
+        let to = bound(part + 1);
         let is_in = |theta: f64| theta >= from && (theta < to || is_last) && theta <= high;
         let angles = || theta.iter().copied().filter(|theta| is_in(*theta));
         let some: Vec<f64> = angles().take(at_once + 1).collect();

@@ -41,11 +41,12 @@ impl<'a> Signals<'a> {
     ) -> Result<Self, MetricsError> {
         let motion = Self::of_motion(columns, parameters)?;
         let on = |voltage: Signal, bit: u16| {
-            let (voltage, flags) = (columns.column(voltage), columns.column(Signal::StateBits));
+            let voltage = columns.column(voltage);
+            let flags = columns.column(Signal::StateBits);
             on(voltage.as_deref(), flags.as_deref(), bit)
         };
-        let (brake_on, motor_on) =
-            (on(Signal::VoltageBrake, BRAKE_ON), on(Signal::VoltageMotor, MOTOR_ON));
+        let brake_on = on(Signal::VoltageBrake, BRAKE_ON);
+        let motor_on = on(Signal::VoltageMotor, MOTOR_ON);
         Ok(Self { brake_on, motor_on, ..motion })
     }
 
@@ -135,7 +136,8 @@ fn force_updates(columns: &dyn Columns) -> Option<(Arc<Vec<f64>>, Updates)> {
         return None;
     }
     let t = columns.column(Signal::Time)?;
-    let (recorded, age) = (columns.column(Signal::ForceEx)?, columns.column(Signal::ForceAge)?);
+    let recorded = columns.column(Signal::ForceEx)?;
+    let age = columns.column(Signal::ForceAge)?;
     let updates = updates(&t, &recorded, &age);
     Some((Arc::new(updates.at(&t)), updates))
 }

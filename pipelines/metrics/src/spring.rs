@@ -97,8 +97,7 @@ pub(crate) fn spring_rendering(
     let begins = velocity.and_then(|v| return_begins(&v, phases, onset_rad_s, offset_rad_s));
     let return_force_n = begins.and_then(|begins| Some(signals.force()?[begins]));
     let force_rms_error_n = fit.rms_error(signals, phases);
-    let from_rest = |theta: f64| theta - spring.rest_rad;
-    let u = fit.taken(signals.theta(), phases, from_rest);
+    let u = fit.taken(signals.theta(), phases, |theta| theta - spring.rest_rad);
     signals.forget();
     let f = fit.taken(signals.force(), phases, |force| force);
     signals.forget();
@@ -131,7 +130,8 @@ impl Fit {
 
     /// √mean (F_ex − F_cmd)².
     fn rms_error(&self, signals: &Signals, phases: Phases) -> Option<f64> {
-        let (force, commanded) = (signals.force()?, signals.column(Signal::ForceCmd)?);
+        let force = signals.force()?;
+        let commanded = signals.column(Signal::ForceCmd)?;
         let both = force.iter().zip(commanded.iter()).skip(phases.onset);
         let both = self.0.iter().zip(both).filter(|(is_in, _)| **is_in).map(|(_, both)| both);
         let (n, squares) =

@@ -64,8 +64,9 @@ fn changes(states: &[bool]) -> i64 {
 fn actuator_switches(signals: &Signals, Phases { onset, end, .. }: Phases) -> Option<i64> {
     let known: Vec<&Vec<bool>> =
         [&signals.motor_on, &signals.brake_on].into_iter().flatten().collect();
-    let changes = |i: &usize| known.iter().any(|on| on[*i] != on[*i + 1]);
-    (!known.is_empty()).then(|| (onset..end).filter(changes).count() as i64)
+    (!known.is_empty()).then(|| {
+        (onset..end).filter(|i| known.iter().any(|on| on[*i] != on[*i + 1])).count() as i64
+    })
 }
 
 #[cfg(test)]

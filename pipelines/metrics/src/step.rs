@@ -45,16 +45,20 @@ pub(crate) fn step_response(signals: &Signals) -> StepResponse {
 }
 
 fn response(signals: &Signals) -> Option<StepResponse> {
-    let (reference, theta, t) = (signals.channel(REFERENCE)?, signals.theta()?, signals.t().ok()?);
+    let reference = signals.channel(REFERENCE)?;
+    let theta = signals.theta()?;
+    let t = signals.t().ok()?;
     let at = step(&reference)?;
-    let (from, to) = (reference[at - 1], reference[at]);
+    let from = reference[at - 1];
+    let to = reference[at];
     let is_changed = |r: &f64| (r - to).abs() > CHANGED * (to - from).abs();
     let end = reference[at..].iter().position(is_changed).map_or(t.len(), |n| at + n);
     if end - at < LEAST_SAMPLES {
         return None;
     }
     let step_rad = Some(to - from);
-    let (t, theta) = (&t[at..end], &theta[at..end]);
+    let t = &t[at..end];
+    let theta = &theta[at..end];
     let last_s = t[t.len() - 1] - LAST * (t[t.len() - 1] - t[0]);
     let last = &theta[t.partition_point(|t| *t < last_s)..];
     let rest = last.iter().sum::<f64>() / last.len() as f64;
@@ -78,11 +82,11 @@ fn response(signals: &Signals) -> Option<StepResponse> {
 
 /// The first sample with the new value of the first step.
 fn step(reference: &[f64]) -> Option<usize> {
-    let ends = |(low, high): (f64, f64), r: &f64| (low.min(*r), high.max(*r));
-    let (low, high) = reference.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    let (low, high) = reference
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(*r), high.max(*r)));
     let least = STEP * (high - low);
-    let is_step = |w: &[f64]| least > 0.0 && (w[1] - w[0]).abs() >= least;
-    reference.windows(2).position(is_step).map(|i| i + 1)
+    reference.windows(2).position(|w| least > 0.0 && (w[1] - w[0]).abs() >= least).map(|i| i + 1)
 }
 
 /// When a share of the way is first reached.
@@ -93,8 +97,7 @@ fn first_at(t: &[f64], share: &[f64], level: f64) -> Option<f64> {
 
 /// From when on the share stays close to 1.
 fn settled_at(t: &[f64], share: &[f64]) -> f64 {
-    let is_off = |share: &f64| (share - 1.0).abs() > SETTLED;
-    match share.iter().rposition(is_off) {
+    match share.iter().rposition(|share| (share - 1.0).abs() > SETTLED) {
         None => t[0],
         Some(last) if last + 1 == t.len() => t[last],
         Some(last) => {
@@ -106,7 +109,8 @@ fn settled_at(t: &[f64], share: &[f64]) -> f64 {
 
 /// When the line from the sample before `after` to that one is at `level`.
 fn crossing(t: &[f64], share: &[f64], after: usize, level: f64) -> f64 {
-    let (before, step) = (share[after - 1], share[after] - share[after - 1]);
+    let before = share[after - 1];
+    let step = share[after] - share[after - 1];
     t[after - 1] + (level - before) / step * (t[after] - t[after - 1])
 }
 

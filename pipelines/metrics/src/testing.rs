@@ -13,13 +13,14 @@ pub(crate) const LEVER_M: f64 = 0.045;
 pub(crate) fn stroke(stroke_rad: f64, period_s: f64) -> Vec<(f64, f64, f64)> {
     let omega = core::f64::consts::TAU / period_s;
     let samples = ((period_s + 1.0) * RATE_HZ) as u32;
-    let point = |i: u32| {
-        let t = f64::from(i) / RATE_HZ;
-        let phase = omega * (t - 0.5).clamp(0.0, period_s);
-        let theta = REST_RAD + stroke_rad * (1.0 - libm::cos(phase)) / 2.0;
-        (t, theta, stroke_rad * omega / 2.0 * libm::sin(phase))
-    };
-    (0..=samples).map(point).collect()
+    (0..=samples)
+        .map(|i| {
+            let t = f64::from(i) / RATE_HZ;
+            let phase = omega * (t - 0.5).clamp(0.0, period_s);
+            let theta = REST_RAD + stroke_rad * (1.0 - libm::cos(phase)) / 2.0;
+            (t, theta, stroke_rad * omega / 2.0 * libm::sin(phase))
+        })
+        .collect()
 }
 
 /// A trial in the environment `spring` with the given motion and F(θ, θ̇).

@@ -100,9 +100,9 @@ pub(crate) fn wall_contact(
         past.over_pieces(|p| p.mean(&f) * (p.to - p.from) * (theta[p.i + 1] - theta[p.i]))
     });
     let hold =
-        signals.force().and_then(|f| hold_rigidity(&theta, &f, (wall_rad, highest), count_rad));
+        signals.force().and_then(|f| hold_rigidity(&theta, &f, wall_rad, highest, count_rad));
     let stiffness = match signals.force() {
-        Some(f) => stiffness(&theta, &f, (wall_rad, highest), analysis.confidence)?,
+        Some(f) => stiffness(&theta, &f, wall_rad, highest, analysis.confidence)?,
         None => None,
     };
     let at_wall = first_passing(&signals.t()?, &theta, wall_rad);
@@ -111,7 +111,7 @@ pub(crate) fn wall_contact(
     let rigidity = signals
         .force()
         .zip(first_n)
-        .and_then(|(f, first_n)| rigidity(&theta, &f, wall_rad, (first_n, count_rad)));
+        .and_then(|(f, first_n)| rigidity(&theta, &f, wall_rad, first_n, count_rad));
     drop(theta);
     let force_max_n = signals.force().and_then(|f| past.largest(&f));
     let t = signals.t()?;
@@ -151,7 +151,8 @@ fn rigidity(
     theta: &[f64],
     force: &[f64],
     wall: f64,
-    (first_n, count_rad): (f64, f64),
+    first_n: f64,
+    count_rad: f64,
 ) -> Option<(f64, bool)> {
     let past = (0..theta.len()).filter(|i| theta[*i] > wall);
     let most = past.reduce(|most, i| if force[i] > force[most] { i } else { most })?;
@@ -165,7 +166,8 @@ fn rigidity(
 fn hold_rigidity(
     theta: &[f64],
     force: &[f64],
-    (wall, highest): (f64, f64),
+    wall: f64,
+    highest: f64,
     count_rad: f64,
 ) -> Option<f64> {
     let held = |theta: &f64| *theta > wall && highest - theta <= SAME * count_rad;
@@ -180,7 +182,8 @@ fn hold_rigidity(
 fn stiffness(
     theta: &[f64],
     force: &[f64],
-    (wall, highest): (f64, f64),
+    wall: f64,
+    highest: f64,
     level: f64,
 ) -> Result<Option<Estimate>, MetricsError> {
     let deepest = theta.iter().position(|theta| *theta >= highest).unwrap_or_default();
@@ -255,7 +258,8 @@ impl Past {
 
 /// The longest time, s, from the first to the last of neighbouring samples that are all `still`.
 fn longest(t: &[f64], still: impl Fn(usize) -> bool) -> f64 {
-    let (mut since, mut most) = (None, 0.0_f64);
+    let mut since = None;
+    let mut most = 0.0_f64;
     for (i, now) in t.iter().enumerate() {
         since = still(i).then(|| since.unwrap_or(*now));
         most = most.max(since.map_or(0.0, |since| now - since));
@@ -278,7 +282,8 @@ pub(crate) struct Contact {
 /// the angles travelled.
 pub(crate) fn contacts(theta: &[f64], wall: f64) -> Vec<Contact> {
     let retreat = wall - REBOUND_SHARE * range(theta);
-    let (mut touches, mut found) = (false, Vec::<Contact>::new());
+    let mut touches = false;
+    let mut found = Vec::<Contact>::new();
     for (i, &theta) in theta.iter().enumerate() {
         if theta > wall {
             match found.last_mut().filter(|_| touches) {

@@ -213,7 +213,8 @@ fn near_expm1(x: f64) -> f64 {
     const TERMS: usize = 12;
     /// 1/n! from 1 on.
     const SHARES: [f64; TERMS] = {
-        let (mut shares, mut n) = ([1.0; TERMS], 1);
+        let mut shares = [1.0; TERMS];
+        let mut n = 1;
         while n < TERMS {
             shares[n] = shares[n - 1] / (n + 1) as f64;
             n += 1;
@@ -254,16 +255,15 @@ fn hats(t: &[f64], theta: &[f64], force: &Updates) -> Vec<Hat> {
             half_base_s: (times[2] - times[0]) / 2.0,
         }
     };
-    let in_force = |hat: &Hat| t[hat.nodes[0]] >= *first && t[hat.nodes[2]] <= *last;
-    let of = |run: Run| {
-        let starts = (run.from..).step_by(quarter).take_while(move |at| at + 4 * quarter <= run.to);
-        starts.map(move |at| (at, run.direction))
-    };
     runs(t, theta, &nodes)
         .into_iter()
-        .flat_map(of)
+        .flat_map(|run| {
+            let starts =
+                (run.from..).step_by(quarter).take_while(move |at| at + 4 * quarter <= run.to);
+            starts.map(move |at| (at, run.direction))
+        })
         .map(|(at, s)| hat(at, s))
-        .filter(in_force)
+        .filter(|hat| t[hat.nodes[0]] >= *first && t[hat.nodes[2]] <= *last)
         .collect()
 }
 
@@ -294,7 +294,8 @@ fn runs(t: &[f64], theta: &[f64], nodes: &[usize]) -> Vec<Run> {
         i8::from(velocity > MOVING_RAD_S) - i8::from(velocity < -MOVING_RAD_S)
     };
     let directions: Vec<i8> = nodes.windows(2).map(direction).collect();
-    let (mut runs, mut from) = (Vec::new(), 0);
+    let mut runs = Vec::new();
+    let mut from = 0;
     for stretch in directions.chunk_by(|a, b| a == b) {
         let to = from + stretch.len();
         if stretch[0] != 0 && stretch.len() > 2 {
@@ -318,7 +319,8 @@ impl Impulse {
         let [mut force_ns, mut moment_ns2] = [(); 2].map(|()| Vec::with_capacity(t.len()));
         force_ns.push(0.0);
         moment_ns2.push(0.0);
-        let (mut force, mut moment) = (0.0, 0.0);
+        let mut force = 0.0;
+        let mut moment = 0.0;
         for ([part, lever], from) in parts.zip(t) {
             force += part;
             moment += lever + from * part;
@@ -351,7 +353,8 @@ impl Impulse {
         let falling = falling.as_ref().unwrap_or(&rising);
         let mut level = 0.0;
         let part = |((pair, command), (rising, falling)): ((&[f64], &f64), (&f64, &f64))| {
-            let (h, off) = (pair[1] - pair[0], level - command);
+            let h = pair[1] - pair[0];
+            let off = level - command;
             level = *command;
             let held = [command * h, command * h * h / 2.0];
             if off == 0.0 {
@@ -372,7 +375,8 @@ impl Impulse {
         let over = |from: usize, to: usize| {
             [self.force_ns[to] - self.force_ns[from], self.moment_ns2[to] - self.moment_ns2[from]]
         };
-        let ([up, up_moment], [down, down_moment]) = (over(a, b), over(b, c));
+        let [up, up_moment] = over(a, b);
+        let [down, down_moment] = over(b, c);
         (up_moment - t[a] * up) / (t[b] - t[a]) + (t[c] * down - down_moment) / (t[c] - t[b])
     }
 }

@@ -47,7 +47,8 @@ fn means(t: &[f64], series: &Series) -> Vec<f64> {
 pub(crate) fn run(
     held: &Held,
     t: &[f64],
-    (lever_m, stops_rad): (f64, Option<[f64; 2]>),
+    lever_m: f64,
+    stops_rad: Option<[f64; 2]>,
     start: Start,
     parameters: &Parameters,
 ) -> Result<(Vec<f64>, Vec<f64>), DynamicsError> {

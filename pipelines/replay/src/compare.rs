@@ -28,7 +28,8 @@ pub(crate) fn compare_velocities(
     model: &[f64],
 ) -> Result<VelocityError, ReplayError> {
     let [recorded, model] = [derivatives(t, recorded, HALF_S)?, derivatives(t, model, HALF_S)?];
-    let (recorded, model) = (recorded.first, model.first);
+    let recorded = recorded.first;
+    let model = model.first;
     let squares: f64 = model.iter().zip(&recorded).map(|(m, r)| (m - r) * (m - r)).sum();
     let rmse_rad_s = (squares / t.len() as f64).sqrt();
     let range = range(&recorded);

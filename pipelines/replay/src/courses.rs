@@ -123,13 +123,8 @@ mod tests {
             let plant = Parameters { mass_kg, ..Parameters::BY_EYE };
             let mut made = simulated("hybrid", &plant);
             made.meta.trial = trial;
-            replay(
-                &made,
-                &rendering,
-                &Analysis::default(),
-                (ModelPlant::ByEye, &Parameters::BY_EYE),
-            )
-            .unwrap()
+            replay(&made, &rendering, &Analysis::default(), ModelPlant::ByEye, &Parameters::BY_EYE)
+                .unwrap()
         };
         // The further the plant's mass from that by eye, the larger the error.
         let trials = [of(4, 0.5), of(7, 0.1), of(9, 0.2), of(12, 0.9)];

@@ -147,10 +147,13 @@ impl Drive {
     fn closed_loop(&self, parameters: &Parameters) -> Result<Course, ReplayError> {
         let held = self.held.as_ref().map_err(|why| *why)?;
         let Course { t_s, force_ex_n, .. } = &self.recorded;
-        let device = (self.scene.plant.lever_m, self.scene.plant.stops_rad);
+        let lever_m = self.scene.plant.lever_m;
+        let stops_rad = self.scene.plant.stops_rad;
+        let start = self.scene.start;
         let (theta_rad, theta_dot_rad_s) =
-            closed_loop::run(held, t_s, device, self.scene.start, parameters)?;
-        let (t_s, force_ex_n) = (t_s.clone(), force_ex_n.clone());
+            closed_loop::run(held, t_s, lever_m, stops_rad, start, parameters)?;
+        let t_s = t_s.clone();
+        let force_ex_n = force_ex_n.clone();
         Ok(Course { t_s, theta_rad, theta_dot_rad_s, force_ex_n, feedback_n: None })
     }
 }
@@ -181,7 +184,8 @@ pub struct Judged {
 impl Judged {
     /// Takes samples of the recording, each at least 4 ms after the one before.
     pub fn new(drive: Drive) -> Self {
-        let (mut t_s, mut theta_rad) = (Vec::new(), Vec::new());
+        let mut t_s = Vec::new();
+        let mut theta_rad = Vec::new();
         let recorded = drive.recorded();
         for (t, theta) in recorded.t_s.iter().zip(&recorded.theta_rad) {
             if t_s.last().is_none_or(|last| t - last >= LEAST_STEP_S) {

@@ -49,7 +49,8 @@ fn best_shift(recorded: &[f64], model: &[f64], most: usize) -> Option<f64> {
     if shift.unsigned_abs() >= most {
         return None;
     }
-    let (before, after) = (at(shift - 1)?, at(shift + 1)?);
+    let before = at(shift - 1)?;
+    let after = at(shift + 1)?;
     let curvature = before - 2.0 * peak + after;
     let between = if curvature < 0.0 { (before - after) / (2.0 * curvature) } else { 0.0 };
     Some(shift as f64 + between)
@@ -58,12 +59,17 @@ fn best_shift(recorded: &[f64], model: &[f64], most: usize) -> Option<f64> {
 /// Pearson's correlation of `recorded[i]` with `model[i + shift]` where both are there; `None`
 /// where one is constant.
 fn correlation(recorded: &[f64], model: &[f64], shift: isize) -> Option<f64> {
-    let (ahead, behind) = (shift.max(0) as usize, (-shift).max(0) as usize);
+    let ahead = shift.max(0) as usize;
+    let behind = (-shift).max(0) as usize;
     let n = recorded.len() - ahead.max(behind);
-    let (a, b) = (&recorded[behind..behind + n], &model[ahead..ahead + n]);
+    let a = &recorded[behind..behind + n];
+    let b = &model[ahead..ahead + n];
     let mean = |y: &[f64]| y.iter().sum::<f64>() / n as f64;
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    let mean_a = mean(a);
+    let mean_b = mean(b);
+    let mut ab = 0.0;
+    let mut aa = 0.0;
+    let mut bb = 0.0;
     for (a, b) in a.iter().zip(b) {
         ab += (a - mean_a) * (b - mean_b);
         aa += (a - mean_a) * (a - mean_a);

@@ -45,10 +45,11 @@ pub fn replay(
     trial: &Trial,
     rendering: &Rendering,
     analysis: &Analysis,
-    (which, parameters): (ModelPlant, &Parameters),
+    which: ModelPlant,
+    parameters: &Parameters,
 ) -> Result<Vec<TrialReplay>, ReplayError> {
     let own = |drive: &Drive| drive.run(Causality::ForceDriven, parameters);
-    replay_with(trial, rendering, analysis, (which, parameters), &own)
+    replay_with(trial, rendering, analysis, which, parameters, &own)
 }
 
 /// The same with another model where the force is given: what it gives must be at the recording's
@@ -60,7 +61,8 @@ pub fn replay_with(
     trial: &Trial,
     rendering: &Rendering,
     analysis: &Analysis,
-    (which, parameters): (ModelPlant, &Parameters),
+    which: ModelPlant,
+    parameters: &Parameters,
     force_driven: &dyn Fn(&Drive) -> Result<Course, ReplayError>,
 ) -> Result<Vec<TrialReplay>, ReplayError> {
     let drive = match Drive::new(trial, rendering) {
@@ -155,7 +157,7 @@ mod tests {
 
     fn rows(trial: &Trial) -> Vec<TrialReplay> {
         let rendering = rendering(trial.meta.mode.as_str());
-        replay(trial, &rendering, &Analysis::default(), (ModelPlant::ByEye, &Parameters::BY_EYE))
+        replay(trial, &rendering, &Analysis::default(), ModelPlant::ByEye, &Parameters::BY_EYE)
             .unwrap()
     }
 
@@ -198,8 +200,8 @@ mod tests {
         let plant = Parameters { motor_lag_s: 53e-6, brake_on_s: 0.015, ..Parameters::BY_EYE };
         let trial = simulated("active", &Parameters::BY_EYE);
         let rendering = rendering("active");
-        let which = (ModelPlant::Fitted, &plant);
-        let row = &replay(&trial, &rendering, &Analysis::default(), which).unwrap()[1];
+        let which = ModelPlant::Fitted;
+        let row = &replay(&trial, &rendering, &Analysis::default(), which, &plant).unwrap()[1];
         assert!(row.comparison.unwrap().vaf.unwrap() > 0.999, "{row:?}");
     }
 
@@ -230,9 +232,8 @@ mod tests {
         let whole = simulated("active", &Parameters::BY_EYE);
         let words = |trial: &Trial, rendering: &Rendering| {
             let analysis = Analysis::default();
-            let rows =
-                replay(trial, rendering, &analysis, (ModelPlant::ByEye, &Parameters::BY_EYE))
-                    .unwrap();
+            let rows = replay(trial, rendering, &analysis, ModelPlant::ByEye, &Parameters::BY_EYE)
+                .unwrap();
             rows.iter().map(|r| r.outcome.as_str()).collect::<Vec<_>>()
         };
         let calibrated = rendering("active");
@@ -251,8 +252,7 @@ mod tests {
         let free = Rendering { stops_rad, rendered, ..rendering("active") };
         let trial = simulated("active", &Parameters::BY_EYE);
         let light = Parameters { damping_ns_per_rad: 1e-3, ..Parameters::BY_EYE };
-        let rows =
-            replay(&trial, &free, &Analysis::default(), (ModelPlant::ByEye, &light)).unwrap();
+        let rows = replay(&trial, &free, &Analysis::default(), ModelPlant::ByEye, &light).unwrap();
         assert_eq!((rows[0].outcome, rows[0].comparison), (ReplayOutcome::Diverged, None));
     }
 }

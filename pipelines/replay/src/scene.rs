@@ -188,8 +188,8 @@ impl Rendering {
     ) -> Result<ModelScene, WhyNot> {
         let lever_m = self.lever_m.ok_or(WhyNot::NoLever)?;
         let (motor_n, brake_n) = self.limits_n()?;
-        let within = |[low, high]: [f64; 2]| start.theta_rad.clamp(low, high);
-        let theta_rad = self.stops_rad.map_or(start.theta_rad, within);
+        let theta_rad =
+            self.stops_rad.map_or(start.theta_rad, |[low, high]| start.theta_rad.clamp(low, high));
         Ok(ModelScene {
             name: "replay".to_owned(),
             mode: self.mode(),

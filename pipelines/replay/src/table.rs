@@ -83,7 +83,8 @@ mod tests {
             &trial,
             &rendering("hybrid"),
             &Analysis::default(),
-            (ModelPlant::ByEye, &Parameters::BY_EYE),
+            ModelPlant::ByEye,
+            &Parameters::BY_EYE,
         )
         .unwrap()
     }

@@ -42,8 +42,10 @@ fn push() -> Series {
 /// A trial as the model records it: the push, its motion, and the voltages of what the actuators
 /// give.
 pub(crate) fn simulated(mode: &str, plant: &Parameters) -> Trial {
-    let (meta, calibration) = (zwidth_testing::meta(1, mode), calibration());
-    let (push, condition) = (push(), rendering(mode));
+    let meta = zwidth_testing::meta(1, mode);
+    let calibration = calibration();
+    let push = push();
+    let condition = rendering(mode);
     let start = Start { theta_rad: REST_RAD, theta_dot_rad_s: 0.0 };
     let scene = plant.put(&condition.scene(push.clone(), start, 4.0).unwrap());
     let system = System::new(scene).unwrap();

@@ -20,7 +20,8 @@ fn from_zero(series: Series) -> Series {
     let outside = if late { first } else { last };
     let at_zero = interpolate(&series.t_s, &series.value, 0.0).unwrap_or(outside);
     let later = series.t_s.iter().zip(&series.value).filter(|(t, _)| **t > 0.0);
-    let (mut t_s, mut value) = (vec![0.0], vec![at_zero]);
+    let mut t_s = vec![0.0];
+    let mut value = vec![at_zero];
     for (t, v) in later {
         t_s.push(*t);
         value.push(*v);

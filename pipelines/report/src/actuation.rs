@@ -5,14 +5,15 @@ use zwidth_study::{ActuatorKind, Calibration, Mode, ModeLaw, Setup};
 /// What acts while compressing and while decompressing, with its highest voltage, V: a mode of both
 /// has the brake on the way in and the motor on the way back (thesis §2.2).
 pub(crate) fn acting(mode: &Mode) -> [Option<(ActuatorKind, f64)>; 2] {
-    let at_most = |drive: ActuatorKind| {
-        let max_v = match drive {
-            ActuatorKind::Motor => mode.motor_max_v,
-            ActuatorKind::Brake => mode.brake_max_v,
-        };
-        max_v.map(|v| (drive, v))
-    };
-    mode.law().map_or([None; 2], |law| law.drives().map(at_most))
+    mode.law().map_or([None; 2], |law| {
+        law.drives().map(|drive| {
+            let max_v = match drive {
+                ActuatorKind::Motor => mode.motor_max_v,
+                ActuatorKind::Brake => mode.brake_max_v,
+            };
+            max_v.map(|v| (drive, v))
+        })
+    })
 }
 
 /// The force of an actuator at a voltage, N.

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 use zwidth_results::{AnswerTally, GivenAnswer};
-use zwidth_study::{
-    AnswerScale, AnswerValue, Environment, Mode, ParticipantId, Question, QuestionId, Setup,
-};
+use zwidth_study::{AnswerScale, AnswerValue, Environment, Mode, ParticipantId, Question, Setup};
 use zwidth_tables::number;
 
 /// The median of a mode's answers.
@@ -45,8 +43,9 @@ impl Median {
 
 /// The environment's question, of which the statements speak: the first that is a rating.
 pub(crate) fn question_of<'s>(study: &'s Setup, environment: &Environment) -> Option<&'s Question> {
-    let rated = |id: &QuestionId| study.questions.iter().find(|q| q.id == *id && q.is_rating());
-    environment.questions().find_map(rated)
+    environment
+        .questions()
+        .find_map(|id| study.questions.iter().find(|q| q.id == *id && q.is_rating()))
 }
 
 /// The median answer to the environment's question in a mode, by the tally; `None` without a

@@ -169,7 +169,8 @@ fn answer(metric: &ComparedMetric, words: &str) -> String {
 /// `n = 4 participants`, `n = 3 to 4 participants`: over all contrasts.
 fn size(metric: &ComparedMetric) -> String {
     let n = || metric.contrasts.iter().map(|row| row.n);
-    let (least, most) = (n().min().unwrap_or(0), n().max().unwrap_or(0));
+    let least = n().min().unwrap_or(0);
+    let most = n().max().unwrap_or(0);
     let n = if least == most { least.to_string() } else { format!("{least} to {most}") };
     format!("n = {n} {}", metric.metric.unit_of_analysis)
 }

@@ -38,7 +38,8 @@ fn on_way(drive: ActuatorKind, way: usize) -> &'static str {
 
 /// The device and its control loop, as `study.toml` has them.
 pub fn device_facts(study: &Setup) -> Vec<Fact> {
-    let (device, control) = (&study.device, &study.control);
+    let device = &study.device;
+    let control = &study.control;
     let factor = shown_unit("rad", study.coordinate).1;
     let unit = match study.coordinate {
         Coordinate::Rotational => "°",

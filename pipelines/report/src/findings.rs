@@ -196,7 +196,9 @@ fn steadiness(
     metrics: &Measured,
     doubted: &TrialNames,
 ) -> Result<Option<Finding>, TableError> {
-    let (mut smooth, mut all, mut swung) = (0, 0, Vec::new());
+    let mut smooth = 0;
+    let mut all = 0;
+    let mut swung = Vec::new();
     for mode in &study.modes {
         let (still, n) = Trials::of(metrics, None, &mode.id).count(STABILITY, SMOOTH)?;
         (smooth, all) = (smooth + still, all + n);
@@ -205,7 +207,8 @@ fn steadiness(
         }
     }
     let [doubtful_swung, doubtful] = doubtful(metrics, doubted)?;
-    let (n, swung) = (all - smooth, swung.join(", "));
+    let n = all - smooth;
+    let swung = swung.join(", ");
     let are = |n: usize| if n == 1 { "is" } else { "are" };
     let care = "listed under “Read with care” for clock, angle or velocity";
     let text = match (all, n) {

@@ -90,10 +90,10 @@ impl Gallery {
         match shown {
             Shown::Modes(environment) => of_session("modes", environment),
             Shown::Replays(environment) => of_session("replay", environment),
-            Shown::Answers => {
-                let drawn = |stem: &&str| self.figures.contains(*stem);
-                ["likert", "ratings"].into_iter().find(drawn).map(str::to_owned)
-            }
+            Shown::Answers => ["likert", "ratings"]
+                .into_iter()
+                .find(|stem| self.figures.contains(*stem))
+                .map(str::to_owned),
             Shown::Compared(metric) => Some(format!("compare.{metric}")),
             Shown::Sessions(metric) => Some(format!("sessions.{metric}")),
             Shown::Forces => Some("rendering_range".to_owned()),

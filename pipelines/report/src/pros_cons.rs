@@ -62,8 +62,8 @@ struct Efficiency {
 
 impl Efficiency {
     fn of(known: &Known) -> Option<Self> {
-        let (motor_v, brake_v) =
-            (active(known.study)?.motor_max_v?, passive(known.study)?.brake_max_v?);
+        let motor_v = active(known.study)?.motor_max_v?;
+        let brake_v = passive(known.study)?.brake_max_v?;
         let motor_n = known.calibration.motor.force_n(motor_v);
         let brake_n = known.calibration.brake.force_n(brake_v);
         Some(Self { brake_n, brake_v, motor_n, motor_v })
@@ -178,7 +178,8 @@ fn took(known: &Known, of: usize) -> Result<Option<String>, TableError> {
 /// Mass of `one` against `other`, g.
 fn mass(known: &Known, brake_first: bool) -> Option<Evidence> {
     let masses = known.study.masses?;
-    let (brake_g, motor_g) = (masses.brake_kg * 1e3, masses.motor_kg * 1e3);
+    let brake_g = masses.brake_kg * 1e3;
+    let motor_g = masses.motor_kg * 1e3;
     let ((name, value), (other, beside)) = match brake_first {
         true => (("mass of the brake", brake_g), ("motor", motor_g)),
         false => (("mass of the motor", motor_g), ("brake", brake_g)),
@@ -318,7 +319,8 @@ fn motor_passes_the_wall(known: &Known) -> Result<Option<Evidence>, TableError> 
         let Some((_, trials)) = trials(known, mode, a_wall)? else { return Ok(None) };
         trials.mean(PAST_WALL)
     };
-    let (motor, brake) = (past(active(known.study))?, past(passive(known.study))?);
+    let motor = past(active(known.study))?;
+    let brake = past(passive(known.study))?;
     let (Some(motor), Some(brake)) = (motor, brake) else { return Ok(None) };
     let coordinate = known.study.coordinate;
     let (unit, factor) = shown_unit("rad", coordinate);

@@ -14,7 +14,8 @@ use zwidth_tables::{Measured, TableError};
 pub fn uneven_ranges(study: &Setup, metrics: &Measured) -> Result<Vec<String>, TableError> {
     let mut said = Vec::new();
     for environment in &study.environments {
-        let (mut cut, mut whole) = (Vec::new(), Vec::new());
+        let mut cut = Vec::new();
+        let mut whole = Vec::new();
         for mode in &study.modes {
             let trials = Trials::of(metrics, Some(&environment.id), &mode.id);
             let fitted = trials.floats(STIFFNESS)?.len();

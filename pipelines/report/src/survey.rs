@@ -60,10 +60,11 @@ fn medians<'a>(
 
 /// How far apart the modes' medians lie, in points.
 fn spread(medians: &Medians) -> f64 {
-    let middle = |(_, median): &(&Mode, Median)| (median.low.get() + median.high.get()) / 2.0;
-    let ends = |(low, high): (f64, f64), v: f64| (low.min(v), high.max(v));
     let start = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = medians.iter().map(middle).fold(start, ends);
+    let (low, high) = medians
+        .iter()
+        .map(|(_, median)| (median.low.get() + median.high.get()) / 2.0)
+        .fold(start, |(low, high), v| (low.min(v), high.max(v)));
     high - low
 }
 

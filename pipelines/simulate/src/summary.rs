@@ -116,7 +116,8 @@ pub struct Work {
 impl Summary {
     /// The summary of a run.
     pub fn of(run: &Run) -> Self {
-        let (scene, of) = (run.system.scene(), &run.trajectory);
+        let scene = run.system.scene();
+        let of = &run.trajectory;
         let (theta_max_rad, theta_max_s) = highest(of);
         let work = of.work;
         Self {

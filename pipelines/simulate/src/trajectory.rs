@@ -7,8 +7,10 @@ use zwidth_results::{LeverMotion, ModelEvent, ModelRun, ModelSample, TermForce};
 
 /// The samples of a run: time, state, forces by part, and how the lever moves.
 pub fn model_run(run: &Run) -> ModelRun {
-    let (of, scene) = (&run.trajectory, run.system.scene());
-    let (has_finger, has_stops) = (scene.finger.is_some(), scene.plant.stops_rad.is_some());
+    let of = &run.trajectory;
+    let scene = run.system.scene();
+    let has_finger = scene.finger.is_some();
+    let has_stops = scene.plant.stops_rad.is_some();
     let finger_m: Vec<f64> = of.finger_m().collect();
     let state = of.theta_rad().zip(of.theta_dot_rad_s()).enumerate();
     let samples = state.map(|(i, (theta_rad, theta_dot_rad_s))| {

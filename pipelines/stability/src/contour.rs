@@ -51,8 +51,10 @@ impl Field<'_> {
         else {
             return Vec::new();
         };
-        let (low, high) = ((i, j, false), (i, j + 1, false));
-        let (left, right) = ((i, j, true), (i + 1, j, true));
+        let low = (i, j, false);
+        let high = (i, j + 1, false);
+        let left = (i, j, true);
+        let right = (i + 1, j, true);
         let edges: Vec<Edge> = [(a != b, low), (b != c, right), (c != d, high), (d != a, left)]
             .into_iter()
             .filter_map(|(differs, edge)| differs.then_some(edge))
@@ -70,8 +72,8 @@ impl Field<'_> {
         let place = |i: usize, j: usize| {
             [i as f64 / (self.columns - 1) as f64, j as f64 / (self.rows - 1) as f64]
         };
-        let (mut a, mut b) =
-            (place(i, j), place(i + usize::from(!upward), j + usize::from(upward)));
+        let mut a = place(i, j);
+        let mut b = place(i + usize::from(!upward), j + usize::from(upward));
         let first = (self.above)(i, j).unwrap_or_default();
         for _ in 0..HALVINGS {
             let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
@@ -94,7 +96,8 @@ fn begin(next: &BTreeMap<Edge, Vec<Edge>>, open: bool) -> Option<Edge> {
 
 /// Follows a line and takes what it passed out.
 fn walk(next: &mut BTreeMap<Edge, Vec<Edge>>, start: Edge) -> Vec<Edge> {
-    let (mut line, mut at) = (vec![start], start);
+    let mut line = vec![start];
+    let mut at = start;
     while let Some(to) = next.get_mut(&at).and_then(Vec::pop) {
         if let Some(back) = next.get_mut(&to)
             && let Some(place) = back.iter().position(|edge| *edge == at)

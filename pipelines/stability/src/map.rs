@@ -29,7 +29,8 @@ impl Span {
     }
 
     fn check(&self) -> Result<(), StabilityError> {
-        let ([from, to], quantity) = (self.ends, self.quantity.as_str());
+        let [from, to] = self.ends;
+        let quantity = self.quantity.as_str();
         let least = if self.quantity.is_logarithmic() { f64::MIN_POSITIVE } else { 0.0 };
         if !(from >= least && from < to && to <= 1e30) {
             return Err(StabilityError::Span { quantity, from, to });
@@ -111,7 +112,8 @@ impl Map {
                 let radius = self.cells[j * self.x.cells + i].radius;
                 radius.is_some_and(|radius| radius < 1.0)
             };
-            let (mut run, mut j) = (0, 0);
+            let mut run = 0;
+            let mut j = 0;
             while j < self.y.cells {
                 let from = j;
                 while j < self.y.cells && is_stable(j) {
@@ -151,7 +153,8 @@ pub fn map(point: &Point, x: Span, y: Span) -> Result<Map, StabilityError> {
     point.wall.check()?;
     let methods = Methods::new();
     let cell = |number: usize| {
-        let (i, j) = (number % x.cells, number / x.cells);
+        let i = number % x.cells;
+        let j = number / x.cells;
         methods.cell(&placed(point, [x, y], [x.share(i), y.share(j)]))
     };
     let cells = (0..x.cells * y.cells).into_par_iter().map(cell).collect();
@@ -188,15 +191,14 @@ impl Methods {
             let solver = self.0.get(i)?;
             wall.step_growth(solver.as_ref(), point.step_s).filter(|x| x.is_finite())
         };
-        let share = |formula: Textbook| {
-            let stiffest = formula.stiffest(wall, point.dry)?;
-            Some((wall.stiffness_n_per_m / stiffest).min(f64::MAX))
-        };
         Cell {
             radius: Some(wall.spectral_radius()).filter(|radius| radius.is_finite()),
             passivity: wall.damping_for_passivity().map(|needed| (needed / b).min(f64::MAX)),
             growth: [growth(0), growth(1)],
-            textbook: Textbook::ALL.map(share),
+            textbook: Textbook::ALL.map(|formula| {
+                let stiffest = formula.stiffest(wall, point.dry)?;
+                Some((wall.stiffness_n_per_m / stiffest).min(f64::MAX))
+            }),
         }
     }
 }

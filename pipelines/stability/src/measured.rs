@@ -30,15 +30,17 @@ pub fn measured(map: &Map) -> Option<Curve> {
 /// The rows between which the exact limit is passed in a column.
 fn crossings(map: &Map, i: usize) -> Vec<usize> {
     let passed = |j: usize| passes(&map.cells[j * map.x.cells + i], 0);
-    let is = |j: &usize| passed(*j).zip(passed(*j + 1)).is_some_and(|(a, b)| a != b);
-    (0..map.y.cells - 1).filter(is).collect()
+    (0..map.y.cells - 1)
+        .filter(|j| passed(*j).zip(passed(*j + 1)).is_some_and(|(a, b)| a != b))
+        .collect()
 }
 
 fn point(map: &Map, i: usize, j: usize) -> Option<[f64; 2]> {
     /// Halvings of three cells: a thousandth of one.
     const HALVINGS: u32 = 11;
     let share = |j: usize| map.y.share(j.min(map.y.cells - 1));
-    let (mut a, mut b) = (share(j.saturating_sub(1)), share(j + 2));
+    let mut a = share(j.saturating_sub(1));
+    let mut b = share(j + 2);
     let x = map.x.share(i);
     let grows = |y: f64| {
         let wall = placed(&map.point, [map.x, map.y], [x, y]).wall;

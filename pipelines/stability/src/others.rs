@@ -139,9 +139,10 @@ impl Boundary {
     /// The same in shares of the wall without damping and of the largest damping, which need no
     /// units: none where either was not measured, or is 0.
     pub fn shares(&self) -> Option<Vec<[f64; 2]>> {
-        let (undamped, [_, most]) = (self.extent().undamped?, self.extent().damping);
-        let share = |p: &[f64; 2]| [p[0] / most, p[1] / undamped];
-        (undamped > 0.0 && most > 0.0).then(|| self.points.iter().map(share).collect())
+        let undamped = self.extent().undamped?;
+        let [_, most] = self.extent().damping;
+        (undamped > 0.0 && most > 0.0)
+            .then(|| self.points.iter().map(|p| [p[0] / most, p[1] / undamped]).collect())
     }
 
     /// Its extent.
@@ -149,7 +150,8 @@ impl Boundary {
         let points = &self.points;
         let best = points.iter().fold([0.0, 0.0], |best, p| if p[1] > best[1] { *p } else { best });
         let part = |pair: &[[f64; 2]]| 0.5 * (pair[1][0] - pair[0][0]) * (pair[0][1] + pair[1][1]);
-        let (first, last) = (points.first(), points.last());
+        let first = points.first();
+        let last = points.last();
         Extent {
             undamped: first.filter(|p| p[0] <= 0.0).map(|p| p[1]),
             largest: best[1],

@@ -10,7 +10,8 @@ const MODEL: &str = "Model runs, not measurements.";
 
 /// A row a cell of a map: where it is, and how far each limit is passed (above 1).
 pub fn cells(map: &Map) -> Vec<WallCell> {
-    let (x, y) = (map.x, map.y);
+    let x = map.x;
+    let y = map.y;
     let row = |(number, cell): (usize, &crate::map::Cell)| {
         let [colgate_schenkel, hulin, abbott_okamura, diolaiti] = cell.textbook;
         let [rk4_per_step, symplectic_euler] = cell.growth;

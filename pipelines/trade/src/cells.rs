@@ -100,7 +100,8 @@ pub(crate) fn cell(
     metrics: Option<&Metrics<'_>>,
     known: &mut Vec<(f64, ExistingSwings)>,
 ) -> Result<Cell, TradeError> {
-    let (solver, system) = (setting.solver(), &yardstick.system);
+    let solver = setting.solver();
+    let system = &yardstick.system;
     let step_s = setting.step_s().unwrap_or(scene.step_s.min(SAMPLE_S));
     let judged_s = setting.step_s().unwrap_or(scene.step_s);
     let run = match solver.run(system, &grid(scene, step_s)?) {
@@ -108,7 +109,7 @@ pub(crate) fn cell(
         Err(_) => return Ok(failed(setting, reference.judge(solver.as_ref(), judged_s))),
     };
     let own = reference.swings(&run);
-    let finer = finer(system, reference, setting, (&own, known), solver.as_ref());
+    let finer = finer(system, reference, setting, &own, known, solver.as_ref());
     let judgement = reference.judge_with(solver.as_ref(), step_s, &run, [&finer[0], &finer[1]]);
     if let Some(step_s) = setting.step_s() {
         known.push((step_s, own));
@@ -170,14 +171,15 @@ fn finer(
     system: &System,
     reference: &Reference,
     setting: Setting,
-    (own, known): (&ExistingSwings, &[(f64, ExistingSwings)]),
+    own: &ExistingSwings,
+    known: &[(f64, ExistingSwings)],
     solver: &dyn Solver,
 ) -> [ExistingSwings; 2] {
     let Some(step_s) = setting.step_s() else { return [own.clone(), own.clone()] };
     [0.5, 0.25].map(|share| {
         let wanted = share * step_s;
-        let is_it = |(step, _): &&(f64, ExistingSwings)| (step / wanted - 1.0).abs() < 1e-9;
-        if let Some((_, swings)) = known.iter().find(is_it) {
+        if let Some((_, swings)) = known.iter().find(|(step, _)| (step / wanted - 1.0).abs() < 1e-9)
+        {
             return swings.clone();
         }
         // Below the finest step of the fan nothing is run: what it would show shows with this one.

@@ -37,8 +37,8 @@ pub(crate) fn choose(
     let mut accepted: Vec<usize> = solvers.iter().map(|cells| accepted(cells)).collect();
     let mut refuted: Vec<(Setting, usize)> = Vec::new();
     loop {
-        let last = |s: usize| Some((s, &solvers[s][accepted[s].checked_sub(1)?]));
-        let candidates = (0..solvers.len()).filter_map(last);
+        let candidates =
+            (0..solvers.len()).filter_map(|s| Some((s, &solvers[s][accepted[s].checked_sub(1)?])));
         let (s, cell) = candidates.min_by_key(|(_, cell)| cell.evaluations)?;
         let passed = passed_neighbours(scene, cell.setting, perception, neighbours);
         if passed == neighbours {

@@ -106,7 +106,9 @@ fn hold_force(samples: &mut Samples, rate_hz: f64) {
         return;
     };
     let age = samples.get(Signal::ForceAge);
-    let (mut held, mut ages, mut at) = (Vec::new(), Vec::new(), 0);
+    let mut held = Vec::new();
+    let mut ages = Vec::new();
+    let mut at = 0;
     for i in 0..t.len() {
         let update = |i: usize| (t[i] * rate_hz * (1.0 + 1e-12)).floor();
         if update(i) > update(at) {

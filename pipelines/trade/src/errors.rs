@@ -21,7 +21,9 @@ pub struct Size {
 impl Size {
     /// Of differences.
     fn of(differences: impl Iterator<Item = f64>) -> Self {
-        let (mut largest, mut sum, mut n) = (0.0_f64, 0.0, 0.0);
+        let mut largest = 0.0_f64;
+        let mut sum = 0.0;
+        let mut n = 0.0;
         for x in differences {
             largest = largest.max(x.abs());
             sum += x * x;
@@ -62,20 +64,22 @@ pub(crate) fn errors(yardstick: &Yardstick, run: &Trajectory) -> Result<Errors, 
     let right = yardstick.at(places.iter().map(|i| run.t_s[*i]).collect())?;
     let system = &yardstick.system;
     let apart = |of: fn(&Trajectory) -> Vec<f64>| {
-        let (found, right) = (of(run), of(&right));
+        let found = of(run);
+        let right = of(&right);
         Size::of(places.iter().zip(right).map(|(i, right)| found[*i] - right))
     };
     let calm = places.iter().copied().enumerate();
     let calm = calm.filter(|(_, i)| !yardstick.felt.is_disturbed(run.t_s[*i]));
-    let force = |(k, i): (usize, usize)| {
-        run.forces(system, i).device_n() - right.forces(system, k).device_n()
-    };
     let motion = FeltMotion::of(system, run);
     let peak = |run: &Trajectory| run.theta_rad().fold(f64::NEG_INFINITY, f64::max);
     Ok(Errors {
         theta_rad: apart(|run| run.theta_rad().collect()),
         theta_dot_rad_s: apart(|run| run.theta_dot_rad_s().collect()),
-        force_n: Size::of(calm.map(force)),
+        force_n: Size::of(
+            calm.map(|(k, i)| {
+                run.forces(system, i).device_n() - right.forces(system, k).device_n()
+            }),
+        ),
         impulse_ns: (motion.impulse_ns() - yardstick.impulse_ns).abs(),
         event_s: yardstick.story.apart_s(&Story::of(system, run)),
         peak_rad: (peak(run) - peak(&yardstick.run)).abs(),

@@ -84,14 +84,15 @@ pub(crate) fn changes(
     let [found, right] = [(run, &places), (&right, &all)]
         .map(|(run, at)| (metrics.measure)(&course(system, run, at)));
     let pairs = found.into_iter().zip(right).filter(|(found, _)| is_felt(&found.name));
-    let change = |(found, right): (Measured, Measured)| {
-        let off = metrics.bounds.off(found.value, right.value, &found.unit, lever_m);
-        let is_in_both = found.value.is_some() && right.value.is_some();
-        let felt_share = off.filter(|off| off.is_finite() && is_in_both);
-        let Measured { name, unit, value } = found;
-        MetricChange { name, unit, right: right.value, found: value, felt_share }
-    };
-    Ok(pairs.map(change).collect())
+    Ok(pairs
+        .map(|(found, right)| {
+            let off = metrics.bounds.off(found.value, right.value, &found.unit, lever_m);
+            let is_in_both = found.value.is_some() && right.value.is_some();
+            let felt_share = off.filter(|off| off.is_finite() && is_in_both);
+            let Measured { name, unit, value } = found;
+            MetricChange { name, unit, right: right.value, found: value, felt_share }
+        })
+        .collect())
 }
 
 fn course(system: &System, run: &Trajectory, places: &[usize]) -> Course {

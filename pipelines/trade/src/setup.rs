@@ -155,7 +155,8 @@ pub fn rehearse(
         rows.push(*sample);
         ControlFlow::Continue(())
     };
-    let (mut clock, stop) = (SimulatedClock::new(u64::from(trial)), AtomicBool::new(false));
+    let mut clock = SimulatedClock::new(u64::from(trial));
+    let stop = AtomicBool::new(false);
     let run =
         run_trial(&mut device, &mut clock, &mut controller, &mut guard, &plan, &stop, &mut sink);
     match run.end {

@@ -62,14 +62,13 @@ fn passes(system: &System, run: &Trajectory) -> Vec<(f64, What)> {
     let edges = system.scene().environment.zones.iter().map(|zone| zone.from_rad).enumerate();
     let edges: Vec<(usize, f64)> = edges.skip(1).collect();
     if !run.events.is_empty() {
-        let is_zone = |event: &&zwidth_dynamics::Event| event.kind == EventKind::Zone;
         let nearest = |theta: f64| {
             let near = |edge: &f64| (theta - edge).abs();
             edges.iter().min_by(|a, b| near(&a.1).total_cmp(&near(&b.1))).map_or(0, |edge| edge.0)
         };
         let what =
             |event: &zwidth_dynamics::Event| (event.t_s, What::Passes(nearest(event.theta_rad)));
-        return run.events.iter().filter(is_zone).map(what).collect();
+        return run.events.iter().filter(|event| event.kind == EventKind::Zone).map(what).collect();
     }
     let theta: Vec<f64> = run.theta_rad().collect();
     let mut found = Vec::new();

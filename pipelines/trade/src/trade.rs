@@ -79,8 +79,6 @@ pub fn trade(
 ) -> Result<Trade, TradeError> {
     let yardstick = Yardstick::of(scene, &parameters.perception)?;
     let reference = Reference::of(&yardstick.system);
-    let of =
-        |settings: &Vec<Setting>| cells(scene, &yardstick, &reference, settings, metrics, progress);
     let solvers: Vec<Vec<Cell>> = parameters
         .fan
         .settings()
@@ -88,9 +86,10 @@ pub fn trade(
         .map(|settings| possible(scene, settings))
         .collect::<Vec<_>>()
         .par_iter()
-        .map(of)
+        .map(|settings| cells(scene, &yardstick, &reference, settings, metrics, progress))
         .collect::<Result<_, _>>()?;
-    let (proof, neighbours) = (yardstick.proof, parameters.neighbours);
+    let proof = yardstick.proof;
+    let neighbours = parameters.neighbours;
     let choice = choose(scene, proof, &solvers, &parameters.perception, neighbours);
     Ok(Trade {
         scene: scene.clone(),
@@ -137,7 +136,8 @@ pub fn pareto_front(pairs: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> =
         (0..pairs.len()).filter(|i| pairs[*i].0.is_finite() && pairs[*i].1.is_finite()).collect();
     order.sort_by(|a, b| {
-        let (a, b) = (pairs[*a], pairs[*b]);
+        let a = pairs[*a];
+        let b = pairs[*b];
         a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
     let mut least = f64::INFINITY;

@@ -120,8 +120,11 @@ impl Yardstick {
     ) -> Self {
         let motion = FeltMotion::of(&system, &run);
         let felt = FeltReference::new(&motion, system.scene().plant.lever_m, perception);
-        let (story, impulse_ns) = (Story::of(&system, &run), motion.impulse_ns());
-        let (proof, apart_rad, apart_s) = (Proof::Unproven, None, None);
+        let story = Story::of(&system, &run);
+        let impulse_ns = motion.impulse_ns();
+        let proof = Proof::Unproven;
+        let apart_rad = None;
+        let apart_s = None;
         Self {
             system,
             proof,

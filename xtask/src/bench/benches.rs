@@ -58,7 +58,9 @@ pub(super) const BENCHES: [Bench; 10] = [
         side_by_side(
             STATISTICS,
             &["model", "participants × sessions × modes × repeats"],
-            ("zwidth, ms", "R, ms", "R"),
+            "zwidth, ms",
+            "R, ms",
+            "R",
             1e-3,
         )
     }),
@@ -67,19 +69,23 @@ pub(super) const BENCHES: [Bench; 10] = [
         side_by_side(
             PEERS,
             &["job, fresh"],
-            ("zwidth, s", "script, s", "pandas, SciPy, matplotlib"),
+            "zwidth, s",
+            "script, s",
+            "pandas, SciPy, matplotlib",
             1.0,
         )
     }),
     page_of("long", "benches/long/run.sh", (LONG, 0), |_| {
-        side_by_side(LONG, &["rows"], ("the three, s", "pandas, s", "pandas, a part of it"), 1.0)
+        side_by_side(LONG, &["rows"], "the three, s", "pandas, s", "pandas, a part of it", 1.0)
     }),
     page_of("page", "benches/page/run.sh", (PAGE, 0), |_| browsed(&page(PAGE)?)),
     page_of("scale", "benches/scale/run.sh", (SCALE, 0), |_| {
         side_by_side(
             SCALE,
             &["metrics, beside"],
-            ("zwidth, s", "a part of it, s", "a part of it"),
+            "zwidth, s",
+            "a part of it, s",
+            "a part of it",
             1.0,
         )
     }),
@@ -117,7 +123,9 @@ fn case(what: String, ours_s: f64, beside: &str, peer_s: f64) -> Case {
 fn side_by_side(
     path: &str,
     what: &[&str],
-    (ours, theirs, beside): (&str, &str, &str),
+    ours: &str,
+    theirs: &str,
+    beside: &str,
     unit_s: f64,
 ) -> anyhow::Result<Vec<Case>> {
     let mut found = Vec::new();
@@ -176,7 +184,8 @@ fn browsed(tables: &[Table]) -> anyhow::Result<Vec<Case>> {
     let one = |(by, heading, ours, theirs, unit_s): (&str, &str, &str, &str, f64)| {
         let table =
             tables.iter().find(|t| t.column(by).is_some() && t.column(heading).is_some())?;
-        let (by, column) = (table.column(by)?, table.column(heading)?);
+        let by = table.column(by)?;
+        let column = table.column(heading)?;
         let of = |name: &str| number(&table.rows.iter().find(|row| row[by] == name)?[column]);
         let name = if heading == "wall, s" { "written" } else { "first trial drawn" };
         Some(case(name.to_owned(), of(ours)? * unit_s, "plotly", of(theirs)? * unit_s))

@@ -65,7 +65,8 @@ pub(crate) fn page(cases: &[Case], machines: &[(&str, String)]) -> String {
     let _ = writeln!(text, "| {} |\n|{}", HEADINGS.join(" | "), " --- |".repeat(HEADINGS.len()));
     for case in cases {
         let Case { bench, case: what, ours_s, beside, peer_s } = case;
-        let (ours, theirs) = (shown(*ours_s), shown(*peer_s));
+        let ours = shown(*ours_s);
+        let theirs = shown(*peer_s);
         // Of the times as they are shown: a page that is read back is written as it was.
         let ratio = time(&theirs).zip(time(&ours)).map_or(case.ratio(), |(b, a)| b / a);
         let ratio = listed(ratio);

@@ -33,7 +33,9 @@ pub(crate) fn bench(words: &[&str]) -> anyhow::Result<()> {
     let chosen = |bench: &Bench| names.is_empty() || names.contains(&bench.name);
     let page = fs::read_to_string(RESULTS);
     let (before, told) = page.map_or_else(|_| Default::default(), |text| read_back(&text));
-    let (mut cases, mut machines, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
+    let mut cases = Vec::new();
+    let mut machines = Vec::new();
+    let mut wrong = Vec::new();
     for bench in &BENCHES {
         let measured = if chosen(bench) { measured(bench, runs) } else { Ok(None) };
         let found = measured.unwrap_or_else(|error| {
@@ -51,8 +53,9 @@ pub(crate) fn bench(words: &[&str]) -> anyhow::Result<()> {
     match committed() {
         Some(committed) => {
             let held: Vec<&Bench> = BENCHES.iter().filter(|b| b.is_held && chosen(b)).collect();
-            let of = |b: &&Bench| worse(&of(b.name, &committed), &of(b.name, &cases));
-            wrong.extend(held.iter().flat_map(of));
+            wrong.extend(
+                held.iter().flat_map(|b| worse(&of(b.name, &committed), &of(b.name, &cases))),
+            );
         }
         None => println!("no table is committed: nothing is compared"),
     }
@@ -111,7 +114,8 @@ fn worse(committed: &[Case], now: &[Case]) -> Vec<String> {
             ));
         };
         (after.ratio() < REGRESSION * before.ratio()).then(|| {
-            let (was, is) = (listed(before.ratio()), listed(after.ratio()));
+            let was = listed(before.ratio());
+            let is = listed(after.ratio());
             format!(
                 "{}: {}: {} took {was} times as long, now {is}",
                 before.bench, before.case, before.beside

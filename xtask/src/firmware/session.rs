@@ -143,7 +143,8 @@ impl Bench {
 
     /// Pulls the cable under voltage, and looks when 0 V is out.
     fn watch(&mut self) {
-        let (now_us, is_off) = (self.emulator.us, self.emulator.out[..2] == [0, 0]);
+        let now_us = self.emulator.us;
+        let is_off = self.emulator.out[..2] == [0, 0];
         if let Some(pulled) = &mut self.pulled {
             if is_off {
                 pulled.off_us.get_or_insert(now_us);
@@ -288,7 +289,7 @@ fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String
     let waits = line.clone();
     let mut person = Person::new(move |s| waits.wait(s));
     let mut clock = line.clone();
-    let outcome = play(&plan, &disk, (&mut rig, &mut clock), &mut person, false)?;
+    let outcome = play(&plan, &disk, &mut rig, &mut clock, &mut person, false)?;
     line.wait(SHOWN_US as f64 * 1e-6);
     let bench = line.bench();
     let total = repeats as usize * MODES;
@@ -316,7 +317,8 @@ fn session(repeats: u32, pulls: bool, command: &[&str]) -> Result<String, String
     if whole != total {
         return Err(format!("{whole} of {total} trials are whole"));
     }
-    let (mut readings, mut passed_over) = (0, 0);
+    let mut readings = 0;
+    let mut passed_over = 0;
     for trial in &data.trials {
         let [own, over] = arrived(&disk, &trial.path, &bench.told)?;
         (readings, passed_over) = (readings + own, passed_over + over);
@@ -352,7 +354,8 @@ fn arrived(disk: &Memory, path: &Path, told: &[Seen]) -> Result<[usize; 2], Stri
     let broken = |why: &str| format!("{}: {why}", path.display());
     let trial = read_trial_from(disk, path, Signal::all()).map_err(|e| e.to_string())?;
     let column = |signal| trial.samples.get(signal).ok_or_else(|| broken("a column is missing"));
-    let (raw, times) = (column(Signal::ThetaRaw)?, column(Signal::DeviceTime)?);
+    let raw = column(Signal::ThetaRaw)?;
+    let times = column(Signal::DeviceTime)?;
     let mut own: Vec<(u32, u16)> = (raw.iter().zip(times))
         .map(|(counts, t_s)| ((t_s * 1e6).round() as u32, *counts as u16))
         .collect();

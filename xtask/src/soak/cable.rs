@@ -156,8 +156,8 @@ impl<'a> Board<'a> {
             return Ok(());
         }
         let reading = if what == HOME { self.twin.home(now_s)? } else { self.twin.read(now_s)? };
-        let (t_device_s, raw) =
-            (reading.t_device_s.unwrap_or(now_s), reading.raw().unwrap_or_default());
+        let t_device_s = reading.t_device_s.unwrap_or(now_s);
+        let raw = reading.raw().unwrap_or_default();
         let force_age_s = reading.force_age_s.unwrap_or(0.0);
         let told = packed(&[
             t_device_s,

@@ -5,7 +5,6 @@ use super::{STUDY, fresh, run};
 use anyhow::{Context as _, bail, ensure};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::thread::ScopedJoinHandle;
 use zwidth_device::TwinParameters;
 use zwidth_stats::power::clopper_pearson;
 use zwidth_study::Control;
@@ -57,7 +56,8 @@ struct Discrepancies {
 }
 
 pub(crate) fn coverage(program: &Path, folder: &Path, seeds: u32) -> anyhow::Result<()> {
-    let (next, began) = (AtomicU32::new(1), std::time::Instant::now());
+    let next = AtomicU32::new(1);
+    let began = std::time::Instant::now();
     let work = || -> anyhow::Result<Vec<Found>> {
         let mut found = Vec::new();
         loop {
@@ -72,10 +72,10 @@ pub(crate) fn coverage(program: &Path, folder: &Path, seeds: u32) -> anyhow::Res
     };
     let parts: Vec<Vec<Found>> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
-        let join = |thread: ScopedJoinHandle<'_, anyhow::Result<Vec<Found>>>| {
-            thread.join().unwrap_or_else(|_| bail!("a thread panicked"))
-        };
-        threads.into_iter().map(join).collect::<anyhow::Result<_>>()
+        threads
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread panicked")))
+            .collect::<anyhow::Result<_>>()
     })?;
     let found: Vec<Found> = parts.into_iter().flatten().collect();
     println!("{} seeds in {:.0} s", found.len(), began.elapsed().as_secs_f64());
@@ -126,7 +126,8 @@ fn one(program: &Path, root: &Path, seed: u32) -> anyhow::Result<Found> {
     let rows =
         columns(&table("identify")?, names)?.into_iter().map(row).collect::<anyhow::Result<_>>()?;
     let metrics = table("metrics")?;
-    let (discrepancies, observed) = (discrepancies(&metrics)?, observed(&metrics)?);
+    let discrepancies = discrepancies(&metrics)?;
+    let observed = observed(&metrics)?;
     Ok(Found { rows, bracket: [low.parse()?, high.parse()?], discrepancies, observed })
 }
 
@@ -183,7 +184,8 @@ fn tell_discrepancies(found: &[Found], wrong: &mut Vec<String>) {
     };
     let holds = |[low, high]: [f64; 2], value: f64| low <= value && value <= high;
     let share = |some: usize, all: usize| some as f64 / all.max(1) as f64;
-    let (motor, hybrid) = (of("active").count(), of("hybrid").count());
+    let motor = of("active").count();
+    let hybrid = of("hybrid").count();
     let none = of("active").filter(|d| holds(d.actuators, 0.0)).count();
     let user = of("active").filter(|d| holds(d.user, 0.0)).count();
     let steps = of("hybrid").filter(|d| holds(d.step, d.step_of_appendix_b)).count();
@@ -231,7 +233,8 @@ const SURE: f64 = 0.998;
 fn tell_observed(found: &[Found], wrong: &mut Vec<String>) -> anyhow::Result<()> {
     for (kind, what) in ["wall contacts", "closed loops"].into_iter().enumerate() {
         let sum = |i: usize| found.iter().map(|f| f.observed[kind][i]).sum::<usize>();
-        let (all, active) = (sum(0), sum(1));
+        let all = sum(0);
+        let active = sum(1);
         let (low, high) = clopper_pearson(active, all, NOMINAL)?;
         println!(
             "energy observer: {active} of {all} {what} called active, {:.2} % ({:.2} to {:.2} %)",
@@ -254,11 +257,12 @@ fn columns<const N: usize>(csv: &str, names: [&str; N]) -> anyhow::Result<Vec<[S
         header.iter().position(|h| h == name).with_context(|| format!("no column {name}"))
     };
     let places = names.iter().map(|name| place(name)).collect::<anyhow::Result<Vec<_>>>()?;
-    let row = |line: Vec<String>| {
-        let cells: Vec<String> = places.iter().filter_map(|i| line.get(*i).cloned()).collect();
-        cells.try_into().map_err(|_| anyhow::anyhow!("a line is too short"))
-    };
-    lines.map(row).collect()
+    lines
+        .map(|line| {
+            let cells: Vec<String> = places.iter().filter_map(|i| line.get(*i).cloned()).collect();
+            cells.try_into().map_err(|_| anyhow::anyhow!("a line is too short"))
+        })
+        .collect()
 }
 
 /// What the twin's plant is in the words of the fit: mass and inertia at the lever's end, what
@@ -295,10 +299,8 @@ fn tell(found: &[Found]) -> anyhow::Result<()> {
         let covered =
             rows.iter().filter(|r| r.interval[0] <= truth && truth <= r.interval[1]).count();
         let identifiable = rows.iter().filter(|r| r.identifiable).count();
-        let (bias, most) = (
-            (mean - truth) / sd,
-            MOST_BIAS + if n < MANY { BIAS_SCATTER / (n as f64).sqrt() } else { 0.0 },
-        );
+        let bias = (mean - truth) / sd;
+        let most = MOST_BIAS + if n < MANY { BIAS_SCATTER / (n as f64).sqrt() } else { 0.0 };
         println!(
             "{:<10} {truth:<10.3e} {mean:<10.4e} {covered:>3}/{n:<5} {bias:>6.2} {:>6.2}  {identifiable}",
             first.parameter,
@@ -333,7 +335,9 @@ fn allowed(seeds: usize) -> [usize; 2] {
         return [(SHARES[0] * n).ceil() as usize, (SHARES[1] * n).floor() as usize];
     }
     let tail = (1.0 - CENTRAL) / 2.0;
-    let (mut probability, mut below, mut low) = (NOMINAL.powi(seeds as i32), 0.0, 0);
+    let mut probability = NOMINAL.powi(seeds as i32);
+    let mut below = 0.0;
+    let mut low = 0;
     // from all of them down: the chance of k misses
     let mut high = seeds;
     for misses in 0..=seeds {

@@ -38,8 +38,10 @@ pub(crate) fn kill(program: &Path, folder: &Path, kills: u32, seed: u64) -> anyh
     let started = Instant::now();
     let whole = fresh(&reference, &SHORT)?;
     acquire(program, &reference, seed, false)?;
-    let (length, began) = (started.elapsed(), Instant::now());
-    let (mut cut, mut worst_s) = (0, 0.0_f64);
+    let length = started.elapsed();
+    let began = Instant::now();
+    let mut cut = 0;
+    let mut worst_s = 0.0_f64;
     for number in 1..=kills {
         let live = number % LIVE_EVERY == 0;
         let longest = if live { Duration::from_secs_f64(LIVE_S) } else { length };
@@ -218,7 +220,8 @@ fn expect_same_beginning(trial: &TrialEntry, whole: &Layout) -> anyhow::Result<(
             let trial = zwidth_store::read_trial(path, [signal])?;
             Ok(trial.samples.get(signal).unwrap_or_default().iter().map(|x| x.to_bits()).collect())
         };
-        let (found, all) = (column(&trial.path)?, column(&path)?);
+        let found = column(&trial.path)?;
+        let all = column(&path)?;
         ensure!(
             all.starts_with(&found),
             "{signal:?} of {} is not what was sampled",

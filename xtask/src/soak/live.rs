@@ -58,7 +58,9 @@ pub(crate) fn live(
     arguments.extend(device.iter().flat_map(|device| ["--device", device]));
     // A machine that has no time for the loop is stopped by safety, as it should be; the session
     // then goes on.
-    let (mut ticks, mut stops, mut timings) = (0, 0, Vec::new());
+    let mut ticks = 0;
+    let mut stops = 0;
+    let mut timings = Vec::new();
     loop {
         let output = run(program, layout.root(), &arguments, &[0, 1])?;
         let [out, err] = [&output.stdout, &output.stderr]
@@ -78,14 +80,16 @@ pub(crate) fn live(
     run(program, layout.root(), &["verify", STUDY], &[0])?;
 
     let data = StudyData::load(&layout).map_err(|errors| anyhow::anyhow!("{errors:?}"))?;
-    let (mut rows, mut flagged, mut stale, mut passed) = (0, 0, 0, 0.0);
+    let mut rows = 0;
+    let mut flagged = 0;
+    let mut stale = 0;
+    let mut passed = 0.0;
     for trial in &data.trials {
         let read = read_trial(&trial.path, [Signal::Time, Signal::StateBits])?;
         let column = |signal| read.samples.get(signal).unwrap_or_default();
         rows += trial.rows;
         let count = |flag| {
-            let is_flagged = |flags: &&f64| Flags(**flags as u16).has(flag);
-            column(Signal::StateBits).iter().filter(is_flagged).count()
+            column(Signal::StateBits).iter().filter(|flags| Flags(**flags as u16).has(flag)).count()
         };
         flagged += count(Flags::DROPOUT);
         stale += count(Flags::STALE_ANGLE);

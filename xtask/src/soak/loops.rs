@@ -19,10 +19,13 @@ const ROUNDING_N: f64 = 1e-9;
 type Course = (Vec<f64>, Vec<f64>);
 
 pub(crate) fn loops(program: &Path, folder: &Path, sessions: usize) -> anyhow::Result<()> {
-    let (mut conditions, mut points, mut outside) = (0, 0, 0);
+    let mut conditions = 0;
+    let mut points = 0;
+    let mut outside = 0;
     for seed in 1..=sessions.div_ceil(PEOPLE) {
         let root = folder.join(format!("loops-{seed}"));
-        let (people, seed) = (PEOPLE.to_string(), seed.to_string());
+        let people = PEOPLE.to_string();
+        let seed = seed.to_string();
         let twin = ["twin", "loops", "--participants", &people, "--sessions", "1"];
         run(program, &root, &[twin.as_slice(), &["--rate", RATE, "--seed", &seed]].concat(), &[0])?;
         run(program, &root, &["run", "loops", "--only", "average", "--quiet"], &[0, 3])?;
@@ -63,7 +66,8 @@ fn course(trial: &TrialEntry) -> anyhow::Result<Course> {
 
 /// How many points of the ways in and out were held against the repeats, and how many lie outside.
 fn between(table: &Table, repeats: &[Course]) -> anyhow::Result<[usize; 2]> {
-    let (branches, angles) = (table.texts("branch")?, table.floats("theta_rad")?);
+    let branches = table.texts("branch")?;
+    let angles = table.floats("theta_rad")?;
     let means = table.floats("force_ex_mean_n")?;
     let mut counts = [0, 0];
     for ((branch, angle), mean) in branches.iter().zip(&angles).zip(&means) {
@@ -90,7 +94,8 @@ fn crossings((theta, force): &Course, is_in: bool, angle: f64) -> Vec<f64> {
         (0..theta.len()).fold(0, |best, i| if theta[i] > theta[best] { i } else { best });
     let steps = if is_in { 0..farthest } else { farthest..theta.len() - 1 };
     let passes = |i: &usize| {
-        let (low, high) = (theta[*i].min(theta[*i + 1]), theta[*i].max(theta[*i + 1]));
+        let low = theta[*i].min(theta[*i + 1]);
+        let high = theta[*i].max(theta[*i + 1]);
         low <= angle && angle <= high
     };
     let at = |i: usize| match theta[i + 1] - theta[i] {

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use zwidth_import::{Mapping, import};
+use zwidth_import::{By, Mapping, import};
 use zwidth_store::{Layout, Memory, Signal, StudyData, hex_blake3, read_trial_from};
 use zwidth_study::{Study, StudyId};
 
@@ -80,7 +80,9 @@ pub(crate) fn mistakes(folder: &Path, studies: u64, first: u64) -> anyhow::Resul
         .collect::<anyhow::Result<_>>()?;
     let mut rows: BTreeMap<usize, [u64; 4]> = BTreeMap::new();
     let mut wrong = Vec::new();
-    let (mut false_findings, mut untraced, mut unlike) = (0, 0, Vec::new());
+    let mut false_findings = 0;
+    let mut untraced = 0;
+    let mut unlike = Vec::new();
     for (seed, (mistake, clean, spoilt)) in (first..).zip(&tried) {
         let (name, leaves_trace) = MISTAKES[*mistake];
         let row = rows.entry(*mistake).or_default();
@@ -258,7 +260,7 @@ impl Files {
                         move_s,
                         draw.between(0.1, 0.3),
                     ];
-                    let rows = rows(reach, (rate_hz, stiffness, noise_n), draw);
+                    let rows = rows(reach, rate_hz, stiffness, noise_n, draw);
                     trials.push(Trial {
                         name: format!("P{person}_{mode}_{repeat}.csv"),
                         mode: vec![mode; rows.len()],
@@ -307,8 +309,8 @@ impl Files {
             }
             "a label flips in the middle of a file" => {
                 let trial = self.some(draw);
-                let (middle, other) =
-                    (trial.rows.len() / 2, if trial.mode[0] == "a" { "b" } else { "a" });
+                let middle = trial.rows.len() / 2;
+                let other = if trial.mode[0] == "a" { "b" } else { "a" };
                 trial.mode[middle..].fill(other);
                 self.mapped("repeat = { name = \"repeat\" }\n", "")
             }
@@ -467,7 +469,8 @@ impl Files {
                 self
             }
             "two labels exchanged" => {
-                let (one, other) = (&self.trials[0], &self.trials[REPEATS]);
+                let one = &self.trials[0];
+                let other = &self.trials[REPEATS];
                 let modes = (one.mode[0], other.mode[0]);
                 self.trials[0].mode.fill(modes.1);
                 self.trials[REPEATS].mode.fill(modes.0);
@@ -533,7 +536,9 @@ impl Trial {
 /// against this spring (N/rad), with this noise (N).
 fn rows(
     [far, rest_s, move_s, dwell_s]: [f64; 4],
-    (rate_hz, stiffness, noise_n): (f64, f64, f64),
+    rate_hz: f64,
+    stiffness: f64,
+    noise_n: f64,
     draw: &mut Draw,
 ) -> Vec<[f64; 4]> {
     let back_s = rest_s + move_s + dwell_s;
@@ -564,8 +569,8 @@ fn imported(folder: &Path, files: &Files) -> anyhow::Result<Outcome> {
     let study = Study::from_toml(&files.study).map_err(|e| anyhow::anyhow!("{e:?}"))?;
     let mapping = Mapping::from_toml(&files.map, Path::new("map.toml"));
     let mapping = mapping.map_err(|e| anyhow::anyhow!("{e:?}"))?;
-    let said = ("2026-01-01T00:00:00Z", "zwidth mistakes");
-    let outcome = match import(&layout, &study, &mapping, &paths, said, &disk, &|_| {}) {
+    let by = By { utc: "2026-01-01T00:00:00Z", software: "zwidth mistakes" };
+    let outcome = match import(&layout, &study, &mapping, &paths, by, &disk, &|_| {}) {
         Err(_) => Outcome::Refused,
         Ok(report) if report.is_doubtful() => {
             let text = report.to_string();

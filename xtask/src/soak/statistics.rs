@@ -122,8 +122,7 @@ fn replaced_part(text: &str, chore: &str, by: &str, tables: &[String]) -> anyhow
     let mut sections: Vec<String> = between.split(TITLE).map(str::to_owned).collect();
     for table in tables {
         let (title, rest) = table.trim_start_matches(TITLE).split_once('\n').context("no title")?;
-        let titled = |section: &String| section.lines().next() == Some(title);
-        let place = sections.iter().position(titled);
+        let place = sections.iter().position(|section| section.lines().next() == Some(title));
         let place = place.with_context(|| format!("{PAGE} has no table '{title}'"))?;
         let end = if place + 1 < sections.len() { "\n" } else { "" };
         sections[place] = format!("{title}\n\nWritten by `{by}`.\n{rest}{end}");

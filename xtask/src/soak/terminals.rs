@@ -70,7 +70,9 @@ pub(crate) fn terminals(
     seed: u64,
 ) -> anyhow::Result<()> {
     let began = Instant::now();
-    let (mut within, mut longest, mut codes) = (0, Duration::ZERO, String::new());
+    let mut within = 0;
+    let mut longest = Duration::ZERO;
+    let mut codes = String::new();
     for number in 0..tries {
         let kind = KINDS[number as usize % KINDS.len()];
         // Those of a kind by turns.

@@ -8,7 +8,6 @@ use anyhow::{Context as _, bail, ensure};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::thread::ScopedJoinHandle;
 use std::time::Instant;
 use zwidth_device::TwinParameters;
 use zwidth_tables::Table;
@@ -118,7 +117,8 @@ struct Counted {
 const VERDICTS: [&str; 4] = ["supported", "contradicted", "undecided", "not measured"];
 
 pub(crate) fn thesis(program: &Path, folder: &Path, seeds: u32) -> anyhow::Result<()> {
-    let (next, began) = (AtomicU32::new(1), Instant::now());
+    let next = AtomicU32::new(1);
+    let began = Instant::now();
     let work = || -> anyhow::Result<Found> {
         let mut found = Vec::new();
         loop {
@@ -134,10 +134,10 @@ pub(crate) fn thesis(program: &Path, folder: &Path, seeds: u32) -> anyhow::Resul
     };
     let parts: Vec<Found> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..AT_ONCE).map(|_| scope.spawn(work)).collect();
-        let join = |thread: ScopedJoinHandle<'_, anyhow::Result<Found>>| {
-            thread.join().unwrap_or_else(|_| bail!("a thread panicked"))
-        };
-        threads.into_iter().map(join).collect::<anyhow::Result<_>>()
+        threads
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread panicked")))
+            .collect::<anyhow::Result<_>>()
     })?;
     let mut studies: Found = parts.into_iter().flatten().collect();
     studies.sort_by_key(|(seed, _)| *seed);
@@ -187,24 +187,30 @@ fn rows(table: &Table) -> anyhow::Result<Vec<Row>> {
     let text = |name: &str| -> anyhow::Result<Vec<String>> {
         Ok(table.texts(name)?.into_iter().map(Option::unwrap_or_default).collect())
     };
-    let (keys, sources, texts) = (text("key")?, text("source")?, text("statement")?);
-    let (verdicts, units, values) = (text("verdict")?, text("unit")?, table.floats("value")?);
-    let row = |i: usize| Row {
-        key: keys[i].clone(),
-        source: sources[i].clone(),
-        text: texts[i].clone(),
-        verdict: verdicts[i].clone(),
-        value: values[i],
-        unit: units[i].clone(),
-    };
-    Ok((0..table.height()).map(row).collect())
+    let keys = text("key")?;
+    let sources = text("source")?;
+    let texts = text("statement")?;
+    let verdicts = text("verdict")?;
+    let units = text("unit")?;
+    let values = table.floats("value")?;
+    Ok((0..table.height())
+        .map(|i| Row {
+            key: keys[i].clone(),
+            source: sources[i].clone(),
+            text: texts[i].clone(),
+            verdict: verdicts[i].clone(),
+            value: values[i],
+            unit: units[i].clone(),
+        })
+        .collect())
 }
 
 /// The statements in their order, and what was found of each.
 fn count(
     rows: impl Iterator<Item = Row>,
 ) -> anyhow::Result<(Vec<String>, BTreeMap<String, Counted>)> {
-    let (mut keys, mut counted) = (Vec::new(), BTreeMap::<String, Counted>::new());
+    let mut keys = Vec::new();
+    let mut counted = BTreeMap::<String, Counted>::new();
     for Row { key, source, text, verdict, value, unit } in rows {
         let of = counted.entry(key.clone()).or_insert_with(|| {
             keys.push(key);
@@ -233,7 +239,8 @@ fn written(keys: &[String], counted: &BTreeMap<String, Counted>, seeds: u32) -> 
     );
     for (_, of) in &all {
         let [a, b, c, d] = of.verdicts;
-        let (words, source) = (&of.text, &of.source);
+        let words = &of.text;
+        let source = &of.source;
         let words = if of.is_told(seeds) { words.clone() } else { format!("*{words}*") };
         let value = spread(&of.values, &of.unit);
         text += &format!("| {words} | {source} | {a} | {b} | {c} | {d} | {value} |\n");
@@ -280,12 +287,11 @@ fn put(seeds: u32, table: &str) -> anyhow::Result<()> {
 /// Fails where a statement is told too seldom without a reason.
 fn judge(keys: &[String], counted: &BTreeMap<String, Counted>, seeds: usize) -> anyhow::Result<()> {
     let least = least(seeds);
-    let too_seldom = |key: &&String| {
-        why(key).is_none() && counted.get(*key).is_some_and(|of| of.verdicts[0] < least)
-    };
     let mut wrong: Vec<String> = keys
         .iter()
-        .filter(too_seldom)
+        .filter(|key| {
+            why(key).is_none() && counted.get(*key).is_some_and(|of| of.verdicts[0] < least)
+        })
         .map(|key| format!("{key}: supported by fewer than {least} of {seeds}"))
         .collect();
     let unknown = WHY.iter().filter(|(key, _)| !counted.contains_key(*key));
@@ -302,7 +308,8 @@ fn least(seeds: usize) -> usize {
         return (HOLDS * n).ceil() as usize;
     }
     // from all of them down: the chance of k misses
-    let (mut probability, mut reached) = (HOLDS.powi(seeds as i32), 0.0);
+    let mut probability = HOLDS.powi(seeds as i32);
+    let mut reached = 0.0;
     for misses in 0..=seeds {
         reached += probability;
         if 1.0 - reached < RARE {

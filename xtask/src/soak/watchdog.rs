@@ -43,7 +43,9 @@ pub(crate) fn watchdog(folder: &Path, cuts: u32, seed: u64) -> anyhow::Result<()
     let began = Instant::now();
     std::fs::create_dir_all(folder)?;
     let study = study()?;
-    let (mut longest_s, mut done, mut tries) = ([0.0_f64; 2], [0; 2], 0);
+    let mut longest_s = [0.0_f64; 2];
+    let mut done = [0; 2];
+    let mut tries = 0;
     while done.iter().sum::<u32>() < cuts {
         tries += 1;
         ensure!(tries <= 10 * cuts, "the actuators had no voltage in most of {tries} tries");
@@ -145,7 +147,8 @@ fn until(
     mut holds: impl FnMut(&Board<'_>, f64) -> bool,
 ) -> anyhow::Result<Option<(f64, f64)>> {
     let begin_s = board.turn()?;
-    let (mut last_s, mut away_s) = (begin_s, 0.0_f64);
+    let mut last_s = begin_s;
+    let mut away_s = 0.0_f64;
     while last_s < begin_s + limit_s {
         std::thread::sleep(POLL);
         let now_s = board.turn()?;
@@ -166,7 +169,8 @@ pub(crate) fn host(socket: &Path) -> anyhow::Result<()> {
         bail!("the template of a study has no environment, or no mode with a motor");
     };
     let mut device = Remote::connect(socket, twin()?.capabilities().clone())?;
-    let (mut clock, calibration) = (RealClock::new(), Calibration::thesis());
+    let mut clock = RealClock::new();
+    let calibration = Calibration::thesis();
     let mut controller = Controller::new(&study.control, environment, mode, &calibration);
     let mut guard = Guard::new(device.capabilities(), Limits::of(&study)?, false);
     guard.home(&mut device, 0.0)?;

@@ -29,12 +29,11 @@ impl Flow {
     /// The place that a trial holds; who it gave it to.
     fn held(&self, trial: u32) -> Result<usize, String> {
         let holder = self.places.iter().position(|p| p.trial.trial == trial);
-        let again = || match self.places.iter().find(|p| p.repeats == Some(trial)) {
+        holder.ok_or_else(|| match self.places.iter().find(|p| p.repeats == Some(trial)) {
             Some(p) if !p.done => format!("trial {trial} is to be done again already"),
             Some(p) => format!("trial {trial} was done again as trial {}", p.trial.trial),
             None => format!("trial {trial} was done again"),
-        };
-        holder.ok_or_else(again)
+        })
     }
 
     /// The last trial again.

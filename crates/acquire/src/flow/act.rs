@@ -218,7 +218,8 @@ impl Flow {
             return refuse(format!("{value} is not an answer: {}", question.scale.range()));
         }
         let action = if late {
-            let (trial, question) = (self.places[place].trial.trial, question.id.clone());
+            let trial = self.places[place].trial.trial;
+            let question = question.id.clone();
             Action::Log(Event::Answer {
                 trial,
                 question,

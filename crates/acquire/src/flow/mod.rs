@@ -291,7 +291,8 @@ impl Flow {
             Phase::Question { place, .. } => Some(place),
             _ => None,
         };
-        let last = || self.places.get(self.last?).map(Place::ended);
-        at_hand.map(|i| self.places[i].trial.trial).or_else(last)
+        at_hand
+            .map(|i| self.places[i].trial.trial)
+            .or_else(|| self.places.get(self.last?).map(Place::ended))
     }
 }

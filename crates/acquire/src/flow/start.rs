@@ -29,7 +29,8 @@ impl Flow {
         events: &[Event],
     ) -> (Self, Vec<Action>) {
         let files: BTreeMap<u32, Recorded> = recorded.iter().map(|r| (r.trial, *r)).collect();
-        let (successors, excluded) = (successors(events), excluded(events));
+        let successors = successors(events);
+        let excluded = excluded(events);
         let used = order.iter().map(|(t, _)| t.trial).chain(files.keys().copied());
         let next_number = used.chain(successors.values().copied()).max().unwrap_or(0) + 1;
         let places: Vec<Place> = order

@@ -46,8 +46,10 @@ impl Door {
     pub fn open(secret: Secret) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let address = listener.local_addr()?;
-        let (reception, hall) = (Reception::new(secret), Arc::new(Hall::default()));
-        let (inner, greeted) = (Arc::clone(&reception), Arc::clone(&hall));
+        let reception = Reception::new(secret);
+        let hall = Arc::new(Hall::default());
+        let inner = Arc::clone(&reception);
+        let greeted = Arc::clone(&hall);
         let thread = Builder::new().name("door".into());
         thread.spawn(move || listen(&listener, &inner, &greeted))?;
         Ok(Self { reception, address, hall })
@@ -108,7 +110,8 @@ fn listen(listener: &TcpListener, reception: &Arc<Reception>, hall: &Arc<Hall>) 
         let greeted = stream.and_then(|(stream, _)| {
             let stream = Arc::new(stream);
             hall.enter(number, &stream);
-            let (reception, hall) = (Arc::clone(reception), Arc::clone(hall));
+            let reception = Arc::clone(reception);
+            let hall = Arc::clone(hall);
             Builder::new().name("participant".into()).spawn(move || {
                 // Who went, or has to go.
                 let _ = receive(&stream, &reception, &hall, number);

@@ -28,8 +28,9 @@ pub(super) fn render(
     let area = frame.area();
     let buffer = frame.buffer_mut();
     let room = usize::from(area.width).saturating_sub(2).clamp(1, LONGEST);
-    let text = text(sight, typed, is_answered, (room, area.height.into()));
-    let (mut top, mut height) = (area.y, usize::from(area.height));
+    let text = text(sight, typed, is_answered, room, area.height.into());
+    let mut top = area.y;
+    let mut height = usize::from(area.height);
     if height >= text.len() + 4 {
         centred(&progress(sight), Role::Quiet, look, Rect { y: top, ..area }, buffer);
         let foot = "Ctrl-C closes this screen";
@@ -93,12 +94,7 @@ fn large(sight: &Sight, is_answered: bool) -> String {
 }
 
 /// What is to be read, in lines of at most `limit` cells, and in `height` rows if it can be.
-fn text(
-    sight: &Sight,
-    typed: &str,
-    is_answered: bool,
-    (limit, height): (usize, usize),
-) -> Vec<String> {
+fn text(sight: &Sight, typed: &str, is_answered: bool, limit: usize, height: usize) -> Vec<String> {
     match &sight.now {
         Now::Question(asked) if !is_answered => {
             let fits = |lines: &Vec<String>| lines.len() <= height;

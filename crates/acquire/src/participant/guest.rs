@@ -45,7 +45,8 @@ impl Guest {
     /// Nobody listens there, or not a session of this program; another screen is open.
     pub fn enter(port: u16, secret: &Secret) -> Result<Self, AcquireError> {
         let nobody = |_| refused(NOBODY, START);
-        let (mut greeted, mut hung_up) = (Greeted::HungUp, 0);
+        let mut greeted = Greeted::HungUp;
+        let mut hung_up = 0;
         for _ in 0..2 * ATTEMPTS {
             let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).map_err(nobody)?;
             greeted = greet(stream, secret).map_err(nobody)?;

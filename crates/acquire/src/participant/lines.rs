@@ -29,7 +29,9 @@ pub fn show_lines(
 ) -> Result<bool, AcquireError> {
     let said = read(input);
     let is_at_terminal = io::stdin().is_terminal();
-    let (mut waiting, mut shown, mut open) = (VecDeque::new(), None, None);
+    let mut waiting = VecDeque::new();
+    let mut shown = None;
+    let mut open = None;
     let mut answered = None;
     while !quit.load(Ordering::SeqCst) {
         if let Some(sight) = guest.next(WAIT)? {

@@ -90,8 +90,8 @@ impl Reception {
 
     /// Waits until the screen that is in was told everything, but no longer than that.
     pub(super) fn wait_for_tellers(&self, longest: Duration) {
-        let busy = |state: &mut State| state.tellers > 0;
-        let waited = self.changed.wait_timeout_while(self.lock(), longest, busy);
+        let waited =
+            self.changed.wait_timeout_while(self.lock(), longest, |state| state.tellers > 0);
         drop(waited.unwrap_or_else(PoisonError::into_inner));
     }
 }
@@ -219,10 +219,9 @@ impl Teller {
 
     /// The same, waiting for it; none if that screen is gone, or the session is over.
     pub(super) fn wait_for_news(&mut self) -> Option<String> {
-        let idle = |state: &mut State| {
+        let waited = self.reception.changed.wait_while(self.reception.lock(), |state| {
             state.inside == Some(self.number) && !state.closing && self.last == Some(state.shown)
-        };
-        let waited = self.reception.changed.wait_while(self.reception.lock(), idle);
+        });
         drop(waited.unwrap_or_else(PoisonError::into_inner));
         self.news()
     }

@@ -21,7 +21,9 @@ const WAIT: Duration = Duration::from_millis(20);
 /// There is no terminal; the session is gone.
 pub fn show_screen(mut guest: Guest, look: Look, quit: &AtomicBool) -> Result<bool, AcquireError> {
     let mut window = Window::take()?;
-    let (mut sight, mut typed, mut answered) = (Sight::default(), String::new(), None);
+    let mut sight = Sight::default();
+    let mut typed = String::new();
+    let mut answered = None;
     let mut fresh = true;
     while !quit.load(Ordering::SeqCst) {
         while let Some(next) = guest.next(Duration::ZERO)? {

@@ -92,7 +92,8 @@ impl Runner<'_> {
     }
 
     fn check_step(&mut self, step: Step, tare_n: f64) -> Result<Vec<Finding>, Trip> {
-        let (calibration, rate_hz) = (&self.plan.calibration, self.rate_hz);
+        let calibration = &self.plan.calibration;
+        let rate_hz = self.rate_hz;
         let stop = &*self.options.stop;
         self.attendant.ask(move |station| {
             let Station { device, clock, guard, .. } = station;

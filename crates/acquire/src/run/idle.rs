@@ -51,7 +51,8 @@ impl Runner<'_> {
     /// does, and is told.
     fn rest(&mut self) -> Option<Trip> {
         let until_s = self.attendant.now_s() + self.flow.rest_s() + PAST_S;
-        let (rate_hz, stop) = (self.rate_hz, &*self.options.stop);
+        let rate_hz = self.rate_hz;
+        let stop = &*self.options.stop;
         let rested = self.attendant.ask(move |station| {
             let Station { device, clock, guard, .. } = station;
             let seen = watch(*device, *clock, guard, rate_hz, until_s, stop, &mut |_, _, _| {});

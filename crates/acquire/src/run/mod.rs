@@ -379,7 +379,8 @@ impl<'a> Runner<'a> {
         let now_s = self.attendant.now_s();
         let (began_s, before) = self.began.unwrap_or((now_s, self.flow.done()));
         let design = &self.plan.study.design;
-        let (done, all) = (self.flow.done(), self.flow.places().len());
+        let done = self.flow.done();
+        let all = self.flow.places().len();
         let planned_s = design.trial_limit_s + design.pause_s;
         if self.lasted.0 != done {
             self.lasted = (done, now_s);

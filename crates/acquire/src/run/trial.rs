@@ -130,7 +130,8 @@ impl<'a> Runner<'a> {
 
     /// Where the lever is after a short while, rad; nowhere, if nothing could be read.
     fn look(&mut self) -> Result<f64, Trip> {
-        let (rate_hz, stop) = (self.rate_hz, &*self.options.stop);
+        let rate_hz = self.rate_hz;
+        let stop = &*self.options.stop;
         self.attendant.ask(move |station| {
             let Station { device, clock, guard, .. } = &mut *station;
             let until_s = clock.now_s() + LOOK_S;

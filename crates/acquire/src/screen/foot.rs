@@ -20,8 +20,8 @@ pub(super) fn timing(timing: &Timing, look: Look, limit: usize) -> Line<'static>
 }
 
 fn timing_line(timing: &Timing, look: Look, brief: bool) -> Line<'static> {
-    let us = |s: f64| format!("{:.0}", s * 1e6);
-    let [p50, p99, max] = [timing.jitter_p50_s, timing.jitter_p99_s, timing.jitter_max_s].map(us);
+    let [p50, p99, max] = [timing.jitter_p50_s, timing.jitter_p99_s, timing.jitter_max_s]
+        .map(|s| format!("{:.0}", s * 1e6));
     let rate = format!("{:.0}", timing.measured_hz);
     let (rate, jitter) = match (brief, timing.jitter_max_s > 0.0) {
         (true, true) => (format!("{rate} Hz"), format!("p99 {p99} max {max}")),

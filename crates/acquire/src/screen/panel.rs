@@ -166,13 +166,12 @@ fn question(
 ) -> Vec<Line<'static>> {
     let mut lines = styled(text, Role::Strong, look, limit);
     lines.extend((!is_low).then(Line::default));
-    let is_told = |answer: &i16| {
+    let told = scale.answers().into_iter().filter(|answer| {
         let is_end = [scale.lowest(), scale.highest()].contains(answer);
         is_end
             || scale.is_nominal()
             || (!is_low && (scale.is_short() || scale.word(*answer).is_some()))
-    };
-    let told = scale.answers().into_iter().filter(is_told);
+    });
     let word = |answer| scale.word(answer).map(|word| format!(" {word}")).unwrap_or_default();
     let answers: Vec<(String, String)> = told.map(|a| (a.to_string(), word(a))).collect();
     if !scale.is_short() {

@@ -175,9 +175,10 @@ impl Shared {
 
     /// What is to be drawn next; none when the screen closes.
     fn wait_for_change(&self) -> Option<(View, Option<Entry>)> {
-        let idle = |state: &mut State| !state.fresh && !state.closing;
-        let mut state =
-            self.changed.wait_while(self.lock(), idle).unwrap_or_else(PoisonError::into_inner);
+        let mut state = self
+            .changed
+            .wait_while(self.lock(), |state| !state.fresh && !state.closing)
+            .unwrap_or_else(PoisonError::into_inner);
         state.fresh = false;
         (!state.closing).then(|| (state.view.clone(), state.entry.clone()))
     }

@@ -73,7 +73,9 @@ pub(super) fn draw(view: &View, look: Look, area: Rect, buffer: &mut Buffer) {
 }
 
 fn columns_of(view: &View, look: Look) -> [Vec<Plot>; 2] {
-    let (angle, velocity, force) = (angle(view, look), velocity(view, look), force(view));
+    let angle = angle(view, look);
+    let velocity = velocity(view, look);
+    let force = force(view);
     if view.blinded {
         [vec![angle], vec![force, velocity]]
     } else {
@@ -92,7 +94,8 @@ fn window_s(view: &View) -> f64 {
 }
 
 fn angle(view: &View, look: Look) -> Plot {
-    let (low, high) = (view.theta_range_rad.0.to_degrees(), view.theta_range_rad.1.to_degrees());
+    let low = view.theta_range_rad.0.to_degrees();
+    let high = view.theta_range_rad.1.to_degrees();
     let wall_deg = view.wall_rad.map(f64::to_degrees);
     let wall = wall_deg.map_or(String::new(), |wall| format!(" wall {wall:.1} ╌"));
     Plot {
@@ -149,14 +152,15 @@ fn force(view: &View) -> Plot {
 
 /// The brake's voltage has no sign; the motor's is negative where it pushes the lever back.
 fn voltages(view: &View, look: Look) -> Plot {
-    let (motor_v, brake_v) =
-        (|p: &Point| p.voltages.map(|v| v.motor_v), |p: &Point| p.voltages.map(|v| v.brake_v));
+    let motor_v = |p: &Point| p.voltages.map(|v| v.motor_v);
+    let brake_v = |p: &Point| p.voltages.map(|v| v.brake_v);
     let motor = curve(view, motor_v, Color::Magenta, 'm');
     let brake = Curve { dashed: true, ..curve(view, brake_v, Color::Yellow, 'b') };
     let curves = vec![motor, brake];
     let scale = scale(&curves, VOLTAGE_SCALE_V);
     let [motor, brake] = if look.ascii { ["m", "b"] } else { ["─", "╌"] };
-    let (now_motor, now_brake) = (latest(view, motor_v, 1), latest(view, brake_v, 1));
+    let now_motor = latest(view, motor_v, 1);
+    let now_brake = latest(view, brake_v, 1);
     Plot {
         title: "voltage (V)",
         value: format!("motor {now_motor}{motor} brake {now_brake}{brake}"),

@@ -87,7 +87,8 @@ impl Unwrap {
         let step = shortest(raw - self.raw, self.per_turn);
         let elapsed_s = t_s - self.t_s;
         let turns = |counts: f64| counts / self.per_turn as f64;
-        let (step_turns, predicted_turns) = (turns(step as f64), turns(self.speed * elapsed_s));
+        let step_turns = turns(step as f64);
+        let predicted_turns = turns(self.speed * elapsed_s);
         if (step_turns - predicted_turns).abs() > REFUSED_TURN {
             return Err(AngleFault::Jump { step_turns, predicted_turns });
         }
@@ -146,7 +147,8 @@ impl Homed {
         reading: &Reading,
     ) -> Result<Self, DeviceError> {
         let unable = |what: String, remedy: &str| {
-            let (device, remedy) = (capabilities.name.clone(), remedy.to_owned());
+            let device = capabilities.name.clone();
+            let remedy = remedy.to_owned();
             DeviceError::Unable { device, what, remedy }
         };
         let sensor = match (reading.angle, capabilities.counts_per_turn) {
@@ -161,7 +163,8 @@ impl Homed {
                 Sensor::Lever
             }
             (Angle::Lever(theta_rad), None) => {
-                let (found, stop) = (theta_rad.to_degrees(), stop_rad.to_degrees());
+                let found = theta_rad.to_degrees();
+                let stop = stop_rad.to_degrees();
                 let what =
                     format!("the lever is at {found:.1} degrees, its lower stop at {stop:.1}");
                 return Err(unable(what, "hold it against the stop and home again"));

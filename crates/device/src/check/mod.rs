@@ -119,7 +119,8 @@ fn look(
 ) -> Result<(Vec<Look>, Timing), DeviceError> {
     let start_s = clock.now_s();
     let mut pace = Pace::new(start_s, 1.0 / rate_hz);
-    let (mut looks, mut timing) = (Vec::new(), Timing::default());
+    let mut looks = Vec::new();
+    let mut timing = Timing::default();
     loop {
         let tick = pace.wait(clock);
         if tick.now_s >= start_s + for_s || stop.load(Ordering::Relaxed) {

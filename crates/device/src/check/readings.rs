@@ -59,7 +59,8 @@ pub fn timing(timing: &Timing, rate_hz: f64) -> Vec<Finding> {
     let period_s = 1.0 / rate_hz;
     let half = |value_s: f64| value_s < 0.5 * period_s;
     let missed = timing.missed as f64 / (timing.missed + timing.ticks).max(1) as f64;
-    let (late_s, took_s) = (timing.lateness.percentile_s(99.0), timing.work.percentile_s(99.0));
+    let late_s = timing.lateness.percentile_s(99.0);
+    let took_s = timing.work.percentile_s(99.0);
     let late = "99 % of the ticks are late by less; above half a period close other programs or lower the rate";
     let took = "99 % of reads and writes together take less; above half a period check the link, or lower the rate";
     let share =
@@ -89,8 +90,8 @@ pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Ve
     ];
     let forces = new_forces_n(looks);
     if looks.iter().all(|look| look.reading.force_age_s.is_some()) {
-        let (force_hz, nominal_hz) =
-            (forces.len() as f64 / span_s, capabilities.force_rate_hz.min(asked_hz));
+        let force_hz = forces.len() as f64 / span_s;
+        let nominal_hz = capabilities.force_rate_hz.min(asked_hz);
         let about = "new forces per second; if too few, check the amplifier's rate switch";
         found.push(Finding::new("force rate", force_hz, "Hz", fast(force_hz, nominal_hz), about));
     }

@@ -124,7 +124,8 @@ impl Guard {
         let reading = device.home(now_s)?;
         // A device that was lost may be back now.
         written.or_else(|_| device.write(now_s, Voltages::OFF))?;
-        let (stop_rad, t_s) = (self.limits.theta_min_rad, now_s - reading.angle_age_s);
+        let stop_rad = self.limits.theta_min_rad;
+        let t_s = now_s - reading.angle_age_s;
         let homed = Homed::at_stop(&self.capabilities, stop_rad, t_s, &reading)?;
         self.tracking = Some(Tracking { homed, t_s, theta_rad: stop_rad, proved });
         Ok(())
@@ -262,10 +263,12 @@ impl Guard {
 
     /// Where the lever is, and whether it may be there.
     fn judge(&mut self, now_s: f64, reading: &Reading) -> Result<Seen, Trip> {
-        let (stop_rad, limit_n) = (self.limits.theta_min_rad, self.limits.force_n);
+        let stop_rad = self.limits.theta_min_rad;
+        let limit_n = self.limits.force_n;
         let tracking = self.tracking.as_mut().ok_or(Trip::NotHomed)?;
         let same = tracking.update(now_s - reading.angle_age_s, reading, stop_rad)?;
-        let (t_angle_s, theta_rad) = (tracking.t_s, tracking.theta_rad);
+        let t_angle_s = tracking.t_s;
+        let theta_rad = tracking.theta_rad;
         if !self.is_inside(theta_rad, OUTSIDE_RAD) {
             return Err(Trip::Outside { theta_rad });
         }

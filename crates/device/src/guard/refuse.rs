@@ -52,14 +52,17 @@ pub(super) fn refuse(
     }
     within(device, asked, "motor", motor_v, device.motor_max_v)?;
     within(device, asked, "brake", brake_v, device.brake_max_v)?;
-    let (force_n, most_n) = (calibration.motor.force_n(motor_v), force_limit_n.min(MOTOR_FORCE_N));
+    let force_n = calibration.motor.force_n(motor_v);
+    let most_n = force_limit_n.min(MOTOR_FORCE_N);
     if exceeds(force_n, most_n) {
         let mode = asked.name.to_owned();
         return Err(Refusal::MotorForce { mode, voltage_v: motor_v, force_n, most_n });
     }
     if asked.switches_on_force && exceeds(FORCE_RATE_HZ, device.force_rate_hz) {
-        let (found_hz, least_hz) = (device.force_rate_hz, FORCE_RATE_HZ);
-        let (device, mode) = (device.name.clone(), asked.name.to_owned());
+        let found_hz = device.force_rate_hz;
+        let least_hz = FORCE_RATE_HZ;
+        let device = device.name.clone();
+        let mode = asked.name.to_owned();
         return Err(Refusal::SlowForce { device, mode, found_hz, least_hz });
     }
     Ok(())
@@ -75,7 +78,8 @@ fn within(
     if asked_v >= 0.0 && !exceeds(asked_v, most_v) {
         return Ok(());
     }
-    let (device, mode) = (device.name.clone(), asked.name.to_owned());
+    let device = device.name.clone();
+    let mode = asked.name.to_owned();
     Err(Refusal::Voltage { device, mode, actuator, asked_v, most_v })
 }
 

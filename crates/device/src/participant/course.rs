@@ -117,7 +117,8 @@ impl Course {
 
     /// Turns where the goal is reached, or time is up.
     fn turn(&mut self, person: &Person, lever_m: f64, t_s: f64, state: &DrivenState) {
-        let (goal, from) = (self.intent.goal, self.here(t_s));
+        let goal = self.intent.goal;
+        let from = self.here(t_s);
         let slack_m_s = self.intent.slack_m_s(person, lever_m, state.contact_n);
         let at_rest_n = state.contact_n - DRAG_NS_PER_RAD * state.theta_dot_rad_s;
         let rest_m = self.base_m + from.position_m + onward_m(from, slack_m_s)
@@ -151,7 +152,8 @@ fn let_go(from: From, slack_m_s: f64, t_s: f64) -> [f64; 2] {
 /// velocity that it has: x₀ (1 − 10 s³ + 15 s⁴ − 6 s⁵) + v₀ T (s − 6 s³ + 8 s⁴ − 3 s⁵), s = t/T.
 fn back(from: From, duration_s: f64, t_s: f64) -> [f64; 2] {
     let s = (t_s / duration_s).clamp(0.0, 1.0);
-    let (x, v) = (from.position_m, from.velocity_m_s * duration_s);
+    let x = from.position_m;
+    let v = from.velocity_m_s * duration_s;
     let position_m = x * (1.0 - s * s * s * (10.0 + s * (6.0 * s - 15.0)))
         + v * s * (1.0 + s * s * (s * (8.0 - 3.0 * s) - 6.0));
     let rate_m = -30.0 * x * s * s * (1.0 - s) * (1.0 - s)

@@ -45,7 +45,8 @@ impl Draw {
 
     /// Normal with mean 0 and standard deviation 1 (Box & Muller 1958).
     pub(crate) fn normal(&mut self) -> f64 {
-        let (radius, turn) = (1.0 - self.unit(), self.unit());
+        let radius = 1.0 - self.unit();
+        let turn = self.unit();
         (-2.0 * libm::log(radius)).sqrt() * libm::cos(TAU * turn)
     }
 

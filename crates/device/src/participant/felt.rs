@@ -39,7 +39,8 @@ impl Felt {
 
     /// One step.
     pub(crate) fn feel(&mut self, state: &DrivenState) {
-        let (theta, force) = (state.theta_rad, state.contact_n);
+        let theta = state.theta_rad;
+        let force = state.contact_n;
         self.highest_rad = self.highest_rad.max(theta);
         self.last_rad = theta;
         self.greatest_n = self.greatest_n.max(force);
@@ -69,7 +70,9 @@ impl Felt {
     /// How well force over angle was a line while going in: R², 0…1; 0 if nothing was felt.
     pub(crate) fn linearity(&self) -> f64 {
         let [n, x, y, xx, xy, yy] = self.sums;
-        let (sxx, sxy, syy) = (n * xx - x * x, n * xy - x * y, n * yy - y * y);
+        let sxx = n * xx - x * x;
+        let sxy = n * xy - x * y;
+        let syy = n * yy - y * y;
         let scale = sxx * syy;
         if scale > 0.0 { (sxy * sxy / scale).min(1.0) } else { 0.0 }
     }

@@ -140,7 +140,8 @@ impl Intent {
 /// presses on a wall, of which nobody stays short. `off`: how many standard deviations this repeat
 /// is off the usual, in both.
 fn goal(person: &Person, task: &Task, off: [f64; 2]) -> Goal {
-    let (room_rad, wall_rad) = (task.end_rad - ROOM_RAD, task.scene.wall_rad());
+    let room_rad = task.end_rad - ROOM_RAD;
+    let wall_rad = task.scene.wall_rad();
     let usual_rad = person.reach_rad.max(task.start_rad + LEAST_TRAVEL_RAD);
     let angle_rad = usual_rad + REACH_SD_RAD * off[0];
     let angle_rad = wall_rad.map_or(angle_rad, |wall_rad| angle_rad.max(wall_rad + PRESS_RAD));

@@ -83,8 +83,7 @@ pub(crate) fn run_caught(
     sink: &mut Sink<'_>,
 ) -> TrialRun {
     let unwatched = guard.unwatched();
-    let running = || run_trial(device, clock, controller, guard, plan, stop, sink);
-    catch_unwind(AssertUnwindSafe(running))
+    catch_unwind(AssertUnwindSafe(|| run_trial(device, clock, controller, guard, plan, stop, sink)))
         .unwrap_or_else(|panic| TrialRun { unwatched, ..TrialRun::tripped(said(&*panic)) })
 }
 
@@ -161,7 +160,8 @@ impl Collected {
 
     /// The trial's end, as far as the samples did not get through.
     pub(crate) fn conclude(&self, mut run: TrialRun) -> TrialRun {
-        let (lost, tripped) = (self.lost(), matches!(run.end, TrialEnd::Tripped(_)));
+        let lost = self.lost();
+        let tripped = matches!(run.end, TrialEnd::Tripped(_));
         if self.shared.abandoned.load(Ordering::Relaxed) && !tripped {
             run.end = TrialEnd::Tripped(Trip::Storage); // it could not keep what came last
         } else if lost > 0 && !tripped {

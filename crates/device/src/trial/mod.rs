@@ -172,7 +172,8 @@ fn step(
     start_s: f64,
 ) -> Result<Sample, Trip> {
     let (reading, seen) = output.look(tick)?;
-    let (theta_rad, force_ex_n) = (on_steps(seen.theta_rad), on_steps(reading.force_n));
+    let theta_rad = on_steps(seen.theta_rad);
+    let force_ex_n = on_steps(reading.force_n);
     let theta_dot_rad_s = on_steps(velocity.step(seen.t_angle_s, theta_rad));
     let (asked, flags) = controller.step(theta_rad, theta_dot_rad_s, force_ex_n);
     let (voltages, clipped) = output.command(clock.now_s(), asked)?;

@@ -52,14 +52,13 @@ pub fn motor_sweep(
     seed: u64,
     number: u32,
 ) -> Result<Vec<SweepPoint>, DeviceError> {
-    let force = |v: f64| Command { motor_n: parameters.actuators.motor.force_n(-v), brake_n: 0.0 };
     Sweep {
         top_v: MOTOR_V,
         from_rad: 0.0,
         speed_rad_s: 0.0,
         draw: Draw::new(seed, Purpose::Sweep, u64::from(number)),
     }
-    .run(parameters, force)
+    .run(parameters, |v| Command { motor_n: parameters.actuators.motor.force_n(-v), brake_n: 0.0 })
 }
 
 /// Brake, 0 → 8 → 0 V at a lever driven at constant velocity; `number` from 1.
@@ -102,7 +101,8 @@ impl Sweep {
         let mut sensor = ForceSensor::new(parameters.force_noise_n, self.draw.clone(), 0.0);
         let mut points = Vec::with_capacity(values as usize);
         for i in 0..values * STEPS_PER_VALUE {
-            let (t_s, end_s) = (f64::from(i) * h_s, f64::from(i + 1) * h_s);
+            let t_s = f64::from(i) * h_s;
+            let end_s = f64::from(i + 1) * h_s;
             let voltage_v = self.voltage_v(t_s);
             let aims = [t_s, end_s].map(|t| self.aim(parameters.lever_m, t));
             plant.advance(h_s, command(voltage_v), aims).map_err(|e| impossible(&e))?;

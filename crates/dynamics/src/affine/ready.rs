@@ -102,8 +102,11 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
         most_pieces: u64,
     ) -> Option<Fall> {
         let top = self.ladder.rungs.len() - 1;
-        let (mut rate, mut guards) = (self.rate(z), self.values(z, blind));
-        let (mut elapsed, mut rest, mut level) = (0.0, span, top);
+        let mut rate = self.rate(z);
+        let mut guards = self.values(z, blind);
+        let mut elapsed = 0.0;
+        let mut rest = span;
+        let mut level = top;
         // Where a guard was seen below zero, from here on: no piece that reaches it is free.
         let mut below = f64::INFINITY;
         while rest > 0.0 && *pieces <= most_pieces && in_bounds(z) {

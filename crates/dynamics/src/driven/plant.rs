@@ -77,10 +77,11 @@ impl Driven {
     /// The same with another longest step.
     pub(super) fn with_reach(parameters: DrivenParameters, reach_s: f64) -> Result<Self> {
         parameters.check()?;
-        let compile = |region: Region| {
-            region.exists(&parameters).then(|| region::flow(&parameters, region, reach_s))
-        };
-        let regions = Region::all().map(compile).collect();
+        let regions = Region::all()
+            .map(|region| {
+                region.exists(&parameters).then(|| region::flow(&parameters, region, reach_s))
+            })
+            .collect();
         let mut plant = Self { parameters, regions, region: Region::START, z: [0.0; N] };
         plant.place(parameters.stops_rad.map_or(0.0, |[low, _]| low), 0.0)?;
         Ok(plant)
@@ -176,7 +177,8 @@ impl Driven {
 
     /// From event to event.
     pub(super) fn run(&mut self, dt_s: f64) -> Result<()> {
-        let (mut rest_s, mut events) = (dt_s, 0);
+        let mut rest_s = dt_s;
+        let mut events = 0;
         while rest_s > 0.0 {
             let propped = self.propped();
             let Some(flow) = &self.regions[self.region.index()] else { break };
@@ -186,7 +188,9 @@ impl Driven {
             self.pass(guard);
             events += 1;
             if events > MOST_EVENTS {
-                let (limit, t_s, suspect) = (MOST_EVENTS, dt_s - rest_s, self.suspect());
+                let limit = MOST_EVENTS;
+                let t_s = dt_s - rest_s;
+                let suspect = self.suspect();
                 return Err(DynamicsError::TooMuchWork { limit, what: "events", t_s, suspect });
             }
         }

@@ -97,7 +97,8 @@ fn row<const T: usize>(terms: [(usize, f64); T]) -> Row {
 /// F_ex = K_F δ + B_F (v_h − L θ̇) in contact, 0 else.
 pub(super) fn contact_force(parameters: &DrivenParameters, contact: bool) -> Row {
     let Some(hand) = parameters.hand.filter(|_| contact) else { return Row::ZERO };
-    let (k, b) = (hand.tissue.stiffness_n_per_m, hand.tissue.damping_ns_per_m);
+    let k = hand.tissue.stiffness_n_per_m;
+    let b = hand.tissue.damping_ns_per_m;
     row([(DEPTH, k), (HAND_V, b), (OMEGA, -b * parameters.lever_m)])
 }
 
@@ -148,7 +149,9 @@ fn acceleration(parameters: &DrivenParameters, region: Region) -> Row {
 }
 
 fn hand_rows(parameters: &DrivenParameters, hand: &Hand, region: Region, rows: &mut [Row; N]) {
-    let (k, b, l) = (hand.stiffness_n_per_m, hand.damping_ns_per_m, parameters.lever_m);
+    let k = hand.stiffness_n_per_m;
+    let b = hand.damping_ns_per_m;
+    let l = parameters.lever_m;
     let meant = row([(INTENT, 1.0), (THETA, -k * l), (DEPTH, -k), (GAP, k), (HAND_V, -b)]);
     let push = contact_force(parameters, region.contact);
     rows[HAND_V] = meant.plus(push.times(-1.0)).times(1.0 / hand.mass_kg);
@@ -169,7 +172,8 @@ fn guards(parameters: &DrivenParameters, region: Region) -> [[f64; N]; GUARDS] {
     let sign = region.motion.sign();
     let (first, second) = match (region.motion, parameters.stops_rad) {
         (Motion::Rest, _) => {
-            let (holding, drive) = (holding(parameters), drive(parameters, region.contact));
+            let holding = holding(parameters);
+            let drive = drive(parameters, region.contact);
             (holding.plus(drive.times(-1.0)), holding.plus(drive))
         }
         (_, None) => (Row::entry(OMEGA, sign), always),

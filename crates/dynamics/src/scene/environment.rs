@@ -85,8 +85,8 @@ impl Environment {
 
     pub(crate) fn check(&self) -> Result<()> {
         if self.zones.is_empty() {
-            let (what, remedy) =
-                ("the environment has no zone", "give it one, for instance a spring");
+            let what = "the environment has no zone";
+            let remedy = "give it one, for instance a spring";
             return Err(DynamicsError::Combination { what, remedy });
         }
         for (i, zone) in self.zones.iter().enumerate() {

@@ -186,7 +186,8 @@ impl Input {
         let dt = t - span.start_s;
         if omega > 0.0 {
             let (sine, cosine) = libm::sincos(omega * dt);
-            let (offset, quick) = (span.value - mean, span.rate / omega);
+            let offset = span.value - mean;
+            let quick = span.rate / omega;
             return [
                 mean + offset * cosine + quick * sine,
                 omega * (quick * cosine - offset * sine),
@@ -229,10 +230,12 @@ impl Series {
     fn span(&self, i: usize) -> Span {
         let last = self.t_s.len() - 1;
         if i >= last {
-            let (start_s, value) = (self.t_s[last], self.value[last]);
+            let start_s = self.t_s[last];
+            let value = self.value[last];
             return Span { start_s, end_s: f64::INFINITY, value, rate: 0.0 };
         }
-        let (start_s, end_s) = (self.t_s[i], self.t_s[i + 1]);
+        let start_s = self.t_s[i];
+        let end_s = self.t_s[i + 1];
         let step = end_s - start_s;
         let rate = if step > 0.0 { (self.value[i + 1] - self.value[i]) / step } else { 0.0 };
         Span { start_s, end_s, value: self.value[i], rate }

@@ -83,7 +83,8 @@ impl<'a, const N: usize> State<'a, N> {
         let flow = system.flow(&region);
         let field = Field::new(system, &flow);
         let out = Trajectory::new(system.layout, grid.samples());
-        let (z, h) = (shorten(&full), f64::NAN);
+        let z = shorten(&full);
+        let h = f64::NAN;
         let mut state =
             Self { system, tolerances, cursor, region, flow, field, t, h, z, next_sample: 0, out };
         state.note(EventKind::Input);
@@ -161,7 +162,8 @@ impl<'a, const N: usize> State<'a, N> {
         self.out.work.steps += 1;
         let limit = self.tolerances.most_steps;
         if self.out.work.steps > limit {
-            let (t_s, suspect) = (self.t, self.system.suspect());
+            let t_s = self.t;
+            let suspect = self.system.suspect();
             return Err(DynamicsError::TooMuchWork { limit, what: "steps", t_s, suspect });
         }
         Ok(())

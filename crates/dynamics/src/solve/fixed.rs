@@ -45,7 +45,8 @@ pub(crate) fn run<const N: usize>(
     let (mut full, mut cursor) = system.start();
     system.pass(&mut cursor, grid.time(0), &mut full);
     let last_s = grid.time(grid.samples() - 1);
-    let (mut z, mut reader) = (shorten::<N>(&full), Reader { system, cursor, held: false, last_s });
+    let mut z = shorten::<N>(&full);
+    let mut reader = Reader { system, cursor, held: false, last_s };
     let mut out = Trajectory::new(system.layout, grid.samples());
     record(system, &mut out, grid.time(0), &z);
     for i in 0..grid.samples() - 1 {

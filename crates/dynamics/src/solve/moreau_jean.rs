@@ -111,7 +111,8 @@ fn step<const N: usize>(
             maps.push(Map::make(system, region, h, theta));
             maps.len() - 1
         });
-        let (old, new) = (maps[at].old.apply(z), maps[at].new.apply(&given));
+        let old = maps[at].old.apply(z);
+        let new = maps[at].new.apply(&given);
         std::array::from_fn(|i| old[i] + new[i])
     };
     let ahead = ahead(system, z, inputs);

@@ -141,7 +141,9 @@ fn hermite<const N: usize>(
 ) -> [[f64; N]; 5] {
     let mut out = [[0.0; N]; 5];
     for i in 0..N {
-        let (rise, a, b) = (z1[i] - z0[i], h * f0[i], h * f1[i]);
+        let rise = z1[i] - z0[i];
+        let a = h * f0[i];
+        let b = h * f1[i];
         out[0][i] = z0[i];
         out[1][i] = a;
         out[2][i] = 3.0 * rise - 2.0 * a - b;

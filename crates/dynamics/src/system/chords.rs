@@ -48,7 +48,8 @@ impl System {
             let curve = |term: &dyn Term| term.curve(&self.scene.plant, theta_rad, 0.0);
             self.scene.terms.iter().filter_map(curve).map(|c| c.force_n).sum::<f64>()
         };
-        let (a, b) = (force_n(low_rad), force_n(high_rad));
+        let a = force_n(low_rad);
+        let b = force_n(high_rad);
         let slope = if high_rad > low_rad { (b - a) / (high_rad - low_rad) } else { 0.0 };
         Row::entry(THETA, slope).plus(self.constant(a - slope * low_rad))
     }
@@ -70,11 +71,12 @@ fn cut(zones: &[Zone], [low, high]: [f64; 2], width_rad: f64) -> Vec<Zone> {
     let mut edges: Vec<f64> = inner.chain(own).collect();
     edges.sort_by(f64::total_cmp);
     edges.dedup();
-    let above = |edge: &f64| {
-        let before = zones[1..].iter().take_while(|zone| *edge >= zone.from_rad).count();
-        Zone { from_rad: *edge, demand: zones[before].demand }
-    };
-    std::iter::once(zones[0]).chain(edges.iter().map(above)).collect()
+    std::iter::once(zones[0])
+        .chain(edges.iter().map(|edge| {
+            let before = zones[1..].iter().take_while(|zone| *edge >= zone.from_rad).count();
+            Zone { from_rad: *edge, demand: zones[before].demand }
+        }))
+        .collect()
 }
 
 #[cfg(test)]

@@ -30,7 +30,8 @@ impl System {
     /// Finger free: (11). Finger rigid: both masses as one (consistent), or F_ex passed through
     /// (thesis).
     fn finger_slope(&self, finger: &Finger, at: usize, force: &Direct, z: &[f64], out: &mut [f64]) {
-        let (lever, external) = (self.scene.plant.lever_m, z[self.layout.force]);
+        let lever = self.scene.plant.lever_m;
+        let external = z[self.layout.force];
         let drag = if finger.law == FingerLaw::Consistent { finger.mass_kg * lever } else { 0.0 };
         let length = finger.length_m.unwrap_or(f64::INFINITY);
         if z[at].abs() >= length {

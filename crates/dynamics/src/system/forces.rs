@@ -61,7 +61,8 @@ impl System {
             false => [down.motor.of(z), down.signed_brake.of(z) + down.level.of(z)],
         };
         let needed = -(forces.tip_n + forces.terms_n);
-        let (a, b) = (above[0] + above[1], below[0] + below[1]);
+        let a = above[0] + above[1];
+        let b = below[0] + below[1];
         let actuated = needed.max(a.min(b)).min(a.max(b));
         let width = a - b;
         let share = if width.abs() > 0.0 { (actuated - b) / width } else { 0.0 };

@@ -125,7 +125,8 @@ impl System {
     /// The region of rest at an angle; its forces on both sides decide when it is left.
     pub(crate) fn rest_region(&self, contact: Contact, held: Option<bool>, z: &[f64]) -> Region {
         let theta = z[THETA];
-        let (zone_up, zone_down) = (self.zone(theta, Side::Up), self.zone(theta, Side::Down));
+        let zone_up = self.zone(theta, Side::Up);
+        let zone_down = self.zone(theta, Side::Down);
         let stop = match self.scene.plant.stops_rad {
             Some([_, high]) if theta >= high => Some(Side::Up),
             Some([low, _]) if theta <= low => Some(Side::Down),

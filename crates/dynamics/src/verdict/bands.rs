@@ -71,7 +71,9 @@ impl Levels {
     /// Mean square of the position on line `k`.
     fn line(&self, windowed: &[f64], k: usize) -> f64 {
         let n = self.cosine.len();
-        let (mut re, mut im, mut at) = (0.0, 0.0, 0);
+        let mut re = 0.0;
+        let mut im = 0.0;
+        let mut at = 0;
         let quarter = 3 * n / 4; // sin x = cos(x + 3/4 of a turn)
         for x in windowed {
             re += x * self.cosine[at];
@@ -89,9 +91,9 @@ fn without_line(mut values: Vec<f64>) -> Vec<f64> {
     let n = values.len() as f64;
     let middle = 0.5 * (n - 1.0);
     let mean = values.iter().sum::<f64>() / n;
-    let along = |(i, x): (usize, &f64)| (i as f64 - middle) * x;
     let square = n * (n * n - 1.0) / 12.0;
-    let slope = values.iter().enumerate().map(along).sum::<f64>() / square.max(1.0);
+    let slope = values.iter().enumerate().map(|(i, x)| (i as f64 - middle) * x).sum::<f64>()
+        / square.max(1.0);
     for (i, x) in values.iter_mut().enumerate() {
         *x -= mean + slope * (i as f64 - middle);
     }

@@ -18,12 +18,13 @@ pub(super) fn creep_rad(run: &Path, known: &Known, step_s: f64) -> f64 {
     let oscillates = known.swings.len() >= FEW;
     let seen_s = if oscillates { SEEN * known.path.end_s() } else { 0.0 };
     let shortest_s = seen_s.max(FEWEST_STEPS * step_s);
-    let creeps = |[from_s, to_s]: &[f64; 2]| {
+    let stretches = known.path.stands_s().into_iter();
+    let long = stretches.filter(|[from_s, to_s]| to_s - from_s >= shortest_s);
+    long.filter(|[from_s, to_s]| {
         let share = |k: usize| MIDDLE[0] + (MIDDLE[1] - MIDDLE[0]) * k as f64 / PARTS as f64;
         let edges = (0..=PARTS).map(|k| from_s + share(k) * (to_s - from_s));
         run.along(edges).windows(2).all(|pair| (pair[1] - pair[0]).abs() > known.bound_rad)
-    };
-    let stretches = known.path.stands_s().into_iter();
-    let long = stretches.filter(|[from_s, to_s]| to_s - from_s >= shortest_s);
-    long.filter(creeps).map(|[from_s, to_s]| run.way_rad(from_s, to_s)).fold(0.0, f64::max)
+    })
+    .map(|[from_s, to_s]| run.way_rad(from_s, to_s))
+    .fold(0.0, f64::max)
 }

@@ -192,12 +192,13 @@ impl Reference<'_> {
             return if unstable { RunVerdict::UnstableStep } else { RunVerdict::CannotTell };
         };
         let oscillates = swings.iter().chain([&known.swings]).any(|swings| swings.len() >= FEW);
-        let own = |swings: &Vec<Swing>| has_its_own(swings, &known.swings, known.path.end_s());
         if unstable && (oscillates || runs_away(run, known)) {
             RunVerdict::UnstableStep
         } else if oscillates && self.depends_on_rest_rule() {
             RunVerdict::DependsOnRestRule
-        } else if oscillates && swings.iter().any(own) {
+        } else if oscillates
+            && swings.iter().any(|swings| has_its_own(swings, &known.swings, known.path.end_s()))
+        {
             RunVerdict::NumericalChattering
         } else if creep_rad > 0.0 {
             RunVerdict::NumericalCreep

@@ -98,7 +98,8 @@ impl System {
             self.slope(&z, Law { direction, held: false }, &mut slope);
             slope[OMEGA]
         };
-        let (up, down) = (moving(1.0), moving(-1.0));
+        let up = moving(1.0);
+        let down = moving(-1.0);
         (up - down).abs() <= ROUNDING * (up.abs() + down.abs())
     }
 }

@@ -29,9 +29,11 @@ impl Path {
         let (Some(t1), Some(&b)) = (self.t_s.get(i), self.theta_rad.get(i)) else {
             return self.theta_rad.first().copied().unwrap_or(0.0);
         };
-        let (a, h) = (self.theta_rad[i - 1], t1 - self.t_s[i - 1]);
+        let a = self.theta_rad[i - 1];
+        let h = t1 - self.t_s[i - 1];
         let s = ((t_s - self.t_s[i - 1]) / h).clamp(0.0, 1.0);
-        let (u, v) = (h * self.theta_dot_rad_s[i - 1], h * self.theta_dot_rad_s[i]);
+        let u = h * self.theta_dot_rad_s[i - 1];
+        let v = h * self.theta_dot_rad_s[i];
         let rise = b - a;
         a + s * (u + s * ((3.0 * rise - 2.0 * u - v) + s * (u + v - 2.0 * rise)))
     }

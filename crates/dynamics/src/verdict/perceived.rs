@@ -72,7 +72,8 @@ impl FeltMotion {
             free[at.saturating_sub(around).min(to)..to].fill(false);
         };
         for (i, pair) in self.force_n.windows(JUMP_STEPS + 1).enumerate() {
-            let (before, after) = (pair[0], pair[JUMP_STEPS]);
+            let before = pair[0];
+            let after = pair[JUMP_STEPS];
             if (after - before).abs() > perception.force_bound_n(before.abs().min(after.abs())) {
                 leave_out(i + 1);
             }
@@ -166,11 +167,13 @@ fn mean(values: &[f64]) -> Vec<f64> {
         *sum += x;
         Some(*sum)
     }));
-    let at = |i: usize| {
-        let (from, to) = (i.saturating_sub(half), (i + half + 1).min(values.len()));
-        (sums[to] - sums[from]) / (to - from) as f64
-    };
-    (0..values.len()).map(at).collect()
+    (0..values.len())
+        .map(|i| {
+            let from = i.saturating_sub(half);
+            let to = (i + half + 1).min(values.len());
+            (sums[to] - sums[from]) / (to - from) as f64
+        })
+        .collect()
 }
 
 /// The right levels of a band, by window.
@@ -230,8 +233,7 @@ impl FeltReference {
     /// Whether a jump of the right force is near: there nothing is compared.
     pub fn is_disturbed(&self, t_s: f64) -> bool {
         let step = (t_s / STEP_S) as usize;
-        let is_in = |(from, to): &(usize, usize)| (*from..=*to).contains(&step);
-        !self.spans.iter().any(is_in)
+        !self.spans.iter().any(|(from, to)| (*from..=*to).contains(&step))
     }
 
     /// How far another motion of the same length is from this one.
@@ -240,7 +242,8 @@ impl FeltReference {
     }
 
     fn slow(&self, motion: &FeltMotion) -> FeltDifference {
-        let (right, found) = (&self.slow, Slow::of(motion));
+        let right = &self.slow;
+        let found = Slow::of(motion);
         let mut worst = FeltDifference::default();
         for i in self.spans.iter().flat_map(|(from, to)| *from..*to) {
             let Some((force_n, theta_rad)) = found.force_n.get(i).zip(found.theta_rad.get(i))

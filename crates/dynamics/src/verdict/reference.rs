@@ -94,8 +94,10 @@ impl Known {
             DORMAND_PRINCE.map(|tolerance| DormandPrince { tolerances: tolerances(tolerance) });
         let [coarse_2, fine_2] = TR_BDF2.map(|t| TrBdf2 { tolerances: tolerances(t) });
         let known = |coarse: &dyn Solver, fine: &dyn Solver| {
-            let (a, b) = (model.run(coarse, step_s).ok()?, model.run(fine, step_s).ok()?);
-            let (a, path) = (Path::of(&a), Path::of(&b));
+            let a = model.run(coarse, step_s).ok()?;
+            let b = model.run(fine, step_s).ok()?;
+            let a = Path::of(&a);
+            let path = Path::of(&b);
             let error_rad = path.distance_rad(&a).max(EXACT * path.largest_rad());
             Some(Self::made(model, &b, path, error_rad, fine.name()))
         };
@@ -190,7 +192,8 @@ fn undisturbed(run: &Trajectory, swings: &[Swing]) -> Vec<Swing> {
 /// Mean amplitude, weighted by duration, of the swings in each third of the time they take; `None`
 /// for fewer than an oscillation has.
 fn thirds(swings: &[Swing]) -> Option<[f64; 3]> {
-    let (first, last) = (swings.first()?, swings.last()?);
+    let first = swings.first()?;
+    let last = swings.last()?;
     let third_s = (last.to_s - first.from_s) / 3.0;
     if swings.len() < FEW {
         return None;
@@ -211,6 +214,7 @@ fn has_settled([first, middle, last]: [f64; 3]) -> bool {
     /// The later change, in its logarithm, is below this share of the earlier one, which an
     /// exponential keeps and a Coulomb decay exceeds.
     const SHARE: f64 = 0.25;
-    let (early, late) = ((middle / first).ln().abs(), (last / middle).ln().abs());
+    let early = (middle / first).ln().abs();
+    let late = (last / middle).ln().abs();
     late < SHARE * early
 }

@@ -44,7 +44,8 @@ impl Controller {
 
     /// The force that a measurement asks for, N.
     fn force_n(&self, theta: f64, before: f64) -> f64 {
-        let (pressed, rate) = (theta - self.rest_rad, (theta - before) / self.period_s);
+        let pressed = theta - self.rest_rad;
+        let rate = (theta - before) / self.period_s;
         let u = self.stiffness_n_per_rad * pressed + self.damping_ns_per_rad * rate;
         let low = if self.one_sided { 0.0 } else { -self.max_n };
         if self.one_sided && pressed <= 0.0 { 0.0 } else { -u.max(low).min(self.max_n) }

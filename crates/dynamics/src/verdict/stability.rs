@@ -48,7 +48,8 @@ pub(super) fn worst(
     let moving = run.regions.iter().filter(|region| region.motion != Motion::Rest);
     let slopes = slopes(system, run);
     let parts = moving.flat_map(|region| {
-        let (part, factors) = (system.linear_part(region), system.curved(region));
+        let part = system.linear_part(region);
+        let factors = system.curved(region);
         slopes.iter().map(move |slope| {
             let mut part = part;
             for (i, factor) in factors.iter().enumerate() {
@@ -59,13 +60,12 @@ pub(super) fn worst(
         })
     });
     let growths: Vec<Growth> = parts.filter_map(|part| Growth::of(solver, &part, h)).collect();
-    let worse = |a: Growth, b: Growth| match (a.is_unstable(), b.is_unstable()) {
+    growths.into_iter().reduce(|a, b| match (a.is_unstable(), b.is_unstable()) {
         (true, false) => a,
         (false, true) => b,
         _ if a.excess() >= b.excess() => a,
         _ => b,
-    };
-    growths.into_iter().reduce(worse)
+    })
 }
 
 /// Slopes of the curved terms along a run: evenly from the least to the greatest; one that is zero

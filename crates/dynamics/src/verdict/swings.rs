@@ -112,7 +112,8 @@ pub(super) fn has_its_own(run: &[Swing], reference: &[Swing], duration_s: f64) -
                 swing.amplitude_rad >= size && swing.duration_s() <= duration
             };
             let own: Vec<&Swing> = run.iter().filter(|s| within(s, size, duration)).collect();
-            let (small, slow) = (SIZE * size.min(largest), SLOWER * duration);
+            let small = SIZE * size.min(largest);
+            let slow = SLOWER * duration;
             let alike = reference.iter().filter(|s| within(s, small, slow)).count();
             own.len() >= FEW + TIMES * alike
                 && own.iter().map(|swing| swing.duration_s()).sum::<f64>() >= least_s

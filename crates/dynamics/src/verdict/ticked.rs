@@ -75,7 +75,8 @@ impl<C: TickController> TickedLoop<C> {
     /// The scene from tick `k` to the next, from a state on.
     fn tick(&self, k: usize, start: Start, forces: HeldForces) -> Result<System> {
         let mut scene = held(self.plant.scene.clone(), forces.pushing_n);
-        let (from_s, to_s) = (self.ticks_s[k], self.ticks_s[k + 1]);
+        let from_s = self.ticks_s[k];
+        let to_s = self.ticks_s[k + 1];
         let rate = (self.force_n[k + 1] - self.force_n[k]) / (to_s - from_s);
         scene.input = Input::Line { value: self.force_n[k] - rate * from_s, rate };
         if let Some(friction) = &mut scene.friction {

@@ -29,7 +29,8 @@ struct Places {
 
 impl Places {
     fn of(wall: &SampledWall) -> Self {
-        let ((whole, rest_s), plant) = (wall.delay(), wall.entries());
+        let (whole, rest_s) = wall.delay();
+        let plant = wall.entries();
         let before = plant.len();
         let differs = wall.wall_damping_ns_per_m.abs() > 0.0;
         let filtered = before + usize::from(differs);
@@ -58,7 +59,8 @@ impl SampledWall {
 
     /// What the controller commands as a row over the lifted state.
     fn command(&self, places: &Places) -> Vec<f64> {
-        let (mut row, alpha) = (vec![0.0; places.entries], self.filter());
+        let mut row = vec![0.0; places.entries];
+        let alpha = self.filter();
         row[0] = self.stiffness_n_per_m;
         if places.filtered > places.before {
             let now = self.wall_damping_ns_per_m * (1.0 - alpha) / self.period_s;
@@ -77,8 +79,10 @@ impl Lifted {
         let places = Places::of(wall);
         let command = wall.command(&places);
         let (whole, rest_s) = wall.delay();
-        let (plant, n) = (wall.plant(), places.entries);
-        let (late, early) = (flow(plant, wall.period_s - rest_s), flow(plant, rest_s));
+        let plant = wall.plant();
+        let n = places.entries;
+        let late = flow(plant, wall.period_s - rest_s);
+        let early = flow(plant, rest_s);
         let whole_flow = late.product(&early);
         let mut rows = vec![vec![0.0; n]; n];
         let mut feel = |gains: &dyn Fn(usize) -> f64, back: usize| {

@@ -86,7 +86,8 @@ impl SampledWall {
         const FAR: f64 = 1e6;
         let mut run = scene.start(self.period_s)?;
         let mut loops = Loop::new(self, START_M);
-        let (mut middle, mut last) = (0.0_f64, 0.0_f64);
+        let mut middle = 0.0_f64;
+        let mut last = 0.0_f64;
         for k in 0..ticks {
             let x = run.theta_rad();
             if x.abs() > FAR * START_M {
@@ -128,7 +129,8 @@ impl<'a> Loop<'a> {
 
     /// Holds what is due in tick `k` when it is, and moves the lever to the tick's end.
     pub(super) fn go_on(&mut self, run: &mut HeldRun<'_>, k: usize) -> Result<(), DynamicsError> {
-        let (period_s, rest_s) = (self.wall.period_s, self.wall.delay().1);
+        let period_s = self.wall.period_s;
+        let rest_s = self.wall.delay().1;
         if rest_s > 0.0 {
             run.advance(k as f64 * period_s + rest_s)?;
         }

@@ -65,14 +65,16 @@ impl SampledWall {
 
     /// (T/2) Re{(1 − e^(−jφ)) H} / (1 − cos φ) at φ = ωT; the quotient is j e^(−jφ/2) / sin(φ/2).
     fn damping_at(&self, phi: f64) -> f64 {
-        let (sin, cos) = (libm::sin(0.5 * phi), libm::cos(0.5 * phi));
+        let sin = libm::sin(0.5 * phi);
+        let cos = libm::cos(0.5 * phi);
         let quotient = [1.0, cos / sin];
         0.5 * self.period_s * times(quotient, self.response(phi))[0]
     }
 
     /// H(e^(jφ)) = e^(−jdφ) (K + B (1 − α)(1 − e^(−jφ)) / (T (1 − α e^(−jφ)))).
     fn response(&self, phi: f64) -> Complex {
-        let (alpha, back) = (self.filter(), [libm::cos(phi), -libm::sin(phi)]);
+        let alpha = self.filter();
+        let back = [libm::cos(phi), -libm::sin(phi)];
         let gain = self.wall_damping_ns_per_m * (1.0 - alpha) / self.period_s;
         let difference = [gain * (1.0 - back[0]), -gain * back[1]];
         let filtered = over(difference, [1.0 - alpha * back[0], -alpha * back[1]]);
@@ -86,7 +88,8 @@ impl SampledWall {
         const ROUNDS: u32 = 60;
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         for _ in 0..ROUNDS {
-            let (a, b) = (to - GOLDEN * (to - from), from + GOLDEN * (to - from));
+            let a = to - GOLDEN * (to - from);
+            let b = from + GOLDEN * (to - from);
             if self.damping_at(a) > self.damping_at(b) {
                 to = b;
             } else {

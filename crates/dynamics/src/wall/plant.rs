@@ -16,7 +16,8 @@ impl SampledWall {
     /// m ẍ = F − b ẋ + K_F x2 + B_F ẋ2, M_F (ẍ2 + ẍ) = −K_F x2 − B_F ẋ2, τ Ḟ = −u − F, u̇ = 0;
     /// without a lag F = −u.
     pub(super) fn plant(&self) -> Matrix<ENTRIES> {
-        let (mut rows, m) = ([[0.0; ENTRIES]; ENTRIES], self.mass_kg);
+        let mut rows = [[0.0; ENTRIES]; ENTRIES];
+        let m = self.mass_kg;
         rows[X][V] = 1.0;
         rows[V][V] = -self.damping_ns_per_m / m;
         match self.motor_lag_s {

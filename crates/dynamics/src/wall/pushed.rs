@@ -82,7 +82,9 @@ impl PushedWall {
         let scene = HeldScene::new(&self.scene(), 1.0)?;
         let mut run = scene.start(self.wall.period_s)?;
         let mut loops = Loop::new(&self.wall, self.seen_m(self.push_m));
-        let (mut low, mut high, mut saturates) = (f64::INFINITY, f64::NEG_INFINITY, false);
+        let mut low = f64::INFINITY;
+        let mut high = f64::NEG_INFINITY;
+        let mut saturates = false;
         for k in 0..ticks {
             let x = run.theta_rad();
             if 6 * k >= 5 * ticks {
@@ -110,10 +112,9 @@ impl PushedWall {
         share: f64,
     ) -> std::result::Result<Option<f64>, DynamicsError> {
         self.check()?;
-        let ends = |wall: &SampledWall| {
+        Ok(stiffest(self.wall, share, |wall| {
             Self { wall: *wall, ..*self }.push(ticks).is_ok_and(|pushed| !pushed.goes_on)
-        };
-        Ok(stiffest(self.wall, share, ends))
+        }))
     }
 
     /// The same by the describing function of friction: K T/2 = b + 4 F_c/(π ω A), ω² = K/m, for a

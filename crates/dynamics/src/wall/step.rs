@@ -17,8 +17,10 @@ impl SampledWall {
     }
 
     fn continuous(&self) -> LinearPart {
-        let (plant, kept) = (self.plant(), ENTRIES - 1);
-        let (stiffness, damping) = (self.stiffness_n_per_m, self.wall_damping_ns_per_m);
+        let plant = self.plant();
+        let kept = ENTRIES - 1;
+        let stiffness = self.stiffness_n_per_m;
+        let damping = self.wall_damping_ns_per_m;
         let entry = |i: usize, j: usize| match j {
             X => plant.at(i, X) + stiffness * plant.at(i, U),
             V => plant.at(i, V) + damping * plant.at(i, U),

@@ -77,8 +77,10 @@ impl Textbook {
     /// that know none, no friction and count for those that ask for them, a damped wall for those
     /// that have none.
     pub fn stiffest(self, wall: &SampledWall, dry: Option<DryLimits>) -> Option<f64> {
-        let (b, wall_b) = (wall.damping_ns_per_m, wall.wall_damping_ns_per_m);
-        let (half_s, delay_s) = (0.5 * wall.period_s, wall.delay_s);
+        let b = wall.damping_ns_per_m;
+        let wall_b = wall.wall_damping_ns_per_m;
+        let half_s = 0.5 * wall.period_s;
+        let delay_s = wall.delay_s;
         let counts = |dry: DryLimits| 2.0 * dry.friction_n / dry.count_m;
         let late = delay_s > 0.0;
         let damped = wall_b.abs() > 0.0;

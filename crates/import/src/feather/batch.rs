@@ -96,7 +96,8 @@ fn other() -> String {
 fn message<'a>(bytes: &'a [u8], block: &Block) -> Result<(Message<'a>, &'a [u8]), String> {
     let cut = || "a batch is cut off".to_owned();
     let place = |n: i64| usize::try_from(n).map_err(|_| cut());
-    let (from, head) = (place(block.offset())?, place(block.metaDataLength().into())?);
+    let from = place(block.offset())?;
+    let head = place(block.metaDataLength().into())?;
     let body = place(block.bodyLength())?;
     let rest = bytes.get(from..).ok_or_else(cut)?;
     let (head, rest) = rest.split_at_checked(head).ok_or_else(cut)?;

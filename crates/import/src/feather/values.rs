@@ -181,13 +181,13 @@ fn numbers(batch: &Batch, at: usize, number: Number, add: Add<[u8]>) -> Result<(
 
 /// The texts of a batch, `None` where there is none.
 fn texts(batch: &Batch, at: Place, form: Text, add: Add<str>) -> Result<(), String> {
-    let cut = || "a column of texts is cut off".to_owned();
     let valid = Valid::of(batch, at.buffers)?;
     let mut give = |row: usize, text: Option<&[u8]>| match valid.has(row) {
         false => add(None),
-        true => {
-            add(Some(str::from_utf8(text.ok_or_else(cut)?).map_err(|_| "a text is not UTF-8")?))
-        }
+        true => add(Some(
+            str::from_utf8(text.ok_or_else(|| "a column of texts is cut off".to_owned())?)
+                .map_err(|_| "a text is not UTF-8")?,
+        )),
     };
     match form {
         Text::Offsets(size) => {
@@ -204,7 +204,8 @@ fn texts(batch: &Batch, at: Place, form: Text, add: Add<str>) -> Result<(), Stri
         }
         Text::Views => {
             let views = batch.buffer(at.buffers + 1, batch.rows * 16)?;
-            let (mut runs, mut room) = (Vec::new(), MOST_TEXT);
+            let mut runs = Vec::new();
+            let mut room = MOST_TEXT;
             for run in 0..batch.views(at.views)? {
                 let run = batch.buffer(at.buffers + 2 + run, MOST_TEXT + 1)?;
                 room =

@@ -47,7 +47,8 @@ pub(super) fn make_older(bytes: &mut [u8]) {
 /// such as the text that MATLAB puts first. HDF5's own library does so too (`H5Fsuper.c`).
 pub(super) fn put_beginning(bytes: &mut [u8]) {
     let Some((raw, _)) = Raw::open(bytes) else { return };
-    let (base, size) = (raw.base, raw.address_size);
+    let base = raw.base;
+    let size = raw.address_size;
     let version = bytes[base + 8];
     let addresses = base + if version < 2 { 24 + 4 * usize::from(version) } else { 12 };
     // Behind the address of the file's beginning and another one: that of its end.

@@ -54,7 +54,8 @@ impl Links {
     /// Why the link leads nowhere in this file, in words.
     pub(super) fn follow(&self, name: &str) -> Result<Option<String>, String> {
         let mut rest: Vec<String> = parts(name).rev().collect();
-        let (mut path, mut hops) = (String::new(), 0);
+        let mut path = String::new();
+        let mut hops = 0;
         while let Some(part) = rest.pop() {
             let here = join(&path, &part);
             match self.0.get(&here) {

@@ -48,18 +48,18 @@ pub(super) enum Order {
 pub(super) fn read(
     path: &Path,
     bytes: Vec<u8>,
-    (matrix, order): (Option<&str>, Order),
+    matrix: Option<&str>,
+    order: Order,
     take: &Take,
 ) -> Result<Table, StoreError> {
-    let read = || {
+    catch_unwind(AssertUnwindSafe(|| {
         let file = Opened::new(path, bytes, order)?;
         match matrix {
             None => vectors(&file, None, take),
             Some(matrix) => columns(&file, matrix, take),
         }
-    };
-    catch_unwind(AssertUnwindSafe(read))
-        .unwrap_or_else(|_| Err(unreadable(path, "the library gave up on it")))
+    }))
+    .unwrap_or_else(|_| Err(unreadable(path, "the library gave up on it")))
 }
 
 /// Whether a file is one of HDF5, by its signature: at its beginning or behind a block of the user's.
@@ -107,11 +107,10 @@ fn vectors(file: &Opened, within: Option<&str>, take: &Take) -> Result<Table, St
         }
     }
     let names = table.names.iter().flatten();
-    let is_missing = |column: &&ColumnRef| match column {
+    if take.columns.iter().any(|column| match column {
         ColumnRef::Name(name) => !names.clone().any(|known| known == name),
         ColumnRef::Position(_) => false,
-    };
-    if take.columns.iter().any(is_missing) {
+    }) {
         table.hidden = file.hidden()?;
     }
     Ok(table)

@@ -146,11 +146,10 @@ const REMEDY: &str = "take away those that do not hold, from a copy: python -c \
 /// The numbers of an attribute; none if it holds something else.
 #[allow(clippy::cast_precision_loss)] // Past 2⁵³ the nearest one, as the data are read.
 fn numbers(value: &AttrValue) -> Option<Vec<f64>> {
-    let whole = || {
+    value.to_f64s().or_else(|| {
         let whole = value.to_i64s().map(|all| all.into_iter().map(|n| n as f64).collect());
         whole.or_else(|| value.to_u64s().map(|all| all.into_iter().map(|n| n as f64).collect()))
-    };
-    value.to_f64s().or_else(whole)
+    })
 }
 
 /// The unit that attributes name: `unit` in NWB, `units` elsewhere. A time may be counted from a date,

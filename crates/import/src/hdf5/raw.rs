@@ -124,7 +124,8 @@ impl<'a> Raw<'a> {
                     true => (self.number(at, 1)?, self.number(at + 1, 2)?),
                     false => (self.number(at, 2)?, self.number(at + 2, 2)?),
                 };
-                let (from, kind) = (at + head, u16::try_from(kind).ok()?);
+                let from = at + head;
+                let kind = u16::try_from(kind).ok()?;
                 at = from + usize::try_from(size).ok()?;
                 all.push(Message { kind, from, summed: is_new.then_some(begin..block.end) });
                 if kind == CONTINUATION {

@@ -22,7 +22,7 @@ pub(in super::super) fn written(userblock: &[u8]) -> Vec<u8> {
 }
 
 fn read(bytes: Vec<u8>, matrix: Option<&str>, order: Order) -> Result<Table, StoreError> {
-    everything(|take| super::read(Path::new("a.h5"), bytes, (matrix, order), take))
+    everything(|take| super::read(Path::new("a.h5"), bytes, matrix, order, take))
 }
 
 fn numbers(cells: &Cells) -> Vec<f64> {
@@ -54,7 +54,7 @@ fn a_matrix_has_its_columns_by_the_order_of_who_wrote_it() {
     let found: Vec<_> = by_columns.columns.iter().map(numbers).collect();
     assert_eq!(found, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
     let turned =
-        |take: &Take| super::read(Path::new("a.h5"), written(b""), (Some("m"), Order::Rows), take);
+        |take: &Take| super::read(Path::new("a.h5"), written(b""), Some("m"), Order::Rows, take);
     let turned = everything_turned(turned).unwrap();
     let found: Vec<_> = turned.columns.iter().map(numbers).collect();
     assert_eq!(found, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
@@ -234,7 +234,7 @@ pub(in super::super) fn with_links() -> Vec<u8> {
 fn take_named(bytes: Vec<u8>, columns: &[ColumnRef]) -> Result<Table, StoreError> {
     let budget = Budget::default();
     let take = Take::of(columns.iter().collect(), &budget);
-    super::read(Path::new("a.h5"), bytes, (None, Order::Rows), &take)
+    super::read(Path::new("a.h5"), bytes, None, Order::Rows, &take)
 }
 
 fn named(names: &[&str]) -> Vec<ColumnRef> {
@@ -407,7 +407,7 @@ fn structures_of_matlab_7_3_come_by_their_path_with_points_or_strokes_and_object
         let budget = Budget::default();
         let take = Take::of(columns.iter().collect(), &budget);
         let path = Path::new("a.mat");
-        let table = super::read(path, matlab_7_3(), (matrix, Order::Columns), &take).unwrap();
+        let table = super::read(path, matlab_7_3(), matrix, Order::Columns, &take).unwrap();
         let all =
             columns.iter().map(|column| table.find(column).map(|i| numbers(&table.columns[i])));
         all.collect::<Result<Vec<_>, String>>()

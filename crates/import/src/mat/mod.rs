@@ -59,9 +59,9 @@ pub(super) fn read(
 ) -> Result<Table, StoreError> {
     let remedy =
         "the file may be cut off or damaged; save it again with -v7, without what is not needed";
-    let cannot = |what| StoreError::new(path, format!("not a readable MAT file: {what}"), remedy);
     let mut table = Table { names: Some(Vec::new()), ..Table::default() };
-    let (mut names, mut found) = (Vec::new(), None);
+    let mut names = Vec::new();
+    let mut found = None;
     variables(bytes, &mut |head, data| {
         let within = match matrix {
             None => Some(head.name.as_str()),
@@ -94,7 +94,7 @@ pub(super) fn read(
         }
         Ok(())
     })
-    .map_err(cannot)?;
+    .map_err(|what| StoreError::new(path, format!("not a readable MAT file: {what}"), remedy))?;
     let Some(matrix) = matrix else { return Ok(table) };
     let missing = || format!("the variable is missing; the file has {}", names.join(", "));
     let fields = (!table.columns.is_empty()).then_some(Ok(table));
@@ -409,7 +409,8 @@ impl<'a> Elements<'a> {
     fn next(&mut self) -> Option<(u32, &'a [u8])> {
         let first = word(self.bytes.get(..4)?.try_into().ok()?, self.big);
         // A small element has its length in the upper half of the word that holds its type.
-        let (small, kind) = ((first >> 16) as usize, first & 0xffff);
+        let small = (first >> 16) as usize;
+        let kind = first & 0xffff;
         if small > 0 {
             let data = self.bytes.get(4..2 * SMALL)?.get(..small)?;
             self.bytes = &self.bytes[2 * SMALL..];

@@ -125,7 +125,8 @@ fn members(descr: &Literal) -> Result<(usize, Vec<Member>), String> {
     if fields.is_empty() || fields.len() > MOST_COLUMNS {
         return Err(format!("it has {} fields, and 1 to {MOST_COLUMNS} are read", fields.len()));
     }
-    let (mut offset, mut members) = (0_usize, Vec::new());
+    let mut offset = 0_usize;
+    let mut members = Vec::new();
     for field in fields {
         let (name, code, repeats) = field_of(field).ok_or_else(no_type)?;
         if name.len() > MOST_NAME {

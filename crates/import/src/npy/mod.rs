@@ -35,9 +35,10 @@ pub(super) fn read_archive(
     let unreadable = |why: String| unreadable(path, &why);
     let entries = zip::entries(bytes).map_err(unreadable)?;
     check_columns(path, entries.len())?;
-    let name_of =
-        |entry: &zip::Entry| entry.name.strip_suffix(".npy").unwrap_or(&entry.name).to_owned();
-    let names: Vec<String> = entries.iter().map(name_of).collect();
+    let names: Vec<String> = entries
+        .iter()
+        .map(|entry| entry.name.strip_suffix(".npy").unwrap_or(&entry.name).to_owned())
+        .collect();
     let mut unpacked = 0;
     let mut unpack = |entry: &zip::Entry| zip::unpack(bytes, entry, &mut unpacked);
     if let Some(matrix) = matrix {

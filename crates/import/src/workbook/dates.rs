@@ -17,13 +17,16 @@ pub(super) fn iso(days: f64, since_1904: bool) -> Option<String> {
     }
     let milliseconds = (days * MILLISECONDS).round() as i64;
     // Only the rounded time says which day it is: a moment before midnight may be that of the next.
-    let (day, rest) = (milliseconds / 86_400_000, milliseconds % 86_400_000);
+    let day = milliseconds / 86_400_000;
+    let rest = milliseconds % 86_400_000;
     let day_0 = if since_1904 { DAY_0_OF_1904 } else { DAY_0 };
     if day_0 + day >= DAYS {
         return None;
     }
-    let (hours, minutes) = (rest / 3_600_000, rest / 60_000 % 60);
-    let (seconds, fraction) = (rest / 1000 % 60, rest % 1000);
+    let hours = rest / 3_600_000;
+    let minutes = rest / 60_000 % 60;
+    let seconds = rest / 1000 % 60;
+    let fraction = rest % 1000;
     let mut time = format!("{hours:02}:{minutes:02}:{seconds:02}");
     if fraction > 0 {
         time += &format!(".{fraction:03}");
@@ -38,13 +41,15 @@ pub(super) fn iso(days: f64, since_1904: bool) -> Option<String> {
 /// The date so many days after 0000-03-01 of the Gregorian calendar. Years are counted from March,
 /// so that a leap day ends one.
 fn date(days: i64) -> String {
-    let (era, day) = (days / 146_097, days % 146_097);
+    let era = days / 146_097;
+    let day = days % 146_097;
     let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
     let day = day - (365 * year + year / 4 - year / 100);
     // Months from March have 31, 30, 31, 30, 31 days, twice and once more.
     let month = (5 * day + 2) / 153;
     let day = day - (153 * month + 2) / 5 + 1;
-    let (year, month) = (year + 400 * era, month + 3);
+    let year = year + 400 * era;
+    let month = month + 3;
     let (year, month) = if month > 12 { (year + 1, month - 12) } else { (year, month) };
     format!("{year:04}-{month:02}-{day:02}")
 }
@@ -52,7 +57,9 @@ fn date(days: i64) -> String {
 /// Whether a number in this format is a date or a time: letters of either outside of quotes and
 /// brackets.
 pub(super) fn is_date(format: &str) -> bool {
-    let (mut quoted, mut bracket, mut escaped) = (false, String::new(), false);
+    let mut quoted = false;
+    let mut bracket = String::new();
+    let mut escaped = false;
     let mut in_bracket = false;
     for letter in format.chars().map(|letter| letter.to_ascii_lowercase()) {
         match letter {

@@ -41,7 +41,8 @@ fn is_filled(attributes: Attributes) -> bool {
 /// Gives the rows of the sheet at a place.
 pub(super) fn cells<'a>(xml: &'a str, wanted: usize, sheet: &mut Sheet) -> Result<(), Fault> {
     let mut reader = Xml::new(xml);
-    let (mut tables, mut line) = (0_usize, 1_u64);
+    let mut tables = 0_usize;
+    let mut line = 1_u64;
     while let Some(event) = reader.next()? {
         match event {
             Event::Begin { name: "table", .. } => tables += 1,
@@ -59,7 +60,8 @@ pub(super) fn cells<'a>(xml: &'a str, wanted: usize, sheet: &mut Sheet) -> Resul
 
 /// The cells of the row that began, up to its end.
 fn row<'a>(reader: &mut Xml<'a>) -> Result<Vec<(usize, Value<'a>)>, String> {
-    let (mut place, mut cells) = (0_usize, Vec::new());
+    let mut place = 0_usize;
+    let mut cells = Vec::new();
     loop {
         match reader.next()?.ok_or("its XML is cut off")? {
             Event::End("table-row") => return Ok(cells),

@@ -180,7 +180,8 @@ impl<'a> Sheet<'a> {
             return Err(StoreError::new(self.path, what, "leave the file out of the import"));
         }
         let columns = self.columns.into_iter().map(Column::cells).collect();
-        let (names, lines) = (self.names, self.lines);
+        let names = self.names;
+        let lines = self.lines;
         let empty = EmptyRows::between(&lines);
         Ok(Table { names, columns, lines, empty, ..Table::default() })
     }

@@ -184,7 +184,8 @@ fn sheets(book: &str, links: &str) -> Result<(Vec<Named>, bool), String> {
             parts.insert(id.into_owned(), part);
         }
     }
-    let (mut sheets, mut since_1904) = (Vec::new(), false);
+    let mut sheets = Vec::new();
+    let mut since_1904 = false;
     let mut reader = Xml::new(book);
     while let Some(event) = reader.next()? {
         match event {
@@ -210,7 +211,8 @@ fn sheets(book: &str, links: &str) -> Result<(Vec<Named>, bool), String> {
 /// The texts that cells refer to by number. How they are said (`rPh`) is passed by.
 fn texts(xml: &str) -> Result<Texts, String> {
     let mut texts = Texts::default();
-    let (mut is_text, mut is_said) = (false, false);
+    let mut is_text = false;
+    let mut is_said = false;
     let mut reader = Xml::new(xml);
     while let Some(event) = reader.next()? {
         match event {
@@ -229,7 +231,8 @@ fn texts(xml: &str) -> Result<Texts, String> {
 /// Whether cells of each style hold dates.
 fn dates(xml: &str) -> Result<Vec<bool>, String> {
     let mut own: BTreeMap<usize, bool> = BTreeMap::new();
-    let (mut dates, mut is_cells) = (Vec::new(), false);
+    let mut dates = Vec::new();
+    let mut is_cells = false;
     let mut reader = Xml::new(xml);
     while let Some(event) = reader.next()? {
         match event {

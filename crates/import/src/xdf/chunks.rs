@@ -96,7 +96,8 @@ impl Lost {
 ///
 /// A chunk is read up to the next boundary at most, and each byte once: its claims cost nothing.
 pub(super) fn walk<'a>(bytes: &'a [u8], visit: &mut dyn FnMut(Chunk<'a>) -> bool) -> Lost {
-    let (mut at, mut lost) = (MAGIC.len(), Lost::default());
+    let mut at = MAGIC.len();
+    let mut lost = Lost::default();
     let mut boundary = next_boundary(bytes, at);
     while at < bytes.len() {
         if boundary < at {

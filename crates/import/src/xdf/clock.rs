@@ -72,7 +72,9 @@ pub(super) fn synchronise(times: &mut [f64], offsets: &[Offset], interval_s: f64
     let resets = resets(times, &sound, &jumps, interval_s);
     let stretches = parts(sound.len(), resets.iter().map(|reset| reset.behind));
     let ends = resets.iter().map(|reset| reset.sample).chain([times.len()]);
-    let (mut all_used, mut from, mut left_out) = (true, 0, Vec::new());
+    let mut all_used = true;
+    let mut from = 0;
+    let mut left_out = Vec::new();
     for (stretch, end) in stretches.into_iter().zip(ends) {
         let kept = jumps.without_those_off(&sound, stretch, &mut left_out);
         let line = line(&kept);
@@ -198,11 +200,15 @@ fn resets(times: &[f64], offsets: &[Offset], jumps: &Jumps, interval_s: f64) -> 
     let between_s = difference(|offset| offset.0);
     let late = glitches(&between_s, TIME_RESET);
     let off = glitches(&difference(|offset| offset.1), OFFSET_RESET);
-    let (mut resets, mut from, mut searched) = (Vec::new(), 0, 0);
+    let mut resets = Vec::new();
+    let mut from = 0;
+    let mut searched = 0;
     for behind in 0..between_s.len() {
-        let (last, next) = (offsets[behind], offsets[behind + 1]);
+        let last = offsets[behind];
+        let next = offsets[behind + 1];
         let step_s = next.1 - last.1;
-        let (mut at_step, mut is_steady) = (None, false);
+        let mut at_step = None;
+        let mut is_steady = false;
         if jumps.is_jump(behind) && searched < MOST_JUMPS {
             searched += 1;
             let most_s = STEADY * step_s.abs();
@@ -280,7 +286,8 @@ fn robust_line(offsets: &[Offset]) -> Option<Offset> {
     let mut held = vec![(0.0, 0.0); rows.len()];
     let mut found = (0.0, 0.0);
     for _ in 0..STEPS {
-        let (mut b0, mut b1) = (0.0, 0.0);
+        let mut b0 = 0.0;
+        let mut b1 = 0.0;
         for ((t, y), (z, u)) in rows.iter().zip(&held) {
             let right = y + z - u;
             b0 += right;

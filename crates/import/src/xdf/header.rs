@@ -74,8 +74,13 @@ pub(super) struct Header {
 
 /// The header in a text; `Err` says what it lacks.
 pub(super) fn header(xml: &str) -> Result<Header, String> {
-    let (mut name, mut count, mut rate, mut format) = (None, None, None, None);
-    let (mut labels, mut units, mut may_drop) = (Vec::<String>::new(), Vec::<String>::new(), false);
+    let mut name = None;
+    let mut count = None;
+    let mut rate = None;
+    let mut format = None;
+    let mut labels = Vec::<String>::new();
+    let mut units = Vec::<String>::new();
+    let mut may_drop = false;
     elements(xml, &mut |path, text| match (path, text) {
         (["info", "name"], Some(text)) => name = Some(text.into_owned()),
         (["info", "channel_count"], Some(text)) => count = text.parse::<usize>().ok(),

@@ -57,9 +57,14 @@ struct Gap {
 /// that lie on no line, and a rate that is not the one which the stream names.
 pub(super) fn remove_jitter(times: &mut [f64], rate_hz: f64) -> Vec<String> {
     let lasts = ((LASTS_S * rate_hz) as usize).clamp(LASTS, LASTS_AT_MOST);
-    let (mut gaps, mut spanned_s, mut intervals) = (Vec::new(), 0.0, 0);
+    let mut gaps = Vec::new();
+    let mut spanned_s = 0.0;
+    let mut intervals = 0;
     // The samples that the rate has in the time of all, and how far the worst line is off.
-    let (mut by_rate, mut off_s, mut is_off, mut hides_gaps) = (0.0, 0.0_f64, false, false);
+    let mut by_rate = 0.0;
+    let mut off_s = 0.0_f64;
+    let mut is_off = false;
+    let mut hides_gaps = false;
     let set_back = set_back(times, 1.0 / rate_hz, lasts);
     for part in parts(times.len(), set_back.into_iter()) {
         let interval_s = interval_s(&times[part.clone()], rate_hz, lasts);
@@ -83,7 +88,8 @@ pub(super) fn remove_jitter(times: &mut [f64], rate_hz: f64) -> Vec<String> {
         }
     }
     let mut doubts = Vec::new();
-    let (samples, missing_s) = (times.len(), gaps.iter().map(|gap| gap.lasts_s).sum::<f64>());
+    let samples = times.len();
+    let missing_s = gaps.iter().map(|gap| gap.lasts_s).sum::<f64>();
     if let Some(first) = gaps.first() {
         let (missing, are) = match (missing_s * rate_hz).round() {
             1.0 => ("1 sample".to_owned(), "is"),
@@ -147,14 +153,13 @@ fn set_back(times: &[f64], interval_s: f64, lasts: usize) -> Vec<usize> {
                 (late.min(least), late.max(most))
             })
     };
-    let is_set_back = |i: &usize| {
-        let before = ends_of((i + 1).saturating_sub(lasts)..i + 1);
-        let behind = ends_of(i + 1..(i + 1 + lasts).min(times.len()));
-        before.0 - behind.1 > FALLS * (before.1 - before.0).max(behind.1 - behind.0)
-    };
     (0..times.len().saturating_sub(1))
         .filter(|i| times[i + 1] < times[*i] - BACKWARDS * interval_s)
-        .filter(is_set_back)
+        .filter(|i| {
+            let before = ends_of((i + 1).saturating_sub(lasts)..i + 1);
+            let behind = ends_of(i + 1..(i + 1 + lasts).min(times.len()));
+            before.0 - behind.1 > FALLS * (before.1 - before.0).max(behind.1 - behind.0)
+        })
         .collect()
 }
 

@@ -63,7 +63,8 @@ pub(super) fn read(
     path: &Path,
     bytes: &[u8],
     wanted: Option<&str>,
-    (clock, dejitter): (XdfClock, bool),
+    clock: XdfClock,
+    dejitter: bool,
     take: &Take,
 ) -> Result<Table, StoreError> {
     if !bytes.starts_with(MAGIC) {
@@ -207,7 +208,8 @@ fn choose(
         .map(|(number, stream)| format!("{number} '{}'", shown(&name(stream))))
         .collect();
     let more = if streams.len() > MOST_LISTED { ", …" } else { "" };
-    let (list, n) = (list.join(", ") + more, meant.len());
+    let list = list.join(", ") + more;
+    let n = meant.len();
     let what = match (wanted, n) {
         (_, _) if streams.is_empty() => "the file has no stream".to_owned(),
         (Some(wanted), 0) => {

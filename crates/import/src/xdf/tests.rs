@@ -100,7 +100,7 @@ pub(in super::super) fn steady_of(
 
 fn try_read(bytes: &[u8], stream: Option<&str>) -> Result<Table, StoreError> {
     everything(|take| {
-        super::read(Path::new("a.xdf"), bytes, stream, (XdfClock::Corrected, true), take)
+        super::read(Path::new("a.xdf"), bytes, stream, XdfClock::Corrected, true, take)
     })
 }
 
@@ -228,9 +228,8 @@ fn times_are_those_that_the_mapping_asks_for() {
         &[(0.0, 7.0)],
     );
     let last = |clock, dejitter| {
-        let table = everything(|take| {
-            super::read(Path::new("a.xdf"), &file, None, (clock, dejitter), take)
-        });
+        let table =
+            everything(|take| super::read(Path::new("a.xdf"), &file, None, clock, dejitter, take));
         let table = table.unwrap();
         let Cell::Number(last) = table.columns[0].cell(199) else { panic!("no number") };
         (last, table.doubts)

@@ -93,7 +93,8 @@ impl Host {
         if pins.rate_hz > 1e3 || interval_ms > f64::from(u16::MAX >> 2) {
             let allowed =
                 "between 0.07 and 1000, which is how short and long a sampling interval can be";
-            let (name, value) = ("firmata.rate_hz", pins.rate_hz);
+            let name = "firmata.rate_hz";
+            let value = pins.rate_hz;
             return Err(DeviceError::Parameter { name, value, allowed });
         }
         Ok(Self {
@@ -111,7 +112,8 @@ impl Host {
 
     /// Who it is, once it was asked and is sure.
     pub(crate) fn found(&self) -> Option<Pins> {
-        let (name, channels) = (self.name.sure()?, self.channels.sure()?);
+        let name = self.name.sure()?;
+        let channels = self.channels.sure()?;
         self.capabilities.sure()?;
         let able = |mode| (0..=u8::MAX).filter(move |pin| self.able(*pin, mode).is_some());
         let analog = (0..).zip(channels).filter(|(_, channel)| **channel < ANALOG_CHANNELS);
@@ -261,7 +263,8 @@ impl Talk for Host {
                 Message::ReportAnalog { channel, on: true }.write(out);
             }
             AngleAt::I2c => {
-                let (address, register) = (AS5600, Some(RAW_ANGLE));
+                let address = AS5600;
+                let register = Some(RAW_ANGLE);
                 let read = I2cRequest::Read { address, register, length: 2, again: true };
                 sysex(id::I2C_CONFIG, &[0, 0], out);
                 sysex(id::I2C_REQUEST, &I2cRequest::Stop { address }.data(), out);

@@ -56,11 +56,12 @@ impl Pin {
 
     /// That answer.
     pub fn write_all(pins: &[Self]) -> Vec<u8> {
-        let of_pin = |pin: &Self| {
-            let modes = pin.0.iter().flat_map(|(mode, bits)| [*mode, *bits]);
-            modes.chain([END_OF_PIN]).collect::<Vec<u8>>()
-        };
-        pins.iter().flat_map(of_pin).collect()
+        pins.iter()
+            .flat_map(|pin| {
+                let modes = pin.0.iter().flat_map(|(mode, bits)| [*mode, *bits]);
+                modes.chain([END_OF_PIN]).collect::<Vec<u8>>()
+            })
+            .collect()
     }
 }
 
@@ -112,7 +113,8 @@ impl I2cRequest {
             (0, _) => Some(Self::Write { address: *address, bytes: numbers }),
             (STOP, _) => Some(Self::Stop { address: *address }),
             (_, [register, length, ..]) => {
-                let (register, length) = (Some(*register), *length);
+                let register = Some(*register);
+                let length = *length;
                 Some(Self::Read { address: *address, register, length, again })
             }
             (_, [length]) => {

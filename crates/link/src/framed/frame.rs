@@ -92,7 +92,8 @@ impl Frames {
             }
             return None;
         }
-        let (length, overlong) = (self.length, self.overlong);
+        let length = self.length;
+        let overlong = self.overlong;
         (self.length, self.overlong) = (0, false);
         let frame = if overlong { None } else { Frame::decode(&mut self.bytes[..length]) };
         // Two zeros in a row have nothing between them.

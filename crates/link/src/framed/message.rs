@@ -173,7 +173,8 @@ impl FromBoard {
 /// As it stands in a frame.
 impl Drive {
     fn bytes(self) -> [u8; 4] {
-        let ([a, b], [c, d]) = (self.motor.to_le_bytes(), self.brake.to_le_bytes());
+        let [a, b] = self.motor.to_le_bytes();
+        let [c, d] = self.brake.to_le_bytes();
         [a, b, c, d]
     }
 

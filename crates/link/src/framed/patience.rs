@@ -42,7 +42,8 @@ impl Patience {
     /// With a line of so many bits a second.
     pub(crate) fn at(baud: u32) -> Self {
         let [question, command, answer] = bytes();
-        let (answer_s, command_s) = (line_s(baud, question + answer), line_s(baud, command));
+        let answer_s = line_s(baud, question + answer);
+        let command_s = line_s(baud, command);
         Self { answer_s, command_s, futile: 0 }
     }
 

@@ -289,7 +289,8 @@ impl<W: Wire> Device for Rig<W> {
         }
         (self.last, self.reset) = (None, false);
         self.send(&ToBoard::Mark { code: mark::HOMING, number: 0 })?;
-        let (began, mut first) = (self.wire.now(), None);
+        let began = self.wire.now();
+        let mut first = None;
         while self.wire.now() - began < HOMING {
             let passed = self.wire.now() - began;
             self.poll(now_s + passed.as_secs_f64(), HELLO_EVERY)?;
@@ -343,7 +344,8 @@ fn volts(millivolts: u32) -> f64 {
 /// What a board can do behind its wire.
 fn capabilities(board: &Description, settings: &Settings) -> Result<Capabilities, DeviceError> {
     let unable = |what: String, remedy: &str| {
-        let (device, remedy) = (board.name.clone(), remedy.to_owned());
+        let device = board.name.clone();
+        let remedy = remedy.to_owned();
         Err(DeviceError::Unable { device, what, remedy })
     };
     if board.protocol != PROTOCOL {

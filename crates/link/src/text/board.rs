@@ -36,7 +36,8 @@ impl Sketch {
         }
         let mark = self.templates.mark.as_ref().and_then(|mark| mark.read(line));
         mark.map_or(Ok(()), |values| {
-            let (code, which) = (number(&values, Field::Code), number(&values, Field::Number));
+            let code = number(&values, Field::Code);
+            let which = number(&values, Field::Number);
             behind.mark(now_s, code as u8, which as u16)
         })
     }

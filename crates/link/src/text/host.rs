@@ -26,7 +26,8 @@ impl Host {
     /// A template that is none; a rate that the line does not carry.
     pub(crate) fn new(sketch: &Text, baud: u32) -> Result<Self, DeviceError> {
         let templates = sketch.templates()?;
-        let (line, command) = (templates.line.longest(), templates.command.longest());
+        let line = templates.line.longest();
+        let command = templates.command.longest();
         let most_hz = stream_rate_hz(baud, line, command);
         within("lines", sketch.rate_hz, most_hz, baud, "baud")?;
         let lines = Lines::from_anywhere();

@@ -21,7 +21,8 @@ impl Streams for Text {
         not_below_0("text.motor_max_v", self.motor_max_v)?;
         not_below_0("text.brake_max_v", self.brake_max_v)?;
         if self.counts_per_turn < 2 {
-            let (name, value) = ("text.counts_per_turn", self.counts_per_turn.into());
+            let name = "text.counts_per_turn";
+            let value = self.counts_per_turn.into();
             return Err(DeviceError::Parameter { name, value, allowed: "2 or more" });
         }
         self.templates().map(drop)

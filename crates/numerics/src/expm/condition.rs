@@ -19,12 +19,14 @@ pub fn condition<const N: usize>(a: &Matrix<N>) -> f64 {
     let Some(halved) = Halved::new(a) else { return f64::INFINITY };
     // The adjoint of L(A, ·) is L(Aᵀ, ·).
     let adjoint = halved.transposed();
-    let (mut direction, mut norm) = (Matrix::from_fn(|_, _| 1.0 / N as f64), 0.0);
+    let mut direction = Matrix::from_fn(|_, _| 1.0 / N as f64);
+    let mut norm = 0.0;
     for _ in 0..MOST_ROUNDS {
         let image = halved.derivative(&direction);
         let back = adjoint.derivative(&image);
         let size = frobenius(&back);
-        let (last, estimate) = (norm, size.sqrt());
+        let last = norm;
+        let estimate = size.sqrt();
         if !size.is_finite() || size <= 0.0 {
             return f64::INFINITY;
         }

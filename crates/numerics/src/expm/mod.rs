@@ -37,7 +37,8 @@ const MOST_RUNGS: usize = 200;
 
 /// `‖Aᵐ‖^(1/m)` for `m = 2^doublings`, largest-entry norm: tends to the spectral radius (Gelfand).
 fn power_root<const N: usize>(matrix: &Matrix<N>, doublings: i32) -> f64 {
-    let (mut power, mut log2_scale) = (*matrix, 0.0_f64);
+    let mut power = *matrix;
+    let mut log2_scale = 0.0_f64;
     for _ in 0..=doublings {
         let size = power.largest();
         if size <= 0.0 || !size.is_finite() {
@@ -200,7 +201,8 @@ impl<const N: usize> Ladder<N> {
     /// `exp(A t) z`, for `0 ≤ t ≤ reach`.
     #[inline]
     pub fn advance(&self, z: &[f64; N], t: f64) -> [f64; N] {
-        let (mut z, mut rest) = (*z, t);
+        let mut z = *z;
+        let mut rest = t;
         for rung in self.rungs.iter().rev() {
             if rung.span <= rest {
                 z = rung.flow.apply(&z);

@@ -37,7 +37,9 @@ impl Pair {
             let high = c - (c - x);
             [high, x - high]
         };
-        let (high, [ah, al], [bh, bl]) = (a * b, split(a), split(b));
+        let high = a * b;
+        let [ah, al] = split(a);
+        let [bh, bl] = split(b);
         Self { high, low: ((ah * bh - high) + ah * bl + al * bh) + al * bl }
     }
 }

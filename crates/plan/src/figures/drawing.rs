@@ -68,7 +68,8 @@ impl Drawing {
         let caption = Caption::new(kind, subject);
         let stem = caption.stem();
         let outputs = files_of(&data.layout, &stem);
-        let (of, inputs) = (Arc::new(Described { parameters, describe }), Arc::new(inputs));
+        let of = Arc::new(Described { parameters, describe });
+        let inputs = Arc::new(inputs);
         let own = (Shared(of.clone()), Shared(inputs.clone()));
         let inputs_of_job = (own.1, font::files(data));
         let job = Job::new(STAGE, format!("figure {stem}"), own.0, inputs_of_job, outputs, make);

@@ -71,7 +71,8 @@ fn of(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
     drawings.extend(characterise::actuators(data).into_iter().map(|(actuator, sweeps)| {
         let of = (actuator.to_string(), data.study.analysis.confidence);
         let found = Characterisation::of(&data.layout, actuator);
-        let (subject, n) = ([actuator.to_string()], sweeps.len());
+        let subject = [actuator.to_string()];
+        let n = sweeps.len();
         Drawing::new(data, CHARACTERISTIC, subject, of, (sweeps, found), characteristic).of(n)
     }));
     drawings.extend(freemotion::planes(data).map(|table| {
@@ -132,10 +133,10 @@ fn sessions_in_vain(data: &StudyData) -> Vec<String> {
     let OwnFigures::Of(named) = &data.study.figures.own else { return Vec::new() };
     let known: Vec<[String; 2]> = sessions(data).iter().map(Session::ids).collect();
     let vain = named.iter().filter(|ids| !known.contains(ids));
-    let told = |ids: &[String; 2]| {
+    vain.map(|ids| {
         format!("figures.sessions of study.toml: {} has no trial that counts", ids.join("."))
-    };
-    vain.map(told).collect()
+    })
+    .collect()
 }
 
 /// Whether a figure is the one of an id, or one of those whose id begins with it.
@@ -247,12 +248,11 @@ fn found(files: &Files, recorded: &Recorded) -> Result<Vec<Found>, StoreError> {
             Err(error) if error.by_system => return Err(error),
             found => found.unwrap_or_default(),
         };
-        let named = |e: StoreError| Found {
+        all.extend(found.into_iter().map(|e| Found {
             trial: known.trial,
             column: e.column.unwrap_or_default(),
             what: e.what,
-        };
-        all.extend(found.into_iter().map(named));
+        }));
     }
     Ok(all)
 }
@@ -317,7 +317,8 @@ fn load_all<'r>(
     recorded: &'r [Recorded],
     files: &[Files],
 ) -> Result<(Vec<Read<'r>>, Vec<String>), JobError> {
-    let (mut all, mut problems) = (Vec::new(), Vec::new());
+    let mut all = Vec::new();
+    let mut problems = Vec::new();
     for (recorded, files) in recorded.iter().zip(files) {
         let mut read = load(recorded, files)?;
         problems.append(&mut read.problems);
@@ -346,7 +347,8 @@ fn repeats_of<'a>(
     let [participant, session_id] = session.ids();
     let mode = repeats.mode.id.to_string();
     let subject = [participant, session_id, environment.id.to_string(), mode];
-    let (trials, only) = (&repeats.trials, std::slice::from_ref(&repeats));
+    let trials = &repeats.trials;
+    let only = std::slice::from_ref(&repeats);
     // Of no mean: every repeat stands at its own time.
     let of = recorded(data, session, environment, Alignment::Onset, trials, only);
     let (recorded, files) = without_means(of);
@@ -355,7 +357,8 @@ fn repeats_of<'a>(
 
 fn draw_repeats(recorded: &Recorded, files: &Files) -> Figured {
     let read = load(recorded, files)?;
-    let (scene, problems) = (read.loaded.scene(), read.problems.clone());
+    let scene = read.loaded.scene();
+    let problems = read.problems.clone();
     let Some(first) = scene.modes.first() else {
         return Err(format!("no trial could be read: {}", problems.join("; ")).into());
     };
@@ -368,8 +371,8 @@ fn loops<'a>(
     environments: &[&'a Environment],
 ) -> Drawing {
     let of_environments = environments.iter().map(|environment| {
-        let (trials, conditions) =
-            (session.of(environment), conditions(data, session, environment));
+        let trials = session.of(environment);
+        let conditions = conditions(data, session, environment);
         // Nothing stands against time.
         let (recorded, files) =
             recorded(data, session, environment, Alignment::Onset, &trials, &conditions);

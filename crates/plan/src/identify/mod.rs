@@ -218,7 +218,9 @@ fn make(of: &OfTrials<Fit>, files: &Recordings, making: &Making) -> Result<Made,
         Ok((Bracket::of(switching(&trial, how)), fitted_trial(trial, how), problem))
     };
     let read: Result<Vec<_>, StoreError> = (0..files.len()).into_par_iter().map(one).collect();
-    let (mut bracket, mut fitted, mut problems) = (Bracket::default(), Vec::new(), Vec::new());
+    let mut bracket = Bracket::default();
+    let mut fitted = Vec::new();
+    let mut problems = Vec::new();
     for (of_trial, found, problem) in read? {
         bracket = bracket.and(of_trial);
         fitted.push(found);
@@ -305,8 +307,9 @@ fn identified(trials: &[Fitted], fit: &Fit) -> Result<Found, JobError> {
         let plants: Vec<Parameters> = points.iter().map(plant).collect();
         trials[i].balance.needed_ns(&plants).into_iter().map(Some).collect()
     };
-    let judge = |i: usize, p: &[f64; P]| trials[i].judged.rmse_rad(&plant(p));
-    match zwidth_identify::identify(&recordings, &task, explain, judge) {
+    match zwidth_identify::identify(&recordings, &task, explain, |i, p| {
+        trials[i].judged.rmse_rad(&plant(p))
+    }) {
         Ok(found) => Ok(Found {
             estimates: zwidth_identify::estimates_table(&found)?,
             profiles: zwidth_identify::profiles(&found.estimates),

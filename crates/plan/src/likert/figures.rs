@@ -73,8 +73,8 @@ fn draw_ratings(
     page: RatingsPage,
     tables: (Derived<AnswerTally>, Derived<GivenAnswer>),
 ) -> Drawing {
-    let of_page = |a: &&zwidth_store::Answer| page.shows(&a.condition.environment, &a.question);
-    let answers = data.answers.iter().filter(of_page).count();
+    let answers =
+        data.answers.iter().filter(|a| page.shows(&a.condition.environment, &a.question)).count();
     let sources = data.sessions.iter().map(|s| s.record.source).collect();
     let rated = Rated { about: About::of(&data.study), page, sources };
     Drawing::new(data, RATINGS, number, rated, tables, draw_rated).of(answers)
@@ -84,7 +84,8 @@ fn draw_rated(
     Rated { about, page, sources }: &Rated,
     (tally, answers): &(Derived<AnswerTally>, Derived<GivenAnswer>),
 ) -> Figured {
-    let (tally, answers) = (tally.read()?, read_counting(answers)?);
+    let tally = tally.read()?;
+    let answers = read_counting(answers)?;
     Ok((zwidth_figures::ratings(about, page, &tally, &answers, sources), Vec::new()))
 }
 

@@ -13,8 +13,8 @@ use zwidth_results::{AnswerTally, BlindingIndex, GivenAnswer};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Answer, LeftOutAnswer, StudyData, TrialEntry};
 use zwidth_study::{
-    AnswerValue, EnvironmentId, Kind, ModeId, ParticipantId, Question, QuestionId, SessionId,
-    Status, Study, TrialMeta,
+    AnswerValue, EnvironmentId, Kind, ModeId, ParticipantId, Question, SessionId, Status, Study,
+    TrialMeta,
 };
 use zwidth_tables::TableError;
 
@@ -145,15 +145,17 @@ fn study_of<'d>(
 
 /// Whether a question for the mode is asked after an environment's trials.
 fn asks(study: &Study, environment: &EnvironmentId, question: &Question) -> bool {
-    let is_it = |id: &QuestionId| {
-        *id == question.id && study.question(id).is_some_and(|known| !known.is_rating())
-    };
-    study.environment(environment).is_some_and(|e| e.questions().any(is_it))
+    study.environment(environment).is_some_and(|e| {
+        e.questions().any(|id| {
+            *id == question.id && study.question(id).is_some_and(|known| !known.is_rating())
+        })
+    })
 }
 
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let job = |long: Derived<GivenAnswer>| {
-        let (scheme, answers) = (Scheme::of(&data.study), data.answers.clone());
+        let scheme = Scheme::of(&data.study);
+        let answers = data.answers.clone();
         let left_out = data.answers_left_out.clone();
         let asked = Asked { scheme, answers, left_out, blinding: guessed(data) };
         let outputs = [tally(data).files(), long.files(), blinding(data).files()].concat();

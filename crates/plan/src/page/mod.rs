@@ -295,9 +295,9 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
     let answers = answers.map(likert::read_counting).transpose()?.unwrap_or_default();
     let planned = &of.summary.planned;
     let contents = metrics.map(|metrics| {
-        let study = (of.study.as_str(), summary.title.as_str());
         let compared = compared.by_metric(of.summary.is_primary_by_default);
-        let contents = Contents::of(study, planned, &metrics, &compared, &answers);
+        let contents =
+            Contents::of(of.study.as_str(), &summary.title, planned, &metrics, &compared, &answers);
         let contents = contents.with_turned(of.turned.clone(), planned.coordinate);
         if of.torque { contents.with_torque() } else { contents }
     });

@@ -371,15 +371,17 @@ fn facts(data: &StudyData, found: &Findings) -> Summary {
 /// The trials that count whose clock, angle or velocity is in doubt: from these a swing is told.
 fn doubted(data: &StudyData, found: &Findings) -> TrialNames {
     let told_from = [Signal::Time, Signal::Theta, Signal::ThetaDot].map(Signal::name);
-    let is_of = |column: &String| told_from.contains(&column.as_str());
-    let doubts = found.with_care.iter().filter(|doubt| doubt.column.as_ref().is_some_and(is_of));
+    let doubts = found.with_care.iter().filter(|doubt| {
+        doubt.column.as_ref().is_some_and(|column| told_from.contains(&column.as_str()))
+    });
     let files: BTreeSet<&Path> = doubts.map(|doubt| doubt.path.as_path()).collect();
     let trials = data.counting().filter(|trial| files.contains(&*trial.path));
-    let name = |trial: &TrialEntry| {
-        let meta = &trial.meta;
-        (meta.participant.clone(), meta.session.clone(), meta.trial)
-    };
-    trials.map(name).collect()
+    trials
+        .map(|trial| {
+            let meta = &trial.meta;
+            (meta.participant.clone(), meta.session.clone(), meta.trial)
+        })
+        .collect()
 }
 
 /// Whether trials recorded the user's torque, and none a force.
@@ -443,7 +445,8 @@ fn not_recorded(counting: &[&TrialEntry]) -> Vec<String> {
     for (what, signals, so) in needed {
         let without =
             counting.iter().filter(|t| !signals.iter().any(|s| t.said.signals.contains(s)));
-        let (n, all) = (without.count(), counting.len());
+        let n = without.count();
+        let all = counting.len();
         if n > 0 {
             sentences
                 .push(format!("No {what} was recorded in {n} of {all} trials: for them {so}."));

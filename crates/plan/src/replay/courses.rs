@@ -100,7 +100,8 @@ fn make(
 ) -> Result<Made, JobError> {
     let fitted = identify::fitted(&*read_shared(plant, making)?)?;
     let trials = typical_trials(of, files, replays)?;
-    let (by_eye, fitted) = (&of.stage.plant, fitted.as_ref());
+    let by_eye = &of.stage.plant;
+    let fitted = fitted.as_ref();
     let courses = zwidth_replay::courses(&trials, by_eye, fitted)?;
     if courses.is_empty() {
         return Err("no trial could be replayed: the table 'replay' says why".into());

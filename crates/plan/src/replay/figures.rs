@@ -24,7 +24,8 @@ pub(crate) fn of(data: &StudyData, session: &Session) -> Vec<Drawing> {
         let courses = courses::file(data, session, environment)?;
         let [participant, session_id] = session.ids();
         let subject = [participant, session_id, environment.id.to_string()];
-        let (about, environment) = (About::of(&data.study), environment.clone());
+        let about = About::of(&data.study);
+        let environment = environment.clone();
         let against = Against { about, environment, who: session.who() };
         Some(Drawing::new(data, REPLAY, subject, against, courses, draw))
     };

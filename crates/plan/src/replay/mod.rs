@@ -22,7 +22,7 @@ use std::path::PathBuf;
 use zwidth_replay::{Parameters, Rendering, TrialReplay};
 use zwidth_results::{Causality, HeldOutModel, ModelPlant, ReplayedPeak, ReplayedTrial};
 use zwidth_runner::{Job, JobError, Made, Making, Stage};
-use zwidth_store::{Layout, Signal, StudyData, Trial, TrialEntry};
+use zwidth_store::{Layout, Signal, StudyData, Trial};
 use zwidth_study::{Analysis, Scene};
 use zwidth_tables::{Table, TableError};
 
@@ -94,9 +94,10 @@ struct Chosen {
 pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
     let analysis = data.study.analysis;
     let modelled = |repeats: &Repeats| {
-        let of =
-            |trial: &&TrialEntry| rendering(data, &trial.meta, repeats.environment, repeats.mode);
-        let rendering = repeats.trials.first().map(of);
+        let rendering = repeats
+            .trials
+            .first()
+            .map(|trial| rendering(data, &trial.meta, repeats.environment, repeats.mode));
         OfTrials::new(Modelled { rendering, analysis, plant: Parameters::BY_EYE }, &repeats.trials)
     };
     let by_eye = |repeats: &Repeats| {
@@ -122,14 +123,14 @@ pub(crate) fn jobs(data: &StudyData) -> Vec<Job> {
         Some(Job::new(STAGE, name, of, inputs, vec![output], make_auto).of_part(&repeats.key))
     };
     let conditions: Vec<Repeats> = replayed(data).collect();
-    let all = |repeats: &Repeats| files_of(data, repeats);
     let sessions: Vec<Vec<PathBuf>> = conditions
         .chunk_by(Repeats::is_of_session_of)
-        .map(|of| of.iter().flat_map(all).collect())
+        .map(|of| of.iter().flat_map(|repeats| files_of(data, repeats)).collect())
         .collect();
     let level = analysis.confidence;
     let of_study = of_study(data).map(|[replays, agreement]| {
-        let (whole, agree) = ("replay of the study", "agreement of model and recordings");
+        let whole = "replay of the study";
+        let agree = "agreement of model and recordings";
         [
             Job::new(STAGE, whole, (), sessions, vec![replays.clone()], make_study),
             Job::new(STAGE, agree, level, Derived::at(replays), vec![agreement], make_agreement),
@@ -145,9 +146,9 @@ fn make_by_eye(
     making: &Making,
 ) -> Result<Made, JobError> {
     let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
-        Ok(zwidth_replay::replay(trial, rendering, analysis, (ModelPlant::ByEye, &of.stage.plant))?)
+        Ok(zwidth_replay::replay(trial, rendering, analysis, ModelPlant::ByEye, &of.stage.plant)?)
     };
-    let (rows, problems) = replays((&of.stage, &of.trials), files, &model)?;
+    let (rows, problems) = replays(&of.stage, &of.trials, files, &model)?;
     write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, problems)
 }
 
@@ -161,9 +162,9 @@ fn make_fitted(
     let rows = match plant {
         Some(plant) => {
             let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
-                Ok(zwidth_replay::replay(trial, rendering, analysis, (ModelPlant::Fitted, &plant))?)
+                Ok(zwidth_replay::replay(trial, rendering, analysis, ModelPlant::Fitted, &plant)?)
             };
-            replays((&of.stage, &of.trials), files, &model)?.0
+            replays(&of.stage, &of.trials, files, &model)?.0
         }
         None => Vec::new(),
     };
@@ -180,7 +181,7 @@ fn make_auto(
     let model = |trial: &Trial, rendering: &Rendering, analysis: &Analysis| {
         of.stage.auto.replay(trial, rendering, analysis, &chosen)
     };
-    let (rows, _) = replays((&of.stage.modelled, &of.trials), files, &model)?;
+    let (rows, _) = replays(&of.stage.modelled, &of.trials, files, &model)?;
     write_tables(&[Table::of_rows(&zwidth_replay::rows(&rows))?], making, Vec::new())
 }
 
@@ -190,7 +191,8 @@ type Model<'a> =
 
 /// The trials of a condition through a model, and what is wrong with those that are left out.
 fn replays(
-    (modelled, known): (&Modelled, &[Known]),
+    modelled: &Modelled,
+    known: &[Known],
     files: &Recordings,
     model: Model,
 ) -> Result<(Vec<TrialReplay>, Vec<String>), JobError> {

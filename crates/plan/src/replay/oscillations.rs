@@ -47,7 +47,7 @@ pub fn oscillations(
             return Err(format!("{}: its condition is not in study.toml", name(&trial.meta)));
         };
         let rendering = rendering(data, &trial.meta, environment, mode);
-        zwidth_replay::oscillation(trial, (&data.study, &rendering), &plant)
+        zwidth_replay::oscillation(trial, &data.study, &rendering, &plant)
             .map(|found| (trial.meta.clone(), found))
             .map_err(|error| format!("{}: {error}", name(&trial.meta)))
     };

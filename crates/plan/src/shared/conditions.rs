@@ -56,7 +56,8 @@ impl<'a> Session<'a> {
         trials.retain(|t| t.meta.mode == mode.id);
         let [participant, session] = self.ids();
         let ids = [&participant, &session, environment.id.as_str(), mode.id.as_str()];
-        let (who, key) = (ids.join(" "), ids.join("."));
+        let who = ids.join(" ");
+        let key = ids.join(".");
         (!trials.is_empty()).then_some(Repeats { who, key, environment, mode, trials })
     }
 }

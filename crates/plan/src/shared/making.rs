@@ -39,8 +39,9 @@ pub(crate) fn read_shared(file: &Path, making: &Making) -> Result<Rc<Table>, Tab
         static KNOWN: RefCell<Known> = const { RefCell::new(VecDeque::new()) };
     }
     let hash = making.hash_of(file);
-    let is_it = |(of, _): &&(String, Rc<Table>)| Some(of.as_str()) == hash;
-    let known = KNOWN.with_borrow(|known| known.iter().find(is_it).map(|(_, table)| table.clone()));
+    let known = KNOWN.with_borrow(|known| {
+        known.iter().find(|(of, _)| Some(of.as_str()) == hash).map(|(_, table)| table.clone())
+    });
     if let Some(table) = known {
         return Ok(table);
     }
@@ -64,13 +65,14 @@ pub(crate) fn join_sessions<T: Clone + Send + Sync + 'static>(
     join: impl Fn(&[T]) -> Result<Table, JobError> + Send + Sync + 'static,
     making: &Making,
 ) -> Made {
-    let (sessions, from) = (sessions.to_vec(), making.from.clone());
+    let sessions = sessions.to_vec();
+    let from = making.from.clone();
     let path = making.outputs.first().cloned().unwrap_or_default();
     let write: WriteLong = Box::new(move |out| {
         let tables = sessions
             .chunks(SESSIONS_AT_ONCE)
             .flat_map(|some| some.par_iter().map(|tables| join(tables)).collect::<Vec<_>>());
-        Table::write_parts(tables, (&from, &path), out)
+        Table::write_parts(tables, &from, &path, out)
     });
     Made { outputs: vec![Output::Long(write)], ..Made::default() }
 }

@@ -21,6 +21,7 @@ pub(crate) fn model_trial(samples: Samples, like: &Trial) -> Trial {
 
 fn number(column: &Column) -> Option<Measured> {
     let Values::Float(values) = &column.values else { return None };
-    let (name, unit) = (column.field.name.to_string(), column.field.unit.to_string());
+    let name = column.field.name.to_string();
+    let unit = column.field.unit.to_string();
     is_felt(&name).then(|| Measured { name, unit, value: values.first().copied().flatten() })
 }

@@ -125,7 +125,8 @@ pub(crate) fn read_drawn(
 /// A file that the system does not give.
 pub(crate) fn of_each<T: Send>(
     lately: &Lately,
-    (files, known): (&[Arc<Path>], &[Known]),
+    files: &[Arc<Path>],
+    known: &[Known],
     signals: &[Signal],
     make: impl Fn(&OpenTrial) -> T + Sync,
 ) -> Result<Vec<Result<T, StoreError>>, StoreError> {
@@ -187,7 +188,7 @@ mod tests {
             let files = [Arc::from(file)];
             let counts = |found: Result<usize, StoreError>| found.map_err(|error| error.by_system);
             let lately = Lately::default();
-            let of = of_each(&lately, (&files, &known), &[], |_| ()).and_then(readable);
+            let of = of_each(&lately, &files, &known, &[], |_| ()).and_then(readable);
             [
                 counts(read_all(&files, &known, Signal::all()).map(|(_, told)| told.len())),
                 counts(read_drawn(&files, &known, Signal::all()).map(|(_, told)| told.len())),

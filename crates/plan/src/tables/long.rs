@@ -14,7 +14,8 @@ pub(crate) fn for_programs(data: &StudyData) -> BTreeSet<String> {
 }
 
 fn longer_than(most: usize, data: &StudyData) -> BTreeSet<String> {
-    let (study, trials) = (&data.study, data.counting().count());
+    let study = &data.study;
+    let trials = data.counting().count();
     let several = |part: fn(&TrialEntry) -> [&str; 4]| -> usize {
         // One by one: a set that is collected is a list of all trials first.
         let mut found = BTreeSet::new();

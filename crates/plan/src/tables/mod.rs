@@ -88,11 +88,12 @@ struct Printing {
 
 fn job(data: &StudyData, table: Printed, for_programs: &BTreeSet<String>) -> Job {
     let name = table.name();
-    let is_written = |f: &Format| f.is_for_programs() || !for_programs.contains(&name);
-    let formats = Format::ALL.into_iter().filter(is_written);
+    let formats =
+        Format::ALL.into_iter().filter(|f| f.is_for_programs() || !for_programs.contains(&name));
     let outputs = formats.map(|f| printed_as(&data.layout, &name, f)).collect();
-    let (wording, simulated, metric) =
-        (Wording::of(&data.study), table.simulated, table.metric.clone());
+    let wording = Wording::of(&data.study);
+    let simulated = table.simulated;
+    let metric = table.metric.clone();
     let how = Printing { wording, simulated, metric };
     Job::new(STAGE, format!("table {name}"), how, table, outputs, make)
 }
@@ -105,19 +106,23 @@ fn make(how: &Printing, table: &Printed, making: &Making) -> Result<Made, JobErr
     let files: Vec<_> = files.collect();
     if table.metric.is_none() && files.iter().all(|(format, _)| format.is_for_programs()) {
         let input = &table.file;
-        let outputs = files.into_iter().map(|file| long(file, how.simulated, input, making));
+        let outputs = files
+            .into_iter()
+            .map(|(format, path)| long(format, path, how.simulated, input, making));
         return Ok(Made { outputs: outputs.collect(), ..Made::default() });
     }
     Ok(Made::of(write(&table.read()?, &files, &how.wording, making.from)?))
 }
 
 /// A file of a table that may be of any length.
-fn long((format, path): (Format, &Path), simulated: bool, input: &Path, making: &Making) -> Output {
-    let (path, input, from) = (path.to_owned(), input.to_owned(), making.from.clone());
+fn long(format: Format, path: &Path, simulated: bool, input: &Path, making: &Making) -> Output {
+    let path = path.to_owned();
+    let input = input.to_owned();
+    let from = making.from.clone();
     Output::Long(Box::new(move |out| {
         let parts = Table::parts(&input)?.map(|part| Ok(part?.with_mark(simulated)));
         match format {
-            Format::Parquet => Table::write_parts::<TableError>(parts, (&from, &path), out)?,
+            Format::Parquet => Table::write_parts::<TableError>(parts, &from, &path, out)?,
             _ => write_csv(parts, out)?,
         }
         Ok(())

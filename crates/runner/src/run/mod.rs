@@ -93,8 +93,10 @@ pub fn run(
     // Those that are not believed go from their file too.
     // A shard that has nothing to make says so, too.
     board.unsaved = !remarks.is_empty() || options.shard.is_some();
-    let (hashes, board) = (Hashes::seen(&options.known, options.seen.clone()), Mutex::new(board));
-    let (trials, planned) = (Lately::seeing(options.seen.clone()), outputs(jobs));
+    let hashes = Hashes::seen(&options.known, options.seen.clone());
+    let board = Mutex::new(board);
+    let trials = Lately::seeing(options.seen.clone());
+    let planned = outputs(jobs);
     // Until they are saved once: to save them takes about as long as it took to read them.
     let saved = Mutex::new((Instant::now(), begun.elapsed()));
     let run = Run { jobs, before, results, options, done, hashes, trials, planned, board, saved };
@@ -102,7 +104,9 @@ pub fn run(
         let ready = begin(&mut run.board());
         rayon::scope(|scope| run.spawn(scope, ready));
     }
-    let (before, planned, board) = (run.before, run.planned, run.board);
+    let before = run.before;
+    let planned = run.planned;
+    let board = run.board;
     let Board { mut records, mut unsaved, reports, stayed, disk, .. } =
         board.into_inner().unwrap_or_else(PoisonError::into_inner);
     if let Some(error) = disk {
@@ -221,8 +225,8 @@ impl<'j> Board<'j> {
     fn next(&mut self) -> Option<usize> {
         let jobs = self.jobs;
         let is_apart = |i: usize| {
-            let is_other = |at_work: &usize| jobs[*at_work].part != jobs[i].part;
-            jobs[i].part.is_none() || self.at_work.iter().all(is_other)
+            jobs[i].part.is_none()
+                || self.at_work.iter().all(|at_work| jobs[*at_work].part != jobs[i].part)
         };
         let apart = self.ready.iter().find(|(_, i)| is_apart(*i));
         let next = *apart.or_else(|| self.ready.first())?;
@@ -509,7 +513,8 @@ fn make(
         Ok(made) => made,
         Err(error) => return Ok(Err(error.to_string())),
     };
-    let (n, declared) = (made.outputs.len(), job.outputs.len());
+    let n = made.outputs.len();
+    let declared = job.outputs.len();
     if n != declared {
         return Ok(Err(format!("it made {n} outputs and declares {declared}")));
     }

@@ -60,7 +60,8 @@ pub(super) fn records_before(
     let Some(shard) = options.shard else { return Ok((records, remarks)) };
     match Manifest::read(results, shard)?.map(|found| found.manifest) {
         Some(Ok(manifest)) => {
-            let (named, all) = (&records.0, outputs(jobs));
+            let named = &records.0;
+            let all = outputs(jobs);
             let planned: BTreeSet<&str> = jobs.iter().map(|job| job.name.as_str()).collect();
             let is_gone = |name: &str| !planned.contains(name) && !named.contains_key(name);
             let gone = manifest.records.iter().filter(|(name, _)| is_gone(name));

@@ -135,7 +135,6 @@ pub fn compare_modes(
     let drawn = (participants < FEW)
         .then(|| bootstrap(&free, Integral::Laplace, &effects, RESAMPLES, seed))
         .transpose()?;
-    let ratio = |pair: &[usize; 2]| odds_ratio(study, *pair, integral, level);
     Ok(ModeComparison {
         log_likelihood: peak.log_likelihood,
         sd_participant: peak.coordinates[peak.coordinates.len() - 2].abs(),
@@ -143,7 +142,7 @@ pub fn compare_modes(
         participants,
         test,
         bootstrap: drawn,
-        odds_ratios: pairs.iter().map(ratio).collect(),
+        odds_ratios: pairs.iter().map(|pair| odds_ratio(study, *pair, integral, level)).collect(),
     })
 }
 
@@ -158,7 +157,8 @@ fn odds_ratio(
         return Err(Unestimable::Confounded { what: study.mode_name(*mode) });
     }
     let model = coded(study, study.modes, pair)?;
-    let (df, column) = (model.mode_df(), 0);
+    let df = model.mode_df();
+    let column = 0;
     let Some(held) = model.held[column] else {
         let fit = fit(&model, integral)?;
         // The column says what the second mode adds to the first: the ratio is turned round.

@@ -148,7 +148,8 @@ fn covariance(
             moved[i] += sign * step;
             slopes(&moved)
         };
-        let (low, high) = (at(-1.0), at(1.0));
+        let low = at(-1.0);
+        let high = at(1.0);
         for (b, &j) in free.iter().enumerate() {
             let bend = (low[j] - high[j]) / (2.0 * step);
             information[(a, b)] += bend / 2.0;
@@ -170,20 +171,21 @@ fn of_parameters(covariance: &[Vec<f64>], coordinates: &[f64], thresholds: usize
     let width = coordinates.len() - 2;
     // A row of the Jacobian: what a parameter gains from each coordinate.
     let gains = |parameter: usize| -> Vec<f64> {
-        let gain = |c: usize| match (parameter < thresholds, c) {
-            (true, 0) => 1.0,
-            (true, c) if c <= parameter => libm::exp(coordinates[c]),
-            (false, c) if c == parameter => 1.0,
-            _ => 0.0,
-        };
-        (0..width).map(gain).collect()
+        (0..width)
+            .map(|c| match (parameter < thresholds, c) {
+                (true, 0) => 1.0,
+                (true, c) if c <= parameter => libm::exp(coordinates[c]),
+                (false, c) if c == parameter => 1.0,
+                _ => 0.0,
+            })
+            .collect()
     };
     let gains: Vec<Vec<f64>> = (0..width).map(gains).collect();
     let entry = |a: &Vec<f64>, b: &Vec<f64>| -> f64 {
-        let row = |(i, x): (usize, &f64)| {
-            x * covariance[i].iter().zip(b).map(|(c, y)| c * y).sum::<f64>()
-        };
-        a.iter().enumerate().map(row).sum()
+        a.iter()
+            .enumerate()
+            .map(|(i, x)| x * covariance[i].iter().zip(b).map(|(c, y)| c * y).sum::<f64>())
+            .sum()
     };
     gains.iter().map(|a| gains.iter().map(|b| entry(a, b)).collect()).collect()
 }

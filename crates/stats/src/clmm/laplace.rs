@@ -46,7 +46,8 @@ impl Effects {
 /// for all) and its gradient by the parameters. `effects` is where the search starts, and where it
 /// ended.
 pub(super) fn laplace(cells: &Cells, point: &Point, effects: &mut Effects) -> (f64, Point) {
-    let (levels, fixed) = (Levels::new(&point.theta), fixed(cells, point));
+    let levels = Levels::new(&point.theta);
+    let fixed = fixed(cells, point);
     let person = Person { cells, point, levels, fixed };
     let arrow = person.settle(effects);
     let value = -arrow.height - arrow.log_determinant() / 2.0;
@@ -55,7 +56,8 @@ pub(super) fn laplace(cells: &Cells, point: &Point, effects: &mut Effects) -> (f
 
 /// Moves `effects` to the most likely ones.
 pub(super) fn settle(cells: &Cells, point: &Point, effects: &mut Effects) {
-    let (levels, fixed) = (Levels::new(&point.theta), fixed(cells, point));
+    let levels = Levels::new(&point.theta);
+    let fixed = fixed(cells, point);
     Person { cells, point, levels, fixed }.settle(effects);
 }
 
@@ -114,8 +116,7 @@ impl Arrow {
     /// Half the variance of η in each mode: what ½ ln|H| gains per unit of its bend S.
     fn half_variances(&self) -> Vec<f64> {
         let [su, sw] = self.sd;
-        let half = |a: &f64| 0.5 * (sw * sw / a + su * su / (self.hub * a * a));
-        self.spokes.iter().map(half).collect()
+        self.spokes.iter().map(|a| 0.5 * (sw * sw / a + su * su / (self.hub * a * a))).collect()
     }
 }
 
@@ -206,8 +207,7 @@ impl Person<'_> {
     /// −dS/dη = Σ Nⱼ F'' of one cell.
     fn twist(&self, cell: usize, eta: f64) -> f64 {
         let counts = self.cells.beside[cell].iter();
-        let one = |(n, f): (&f64, f64)| n * f * (1.0 - f) * (1.0 - 2.0 * f);
-        counts.zip(self.levels.shares(eta)).map(one).sum()
+        counts.zip(self.levels.shares(eta)).map(|(n, f)| n * f * (1.0 - f) * (1.0 - 2.0 * f)).sum()
     }
 
     /// Adds what a cell gives by θ and β; returns what it gives by η.

@@ -1,7 +1,7 @@
 //! The log-likelihood of all participants at one point, and its gradient.
 
 use super::laplace::{Effects, laplace};
-use super::model::{Cells, Model};
+use super::model::Model;
 use super::point::Point;
 use super::quadrature::integrate;
 use crate::logistic::inner;
@@ -42,17 +42,16 @@ impl<'a> Likelihood<'a> {
     /// order: the bits do not depend on the number of threads.
     pub(super) fn at(&mut self, point: &Point) -> (f64, Point) {
         let integral = self.integral;
-        let one = |(cells, effects): (&Cells, &mut Effects)| match integral {
-            Integral::Laplace => laplace(cells, point, effects),
-            Integral::Quadrature => integrate(cells, point, effects),
-        };
         let parts: Vec<(f64, Point)> = self
             .model
             .participants
             .par_iter()
             .zip(self.effects.par_iter_mut())
             .with_min_len(TOGETHER[usize::from(integral == Integral::Quadrature)])
-            .map(one)
+            .map(|(cells, effects)| match integral {
+                Integral::Laplace => laplace(cells, point, effects),
+                Integral::Quadrature => integrate(cells, point, effects),
+            })
             .collect();
         let (mut value, mut gradient) = self.widths(point);
         for (part, by) in &parts {

@@ -49,7 +49,8 @@ pub(super) fn integrate(cells: &Cells, point: &Point, effects: &mut Effects) -> 
     let sd = point.sd.map(|sd| sd.clamp(-LARGEST_SD, LARGEST_SD));
     let inside = Point { sd, ..point.clone() };
     settle(cells, &inside, effects);
-    let (levels, fixed) = (Levels::new(&point.theta), fixed(cells, point));
+    let levels = Levels::new(&point.theta);
+    let fixed = fixed(cells, point);
     let lattice = Lattice::new(cells, sd, effects);
     let modes: Vec<Mode> =
         (0..cells.groups.len()).map(|m| Mode::new(cells, m, &levels, &fixed, &lattice)).collect();
@@ -135,7 +136,8 @@ impl Lattice {
         // What a mode tells of the participant is blurred by the mode's own effect.
         let blurred = |m: usize| 1.0 / (sd[1] * sd[1] + 1.0 / (INFORMATION * answers(m)));
         let outer = Axis::new(sd[0], all.map(blurred).sum(), &[effects.participant]);
-        let (n, k) = (outer.places.len(), inner.places.len());
+        let n = outer.places.len();
+        let k = inner.places.len();
         let strides = if outer.step >= inner.step {
             [((outer.step / inner.step) as usize).min(k), 1]
         } else {
@@ -161,7 +163,8 @@ impl Lattice {
 /// Answers of one mode.
 fn answers(cells: &Cells, m: usize) -> f64 {
     let of_cell = |c: usize| {
-        let (beside, below) = (&cells.beside[c], &cells.below[c]);
+        let beside = &cells.beside[c];
+        let below = &cells.below[c];
         let last = beside.iter().zip(below).next_back().map_or(0.0, |(b, n)| b - n);
         below.iter().sum::<f64>() + last
     };
@@ -254,9 +257,10 @@ fn by_logarithms(
 ) -> Shares {
     let mut residuals = Vec::new();
     let mut log_probability = |sum: &f64| -> f64 {
-        let of_cell =
-            |c: usize| levels.slopes(cells, c, fixed[c] + sum, Some(&mut residuals)).value;
-        cells.groups[m].clone().map(of_cell).sum()
+        cells.groups[m]
+            .clone()
+            .map(|c| levels.slopes(cells, c, fixed[c] + sum, Some(&mut residuals)).value)
+            .sum()
     };
     let logarithms: Vec<f64> = lattice.sums.iter().map(&mut log_probability).collect();
     let log_scale = logarithms.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x));

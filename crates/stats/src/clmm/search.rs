@@ -129,7 +129,8 @@ fn moved(mut theta: Vec<f64>, model: &Model) -> Vec<f64> {
     let held: Vec<f64> = model.held.iter().map(|value| value.unwrap_or(0.0)).collect();
     let patterns = model.answers.patterns(0..model.answers.codes.len());
     for k in 0..theta.len() {
-        let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut below = f64::NEG_INFINITY;
+        let mut above = f64::INFINITY;
         let mut across = None;
         for pattern in &patterns {
             let place = dot(&pattern.x, &held);
@@ -166,8 +167,7 @@ fn one_entry(width: usize, place: usize, entry: f64) -> Vec<f64> {
 fn by_coordinates(covariance: &[Vec<f64>], theta: &[f64]) -> Vec<Vec<f64>> {
     let steps = |row: &[f64]| -> Vec<f64> {
         let step = |k: usize| (row[k] - row[k - 1]) / (theta[k] - theta[k - 1]);
-        let one = |k: usize| if k == 0 || k >= theta.len() { row[k] } else { step(k) };
-        (0..row.len()).map(one).collect()
+        (0..row.len()).map(|k| if k == 0 || k >= theta.len() { row[k] } else { step(k) }).collect()
     };
     let half: Vec<Vec<f64>> = covariance.iter().map(|row| steps(row)).collect();
     transpose(&transpose(&half).iter().map(|row| steps(row)).collect::<Vec<_>>())

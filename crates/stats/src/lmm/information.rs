@@ -107,7 +107,8 @@ fn add_pattern(sums: &mut Information, design: &Design, pattern: &Pattern, sprea
 fn times_d(entry: Entry, blocks: &[Block], m: &Matrix) -> Matrix {
     let mut product = Matrix::zeros(m.rows, m.cols);
     for Block { at, .. } in blocks.iter().filter(|block| block.term == entry.term) {
-        let (a, b) = (at + entry.a, at + entry.b);
+        let a = at + entry.a;
+        let b = at + entry.b;
         product.row_mut(a).copy_from_slice(m.row(b));
         product.row_mut(b).copy_from_slice(m.row(a));
     }
@@ -123,7 +124,8 @@ pub(super) fn observed(design: &Design, reml: bool, at: &Profile, known: &Inform
     let mut trace = vec![0.0; size]; // tr W⁻¹ Gᵣ
     let mut form = vec![0.0; size]; // uᵀ Dᵣ u, for the residual rᵀ W⁻² r
     let mut w = vec![vec![0.0; p]; size]; // Xᵀ W⁻¹ Gᵣ W⁻¹ r
-    let (mut rw2r, mut rw3r) = (at.rss, at.rss);
+    let mut rw2r = at.rss;
+    let mut rw3r = at.rss;
     for (pattern, spread) in design.patterns.iter().zip(&at.spreads) {
         let squares = residual_squares(pattern, &at.gamma);
         let ur = spread.f.times(&squares); // Σ u rᵀ Z, u = Zᵀ W⁻¹ r

@@ -98,10 +98,13 @@ impl Adjusted {
         let b = (a1 + 6.0 * a2) / (2.0 * q);
         let g = ((q + 1.0) * a1 - (q + 4.0) * a2) / ((q + 2.0) * a2);
         let d = 3.0 * q + 2.0 * (1.0 - g);
-        let (c1, c2, c3) = (g / d, (q - g) / d, (q + 2.0 - g) / d);
+        let c1 = g / d;
+        let c2 = (q - g) / d;
+        let c3 = (q + 2.0 - g) / d;
         let v0 = 1.0 + c1 * b;
         let v0 = if v0.abs() < ZERO { 0.0 } else { v0 };
-        let (v1, v2) = (1.0 - c2 * b, 1.0 - c3 * b);
+        let v1 = 1.0 - c2 * b;
+        let v2 = 1.0 - c3 * b;
         let e = 1.0 - a2 / q; // 1 / E*
         let ratio = if e.abs() < ZERO && v1.abs() < ZERO { 1.0 } else { e / v1 };
         let rho = ratio * ratio * v0 / (q * v2);

@@ -68,7 +68,8 @@ pub(super) fn profile(design: &Design, reml: bool, theta: &[f64]) -> Option<Prof
     let factors = factors(design, theta);
     let mut a = Matrix::zeros(p, p);
     let mut xwy = vec![0.0; p];
-    let (mut ywy, mut log_det) = (0.0, 0.0);
+    let mut ywy = 0.0;
+    let mut log_det = 0.0;
     let mut spreads = Vec::with_capacity(design.patterns.len());
     for pattern in &design.patterns {
         let spread = spread(pattern, &factors)?;
@@ -167,7 +168,8 @@ fn in_variances(
             let slope = &mut slopes[*term];
             for i in 0..slope.rows {
                 for j in 0..slope.rows {
-                    let (a, b) = (at + i, at + j);
+                    let a = at + i;
+                    let b = at + j;
                     let lost = if reml { dot(xa.row(a), spread.zwx.row(b)) } else { 0.0 };
                     let rest = pattern.groups * (spread.zwz[(a, b)] - lost);
                     slope[(i, j)] += rest - uu[(a, b)] / variance;

@@ -114,7 +114,8 @@ impl Trials {
         same_length("the list of groups", self.together.len(), group.len())?;
         let mut groups: BTreeMap<usize, (Together, usize)> = BTreeMap::new();
         for (trial, group) in group.iter().enumerate() {
-            let (one, mode) = (self.together[trial], self.actual[trial]);
+            let one = self.together[trial];
+            let mode = self.actual[trial];
             let (all, of_group) = groups.entry(*group).or_insert((Together::default(), mode));
             if *of_group != mode {
                 return Err(Unestimable::Refused(StatsError::Apart { trial }));
@@ -249,7 +250,8 @@ impl Trials {
 
     /// The statistic of an order; infinite where a tested mode has no trial.
     fn measure(&self, statistic: Statistic, order: &[usize]) -> f64 {
-        let (mut sums, mut counts) = (vec![0.0; self.modes], vec![0_usize; self.modes]);
+        let mut sums = vec![0.0; self.modes];
+        let mut counts = vec![0_usize; self.modes];
         for (together, mode) in self.together.iter().zip(order) {
             sums[*mode] += together.sum;
             counts[*mode] += together.count;

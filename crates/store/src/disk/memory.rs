@@ -116,7 +116,8 @@ impl Memory {
             state.live.insert(folder.to_owned(), Node::Folder);
             state.durable.insert(folder.to_owned(), Node::Folder);
         }
-        let (live, durable) = (bytes.to_vec(), bytes.to_vec());
+        let live = bytes.to_vec();
+        let durable = bytes.to_vec();
         state.contents.push(Content { live, durable, ..Content::default() });
         let file = Node::File(state.contents.len() - 1);
         state.live.insert(path.to_owned(), file);
@@ -311,7 +312,8 @@ impl State {
         }
         let mut draws = Draws::from(seed);
         let from = begin / SECTOR + draws.below((end - 1) / SECTOR - begin / SECTOR + 1);
-        let (at, to) = (from * SECTOR, (from * SECTOR + SECTOR).min(end));
+        let at = from * SECTOR;
+        let to = (from * SECTOR + SECTOR).min(end);
         let bytes = self.contents[number].live[at..to].to_vec();
         // At its own place there stays what was there, or nothing was yet.
         let mut stays = self.contents[number].live[at..begin.max(at)].to_vec();

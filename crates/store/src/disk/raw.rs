@@ -37,7 +37,9 @@ pub struct Raw<'a> {
 impl<'a> Raw<'a> {
     fn of(files: &'a dyn Files, layout: &Layout, may: May) -> Self {
         let root = layout.root().to_owned();
-        let (raw, journals, list) = (layout.raw(), layout.journals(), layout.unfinished());
+        let raw = layout.raw();
+        let journals = layout.journals();
+        let list = layout.unfinished();
         Self { files, root, raw, journals, list, vault: None, may, newest: Mutex::new(None) }
     }
 

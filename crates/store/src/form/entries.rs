@@ -13,7 +13,8 @@ use std::sync::Arc;
 /// The trials below a folder of the tree: `files` lists them, and reads those that were not `seen`
 /// before.
 pub(crate) fn read_trials(
-    (files, seen): (&dyn Files, Option<&Seen>),
+    files: &dyn Files,
+    seen: Option<&Seen>,
     layout: &Layout,
     folder: &Path,
 ) -> Vec<Result<TrialEntry, StoreError>> {
@@ -91,7 +92,7 @@ mod tests {
         }
         // One after the other, as one thread of many would.
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let read = || read_trials((&RealFiles, None), &layout, &layout.trials());
+        let read = || read_trials(&RealFiles, None, &layout, &layout.trials());
         let trials: Vec<TrialEntry> = one.install(read).into_iter().map(Result::unwrap).collect();
         let [first, second, third] = &trials[..] else { panic!("{trials:?}") };
         assert!(Arc::ptr_eq(&first.said, &second.said) && !Arc::ptr_eq(&first.said, &third.said));

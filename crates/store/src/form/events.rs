@@ -167,7 +167,8 @@ pub(crate) fn chained(
         let blake3 = chained.map_err(|e| {
             StoreError::new(path, e.to_string(), "this is a defect of zwidth, please report it")
         })?;
-        let (utc, by) = (entered.utc.to_owned(), entered.by.cloned());
+        let utc = entered.utc.to_owned();
+        let by = entered.by.cloned();
         let line = Line { utc, by, event: event.clone(), blake3: blake3.clone() };
         let json = serde_json::to_string(&line);
         text += &json.map_err(|e| {

@@ -66,7 +66,8 @@ fn footer_of(
     let form = form_of(path, footer)?;
     let recorded = recorded(footer);
     let signals = Signal::all().filter(|signal| recorded.has(Signals::of(&[*signal]))).collect();
-    let (meta, file) = (meta_from(path, footer, &form)?, rest_of(footer));
+    let meta = meta_from(path, footer, &form)?;
+    let file = rest_of(footer);
     Ok(TrialFooter { meta, file, form, signals, rows, blake3 })
 }
 
@@ -120,9 +121,12 @@ pub(crate) fn meta_from(
         let text = said(key)?;
         text.parse::<u32>().map_err(|_| bad(key, text))
     };
-    let (kind, status, source) = (said("kind")?, said("status")?, said("source")?);
+    let kind = said("kind")?;
+    let status = said("status")?;
+    let source = said("source")?;
     let likert = if form.likert { said("likert")? } else { "" };
-    let (environment, mode) = (said("environment")?, said("mode")?);
+    let environment = said("environment")?;
+    let mode = said("mode")?;
     Ok(TrialMeta {
         participant: from_path(path, "participant").and_then(|t| {
             ParticipantId::new(t)

@@ -120,7 +120,8 @@ pub(crate) struct Decoded {
 /// frame.
 pub(crate) fn decode(bytes: &[u8]) -> Decoded {
     let mut found = Decoded::default();
-    let (mut at, mut chain) = (0, Chain::default());
+    let mut at = 0;
+    let mut chain = Chain::default();
     let mut search = Search::new(bytes);
     while at < bytes.len() {
         if let Some(Whole { frame, length, chain: next, exact }) = first(&bytes[at..], chain) {

@@ -106,8 +106,9 @@ impl ParquetFile {
         let mut entries = of.key_value_metadata().into_iter().flatten();
         let said = entries.find(|entry| entry.key == ARROW_SCHEMA_META_KEY);
         let columns = of.schema_descr_ptr();
-        let is_it = |known: &Said| known.0.as_ref() == said && known.1 == columns;
-        if let Some(schema) = KNOWN.with_borrow(|known| known.known(is_it)) {
+        if let Some(schema) = KNOWN.with_borrow(|known| {
+            known.known(|known| known.0.as_ref() == said && known.1 == columns)
+        }) {
             return Ok(schema);
         }
         let entries = said.map(|entry| vec![entry.clone()]);
@@ -131,8 +132,7 @@ impl ParquetFile {
     ) -> Result<RecordBatch, StoreError> {
         let mut batches = Vec::new();
         self.check_pages(names, MOST_COLUMN_BYTES)?;
-        let schema =
-            self.each_batch(columns, (names, self.groups()), |batch| batches.push(batch))?;
+        let schema = self.each_batch(columns, names, self.groups(), |batch| batches.push(batch))?;
         guarded(&self.path, DAMAGED, || Ok(concat_batches(&schema, &batches)?))
     }
 
@@ -163,13 +163,12 @@ impl ParquetFile {
     /// Checks that none of the columns of these names unpacks to more than `most` bytes.
     pub(crate) fn check_pages(&self, names: &[&str], most: u64) -> Result<(), StoreError> {
         let schema = self.metadata.file_metadata().schema_descr();
-        let is_one = |place: usize| {
+        check_pages_in(&self.content, &self.metadata, most, |place| {
             let root = schema.columns()[place].path().parts().first();
             root.is_some_and(|root| names.contains(&root.as_str()))
-        };
-        check_pages_in(&self.content, &self.metadata, most, is_one)
-            .map(drop)
-            .map_err(|why| told(&self.path, why))
+        })
+        .map(drop)
+        .map_err(|why| told(&self.path, why))
     }
 
     fn columns_of(&self, names: &[&str]) -> ProjectionMask {
@@ -181,10 +180,11 @@ impl ParquetFile {
     pub(crate) fn each_batch(
         &self,
         columns: ArrowReaderMetadata,
-        (names, groups): (&[&str], Range<usize>),
+        names: &[&str],
+        groups: Range<usize>,
         mut take: impl FnMut(RecordBatch),
     ) -> Result<SchemaRef, StoreError> {
-        let reader = self.reader(columns, (names, groups), BATCH_ROWS)?;
+        let reader = self.reader(columns, names, groups, BATCH_ROWS)?;
         let schema = arrow::array::RecordBatchReader::schema(&reader);
         guarded(&self.path, DAMAGED, || {
             for batch in reader {
@@ -199,7 +199,8 @@ impl ParquetFile {
     pub(crate) fn reader(
         &self,
         columns: ArrowReaderMetadata,
-        (names, groups): (&[&str], Range<usize>),
+        names: &[&str],
+        groups: Range<usize>,
         rows: usize,
     ) -> Result<ParquetRecordBatchReader, StoreError> {
         guarded(&self.path, DAMAGED, || {

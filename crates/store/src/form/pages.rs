@@ -41,7 +41,8 @@ impl Pages {
         };
         let (from, length) = place_of(column)?;
         let chunk = content.range(from, length).ok()?;
-        let (mut left, mut rest) = (VecDeque::new(), &*chunk);
+        let mut left = VecDeque::new();
+        let mut rest = &*chunk;
         while !rest.is_empty() {
             let header = page_header(rest)?;
             let (page, after) = header.page_and_rest(rest)?;
@@ -54,8 +55,7 @@ impl Pages {
     /// The values of these rows, where their bytes are split into streams and none is null; `None`
     /// where they are laid otherwise, or damaged.
     pub(crate) fn split_values<T: Joined>(&self, rows: usize) -> Option<Vec<f64>> {
-        let of_pages = |(header, _): &(Header, Bytes)| header.values as usize;
-        if self.left.iter().map(of_pages).sum::<usize>() != rows {
+        if self.left.iter().map(|(header, _)| header.values as usize).sum::<usize>() != rows {
             return None;
         }
         let mut values = Vec::with_capacity(rows.min(BATCH_ROWS));
@@ -154,7 +154,8 @@ impl PageReader for Pages {
             false => page,
         };
         if buf.len() != header.unpacked {
-            let (found, said) = (buf.len(), header.unpacked);
+            let found = buf.len();
+            let said = header.unpacked;
             return Err(ParquetError::General(format!("a page has {found} bytes, not {said}")));
         }
         let Header { is_dictionary, values: num_values, encoding, nulls, .. } = header;

@@ -46,8 +46,9 @@ impl TableParts {
         let all = || columns.schema().fields().iter().map(|f| f.name().as_str()).collect();
         let names: Vec<&str> = names.map_or_else(all, <[&str]>::to_vec);
         file.check_pages(&names, MOST_RECORDED_BYTES)?;
-        let reader = file.reader(columns.clone(), (&names, file.groups()), PART_ROWS)?;
-        let (path, rows) = (path.to_owned(), file.rows);
+        let reader = file.reader(columns.clone(), &names, file.groups(), PART_ROWS)?;
+        let path = path.to_owned();
+        let rows = file.rows;
         Ok(Self { path, footer: file.footer, rows, reader, is_begun: false })
     }
 
@@ -69,8 +70,7 @@ impl Iterator for TableParts {
         let next = guarded(&self.path, DAMAGED, || Ok(self.reader.next().transpose()?));
         let next = next.map_err(table_error).transpose();
         let is_first = !std::mem::replace(&mut self.is_begun, true);
-        let empty = || Ok(RecordBatch::new_empty(self.reader.schema()));
-        next.or_else(|| is_first.then(empty))
+        next.or_else(|| is_first.then(|| Ok(RecordBatch::new_empty(self.reader.schema()))))
     }
 }
 

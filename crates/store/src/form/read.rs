@@ -131,7 +131,8 @@ impl OpenColumns {
         wanted: &[Signal],
         is_wanted: &dyn Fn(&Channel) -> bool,
     ) -> Result<Trial, StoreError> {
-        let (path, rows) = (&self.file.path, self.file.rows);
+        let path = &self.file.path;
+        let rows = self.file.rows;
         let (meta, said) = self.said()?;
         let channels: Vec<&Channel> = self.form.channels.iter().filter(|c| is_wanted(c)).collect();
         let recorded = wanted.iter().filter(|signal| self.has(**signal)).count() + channels.len();
@@ -161,14 +162,15 @@ impl OpenColumns {
     /// # Errors
     /// Those of [`read_trial`].
     pub(crate) fn check(&self) -> Result<(), StoreError> {
-        let (path, rows) = (&self.file.path, self.file.rows);
+        let path = &self.file.path;
+        let rows = self.file.rows;
         self.said()?;
         let mut room = Vec::new();
         for signal in Signal::all() {
             let column = signal.column();
             match self.decoded(signal, std::mem::take(&mut room))? {
                 Some(values) => {
-                    check_column(path, column.name, column.storage, (&values, rows))?;
+                    check_column(path, column.name, column.storage, &values, rows)?;
                     if signal == Signal::Time {
                         check_time(path, &values)?;
                     }
@@ -180,7 +182,7 @@ impl OpenColumns {
         }
         for channel in &self.form.channels {
             if let Some(values) = self.channel(channel)? {
-                check_column(path, channel.id.as_str(), Storage::F64, (&values, rows))?;
+                check_column(path, channel.id.as_str(), Storage::F64, &values, rows)?;
             }
         }
         Ok(())
@@ -206,23 +208,23 @@ impl OpenColumns {
             return Ok(None);
         }
         let is_known = self.matched.has(Signals::of(&[signal]));
-        column_values(&self.file, (name, column.storage), room, is_known)
+        column_values(&self.file, name, column.storage, room, is_known)
     }
 
     /// [`OpenColumns::signal_in`], decoded whatever the statistics say.
     fn decoded(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
         let column = signal.column();
         check_field(&self.file.path, &self.schema, column)?;
-        let of = (column.name, column.storage);
-        column_values(&self.file, of, room, false)
+        column_values(&self.file, column.name, column.storage, room, false)
     }
 
     /// [`OpenColumns::signal_in`], and whether it is what a trial's file promises.
     fn checked(&self, signal: Signal, room: Vec<f64>) -> Result<Option<Vec<f64>>, StoreError> {
-        let (path, column) = (&self.file.path, signal.column());
+        let path = &self.file.path;
+        let column = signal.column();
         let values = self.signal_in(signal, room)?;
         if let Some(values) = &values {
-            check_column(path, column.name, column.storage, (values, self.file.rows))?;
+            check_column(path, column.name, column.storage, values, self.file.rows)?;
             if signal == Signal::Time {
                 check_time(path, values)?;
             }
@@ -254,10 +256,9 @@ impl OpenColumns {
 
     /// The values of a channel of the study's own.
     pub(crate) fn channel(&self, channel: &Channel) -> Result<Option<Vec<f64>>, StoreError> {
-        let of = (channel.id.as_str(), Storage::F64);
-        let described = (of.0, &DataType::Float64, channel.unit.as_str());
-        check_described(&self.file.path, &self.schema, described)?;
-        column_values(&self.file, of, Vec::new(), false)
+        let name = channel.id.as_str();
+        check_described(&self.file.path, &self.schema, name, &DataType::Float64, &channel.unit)?;
+        column_values(&self.file, name, Storage::F64, Vec::new(), false)
     }
 }
 
@@ -339,14 +340,16 @@ pub(crate) fn check_field(path: &Path, columns: &SchemaRef, c: &Column) -> Resul
         Storage::F32 => DataType::Float32,
         Storage::U16 => DataType::UInt16,
     };
-    check_described(path, columns, (c.name, &expected, c.unit))
+    check_described(path, columns, c.name, &expected, c.unit)
 }
 
 /// Checks that `schema` has a column of this name, with this type and unit.
 pub(crate) fn check_described(
     path: &Path,
     schema: &SchemaRef,
-    (name, data_type, unit): (&str, &DataType, &str),
+    name: &str,
+    data_type: &DataType,
+    unit: &str,
 ) -> Result<(), StoreError> {
     let remedy = "convert the file with `zwidth import`";
     let Ok(found) = schema.field_with_name(name) else {

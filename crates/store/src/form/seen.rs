@@ -189,7 +189,8 @@ impl Seen {
     /// Whether to write it to [`Seen::file`]: not if nothing was hashed since, or if there are so few
     /// files that they are as soon read.
     pub fn is_worth_writing(&self) -> bool {
-        let (since, now) = (self.since(), SystemTime::now());
+        let since = self.since();
+        let now = SystemTime::now();
         let is_news = since.values().any(|(stamp, ..)| stamp.is_settled(now));
         let new = since.keys().filter(|path| !self.before.contains_key(*path)).count();
         is_news && self.before.len() + new >= WORTH_WRITING
@@ -200,7 +201,8 @@ impl Seen {
     /// # Errors
     /// Those of `out`.
     pub fn write(&self, out: impl io::Write) -> io::Result<()> {
-        let (since, now) = (self.since(), SystemTime::now());
+        let since = self.since();
+        let now = SystemTime::now();
         // What was written a moment ago is hashed once more by the next run.
         let settled = since.iter().filter(|(_, (stamp, ..))| stamp.is_settled(now));
         let files: BTreeMap<_, _> = self.before.iter().chain(settled).collect();
@@ -216,7 +218,8 @@ impl Seen {
     /// What `part` takes of what is known of a file.
     fn noted<T>(&self, path: &Path, part: impl FnOnce(&Known) -> T) -> Option<T> {
         let named = self.named(path)?;
-        let (before, since) = (self.before.get(named), self.since());
+        let before = self.before.get(named);
+        let since = self.since();
         since.get(named).or(before).map(part)
     }
 

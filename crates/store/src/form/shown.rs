@@ -16,7 +16,8 @@ pub(crate) struct Shown {
 impl Shown {
     /// `device_s`: how long the device's clock ran, which the file says without its column.
     pub(crate) fn new(
-        (samples, device_s): (Arc<Samples>, Option<f64>),
+        samples: Arc<Samples>,
+        device_s: Option<f64>,
         signals: &[Signal],
         channels: &[ChannelId],
     ) -> Self {

@@ -56,7 +56,8 @@ impl Sweep {
     pub fn unlike(&self, first: &Self) -> String {
         let of = |sweep: &Self| {
             let Self { command, response, .. } = sweep;
-            let (of, against) = (&response.name, &command.name);
+            let of = &response.name;
+            let against = &command.name;
             format!("{of} ({}) against {against} ({})", response.unit, command.unit)
         };
         format!(
@@ -198,7 +199,7 @@ pub(crate) fn read_sweep_from(files: &dyn Files, path: &Path) -> Result<Sweep, S
     let response = Quantity { name: key("response")?, unit: key("response_unit")? };
     let columns = file.columns()?;
     for (name, q) in [(COMMAND, &command), (RESPONSE, &response)] {
-        check_described(path, columns.schema(), (name, &DataType::Float64, &q.unit))?;
+        check_described(path, columns.schema(), name, &DataType::Float64, &q.unit)?;
     }
     let batch = file.read(columns, &[TIME, COMMAND, RESPONSE])?;
     let values = |name: &str| -> Result<Option<Vec<f64>>, StoreError> {

@@ -96,11 +96,11 @@ impl Samples {
         }
         for (spec, column) in COLUMNS.iter().zip(&self.columns) {
             if let Some(values) = column {
-                check_column(path, spec.name, spec.storage, (values, self.len()))?;
+                check_column(path, spec.name, spec.storage, values, self.len())?;
             }
         }
         for (id, values) in &self.channels {
-            check_column(path, id.as_str(), Storage::F64, (values, self.len()))?;
+            check_column(path, id.as_str(), Storage::F64, values, self.len())?;
         }
         check_time(path, self.get(Signal::Time).unwrap_or_default())
     }
@@ -111,7 +111,8 @@ pub(crate) fn check_column(
     path: &Path,
     name: &str,
     storage: Storage,
-    (values, length): (&[f64], usize),
+    values: &[f64],
+    length: usize,
 ) -> Result<(), StoreError> {
     if values.len() != length {
         let what = format!("it has {} values where others have {length}", values.len());

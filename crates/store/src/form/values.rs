@@ -20,7 +20,8 @@ use std::ops::Range;
 /// throughout. One that is known to match its digest is not held against it.
 pub(crate) fn column_values(
     file: &ParquetFile,
-    (name, storage): (&str, Storage),
+    name: &str,
+    storage: Storage,
     room: Vec<f64>,
     is_known: bool,
 ) -> Result<Option<Vec<f64>>, StoreError> {
@@ -63,8 +64,7 @@ pub(crate) fn column_values(
     if let Some(row) = first_null {
         return Err(error("the value is null in a column that has others").row0(row));
     }
-    let is_it = |digest: &String| digest_now.is_none_or(|now| now.end() == *digest);
-    if !digest.is_some_and(is_it) {
+    if digest.is_none_or(|digest| digest_now.is_some_and(|now| now.end() != *digest)) {
         return Err(error("the column is damaged: its values do not match their digest"));
     }
     Ok(Some(values))
@@ -169,7 +169,8 @@ fn part_of<T: ParquetType>(
     widened: impl Fn(Vec<T::T>) -> Vec<f64>,
 ) -> Result<Part, ParquetError> {
     let mut reader = ColumnReaderImpl::<T>::new(descr, Box::new(pages));
-    let (mut values, mut is_there) = (Vec::new(), Vec::new());
+    let mut values = Vec::new();
+    let mut is_there = Vec::new();
     let mut part = Part::default();
     while part.rows < rows {
         // So many at a time: what a file claims decides no allocation.
@@ -200,7 +201,7 @@ fn decoded(
     group: usize,
 ) -> Result<Part, StoreError> {
     let mut part = Part::default();
-    file.each_batch(file.columns()?, (&[name], group..group + 1), |batch| {
+    file.each_batch(file.columns()?, &[name], group..group + 1, |batch| {
         let Some(array) = batch.column_by_name(name) else {
             part.is_missing = true;
             return;

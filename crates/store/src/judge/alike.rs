@@ -27,7 +27,8 @@ pub fn check_session_ids(
         let Some((other, other_session)) = perhaps_alike(files, &path, participant, session) else {
             continue;
         };
-        let (other, other_session) = (other.as_str(), other_session.as_str());
+        let other = other.as_str();
+        let other_session = other_session.as_str();
         if alike(other, participant.as_str()) {
             return Err(clash(&path, "participant", participant.as_str(), other));
         }
@@ -43,7 +44,8 @@ pub fn check_session_ids(
 /// # Errors
 /// A study below the same root whose id differs from it only by case.
 pub fn check_study_id(files: &dyn Files, layout: &Layout) -> Result<(), StoreError> {
-    let (id, beside) = (layout.study().as_str(), files.list(&layout.root().join("raw")));
+    let id = layout.study().as_str();
+    let beside = files.list(&layout.root().join("raw"));
     for (path, kind) in beside.unwrap_or_default() {
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         if kind == Entry::Folder && alike(name, id) {
@@ -84,7 +86,8 @@ pub(crate) fn apart(sessions: Vec<SessionLog>) -> (Vec<SessionLog>, Vec<(Session
     };
     let found: Vec<(Option<StoreError>, SessionLog)> =
         sessions.iter().map(finding).collect::<Vec<_>>().into_iter().zip(sessions).collect();
-    let (mut kept, mut clashing) = (Vec::new(), Vec::new());
+    let mut kept = Vec::new();
+    let mut clashing = Vec::new();
     for (finding, log) in found {
         match finding {
             None => kept.push(log),
@@ -114,7 +117,8 @@ fn perhaps_alike(
     // By `get`: where this text ends, another's name may be in the middle of a letter.
     let starts =
         |with: &str| stem.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
-    let (of_participant, whole) = (format!("{participant}_"), format!("{participant}_{session}"));
+    let of_participant = format!("{participant}_");
+    let whole = format!("{participant}_{session}");
     let of_another = starts(&of_participant) && !stem.starts_with(&of_participant);
     if !of_another && !alike(stem, &whole) {
         return None;

@@ -50,7 +50,8 @@ fn read(Written { motor, brake }: &Written) -> Option<Calibration> {
         raw.iter().map(|n| n.get().parse().ok()).collect::<Option<Vec<f64>>>()
     };
     let characteristic = |knots: &Knots| {
-        let (voltage_v, force_n) = (numbers(&knots.voltage_v)?, numbers(&knots.force_n)?);
+        let voltage_v = numbers(&knots.voltage_v)?;
+        let force_n = numbers(&knots.force_n)?;
         Some(Characteristic { voltage_v, force_n })
     };
     Some(Calibration { motor: characteristic(motor)?, brake: characteristic(brake)? })

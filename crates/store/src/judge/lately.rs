@@ -54,7 +54,7 @@ impl Lately {
         signals: &[Signal],
         channels: &[ChannelId],
     ) -> Result<OpenTrial, StoreError> {
-        self.open_if(Stamp::settled, path, (signals, channels))
+        self.open_if(Stamp::settled, path, signals, channels)
     }
 
     /// `stamp_of` tells one state of a file from any other.
@@ -62,19 +62,16 @@ impl Lately {
         &self,
         stamp_of: impl Fn(&Path) -> Option<Stamp>,
         path: &Path,
-        (signals, channels): (&[Signal], &[ChannelId]),
+        signals: &[Signal],
+        channels: &[ChannelId],
     ) -> Result<OpenTrial, StoreError> {
         let signals = &*with_time(signals.iter().copied());
         let stamp = stamp_of(path);
-        if let Some(read) = stamp.and_then(|stamp| self.kept(path, stamp, (signals, channels))) {
-            let samples = (read.samples, read.device_s);
-            return Ok(OpenTrial::of(
-                read.meta,
-                read.imported,
-                Shown::new(samples, signals, channels),
-            ));
+        if let Some(read) = stamp.and_then(|stamp| self.kept(path, stamp, signals, channels)) {
+            let shown = Shown::new(read.samples, read.device_s, signals, channels);
+            return Ok(OpenTrial::of(read.meta, read.imported, shown));
         }
-        let (trial, device_s) = match OpenTrial::read(&self.seen, path, (signals, channels))? {
+        let (trial, device_s) = match OpenTrial::read(&self.seen, path, signals, channels)? {
             Ok(short) => short,
             Err(long) => return Ok(long),
         };
@@ -94,22 +91,24 @@ impl Lately {
                 channels: channels.to_vec(),
             });
         }
-        Ok(OpenTrial::of(meta, imported, Shown::new((samples, device_s), signals, channels)))
+        Ok(OpenTrial::of(meta, imported, Shown::new(samples, device_s, signals, channels)))
     }
 
     fn kept(
         &self,
         path: &Path,
         stamp: Stamp,
-        (signals, channels): (&[Signal], &[ChannelId]),
+        signals: &[Signal],
+        channels: &[ChannelId],
     ) -> Option<Read> {
         let kept = self.read.lock().unwrap_or_else(PoisonError::into_inner);
-        let serves = |read: &&Read| {
-            (read.stamp, read.path.as_path()) == (stamp, path)
-                && signals.iter().all(|signal| read.signals.contains(signal))
-                && channels.iter().all(|channel| read.channels.contains(channel))
-        };
-        kept.iter().find(serves).cloned()
+        kept.iter()
+            .find(|read| {
+                (read.stamp, read.path.as_path()) == (stamp, path)
+                    && signals.iter().all(|signal| read.signals.contains(signal))
+                    && channels.iter().all(|channel| read.channels.contains(channel))
+            })
+            .cloned()
     }
 
     fn keep(&self, read: Read) {
@@ -150,7 +149,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (trial, path) = written(folder.path());
         let lately = Lately::default();
-        let open = |signals: &[Signal]| lately.open_if(Stamp::at, &path, (signals, &[])).unwrap();
+        let open = |signals: &[Signal]| lately.open_if(Stamp::at, &path, signals, &[]).unwrap();
         let first = open(&[Signal::Theta]);
         let same = open(&[Signal::Theta, Signal::Time]);
         assert_eq!(places(&first), [places(&same)[0], places(&same)[1], None], "read once");
@@ -166,7 +165,7 @@ mod tests {
         file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
         assert_ne!(places(&open(&[Signal::VoltageMotor]))[2], places(&more)[2]);
         let doubtful = Lately::default();
-        doubtful.open_if(|_| None, &path, (&[], &[])).unwrap();
+        doubtful.open_if(|_| None, &path, &[], &[]).unwrap();
         assert!(doubtful.read.lock().unwrap().is_empty());
     }
 
@@ -192,7 +191,7 @@ mod tests {
         let seen = with_a_wrong_digest(&path);
         // As if nothing was read lately.
         let open = |signals: &[Signal]| {
-            Lately::seeing(seen.clone()).open_if(Stamp::at, &path, (signals, &[]))
+            Lately::seeing(seen.clone()).open_if(Stamp::at, &path, signals, &[])
         };
         let refused = |signals: &[Signal]| {
             let error = open(signals).err().unwrap();
@@ -221,7 +220,7 @@ mod tests {
         let hash = hex_blake3(&std::fs::read(&path).unwrap());
         let seen = Arc::new(Seen::default());
         let lately = Lately::seeing(seen.clone());
-        let open = |signals: &[Signal]| lately.open_if(Stamp::at, &path, (signals, &[]));
+        let open = |signals: &[Signal]| lately.open_if(Stamp::at, &path, signals, &[]);
         let knows = |signals: &[Signal], hash: &str| {
             seen.matched(&path, Signals::of(signals), || Ok(hash.to_owned())).unwrap()
         };
@@ -234,7 +233,7 @@ mod tests {
         assert!(!knows(&[Signal::Theta], &hash), "it was read before that");
         let seen = with_a_wrong_digest(&path);
         let lately = Lately::seeing(seen.clone());
-        lately.open_if(Stamp::at, &path, (&[Signal::Theta], &[])).err().unwrap();
+        lately.open_if(Stamp::at, &path, &[Signal::Theta], &[]).err().unwrap();
         let hash = hex_blake3(&std::fs::read(&path).unwrap());
         let wanted = Signals::of(&[Signal::Time, Signal::Theta]);
         assert!(!seen.matched(&path, wanted, || Ok(hash)).unwrap());

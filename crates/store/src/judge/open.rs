@@ -32,18 +32,19 @@ impl OpenTrial {
         signals: &[Signal],
         channels: &[ChannelId],
     ) -> Result<Self, StoreError> {
-        Self::open_from(path, (signals, channels), LONG)
+        Self::open_from(path, signals, channels, LONG)
     }
 
     fn open_from(
         path: &Path,
-        wanted: (&[Signal], &[ChannelId]),
+        signals: &[Signal],
+        channels: &[ChannelId],
         long: usize,
     ) -> Result<Self, StoreError> {
-        let (signals, channels) = (with_time(wanted.0.iter().copied()), wanted.1);
-        Ok(match Self::read_from(&Seen::default(), path, wanted, long)? {
+        Ok(match Self::read_from(&Seen::default(), path, signals, channels, long)? {
             Ok((Trial { meta, file, samples }, device_s)) => {
-                let shown = Shown::new((Arc::new(samples), device_s), &signals, channels);
+                let signals = with_time(signals.iter().copied());
+                let shown = Shown::new(Arc::new(samples), device_s, &signals, channels);
                 Self::of(meta, import_findings(Path::new(""), &file), shown)
             }
             Err(long) => long,
@@ -55,15 +56,17 @@ impl OpenTrial {
     pub(crate) fn read(
         seen: &Seen,
         path: &Path,
-        wanted: (&[Signal], &[ChannelId]),
+        signals: &[Signal],
+        channels: &[ChannelId],
     ) -> Result<Result<(Trial, Option<f64>), Self>, StoreError> {
-        Self::read_from(seen, path, wanted, LONG)
+        Self::read_from(seen, path, signals, channels, LONG)
     }
 
     fn read_from(
         seen: &Seen,
         path: &Path,
-        (signals, channels): (&[Signal], &[ChannelId]),
+        signals: &[Signal],
+        channels: &[ChannelId],
         long: usize,
     ) -> Result<Result<(Trial, Option<f64>), Self>, StoreError> {
         let mut open = OpenColumns::open(&RealFiles, path)?;
@@ -120,7 +123,7 @@ mod tests {
         let trial = crate::read_trial(&path, Signal::all()).unwrap();
         let all: Vec<Signal> = Signal::all().collect();
         let [short, long] =
-            [1000, 10].map(|long| OpenTrial::open_from(&path, (&all, &[]), long).unwrap());
+            [1000, 10].map(|long| OpenTrial::open_from(&path, &all, &[], long).unwrap());
         for open in [&short, &long] {
             assert_eq!((&open.meta, open.columns().rows()), (&trial.meta, 200));
             for signal in Signal::all() {
@@ -148,7 +151,7 @@ mod tests {
         let reach = trial.samples.reach(Signal::DeviceTime).unwrap();
         assert!(reach > 0.0);
         for long in [1000, 10] {
-            let open = OpenTrial::open_from(&path, (&[Signal::Theta], &[]), long).unwrap();
+            let open = OpenTrial::open_from(&path, &[Signal::Theta], &[], long).unwrap();
             let columns = open.columns();
             assert_eq!(columns.reach(Signal::DeviceTime), Some(reach));
             assert_eq!(columns.reach(Signal::Theta), trial.samples.reach(Signal::Theta));
@@ -166,8 +169,8 @@ mod tests {
         bytes[8..64].iter_mut().for_each(|byte| *byte ^= 0x5a);
         std::fs::write(&path, &bytes).unwrap();
         let all: Vec<Signal> = Signal::all().collect();
-        let refused = OpenTrial::open_from(&path, (&all, &[]), 1000).err().unwrap();
-        let long = OpenTrial::open_from(&path, (&all, &[]), 10).unwrap();
+        let refused = OpenTrial::open_from(&path, &all, &[], 1000).err().unwrap();
+        let long = OpenTrial::open_from(&path, &all, &[], 10).unwrap();
         assert!(long.columns().column(Signal::Theta).is_some());
         assert_eq!(long.columns().failure(), Some(refused));
         assert!(long.columns().column(Signal::Time).is_none());

@@ -43,7 +43,8 @@ pub(crate) fn within_limits(asked: &Asked, path: &Path, samples: &dyn Columns) -
 /// A trial longer than the design allows: usually milliseconds taken for seconds.
 fn too_long(asked: &Asked, path: &Path, samples: &dyn Columns) -> Option<StoreError> {
     let t = samples.column(Signal::Time)?;
-    let (length, limit) = (t.last()? - t.first()?, asked.trial_limit_s);
+    let length = t.last()? - t.first()?;
+    let limit = asked.trial_limit_s;
     let is_too_long = length > limit;
     if !is_too_long {
         return None;

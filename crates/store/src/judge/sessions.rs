@@ -24,7 +24,8 @@ pub(crate) fn read_sessions(
     layout: &Layout,
     problems: &mut Vec<StoreError>,
 ) -> (Vec<SessionLog>, BTreeSet<String>) {
-    let (mut sessions, mut unreadable) = (Vec::new(), BTreeSet::new());
+    let mut sessions = Vec::new();
+    let mut unreadable = BTreeSet::new();
     let found = files_below(files, &layout.sessions()).unwrap_or_else(|error| {
         problems.push(error);
         Vec::new()
@@ -158,7 +159,8 @@ fn agree(layout: &Layout, trial: &mut TrialEntry, log: &SessionLog) -> Option<St
 
 /// Why no trial of a session counts whose modes are sealed.
 pub(crate) fn why_sealed(layout: &Layout, record: &SessionRecord) -> String {
-    let (participant, session) = (&record.participant, &record.session);
+    let participant = &record.participant;
+    let session = &record.session;
     let command = format!("zwidth unseal {} -p {participant} -s {session}", layout.study());
     format!("sealed: unseal with `{command}`")
 }

@@ -94,7 +94,7 @@ impl StudyData {
     /// # Errors
     /// Those of [`StudyData::load`].
     pub fn load_seen(seen: &Seen, layout: &Layout) -> Result<Self, Vec<StoreError>> {
-        Self::load_by((&RealFiles, Some(seen)), layout)
+        Self::load_by(&RealFiles, Some(seen), layout)
     }
 
     /// [`StudyData::load`] from any file layer.
@@ -102,18 +102,19 @@ impl StudyData {
     /// # Errors
     /// Those of [`StudyData::load`].
     pub fn load_from(files: &dyn Files, layout: &Layout) -> Result<Self, Vec<StoreError>> {
-        Self::load_by((files, None), layout)
+        Self::load_by(files, None, layout)
     }
 
     fn load_by(
-        (files, seen): (&dyn Files, Option<&Seen>),
+        files: &dyn Files,
+        seen: Option<&Seen>,
         layout: &Layout,
     ) -> Result<Self, Vec<StoreError>> {
         check_folders(files, layout).map_err(|error| vec![error])?;
         let study = read_study_from(files, layout);
         let (found, trials) = rayon::join(
             || below(files, &layout.raw()),
-            || read_trials((files, seen), layout, &layout.trials()),
+            || read_trials(files, seen, layout, &layout.trials()),
         );
         let mut problems = found.map_or_else(|error| vec![error], |found| found.strange);
         let mut trials = keep(&mut problems, trials);
@@ -206,7 +207,8 @@ impl StudyData {
                 answers.push((answer, why_not.clone()));
             }
         }
-        let (mut counting, mut left_out) = (Vec::new(), Vec::new());
+        let mut counting = Vec::new();
+        let mut left_out = Vec::new();
         for mut answers in given.into_values() {
             let Some((last, why_not)) = answers.pop() else { continue };
             for i in 0..answers.len() {

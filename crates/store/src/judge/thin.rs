@@ -27,7 +27,8 @@ pub fn read_thinned(
     }
     let (meta, file) = open.said()?;
     let rows = thinned(open.rows(), &signals, most, |signal, room| open.signal_in(signal, room))?;
-    let (mut samples, mut room) = (Samples::default(), Vec::new());
+    let mut samples = Samples::default();
+    let mut room = Vec::new();
     for signal in signals.into_iter().chain([Signal::Time]) {
         if let Some(values) = open.signal_in(signal, std::mem::take(&mut room))? {
             samples.set(signal, rows.iter().map(|row| values[*row]).collect());
@@ -71,10 +72,9 @@ fn thinned(
         let Some(values) = column(*signal, std::mem::take(&mut room))? else { continue };
         for (i, stretch) in values.chunks(length).enumerate() {
             let at = |better: fn(f64, f64) -> bool| {
-                let best = |best: usize, j: usize| {
-                    if better(stretch[j], stretch[best]) { j } else { best }
-                };
-                i * length + (0..stretch.len()).fold(0, best)
+                i * length
+                    + (0..stretch.len())
+                        .fold(0, |best, j| if better(stretch[j], stretch[best]) { j } else { best })
             };
             kept.extend([at(|a, b| a < b), at(|a, b| a > b)]);
         }

@@ -48,7 +48,7 @@ pub fn read_session(
         log_of(files, layout, participant, session, &mut findings).map_err(|error| vec![error])?;
     let folder = folder_of_trials(layout, participant, session);
     let mut trials = Vec::new();
-    for read in read_trials((files, None), layout, &folder) {
+    for read in read_trials(files, None, layout, &folder) {
         match read {
             Ok(trial) => trials.push(trial),
             Err(finding) => findings.push(finding),

@@ -46,7 +46,8 @@ pub fn accept_study(
         sessions.iter().map(|log| (log.events_path.as_path(), event.as_slice())).collect();
     commit_events(files, layout, utc, &logs).map_err(|error| vec![error])?;
     let accepted = sessions.iter().map(|log| {
-        let (participant, session) = (&log.record.participant, &log.record.session);
+        let participant = &log.record.participant;
+        let session = &log.record.session;
         let changes = matters(log, &study, &hash).unwrap_or_default();
         format!("{participant} {session}: the changed study.toml is accepted: {changes}")
     });
@@ -60,7 +61,8 @@ pub fn study_notes(files: &dyn Files, layout: &Layout) -> Vec<String> {
     let (sessions, _) = read_sessions(files, layout, &mut Vec::new());
     let accepted = sessions.iter().filter(|log| log.studies().any(|known| known == hash));
     let notes = accepted.filter_map(|log| {
-        let (participant, session) = (&log.record.participant, &log.record.session);
+        let participant = &log.record.participant;
+let session = &log.record.session;
         let changes = matters(log, &study, &hash)?;
         Some(format!(
             "study.toml has changed since {participant} {session} began, and was accepted: {changes}"

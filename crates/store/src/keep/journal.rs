@@ -52,7 +52,9 @@ impl Journal {
                 ));
             }
         }
-        let (meta, file, protocol) = (meta.clone(), file.clone(), protocol.clone());
+        let meta = meta.clone();
+        let file = file.clone();
+        let protocol = protocol.clone();
         let header = Frame::Header(Header { meta, file, protocol });
         let folder = folder_of(&path);
         let opened = create_folders(files, folder).and_then(|()| files.open_append(&path));
@@ -193,14 +195,13 @@ impl Journal {
                 "end the trial, then run `zwidth recover`",
             ));
         }
-        let defect = |e: serde_json::Error| {
+        let (bytes, chain) = encode(frame, self.chain).map_err(|e| {
             StoreError::new(
                 &self.path,
                 e.to_string(),
                 "this is a defect of zwidth, please report it",
             )
-        };
-        let (bytes, chain) = encode(frame, self.chain).map_err(defect)?;
+        })?;
         let written = self.file.append_synced(&[before, &bytes].concat());
         self.broken = written.is_err();
         self.chain = chain;

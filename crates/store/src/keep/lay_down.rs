@@ -68,7 +68,8 @@ pub(crate) fn mend_laid_down(
     utc: &str,
 ) -> Result<bool, StoreError> {
     let log = layout.events(&record.participant, &record.session);
-    let (participant, session) = (&record.participant, &record.session);
+    let participant = &record.participant;
+    let session = &record.session;
     // Nothing is recorded before the first line of the log: with a trial beside it the record does
     // not stand alone, but has lost its log. The trials of an import come first.
     let alone = files.kind(&log).is_none()

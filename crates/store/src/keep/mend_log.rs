@@ -43,7 +43,8 @@ pub(crate) fn mend_log(files: &dyn Files, path: &Path) -> Result<Option<Done>, S
         replace(files, path, &[&bytes, b"\n".as_slice()].concat())?;
         return Ok(Some(Done::Ended));
     }
-    let (before, tail) = (lines[..whole].concat(), lines[whole..].concat());
+    let before = lines[..whole].concat();
+    let tail = lines[whole..].concat();
     if tail.ends_with(b"\n") && !tail.contains(&0) {
         return Ok(None);
     }

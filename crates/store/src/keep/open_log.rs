@@ -40,7 +40,8 @@ impl Contents {
         // First: what changes while it is read has another stamp than this one.
         let stamps = stamps(files, path);
         let lines = finished_lines(files, path)?;
-        let (recorded, answered) = (BTreeMap::new(), BTreeSet::new());
+        let recorded = BTreeMap::new();
+        let answered = BTreeSet::new();
         let mut contents = Self { stamps, digests: Vec::new(), recorded, answered };
         for line in lines {
             contents.add(&line.event);

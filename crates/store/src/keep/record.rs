@@ -29,7 +29,8 @@ impl Ended<'_> {
         log: &mut OpenLog,
         entered: Entered<'_>,
     ) -> Result<PathBuf, StoreError> {
-        let (m, form) = (&self.trial.meta, &self.protocol.form);
+        let m = &self.trial.meta;
+        let form = &self.protocol.form;
         let path = layout.trial(&m.participant, &m.session, m.trial);
         let blake3 = if files.kind(&path).is_some() {
             is_this(files, &path, self.trial, form)?;

@@ -133,7 +133,8 @@ fn trial(
         return Err(StoreError::new(path, what, format!("it belongs at {}", belongs.display())));
     }
     let Journaled { unfinished, mended, .. } = *read;
-    let (rows, cut_bytes) = (trial.samples.len(), unfinished);
+    let rows = trial.samples.len();
+    let cut_bytes = unfinished;
     let done = Done::Trial { status: m.status, rows, cut_bytes, mended };
     Ok(Some(Recovered {
         path: record_trial(files, layout, utc, &trial, &protocol, read.time_ms())?,

@@ -51,8 +51,10 @@ impl TrialWriter {
     /// The disk's.
     pub fn begin(
         files: &dyn Files,
-        (near, path): (&Path, &Path),
-        (meta, file): (TrialMeta, TrialFile),
+        near: &Path,
+        path: &Path,
+        meta: TrialMeta,
+        file: TrialFile,
         form: &TrialForm,
     ) -> Result<Self, StoreError> {
         let beside = temporary(near);
@@ -186,7 +188,8 @@ pub fn replace_by<E>(
 ) -> Result<Result<String, E>, StoreError> {
     let folder = folder_of(path);
     create_folders(files, folder).map_err(|e| StoreError::io(folder, "create the folder", &e))?;
-    let (mut blake3, mut own) = (String::new(), None);
+    let mut blake3 = String::new();
+    let mut own = None;
     let placed = place(files, path, |beside| {
         let mut out = Out::begin(files, beside)?;
         own = write(&mut out).err();
@@ -300,8 +303,8 @@ mod tests {
         let path = layout.trial(&trial.meta.participant, &trial.meta.session, trial.meta.trial);
         let form = TrialForm { likert: true, ..TrialForm::default() };
         let near = layout.raw().join("trial.parquet");
-        let of = (trial.meta.clone(), trial.file.clone());
-        (TrialWriter::begin(&RealFiles, (&near, &path), of, &form).unwrap(), path)
+        let (meta, file) = (trial.meta.clone(), trial.file.clone());
+        (TrialWriter::begin(&RealFiles, &near, &path, meta, file, &form).unwrap(), path)
     }
 
     #[test]

@@ -14,8 +14,8 @@ impl Check<'_> {
     ) -> Compare {
         let is_primary_named = table.primary.is_some();
         let primary = table.primary.unwrap_or_else(MetricId::primary);
-        let (alpha, level) =
-            (table.alpha.unwrap_or(Compare::ALPHA), table.level.unwrap_or(analysis.confidence));
+        let alpha = table.alpha.unwrap_or(Compare::ALPHA);
+        let level = table.level.unwrap_or(analysis.confidence);
         if !(alpha > 0.0 && alpha < 0.5) {
             let problem = format!("{alpha} must lie between 0 and 0.5, such as 0.05");
             self.error("compare.alpha", problem);

@@ -117,11 +117,10 @@ impl Check<'_> {
             values.insert(*quantity, self.quantity(at, e, *quantity, coordinate));
         }
         self.refuse_unused(at, e, coordinate);
-        let value = |quantity| values.get(&quantity).copied().unwrap_or_default();
         Environment {
             id: e.id.clone(),
             label: e.label.clone(),
-            scene: e.kind.scene(value),
+            scene: e.kind.scene(|quantity| values.get(&quantity).copied().unwrap_or_default()),
             question: asked.first().cloned(),
             further: asked.into_iter().skip(1).collect(),
         }

@@ -48,8 +48,9 @@ impl Check<'_> {
     /// The files of a font: a list, or one alone.
     fn font(&mut self, value: Value) -> Vec<String> {
         let list = if let Value::Array(list) = value { list } else { vec![value] };
-        let is_file = |file: &&str| is_below(file, &["ttf", "otf"]);
-        let files = list.iter().map(|value| value.as_str().filter(is_file).map(str::to_owned));
+        let files = list.iter().map(|value| {
+            value.as_str().filter(|file| is_below(file, &["ttf", "otf"])).map(str::to_owned)
+        });
         let files = files.collect::<Option<Vec<String>>>();
         files.filter(|files| (1..=Figures::MOST_FONT_FILES).contains(&files.len())).unwrap_or_else(
             || {

@@ -61,10 +61,12 @@ impl Check<'_> {
         let compliance_share = share("compliance", table.compliance, usual.compliance_share);
         let viscosity_share = share("viscosity", table.viscosity, usual.viscosity_share);
         let excess_share = share("excess", table.excess, usual.excess_share);
-        let angle = |deg| self.within("perception.angle_deg", deg, WIDEST_DEG).to_radians();
-        let angle_rad = table.angle_deg.map_or(usual.angle_rad, angle);
-        let floor = |n| self.positive("perception.force_floor_n", n);
-        let force_floor_n = table.force_floor_n.map_or(usual.force_floor_n, floor);
+        let angle_rad = table.angle_deg.map_or(usual.angle_rad, |deg| {
+            self.within("perception.angle_deg", deg, WIDEST_DEG).to_radians()
+        });
+        let force_floor_n = table
+            .force_floor_n
+            .map_or(usual.force_floor_n, |n| self.positive("perception.force_floor_n", n));
         let vibration = table.vibration.map_or(usual.vibration, |curve| self.curve(curve));
         Perception {
             force_share,

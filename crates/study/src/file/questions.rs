@@ -34,8 +34,7 @@ impl Check<'_> {
             }
             let QuestionTable { id, text, group, reversed, .. } = table;
             let question = Question { id, text, group, scale, reversed };
-            let of_group = |q: &&Question| q.group.is_some() && q.group == question.group;
-            let first = questions.iter().find(of_group);
+            let first = questions.iter().find(|q| q.group.is_some() && q.group == question.group);
             if let Some(first) = first.filter(|first| first.scale != question.scale) {
                 let what = format!(
                     "differs from that of '{}', which is of the same group: answers on different \

@@ -133,7 +133,8 @@ impl Check<'_> {
 
     /// A channel that a stage reads has the unit in which it is read.
     fn unit_of_channel(&mut self, i: usize, channel: &Channel) {
-        let (id, found) = (channel.id.as_str(), &channel.unit);
+        let id = channel.id.as_str();
+        let found = &channel.unit;
         let read = READ_CHANNELS.iter().find(|(name, _)| *name == id);
         if let Some((_, unit)) = read.filter(|(_, unit)| unit != found) {
             let problem = format!(
@@ -335,7 +336,8 @@ impl Check<'_> {
         for drive in ActuatorKind::ALL {
             let has = mode.has(drive);
             if let Some(law) = m.law.filter(|law| law.uses(drive) != has) {
-                let (law, drive) = (law.as_str(), drive.as_str());
+                let law = law.as_str();
+                let drive = drive.as_str();
                 let what = match has {
                     true => format!("'{law}' does not use the {drive}; leave {drive}_max_v out"),
                     false => format!("'{law}' uses the {drive}; add {drive}_max_v, above 0"),

@@ -12,7 +12,8 @@ impl Check<'_> {
         self.unique("scenes", scenes.iter().map(|figure| figure.id.as_str()));
         for (i, figure) in scenes.iter().enumerate() {
             let at = |key: &str| format!("scenes[{i}].{key}");
-            let (n, most) = (figure.files.len(), figure.draw.most());
+            let n = figure.files.len();
+            let most = figure.draw.most();
             if !(1..=most).contains(&n) {
                 self.error(&at("files"), format!("has {n} files; such a figure takes 1 to {most}"));
             }
@@ -35,8 +36,7 @@ impl Check<'_> {
 /// extensions.
 pub(super) fn is_below(file: &str, extensions: &[&str]) -> bool {
     let path = Path::new(file);
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-".contains(c);
-    file.chars().all(is_plain)
+    file.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c))
         && path.components().all(|part| matches!(part, Component::Normal(_)))
         && path.extension().is_some_and(|e| extensions.iter().any(|extension| e == *extension))
         && path.file_stem().is_some()

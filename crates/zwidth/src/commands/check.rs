@@ -51,7 +51,8 @@ struct Line {
 pub(crate) fn check(root: &Path, command: &CheckArgs, screen: &Screen) -> anyhow::Result<Exit> {
     let bench = bench(root, command.study.clone(), command.rate)?;
     let _lock = lock(&bench.layout, "zwidth check")?;
-    let (nobody, none) = ("check".parse()?, "check".parse()?);
+    let nobody = "check".parse()?;
+    let none = "check".parse()?;
     let mut device = open(&command.device, &bench.occasion(SEED, &nobody, &none))?;
     warn_of_calibration(&bench, &command.device, screen);
     let capabilities = device.capabilities().clone();

@@ -173,7 +173,8 @@ fn metric(data: &StudyData, asked: &CompareArgs) -> anyhow::Result<String> {
 pub(super) fn make(data: &StudyData, screen: &Screen) -> anyhow::Result<Exit> {
     let found = findings(&RealFiles, data);
     let jobs = plan::jobs(data, &found);
-    let (only, known) = (Some("compare".to_owned()), hashes_read(data));
+    let only = Some("compare".to_owned());
+    let known = hashes_read(data);
     let options = Options { only, known, ..Options::default() };
     let results = Results::new(&data.layout, &Unsynced);
     let bars = screen.bars(lengths(&jobs, &wanted(&jobs, &results, &options)?));

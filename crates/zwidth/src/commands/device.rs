@@ -78,7 +78,8 @@ impl Bench {
     ) -> Occasion<'a> {
         let theta_min_rad = self.study.device.theta_min_rad;
         let trials = self.trials();
-        let (rig, environments) = (self.rig.as_ref(), self.study.environments.as_slice());
+        let rig = self.rig.as_ref();
+        let environments = self.study.environments.as_slice();
         let twin = &self.twin;
         let rate_hz = self.study.control.rate_hz;
         Occasion {

@@ -100,7 +100,8 @@ pub(crate) fn figure(root: &Path, asked: &FigureArgs, screen: &Screen) -> anyhow
         let names = captions.iter().map(|(stem, _)| stem.as_str());
         bail!(no_figure(&asked.study, name, names));
     }
-    let (folder, origin) = (folder(&layout, asked)?, make(&data, name)?);
+    let folder = folder(&layout, asked)?;
+    let origin = make(&data, name)?;
     let (figure, problems) = plan::describe(&data, name)
         .ok_or_else(|| anyhow!(no_figure(&asked.study, name, [])))?
         .map_err(|error| anyhow!("{name} cannot be drawn: {error}"))?;
@@ -129,8 +130,9 @@ fn list(figures: Vec<Entry>, screen: &Screen) -> anyhow::Result<Exit> {
     if screen.json {
         screen.listing(&figures)?;
     } else {
-        let line = |figure: &Entry| screen.result(format!("{:<44} {}", figure.name, figure.shows));
-        figures.iter().for_each(line);
+        figures
+            .iter()
+            .for_each(|figure| screen.result(format!("{:<44} {}", figure.name, figure.shows)));
     }
     Ok(Exit::Fine)
 }

@@ -18,7 +18,7 @@ use zwidth_stability::impedance::{
     probes, regions, search, z_widths, z_widths_table,
 };
 use zwidth_store::{Quantity, Raw, StudyData, Sweep, hex_blake3, read_sweep, record_sweep};
-use zwidth_study::{ActuatorId, ActuatorKind, Mode, Source, Study};
+use zwidth_study::{ActuatorId, ActuatorKind, Source, Study};
 use zwidth_tables::Table;
 
 /// Pushes, m.
@@ -42,8 +42,8 @@ pub(super) fn impedance(
     screen: &Screen,
 ) -> anyhow::Result<()> {
     let id: ActuatorId = ACTUATOR.parse()?;
-    let has = |mode: &DriveMode| voltages(&bench.study, *mode).is_some();
-    let modes: Vec<DriveMode> = MODES.into_iter().filter(has).collect();
+    let modes: Vec<DriveMode> =
+        MODES.into_iter().filter(|mode| voltages(&bench.study, *mode).is_some()).collect();
     if modes.is_empty() {
         bail!(
             "no mode of the study uses an actuator; give a mode motor_max_v or brake_max_v in study.toml"
@@ -76,7 +76,8 @@ pub(super) fn impedance(
 }
 
 fn words(probe: &Probe) -> String {
-    let (mode, push_mm) = (probe.mode.as_str(), 1e3 * probe.push_m);
+    let mode = probe.mode.as_str();
+    let push_mm = 1e3 * probe.push_m;
     format!("{mode}, push {push_mm} mm, B {} N s/m, {}", probe.damping_ns_per_m, probe.repeat)
 }
 
@@ -120,17 +121,17 @@ fn device(bench: &Bench, probe: &Probe, count_zero: f64) -> PushedWall {
 /// Highest voltages of motor and brake, V, of the study's mode that uses the same actuators; none
 /// if it has none.
 fn voltages(study: &Study, mode: DriveMode) -> Option<[f64; 2]> {
-    let uses = |own: &&Mode| {
+    let own = study.modes.iter().find(|own| {
         let [motor, brake] = [ActuatorKind::Motor, ActuatorKind::Brake].map(|kind| own.has(kind));
         motor == (mode != DriveMode::Passive) && brake == (mode != DriveMode::Active)
-    };
-    let own = study.modes.iter().find(uses)?;
+    })?;
     Some([own.motor_max_v, own.brake_max_v].map(|volts| volts.unwrap_or(0.0)))
 }
 
 /// The device alone, without friction.
 fn bare(twin: &TwinParameters, period_s: f64) -> SampledWall {
-    let (plant, lever_m) = (twin.plant(None), twin.lever_m);
+    let plant = twin.plant(None);
+    let lever_m = twin.lever_m;
     let viscous = twin.friction_viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap_or(0.0);
     SampledWall::bare(plant.inertia_kg_m2 / (lever_m * lever_m), viscous / lever_m, period_s)
 }

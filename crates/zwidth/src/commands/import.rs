@@ -7,7 +7,7 @@ use crate::screen::Screen;
 use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use zwidth_import::{Guess, Mapping, Step, bytes_of, guess, import as import_files};
+use zwidth_import::{By, Guess, Mapping, Step, bytes_of, guess, import as import_files};
 use zwidth_store::commit::settle;
 use zwidth_store::{Raw, RealFiles, read_study};
 use zwidth_study::StudyId;
@@ -31,7 +31,8 @@ pub(crate) struct ImportArgs {
 
 /// Prints a guessed mapping, or writes it where no file is yet.
 fn guessed(
-    (file, others): (&Path, &[PathBuf]),
+    file: &Path,
+    others: &[PathBuf],
     map: Option<&Path>,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
@@ -59,7 +60,7 @@ fn guessed(
 
 pub(crate) fn import(root: &Path, command: &ImportArgs, screen: &Screen) -> anyhow::Result<Exit> {
     if let Some((file, others)) = command.guess.split_first() {
-        return guessed((file, others), command.map.as_deref(), screen);
+        return guessed(file, others, command.map.as_deref(), screen);
     }
     let (Some(id), Some(map)) = (&command.study, &command.map) else {
         bail!(
@@ -76,8 +77,9 @@ pub(crate) fn import(root: &Path, command: &ImportArgs, screen: &Screen) -> anyh
         screen.say(left.map_err(|e| anyhow!("{e}; nothing was imported"))?.to_string());
     }
     let utc = now();
-    let software = concat!("zwidth ", env!("CARGO_PKG_VERSION"));
-    let (read, written) = (screen.bytes(bytes_of(&command.files)), screen.bar(0));
+    let by = By { utc: &utc, software: concat!("zwidth ", env!("CARGO_PKG_VERSION")) };
+    let read = screen.bytes(bytes_of(&command.files));
+    let written = screen.bar(0);
     let progress = |step: Step| match step {
         Step::Read(bytes) => read.inc(bytes),
         Step::Written { all } => {
@@ -91,7 +93,7 @@ pub(crate) fn import(root: &Path, command: &ImportArgs, screen: &Screen) -> anyh
         }
     };
     let files = &command.files;
-    let report = import_files(&layout, &study, &mapping, files, (&utc, software), &raw, &progress);
+    let report = import_files(&layout, &study, &mapping, files, by, &raw, &progress);
     read.finish_and_clear();
     written.finish_and_clear();
     let report = report.map_err(|findings| sum_up(&findings))?;

@@ -15,7 +15,6 @@ use zwidth_ladder::{
     Ladder, Loop, Settings, effects, effects_table, interactions_table, ladder as climb, models,
     models_table, own, possible, reason, told,
 };
-use zwidth_results::LadderTerm;
 use zwidth_runner::Provenance;
 use zwidth_simulate::ModelScene;
 use zwidth_store::StudyData;
@@ -108,7 +107,8 @@ fn named(root: &Path, asked: &LadderArgs) -> anyhow::Result<Vec<PathBuf>> {
     });
     for (i, name) in named.iter().enumerate() {
         if let Some(other) = named[..i].iter().find(|other| stem(other) == stem(name)) {
-            let (a, b) = (other.display(), name.display());
+            let a = other.display();
+            let b = name.display();
             bail!("{a} and {b} would write to the same files; ask for them apart, or rename one");
         }
     }
@@ -200,10 +200,10 @@ fn written(
         .iter()
         .flat_map(|choice| ladder.offered.terms().map(|term| reason(ladder, choice, term)));
     let told = choice.iter().map(|choice| told(ladder, choice)).chain(why).collect();
-    let words = |term: LadderTerm| term.as_str().to_owned();
     Ok(Outcome {
         scene: name.clone(),
-        terms: choice.map(|choice| choice.set.terms().map(words).collect()),
+        terms: choice
+            .map(|choice| choice.set.terms().map(|term| term.as_str().to_owned()).collect()),
         told,
         files: output.files,
         error: None,

@@ -59,7 +59,8 @@ pub(super) fn place(root: &Path, typed: &Path) -> Place {
 
 fn of(path: &str) -> Place {
     let mut parts = path.split('/');
-    let (folder, study) = (parts.next(), parts.next().and_then(|id| StudyId::new(id).ok()));
+    let folder = parts.next();
+    let study = parts.next().and_then(|id| StudyId::new(id).ok());
     match (folder, study) {
         (Some("derived" | "reports"), Some(study)) => Place::Results(study, path.to_owned()),
         (Some("raw"), _) => Place::Raw(path.to_owned()),
@@ -106,7 +107,8 @@ pub(super) fn copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Resu
             typed.display()
         )
     })?;
-    let (origins, content) = (origins(&bytes), hex_blake3(&bytes));
+    let origins = origins(&bytes);
+    let content = hex_blake3(&bytes);
     let extension = typed.extension();
     let mut found = Vec::new();
     for layout in with_records(root) {
@@ -152,8 +154,8 @@ fn with_records(root: &Path) -> Vec<Layout> {
 }
 
 fn unknown(root: &Path, typed: &Path, origins: &[String]) -> String {
-    let (file, root) =
-        (typed.display(), if root.as_os_str().is_empty() { Path::new(".") } else { root });
+    let file = typed.display();
+    let root = if root.as_os_str().is_empty() { Path::new(".") } else { root };
     let root = root.display();
     match origins.first() {
         Some(origin) => format!(

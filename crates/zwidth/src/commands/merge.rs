@@ -37,7 +37,7 @@ pub(crate) fn merge(root: &Path, command: &MergeArgs, screen: &Screen) -> anyhow
         bar.inc(1);
     };
     let merged =
-        merge_shards(&sharded.jobs, (&own, &others), &sharded.known, &sharded.seen, &progress)?;
+        merge_shards(&sharded.jobs, &own, &others, &sharded.known, &sharded.seen, &progress)?;
     bar.finish_and_clear();
     let survey = &merged.survey;
     survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));

@@ -46,7 +46,9 @@ pub(crate) fn participant(
     })?;
     let quit = raised_by_signals()?;
     let guest = Guest::enter(port, &secret)?;
-    let (plain, look, raised) = (command.plain, Look::from_env(command.ascii), Arc::clone(&quit));
+    let plain = command.plain;
+    let look = Look::from_env(command.ascii);
+    let raised = Arc::clone(&quit);
     let (sender, shown) = channel();
     // A terminal that takes nothing would hold up a signal's end as well.
     thread::spawn(move || {
@@ -81,12 +83,11 @@ type Way = (PortFile, Door);
 
 /// A way in for the participant's screen. A session goes on without one where there can be none.
 pub(super) fn way(layout: &Layout, lock: &StudyLock, screen: &Screen) -> Option<Way> {
-    let told = |error: &anyhow::Error| {
+    opened(layout, lock).inspect_err(|error| {
         screen.warn(format!(
             "`zwidth participant` cannot be used with this session, which goes on without: {error:#}"
         ));
-    };
-    opened(layout, lock).inspect_err(told).ok()
+    }).ok()
 }
 
 /// A door for whoever can read the study's file of it.

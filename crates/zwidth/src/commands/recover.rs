@@ -8,8 +8,7 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::SystemTime;
 use zwidth_store::{
-    Layout, Raw, RealFiles, Recovered, StoreError, StudyLock, accept_study, owner,
-    recover as recover_study,
+    Layout, Raw, RealFiles, StoreError, StudyLock, accept_study, owner, recover as recover_study,
 };
 use zwidth_study::{ParticipantId, SessionId, StudyId};
 
@@ -87,16 +86,15 @@ pub(super) fn put_in_order_and_tell(layout: &Layout, lock: &StudyLock, screen: &
 }
 
 fn put_in_order(layout: &Layout, lock: &StudyLock) -> Vec<Line> {
-    let line = |found: Result<Recovered, StoreError>| match found {
-        Ok(done) => {
-            Line { file: done.path.display().to_string(), what: done.to_string(), ok: true }
-        }
-        Err(error) => {
-            Line { file: error.path.display().to_string(), what: error.to_string(), ok: false }
-        }
-    };
     recover_study(&Raw::mends(&RealFiles, layout, lock), layout, &now())
         .into_iter()
-        .map(line)
+        .map(|found| match found {
+            Ok(done) => {
+                Line { file: done.path.display().to_string(), what: done.to_string(), ok: true }
+            }
+            Err(error) => {
+                Line { file: error.path.display().to_string(), what: error.to_string(), ok: false }
+            }
+        })
         .collect()
 }

@@ -79,7 +79,8 @@ pub(crate) fn run(root: &Path, command: &RunArgs, screen: &Screen) -> anyhow::Re
     let nameless = nameless(root, &command.studies);
     nameless.iter().for_each(|finding| screen.warn(finding.to_string()));
     let mut exit = if nameless.is_empty() { Exit::Fine } else { Exit::Partly };
-    let (mut outcomes, mut failed) = (Vec::new(), 0);
+    let mut outcomes = Vec::new();
+    let mut failed = 0;
     let layouts = studies(root, command.studies.clone())?;
     let several = layouts.len() > 1;
     for layout in layouts {
@@ -308,10 +309,11 @@ fn tell(
         outcome.seconds
     ));
     let page = plan::page_file(layout);
-    let is_there = |r: &Report| {
-        r.name == plan::PAGE && matches!(r.verdict, JobEnd::Made(_) | JobEnd::UpToDate)
-    };
-    if !command.dry_run && reports.iter().any(is_there) {
+    if !command.dry_run
+        && reports.iter().any(|r| {
+            r.name == plan::PAGE && matches!(r.verdict, JobEnd::Made(_) | JobEnd::UpToDate)
+        })
+    {
         screen.result(format!(
             "Look first at {} (`zwidth open {}`)",
             layout.shown(&page).display(),

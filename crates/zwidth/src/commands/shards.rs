@@ -39,7 +39,7 @@ pub(crate) fn shards(root: &Path, command: &ShardsArgs, screen: &Screen) -> anyh
         bar.set_length(all as u64);
         bar.inc(1);
     };
-    let survey = survey(&sharded.jobs, (&own, &others), &sharded.known, &sharded.seen, &progress)?;
+    let survey = survey(&sharded.jobs, &own, &others, &sharded.known, &sharded.seen, &progress)?;
     bar.finish_and_clear();
     survey.remarks.iter().for_each(|remark| screen.warn(remark.to_string()));
     survey.refused.iter().for_each(|error| screen.error(&anyhow::anyhow!("{error}")));
@@ -47,8 +47,8 @@ pub(crate) fn shards(root: &Path, command: &ShardsArgs, screen: &Screen) -> anyh
         screen.say("The manifests do not say how many shards there are: as one (--of N)");
     }
     let shares = survey.shares(&sharded.jobs, command.of);
-    let is_told = |share: &&Share| !command.missing || !share.missing.is_empty();
-    let told: Vec<&Share> = shares.iter().filter(is_told).collect();
+    let told: Vec<&Share> =
+        shares.iter().filter(|share| !command.missing || !share.missing.is_empty()).collect();
     if screen.json {
         screen.listing(&told.iter().map(|share| entry(share)).collect::<Vec<_>>())?;
     } else {

@@ -50,7 +50,8 @@ pub(crate) fn table(root: &Path, asked: &TableArgs, screen: &Screen) -> anyhow::
         bail!("{} has no tables yet; make them with `zwidth run {}`", asked.study, asked.study);
     }
     let Some(name) = &asked.name else {
-        let (mut entries, mut unread) = (Vec::new(), Vec::new());
+        let mut entries = Vec::new();
+        let mut unread = Vec::new();
         for table in &printed {
             match table.about() {
                 Ok((title, rows)) => entries.push(Entry { name: table.name(), title, rows }),

@@ -198,7 +198,8 @@ fn one(
         SimulatedClock::new(mixed(seed, &["clock", participant.as_str(), session.as_str()]));
     let begin = begin(participant, session)?;
     let utc = |now_s: f64| later(begin, now_s);
-    let (mut auto, mut careful) = (Auto::new(Nobody), Careful::new(Nobody));
+    let mut auto = Auto::new(Nobody);
+    let mut careful = Careful::new(Nobody);
     let front: &mut dyn Front = if command.untidy { &mut careful } else { &mut auto };
     let parts = Parts { device: &mut device, clock: &mut clock, files: raw, front, utc: &utc };
     Ok(run(&plan, laid, &options, parts)?)
@@ -253,7 +254,8 @@ fn tell(
     outcomes: Vec<anyhow::Result<Outcome>>,
     screen: &Screen,
 ) -> anyhow::Result<Exit> {
-    let (mut trials, mut exit) = (0, Exit::Fine);
+    let mut trials = 0;
+    let mut exit = Exit::Fine;
     for ((participant, session), outcome) in sessions.iter().zip(outcomes) {
         let outcome = outcome?;
         trials += outcome.done;

@@ -1,6 +1,6 @@
 //! `zwidth why`: what a result was last made from, and whether and why a run would make it again.
 
-use super::locate::{FoundBy, Made, Place, copies, is_a_copy, is_raw, no_job, place, records};
+use super::locate::{FoundBy, Place, copies, is_a_copy, is_raw, no_job, place, records};
 use super::{join_findings, study};
 use crate::commands::trace::Traced;
 use crate::exit::Exit;
@@ -85,8 +85,7 @@ fn find_asked(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<
 /// The jobs behind a copy.
 fn found_copies(root: &Path, typed: &Path, screen: &Screen) -> anyhow::Result<Vec<Asked>> {
     let made = copies(root, typed, screen)?.into_iter();
-    let asked = |m: Made| Asked { layout: m.layout, path: m.path, job: Some(m.job), by: m.by };
-    Ok(made.map(asked).collect())
+    Ok(made.map(|m| Asked { layout: m.layout, path: m.path, job: Some(m.job), by: m.by }).collect())
 }
 
 fn one(root: &Path, asked: &Asked, screen: &Screen) -> anyhow::Result<Why> {

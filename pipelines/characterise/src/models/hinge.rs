@@ -138,11 +138,13 @@ pub(super) struct Fit {
 
 /// One cut at each command up to `highest`, rising.
 fn cuts(at: &[Point], scale: &Scale, highest: f64) -> Vec<Cut> {
-    let (mut cuts, mut below) = (Vec::with_capacity(at.len()), Sums::default());
+    let mut cuts = Vec::with_capacity(at.len());
+    let mut below = Sums::default();
     for (commands, same) in at.chunk_by(|p, q| p.command >= q.command).enumerate() {
         let x = (same[0].command - scale.origin) / scale.span;
         let here = same.iter().fold(Sums::default(), |sums, p| {
-            let (y, w) = (p.response - scale.mean, p.weight);
+            let y = p.response - scale.mean;
+            let w = p.weight;
             sums + Sums { w, x: w * x, y: w * y, xx: w * x * x, xy: w * x * y, yy: w * y * y }
         });
         below = below + here;
@@ -166,7 +168,9 @@ impl Cut {
 
     /// The best fit with its break at this level: a regression on h = max(x − level, 0).
     fn break_here(&self) -> Option<Fit> {
-        let (all, up, v) = (self.all(), self.above, self.level);
+        let all = self.all();
+        let up = self.above;
+        let v = self.level;
         let h = up.x - v * up.w;
         let hh = up.xx - 2.0 * v * up.x + v * v * up.w - h * h / all.w;
         let hy = up.xy - v * up.y - h * all.y / all.w;
@@ -183,9 +187,12 @@ impl Cut {
     /// constant part that rests on one command is none: that would be a line with an odd first
     /// point.
     fn break_between(&self, next: f64) -> Option<Fit> {
-        let (low, up) = (self.below, self.above);
-        let (xx, xy) = (up.xx - up.x * up.x / up.w, up.xy - up.x * up.y / up.w);
-        let (a, b) = (low.y / low.w, xy / xx);
+        let low = self.below;
+        let up = self.above;
+        let xx = up.xx - up.x * up.x / up.w;
+        let xy = up.xy - up.x * up.y / up.w;
+        let a = low.y / low.w;
+        let b = xy / xx;
         let x0 = (a - (up.y - b * up.x) / up.w) / b;
         let rss = low.yy - low.y * a + up.yy - up.y * up.y / up.w - b * xy;
         (self.commands_below > 1 && xx > 0.0 && x0 > self.level && x0 < next).then_some(Fit {

@@ -15,7 +15,8 @@ const PIVOT_TOLERANCE: f64 = 1e-12;
 /// method of Lawson & Hanson (1974), *Solving Least Squares Problems*, ch. 23, on the normal
 /// equations, which the few well-scaled columns here allow.
 pub(super) fn nonnegative<const P: usize>(gram: &[[f64; P]; P], moment: &[f64; P]) -> [f64; P] {
-    let (mut x, mut free) = ([0.0; P], [false; P]);
+    let mut x = [0.0; P];
+    let mut free = [false; P];
     let largest = moment.iter().fold(0.0_f64, |max, m| max.max(m.abs()));
     for _ in 0..ROUNDS * P {
         let gradient = gradient(gram, moment, &x);

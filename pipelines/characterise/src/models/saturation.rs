@@ -37,11 +37,13 @@ impl Shape for Saturation {
     /// steps of Levenberg–Marquardt instead.
     fn fit(&self, points: &Points, near: Option<&[f64]>) -> Option<Vec<f64>> {
         let (lowest, _) = points.break_range()?;
-        let (n, levels) = (points.levels.len(), points.levels);
+        let n = points.levels.len();
+        let levels = points.levels;
         if n < 4 || !points.can_determine(self.complexity()) {
             return None;
         }
-        let (first, last) = (levels[2], levels[n - 1]);
+        let first = levels[2];
+        let last = levels[n - 1];
         if let Some(&[a, b, x0, x1]) = near {
             return refined(points, [a, b, x0, x1], [lowest, levels[n - 3], first, last]);
         }
@@ -49,7 +51,8 @@ impl Shape for Saturation {
         let rss = |x1: f64| hinge_below(points, &scale, x1).map_or(f64::INFINITY, |fit| fit.rss);
         let step = (last - first) / COARSE as f64;
         let middle = lowest_of((1..=COARSE).map(|i| first + step * i as f64), rss)?;
-        let (left, right) = ((middle - step).max(first), (middle + step).min(last));
+        let left = (middle - step).max(first);
+        let right = (middle + step).min(last);
         let x1 = golden_section(rss, left, right, ENCLOSED * scale.span);
         let best = hinge_below(points, &scale, x1)?;
         Some(vec![
@@ -76,8 +79,9 @@ fn refined(
         lower: [f64::NEG_INFINITY, f64::NEG_INFINITY, x0_min, x1_min],
         upper: [f64::INFINITY, f64::INFINITY, x0_max, x1_max],
     };
-    let residual = |i: usize, theta: &[f64; 4]| residual(&points.at[i], theta);
-    let found = least_squares(points.at.len(), residual, start, &bounds).ok()?;
+    let found =
+        least_squares(points.at.len(), |i, theta| residual(&points.at[i], theta), start, &bounds)
+            .ok()?;
     found.converged.then(|| found.parameters.to_vec())
 }
 
@@ -92,8 +96,8 @@ fn residual(p: &Point, &[a, b, x0, x1]: &[f64; 4]) -> (f64, [f64; 4]) {
 
 /// The best hinge in min(x, `plateau`).
 fn hinge_below(points: &Points, scale: &Scale, plateau: f64) -> Option<Fit> {
-    let clamped = |p: &Point| Point { command: p.command.min(plateau), ..*p };
-    let at: Vec<Point> = points.at.iter().map(clamped).collect();
+    let at: Vec<Point> =
+        points.at.iter().map(|p| Point { command: p.command.min(plateau), ..*p }).collect();
     let below = points.levels.partition_point(|&level| level < plateau);
     hinge::best(&at, scale, points.levels[below.checked_sub(2)?])
 }
@@ -106,7 +110,8 @@ fn lowest_of(values: impl Iterator<Item = f64>, cost: impl Fn(f64) -> f64) -> Op
 /// A minimum of `cost` between `left` and `right`, the ends included (Kiefer 1953, Proc. Amer.
 /// Math. Soc. 4:502).
 fn golden_section(cost: impl Fn(f64) -> f64, left: f64, right: f64, width: f64) -> f64 {
-    let (mut low, mut high) = (left, right);
+    let mut low = left;
+    let mut high = right;
     let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
     let mut costs = inner.map(&cost);
     while high - low > width {

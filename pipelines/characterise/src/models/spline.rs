@@ -37,7 +37,8 @@ impl Shape for Spline {
     /// Least squares with slopes ≥ 0, once for the curve and once for its mirror image; the better
     /// one is taken.
     fn fit(&self, points: &Points, _near: Option<&[f64]>) -> Option<Vec<f64>> {
-        let (low, high) = (*points.levels.first()?, *points.levels.last()?);
+        let low = *points.levels.first()?;
+        let high = *points.levels.last()?;
         if !points.can_determine(self.complexity()) {
             return None;
         }
@@ -55,7 +56,9 @@ impl Shape for Spline {
     }
 
     fn predict(&self, parameters: &[f64], command: f64) -> f64 {
-        let (a, low, high) = (parameters[0], parameters[1], parameters[2]);
+        let a = parameters[0];
+        let low = parameters[1];
+        let high = parameters[2];
         let columns = columns(command, low, high);
         a + columns.iter().zip(&parameters[3..]).map(|(c, s)| c * s).sum::<f64>()
     }

@@ -137,7 +137,10 @@ fn tests(
     let statistics: Vec<Statistic> = [Statistic::BetweenModes].into_iter().chain(pairs).collect();
     // Each with the place of its first trial among those of all.
     let mut sources: Vec<(&Source, usize)> = Vec::new();
-    let (mut values, mut block, mut actual, mut group) = (vec![], vec![], vec![], vec![]);
+    let mut values = vec![];
+    let mut block = vec![];
+    let mut actual = vec![];
+    let mut group = vec![];
     for (number, Redrawn { source, values: of_session }) in sessions.iter().enumerate() {
         let known = sources.iter().find(|(known, _)| *known == source).map(|(_, start)| *start);
         let start = known.unwrap_or_else(|| {

@@ -124,7 +124,8 @@ pub fn modes_compared(
     found: &MetricResults,
 ) -> Figure {
     let shown = Shown::of(about, &found.metric);
-    let (mut panels, mut verdicts) = (Vec::new(), Vec::new());
+    let mut panels = Vec::new();
+    let mut verdicts = Vec::new();
     for environment in environments {
         if !found.means.iter().any(|mean| mean.environment == environment.id) {
             continue;
@@ -146,7 +147,8 @@ pub fn modes_compared(
             false => plain(&contrast_label(&about.modes, &row.contrast)),
         });
         let names = Axis::categories(names);
-        let (cell, y) = (Cell::at(row, 1), axis("difference"));
+        let cell = Cell::at(row, 1);
+        let y = axis("difference");
         let panel = match contrasts.is_empty() {
             true => Panel::with_note(cell, Axis::new("", ""), y, "no two modes to compare"),
             false => Panel::new(cell, names, y, differences(&contrasts, &shown, found)),
@@ -267,7 +269,8 @@ fn means(
         }));
         let means = found.means.iter();
         let means = means.filter(|row| (&row.environment, &row.mode) == (environment, &mode.id));
-        let (mut at, mut estimates) = (Vec::new(), Vec::new());
+        let mut at = Vec::new();
+        let mut estimates = Vec::new();
         for row in means {
             at.push(index as f64 + ASIDE);
             estimates.push([Some(row.mean), row.ci_low, row.ci_high]);
@@ -504,13 +507,15 @@ pub fn repeats_compared(
             if rows.is_empty() {
                 continue;
             }
-            let (colour, marker) = (style::mode_colour(index), style::marker(index));
+            let colour = style::mode_colour(index);
+            let marker = style::marker(index);
             let aside = dodge(index, about.modes.len()) / 2.0;
             let first = x_of_first(&repeat);
             let at: Vec<f64> = rows.iter().map(|row| row.repeat as f64 - first + aside).collect();
             let ends = |row: &&RepeatMean| [row.mean, row.ci_low, row.ci_high];
             let marks = intervals(&rows.iter().map(ends).collect::<Vec<_>>(), &shown);
-            let (name, y) = (Some(plain(&mode.label)), marks.estimate.clone());
+            let name = Some(plain(&mode.label));
+            let y = marks.estimate.clone();
             let stroke = style::single(colour).dashed(style::dash(index));
             layers.push(Layer::Line(Line {
                 x: at.clone(),

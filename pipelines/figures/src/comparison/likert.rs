@@ -218,9 +218,10 @@ fn count_rows(modes: &[Mode], answers: &[GivenAnswer], wanted: &Wanted) -> Count
     let mut rows = Vec::new();
     for mode in modes {
         let mut counts: BTreeMap<&ParticipantId, Vec<u32>> = BTreeMap::new();
-        let is_here =
-            |row: &&GivenAnswer| row.environment == wanted.environment && row.mode == mode.id;
-        for row in answers.iter().filter(is_here) {
+        for row in answers
+            .iter()
+            .filter(|row| row.environment == wanted.environment && row.mode == mode.id)
+        {
             let asked = wanted.questions.iter().find(|question| question.id == row.question);
             let Some(question) = asked else { continue };
             let scored = question.scale.score(row.answer, question.reversed);

@@ -60,7 +60,8 @@ pub fn ratings_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<RatingsPag
                 true => format!("{}: {}", environment.label, question.text),
                 false => question.text.clone(),
             };
-            let (environment, question) = (environment.id.clone(), (*question).clone());
+            let environment = environment.id.clone();
+            let question = (*question).clone();
             wanted.push(Wanted { title, environment, question });
         }
     }
@@ -149,9 +150,9 @@ fn panel(
 fn scores<'a>(answers: &'a [GivenAnswer], wanted: &Wanted) -> BTreeMap<&'a ModeId, Vec<f64>> {
     let Wanted { environment, question, .. } = wanted;
     let mut found: BTreeMap<&ModeId, Vec<f64>> = BTreeMap::new();
-    let is_here =
-        |row: &&GivenAnswer| row.environment == *environment && row.question == question.id;
-    for row in answers.iter().filter(is_here) {
+    for row in
+        answers.iter().filter(|row| row.environment == *environment && row.question == question.id)
+    {
         let score = question.scale.score(row.answer, question.reversed);
         found.entry(&row.mode).or_default().push(score.into());
     }
@@ -174,13 +175,12 @@ fn summaries(tally: &[AnswerTally], wanted: &Wanted, modes: &[&Mode]) -> [Layer;
     let numbers = |of: fn(&AnswerTally) -> Option<f64>| -> Vec<f64> {
         rows.iter().map(|row| row.and_then(of).unwrap_or(f64::NAN)).collect()
     };
-    let median = |row: &AnswerTally| Some((row.median_low?.get() + row.median_high?.get()) / 2.0);
     let at: Vec<f64> = (0..modes.len()).map(|place| place as f64 + BELOW).collect();
     let none = vec![f64::NAN; modes.len()];
     let quartiles = Intervals {
         direction: Direction::Horizontal,
         at: at.clone(),
-        estimate: numbers(median),
+        estimate: numbers(|row| Some((row.median_low?.get() + row.median_high?.get()) / 2.0)),
         low: numbers(|row| row.quartile_1),
         high: numbers(|row| row.quartile_3),
         colour: style::INK,

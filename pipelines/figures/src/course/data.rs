@@ -48,7 +48,8 @@ pub(crate) fn repeats_averaged<'a>(
         angles.iter().map(|angle| angle.n).max()
     };
     let counts: Vec<usize> = modes.filter_map(most).collect();
-    let (least, most) = (counts.iter().min()?, counts.iter().max()?);
+    let least = counts.iter().min()?;
+    let most = counts.iter().max()?;
     Some(match (least == most, most) {
         (true, 1) => "1 trial".to_owned(),
         (true, most) => format!("{most} trials"),
@@ -208,11 +209,13 @@ pub(crate) fn mean_loop_of(
     if !table.fields().any(|field| field.name == name) {
         return Ok(None);
     }
-    let (points, force) = (table.to_rows::<LoopAngle>()?, gaps(table.floats(&name)?));
+    let points = table.to_rows::<LoopAngle>()?;
+    let force = gaps(table.floats(&name)?);
     if force.iter().all(|force| force.is_nan()) {
         return Ok(None);
     }
-    let (mut x, mut y) = (Vec::new(), Vec::new());
+    let mut x = Vec::new();
+    let mut y = Vec::new();
     for (row, point) in points.iter().enumerate() {
         let is_apart = row > 0
             && point.branch != points[row - 1].branch

@@ -51,10 +51,6 @@ impl<'a> Loaded<'a> {
     ) -> Result<Self, TableError> {
         trials.sort_by_key(|t| about.modes.iter().position(|mode| mode.id == t.meta.mode));
         let by_landmarks = alignment == Alignment::Landmarks && !averages.over_time.is_empty();
-        let times = |of_mode: &[Trial]| {
-            let warped = by_landmarks.then(|| warp(of_mode)).flatten();
-            warped.unwrap_or_else(|| vec![None; of_mode.len()])
-        };
         let of_modes = trials.chunk_by(|a, b| a.meta.mode == b.meta.mode);
         let notes = footnotes(&averages)?;
         Ok(Self {
@@ -63,7 +59,12 @@ impl<'a> Loaded<'a> {
             who,
             alignment,
             onsets: trials.iter().map(|trial| onset_s(trial, analysis)).collect(),
-            warped_s: of_modes.flat_map(times).collect(),
+            warped_s: of_modes
+                .flat_map(|of_mode| {
+                    let warped = by_landmarks.then(|| warp(of_mode)).flatten();
+                    warped.unwrap_or_else(|| vec![None; of_mode.len()])
+                })
+                .collect(),
             trials,
             averages,
             notes,
@@ -113,9 +114,9 @@ fn onset_s(trial: &Trial, analysis: &Analysis) -> Option<f64> {
 fn footnotes(averages: &Averages) -> Result<Vec<String>, TableError> {
     let Averages { over_time, over_position } = averages;
     let all = over_time.values().chain(over_position.values());
-    let is_said =
-        |(kind, _): &(NoteKind, &str)| !matches!(kind, NoteKind::Extent | NoteKind::Alignment);
-    let said = all.flat_map(Table::notes_by_kind).filter(is_said);
+    let said = all
+        .flat_map(Table::notes_by_kind)
+        .filter(|(kind, _)| !matches!(kind, NoteKind::Extent | NoteKind::Alignment));
     let mut notes: Vec<String> = said.map(|(_, note)| note.to_owned()).collect();
     notes.sort();
     notes.dedup();

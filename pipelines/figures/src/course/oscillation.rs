@@ -22,7 +22,8 @@ pub fn oscillation(
     notes: &[String],
     mark: Option<String>,
 ) -> Figure {
-    let (from_s, to_s) = ((from_s - PERIODS * period_s).max(0.0), to_s + PERIODS * period_s);
+    let from_s = (from_s - PERIODS * period_s).max(0.0);
+    let to_s = to_s + PERIODS * period_s;
     let panel = |(i, (t_s, theta_rad)): (usize, &(&[f64], &[f64]))| {
         let inside = t_s.iter().zip(*theta_rad).filter(|(t, _)| (from_s..=to_s).contains(*t));
         let (x, y) = inside.map(|(t, theta)| (*t, theta.to_degrees())).unzip();

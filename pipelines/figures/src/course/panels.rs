@@ -79,7 +79,8 @@ pub(crate) fn mean_over_time(
     let name = Some(mode.name());
     let mut layers = Vec::new();
     if curve.low.iter().any(|v| v.is_finite()) {
-        let (low, high) = (shown(&curve.low), shown(&curve.high));
+        let low = shown(&curve.low);
+        let high = shown(&curve.high);
         layers.push(Layer::Band(Band { x: x.clone(), low, high, colour, name: name.clone() }));
     }
     let stroke = style::mean(colour).dashed(style::dash(mode.index));

@@ -60,16 +60,17 @@ pub fn mean_loops(
     sources: &[Source],
 ) -> Result<Figure, TableError> {
     let words = Words::new(about.coordinate);
-    let has_force =
-        |of: &ModeOfPeople| Ok::<_, TableError>(mean_loop_of(of.mean, Signal::ForceEx)?.is_some());
     let modes = || environments.iter().flat_map(|of| &of.modes);
-    let forces = modes().map(has_force).collect::<Result<Vec<bool>, _>>()?;
+    let forces = modes()
+        .map(|of| Ok::<_, TableError>(mean_loop_of(of.mean, Signal::ForceEx)?.is_some()))
+        .collect::<Result<Vec<bool>, _>>()?;
     let load = if forces.contains(&true) { Signal::ForceEx } else { Signal::TorqueEx };
     let load_word = if load == Signal::TorqueEx { "torque" } else { "force" };
     let sessions: usize = modes().map(|mode| mode.sessions.len()).max().unwrap_or(0);
     let mut panels = Vec::new();
     for (place, of) in environments.iter().enumerate() {
-        let (mut thin, mut thick) = (wall(words, of.environment), Vec::new());
+        let mut thin = wall(words, of.environment);
+        let mut thick = Vec::new();
         for mode in &of.modes {
             let colour = style::mode_colour(mode.index);
             let each = mode.sessions.iter().filter(|_| draws_each(sessions));

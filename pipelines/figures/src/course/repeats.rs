@@ -74,8 +74,9 @@ pub fn repeats(scene: &EnvironmentData, mode: &ModeData) -> Figure {
 fn strokes(mode: &ModeData) -> Vec<style::Stroke> {
     let colour = style::mode_colour(mode.index);
     let n = mode.repeats.len();
-    let pen = |i| style::single(style::repeat_colour(colour, i, n)).dashed(style::dash(i % 2));
-    (0..n).map(pen).collect()
+    (0..n)
+        .map(|i| style::single(style::repeat_colour(colour, i, n)).dashed(style::dash(i % 2)))
+        .collect()
 }
 
 fn name(mode: &ModeData, i: usize) -> String {
@@ -90,7 +91,8 @@ fn force_panel(
     load: Signal,
     cell: Cell,
 ) -> Panel {
-    let (x, y) = (words.position_axis(), axis(words, load).linked("force"));
+    let x = words.position_axis();
+    let y = axis(words, load).linked("force");
     let all = |signal| {
         let signals = mode.repeats.iter().filter_map(move |repeat| repeat.signal(signal));
         signals.flat_map(|values| values.iter().copied())
@@ -115,14 +117,13 @@ fn force_panel(
 /// The commanded force of the repeat that goes furthest: before it turns it is every repeat's. Of
 /// its way back what lies on the way there is left out, for dots on dots make a solid line.
 fn commanded(words: Words, mode: &ModeData) -> Option<Layer> {
-    let curve = |r: &Repeat| {
-        Some((r.signal(Signal::Theta)?.to_vec(), r.signal(Signal::ForceCmd)?.to_vec()))
-    };
     let furthest = |theta: &[f64]| theta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (theta, force) = mode
         .repeats
         .iter()
-        .filter_map(curve)
+        .filter_map(|r| {
+            Some((r.signal(Signal::Theta)?.to_vec(), r.signal(Signal::ForceCmd)?.to_vec()))
+        })
         .max_by(|(a, _), (b, _)| furthest(a).total_cmp(&furthest(b)))?;
     let x = on_axis(words, Signal::Theta, &theta);
     let name = Some("commanded force".to_owned());
@@ -151,7 +152,8 @@ fn once(theta: &[f64], force: &[f64]) -> Vec<f64> {
         .collect();
     let before = |at: f64| {
         let next = Some(reached.partition_point(|t| *t < at)).filter(|i| *i < reached.len())?;
-        let (from, to) = (next.saturating_sub(1), next);
+        let from = next.saturating_sub(1);
+        let to = next;
         let share = if to > from { (at - theta[from]) / (theta[to] - theta[from]) } else { 0.0 };
         Some(force[from] + share * (force[to] - force[from]))
     };

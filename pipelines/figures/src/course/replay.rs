@@ -96,7 +96,8 @@ fn figure(
     trials: &[Replayed],
     notes: &[String],
 ) -> Figure {
-    let (words, wall_rad) = (Words::new(about.coordinate), environment.scene.wall_rad());
+    let words = Words::new(about.coordinate);
+    let wall_rad = environment.scene.wall_rad();
     let cut = excess(trials);
     let mut panels = Vec::new();
     for (column, trial) in trials.iter().enumerate() {
@@ -157,7 +158,9 @@ fn models(trial: &Replayed) -> impl Iterator<Item = (&Motion, Stroke, &'static s
 
 fn forces(trial: &Replayed, column: usize, cut: Option<(Range, f64)>) -> Panel {
     let line = |motion: &Motion, y: &[f64], stroke, name: &str| {
-        let (x, y, name) = (motion.t_s.clone(), y.to_vec(), Some(name.to_owned()));
+        let x = motion.t_s.clone();
+        let y = y.to_vec();
+        let name = Some(name.to_owned());
         (!y.is_empty()).then_some(Layer::Line(Line { x, y, stroke, name, ..Line::default() }))
     };
     let recorded = &trial.recorded;
@@ -213,7 +216,8 @@ fn lines(
 
 /// A line across at a value.
 fn level(at: f64) -> Layer {
-    let (direction, stroke) = (Direction::Horizontal, style::reference());
+    let direction = Direction::Horizontal;
+    let stroke = style::reference();
     Layer::Reference(Reference { direction, at, label: None, stroke, name: None })
 }
 

@@ -30,11 +30,9 @@ pub fn chattering(title: &str, runs: &[ChatteringRun], note: &str) -> Figure {
     let swinging: Vec<&Curve> = curves.iter().filter(|curve| curve.swings()).collect();
     let counted = merged(&curves);
     let panels = vec![
-        panel(0, ("amplitude of swings", "°"), &swinging, |curve| &curve.amplitude_deg),
-        panel(1, ("largest angle beyond the exact one", "°"), &swinging, |curve| {
-            &curve.excess_deg
-        }),
-        panel(2, ("number of reversals", ""), &counted.iter().collect::<Vec<_>>(), |curve| {
+        panel(0, "amplitude of swings", "°", &swinging, |curve| &curve.amplitude_deg),
+        panel(1, "largest angle beyond the exact one", "°", &swinging, |curve| &curve.excess_deg),
+        panel(2, "number of reversals", "", &counted.iter().collect::<Vec<_>>(), |curve| {
             &curve.reversals
         }),
     ];
@@ -106,19 +104,23 @@ fn curves(runs: &[ChatteringRun]) -> Vec<Curve> {
 /// A panel; where there is nothing to show it says so.
 fn panel(
     column: usize,
-    (label, unit): (&str, &str),
+    label: &str,
+    unit: &str,
     curves: &[&Curve],
     pick: fn(&Curve) -> &Vec<f64>,
 ) -> Panel {
     let layers = curves.iter().flat_map(|curve| {
-        let (x, y) = (logarithms(&curve.step_ms), logarithms(pick(curve)));
-        let (stroke, name) = (curve.stroke, Some(plain(&curve.name)));
+        let x = logarithms(&curve.step_ms);
+        let y = logarithms(pick(curve));
+        let stroke = curve.stroke;
+        let name = Some(plain(&curve.name));
         let points =
             Points { x: x.clone(), y: y.clone(), colour: stroke.colour, ..Points::default() };
         [Layer::Points(points), Layer::Line(Line { x, y, stroke, name, ..Line::default() })]
     });
     let powers = |axis: Axis| Axis { ticks: Ticks::Powers, ..axis };
-    let (x, y) = (powers(Axis::new("step *h*", "ms")), powers(Axis::new(label, unit)));
+    let x = powers(Axis::new("step *h*", "ms"));
+    let y = powers(Axis::new(label, unit));
     let nothing = !curves.iter().flat_map(|curve| pick(curve)).any(|value| *value > 0.0);
     let note = nothing.then(|| "none".to_owned());
     let panel = Panel::new(Cell::at(0, column), x.linked("step"), y, layers.collect());

@@ -45,7 +45,8 @@ pub fn finding(runs: &[TradeRun], settings: &[TradeSetting], felt: &Felt) -> Fig
     let powers = |label: &str, unit: &str| Axis { ticks: Ticks::Powers, ..Axis::new(label, unit) };
     let x = || powers("step *h*", "ms").linked("step");
     let curve = |y: &[f64], expect: &str| {
-        let (x, y) = (logarithms(&steps.step_ms), logarithms(y));
+        let x = logarithms(&steps.step_ms);
+        let y = logarithms(y);
         let number = NAMED_SOLVERS.iter().position(|named| named.name == felt.solver);
         let colour = style::solver_colour(number.unwrap_or(0));
         let points = Points { x: x.clone(), y: y.clone(), colour, ..Points::default() };
@@ -108,10 +109,9 @@ impl Run {
 fn courses_panel(runs: &[Run]) -> Panel {
     let right = runs.iter().rev().find(|run| run.step_ms.is_none()).or(runs.last());
     let (top_deg, from, to) = right.map_or((0.0, 0.0, 1.0), rest);
-    let inside = |(t, _): &(f64, f64)| (from..=to).contains(t);
     let layers = runs.iter().enumerate().map(|(i, run)| {
         let pairs = run.t_s.iter().copied().zip(run.theta_deg.iter().copied());
-        let (x, y) = pairs.filter(inside).unzip();
+        let (x, y) = pairs.filter(|(t, _)| (from..=to).contains(t)).unzip();
         let name = match run.step_ms {
             Some(step_ms) => format!("RK4, step {step_ms} ms"),
             None => format!("events found: {} changes of motion", run.changes),

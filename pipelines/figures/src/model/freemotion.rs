@@ -103,9 +103,10 @@ pub fn free_motion(about: &About, fits: &[FreePlane], notes: &[String]) -> Figur
 /// Participant and session of each row; the participant is left out where there is only one.
 fn keys(fits: &[FreePlane]) -> Vec<String> {
     let one = fits.windows(2).all(|pair| pair[0].participant == pair[1].participant);
-    let key = |fit: &FreePlane| match one {
-        true => fit.session.to_string(),
-        false => format!("{} {}", fit.participant, fit.session),
-    };
-    fits.iter().map(key).collect()
+    fits.iter()
+        .map(|fit| match one {
+            true => fit.session.to_string(),
+            false => format!("{} {}", fit.participant, fit.session),
+        })
+        .collect()
 }

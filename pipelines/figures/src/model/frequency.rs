@@ -87,7 +87,8 @@ impl Curve {
         let phase = |point: &&ImpedancePoint| match is_known(point) {
             true => {
                 let half = point.phase_half_interval_rad.map_or(f64::NAN, f64::to_degrees);
-                let (at, by) = (point.phase_rad.to_degrees(), half.min(180.0));
+                let at = point.phase_rad.to_degrees();
+                let by = half.min(180.0);
                 [at, at - by, at + by]
             }
             false => [f64::NAN; 3],

@@ -53,9 +53,10 @@ fn panel(bounds: &[WallBound], linear: &[[f64; 2]], number: usize, push_m: f64) 
         }
     }
     for (k, mode) in modes.into_iter().enumerate() {
-        let is_it =
-            |bound: &&WallBound| bound.push_m.to_bits() == push_m.to_bits() && bound.mode == *mode;
-        let own: Vec<&WallBound> = bounds.iter().filter(is_it).collect();
+        let own: Vec<&WallBound> = bounds
+            .iter()
+            .filter(|bound| bound.push_m.to_bits() == push_m.to_bits() && bound.mode == *mode)
+            .collect();
         let logs = |get: fn(&WallBound) -> f64| own.iter().map(|bound| log(get(bound))).collect();
         layers.push(Layer::Intervals(Intervals {
             direction: Direction::Vertical,

@@ -124,12 +124,12 @@ impl Rows {
 
     /// `before` degrees stand in the panels to the left.
     fn panel(&self, column: usize, before: usize, kind: LessKind, less: &[Arc<str>]) -> Panel {
-        let (direction, stroke) = (Direction::Vertical, style::reference());
+        let direction = Direction::Vertical;
+        let stroke = style::reference();
         let felt = Reference { direction, at: 0.0, label: None, stroke, name: None };
         let mut layers = vec![Layer::Reference(felt)];
         let degrees = less.len();
         layers.extend(less.iter().enumerate().map(|(number, less)| {
-            let place = |row: usize| row as f64 + dodge(number, degrees);
             let share = |metric: &Arc<str>, which: usize| {
                 let shares = self.most.get(&(less.clone(), metric.clone()));
                 shares.map_or(f64::NAN, |shares| libm::log10(shares[which].max(LEAST)))
@@ -138,7 +138,7 @@ impl Rows {
                 |which| self.names.iter().map(|(metric, _)| share(metric, which)).collect();
             Layer::Intervals(Intervals {
                 direction: Direction::Horizontal,
-                at: (0..self.names.len()).map(place).collect(),
+                at: (0..self.names.len()).map(|row| row as f64 + dodge(number, degrees)).collect(),
                 estimate: shares(0),
                 low: shares(0),
                 high: shares(1),

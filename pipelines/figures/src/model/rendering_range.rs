@@ -72,8 +72,7 @@ pub fn rendering_range(
     footnote: &str,
     sources: &[Source],
 ) -> Option<Figure> {
-    let is_driven = |mode: &&Mode| mode.motor_max_v.or(mode.brake_max_v).is_some();
-    about.modes.iter().find(is_driven)?;
+    about.modes.iter().find(|mode| mode.motor_max_v.or(mode.brake_max_v).is_some())?;
     let mut footnotes = vec![
         "Bar: every force that some command up to the mode's own voltage makes, at any angle; above 0 against a push \
          into the object. The friction of the transmission, which adds to it on the way in and takes from it on \
@@ -136,8 +135,8 @@ fn commands(about: &About, calibration: &Calibration) -> Panel {
             let words = format!("{name}: none below {gap_v:.2} V");
             layers.push(reference(Direction::Vertical, gap_v, Some(words)));
         }
-        let place = |i: usize| gap_v + (most_v - gap_v) * i as f64 / PIECES as f64;
-        let x: Vec<f64> = (0..=PIECES).map(place).collect();
+        let x: Vec<f64> =
+            (0..=PIECES).map(|i| gap_v + (most_v - gap_v) * i as f64 / PIECES as f64).collect();
         let y = x.iter().map(|v| curve.force_n(*v)).collect();
         let name = Some(name.to_owned());
         layers.push(Layer::Line(Line { x, y, stroke, name, ..Line::default() }));
@@ -199,8 +198,10 @@ fn bars(about: &About, way: Way, calibration: &Calibration, column: usize) -> Pa
 
 /// The bar of a mode and its edge.
 fn bar(index: usize, low_n: f64, high_n: f64) -> Vec<Layer> {
-    let (colour, at) = (style::mode_colour(index), index as f64);
-    let (left, right) = (at - HALF_BAR, at + HALF_BAR);
+    let colour = style::mode_colour(index);
+    let at = index as f64;
+    let left = at - HALF_BAR;
+    let right = at + HALF_BAR;
     let area = Band {
         x: vec![left, right],
         low: vec![low_n; 2],

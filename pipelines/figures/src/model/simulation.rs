@@ -69,7 +69,9 @@ impl Part {
 
     /// The force at `x`.
     fn line(self, x: Vec<f64>) -> Layer {
-        let (y, stroke, name) = (self.force_n, self.stroke, Some(plain(&self.name)));
+        let y = self.force_n;
+        let stroke = self.stroke;
+        let name = Some(plain(&self.name));
         Layer::Line(Line { x, y, stroke, name, ..Line::default() })
     }
 }
@@ -182,7 +184,8 @@ fn force_axis() -> Axis {
 }
 
 fn zero_line() -> Layer {
-    let (direction, stroke) = (Direction::Horizontal, style::reference());
+    let direction = Direction::Horizontal;
+    let stroke = style::reference();
     Layer::Reference(Reference { direction, at: 0.0, label: None, stroke, name: None })
 }
 

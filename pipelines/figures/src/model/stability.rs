@@ -98,7 +98,8 @@ fn panel(curves: &[LimitPoint], number: usize, sides: &StabilityPanel, count: us
     let mut layers: Vec<Layer> = sides.stable.iter().map(|area| shade(area, sides)).collect();
     layers.extend(limits.iter().map(layer));
     layers.extend(device(sides));
-    let (x, y) = (sides.x.axis(), sides.y.axis());
+    let x = sides.x.axis();
+    let y = sides.y.axis();
     let cell = Cell::at(number / 2, number % 2);
     let letter = char::from(b'a' + (number % 26) as u8);
     let title = format!("**{letter}**  {} and {}", sides.x.label, sides.y.label);
@@ -184,7 +185,8 @@ fn limits(curves: &[LimitPoint], sides: &StabilityPanel) -> Vec<Limit> {
         };
         let Some(label) = label else { continue };
         if limits.last().is_none_or(|last| last.name != point.limit) {
-            let (name, kind) = (point.limit.clone(), point.kind);
+            let name = point.limit.clone();
+            let kind = point.kind;
             limits.push(Limit { name, kind, label, x: Vec::new(), y: Vec::new() });
             piece = point.piece;
         }
@@ -201,7 +203,9 @@ fn limits(curves: &[LimitPoint], sides: &StabilityPanel) -> Vec<Limit> {
 }
 
 fn layer(limit: &Limit) -> Layer {
-    let (x, y, name) = (limit.x.clone(), limit.y.clone(), Some(limit.label.clone()));
+    let x = limit.x.clone();
+    let y = limit.y.clone();
+    let name = Some(limit.label.clone());
     if limit.kind == LimitKind::Measured {
         return Layer::Points(Points { x, y, name, diameter_pt: 4.0, ..Points::default() });
     }
@@ -262,10 +266,8 @@ pub fn boundaries(
         ]
     };
     let own = boundaries.iter().enumerate().flat_map(|(i, b)| curve(i, &b.name, &b.points));
-    let (x, y) = (
-        Axis::new("wall damping *B*", "as measured"),
-        Axis::new("wall stiffness *K*", "as measured"),
-    );
+    let x = Axis::new("wall damping *B*", "as measured");
+    let y = Axis::new("wall stiffness *K*", "as measured");
     let own = Panel::new(Cell::at(0, 0), x, y, own.collect());
     let map = linear.map(|points| {
         let (x, y) = points.iter().map(|p| (p[0], p[1])).unzip();
@@ -276,10 +278,8 @@ pub fn boundaries(
         boundaries.iter().enumerate().filter_map(|(i, b)| Some((i, b, b.shares.as_ref()?)));
     let shares: Vec<Layer> =
         map.into_iter().chain(shares.flat_map(|(i, b, s)| curve(i, &b.name, s))).collect();
-    let (x, y) = (
-        Axis::new("damping over its largest *B*/*B*_{end}", ""),
-        Axis::new("stiffness over the undamped *K*/*K*(0)", ""),
-    );
+    let x = Axis::new("damping over its largest *B*/*B*_{end}", "");
+    let y = Axis::new("stiffness over the undamped *K*/*K*(0)", "");
     let shares = if shares.is_empty() {
         Panel::with_note(Cell::at(0, 1), x, y, "no boundary has both ends")
     } else {

@@ -134,7 +134,8 @@ fn panel(column: usize, x: Axis, y: Axis, layers: Vec<Layer>, title: &str) -> Pa
 }
 
 fn just_felt() -> Layer {
-    let (direction, stroke) = (Direction::Horizontal, style::reference());
+    let direction = Direction::Horizontal;
+    let stroke = style::reference();
     let label = Some("just felt".to_owned());
     Layer::Reference(Reference { direction, at: 0.0, label, stroke, name: None })
 }
@@ -186,7 +187,8 @@ fn front(settings: &[&TradeSetting]) -> Layer {
 
 fn layers(curves: &[Curve], pick: fn(&Curve) -> &Vec<f64>) -> Vec<Layer> {
     let of = |curve: &Curve| {
-        let (x, y) = (logarithms(&curve.work), logarithms(pick(curve)));
+        let x = logarithms(&curve.work);
+        let y = logarithms(pick(curve));
         let colour = curve.stroke.colour;
         let points = |good: bool, diameter_pt: f64| {
             let kept = |values: &[f64]| -> Vec<f64> {
@@ -218,9 +220,9 @@ fn ring(curves: &[Curve], choice: &TradeChoice, pick: fn(&Curve) -> &Vec<f64>) -
     let (solver, work) = choice.solver.as_deref().zip(choice.work)?;
     let label = NAMED_SOLVERS.into_iter().find(|named| named.name == solver)?.label;
     let curve = curves.iter().find(|curve| curve.name == label)?;
-    let is_it = |w: &f64| (*w - work as f64).abs() < 0.5;
-    let i = curve.work.iter().position(is_it)?;
-    let (x, y) = (libm::log10(curve.work[i]), libm::log10(pick(curve)[i]));
+    let i = curve.work.iter().position(|w| (*w - work as f64).abs() < 0.5)?;
+    let x = libm::log10(curve.work[i]);
+    let y = libm::log10(pick(curve)[i]);
     const CORNERS: u32 = 48;
     let turn = |k: u32| f64::from(k) / f64::from(CORNERS) * std::f64::consts::TAU;
     Some(Layer::Line(Line {

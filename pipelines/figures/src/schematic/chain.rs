@@ -142,7 +142,8 @@ pub(crate) fn model_forces(of: &Modelled) -> Figure {
 /// A mass with the force from the wall's side and that from the user's, and its equation.
 fn free_body(body: &Body, x: f64, [wall, user]: [&str; 2], equation: &str) -> Vec<Layer> {
     let block = mass(body, (x, 18.0));
-    let (left, right) = (block.left(), block.right());
+    let left = block.left();
+    let right = block.right();
     let mut layers = block.layers();
     for (edge, out, symbol) in [(left, -ARROW_MM, wall), (right, ARROW_MM, user)] {
         layers.extend(arrow(&Way::through([(edge.0 + out, edge.1), edge]), FORCE));

@@ -38,7 +38,8 @@ fn flow(points: impl IntoIterator<Item = Point>) -> Vec<Layer> {
 
 /// A line from one box to the next, with words over it.
 fn between(from: &Block, to: &Block, words: &str) -> Vec<Layer> {
-    let (from, to) = (from.right(), to.left());
+    let from = from.right();
+    let to = to.left();
     let mut layers = flow([from, to]);
     layers.push(over(words, (f64::midpoint(from.0, to.0) - 0.6, from.1)));
     layers
@@ -75,13 +76,15 @@ fn state(of: &Modelled) -> &'static str {
 /// The loop that is solved: the forces depend on the state of the step before, and so does what
 /// comes out (thesis §2.3).
 pub(crate) fn force_control(of: &Modelled) -> Figure {
-    let (forces, equations) = (forces(of, 11.0), equations(43.0));
+    let forces = forces(of, 11.0);
+    let equations = equations(43.0);
     let step = block(66.5, 15.0, ["one step".to_owned(), of.step().line()]);
     let step = step.coloured(style::FINGER);
     let mut layers: Vec<Layer> = [&forces, &equations, &step].map(Block::layers).concat();
     layers.extend(between(&forces, &equations, both_forces(of)));
     layers.extend(between(&equations, &step, "*ẍ*"));
-    let (top, out) = (equations.top(), step.right());
+    let top = equations.top();
+    let out = step.right();
     layers.extend(flow([(top.0, top.1 + 10.0), top]));
     layers.push(right_of(vec!["*F*_{ex}, given".to_owned()], (top.0, top.1 + 6.5)));
     let corner = (out.0 + 2.8, out.1);
@@ -100,9 +103,11 @@ pub(crate) fn force_control(of: &Modelled) -> Figure {
 
 /// Without a loop: where the motion is given, the forces follow from it at once.
 pub(crate) fn displacement_control(of: &Modelled) -> Figure {
-    let (forces, equations) = (forces(of, 31.0), equations(65.0));
+    let forces = forces(of, 31.0);
+    let equations = equations(65.0);
     let mut layers: Vec<Layer> = [&forces, &equations].map(Block::layers).concat();
-    let (from, out) = (forces.left(), equations.right());
+    let from = forces.left();
+    let out = equations.right();
     layers.extend(flow([(1.0, from.1), from]));
     let given = state(of);
     layers.push(over(given, (10.0, from.1)));

@@ -145,13 +145,15 @@ fn flow(points: impl IntoIterator<Item = Point>) -> Vec<Layer> {
 fn through_device(b: &Boxes, of: &Setup) -> Vec<Layer> {
     let up = |(x, y): Point, by: f64| (x, y + by);
     let [theta, _] = symbols(of);
-    let (hand, lever) = (b.participant.right(), b.lever.left());
+    let hand = b.participant.right();
+    let lever = b.lever.left();
     let mut layers = flow([up(hand, 3.0), up(lever, 3.0)]);
     layers.extend(flow([up(lever, -3.0), up(hand, -3.0)]));
     let middle = f64::midpoint(hand.0, lever.0);
     layers.push(over("*F*_{ex}", (middle, hand.1 + 3.0)));
     layers.push(over("feels", (middle, hand.1 - 8.2)));
-    let (top, bottom) = (b.lever.top(), b.lever.bottom());
+    let top = b.lever.top();
+    let bottom = b.lever.bottom();
     let to_sensor = |x: f64, sensor: &Block| flow([(x, top.1), (x, sensor.at.1), sensor.left()]);
     layers.extend(to_sensor(top.0 - 3.0, &b.force));
     layers.extend(to_sensor(top.0 + 3.0, &b.angle));
@@ -179,7 +181,8 @@ fn through_computer(b: &Boxes, of: &Setup) -> Vec<Layer> {
     layers.extend(flow([b.environment.bottom(), b.mode.top()]));
     layers.extend(flow([b.mode.bottom(), b.voltage.top()]));
     layers.extend(flow([b.voltage.left(), b.safety.right()]));
-    let (force, mode) = (b.force.right(), b.mode.right());
+    let force = b.force.right();
+    let mode = b.mode.right();
     let beyond = mode.0 + 3.2;
     layers.extend(flow([force, (beyond, force.1), (beyond, mode.1), mode]));
     layers.push(over("*F*_{ex}", (113.0, force.1)));

@@ -109,7 +109,8 @@ fn torques(of: &Setup) -> Vec<Layer> {
         let middle = side * FRAC_PI_2;
         let way = Way::arc(shaft, AROUND, middle - HALF_RAD, middle + HALF_RAD);
         layers.extend(arrow(&way, style::mean(colour)));
-        let (beside, words) = (polar(shaft, AROUND, middle), vec![symbol.to_owned()]);
+        let beside = polar(shaft, AROUND, middle);
+        let words = vec![symbol.to_owned()];
         layers.push(if side < 0.0 { left_of(words, beside) } else { right_of(words, beside) });
     }
     layers
@@ -199,7 +200,9 @@ fn wheel_and_lever(of: &Setup) -> Vec<Layer> {
     // away from the reader
     layers.extend(ring((X - 8.0, LEVER_MM - 1.0), 1.7, style::mean(style::INK)));
     for side in [1.0, -1.0] {
-        let (x, y, r) = (X - 8.0, LEVER_MM - 1.0, 1.2);
+        let x = X - 8.0;
+        let y = LEVER_MM - 1.0;
+        let r = 1.2;
         layers
             .push(line([(x - r, y - side * r), (x + r, y + side * r)], style::single(style::INK)));
     }

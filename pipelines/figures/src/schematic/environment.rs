@@ -66,7 +66,8 @@ impl Placement {
 /// lever. What the drawing shows is commanded, not measured.
 pub fn environment(placement: &Placement) -> Option<Figure> {
     let Placement { coordinate, environment, .. } = placement;
-    let (low, high) = (placement.theta_min_rad?, placement.theta_max_rad?);
+    let low = placement.theta_min_rad?;
+    let high = placement.theta_max_rad?;
     let spring = environment.scene.spring().filter(|_| *coordinate == Coordinate::Rotational)?;
     let wall = environment.scene.wall_rad();
     let words = Words::new(*coordinate);

@@ -84,7 +84,8 @@ impl LeverModel {
 
     /// The object's spring and damper, about the axis.
     fn object(&self) -> Vec<Layer> {
-        let (lever, Body { stiffness, damping, pen, .. }) = (&self.lever, &self.object);
+        let lever = &self.lever;
+        let Body { stiffness, damping, pen, .. } = &self.object;
         let around = |distance| lever.arc(distance, lever.theta_rad, self.high_rad);
         let mut layers = vec![spring(&around(SPRING), *pen)];
         layers.extend(damper(&around(DAMPER), *pen));
@@ -215,7 +216,8 @@ pub(crate) fn lever_model_forces(of: &Modelled) -> Figure {
 /// The finger's mass between the user's force and its tissue, and its equation by the scene's law.
 fn finger_alone(lever: &Lever, finger: &Body, law: FingerLaw) -> Vec<Layer> {
     let direction = across(lever, 1.0);
-    let (from, to) = (direction.at(0.0, 0.0), direction.at(1.0, 0.0));
+    let from = direction.at(0.0, 0.0);
+    let to = direction.at(1.0, 0.0);
     let along = Way::through([AT_MM, (AT_MM.0 + to.0 - from.0, AT_MM.1 + to.1 - from.1)]);
     let mut layers = slab(finger, &along, -4.5, 4.5);
     layers.extend(from_both_sides(&along, 4.5, ["*F*_{ex}", "*F*_{F}"]));

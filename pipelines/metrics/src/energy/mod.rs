@@ -178,7 +178,8 @@ impl Motion<'_> {
             Some(before) => crossing(self.theta, before, wall),
             None => Place::sample(0),
         };
-        let (began_s, end) = (from.of(self.t), contact.last);
+        let began_s = from.of(self.t);
+        let end = contact.last;
         let t = self.t;
         let before = (0..=from.i).rev().take_while(|i| t[*i] >= began_s - HALF_S);
         let fastest = before.map(|i| self.speed_rad_s(i).abs()).fold(0.0, f64::max);
@@ -238,13 +239,15 @@ impl Work<'_> {
     }
 
     fn observed(&self, of: &Exchange) -> Option<Observed> {
-        let (began, (first, speeds)) = (of.from.speed_rad_s, &of.samples);
+        let began = of.from.speed_rad_s;
+        let (first, speeds) = &of.samples;
         let mut least_j: Option<f64> = None;
         let mut look = |work_j: f64, speed_rad_s: f64| {
             let found = self.observer_j(work_j, began, speed_rad_s);
             least_j = least_j.into_iter().chain(found).reduce(f64::min);
         };
-        let (mut work_j, mut exchanged_j) = (-self.beyond_j(of.from.at), 0.0);
+        let mut work_j = -self.beyond_j(of.from.at);
+        let mut exchanged_j = 0.0;
         for i in of.from.at.i..=of.last {
             if let Some(speed) = i.checked_sub(*first).and_then(|place| speeds.get(place)) {
                 look(work_j, *speed);
@@ -284,16 +287,16 @@ fn loops(theta: &[f64], least: f64) -> Vec<[Place; 2]> {
 
 fn closed(theta: &[f64], leg: Leg) -> Option<[Place; 2]> {
     let level = theta[leg.from];
-    let back = |i: &usize| if leg.up { theta[*i] <= level } else { theta[*i] >= level };
-    let met = (leg.to + 1..theta.len()).find(back)?;
+    let met = (leg.to + 1..theta.len())
+        .find(|i| if leg.up { theta[*i] <= level } else { theta[*i] >= level })?;
     Some([Place::sample(leg.from), crossing(theta, met - 1, level)])
 }
 
 fn closed_backwards(theta: &[f64], last: Leg) -> Option<[Place; 2]> {
     let end = theta.len() - 1;
-    let before =
-        |i: &usize| if last.up { theta[*i] >= theta[end] } else { theta[*i] <= theta[end] };
-    let met = (0..last.from).rev().find(before)?;
+    let met = (0..last.from)
+        .rev()
+        .find(|i| if last.up { theta[*i] >= theta[end] } else { theta[*i] <= theta[end] })?;
     Some([crossing(theta, met, theta[end]), Place::sample(end)])
 }
 

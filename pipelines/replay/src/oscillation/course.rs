@@ -36,8 +36,10 @@ pub(super) struct Loop {
 impl Loop {
     /// That of a trial, at the ticks of its recording.
     pub(super) fn of(
-        (study, rendering): (&Study, &Rendering),
-        (trial, drive): (&Trial, &Drive),
+        study: &Study,
+        rendering: &Rendering,
+        trial: &Trial,
+        drive: &Drive,
         plant: &Parameters,
     ) -> Result<Self, WhyNot> {
         let calibration = rendering.calibration.clone().ok_or(WhyNot::NoCalibration)?;

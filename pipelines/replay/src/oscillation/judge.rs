@@ -155,7 +155,8 @@ impl Oscillation {
 /// [`Origin`].
 pub fn oscillation(
     trial: &Trial,
-    (study, rendering): (&Study, &Rendering),
+    study: &Study,
+    rendering: &Rendering,
     plant: &Parameters,
 ) -> Result<Oscillation, ReplayError> {
     let drive = match Drive::new(trial, rendering) {
@@ -176,7 +177,7 @@ pub fn oscillation(
     if found.period_s() < TICKS_A_CYCLE * tick_s {
         return without(Origin::TooFewTicks, Some(found));
     }
-    let controller = match Loop::of((study, rendering), (trial, &drive), plant) {
+    let controller = match Loop::of(study, rendering, trial, &drive, plant) {
         Err(why) => return without(Origin::NoModel(why), Some(found)),
         Ok(controller) => controller,
     };
@@ -190,23 +191,23 @@ pub fn oscillation(
         let ticks = (course.t_s.clone(), force_n.to_vec());
         TickedLoop::new(scene.clone(), ticks, controller.clone())
     };
-    let (with_force, alone) = (model(&course.force_ex_n)?, model(&kicked_n)?);
+    let with_force = model(&course.force_ex_n)?;
+    let alone = model(&kicked_n)?;
     let exact = |model: &dyn Model| model.run(&Exact::default(), tick_s / SAMPLES).ok();
     let runs = [exact(&with_force), exact(&alone)];
     let [Some(run_with), Some(run_alone)] = runs else {
         return without(Origin::NotKnown, Some(found));
     };
     let seen_in = |run: &Trajectory| seen(run, &course.t_s, &found, bound_rad);
-    let stepped = |share: f64| -> f64 {
-        let run = alone.run(&MoreauJean::default(), share * tick_s);
-        run.ok().and_then(|run| seen_in(&run)).map_or(0.0, |swings| swings.amplitude_rad)
-    };
     let judged = Reference::of(&alone).judge(&MoreauJean::default(), STEPS[0] * tick_s);
     let power_factor = power_factor(&drive, &slow_n, &found)?;
     let mut all = Oscillation {
         with_force: seen_in(&run_with),
         alone: seen_in(&run_alone),
-        stepped_rad: STEPS.map(stepped),
+        stepped_rad: STEPS.map(|share| -> f64 {
+            let run = alone.run(&MoreauJean::default(), share * tick_s);
+            run.ok().and_then(|run| seen_in(&run)).map_or(0.0, |swings| swings.amplitude_rad)
+        }),
         nature: judged.reference.map(|reference| reference.nature),
         power_factor,
         courses: vec![
@@ -277,10 +278,13 @@ fn power_factor(
     let course = drive.recorded();
     let rate = central_differences(&course.t_s, &course.theta_rad)?;
     let slow_rate = slow_part(&course.t_s, &rate, found.period_s());
-    let (mut fv, mut ff, mut vv) = (0.0, 0.0, 0.0);
+    let mut fv = 0.0;
+    let mut ff = 0.0;
+    let mut vv = 0.0;
     for (i, t) in course.t_s.iter().enumerate() {
         if (found.from_s..=found.to_s).contains(t) {
-            let (f, v) = (course.force_ex_n[i] - slow_n[i], rate[i] - slow_rate[i]);
+            let f = course.force_ex_n[i] - slow_n[i];
+            let v = rate[i] - slow_rate[i];
             fv += f * v;
             ff += f * f;
             vv += v * v;

@@ -96,12 +96,14 @@ pub(crate) fn swings(
     let all: Vec<Swing> = inner.iter().map(|leg| swing(leg.from, leg.to)).collect();
     let is_in = |swing: &&Swing| within_s[0] <= swing.from_s && swing.to_s <= within_s[1];
     let all: Vec<Swing> = all.iter().filter(is_in).copied().collect();
-    let alike = |a: &Swing, b: &Swing| {
-        let (a, b) = (a.duration_s(), b.duration_s());
-        a <= ALIKE * b && b <= ALIKE * a
-    };
     // The first of equally long rows.
-    let rows = all.chunk_by(alike).filter(|row| row.len() >= FEWEST_SWINGS);
+    let rows = all
+        .chunk_by(|a, b| {
+            let a = a.duration_s();
+            let b = b.duration_s();
+            a <= ALIKE * b && b <= ALIKE * a
+        })
+        .filter(|row| row.len() >= FEWEST_SWINGS);
     let row = rows.reduce(|best, row| if row.len() > best.len() { row } else { best })?;
     Some(RecordedSwings {
         from_s: row[0].from_s,

@@ -105,7 +105,7 @@ fn recorded(study: &Study, mode: &str, delay: usize, user: &dyn Fn(f64) -> f64) 
 }
 
 fn asked(study: &Study, mode: &str, trial: &Trial) -> Oscillation {
-    oscillation(trial, (study, &rendering(study, mode)), &PLANT).unwrap()
+    oscillation(trial, study, &rendering(study, mode), &PLANT).unwrap()
 }
 
 /// 60 N/rad at 45 mm are 1333 N/m: twice the lifted map's limit.
@@ -165,7 +165,7 @@ fn two_ticks_in_a_cycle_may_be_a_faster_swing_and_without_a_calibration_there_is
     let study = stiff(60.0);
     let mut trial = recorded(&study, "active", 0, &|t| push(t, 2.5));
     let rendering = Rendering { calibration: None, ..rendering(&study, "active") };
-    let found = oscillation(&trial, (&study, &rendering), &PLANT).unwrap();
+    let found = oscillation(&trial, &study, &rendering, &PLANT).unwrap();
     assert_eq!(found.origin, Origin::NoModel(WhyNot::NoCalibration));
     let theta = trial.samples.get(Signal::Theta).unwrap();
     let flip = |i: usize| {

@@ -65,7 +65,9 @@ pub fn methods(study: &Study, recorded: &Recorded, version: &str) -> Vec<Methods
 }
 
 fn apparatus(study: &Study, recorded: &Recorded) -> Vec<String> {
-    let (device, control, axis) = (&study.device, &study.control, study.coordinate);
+    let device = &study.device;
+    let control = &study.control;
+    let axis = study.coordinate;
     if study.environments.iter().all(|e| e.scene == Scene::None) {
         return Vec::new();
     }
@@ -158,7 +160,8 @@ fn environment(study: &Study, environment: &Environment) -> Option<String> {
 fn mode(mode: &Mode) -> Option<String> {
     let volts =
         |max_v: Option<f64>| max_v.map(|v| format!(" (up to {} V)", plain(v))).unwrap_or_default();
-    let (motor, brake) = (volts(mode.motor_max_v), volts(mode.brake_max_v));
+    let motor = volts(mode.motor_max_v);
+    let brake = volts(mode.brake_max_v);
     let law = match mode.law()? {
         ModeLaw::Active => format!("the motor{motor} gave the force on both ways"),
         ModeLaw::Passive => format!("the brake{brake} gave the force on both ways"),
@@ -232,7 +235,8 @@ fn answered(study: &Study, recorded: &Recorded) -> Option<String> {
 }
 
 fn data(recorded: &Recorded) -> Vec<String> {
-    let (one, several) = ("sweep of an actuator or sensor", "sweeps of an actuator or sensor");
+    let one = "sweep of an actuator or sensor";
+    let several = "sweeps of an actuator or sensor";
     let counts = [
         (recorded.participants, count(recorded.participants, "participant")),
         (recorded.sessions, count(recorded.sessions, "session")),
@@ -262,9 +266,10 @@ fn measures(study: &Study, recorded: &Recorded, cited: &mut Cited) -> Vec<String
     if recorded.trials == 0 {
         return Vec::new();
     }
-    let (analysis, axis) = (&study.analysis, study.coordinate);
-    let (onset, offset) =
-        (given(analysis.onset_rad_s, "rad/s", axis), given(analysis.offset_rad_s, "rad/s", axis));
+    let analysis = &study.analysis;
+    let axis = study.coordinate;
+    let onset = given(analysis.onset_rad_s, "rad/s", axis);
+    let offset = given(analysis.offset_rad_s, "rad/s", axis);
     let has = |is: fn(&Scene) -> bool| study.environments.iter().any(|e| is(&e.scene));
     let wall = if has(|scene| scene.wall_rad().is_some()) { "wall contact, " } else { "" };
     let mut said = vec![format!(

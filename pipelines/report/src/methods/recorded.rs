@@ -42,8 +42,8 @@ impl Recorded {
 
     /// Whether others took all that there is: how, is not known.
     pub(super) fn is_foreign(&self) -> bool {
-        let ours = |source: &Source| matches!(source, Source::Recorded | Source::Twin);
-        !self.sources.is_empty() && !self.sources.keys().any(ours)
+        !self.sources.is_empty()
+            && !self.sources.keys().any(|source| matches!(source, Source::Recorded | Source::Twin))
     }
 }
 

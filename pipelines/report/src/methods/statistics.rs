@@ -62,7 +62,8 @@ fn compared(study: &Study, recorded: &Recorded) -> String {
 fn between(study: &Study, recorded: &Recorded, cited: &mut Cited) -> String {
     let again = recorded.sessions > recorded.participants;
     let sessions = if again { ", then the sessions" } else { "" };
-    let (flips, ranks) = (cited.cite("fisher"), cited.cite("wilcoxon"));
+    let flips = cited.cite("fisher");
+    let ranks = cited.cite("wilcoxon");
     // The order in which others drew their trials is not known.
     let beside = match recorded.is_foreign() {
         true => format!("the sign-flip test {flips} and the signed-rank test {ranks}"),

@@ -120,7 +120,8 @@ impl Contents {
 
     /// What is known of a study. `compared` names the metrics to show; `answers` are all there are.
     pub fn of(
-        (study, title): (&str, &str),
+        study: &str,
+        title: &str,
         planned: &Setup,
         metrics: &Measured,
         compared: &[ComparedMetric],

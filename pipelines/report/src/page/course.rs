@@ -81,7 +81,8 @@ pub fn condition_script(
     let mut condition =
         Condition { trials: Vec::new(), means: BTreeMap::new(), replay: BTreeMap::new() };
     for Course { trial, repeat, recorded, columns, events } in trials {
-        let (samples, repeat) = (packed(columns)?, Some(*repeat));
+        let samples = packed(columns)?;
+        let repeat = Some(*repeat);
         let recorded = Some(*recorded).filter(|recorded| *recorded > samples.n);
         condition.trials.push(PackedCourse { trial: *trial, repeat, recorded, samples, events });
     }

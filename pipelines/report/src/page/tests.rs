@@ -99,7 +99,7 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         counts: true,
         why_not: None,
     };
-    Contents::of(("s", title), planned, &metrics(), &[compared], &[given])
+    Contents::of("s", title, planned, &metrics(), &[compared], &[given])
 }
 
 fn page(summary: &Summary) -> String {

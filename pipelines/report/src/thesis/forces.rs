@@ -97,7 +97,8 @@ fn rated_n(derived: &Derived) -> Result<f64, Stop> {
 }
 
 fn below_brake(derived: &Derived) -> Result<Judged, Stop> {
-    let (motor, brake) = (rated_n(derived)?, brake_n(derived)?);
+    let motor = rated_n(derived)?;
+    let brake = brake_n(derived)?;
     let asked = format!("below {brake:.2}\u{a0}N: the brake's at its highest voltage");
     let words = "motor's force at 48 V, by the voltage";
     Ok(single(words, motor, "N", Verdict::of(motor < brake), asked, Shown::Forces))
@@ -124,7 +125,8 @@ fn wall_below_brake(derived: &Derived) -> Result<Judged, Stop> {
     let Some(most) = forces.iter().copied().reduce(f64::max) else {
         return not_measured("no trial has a force past the wall");
     };
-    let (people, coordinate) = (trials.participants(), derived.known.study.coordinate);
+    let people = trials.participants();
+    let coordinate = derived.known.study.coordinate;
     let over = match people.first() {
         Some(who) if people.len() == 1 => trials_of(who),
         _ => format!("trials of {} participants", people.len()),

@@ -75,7 +75,8 @@ fn of_case(rule: Rule, case: Case, printed: bool, derived: &Derived) -> Result<J
             in_range(quantity, estimated, bound, environment, derived)
         }
         Rule::Difference(quantity, other, bound) => {
-            let (of, less) = (people(derived, case, quantity)?, people(derived, other, quantity)?);
+            let of = people(derived, case, quantity)?;
+            let less = people(derived, other, quantity)?;
             let estimated = difference(&of, &less, derived.level);
             let judged = in_range(quantity, estimated, bound, environment, derived)?;
             let less = condition(derived.known, other)?;
@@ -107,8 +108,9 @@ fn in_range(
         let why = "it is of an angle, and this study's are lengths";
         return Err(Stop::NotMeasured(why.to_owned()));
     }
-    let none = || Stop::NotMeasured("the environment sets no bound".to_owned());
-    let range = bound.range(environment).ok_or_else(none)?;
+    let range = bound
+        .range(environment)
+        .ok_or_else(|| Stop::NotMeasured("the environment sets no bound".to_owned()))?;
     let shown = match quantity.from {
         From::Metrics => Shown::Modes(environment.id.clone()),
         From::Replays => Shown::Replays(environment.id.clone()),
@@ -164,7 +166,8 @@ fn some(quantity: Quantity, above: f64, case: Case, derived: &Derived) -> Result
     let trials = trials(derived, case, quantity.from)?;
     let people = trials.people(quantity.column, quantity.less)?;
     let values: Vec<f64> = people.values().flat_map(BTreeMap::values).flatten().copied().collect();
-    let (some, all) = (values.iter().filter(|value| **value > above).count(), values.len());
+    let some = values.iter().filter(|value| **value > above).count();
+    let all = values.len();
     if all == 0 {
         return Err(Stop::NotMeasured(format!("no trial has a value: {}", quantity.words)));
     }
@@ -307,7 +310,8 @@ fn rests_on(parts: &[(&str, Verdict)], verdict: Verdict) -> String {
     };
     let its = parts.iter().filter(|(_, found)| *found == verdict).map(|(key, _)| text(key));
     let list: Vec<String> = its.collect();
-    let (word, some) = (verdict.as_str(), list.len());
+    let word = verdict.as_str();
+    let some = list.len();
     format!("it rests on {all} other statements, {some} of them {word}: {}", list.join(", "))
 }
 

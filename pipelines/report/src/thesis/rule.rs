@@ -168,7 +168,8 @@ impl Bound {
                     spring.stiffness_n_per_rad * (scene.wall_rad()? - spring.rest_rad).abs();
                 let why = "7 % of the spring's force at the wall, the just noticeable difference \
                            (Pang 1991)";
-                let (low, high) = (FORCE_JND * force_n, f64::INFINITY);
+                let low = FORCE_JND * force_n;
+                let high = f64::INFINITY;
                 Some(Range { low, high, why: why.to_owned() })
             }
         }

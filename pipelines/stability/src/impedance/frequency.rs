@@ -76,7 +76,8 @@ impl ResponsePoint {
 
     /// The interval of |Z|, N s/m; not below 0.
     pub fn interval(&self) -> Option<[f64; 2]> {
-        let (z, half) = (self.magnitude(), self.half_interval?);
+        let z = self.magnitude();
+        let half = self.half_interval?;
         Some([(z * (1.0 - half)).max(0.0), z * (1.0 + half)])
     }
 }
@@ -163,7 +164,8 @@ fn length(rate_hz: f64) -> usize {
 
 /// θ and force at even times from the first new value on that the angle was known at.
 fn even(recording: &Recording<'_>, force: &Updates, rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
-    let (t_s, theta_rad) = (recording.t_s, recording.theta_rad);
+    let t_s = recording.t_s;
+    let theta_rad = recording.theta_rad;
     let (Some(began), Some(ended)) = (t_s.first(), t_s.last()) else { return Default::default() };
     let first = force.t.iter().find(|t| *t >= began);
     let last = force.t.last().map(|last| last.min(*ended));

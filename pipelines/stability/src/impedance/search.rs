@@ -112,7 +112,8 @@ pub fn search(
         tried.push(Tried { stiffness_n_per_m, swing_m, goes_on });
         Ok((goes_on, saturates))
     };
-    let (mut low, mut high) = (0.0, STIFFNESS[0]);
+    let mut low = 0.0;
+    let mut high = STIFFNESS[0];
     loop {
         let (goes_on, saturates) = attempt(high, &mut tried)?;
         if goes_on {

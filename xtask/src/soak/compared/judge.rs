@@ -42,7 +42,8 @@ fn coverage(people: &People, found: &Found, wrong: &mut Vec<String>) -> anyhow::
     println!("| difference | truth | its std error | t | mixed model, Kenward–Roger |");
     println!("|---|---|---|---|---|");
     for what in people.compared().into_iter().filter(|what| !what.is_null()) {
-        let (said, truth) = (of(&found.both, what)?, people.truth(what, false)?);
+        let said = of(&found.both, what)?;
+        let truth = people.truth(what, false)?;
         let holds = |[low, high]: [f64; 2]| low <= truth.mean && truth.mean <= high;
         let plain = Share::of(said.iter().map(|said| holds(said.interval)));
         let model = Share::of(said.iter().filter_map(|said| Some(holds(said.model?.0))));
@@ -65,7 +66,8 @@ fn nothing(people: &People, found: &Found, wrong: &mut Vec<String>) -> anyhow::R
     );
     println!("|---|---|---|---|---|---|");
     for what in people.compared().into_iter().filter(|what| what.is_null()) {
-        let (said, copied) = (of(&found.both, what)?, people.copied[&what]);
+        let said = of(&found.both, what)?;
+        let copied = people.copied[&what];
         let below = |p: &dyn Fn(&Said) -> Option<f64>| {
             Share::of(said.iter().filter_map(|said| Some(p(said)? < ALPHA)))
         };
@@ -102,7 +104,8 @@ fn planned(people: &People, found: &Found) -> anyhow::Result<()> {
     );
     println!("|---|---|---|---|---|");
     for what in people.compared().into_iter().filter(|what| !what.is_null()) {
-        let (said, truth) = (of(&found.first, what)?, people.truth(what, true)?);
+        let said = of(&found.first, what)?;
+        let truth = people.truth(what, true)?;
         let plan = |modes: &[&str], difference: f64| -> anyhow::Result<Plan> {
             let spread = people.spread(what, modes)?;
             Ok(Plan {

@@ -120,10 +120,11 @@ impl People {
         for what in What::all().filter(|what| what.is_null()) {
             let Ok(truth) = self.truth(what, false) else { continue };
             self.copied.insert(what, truth);
-            let here = |trial: &&mut Trial| {
-                trial.environment == what.environment && MODES[trial.mode] == COPY
-            };
-            for trial in self.trials.iter_mut().flatten().filter(here) {
+            for trial in
+                self.trials.iter_mut().flatten().filter(|trial| {
+                    trial.environment == what.environment && MODES[trial.mode] == COPY
+                })
+            {
                 let value = &mut trial.values[what.metric];
                 *value = value.map(|value| value + truth.mean);
             }
@@ -192,7 +193,9 @@ impl People {
     pub(crate) fn spread(&self, what: What, modes: &[&str]) -> anyhow::Result<Spread> {
         let sessions: BTreeSet<&String> =
             self.trials.iter().flatten().map(|trial| &trial.session).collect();
-        let (mut participant, mut mode, mut value) = (vec![], vec![], vec![]);
+        let mut participant = vec![];
+        let mut mode = vec![];
+        let mut value = vec![];
         for (person, trial) in self
             .trials
             .iter()

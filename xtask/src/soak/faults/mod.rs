@@ -81,7 +81,8 @@ pub(crate) fn faults(
 /// The library that makes calls fail.
 fn compiled(folder: &Path) -> anyhow::Result<PathBuf> {
     std::fs::create_dir_all(folder)?;
-    let (source, library) = (folder.join("shim.c"), folder.join("shim.so"));
+    let source = folder.join("shim.c");
+    let library = folder.join("shim.so");
     std::fs::write(&source, include_str!("shim.c"))?;
     let built = Command::new("cc")
         .args(["-shared", "-fPIC", "-O1", "-o"])
@@ -100,7 +101,8 @@ impl<'a> Tried<'a> {
         folder: &Path,
         case: &'a Case,
     ) -> anyhow::Result<Self> {
-        let (before, root) = (folder.join("before"), folder.join("root"));
+        let before = folder.join("before");
+        let root = folder.join("root");
         if before.exists() {
             std::fs::remove_dir_all(&before)?;
         }
@@ -144,12 +146,11 @@ impl<'a> Tried<'a> {
         let every = every.max(1) * self.case.stride;
         for at in (first..MOST_CALLS).step_by(every as usize) {
             self.fresh()?;
-            let what = || {
-                format!("'{}', {fault} at call {at}; see {}", self.case.name, self.root.display())
-            };
             let Some(output) = self.failing(fault, at)? else { return Ok(()) };
             count.faults += 1;
-            let unknown = self.check(fault, &output).with_context(what)?;
+            let unknown = self.check(fault, &output).with_context(|| {
+                format!("'{}', {fault} at call {at}; see {}", self.case.name, self.root.display())
+            })?;
             count.unknown += u64::from(unknown);
         }
         bail!("'{}' makes more than {MOST_CALLS} calls", self.case.name)

@@ -45,11 +45,14 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
     }
     // What a device's own code does on purpose is caught by the guard, and told by nobody else.
     std::panic::set_hook(Box::new(|_| {}));
-    let (next, began) = (AtomicU64::new(first), Instant::now());
+    let next = AtomicU64::new(first);
+    let began = Instant::now();
     let last = first.saturating_add(seeds);
-    let (counts, broken) = (Mutex::new(Counts::new()), Mutex::new(Vec::new()));
+    let counts = Mutex::new(Counts::new());
+    let broken = Mutex::new(Vec::new());
     let work = || {
-        let (mut mine, mut failed) = (Counts::new(), Vec::new());
+        let mut mine = Counts::new();
+        let mut failed = Vec::new();
         loop {
             let seed = next.fetch_add(1, Ordering::Relaxed);
             if seed >= last {
@@ -71,8 +74,8 @@ pub(crate) fn simulate(with: With, seeds: u64, first: u64) -> anyhow::Result<()>
         ensure!(ended, "a thread of the simulation panicked");
         Ok(())
     })?;
-    let (counts, mut broken) =
-        (counts.into_inner().unwrap_or_default(), broken.into_inner().unwrap_or_default());
+    let counts = counts.into_inner().unwrap_or_default();
+    let mut broken = broken.into_inner().unwrap_or_default();
     let took_s = began.elapsed().as_secs_f64();
     println!(
         "{seeds} seeds from {first}, {with:?}: {took_s:.0} s, {:.2} ms each",

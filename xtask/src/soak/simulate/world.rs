@@ -104,12 +104,13 @@ impl Trouble {
     /// A few steps, by seconds to years, forwards and backwards, within the first trials.
     fn steps(draw: &mut Draw) -> Vec<(f64, i64)> {
         const UNITS_S: [i64; 5] = [1, 60, 3_600, 86_400, 31_557_600];
-        let one = |_| {
-            let at_s = draw.below(20_000) as f64 * 1e-3;
-            let by_s = draw.of(&UNITS_S) * (1 + draw.below(9) as i64) * draw.of(&[-1, 1]);
-            (at_s, by_s)
-        };
-        (0..=4).map(one).collect()
+        (0..=4)
+            .map(|_| {
+                let at_s = draw.below(20_000) as f64 * 1e-3;
+                let by_s = draw.of(&UNITS_S) * (1 + draw.below(9) as i64) * draw.of(&[-1, 1]);
+                (at_s, by_s)
+            })
+            .collect()
     }
 
     /// What it is called where it is counted.

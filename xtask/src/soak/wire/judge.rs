@@ -53,7 +53,8 @@ pub(super) fn judge(over: Over, trouble: Option<Trouble>, ended: &Ended) -> Resu
 pub(super) fn readings(ended: &Ended, path: &Path) -> Result<Vec<Recorded>, String> {
     let trial = read_trial_from(&ended.disk, path, Signal::all()).map_err(|e| e.to_string())?;
     let column = |signal| trial.samples.get(signal).ok_or_else(|| format!("no {signal:?}"));
-    let (raw, forces) = (column(Signal::ThetaRaw)?, column(Signal::ForceEx)?);
+    let raw = column(Signal::ThetaRaw)?;
+    let forces = column(Signal::ForceEx)?;
     let times = trial.samples.get(Signal::DeviceTime);
     let mut readings: Vec<_> = (0..raw.len())
         .map(|i| {
@@ -99,7 +100,9 @@ fn wrong_readings(
 fn wrong_apart(seen: &BTreeSet<Counted>, readings: &[Recorded], forwards: bool) -> Vec<Recorded> {
     let angles: BTreeSet<u16> = seen.iter().map(|(_, angle, _)| *angle).collect();
     let forces: BTreeSet<i32> = seen.iter().map(|(_, _, force)| *force).collect();
-    let (mut wrong, mut strange_angle, mut strange_force) = (Vec::new(), None, None);
+    let mut wrong = Vec::new();
+    let mut strange_angle = None;
+    let mut strange_force = None;
     let mut last = readings.first().map(|(_, angle, _)| *angle);
     let mut before = last;
     for reading in readings {

@@ -103,7 +103,8 @@ pub(crate) fn wire(every: usize) -> anyhow::Result<()> {
 
 fn matrix(every: usize) -> anyhow::Result<()> {
     let began = Instant::now();
-    let (mut times, mut broken) = (0, Vec::new());
+    let mut times = 0;
+    let mut broken = Vec::new();
     for over in LINKS {
         let cases = cases(over, every).map_err(|why| anyhow::anyhow!("{}: {why}", over.name))?;
         let (counts, why) = tried(&cases);

@@ -62,7 +62,8 @@ pub(super) struct Setting {
 /// # Errors
 /// A session that does not come to its end.
 pub(super) fn record(link: Over, trouble: Option<(Way, u64, Trouble)>) -> Result<Ended, String> {
-    let (device, seen) = (lever(), Seen::default());
+    let device = lever();
+    let seen = Seen::default();
     let rate_hz = if link.link == Link::Framed { FRAMED_HZ } else { 1.25 * STREAM_HZ };
     let mut rig = Settings::of_board(
         link.link,
@@ -106,7 +107,7 @@ pub(super) fn played<D: Device + Told + 'static>(
     let waits = bench.clone();
     let mut person = Person::new(move |wait_s| waits.wait(wait_s));
     let mut clock = bench.clone();
-    let outcome = play(&plan, &disk, (&mut *device, &mut clock), &mut person, answers)?;
+    let outcome = play(&plan, &disk, &mut *device, &mut clock, &mut person, answers)?;
     drop(device);
     bench.wait(LATER_S);
     if trouble.is_some() && !bench.happened() {

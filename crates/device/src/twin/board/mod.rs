@@ -245,11 +245,12 @@ fn channels() -> Vec<Channel> {
         ("theta_true_rad", "rad", "lever angle of the simulated plant, without its sensor"),
         (CURRENT_MOTOR, "A", "current in the simulated motor's winding"),
     ];
-    let channel = |(id, unit, description): (&str, &str, &str)| {
-        let id = ChannelId::new(id).ok()?;
-        Some(Channel { id, unit: unit.to_owned(), description: description.to_owned() })
-    };
-    all.into_iter().filter_map(channel).collect()
+    all.into_iter()
+        .filter_map(|(id, unit, description)| {
+            let id = ChannelId::new(id).ok()?;
+            Some(Channel { id, unit: unit.to_owned(), description: description.to_owned() })
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -72,7 +72,8 @@ impl Terms {
             check_coefficients(term, plant)?;
         }
         if self.iter().filter(|term| term.input().is_some()).count() > 1 {
-            let (what, remedy) = ("two terms have an input of their own", "leave one of them out");
+            let what = "two terms have an input of their own";
+            let remedy = "leave one of them out";
             return Err(DynamicsError::Combination { what, remedy });
         }
         Ok(())
@@ -106,10 +107,10 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
 /// Terms are equal if a file would have the same text for them.
 impl PartialEq for Terms {
     fn eq(&self, other: &Self) -> bool {
-        let same = |(a, b): (&Arc<dyn Written>, &Arc<dyn Written>)| {
-            a.name() == b.name() && a.value().is_ok_and(|value| b.value() == Ok(value))
-        };
-        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(same)
+        self.0.len() == other.0.len()
+            && self.0.iter().zip(&other.0).all(|(a, b)| {
+                a.name() == b.name() && a.value().is_ok_and(|value| b.value() == Ok(value))
+            })
     }
 }
 

@@ -33,7 +33,8 @@ impl<const N: usize, const G: usize> Block<N, G> {
         flows: &[Matrix<N>],
         h: f64,
     ) -> Self {
-        let (flow, last) = (&flows[0], &flows[BLOCK - 1]);
+        let flow = &flows[0];
+        let last = &flows[BLOCK - 1];
         let moved = guards_moved(guards, flow, &integral(ladder, h));
         let whole = &moved[BLOCK];
         let envelope = &ladder.rungs[ladder.covering(h)].envelope;
@@ -72,7 +73,8 @@ impl<const N: usize, const G: usize> Block<N, G> {
 pub(super) fn power<const N: usize>(flows: &[Matrix<N>]) -> Matrix<N> {
     let half = flows.len().div_ceil(2);
     let change = |k: usize| flows[k - 1].zip(&Matrix::identity(), |x, unit| x - unit);
-    let (a, b) = (change(half), change(flows.len() + 1 - half));
+    let a = change(half);
+    let b = change(flows.len() + 1 - half);
     let sum = a.zip(&b, |x, y| x + y).zip(&a.product(&b), |sum, product| sum + product);
     sum.zip(&Matrix::identity(), |x, unit| x + unit)
 }
@@ -83,7 +85,8 @@ fn guards_moved<const N: usize, const G: usize>(
     flow: &Matrix<N>,
     integral: &Matrix<N>,
 ) -> Vec<Functionals<N, G>> {
-    let (mut at, mut sum) = (guards.clone(), Functionals::ZERO);
+    let mut at = guards.clone();
+    let mut sum = Functionals::ZERO;
     let mut moved = vec![sum.clone()];
     for _ in 0..BLOCK {
         sum = sum.zip(&at.after(integral), |a, b| a + b);
@@ -99,7 +102,8 @@ fn integral<const N: usize>(ladder: &Ladder<N>, h: f64) -> Matrix<N> {
     let doublings =
         if h > ladder.rungs[0].span { libm::ilogb(h / ladder.rungs[0].span) + 1 } else { 0 };
     let span = libm::ldexp(h, -doublings);
-    let (middle, mut flow) = (ladder.flow(0.5 * span), ladder.flow(span));
+    let middle = ladder.flow(0.5 * span);
+    let mut flow = ladder.flow(span);
     let ends = flow.zip(&Matrix::identity(), |a, b| a + b);
     let mut sum = ends.zip(&middle, |a, b| (a + 4.0 * b) * span / 6.0);
     for _ in 0..doublings {

@@ -163,7 +163,8 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
                 continue;
             }
             i += 1;
-            let (from, to) = (grid.time(i - 1), grid.time(i));
+            let from = grid.time(i - 1);
+            let to = grid.time(i);
             if self.cursor.end_s >= to {
                 self.cross(from, grid.step(i - 1), i <= even)?;
             } else {
@@ -308,7 +309,9 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
     fn search(&mut self, t: f64, h: f64, ready: bool) -> Result<()> {
         let events = self.events.len();
         // Compensated (Kahan): thousands of events in one interval must not add up their rounding.
-        let (mut elapsed, mut excess, mut rest) = (0.0, 0.0, h);
+        let mut elapsed = 0.0;
+        let mut excess = 0.0;
+        let mut rest = h;
         while rest > 0.0 {
             let compiled = &self.regions[self.current];
             let before = self.z;

@@ -46,7 +46,8 @@ impl<const N: usize> Table<N> {
     /// `exp(A t) z`; `t` no longer than the table reaches.
     #[inline]
     pub(super) fn advance(&self, a: &Matrix<N>, z: &[f64; N], t: f64) -> [f64; N] {
-        let (mut z, mut rest) = (*z, t);
+        let mut z = *z;
+        let mut rest = t;
         for level in &self.levels {
             let digit = (rest * level.per_span) as usize;
             if digit > 0 {

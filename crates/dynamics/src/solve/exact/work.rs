@@ -64,7 +64,8 @@ impl<const N: usize> Work<N> {
 
     /// Adds the work over `span` seconds from `z` on.
     pub(super) fn add(&self, z: &[f64; N], span: f64, sums: &mut Sums) {
-        let (mut z, mut rest) = (*z, span);
+        let mut z = *z;
+        let mut rest = span;
         z[THETA] -= self.rest_rad;
         for (level, rung) in self.ladder.rungs.iter().enumerate().rev() {
             if rung.span <= rest {
@@ -107,7 +108,8 @@ impl<const N: usize> Part<N> {
     }
 
     fn lowest(&self, ladder: &Ladder<N>) -> Matrix<N> {
-        let (power, span) = (self.power(), ladder.rungs[0].span);
+        let power = self.power();
+        let span = ladder.rungs[0].span;
         let mut sum = Matrix::<N>::ZERO;
         for (node, weight) in GAUSS {
             let seen = ladder.flow(node * span).congruence(&power);

@@ -202,11 +202,11 @@ pub fn check_pages(
         let from = usize::try_from(from).ok()?;
         bytes.get(from..from.checked_add(length)?)
     };
-    let pages = |from: u64, length: usize| Ok(pages(from, length));
-    check_each_chunk(pages, metadata, MOST_COLUMN_BYTES, wanted).map_err(|why| match why {
-        Why::Claim(words) => words,
-        Why::System(error) => error.to_string(),
-    })
+    check_each_chunk(|from, length| Ok(pages(from, length)), metadata, MOST_COLUMN_BYTES, wanted)
+        .map_err(|why| match why {
+            Why::Claim(words) => words,
+            Why::System(error) => error.to_string(),
+        })
 }
 
 /// [`check_pages`] of a file of which one column chunk is read at a time; a column may unpack to
@@ -263,7 +263,8 @@ pub(crate) fn place_of(column: &ColumnChunkMetaData) -> Option<(u64, usize)> {
 
 /// What the pages of a column chunk claim to unpack to, bytes.
 fn unpacked_length(pages: &[u8]) -> Option<u64> {
-    let (mut rest, mut total) = (pages, 0_u64);
+    let mut rest = pages;
+    let mut total = 0_u64;
     while !rest.is_empty() {
         let header = page_header(rest)?;
         total = total.saturating_add(u64::try_from(header.unpacked).ok()?);
@@ -300,7 +301,8 @@ impl PageHeader {
 
 /// The header that `bytes` begin with.
 pub(crate) fn page_header(bytes: &[u8]) -> Option<PageHeader> {
-    let (mut header, mut walk) = (PageHeader::default(), Walk { bytes, at: 0 });
+    let mut header = PageHeader::default();
+    let mut walk = Walk { bytes, at: 0 };
     // In `PageHeader` 1 is the kind, 2 the size unpacked, 3 the one in the file, 5 what data has besides,
     // and 7 what a dictionary has; in both of these 1 is the number of values, and 2 their encoding.
     walk.fields(0, &mut |walk, field, kind| match (field, kind) {
@@ -323,7 +325,8 @@ pub(crate) fn page_header(bytes: &[u8]) -> Option<PageHeader> {
 /// level.
 pub(crate) fn run_of_ones(levels: &[u8]) -> Option<u64> {
     let mut walk = Walk { bytes: levels, at: 0 };
-    let (run, level) = (walk.varint()?, walk.byte()?);
+    let run = walk.varint()?;
+    let level = walk.byte()?;
     (run & 1 == 0 && level == 1 && walk.at == levels.len()).then_some(run >> 1)
 }
 
@@ -486,7 +489,8 @@ impl Walk<'_> {
 
     /// Walks a key with its value, which is empty where there is none.
     fn entry(&mut self) -> Option<(Range<usize>, Range<usize>)> {
-        let (mut key, mut value) = (0..0, 0..0);
+        let mut key = 0..0;
+        let mut value = 0..0;
         // In `KeyValue` 1 is the key, and 2 the value.
         self.fields(1, &mut |walk, field, kind| match (field, kind) {
             (1, BINARY) => walk.binary().map(|found| key = found),

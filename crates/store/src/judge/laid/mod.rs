@@ -77,7 +77,8 @@ pub(crate) fn is_copy(path: &Path, bytes: &[u8], record: &SessionRecord) -> Resu
 
 /// What a trial's footer says of it that its session's record says otherwise.
 pub(crate) fn contradiction(trial: &TrialEntry, log: &SessionLog) -> Option<String> {
-    let (record, meta) = (&log.record, &trial.meta);
+    let record = &log.record;
+    let meta = &trial.meta;
     let differs = |what: &str, footer: &str, record: &str| {
         (footer != record)
             .then(|| format!("its {what} is '{footer}' and '{record}' in its session's record"))
@@ -135,7 +136,8 @@ pub(crate) fn study_warning(
         return None;
     }
     let changes = matters(log, study, hash)?;
-    let (participant, session) = (&log.record.participant, &log.record.session);
+    let participant = &log.record.participant;
+    let session = &log.record.session;
     let what = format!("study.toml has changed since {participant} {session} began: {changes}");
     let copy = layout.study_copy(participant, session);
     let as_it_was = match &log.study {

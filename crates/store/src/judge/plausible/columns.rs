@@ -150,11 +150,10 @@ fn span(samples: &dyn Columns) -> Option<Doubt> {
 /// A movement of which the recording lacks the beginning, and has the end.
 fn begins_moving(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let velocity = samples.column(Signal::ThetaDot).filter(|v| v.len() >= LEAST_SAMPLES)?;
-    let speed = |of: &[f64]| {
+    let [first, last] = [&velocity[..AN_END], &velocity[velocity.len() - AN_END..]].map(|of| {
         let mut speeds: Vec<f64> = of.iter().map(|v| v.abs()).collect();
         *speeds.select_nth_unstable_by(of.len() / 2, f64::total_cmp).1
-    };
-    let [first, last] = [&velocity[..AN_END], &velocity[velocity.len() - AN_END..]].map(speed);
+    });
     let (low, high) = ends(&velocity);
     let fastest = low.abs().max(high.abs());
     if first <= asked.onset_rad_s.max(ALONE * fastest) || last > asked.onset_rad_s {
@@ -186,7 +185,8 @@ fn alone_there(asked: &Asked, samples: &dyn Columns, signal: Signal, share: f64)
     let off = returns.and_then(|_| off_neighbours(&values, share));
     let (row, words) = match (off, apart(&values)) {
         (Some(Off { row, usual, count }), _) => {
-            let (value, usual) = (shown(values[row]), shown(usual));
+            let value = shown(values[row]);
+            let usual = shown(usual);
             (row, format!("{value} where its neighbours are {usual}, in {count} samples"))
         }
         (None, Some((row, count))) => {
@@ -205,7 +205,8 @@ fn alone_there(asked: &Asked, samples: &dyn Columns, signal: Signal, share: f64)
 fn comes_back(values: &[f64], i: usize) -> bool {
     let half = (values[i] - values[i - 1]).abs() / 2.0;
     let is_near = |other: &[f64], place: f64| other.iter().any(|v| (v - place).abs() <= half);
-    let (from, to) = (i.saturating_sub(NEIGHBOURS + 1), (i + NEIGHBOURS + 1).min(values.len()));
+    let from = i.saturating_sub(NEIGHBOURS + 1);
+    let to = (i + NEIGHBOURS + 1).min(values.len());
     i <= NEIGHBOURS
         || i + NEIGHBOURS >= values.len()
         || is_near(&values[i + 1..to], values[i - 1])
@@ -222,13 +223,15 @@ struct Off {
 /// Values that are farther off the middle of their neighbours than values usually are, and than a share
 /// of the range.
 fn off_neighbours(values: &[f64], share: f64) -> Option<Off> {
-    let middle = |i: usize| {
-        let (from, to) = (i.saturating_sub(NEIGHBOURS), (i + NEIGHBOURS + 1).min(values.len()));
-        let mut near = values[from..to].to_vec();
-        let middle = near.len() / 2;
-        *near.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
-    let middles: Vec<f64> = (0..values.len()).map(middle).collect();
+    let middles: Vec<f64> = (0..values.len())
+        .map(|i| {
+            let from = i.saturating_sub(NEIGHBOURS);
+            let to = (i + NEIGHBOURS + 1).min(values.len());
+            let mut near = values[from..to].to_vec();
+            let middle = near.len() / 2;
+            *near.select_nth_unstable_by(middle, f64::total_cmp).1
+        })
+        .collect();
     let off = |i: usize| (values[i] - middles[i]).abs();
     let mut offs: Vec<f64> = (0..values.len()).map(off).collect();
     let usual = (USUAL * offs.len() as f64) as usize;
@@ -242,8 +245,10 @@ fn off_neighbours(values: &[f64], share: f64) -> Option<Off> {
 /// The lowest or the highest value, if it is far from all others: where it is first, and how often.
 fn apart(values: &[f64]) -> Option<(usize, usize)> {
     let (low, high) = ends(values);
-    let (mut lows, mut highs, mut second, mut last_but_one) =
-        (0, 0, f64::INFINITY, f64::NEG_INFINITY);
+    let mut lows = 0;
+    let mut highs = 0;
+    let mut second = f64::INFINITY;
+    let mut last_but_one = f64::NEG_INFINITY;
     for value in values {
         if value.to_bits() == low.to_bits() {
             lows += 1;
@@ -340,14 +345,17 @@ fn wrapped(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
 fn noisy_onset(asked: &Asked, samples: &dyn Columns) -> Option<Doubt> {
     let leaves = {
         let theta = samples.column(Signal::Theta)?;
-        let (first, far) = (*theta.first()?, AT_REST * range(&theta));
+        let first = *theta.first()?;
+        let far = AT_REST * range(&theta);
         theta.iter().position(|theta| (theta - first).abs() > far)?
     };
     let velocity = samples.column(Signal::ThetaDot)?;
     // 0 below the onset, else the direction.
     let side =
         |value: &f64| i8::from(*value > asked.onset_rad_s) - i8::from(-*value > asked.onset_rad_s);
-    let (mut from, mut first, mut spikes) = (0, None, [0, 0]);
+    let mut from = 0;
+    let mut first = None;
+    let mut spikes = [0, 0];
     // A run that begins while it rests ends before that, or is longer than a spike.
     let rest = &velocity[..velocity.len().min(leaves + SPIKE + 1)];
     for run in rest.chunk_by(|a, b| side(a) == side(b)) {
@@ -394,7 +402,8 @@ fn stopped(asked: &Asked, samples: &dyn Columns, signal: Signal, least: usize) -
     // An angle may well be held for long: the lever rests.
     let least = if signal == Signal::Theta { values.len() } else { least.min(values.len()) };
     let (from, to) = longest_hold(&values, least)?;
-    let (held, is_whole) = (values[from], to - from == values.len());
+    let held = values[from];
+    let is_whole = to - from == values.len();
     drop(values);
     if is_whole {
         let others = [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx];
@@ -468,7 +477,8 @@ pub fn plateau(values: &[f64]) -> Option<Plateau> {
     let end = *values.iter().find(|value| value.abs() >= low.abs().max(high.abs()))?;
     let is_there = |value: &f64| value.to_bits() == end.to_bits();
     let there = values.iter().filter(|value| is_there(value)).count();
-    let (n, count) = (values.len() as f64, there as f64);
+    let n = values.len() as f64;
+    let count = there as f64;
     if there < LEAST_AT_THE_END || count < AT_THE_END * n {
         return None;
     }
@@ -545,7 +555,8 @@ fn longest_hold(values: &[f64], least: usize) -> Option<(usize, usize)> {
     if !some().zip(some().skip(1)).any(|(a, b)| a.to_bits() == b.to_bits()) && least > 1 {
         return None;
     }
-    let (mut longest, mut from) = ((0, 0), 0);
+    let mut longest = (0, 0);
+    let mut from = 0;
     for i in 1..=values.len() {
         if i == values.len() || values[i].to_bits() != values[from].to_bits() {
             if i - from > longest.1 - longest.0 {

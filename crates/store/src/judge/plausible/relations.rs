@@ -54,7 +54,8 @@ fn velocity(samples: &dyn Columns) -> Option<Doubt> {
     }
     // Two columns at a time.
     let (length, said): (usize, Vec<f64>) = {
-        let (t, theta_dot) = (samples.column(Signal::Time)?, samples.column(Signal::ThetaDot)?);
+        let t = samples.column(Signal::Time)?;
+        let theta_dot = samples.column(Signal::ThetaDot)?;
         if t.len() < LEAST_SAMPLES {
             return None;
         }
@@ -90,9 +91,8 @@ fn integral(t: &[f64], y: &[f64]) -> f64 {
 /// b over a by least squares through 0, and how alike they are (|correlation|); `None` where one of
 /// them is 0 throughout.
 fn ratio(a: impl Iterator<Item = f64>, b: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    let add =
-        |(aa, bb, ab): (f64, f64, f64), (a, b): (f64, f64)| (aa + a * a, bb + b * b, ab + a * b);
-    let (aa, bb, ab) = a.zip(b).fold((0.0, 0.0, 0.0), add);
+    let (aa, bb, ab) =
+        a.zip(b).fold((0.0, 0.0, 0.0), |(aa, bb, ab), (a, b)| (aa + a * a, bb + b * b, ab + a * b));
     (aa > 0.0 && bb > 0.0).then(|| (ab / aa, ab.abs() / (aa.sqrt() * bb.sqrt())))
 }
 
@@ -154,8 +154,10 @@ fn sign_of_force(samples: &dyn Columns, turn: usize) -> Option<Doubt> {
     if swings_fast(samples, turn) {
         return None;
     }
-    let (theta, force) = (samples.column(Signal::Theta)?, samples.column(signal)?);
-    let (theta, force) = (&theta[..=turn], &force[..=turn]);
+    let theta = samples.column(Signal::Theta)?;
+    let force = samples.column(signal)?;
+    let theta = &theta[..=turn];
+    let force = &force[..=turn];
     let steps =
         theta.windows(2).zip(force.windows(2)).map(|(x, f)| (x[1] - x[0]) * (f[0] + f[1]) / 2.0);
     let (work, all) = steps.fold((0.0, 0.0), |(work, all), step| (work + step, all + step.abs()));
@@ -180,7 +182,8 @@ fn recorded(samples: &dyn Columns) -> Option<Signal> {
 /// known factor.
 fn size_of_force(asked: &Asked, samples: &dyn Columns, turn: usize) -> Option<Doubt> {
     let spring = asked.scene.spring()?;
-    let (theta, force) = (samples.column(Signal::Theta)?, samples.column(Signal::ForceEx)?);
+    let theta = samples.column(Signal::Theta)?;
+    let force = samples.column(Signal::ForceEx)?;
     // The slope alone: where the angle's 0 lies may be wrong too.
     let asked_for = from_mean(&theta[..=turn]).map(|x| x * spring.stiffness_n_per_rad);
     let (ratio, correlation) = ratio(asked_for, from_mean(&force[..=turn]))?;

@@ -123,7 +123,8 @@ fn check<'a>(
     command: &AnswerArgs,
     answers: &LateAnswers,
 ) -> Result<Checked<'a>, FirstErrors> {
-    let (mut checked, mut errors) = (Checked::default(), FirstErrors::default());
+    let mut checked = Checked::default();
+    let mut errors = FirstErrors::default();
     let mut seen: BTreeMap<(&Path, u32, QuestionId), &LateAnswer> = BTreeMap::new();
     let mut sessions = Sessions { data, entries: data.by_session(), known: BTreeMap::new() };
     for row in &answers.rows {

@@ -115,7 +115,8 @@ pub(crate) fn simulate(
 pub(super) fn check_stems(scenes: &[PathBuf]) -> anyhow::Result<()> {
     for (i, path) in scenes.iter().enumerate() {
         if let Some(other) = scenes[..i].iter().find(|other| stem(other) == stem(path)) {
-            let (a, b) = (other.display(), path.display());
+            let a = other.display();
+            let b = path.display();
             bail!("{a} and {b} would write to the same files; simulate them apart, or rename one");
         }
     }
@@ -150,7 +151,8 @@ fn one(
     let solver = solver(&command.solver, command.tolerance)?;
     let run = run_scene(file.scene.clone(), solver.as_ref()).map_err(|e| file.error(&e))?;
     progress();
-    let (shown, scene) = (model_run(&run), &file.scene.name);
+    let shown = model_run(&run);
+    let scene = &file.scene.name;
     output.figure(&stem, zwidth_figures::simulation(&[&shown], &[]))?;
     output.table(&format!("{stem}.trajectory"), &Table::of_run(&shown)?)?;
     let events = Table::of_rows(&model_events(&run))?.without_empty_columns();
@@ -160,7 +162,8 @@ fn one(
     if command.chattering {
         let runs = chattering(&file.scene, &SOLVERS, &CHATTERING_STEPS_S, progress)
             .map_err(|e| file.error(&e))?;
-        let (name, title) = (format!("{stem}.chattering"), format!("{scene}: chattering"));
+        let name = format!("{stem}.chattering");
+        let title = format!("{scene}: chattering");
         output.figure(&name, zwidth_figures::chattering(&title, &runs, CHATTERING_NOTE))?;
         let table = Table::of_rows(&runs)?.called(ChatteringRun::NAME, title);
         output.table(&name, &table.with_note(CHATTERING_NOTE))?;

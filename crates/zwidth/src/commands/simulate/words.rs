@@ -36,7 +36,8 @@ pub(super) fn of(summary: &Summary) -> String {
         ));
     }
     if let Some(energy) = s.energy {
-        let (residual, summed) = (energy.residual_j, energy.summed_j);
+        let residual = energy.residual_j;
+        let summed = energy.summed_j;
         let why =
             if s.finger == Some("thesis") { " (the finger's law leaves out a force)" } else { "" };
         lines.push(format!(
@@ -64,7 +65,8 @@ fn swings(at: StepSwings) -> String {
 }
 
 fn known(motion: &KnownMotion) -> String {
-    let (nature, count) = (motion.nature, motion.count);
+    let nature = motion.nature;
+    let count = motion.count;
     let size = motion.amplitude_rad.to_degrees();
     let largest = motion.theta_max_rad.to_degrees();
     format!("{}: {nature}, {count} swings of ±{size:.3}°, largest θ {largest:.5}°", motion.method)

@@ -114,7 +114,7 @@ pub(crate) fn stability(
     }
     bar.finish_and_clear();
     let told = words::of(&point, &limits);
-    write(&name, &point, (&maps, &boundaries), &limits, &mut output)?;
+    write(&name, &point, &maps, &boundaries, &limits, &mut output)?;
     write_boundaries(&boundaries, &point, &mut output)?;
     let outcome = Outcome {
         name,
@@ -146,7 +146,8 @@ fn spans(command: &StabilityArgs) -> Vec<[Span; 2]> {
 fn write(
     name: &str,
     point: &Point,
-    (maps, boundaries): (&[Map], &[(String, Boundary)]),
+    maps: &[Map],
+    boundaries: &[(String, Boundary)],
     limits: &[StiffestWall],
     output: &mut Output,
 ) -> anyhow::Result<()> {

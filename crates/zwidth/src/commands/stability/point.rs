@@ -29,7 +29,8 @@ pub(super) fn of(command: &StabilityArgs) -> anyhow::Result<(String, Point)> {
 /// that ask for them.
 fn twin() -> Point {
     let twin = TwinParameters::default();
-    let (plant, lever_m) = (twin.plant(None), twin.lever_m);
+    let plant = twin.plant(None);
+    let lever_m = twin.lever_m;
     let viscous = twin.friction_viscous_ns_per_rad + plant.back_emf_ns_per_rad.unwrap_or(0.0);
     let mass_kg = plant.inertia_kg_m2 / (lever_m * lever_m);
     let dry = DryLimits {

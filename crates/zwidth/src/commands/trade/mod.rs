@@ -188,7 +188,8 @@ fn one(source: &Source, fresh: bool, progress: &(dyn Fn() + Sync)) -> anyhow::Re
 
 fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Result<()> {
     let [trade, ..] = trades else { return Ok(()) };
-    let (stem, title) = (&source.stem, format!("{}: speed against accuracy", source.title));
+    let stem = &source.stem;
+    let title = format!("{}: speed against accuracy", source.title);
     let choices: Vec<TradeChoice> = trades.iter().map(choice).collect();
     output.table(&format!("{stem}.trade"), &settings_table(&title, &settings(trades))?)?;
     output.table(&format!("{stem}.trade.summary"), &choices_table(&title, &choices)?)?;
@@ -198,7 +199,8 @@ fn write(source: &Source, trades: &[Trade], output: &mut Output) -> anyhow::Resu
     }
     let own = settings(std::slice::from_ref(trade));
     let notes = words::notes(trade);
-    let (scene, choice) = (&trade.scene.name, choices.first());
+    let scene = &trade.scene.name;
+    let choice = choices.first();
     let figure = zwidth_figures::work_precision(&title, scene, &own, choice, &notes);
     output.figure(&format!("{stem}.trade"), figure)?;
     if let Some(scene) = recommended_scene(trade)? {

@@ -46,11 +46,10 @@ pub(super) fn notes(trade: &Trade) -> Vec<String> {
 /// The thesis' method at the scene's own step.
 fn thesis(trade: &Trade, solver: &str) -> Option<String> {
     let own = trade.scene.step_s;
-    let is_it = |cell: &&Cell| {
+    let cell = trade.cells.iter().find(|cell| {
         cell.setting.solver == solver
             && cell.setting.step_s().is_some_and(|step_s| (step_s / own - 1.0).abs() < 1e-9)
-    };
-    let cell = trade.cells.iter().find(is_it)?;
+    })?;
     let Some(errors) = cell.errors else {
         return Some(format!("{}: failed.", cell.setting.words()));
     };

@@ -67,7 +67,8 @@ impl<'a> Characterised<'a> {
 pub fn characteristic(actuator: &str, sweeps: &[Sweep], found: Characterised) -> Figure {
     let quantity =
         |of: fn(&Sweep) -> &Quantity| sweeps.first().map(of).cloned().unwrap_or_else(nothing);
-    let (command, response) = (quantity(|s| &s.command), quantity(|s| &s.response));
+    let command = quantity(|s| &s.command);
+    let response = quantity(|s| &s.response);
     let chosen = found.chosen();
     let mut layers = samples(sweeps, are_seen(chosen, sweeps));
     layers.extend(curves(found, sweeps.len()));
@@ -184,7 +185,8 @@ fn parts(curve: &[CurvePoint]) -> Vec<Part<'_>> {
             CommandWay::Down => Some(Branch::Down),
         };
         let name = way.map(|way| format!(", {}", way.name())).unwrap_or_default();
-        let (colour, dash) = (style::direction_colour(parts.len()), style::dash(parts.len()));
+        let colour = style::direction_colour(parts.len());
+        let dash = style::dash(parts.len());
         parts.push(Part { name, way, points, colour, dash });
     }
     parts
@@ -221,9 +223,11 @@ fn residuals(found: Characterised, sweeps: &[Sweep]) -> Option<Vec<Layer>> {
     let n: usize = sweeps.iter().map(|s| s.command_values.len()).sum();
     let stride = n.div_ceil(MOST_POINTS).max(1);
     let named = (stride > 1).then(|| format!("one sample of {stride}, off the fit"));
-    let (mut layers, mut bands) = (vec![Layer::Reference(zero)], Vec::new());
+    let mut layers = vec![Layer::Reference(zero)];
+    let mut bands = Vec::new();
     for part in parts(found.curve) {
-        let (x, fit) = (part.column(|p| p.command), part.column(|p| p.fit));
+        let x = part.column(|p| p.command);
+        let fit = part.column(|p| p.fit);
         let low = part.column(|p| p.prediction_low - p.fit);
         let high = part.column(|p| p.prediction_high - p.fit);
         let name = Some(format!("{} prediction band{}", percent(found.level), part.name));
@@ -245,7 +249,8 @@ fn residuals(found: Characterised, sweeps: &[Sweep]) -> Option<Vec<Layer>> {
 /// The value of a rising curve at `x`, on the straight line between its points; `None` outside.
 fn value_at((xs, ys): (&[f64], &[f64]), x: f64) -> Option<f64> {
     let after = xs.partition_point(|at| *at < x).max(1);
-    let (x0, x1) = (*xs.get(after - 1)?, *xs.get(after)?);
+    let x0 = *xs.get(after - 1)?;
+    let x1 = *xs.get(after)?;
     let share = (x - x0) / (x1 - x0);
     (0.0..=1.0).contains(&share).then(|| ys[after - 1] + share * (ys[after] - ys[after - 1]))
 }
@@ -256,7 +261,8 @@ fn value_at((xs, ys): (&[f64], &[f64]), x: f64) -> Option<f64> {
 fn curves(found: Characterised, sweeps: usize) -> Vec<Layer> {
     let parts = parts(found.curve);
     let line = |y: fn(&CurvePoint) -> f64, part: &Part, stroke, name: String| {
-        let (x, y) = (part.column(|p| p.command), part.column(y));
+        let x = part.column(|p| p.command);
+        let y = part.column(y);
         Layer::Line(Line { x, y, stroke, name: Some(name), ..Line::default() })
     };
     let first_order = format!("first-order fit{}", r_squared(found.models));

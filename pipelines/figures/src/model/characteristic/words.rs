@@ -5,7 +5,8 @@ use zwidth_results::{CurvePoint, FittedModel, FittedParameter, Row};
 
 /// The chosen model and its error in words, and where its coefficients stand.
 pub(super) fn about(chosen: &FittedModel, unit: &str, actuator: &str) -> String {
-    let (name, formula) = (chosen.model.shape().as_str(), typeset(&chosen.formula));
+    let name = chosen.model.shape().as_str();
+    let formula = typeset(&chosen.formula);
     let rms = chosen.rms.map(|rms| format!("; RMS {} {}", significant(rms), plain(unit)));
     let rms = rms.unwrap_or_default();
     let table = plain(&format!("{}.{actuator}", FittedParameter::NAME));

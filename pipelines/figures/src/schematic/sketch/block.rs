@@ -56,7 +56,8 @@ impl Block {
 
     /// Ground, edge and words.
     pub(crate) fn layers(&self) -> Vec<Layer> {
-        let (low, high) = ((self.left().0, self.bottom().1), (self.right().0, self.top().1));
+        let low = (self.left().0, self.bottom().1);
+        let high = (self.right().0, self.top().1);
         let edge = Stroke { width_pt: 0.9, ..style::mean(self.colour) };
         let corners = [low, (high.0, low.1), high, (low.0, high.1), low];
         vec![

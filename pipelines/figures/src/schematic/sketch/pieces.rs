@@ -40,7 +40,8 @@ pub(crate) fn arrow(way: &Way, stroke: Stroke) -> Vec<Layer> {
 /// A spring along a way.
 pub(crate) fn spring(way: &Way, stroke: Stroke) -> Layer {
     let length = way.length();
-    let (first, last) = (STRAIGHT * length, (1.0 - STRAIGHT) * length);
+    let first = STRAIGHT * length;
+    let last = (1.0 - STRAIGHT) * length;
     let coils = ((last - first) / COIL_MM.0).round().max(3.0) as usize;
     let turn = |i: usize| {
         let left = match i {
@@ -75,11 +76,12 @@ pub(crate) fn ground(way: &Way, stroke: Stroke) -> Vec<Layer> {
     let fine = Stroke { width_pt: 0.6, ..stroke };
     let (apart, reach) = HATCH_MM;
     let hatches = (way.length() / apart).floor().max(1.0);
-    let hatch = |i: usize| {
-        let along = way.length() * (i as f64 + 0.5) / hatches;
-        line([way.at(along, 0.0), way.at(along + reach, -reach)], fine)
-    };
-    let mut layers: Vec<Layer> = (0..hatches as usize).map(hatch).collect();
+    let mut layers: Vec<Layer> = (0..hatches as usize)
+        .map(|i| {
+            let along = way.length() * (i as f64 + 0.5) / hatches;
+            line([way.at(along, 0.0), way.at(along + reach, -reach)], fine)
+        })
+        .collect();
     layers.push(line(way.points().iter().copied(), stroke));
     layers
 }
@@ -99,7 +101,9 @@ pub(crate) fn disc((x, y): Point, diameter_pt: f64, colour: Colour) -> Layer {
 
 /// A light ground between two corners.
 pub(crate) fn tint(low: Point, high: Point, colour: Colour) -> Layer {
-    let (x, low, high) = (vec![low.0, high.0], vec![low.1; 2], vec![high.1; 2]);
+    let x = vec![low.0, high.0];
+    let low = vec![low.1; 2];
+    let high = vec![high.1; 2];
     Layer::Band(Band { x, low, high, colour, name: None })
 }
 
@@ -134,7 +138,8 @@ fn text(lines: Vec<String>, place: TextPlace) -> Layer {
 
 /// A panel that shows what lies between two corners, true to scale.
 pub(crate) fn panel(cell: Cell, low: Point, high: Point, layers: Vec<Layer>) -> Panel {
-    let (x, y) = (Axis::bare(low.0, high.0), Axis::bare(low.1, high.1));
+    let x = Axis::bare(low.0, high.0);
+    let y = Axis::bare(low.1, high.1);
     Panel { height_mm: Some(high.1 - low.1), ..Panel::new(cell, x, y, layers) }
 }
 

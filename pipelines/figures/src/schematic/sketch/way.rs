@@ -47,7 +47,8 @@ impl Way {
         for (i, pair) in self.0.windows(2).enumerate() {
             let piece = distance(pair[0], pair[1]);
             if rest <= piece || i + 2 == self.0.len() {
-                let (x, y) = ((pair[1].0 - pair[0].0) / piece, (pair[1].1 - pair[0].1) / piece);
+                let x = (pair[1].0 - pair[0].0) / piece;
+                let y = (pair[1].1 - pair[0].1) / piece;
                 return (pair[0].0 + rest * x - left * y, pair[0].1 + rest * y + left * x);
             }
             rest -= piece;
@@ -58,12 +59,14 @@ impl Way {
 
 /// The point at that distance from `centre`, in the direction `theta_rad` from upright.
 pub(crate) fn polar(centre: Point, distance: f64, theta_rad: f64) -> Point {
-    let (sin, cos) = (libm::sin(theta_rad), libm::cos(theta_rad));
+    let sin = libm::sin(theta_rad);
+    let cos = libm::cos(theta_rad);
     (centre.0 + distance * sin, centre.1 + distance * cos)
 }
 
 fn distance(a: Point, b: Point) -> f64 {
-    let (dx, dy) = (b.0 - a.0, b.1 - a.1);
+    let dx = b.0 - a.0;
+    let dy = b.1 - a.1;
     (dx * dx + dy * dy).sqrt()
 }
 
