@@ -34,9 +34,11 @@ pub use left::left_to_do;
 pub use markers::Target;
 pub use number::number;
 pub use own::own_study;
+#[cfg(any(test, feature = "testing"))]
+pub use participant::hostile;
 pub use participant::{
-    Beside, Door, Guest, Knock, Nonce, Reception, Secret, SentAway, Teller, Visit, hostile,
-    place_of, show_lines, show_screen,
+    Beside, Door, Guest, Knock, Nonce, Reception, Secret, SentAway, Teller, Visit, place_of,
+    show_lines, show_screen,
 };
 pub use plain::Plain;
 pub use plan::Plan;

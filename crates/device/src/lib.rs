@@ -45,6 +45,7 @@ mod device;
 mod digits;
 mod error;
 mod guard;
+#[cfg(any(test, feature = "testing"))]
 pub mod mock;
 mod participant;
 mod playback;

@@ -53,6 +53,7 @@ mod outline;
 mod parquet;
 mod plain;
 mod plan;
+#[cfg(any(test, feature = "testing"))]
 pub mod readers;
 #[cfg(test)]
 mod real;

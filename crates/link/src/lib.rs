@@ -13,12 +13,14 @@ pub mod discover;
 mod drive;
 pub mod firmata;
 pub mod framed;
+#[cfg(any(test, feature = "testing"))]
 pub mod hostile;
 mod open;
 mod rate;
 mod serial;
 mod settings;
 mod shaft;
+#[cfg(any(test, feature = "testing"))]
 pub mod simulated;
 mod stream;
 mod streams;

@@ -11,6 +11,7 @@ mod disk;
 mod error;
 mod first;
 mod form;
+#[cfg(any(test, feature = "testing"))]
 pub mod hostile;
 mod judge;
 mod keep;
@@ -28,6 +29,7 @@ pub use disk::hash::{file_blake3, hex_blake3};
 pub use disk::held::Held;
 pub use disk::layout::Layout;
 pub use disk::lock::{StudyLock, owner};
+#[cfg(any(test, feature = "testing"))]
 pub use disk::memory::{Fault, Memory, Survives};
 pub use disk::port::{PortFile, read_port};
 pub use disk::raw::Raw;

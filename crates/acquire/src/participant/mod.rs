@@ -15,6 +15,7 @@ mod big;
 mod door;
 mod draw;
 mod guest;
+#[cfg(any(test, feature = "testing"))]
 pub mod hostile;
 mod keys;
 mod lines;

@@ -5,7 +5,8 @@
 //! last sync, a name from the last sync of its folder. [`Memory::restart`] leaves what outlives a
 //! kill or a power cut.
 
-use crate::disk::sectors::{Draws, SECTOR, torn};
+use crate::disk::SECTOR;
+use crate::disk::sectors::{Draws, torn};
 use crate::{Append, Entry, Files, Held, Stamp};
 use std::cell::Cell;
 use std::collections::BTreeMap;

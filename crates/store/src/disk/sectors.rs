@@ -1,8 +1,7 @@
 //! What a disk does with the sectors of a write that it has not finished, or that it led astray: for
 //! [`crate::Memory`].
 
-/// Bytes of a sector: what a disk writes whole or not at all.
-pub(crate) const SECTOR: usize = 512;
+use super::SECTOR;
 
 /// Numbers that follow from a seed (SplitMix64, Steele, Lea and Flood 2014).
 #[derive(Debug, Clone)]

@@ -51,6 +51,7 @@ impl Stamp {
         Self::of(&path.symlink_metadata().ok()?)
     }
 
+    #[cfg(any(test, feature = "testing"))]
     /// Of something on a disk that counts its changes, in the process that is `life`.
     pub(crate) fn counted(number: u64, life: i64, changes: i64, length: u64) -> Self {
         Self { length, modified: (life, 0), changed: (changes, 0), number }

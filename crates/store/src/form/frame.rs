@@ -17,7 +17,7 @@
 //! that stands before a frame takes the place of the digest that was computed, so that what was
 //! lost hides nothing of what comes after it.
 
-use crate::disk::sectors::SECTOR;
+use crate::disk::SECTOR;
 use crate::{TrialFile, from_json};
 use serde::{Deserialize, Serialize};
 use zwidth_study::{

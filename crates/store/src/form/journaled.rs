@@ -1,6 +1,6 @@
 //! A journal, read.
 
-use crate::disk::sectors::SECTOR;
+use crate::disk::SECTOR;
 use crate::form::frame::{Decoded, Frame, Header, MAGIC, Protocol, decode};
 use crate::{Files, MOST_BYTES, Samples, StoreError, Trial};
 use std::path::Path;

@@ -265,7 +265,7 @@ fn free_name(files: &dyn Files, path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::disk::sectors::SECTOR;
+    use crate::disk::SECTOR;
     use crate::tests::crashes::{UTC, folder_with_study, meta, protocol, rows};
     use crate::{Fault, Memory, RealFiles, Signal, Survives, read_trial};
     use zwidth_study::Kind;
