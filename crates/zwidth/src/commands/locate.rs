@@ -10,6 +10,14 @@ use zwidth_runner::{Records, Results, origins};
 use zwidth_store::{Layout, MOST_BYTES, RealFiles, hex_blake3, read_named};
 use zwidth_study::StudyId;
 
+/// A result asked about.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Traced {
+    /// A file under derived/ or reports/, relative to the current folder or --root; or a copy of
+    /// one, anywhere
+    pub(crate) path: PathBuf,
+}
+
 /// How a file's job was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

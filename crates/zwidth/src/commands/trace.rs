@@ -1,7 +1,9 @@
 //! `zwidth trace`: the raw files behind a result, and the jobs between, as the records of the last
 //! run have them.
 
-use super::locate::{FoundBy, Made, Place, copies, is_a_copy, is_raw, no_job, place, records};
+use super::locate::{
+    FoundBy, Made, Place, Traced, copies, is_a_copy, is_raw, no_job, place, records,
+};
 use super::study;
 use super::why::short;
 use crate::exit::Exit;
@@ -9,19 +11,11 @@ use crate::screen::Screen;
 use anyhow::{anyhow, bail};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use zwidth_plan as plan;
 use zwidth_runner::{Record, Source, Step, Trace, trace as follow};
 use zwidth_store::file_blake3;
-
-/// A result asked about.
-#[derive(Debug, clap::Args)]
-pub(crate) struct Traced {
-    /// A file under derived/ or reports/, relative to the current folder or --root; or a copy of
-    /// one, anywhere
-    pub(crate) path: PathBuf,
-}
 
 /// What `--json` prints of a file.
 #[derive(Serialize)]

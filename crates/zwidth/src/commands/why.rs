@@ -2,7 +2,7 @@
 
 use super::locate::{FoundBy, Place, copies, is_a_copy, is_raw, no_job, place, records};
 use super::{join_findings, study};
-use crate::commands::trace::Traced;
+use crate::commands::locate::Traced;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{anyhow, bail};

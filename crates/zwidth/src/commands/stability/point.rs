@@ -1,6 +1,6 @@
 //! The device and the wall that a command asks for.
 
-use crate::commands::stability::StabilityArgs;
+use super::args::StabilityArgs;
 use anyhow::Context as _;
 use std::f64::consts::TAU;
 use zwidth_device::{COUNTS_PER_TURN, SHAFT_PER_LEVER, TwinParameters};

@@ -1,7 +1,7 @@
 //! `zwidth stability --study`: whether what swings in recorded trials is the device's own.
 
 use super::super::output::Output;
-use crate::commands::stability::StabilityArgs;
+use super::args::StabilityArgs;
 use crate::exit::Exit;
 use crate::screen::Screen;
 use anyhow::{anyhow, bail};

@@ -1,9 +1,12 @@
 //! `zwidth trade`: every solver and step on scenes, and the cheapest that is good enough.
 
+mod args;
 mod setups;
 mod source;
 mod timing;
 mod words;
+
+pub(crate) use args::TradeArgs;
 
 use super::output::Output;
 use crate::exit::Exit;
@@ -17,28 +20,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zwidth_figures::Felt;
 use zwidth_results::TradeChoice;
-use zwidth_study::StudyId;
 use zwidth_trade::{
     Fineness, Parameters, Setting, Trade, choice, choices_table, courses, courses_table, metrics,
     metrics_table, models, recommended_scene, settings, settings_table, trade as trade_scene,
 };
-
-#[derive(Debug, clap::Args)]
-pub(crate) struct TradeArgs {
-    /// Scenes, files that end in .toml, or studies, of which every condition is one, and whose
-    /// trials are simulated with another loop and other sensors [default: all studies under raw/]
-    #[arg(value_name = "SCENE.toml|STUDY")]
-    pub(crate) scenes: Vec<PathBuf>,
-    /// A study, as above
-    #[arg(long, value_name = "STUDY")]
-    pub(crate) study: Vec<StudyId>,
-    /// Folder to write to [default: reports/trade; for a study reports/STUDY/timing]
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Do everything again, whether it changed or not
-    #[arg(long)]
-    pub(crate) fresh: bool,
-}
 
 /// What `--json` prints of a scene.
 #[derive(Serialize)]

@@ -3,8 +3,8 @@
 use super::super::simulate::scene_file::SceneFile;
 use super::super::simulate::{check_stems, stem};
 use super::super::{join_findings, no_study, studies};
+use super::args::TradeArgs;
 use super::setups::Study;
-use crate::commands::trade::TradeArgs;
 use crate::screen::Screen;
 use anyhow::{Context as _, bail};
 use std::path::{Path, PathBuf};
