@@ -1,9 +1,10 @@
 //! Answers of a questionnaire to trials of sessions that are there: another questionnaire of the same
 //! session, or the same table again after people were added.
 
+use super::context::Context;
+use super::errors::Errors;
 use super::given::Answered;
 use super::identity::{FromZero, Identity};
-use super::{Context, Errors};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_store::{SessionLog, StoreError, StudyData};

@@ -1,8 +1,9 @@
 //! Everything an import makes, as bytes; and writing it, all or nothing.
 
+use super::context::Context;
+use super::errors::Errors;
 use super::identity::{FromZero, Identity};
 use super::report::{FileReport, Report, Unplanned};
-use super::{Context, Errors};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::commit::Change;

@@ -1,11 +1,10 @@
 //! Checks a mapping file: from its tables and keys to a [`Mapping`], or every problem with its
 //! line.
 
-use super::Errors;
-use super::exclusions::{Exclusions, Labels, Of};
+use super::errors::Errors;
 use super::label::{Label, LabelShape};
-use super::limits::{LONG_FROM, MOST_ERRORS};
-use super::mapping::{CellForm, Content, FileForm, Mapping, Origin, Who};
+use super::limits::{LONG_FROM, MOST_ERRORS, MOST_MAPPING};
+use super::mapping::{CellForm, Content, Exclusions, FileForm, Labels, Mapping, Of, Origin, Who};
 use super::shape::{
     Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, Shape, SignalsIn,
     Split, TimeShape, TrialShape, ZeroShape,
@@ -14,11 +13,37 @@ use super::table::ColumnRef;
 use super::xdf::XdfClock;
 use regex::Regex;
 use std::path::Path;
-use zwidth_store::{Signal, StoreError, hex_blake3};
+use zwidth_store::{FirstErrors, Signal, StoreError, hex_blake3, read_named};
 use zwidth_study::{StudyError, line_of, toml_error};
 
+impl Mapping {
+    /// Reads and checks a mapping file that a person named; nothing but a regular file will do.
+    ///
+    /// # Errors
+    /// Those of reading it, and of [`Mapping::from_toml`].
+    pub fn read(path: &Path) -> Result<Self, FirstErrors> {
+        let bytes = read_named(path, MOST_MAPPING).map_err(|e| StoreError::io(path, "read", &e))?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let what = format!("byte {} is not UTF-8", e.utf8_error().valid_up_to());
+            StoreError::new(path, what, "save the mapping as UTF-8")
+        })?;
+        Self::from_toml(&text, path)
+    }
+
+    /// Reads and checks a mapping file's text; `path` names it in errors.
+    ///
+    /// # Errors
+    /// Every problem found, each with its line and key: text that is not TOML, an unknown key, an
+    /// unknown column of ours, a unit that does not fit, a pattern that is no regular expression, …
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, FirstErrors> {
+        // Some editors put a byte-order mark first.
+        let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
+        check(plain, path)
+    }
+}
+
 /// The mapping in `text`, or every problem found in it.
-pub(super) fn check(text: &str, path: &Path) -> Result<Mapping, Errors> {
+fn check(text: &str, path: &Path) -> Result<Mapping, Errors> {
     let error = |problem: &StudyError| {
         let remedy = "mend the line; docs/import.md explains the keys";
         StoreError::new(path, problem.to_string(), remedy)

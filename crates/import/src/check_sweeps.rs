@@ -2,11 +2,9 @@
 
 use super::check::Check;
 use super::convert::Zero;
-use super::mapping::{Content, QuantityFrom, SweepForm, SweepLabels};
+use super::mapping::{Content, Pairs, QuantityFrom, SweepForm, SweepLabels, Wide};
 use super::shape::{QuantityShape, SweepShape, TimeShape, WideShape, ZeroShape, ZeroWord};
-use super::sweeps::Pairs;
 use super::table::ColumnRef;
-use super::wide::Wide;
 use zwidth_store::Quantity;
 
 impl Check<'_> {

@@ -2,9 +2,10 @@
 
 use super::labview::has_comments;
 use super::limits::{
-    MOST_COLUMNS, MOST_LINE, MOST_WHOLE_ROWS, Take, check_name, shown, too_many_rows, too_much,
+    MOST_COLUMNS, MOST_LINE, MOST_WHOLE_ROWS, Take, check_name, too_many_rows, too_much,
 };
 use super::plain::{is_labchart, labchart, spaced};
+use super::spelling::shown;
 use super::table::{Cells, EmptyRows, Table};
 use super::text::{Encoding, decode_from, told_of_latin_1};
 use arrow::array::LargeStringBuilder;

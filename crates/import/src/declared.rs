@@ -35,7 +35,7 @@ impl Recording {
         }
         Ok(Some(format!(
             "column {name}: the file says that its unit is '{}', and the mapping takes it for {text}",
-            super::limits::shown(&named.unit)
+            super::spelling::shown(&named.unit)
         )))
     }
 }

@@ -2,59 +2,18 @@
 //! logs.
 
 use super::blocks::blake3_of;
+use super::context::Context;
+use super::errors::{Errors, all};
 use super::identity::{counted, id};
-use super::label::Label;
 use super::limits::Budget;
+use super::mapping::{Exclusions, Of};
 use super::recording::Recording;
 use super::report::{FileReport, Report};
 use super::table::ColumnRef;
-use super::{Context, Errors, all};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::{StoreError, StudyData, TrialName, commit_events, trial_sources};
 use zwidth_study::Event;
-
-/// Which rows of a table exclude a trial, which trial, and why.
-#[derive(Debug, Clone)]
-pub(super) struct Exclusions {
-    pub(super) of: Of,
-    /// Rows with one of these words in each of the columns; all rows if there is none.
-    pub(super) when: Vec<(ColumnRef, Vec<String>)>,
-    pub(super) reason: Label,
-}
-
-/// How a row names its trial.
-#[derive(Debug, Clone)]
-pub(super) enum Of {
-    /// By the recording that it was imported from: a path from this folder, which lies beside the table.
-    Recording {
-        column: ColumnRef,
-        folder: PathBuf,
-    },
-    Trial(Box<Labels>),
-}
-
-/// The labels of a trial.
-#[derive(Debug, Clone)]
-pub(super) struct Labels {
-    pub(super) participant: Label,
-    pub(super) session: Label,
-    pub(super) trial: Label,
-}
-
-impl Exclusions {
-    fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
-        let named = match &self.of {
-            Of::Recording { column, .. } => vec![column],
-            Of::Trial(labels) => {
-                let Labels { participant, session, trial } = &**labels;
-                [participant, session, trial].into_iter().filter_map(Label::column).collect()
-            }
-        };
-        let when = self.when.iter().map(|(column, _)| column);
-        named.into_iter().chain(when).chain(self.reason.column())
-    }
-}
 
 /// Excludes the trials that tables name: all of them, or none. What is excluded already stays as it is.
 ///

@@ -1,7 +1,8 @@
 //! The formats of other people's files: the one list.
 
 use super::csv::Dialect;
-use super::limits::{Take, shown};
+use super::limits::Take;
+use super::spelling::shown;
 use super::table::Table;
 use super::xdf::XdfClock;
 use super::{csv, feather, hdf5, jsonl, mat, npy, parquet, workbook, xdf};

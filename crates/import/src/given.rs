@@ -1,10 +1,13 @@
 //! The answers of a questionnaire, cell by cell: as numbers of their scales, with what each took.
 
+use super::context::Context;
+use super::errors::Errors;
 use super::identity::{Identity, answer};
 use super::mapping::{Missing, Questionnaire};
 use super::recording::Recording;
+use super::report::FileReport;
 use super::spelling::{find, plain};
-use super::{Context, Errors};
+use std::collections::BTreeSet;
 use zwidth_store::StoreError;
 use zwidth_study::{AnswerScale, AnswerValue, QuestionId};
 
@@ -125,4 +128,14 @@ fn read_time(
         return Ok(Some((time_s * 1e3).round() as u32));
     }
     Err(wrong(format!("an answer cannot take {time_s} s: from 0 to {LONGEST_S}")))
+}
+
+/// What was read of a table.
+pub(super) struct Read {
+    pub(super) found: Vec<Answered>,
+    pub(super) report: FileReport,
+    /// The columns of its answers, counted from 1.
+    pub(super) columns: BTreeSet<usize>,
+    /// Answers that are missing.
+    pub(super) empty: usize,
 }

@@ -3,7 +3,7 @@
 
 use super::guess_read::look_at_head;
 use super::guess_words::are_answers;
-use super::limits::shown;
+use super::spelling::shown;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_store::StoreError;

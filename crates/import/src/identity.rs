@@ -1,12 +1,13 @@
 //! Who, which trial, under which condition: labels resolved, checked, and numbered.
 
+use super::context::Context;
+use super::errors::{Errors, append};
 use super::label::Label;
 use super::limits::MOST_NUMBER;
 use super::mapping::Who;
 use super::recording::{self, Recording};
 use super::report::FileReport;
 use super::spelling::{is_missing, plain, truth, uuid};
-use super::{Context, Errors, append};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -1,8 +1,9 @@
 //! JSON lines: one object a line, keys are columns.
 
 use super::limits::{
-    MOST_LINE, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown, too_many_rows, too_much,
+    MOST_LINE, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows, too_much,
 };
+use super::spelling::shown;
 use super::table::{Cells, EmptyRows, Table};
 use super::text::{Encoding, decode};
 use arrow::array::{ArrayBuilder as _, LargeStringBuilder};

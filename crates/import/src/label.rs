@@ -1,11 +1,9 @@
 //! Labels: where a participant, a session, a mode, … of a recording comes from.
 
-use super::recording::Recording;
 use super::spelling::{find, plain};
 use super::table::ColumnRef;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use zwidth_store::StoreError;
 
 /// Where a label comes from, and how it becomes ours.
 #[derive(Debug, Clone, Default)]
@@ -102,62 +100,8 @@ impl Label {
         }
     }
 
-    /// The label of the rows that begin with `row`, as the value that `parse` makes of it.
-    ///
-    /// # Errors
-    /// No value there, no translation for it, or what `parse` says of it, with file, column and
-    /// row.
-    pub(super) fn value<T>(
-        &self,
-        what: &str,
-        recording: &Recording,
-        row: usize,
-        parse: impl FnOnce(&str) -> Result<T, String>,
-    ) -> Result<T, StoreError> {
-        let theirs = self.word(recording, row)?;
-        let ours = match theirs.as_str() {
-            "" => Err(format!("there is no {what}")),
-            theirs => self.ours(theirs),
-        };
-        ours.and_then(|ours| parse(&ours)).map_err(|problem| {
-            let remedy = format!("mend the value, or change {what} in the mapping");
-            match self.column().map(|c| recording.find(c)) {
-                Some(Ok(column)) => recording.cell_error(column, row, &problem, &remedy),
-                _ => recording.error(problem, remedy),
-            }
-        })
-    }
-
-    /// Their word, as the recording has it.
-    ///
-    /// # Errors
-    /// No such column, or no such group in the path.
-    pub(super) fn word(&self, recording: &Recording, row: usize) -> Result<String, StoreError> {
-        match &self.from {
-            From::Fixed(text) => Ok(text.clone()),
-            From::Name(group) => recording.group(group),
-            From::Column(column) => Ok(recording.cell(column, row)?.to_string()),
-        }
-    }
-
-    /// Whether the comma stands before decimals in their word: not in a number of a workbook, nor in
-    /// a word of the mapping.
-    ///
-    /// # Errors
-    /// No such column.
-    pub(super) fn has_decimal_comma(
-        &self,
-        recording: &Recording,
-        row: usize,
-    ) -> Result<bool, StoreError> {
-        let Some(column) = self.column().filter(|_| self.translate.is_empty()) else {
-            return Ok(false);
-        };
-        Ok(recording.has_decimal_comma(&recording.cell(column, row)?))
-    }
-
     /// Their word as ours.
-    fn ours(&self, theirs: &str) -> Result<String, String> {
+    pub(super) fn ours(&self, theirs: &str) -> Result<String, String> {
         if !self.translate.is_empty() {
             return find(&self.translate, theirs).cloned().ok_or_else(|| {
                 let known =

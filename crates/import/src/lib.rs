@@ -15,10 +15,12 @@ mod check_likert;
 mod check_samples;
 mod check_sweeps;
 mod clock;
+mod context;
 mod convert;
 mod counter;
 mod csv;
 mod declared;
+mod errors;
 mod exclusions;
 mod feather;
 mod format;
@@ -35,6 +37,7 @@ mod jsonl;
 #[cfg(test)]
 mod killed;
 mod label;
+mod labelled;
 mod labview;
 mod late;
 mod likert;
@@ -69,7 +72,6 @@ mod table;
 mod text;
 mod trials;
 mod unit;
-mod wide;
 mod workbook;
 #[cfg(test)]
 mod world;
@@ -78,38 +80,24 @@ mod xml;
 mod zero;
 mod zip;
 
+pub use context::{Step, bytes_of};
 pub use guess::{Guess, guess};
 pub use late::{Claims, LateAnswer, LateAnswers, TrialMeant};
 pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped, Unplanned};
 
 use batch::Batch;
-use format::Format;
-use limits::{Budget, MOST_FILE, Take, shown};
+use context::Context;
+use errors::all;
 use mapping::Content;
 use order::in_order;
-use rayon::prelude::*;
-use recording::{Recording, Rows};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use table::ColumnRef;
 use zwidth_store::commit::settle;
 use zwidth_store::{
-    Files, FirstErrors, Layout, MOST_STUDY, SOURCE, StoreError, StudyData, against_plan, hex_blake3,
+    Files, FirstErrors, Layout, MOST_STUDY, StoreError, StudyData, against_plan, hex_blake3,
 };
-use zwidth_study::{Study, printable};
-
-/// A piece of an import's work that is done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
-    /// So many bytes of the recordings were read and converted.
-    Read(u64),
-    /// One of so many files of the study was written. Nothing is read any more.
-    Written {
-        /// How many there are.
-        all: usize,
-    },
-}
+use zwidth_study::Study;
 
 /// Who imports, and when.
 #[derive(Debug, Clone, Copy)]
@@ -186,205 +174,4 @@ fn against_plan_of(disk: &dyn Files, layout: &Layout, batch: &Batch) -> Vec<Unpl
             what: format!("{}; {}", finding.what, finding.remedy),
         })
         .collect()
-}
-
-/// Why rows are left out where the mapping drops those without a value.
-const MISSING: &str = "a mapped cell is empty or NaN (missing = \"drop\")";
-
-/// What is said of empty rows that are no samples.
-const EMPTY: &str = "empty";
-/// What is said of empty rows where samples come at a rate.
-const EMPTY_AT_A_RATE: &str =
-    "empty: within a trial no sample stands there, and later samples keep their time";
-
-/// A file, and what was made of it.
-struct Converted<T> {
-    path: PathBuf,
-    /// BLAKE3 of the file, hexadecimal.
-    blake3: String,
-    made: T,
-}
-
-/// Everything found wrong; never empty.
-type Errors = FirstErrors;
-
-/// Every value, or every error.
-fn all<T, E: Into<Errors>>(
-    results: impl IntoIterator<Item = Result<T, E>>,
-) -> Result<Vec<T>, Errors> {
-    let mut values = Vec::new();
-    let mut errors = Errors::default();
-    for result in results {
-        match result {
-            Ok(value) => values.push(value),
-            Err(found) => append(&mut errors, found),
-        }
-    }
-    errors.none().map(|()| values)
-}
-
-/// Adds errors behind others.
-fn append(errors: &mut Errors, found: impl Into<Errors>) {
-    let found = found.into();
-    errors.extend(found.iter().cloned());
-    errors.count(found.more());
-}
-
-/// The bytes of these files: all that [`Step::Read`] tells of.
-pub fn bytes_of(files: &[PathBuf]) -> u64 {
-    files.iter().filter_map(|path| std::fs::metadata(path).ok()).map(|found| found.len()).sum()
-}
-
-/// What every file of an import is converted with.
-struct Context<'a> {
-    layout: &'a Layout,
-    study: &'a Study,
-    mapping: &'a Mapping,
-    software: &'a str,
-    /// The text of `study.toml`, of which each session keeps a copy.
-    study_toml: Vec<u8>,
-    study_blake3: String,
-    /// Where the study lies.
-    files: &'a dyn Files,
-    /// Is told each step.
-    progress: &'a (dyn Fn(Step) + Sync),
-}
-
-impl Context<'_> {
-    /// These columns, of matrices as the mapping says that they lie.
-    fn take<'t>(&self, columns: Vec<&'t ColumnRef>, budget: &'t Budget) -> Take<'t> {
-        Take { turned: self.mapping.file.turned, ..Take::of(columns, budget) }
-    }
-
-    /// Reads every file and converts it, side by side as far as they fit into memory together.
-    ///
-    /// # Errors
-    /// Everything found wrong; more in all of them than is read; a recording that is there twice.
-    fn convert<T: Send>(
-        &self,
-        files: &[PathBuf],
-        take: &Take,
-        convert: impl Fn(&mut Recording) -> Result<T, Errors> + Sync,
-    ) -> Result<Vec<Converted<T>>, Errors> {
-        let one = |path: &PathBuf| {
-            let mut recording =
-                Recording::read(path, &self.mapping.file, self.mapping.name.as_ref(), take)?;
-            let made = convert(&mut recording)?;
-            (self.progress)(Step::Read(bytes_of(std::slice::from_ref(path))));
-            Ok::<_, Errors>(Converted { path: recording.path, blake3: recording.blake3, made })
-        };
-        let mut found = Vec::new();
-        for group in self.groups(files) {
-            found.extend(group.par_iter().map(one).collect::<Vec<_>>());
-            // Before more is read than can be kept.
-            take.budget.held(files)?;
-        }
-        let converted = all(found)?;
-        once::given_once(&converted)?;
-        Ok(converted)
-    }
-
-    /// The files in groups whose contents have at most [`MOST_FILE`] bytes together. What a packed
-    /// file unpacks to may be as much on its own.
-    fn groups<'f>(&self, files: &'f [PathBuf]) -> Vec<&'f [PathBuf]> {
-        let is_packed =
-            |path: &Path| self.mapping.file.format_of(path).is_ok_and(Format::is_packed);
-        let bytes = |path: &PathBuf| match is_packed(path) {
-            true => MOST_FILE,
-            false => std::fs::metadata(path).map_or(0, |found| found.len()),
-        };
-        let mut groups = Vec::new();
-        let mut from = 0;
-        let mut together = 0;
-        for (i, path) in files.iter().enumerate() {
-            let bytes = bytes(path).min(MOST_FILE);
-            // A group has one file at least, however large that is.
-            if i > from && together + bytes > MOST_FILE {
-                groups.push(&files[from..i]);
-                (from, together) = (i, 0);
-            }
-            together += bytes;
-        }
-        groups.push(&files[from..]);
-        groups
-    }
-
-    /// What a file made from a recording says of itself. The recording's name is left out: it may
-    /// hold a person's.
-    fn footer(&self, source_blake3: String, computed: &[String]) -> BTreeMap<String, String> {
-        let mut footer = BTreeMap::from([
-            ("study_blake3".to_owned(), self.study_blake3.clone()),
-            ("device".to_owned(), self.study.device.name.clone()),
-            ("software".to_owned(), self.software.to_owned()),
-            (SOURCE.to_owned(), source_blake3),
-            ("mapping_blake3".to_owned(), self.mapping.blake3.clone()),
-        ]);
-        if !computed.is_empty() {
-            footer.insert("made_by_import".to_owned(), computed.join("; "));
-        }
-        footer
-    }
-
-    /// The report on a file as far as all kinds share it, of whose rows so many were kept; `used`
-    /// are the columns that were taken.
-    ///
-    /// # Errors
-    /// A column that the mapping drops by name but the file does not have, or one that it also
-    /// uses.
-    fn file_report(
-        &self,
-        recording: &Recording,
-        rows: &Rows,
-        kept: usize,
-        used: &[usize],
-    ) -> Result<FileReport, StoreError> {
-        let names: Vec<_> =
-            (0..recording.table.columns.len()).map(|i| recording.table.full_name(i)).collect();
-        let unused = names.iter().enumerate().filter(|(i, _)| !used.contains(i));
-        let mut dropped_by_name = self.mapping.drop.keys();
-        if let Some(name) =
-            dropped_by_name.find(|name| !unused.clone().any(|(_, of)| *of == name.as_str()))
-        {
-            let what = "the column is named in [drop], but it is missing or used";
-            return Err(recording.error(what, "remove it from [drop]").column(name));
-        }
-        let why = |name: &str| {
-            self.mapping.drop.get(name).cloned().unwrap_or_else(|| "not mapped".to_owned())
-        };
-        let limit = self.mapping.file.rows.unwrap_or(rows.read);
-        let dropped = [
-            (rows.missing, MISSING.to_owned()),
-            (rows.past_limit, format!("after the first {limit} (rows = {limit})")),
-            (
-                rows.joined.len(),
-                "they have the time of a row before them (equal in [time])".to_owned(),
-            ),
-        ];
-        let bad = rows.bad.values().map(|why| (1, format!("{why} (bad_lines)")));
-        Ok(FileReport {
-            file: printable(&recording.path.to_string_lossy()).into_owned(),
-            rows_read: rows.read,
-            rows_kept: kept,
-            rows_dropped: dropped
-                .into_iter()
-                .chain(bad)
-                .filter(|d| d.0 > 0)
-                .map(|(rows, why)| RowsDropped { rows, why })
-                .collect(),
-            columns_dropped: unused
-                .map(|(_, name)| ColumnDropped {
-                    column: printable(&shown(name)).into_owned(),
-                    why: why(name),
-                })
-                .collect(),
-            converted: Vec::new(),
-            computed: Vec::new(),
-            null: Vec::new(),
-            made: Vec::new(),
-            lost: recording.lost(rows, 0..usize::MAX),
-            care: Vec::new(),
-            told: recording.table.told.clone(),
-            there: None,
-        })
-    }
 }

@@ -3,7 +3,9 @@
 
 use super::added::There;
 use super::batch::Batch;
-use super::given::{Answered, Given, Place, read_given};
+use super::context::{Context, Converted, EMPTY};
+use super::errors::{Errors, all, append};
+use super::given::{Answered, Given, Place, Read, read_given};
 use super::identity::{Identity, Named, identity, number_trials, tell_labels};
 use super::limits::Budget;
 use super::mapping::{Asked, Missing, OfRow, Questionnaire, Who};
@@ -11,7 +13,7 @@ use super::recording::Recording;
 use super::report::{FileReport, RowsDropped};
 use super::shape::{AnswerFrom, JsonKey};
 use super::table::{Cell, ColumnRef};
-use super::{Context, Converted, EMPTY, Errors, all, append, long, once};
+use super::{long, once};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_store::StoreError;
@@ -22,16 +24,6 @@ use zwidth_study::{Event, PlannedTrial, QuestionId, Study};
 struct Wide<'a> {
     who: &'a Who,
     questions: Vec<(QuestionId, AnswerFrom, Option<ColumnRef>)>,
-}
-
-/// What was read of a table.
-pub(super) struct Read {
-    pub(super) found: Vec<Answered>,
-    pub(super) report: FileReport,
-    /// The columns of its answers, counted from 1.
-    pub(super) columns: BTreeSet<usize>,
-    /// Answers that are missing.
-    pub(super) empty: usize,
 }
 
 /// Reads every file, numbers the trials over all of them, and turns the answers into events. Of a

@@ -1,9 +1,9 @@
 //! How much of other people's files is read: nothing that they claim decides how much memory is
 //! taken (`docs/data.md`, "Limits").
 
+use super::spelling::shown;
 use super::table::ColumnRef;
 use regex::Regex;
-use std::borrow::Cow;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use zwidth_store::{MOST_ROWS, Samples, Signal, StoreError};
@@ -47,9 +47,6 @@ const MOST_SPAN_S: f64 = 86_400.0;
 const MOST_TIME_S: f64 = 1e11;
 /// The largest angle, rad: a thousand turns.
 const MOST_ANGLE_RAD: f64 = 1_000.0 * std::f64::consts::TAU;
-/// Characters of a text of theirs that an error repeats: half from its beginning, half from its
-/// end.
-const MOST_SHOWN: usize = 400;
 
 /// What an import may still take: counted over all its files, which are read side by side.
 #[derive(Debug, Default)]
@@ -178,16 +175,6 @@ pub(super) fn check_name(path: &Path, name: &str) -> Result<(), StoreError> {
     Err(StoreError::new(path, what, "shorten it").column(shown(name)))
 }
 
-/// A text of theirs, as an error shows it: a long one without its middle.
-pub(super) fn shown(text: &str) -> Cow<'_, str> {
-    let half = MOST_SHOWN / 2;
-    let Some((cut, _)) = text.char_indices().nth(half) else { return Cow::Borrowed(text) };
-    match text.char_indices().rev().nth(half - 1) {
-        Some((on, _)) if on > cut => Cow::Owned(format!("{} … {}", &text[..cut], &text[on..])),
-        _ => Cow::Borrowed(text),
-    }
-}
-
 /// Which columns of a recording are taken; no other is kept in memory.
 pub(super) struct Take<'a> {
     pub(super) columns: Vec<&'a ColumnRef>,
@@ -261,15 +248,6 @@ pub(super) mod tests {
         everything(|take| {
             read(&Take { turned: true, ..Take::of(take.columns.clone(), take.budget) })
         })
-    }
-
-    #[test]
-    fn a_long_text_is_shown_without_its_middle() {
-        assert_eq!(shown("short"), "short");
-        let whole = "é".repeat(MOST_SHOWN);
-        assert_eq!(shown(&whole), whole);
-        let long = format!("{}{}{}", "é".repeat(200), "x".repeat(1 << 20), "ü".repeat(200));
-        assert_eq!(shown(&long), format!("{} … {}", "é".repeat(200), "ü".repeat(200)));
     }
 
     #[test]

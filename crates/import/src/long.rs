@@ -1,13 +1,14 @@
 //! Long questionnaire tables, a row an answer → trials without samples, each with its answers.
 
+use super::context::{Context, EMPTY};
+use super::errors::{Errors, all, append};
+use super::given::Read;
 use super::given::{Answered, Given, Place, read_given};
 use super::identity::{Identity, Named, identity};
 use super::label::Label;
-use super::likert::Read;
 use super::limits::Budget;
 use super::mapping::{LongForm, Questionnaire, Who};
 use super::recording::Recording;
-use super::{Context, EMPTY, Errors, all, append};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zwidth_store::StoreError;

@@ -1,25 +1,20 @@
 //! The mapping file, checked: what of a recording becomes what of ours (`docs/import.md`).
 
-use super::check::check;
 use super::convert::Linear;
 use super::csv::{Dialect, WHITE_SPACE};
-use super::exclusions::Exclusions;
 use super::format::Format;
 use super::label::Label;
-use super::limits::MOST_MAPPING;
 use super::shape::AnswerFrom;
 pub(super) use super::shape::{Equal, Missing, Reduce, Side};
 use super::spelling::plain;
-use super::sweeps::Pairs;
 use super::table::{Cell, ColumnRef};
 use super::text::Encoding;
 use super::unit::Unit;
-use super::wide::Wide;
 use super::xdf::XdfClock;
 use regex::Regex;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use zwidth_store::{FirstErrors, Quantity, Signal, StoreError, read_named};
+use zwidth_store::{Quantity, Signal, StoreError};
 use zwidth_study::{ChannelId, QuestionId, Source};
 
 /// A mapping file, checked.
@@ -335,29 +330,78 @@ impl Mapping {
     pub(super) fn source(&self) -> Source {
         if self.simulated { Source::Simulated } else { Source::Imported }
     }
+}
 
-    /// Reads and checks a mapping file that a person named; nothing but a regular file will do.
-    ///
-    /// # Errors
-    /// Those of reading it, and of [`Mapping::from_toml`].
-    pub fn read(path: &Path) -> Result<Self, FirstErrors> {
-        let bytes = read_named(path, MOST_MAPPING).map_err(|e| StoreError::io(path, "read", &e))?;
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let what = format!("byte {} is not UTF-8", e.utf8_error().valid_up_to());
-            StoreError::new(path, what, "save the mapping as UTF-8")
-        })?;
-        Self::from_toml(&text, path)
+/// Which rows of a table exclude a trial, which trial, and why.
+#[derive(Debug, Clone)]
+pub(super) struct Exclusions {
+    pub(super) of: Of,
+    /// Rows with one of these words in each of the columns; all rows if there is none.
+    pub(super) when: Vec<(ColumnRef, Vec<String>)>,
+    pub(super) reason: Label,
+}
+
+/// How a row names its trial.
+#[derive(Debug, Clone)]
+pub(super) enum Of {
+    /// By the recording that it was imported from: a path from this folder, which lies beside the table.
+    Recording {
+        column: ColumnRef,
+        folder: PathBuf,
+    },
+    Trial(Box<Labels>),
+}
+
+/// The labels of a trial.
+#[derive(Debug, Clone)]
+pub(super) struct Labels {
+    pub(super) participant: Label,
+    pub(super) session: Label,
+    pub(super) trial: Label,
+}
+
+impl Exclusions {
+    pub(super) fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
+        let named = match &self.of {
+            Of::Recording { column, .. } => vec![column],
+            Of::Trial(labels) => {
+                let Labels { participant, session, trial } = &**labels;
+                [participant, session, trial].into_iter().filter_map(Label::column).collect()
+            }
+        };
+        let when = self.when.iter().map(|(column, _)| column);
+        named.into_iter().chain(when).chain(self.reason.column())
     }
+}
 
-    /// Reads and checks a mapping file's text; `path` names it in errors.
-    ///
-    /// # Errors
-    /// Every problem found, each with its line and key: text that is not TOML, an unknown key, an
-    /// unknown column of ours, a unit that does not fit, a pattern that is no regular expression, …
-    pub fn from_toml(text: &str, path: &Path) -> Result<Self, FirstErrors> {
-        // Some editors put a byte-order mark first.
-        let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
-        check(plain, path)
+/// How a wide file is mapped.
+#[derive(Debug, Clone)]
+pub(super) struct Wide {
+    /// Matches the headers in use; its group `value` is the number.
+    pub(super) pattern: Regex,
+    /// Which quantity stands in the headers.
+    pub(super) header: Side,
+    pub(super) reduce: Option<Reduce>,
+    pub(super) command: QuantityFrom,
+    pub(super) response: QuantityFrom,
+}
+
+/// How a file of pairs is mapped.
+#[derive(Debug, Clone)]
+pub(super) struct Pairs {
+    pub(super) time: Option<Time>,
+    pub(super) command: (ColumnRef, QuantityFrom),
+    pub(super) response: (ColumnRef, QuantityFrom),
+}
+
+impl Pairs {
+    /// The columns of command, response and, where it has one, time.
+    pub(super) fn columns(&self) -> Vec<&ColumnRef> {
+        let time = match &self.time {
+            Some(Time::Column { from, .. }) => Some(from),
+            _ => None,
+        };
+        [Some(&self.command.0), Some(&self.response.0), time].into_iter().flatten().collect()
     }
 }
 

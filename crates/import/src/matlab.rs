@@ -25,7 +25,7 @@ pub(super) fn other_class(class: &str, variable: &str) -> Option<String> {
             return Some("a function handle, which has no values; save what it returns".to_owned());
         }
         _ => {
-            let class = super::limits::shown(class);
+            let class = super::spelling::shown(class);
             return Some(format!(
                 "an object of the class {class}; in MATLAB, save what is wanted of it as numeric variables"
             ));

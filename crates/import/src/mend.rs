@@ -4,21 +4,11 @@
 use super::clock::{Clock, clock};
 use super::counter::wrap_of;
 use super::mapping::{Equal, Mend};
+use super::plan::TimeColumn;
 use super::recording::{Recording, Rows};
-use super::table::{Cells, ColumnRef};
-use super::unit::Unit;
+use super::table::Cells;
 use arrow::array::Float64Array;
 use zwidth_store::StoreError;
-
-/// A column of times, and what is done with it before it is converted.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TimeColumn<'a> {
-    pub(super) from: &'a ColumnRef,
-    pub(super) unit: &'static Unit,
-    /// Whether times count from the first sample of a trial.
-    pub(super) from_first: bool,
-    pub(super) mend: Mend,
-}
 
 impl Mend {
     /// What is mended, in words.

@@ -1,27 +1,13 @@
 //! The same recording counts once: by its content, within an import and in the whole study.
 
+use super::context::{Context, Converted};
+use super::errors::{Errors, all};
+use super::given::Read;
 use super::identity::{Cases, Identity};
-use super::likert::Read;
 use super::report::FileReport;
-use super::{Context, Converted, Errors, all};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zwidth_store::{StoreError, files_below, readable_records, sweep_sources, trial_sources};
-
-/// Whether no recording is there twice, under whatever names.
-pub(super) fn given_once<T>(files: &[Converted<T>]) -> Result<(), Errors> {
-    let mut seen = BTreeMap::new();
-    let checked = files.iter().enumerate().map(|(place, file)| {
-        let first = *seen.entry(&file.blake3).or_insert(place);
-        if first == place {
-            return Ok(());
-        }
-        let first = files[first].path.display();
-        let what = format!("the recording is given twice: {first} has the same content");
-        Err(StoreError::new(&file.path, what, "give every recording once"))
-    });
-    all(checked).map(drop)
-}
 
 /// The files of which the study has no trial yet, and in words those that are there already, as the same
 /// sessions: a glob may be given again when people were added.

@@ -1,8 +1,9 @@
 //! Anybody's Parquet file.
 
 use super::limits::{
-    MOST_TEXT, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, shown, too_many_rows, too_much,
+    MOST_TEXT, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, too_many_rows, too_much,
 };
+use super::spelling::shown;
 use super::table::{Cells, Declared, Table};
 use ::parquet::arrow::ProjectionMask;
 use ::parquet::arrow::arrow_reader::{

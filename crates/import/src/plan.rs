@@ -1,12 +1,24 @@
 //! How every file becomes trials: the mapping joined with the study.
 
+use super::context::Context;
 use super::convert::{Linear, Zero};
-use super::mapping::{ChannelFrom, Origin, Rule, SignalFrom, Time};
-use super::mend::TimeColumn;
+use super::errors::{Errors, all};
+use super::mapping::{ChannelFrom, Mend, Origin, Rule, SignalFrom, Time};
 use super::table::ColumnRef;
-use super::{Context, Errors, all, unit};
+use super::unit;
+use super::unit::Unit;
 use zwidth_store::{Signal, StoreError};
 use zwidth_study::Study;
+
+/// A column of times, and what is done with it before it is converted.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TimeColumn<'a> {
+    pub(super) from: &'a ColumnRef,
+    pub(super) unit: &'static Unit,
+    /// Whether times count from the first sample of a trial.
+    pub(super) from_first: bool,
+    pub(super) mend: Mend,
+}
 
 /// What is taken from every file, and what is computed.
 #[derive(Default)]

@@ -3,8 +3,9 @@
 use super::convert::Linear;
 use super::format::FormatOptions;
 use super::label::Label;
-use super::limits::{MOST_FILE, MOST_WHOLE_ROWS, Take, shown, too_many_rows};
+use super::limits::{MOST_FILE, MOST_WHOLE_ROWS, Take, too_many_rows};
 use super::mapping::{CellForm, FileForm, Missing};
+use super::spelling::shown;
 use super::spelling::{find, is_missing, truth};
 use super::table::{Cell, Cells, ColumnRef, Table};
 use super::text::check_readable;

@@ -97,9 +97,32 @@ pub(super) fn uuid(text: &str) -> Option<String> {
     is_uuid.then(|| groups.concat())
 }
 
+/// Characters of a text of theirs that an error repeats: half from its beginning, half from its
+/// end.
+const MOST_SHOWN: usize = 400;
+
+/// A text of theirs, as an error shows it: a long one without its middle.
+pub(super) fn shown(text: &str) -> Cow<'_, str> {
+    let half = MOST_SHOWN / 2;
+    let Some((cut, _)) = text.char_indices().nth(half) else { return Cow::Borrowed(text) };
+    match text.char_indices().rev().nth(half - 1) {
+        Some((on, _)) if on > cut => Cow::Owned(format!("{} … {}", &text[..cut], &text[on..])),
+        _ => Cow::Borrowed(text),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_long_text_is_shown_without_its_middle() {
+        assert_eq!(shown("short"), "short");
+        let whole = "é".repeat(MOST_SHOWN);
+        assert_eq!(shown(&whole), whole);
+        let long = format!("{}{}{}", "é".repeat(200), "x".repeat(1 << 20), "ü".repeat(200));
+        assert_eq!(shown(&long), format!("{} … {}", "é".repeat(200), "ü".repeat(200)));
+    }
 
     #[test]
     fn the_marks_of_missing_values_are_known_in_any_case() {

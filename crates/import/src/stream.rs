@@ -3,8 +3,11 @@
 //! What they become is what a short recording becomes.
 
 use super::blocks::{Block, Blocks, is_long};
+use super::context::Context;
 use super::convert::{Linear, Zero, central, slope};
 use super::counter::{self, Elsewhere};
+use super::csv;
+use super::errors::{Errors, all};
 use super::identity::{Identity, identity};
 use super::limits::{Budget, Take, check_sizes, check_time, too_many_for_a_trial};
 use super::mapping::{FileForm, Rule, Who};
@@ -12,7 +15,6 @@ use super::plan::{Plan, Taken, rate_times};
 use super::recording::{Gaps, Recording, Rows, Standing, empty_between, groups};
 use super::spelling::plain;
 use super::table::{Cell, ColumnRef};
-use super::{Context, Errors, all, csv};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;

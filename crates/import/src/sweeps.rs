@@ -1,17 +1,19 @@
 //! Files of characterisation sweeps → sweeps.
 
 use super::batch::Batch;
-use super::convert::Zero;
+use super::context::{Context, Converted, EMPTY, EMPTY_AT_A_RATE};
+use super::convert::{Zero, mean};
+use super::errors::{Errors, all};
 use super::label::Label;
 use super::limits::{Budget, Take, check_time};
-use super::mapping::{QuantityFrom, SweepForm, SweepLabels, Time};
-use super::mend::TimeColumn;
-use super::plan::{rate_times, rate_words};
+use super::mapping::{Pairs, QuantityFrom, Reduce, Side, SweepForm, SweepLabels, Time, Wide};
+use super::plan::{TimeColumn, rate_times, rate_words};
 use super::recording::{Gaps, Recording};
 use super::report::FileReport;
+use super::spelling::shown;
 use super::table::ColumnRef;
-use super::wide::wide;
-use super::{Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, all, identity, once, unit};
+use super::{identity, once, unit};
+use regex::Regex;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::{GAPS, LOST, StoreError, Sweep, hex_blake3, sweep_bytes};
@@ -115,25 +117,6 @@ fn encode(
         file,
     };
     sweep_bytes(&sweep, from)
-}
-
-/// How a file of pairs is mapped.
-#[derive(Debug, Clone)]
-pub(super) struct Pairs {
-    pub(super) time: Option<Time>,
-    pub(super) command: (ColumnRef, QuantityFrom),
-    pub(super) response: (ColumnRef, QuantityFrom),
-}
-
-impl Pairs {
-    /// The columns of command, response and, where it has one, time.
-    fn columns(&self) -> Vec<&ColumnRef> {
-        let time = match &self.time {
-            Some(Time::Column { from, .. }) => Some(from),
-            _ => None,
-        };
-        [Some(&self.command.0), Some(&self.response.0), time].into_iter().flatten().collect()
-    }
 }
 
 /// A row a sample; consecutive rows with equal labels are one sweep.
@@ -245,7 +228,7 @@ fn runs_forward(t_s: &[f64]) -> Result<(), usize> {
 }
 
 /// Says in the report where a quantity came from, and what was done to it.
-pub(super) fn note(report: &mut FileReport, side: &str, from: &str, q: &QuantityFrom) {
+fn note(report: &mut FileReport, side: &str, from: &str, q: &QuantityFrom) {
     let words = q.line.words();
     let line = words.as_ref().map(|w| format!(", {w}")).unwrap_or_default();
     report
@@ -271,6 +254,76 @@ impl SweepLabels {
             |label: &Label| label.value("sweep", recording, row, |t| identity::number("sweep", t));
         Ok((actuator, self.sweep.as_ref().map(number).transpose()?))
     }
+}
+
+/// The one sweep of a wide file: a sample a cell, or a sample a column where it is reduced.
+fn wide(
+    context: &Context,
+    labels: &SweepLabels,
+    form: &Wide,
+    recording: &Recording,
+) -> Result<(Vec<Piece>, FileReport), Errors> {
+    let columns = header_values(&form.pattern, recording)?;
+    let places: Vec<usize> = columns.iter().map(|(place, _)| *place).collect();
+    let label_columns = all(labels.columns().map(|c| recording.find(c)))?;
+    let rows = recording.rows(&context.mapping.file, &places, &label_columns)?;
+    let samples = all(columns.iter().map(|(place, value)| {
+        let cells = recording.numbers(*place, &rows.kept)?;
+        let cells = if form.reduce == Some(Reduce::Mean) { vec![mean(&cells)] } else { cells };
+        Ok::<_, StoreError>(cells.into_iter().map(|cell| (*value, cell)).collect::<Vec<_>>())
+    }))?;
+    let (headers, cells): (Vec<f64>, Vec<f64>) = samples.into_iter().flatten().unzip();
+    let mut report = context.file_report(
+        recording,
+        &rows,
+        rows.kept.len(),
+        &[places, label_columns].concat(),
+    )?;
+    report.null.push("t_s".to_owned());
+    let (cells_are, mut command, mut response) = match form.header {
+        Side::Command => ("response", headers, cells),
+        Side::Response => ("command", cells, headers),
+    };
+    if form.reduce == Some(Reduce::Mean) {
+        report
+            .computed
+            .push(format!("{cells_are} = mean of {} rows of each column", rows.kept.len()));
+    }
+    for (side, q, values) in
+        [("command", &form.command, &mut command), ("response", &form.response, &mut response)]
+    {
+        q.line.apply_to_all(values, 1.0);
+        let from = if side == cells_are { "the cells" } else { "the number in the header" };
+        note(&mut report, side, &format!("{from} of the columns '{}'", form.pattern), q);
+    }
+    let (actuator, number) = labels.of(recording, rows.kept[0])?;
+    report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
+    Ok((vec![Piece { actuator, number, t_s: None, command, response, gaps: None }], report))
+}
+
+/// The columns whose header matches, each with the number in its header.
+fn header_values(pattern: &Regex, recording: &Recording) -> Result<Vec<(usize, f64)>, StoreError> {
+    let names = recording.table.names.as_deref().unwrap_or_default();
+    let mut seen = BTreeSet::new();
+    let numbered = names.iter().map(String::as_str).enumerate();
+    let values = numbered.filter_map(|(place, name)| {
+        let text = pattern.captures(name)?.name("value")?.as_str();
+        if !seen.insert(name.to_owned()) {
+            let what = "two columns have this header, and both match the pattern";
+            return Some(Err(recording.error(what, "rename one of them").column(shown(name))));
+        }
+        let number: Option<f64> = text.parse().ok().filter(|v: &f64| v.is_finite());
+        Some(number.map(|v| (place, v)).ok_or_else(|| {
+            let what = format!("'{text}' in the header is not a number");
+            recording.error(what, "mend the pattern in [wide]").column(shown(name))
+        }))
+    });
+    let found = values.collect::<Result<Vec<_>, _>>()?;
+    if found.is_empty() {
+        let what = format!("no header matches the pattern '{pattern}'");
+        return Err(recording.error(what, "mend the pattern in [wide], or header in [file]"));
+    }
+    Ok(found)
 }
 
 #[cfg(test)]
@@ -343,5 +396,57 @@ sign = -1
         check(&timed, "u,adc,t\n0,1,1\n1,1,1e9\n", "more than a day", Some(("t", 2)));
         let path = PAIRS.replace("\"brake\"", "\"../x\"");
         check(&path, "u,adc\n0,1\n", "'../x' is not a valid actuator id", None);
+    }
+
+    const WIDE: &str = "
+kind = \"sweeps\"
+[file]
+rows = 2
+[sweep]
+actuator = \"brake\"
+[wide]
+pattern = '^deg_(?<value>-?[0-9.]+)_\\d+$'
+header = \"command\"
+[command]
+name = \"angle\"
+unit = \"deg\"
+[response]
+name = \"sensor voltage\"
+unit = \"V\"
+offset = 1.0
+";
+
+    #[test]
+    fn a_wide_table_gives_a_sample_a_cell_or_the_mean_of_each_column() {
+        let csv = "deg_-1.5_1,other,deg_2_2\n1,x,3\n2,x,5\n9,x,\n";
+        let world = World::new();
+        let report = world.import(WIDE, &[world.file("a.csv", csv)]).unwrap();
+        assert_eq!(sweep(&world, 1).command_values, [-1.5, -1.5, 2.0, 2.0]);
+        assert_eq!(sweep(&world, 1).response_values, [2.0, 3.0, 4.0, 6.0]);
+        assert_eq!(report.files[0].rows_dropped[0].why, "after the first 2 (rows = 2)");
+
+        let world = World::new();
+        let mean = WIDE.replace("[command]", "reduce = \"mean\"\n[command]");
+        world.import(&mean, &[world.file("a.csv", csv)]).unwrap();
+        assert_eq!(sweep(&world, 1).command_values, [-1.5, 2.0]);
+        assert_eq!(sweep(&world, 1).response_values, [2.5, 5.0]);
+        let made = &sweep(&world, 1).file["made_by_import"];
+        assert!(made.contains("response = mean of 2 rows of each column"), "{made}");
+    }
+
+    #[test]
+    fn bad_wide_tables_are_refused_with_column_and_row() {
+        let world = World::new();
+        let check = |map: &str, csv: &str, words: &str, at| {
+            world.refuses(map, &world.file("a.csv", csv), words, at)
+        };
+        check(WIDE, "deg_1_1,deg_2_2\n1,2\nNaN,2\n", "NaN is not a number", Some(("deg_1_1", 2)));
+        check(WIDE, "a,b\n1,2\n", "no header matches", None);
+        check(
+            &WIDE.replace("-?[0-9.]+", ".+"),
+            "deg_x_1\n1\n",
+            "'x' in the header is not a number",
+            None,
+        );
     }
 }

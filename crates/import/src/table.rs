@@ -1,7 +1,7 @@
 //! What every format becomes: a table of text or number columns, not yet interpreted.
 
-use super::limits::shown;
 use super::spelling::plain;
+use super::spelling::shown;
 use arrow::array::{Array, Float64Array, LargeStringArray, LargeStringBuilder};
 use serde::Deserialize;
 use std::borrow::Cow;

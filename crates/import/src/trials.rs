@@ -2,7 +2,9 @@
 
 use super::batch::{Batch, Output};
 use super::blocks::{blake3_of, is_long};
+use super::context::{Context, Converted, EMPTY, EMPTY_AT_A_RATE, MISSING, Step, given_once};
 use super::convert::{Linear, derivative, integral};
+use super::errors::{Errors, all};
 use super::identity::{Identity, identity, number_trials, tell_labels};
 use super::limits::{Budget, check_sizes};
 use super::mapping::{ChannelFrom, Rule, SignalFrom, Time, Who};
@@ -13,10 +15,7 @@ use super::recording::{Gaps, Recording, Rows};
 use super::report::{FileReport, RowsDropped, null_columns};
 use super::stream::{Growing, Source as LongText};
 use super::table::{Cells, ColumnRef};
-use super::{
-    Context, Converted, EMPTY, EMPTY_AT_A_RATE, Errors, MISSING, Step, all, counter, once, outline,
-    unit, zero,
-};
+use super::{counter, once, outline, unit, zero};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_store::{
@@ -202,7 +201,7 @@ fn converted(
         };
         in_order.extend(of(&mut short).or_else(|| of(&mut long)));
     }
-    once::given_once(&in_order)?;
+    given_once(&in_order)?;
     Ok(in_order)
 }
 

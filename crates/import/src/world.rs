@@ -1,6 +1,7 @@
 //! A small study in a temporary folder, for the tests of import.
 
-use super::{By, Mapping, Report, Step, bytes_of, import};
+use super::context::{Step, bytes_of};
+use super::{By, Mapping, Report, import};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use tempfile::TempDir;

@@ -5,7 +5,7 @@
 //! cuts a text at every reference. Names are told without their prefix. What comments, declarations
 //! and instructions say is passed by.
 
-use super::limits::shown;
+use super::spelling::shown;
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::attributes::Attributes as Written;
 use quick_xml::events::{BytesRef, Event as Read};

@@ -11,8 +11,9 @@ pub(super) mod tests;
 mod values;
 
 use super::limits::{
-    MOST_COLUMNS, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown, too_many_rows, too_much,
+    MOST_COLUMNS, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows, too_much,
 };
+use super::spelling::shown;
 use super::table::{Cells, Declared, Table};
 use arrow_ipc::{Block, Endianness, Field, Footer, root_as_footer};
 use batch::{Batch, Layout, Room, batch_of, dictionary_of};

@@ -12,10 +12,11 @@ mod raw;
 pub(super) mod tests;
 
 use super::limits::{
-    MOST_COLUMNS, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, check_name, shown,
-    too_many_rows, too_much,
+    MOST_COLUMNS, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows,
+    too_much,
 };
 use super::matlab::{is_object, other_class};
+use super::spelling::shown;
 use super::table::{Cells, ColumnRef, Declared, Table};
 use super::text::HDF5;
 use arrow::array::Float64Array;

@@ -3,8 +3,9 @@
 //!
 //! Source of the format: MathWorks, "MAT-File Format" (R2024b), "Level 5 MAT-File Format".
 
-use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED, Take, shown};
+use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED, Take};
 use super::matlab::{is_object, other_class};
+use super::spelling::shown;
 use super::table::{Cells, ColumnRef, Table};
 use arrow::array::Float64Array;
 use flate2::read::ZlibDecoder;

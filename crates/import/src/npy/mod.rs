@@ -6,9 +6,8 @@ mod header;
 #[cfg(test)]
 mod tests;
 
-use super::limits::{
-    MOST_TEXT, MOST_WHOLE_ROWS, Take, check_columns, shown, too_many_rows, too_much,
-};
+use super::limits::{MOST_TEXT, MOST_WHOLE_ROWS, Take, check_columns, too_many_rows, too_much};
+use super::spelling::shown;
 use super::table::{Cells, Table};
 use super::zip;
 use arrow::array::{Float64Array, LargeStringBuilder};

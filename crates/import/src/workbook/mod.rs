@@ -14,7 +14,8 @@ pub(super) mod tests;
 mod xlsx;
 
 use super::csv::Dialect;
-use super::limits::{Take, shown};
+use super::limits::Take;
+use super::spelling::shown;
 use super::table::Table;
 use parts::{Parts, unreadable};
 use sheet::Sheet;

@@ -1,6 +1,6 @@
 //! The parts of a workbook's archive, and what can be wrong with them.
 
-use super::super::limits::shown;
+use super::super::spelling::shown;
 use super::super::zip;
 use std::collections::BTreeMap;
 use std::path::Path;

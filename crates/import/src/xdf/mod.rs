@@ -13,7 +13,8 @@ mod samples;
 #[cfg(test)]
 pub(super) mod tests;
 
-use super::limits::{MOST_COLUMNS, Take, shown};
+use super::limits::{MOST_COLUMNS, Take};
+use super::spelling::shown;
 use super::table::{Cells, Declared, Table};
 use arrow::array::Float64Array;
 use chunks::{Bytes, Lost, MAGIC, Tag, walk};
