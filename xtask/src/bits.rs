@@ -13,7 +13,7 @@ use zwidth_store::hex_blake3;
 
 /// The study that comes along.
 const STUDY: &str = "thesis-twin";
-/// Where the hashes are written down, in the form of `b3sum`, below the versions of the stages.
+/// Where that is written down: a stage a line, with its version, the number of its files and one hash of them all.
 const WRITTEN: &str = "tests/thesis-twin.b3";
 /// More threads than most machines have processors: the order in which jobs end is another one each
 /// time.
@@ -29,14 +29,17 @@ const NAMED: usize = 10;
 /// Hash of each file below `derived/` and `reports/`, by its path.
 type Hashes = BTreeMap<String, String>;
 
-/// What is written down: each stage's version, and the files that it made, without their origin.
-#[derive(Debug, Default, Clone, PartialEq)]
+/// What is written down, by stage.
+type Written = BTreeMap<String, Content>;
+
+/// What a stage made, without its origin. PNG and PDF, which are drawn from the SVG's shapes, and
+/// the records are left out: they are compared within one run.
+#[derive(Debug, Clone, PartialEq)]
 struct Content {
-    /// By stage.
-    versions: BTreeMap<String, u32>,
-    /// By path: the stage, and the hash. PNG and PDF, which are drawn from the SVG's shapes, and
-    /// the records are left out: they are compared within one run.
-    files: BTreeMap<String, (String, String)>,
+    version: u32,
+    files: usize,
+    /// Of the hashes and paths of its files, in the order of the paths.
+    hash: String,
 }
 
 /// Runs the job in each way and compares what it made with what is written down; with `renew`,
@@ -61,10 +64,10 @@ pub(crate) fn compare(program: &Path, scratch: &Path, how: How) -> anyhow::Resul
         }
     }
     let made = hashes(plain(program), &root, MANY, &["--without-origin"])?;
-    let made = content(&root, made)?;
+    let made = content(&root, &made)?;
     std::fs::remove_dir_all(scratch)?;
     let written = Path::new(WRITTEN);
-    let before = if written.exists() { read(written)? } else { Content::default() };
+    let before = if written.exists() { read(written)? } else { Written::default() };
     not_raised(&before, &made)?;
     if how == How::Renew {
         std::fs::write(written, text(&made))?;
@@ -72,7 +75,8 @@ pub(crate) fn compare(program: &Path, scratch: &Path, how: How) -> anyhow::Resul
         return Ok(());
     }
     unchanged(&before, &made)?;
-    println!("without origin: {} files, as written down", made.files.len());
+    let files: usize = made.values().map(|stage| stage.files).sum();
+    println!("without origin: {files} files of {} stages, as written down", made.len());
     Ok(())
 }
 
@@ -148,20 +152,23 @@ fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// What was made, with the stages that the records of that run name.
-fn content(root: &Path, hashes: Hashes) -> anyhow::Result<Content> {
+/// What was made, by the stages that the records of that run name.
+fn content(root: &Path, hashes: &Hashes) -> anyhow::Result<Written> {
     let records = std::fs::read(root.join("derived").join(STUDY).join("records.json"))?;
     let records: BTreeMap<String, Record> = serde_json::from_slice(&records)?;
-    let mut content = Content::default();
+    let mut made: BTreeMap<String, (u32, BTreeMap<String, &String>)> = BTreeMap::new();
     for Record { stage, version, outputs } in records.into_values() {
-        for path in outputs.keys().filter(|path| !path.ends_with(".png") && !path.ends_with(".pdf"))
-        {
-            let hash = hashes.get(path).with_context(|| format!("{path} was not made"))?;
-            content.files.insert(path.clone(), (stage.clone(), hash.clone()));
+        let (_, files) = made.entry(stage).or_insert_with(|| (version, BTreeMap::new()));
+        for path in outputs.into_keys().filter(|p| !p.ends_with(".png") && !p.ends_with(".pdf")) {
+            let hash = hashes.get(&path).with_context(|| format!("{path} was not made"))?;
+            files.insert(path, hash);
         }
-        content.versions.insert(stage, version);
     }
-    Ok(content)
+    let one = |(stage, (version, files)): (String, (u32, BTreeMap<String, &String>))| {
+        let lines: String = files.iter().map(|(path, hash)| format!("{hash}  {path}\n")).collect();
+        (stage, Content { version, files: files.len(), hash: hex_blake3(lines.as_bytes()) })
+    };
+    Ok(made.into_iter().map(one).collect())
 }
 
 /// What of a record is needed here.
@@ -186,40 +193,40 @@ fn same(expected: &Hashes, made: &Hashes) -> anyhow::Result<()> {
     bail!("{} of {count} files differ:\n{}", told.len(), some(&told))
 }
 
-/// An error that names the stages of which some file has another content, at the same version.
-fn not_raised(before: &Content, made: &Content) -> anyhow::Result<()> {
-    let other: Vec<String> = made
-        .files
+/// An error that names the stages whose files have another content, at the same version.
+fn not_raised(before: &Written, made: &Written) -> anyhow::Result<()> {
+    let other: Vec<&str> = made
         .iter()
-        .filter(|(path, (stage, hash))| {
-            let was = before.files.get(*path).filter(|(was_of, _)| was_of == stage);
-            was.is_some_and(|(_, was)| was != hash)
-                && before.versions.get(stage) == made.versions.get(stage)
+        .filter(|(stage, now)| {
+            before.get(*stage).is_some_and(|was| was.version == now.version && was != *now)
         })
-        .map(|(path, (stage, _))| format!("{path} ({stage})"))
+        .map(|(stage, _)| stage.as_str())
         .collect();
     if other.is_empty() {
         return Ok(());
     }
     bail!(
-        "{} files have another content, and the version of their stage is the same; where that is meant, raise \
-         its VERSION:\n{}",
-        other.len(),
-        some(&other)
+        "files of these stages have another content, and the versions of the stages are the same; where that is \
+         meant, raise their VERSION: {}",
+        other.join(", ")
     )
 }
 
-/// An error that names what differs from what is written down.
-fn unchanged(before: &Content, made: &Content) -> anyhow::Result<()> {
-    let hashes = |content: &Content| -> Hashes {
-        content.files.iter().map(|(path, (_, hash))| (path.clone(), hash.clone())).collect()
-    };
-    let meant = format!("{WRITTEN}; where that is meant, `cargo xtask bits renew` writes it down");
-    same(&hashes(before), &hashes(made)).with_context(|| meant.clone())?;
-    if before.versions != made.versions {
-        bail!("the versions of stages differ from {meant}");
+/// An error that names the stages that differ from what is written down.
+fn unchanged(before: &Written, made: &Written) -> anyhow::Result<()> {
+    let stages: BTreeSet<&String> = before.keys().chain(made.keys()).collect();
+    let differ: Vec<&str> = stages
+        .into_iter()
+        .filter(|stage| before.get(*stage) != made.get(*stage))
+        .map(String::as_str)
+        .collect();
+    if differ.is_empty() {
+        return Ok(());
     }
-    Ok(())
+    bail!(
+        "{} differ from {WRITTEN}; where that is meant, `cargo xtask bits renew` writes it down",
+        differ.join(", ")
+    )
 }
 
 fn told(path: &str, was: bool, is: bool) -> String {
@@ -234,34 +241,25 @@ fn some(lines: &[String]) -> String {
     lines.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join("\n")
 }
 
-/// A line of a stage's version begins so: `# metrics 9`. The stage's files follow.
-const STAGE: &str = "# ";
-
-fn read(file: &Path) -> anyhow::Result<Content> {
+fn read(file: &Path) -> anyhow::Result<Written> {
     let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
-    let bad =
-        |line: &str| format!("{}: {line}: neither a stage nor a line of b3sum", file.display());
-    let mut content = Content::default();
-    let mut of = String::new();
+    let mut written = Written::new();
     for line in text.lines() {
-        if let Some((stage, version)) = line.strip_prefix(STAGE).and_then(|l| l.split_once(' ')) {
-            of = stage.to_owned();
-            content.versions.insert(of.clone(), version.parse().with_context(|| bad(line))?);
-            continue;
-        }
-        let (hash, path) = line.split_once("  ").with_context(|| bad(line))?;
-        content.files.insert(path.to_owned(), (of.clone(), hash.to_owned()));
+        let parts: Vec<&str> = line.split(' ').collect();
+        let [stage, version, files, hash] = parts[..] else {
+            bail!("{}: {line}: not a stage, its version, files and hash", file.display());
+        };
+        let content =
+            Content { version: version.parse()?, files: files.parse()?, hash: hash.to_owned() };
+        written.insert(stage.to_owned(), content);
     }
-    Ok(content)
+    Ok(written)
 }
 
-fn text(content: &Content) -> String {
+fn text(written: &Written) -> String {
     let mut text = String::new();
-    for (stage, version) in &content.versions {
-        let _ = writeln!(text, "{STAGE}{stage} {version}");
-        for (path, (_, hash)) in content.files.iter().filter(|(_, (of, _))| of == stage) {
-            let _ = writeln!(text, "{hash}  {path}");
-        }
+    for (stage, Content { version, files, hash }) in written {
+        let _ = writeln!(text, "{stage} {version} {files} {hash}");
     }
     text
 }
@@ -274,16 +272,10 @@ mod tests {
         files.iter().map(|(path, hash)| ((*path).to_owned(), (*hash).to_owned())).collect()
     }
 
-    fn content(version: u32, hash: &str) -> Content {
-        let file = |stage: &str, hash: &str| (stage.to_owned(), hash.to_owned());
-        Content {
-            versions: [("likert".to_owned(), 2), ("metrics".to_owned(), version)].into(),
-            files: [
-                ("derived/a b.parquet".to_owned(), file("metrics", hash)),
-                ("reports/θ.svg".to_owned(), file("likert", "12ab")),
-            ]
-            .into(),
-        }
+    fn content(version: u32, hash: &str) -> Written {
+        let stage = |version, hash: &str| Content { version, files: 2, hash: hash.to_owned() };
+        [("likert".to_owned(), stage(2, "12ab")), ("metrics".to_owned(), stage(version, hash))]
+            .into()
     }
 
     #[test]
@@ -312,11 +304,11 @@ mod tests {
         let before = content(1, "00");
         assert!(not_raised(&before, &before).is_ok() && unchanged(&before, &before).is_ok());
         let told = not_raised(&before, &content(1, "11")).unwrap_err().to_string();
-        assert!(told.contains("derived/a b.parquet (metrics)"), "{told}");
+        assert!(told.ends_with("VERSION: metrics"), "{told}");
         assert!(not_raised(&before, &content(2, "11")).is_ok());
         for other in [content(2, "11"), content(2, "00")] {
             assert!(unchanged(&before, &other).is_err());
         }
-        assert!(not_raised(&Content::default(), &before).is_ok());
+        assert!(not_raised(&Written::default(), &before).is_ok());
     }
 }

@@ -1,5 +1,6 @@
-//! No circle of files inside a crate, proved from the sources: what two files need of each other
-//! belongs into one of them, or into a third.
+//! What files need, proved from the sources. No circle of files inside a crate: what two files need
+//! of each other belongs into one of them, or into a third. The lower floors and the stages need no
+//! file, clock or environment.
 //!
 //! A file needs another if an item of its product code (nothing below `#[cfg(test)]`) names one
 //! that the other defines: by `use`, or by a path in code or in a macro's arguments. A name is
@@ -15,7 +16,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Circles that stand: the reason, the crate, the modules (`crate` is `lib.rs` or `main.rs`).
-const KNOWN: [(&str, &str, &[&str]); 8] = [
+const KNOWN: [(&str, &str, &[&str]); 6] = [
     (
         "a job says its provenance, which is read back from records, which are made of jobs",
         "crates/runner",
@@ -25,41 +26,6 @@ const KNOWN: [(&str, &str, &[&str]); 8] = [
         "a file is opened without following a link, and how it is read is one of the ways to files",
         "crates/store",
         &["disk::atomic", "disk::regular"],
-    ),
-    (
-        "the form of a mapping file, its checks and its readers name each other",
-        "crates/import",
-        &[
-            "crate",
-            "added",
-            "batch",
-            "blocks",
-            "check",
-            "clock",
-            "counter",
-            "exclusions",
-            "given",
-            "identity",
-            "label",
-            "likert",
-            "long",
-            "mapping",
-            "mend",
-            "once",
-            "outline",
-            "plan",
-            "recording",
-            "shape",
-            "stream",
-            "sweeps",
-            "trials",
-            "wide",
-        ],
-    ),
-    (
-        "a limit names the column it is about, and reading a column keeps the limits",
-        "crates/import",
-        &["limits", "table"],
     ),
     (
         "a trial's form follows from its study, which lists the form's channels",
@@ -105,6 +71,50 @@ fn no_files_of_a_crate_need_each_other_in_a_circle_but_the_known_ones() {
     let broken: Vec<_> = known.difference(&found).collect();
     assert!(broken.is_empty(), "circles that are no more, take them off the list: {broken:#?}");
     assert!(read > 300, "only {read} files: were they found?");
+}
+
+/// Places that compute and nothing else: same input, same output, on any machine, at any time.
+const PURE: [&str; 4] = ["crates/study", "crates/numerics", "crates/dynamics", "crates/stats"];
+/// Ways to the world outside, in `std` or `core`.
+const OUTSIDE: [&str; 6] = ["fs", "env", "net", "process", "SystemTime", "Instant"];
+
+#[test]
+fn the_lower_floors_and_the_stages_touch_no_file_no_clock_and_no_environment() {
+    let is_pure = |root: &PathBuf| {
+        let place = root.strip_prefix(workspace()).unwrap();
+        place.starts_with("pipelines") || PURE.iter().any(|pure| place.starts_with(pure))
+    };
+    let mut read = 0;
+    for root in roots().into_iter().filter(is_pure) {
+        let modules = modules(&root);
+        read += modules.len();
+        for (name, module) in &modules {
+            let outside = module.paths.iter().filter(|path| leads_outside(path));
+            let none: Vec<&Name> = Vec::new();
+            assert_eq!(outside.collect::<Vec<_>>(), none, "{} {name:?}", root.display());
+        }
+    }
+    assert!(read > 150, "only {read} files: were they found?");
+}
+
+fn leads_outside(path: &[String]) -> bool {
+    path.first().is_some_and(|first| ["std", "core"].contains(&first.as_str()))
+        && path.iter().any(|word| OUTSIDE.contains(&word.as_str()))
+}
+
+#[test]
+fn a_way_outside_is_found_however_it_is_named() {
+    for text in [
+        "use std::{fmt, fs};",
+        "use std::time::{Duration, Instant as Now};",
+        "fn f() { drop(std::env::var(\"HOME\")) }",
+        "fn f() { println!(\"{}\", std::process::id()) }",
+    ] {
+        assert!(Module::read(text).paths.iter().any(|path| leads_outside(path)), "{text}");
+    }
+    for text in ["// std::fs\nuse std::fmt;", "#[cfg(test)] mod tests { use std::fs; }"] {
+        assert!(!Module::read(text).paths.iter().any(|path| leads_outside(path)), "{text}");
+    }
 }
 
 /// The folders of `crates/store`, the lowest first.

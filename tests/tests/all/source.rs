@@ -1,16 +1,8 @@
-//! What must be absent from the sources of the lower floors and of the stages: files, clock,
-//! environment.
+//! What the sources promise of themselves: one seed, handles on `raw/`, where modules lie.
 
 use crate::folders::{files, workspace};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Places that compute and nothing else: same input, same output, on any machine, at any time.
-const PURE: [&str; 5] =
-    ["crates/study", "crates/numerics", "crates/dynamics", "crates/stats", "pipelines"];
-/// Ways to the world outside.
-const OUTSIDE: [&str; 6] =
-    ["std::fs", "std::env", "std::net", "std::process", "SystemTime", "Instant"];
 
 /// Sources below a place, but for tests, benches and examples.
 fn sources(place: &Path) -> Vec<PathBuf> {
@@ -32,47 +24,6 @@ fn code(text: &str) -> String {
     let before_tests = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let without_comment = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
     before_tests.lines().map(without_comment).collect::<Vec<_>>().join("\n")
-}
-
-/// Whether `path` is the source of one of these modules, or lies in its folder.
-fn is_of(path: &Path, modules: &[(PathBuf, String)]) -> bool {
-    modules.iter().any(|(folder, name)| {
-        path == folder.join(format!("{name}.rs")) || path.starts_with(folder.join(name))
-    })
-}
-
-/// Where the modules of the source at `path` lie.
-fn folder_of_modules(path: &Path) -> PathBuf {
-    let folder = path.parent().unwrap();
-    match path.file_stem().unwrap().to_str().unwrap() {
-        "lib" | "main" | "mod" => folder.to_owned(),
-        stem => folder.join(stem),
-    }
-}
-
-#[test]
-fn the_lower_floors_and_the_stages_touch_no_file_no_clock_and_no_environment() {
-    let mut read = 0;
-    for place in PURE {
-        let sources = sources(&workspace().join(place));
-        let text = |path: &PathBuf| fs::read_to_string(path).unwrap();
-        let tests: Vec<(PathBuf, String)> = sources
-            .iter()
-            .flat_map(|p| {
-                let names: Vec<String> =
-                    test_modules(&text(p)).into_iter().map(str::to_owned).collect();
-                names.into_iter().map(|name| (folder_of_modules(p), name))
-            })
-            .collect();
-        for path in sources.iter().filter(|p| !is_of(p, &tests)) {
-            let code = code(&text(path));
-            for word in OUTSIDE {
-                assert!(!code.contains(word), "{} speaks of {word}", path.display());
-            }
-            read += 1;
-        }
-    }
-    assert!(read > 50, "only {read} sources: were they found?");
 }
 
 #[test]

@@ -19,40 +19,26 @@ const CONDITIONS: [&str; 6] = [
     "spring_wall.hybrid",
 ];
 
-/// What the main job is to make, as it is written down (`cargo xtask bits`).
-const WRITTEN: &str = include_str!("../../thesis-twin.b3");
-
-/// Stems of the files written down with this extension in a folder of the study's reports.
-fn written(folder: &str, extension: &str) -> BTreeSet<String> {
-    let paths = WRITTEN.lines().filter_map(|line| line.split_once("  ").map(|(_, path)| path));
-    let names = paths.filter_map(|path| path.strip_prefix("reports/thesis-twin/"));
-    let names = names.filter_map(|name| name.strip_prefix(folder)?.strip_prefix('/'));
-    let stems = names.filter_map(|name| name.strip_suffix(extension)?.strip_suffix('.'));
-    let stems: BTreeSet<String> = stems.map(str::to_owned).collect();
-    assert!(!stems.is_empty(), "no {extension} of {folder} is written down");
-    stems
+/// What the main job made in this folder of the study's reports, by name.
+fn made(folder: &str, extension: &str) -> BTreeSet<String> {
+    stems(&shipped::folder().join("reports/thesis-twin").join(folder), extension)
 }
 
 /// Every figure of the study, by name.
 fn figures() -> BTreeSet<String> {
-    written("figures", "svg")
+    made("figures", "svg")
 }
 
 /// Every printed table of the study, by name.
 fn tables() -> BTreeSet<String> {
-    written("tables", "csv")
+    made("tables", "csv")
 }
 
-/// Jobs that make derived tables: characterise 3, metrics 4 (one with the plant), average 6,
-/// replay 18 (six of the fitted model, two of courses, two of runs), identify 1, likert 1, compare 2
-/// (metrics, answers), trade 8 (of the conditions, of six conditions' recordings, and
-/// these joined), simulate 8, trials 1, report 4.
-const DERIVED: usize = 56;
-
-/// Jobs of the study: a figure or a printed table is one each, and so is the summary.
+/// Jobs of the study: each has a record.
 fn jobs() -> usize {
-    // Besides: the captions, the summary, the page, its samples and its sliders.
-    DERIVED + figures().len() + tables().len() + 4 + CONDITIONS.len()
+    let records = shipped::folder().join("derived/thesis-twin/records.json");
+    let records: serde_json::Value = serde_json::from_slice(&fs::read(records).unwrap()).unwrap();
+    records.as_object().unwrap().len()
 }
 
 /// The stems of the files with this extension.
