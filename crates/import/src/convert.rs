@@ -1,7 +1,6 @@
-//! From their numbers to ours: a line, a derivative, an integral, a mean.
+//! From their numbers to ours: a line, a mean, a median.
 
 use zwidth_numerics::order;
-use zwidth_numerics::series::central_differences;
 pub(super) use zwidth_numerics::series::{central_slope as central, slope};
 
 /// `sign · (scale · (x − zero) + offset)`, where `zero` is the first value, a median or 0.
@@ -66,24 +65,6 @@ impl Linear {
     }
 }
 
-/// dx/dt by [`central_differences`]; of at least two samples, t increasing.
-pub(super) fn derivative(t: &[f64], x: &[f64]) -> Vec<f64> {
-    central_differences(t, x).unwrap_or_default() // equally long
-}
-
-/// ∫ x dt from the first sample, where it is 0, by the trapezoidal rule.
-pub(super) fn integral(t: &[f64], x: &[f64]) -> Vec<f64> {
-    let mut sum = 0.0;
-    (0..x.len())
-        .map(|i| {
-            if i > 0 {
-                sum += 0.5 * (x[i] + x[i - 1]) * (t[i] - t[i - 1]);
-            }
-            sum
-        })
-        .collect()
-}
-
 /// The arithmetic mean, summed in order.
 #[allow(clippy::cast_precision_loss)]
 pub(super) fn mean(values: &[f64]) -> f64 {
@@ -116,28 +97,5 @@ mod tests {
         Linear::IDENTITY.apply(&mut values, 1.0, 0.0);
         assert_eq!(values.map(f64::to_bits), bits);
         assert_eq!(Linear::IDENTITY.words(), None);
-    }
-
-    #[test]
-    fn the_derivative_of_a_parabola_is_exact_inside_on_uneven_times() {
-        let t = [0.0, 0.5, 2.0, 2.25];
-        let x = t.map(|t| 3.0 * t * t - t);
-        assert_eq!(derivative(&t, &x)[1..3], [2.0, 11.0]);
-        assert_eq!(derivative(&t, &x)[0], 0.5);
-    }
-
-    #[test]
-    fn the_integral_of_a_ramp_is_exact_and_begins_at_zero() {
-        let t = [1.0, 1.5, 3.0];
-        assert_eq!(integral(&t, &t.map(|t| 2.0 * t)), [0.0, 1.25, 8.0]);
-    }
-
-    #[test]
-    fn the_derivative_of_the_integral_is_the_signal_on_smooth_data() {
-        let t: Vec<f64> = (0..1000).map(|i| f64::from(i) * 1e-3).collect();
-        let x: Vec<f64> = t.iter().map(|t| libm::sin(6.0 * t)).collect();
-        let again = derivative(&t, &integral(&t, &x));
-        let worst = (1..999).map(|i| (again[i] - x[i]).abs()).fold(0.0, f64::max);
-        assert!(worst < 1e-5, "{worst}");
     }
 }

@@ -131,6 +131,17 @@ impl Elsewhere {
     }
 }
 
+/// What is said of samples that the counter which the time is from passes over.
+pub(super) fn passed_over(t_s: &[f64], rate_hz: f64) -> Option<String> {
+    let found = gaps(t_s, 1.0 / rate_hz);
+    found.matter().then(|| {
+        format!(
+            "t_s: its counter passes over {} samples in {} places, or over more if a gap is longer than it counts",
+            found.samples, found.places
+        )
+    })
+}
+
 /// What other columns say of these rows, whose times are `t_s`. Channels of the study's own may count
 /// too; `numeric` are the places of signals and channels.
 pub(super) fn elsewhere(

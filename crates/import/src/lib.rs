@@ -25,6 +25,7 @@ mod exclusions;
 mod feather;
 mod format;
 mod given;
+mod growing;
 mod guess;
 mod guess_answers;
 mod guess_apart;

@@ -4,26 +4,22 @@
 
 use super::blocks::{Block, Blocks, is_long};
 use super::context::Context;
-use super::convert::{Linear, Zero, central, slope};
-use super::counter::{self, Elsewhere};
+use super::counter::{self};
 use super::csv;
 use super::errors::{Errors, all};
+use super::growing::Part;
 use super::identity::{Identity, identity};
-use super::limits::{Budget, Take, check_sizes, check_time, too_many_for_a_trial};
-use super::mapping::{FileForm, Rule, Who};
-use super::plan::{Plan, Taken, rate_times};
-use super::recording::{Gaps, Recording, Rows, Standing, empty_between, groups};
+use super::limits::{Budget, Take, too_many_for_a_trial};
+use super::mapping::{FileForm, Who};
+use super::plan::Plan;
+use super::recording::{Recording, Rows, Standing, empty_between, groups};
 use super::spelling::plain;
 use super::table::{Cell, ColumnRef};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
-use zwidth_store::{MOST_ROWS, Samples, Signal, StoreError, TrialWriter};
-use zwidth_study::ChannelId;
-
-/// Rows that are written at a time. Tests have many parts in few rows.
-const PART: usize = if cfg!(test) { 700 } else { TrialWriter::AT_ONCE };
+use std::path::Path;
+use zwidth_store::{MOST_ROWS, StoreError};
 
 /// A long text, and what is taken from it.
 pub(super) struct Source<'a> {
@@ -293,273 +289,24 @@ impl Stretch<'_> {
     pub(super) fn recording(&self) -> (&Recording, Vec<usize>) {
         (&self.parsed.recording, [&self.parsed.numeric[..], &self.parsed.labels].concat())
     }
+
+    pub(super) fn part(&self) -> Part<'_> {
+        let Parsed { recording, rows, numeric, labels, values, .. } = self.parsed;
+        Part {
+            recording,
+            numeric,
+            labels,
+            rows: &rows.kept[self.range.clone()],
+            values: values.iter().map(|column| column[self.range.clone()].to_vec()).collect(),
+            before: self.before,
+            is_whole: false,
+        }
+    }
 }
 
 /// Errors whose rows are counted from the file's beginning.
 fn later(errors: Errors, rows: usize) -> Errors {
     errors.map(|error| StoreError { row: error.row.map(|row| row + rows), ..error })
-}
-
-/// Where a column of a trial goes.
-#[derive(Debug, Clone, PartialEq)]
-enum To {
-    Signal(Signal),
-    Channel(ChannelId),
-}
-
-/// A trial on its way from the blocks of a text to its file.
-pub(super) struct Growing<'a> {
-    pub(super) plan: &'a Plan<'a>,
-    path: PathBuf,
-    /// Columns in the order of the plan, then the time from a rate, then those that are computed.
-    columns: Vec<(To, Vec<f64>)>,
-    /// The first raw value of each taken column.
-    firsts: Vec<f64>,
-    /// Where its first row and its last stand in the text.
-    ends: Option<[Standing; 2]>,
-    /// The samples that other columns pass over, in the blocks so far, and what is told of them.
-    hidden: (Elsewhere, Option<String>),
-    /// Rows that were taken.
-    pub(super) taken: usize,
-    /// First and last time, s.
-    times: Option<[f64; 2]>,
-    /// Rows that were given to the writer and are kept because the next row's derivative needs
-    /// them: the last one.
-    given: usize,
-    /// Rows given to the writer.
-    pub(super) rows: usize,
-}
-
-impl<'a> Growing<'a> {
-    pub(super) fn new(plan: &'a Plan<'a>, path: &Path) -> Self {
-        let signals = plan.taken.iter().map(|taken| To::Signal(taken.to));
-        let channels = plan.channels.iter().map(|channel| To::Channel(channel.to.clone()));
-        let rate = plan.rate_hz.map(|_| To::Signal(Signal::Time));
-        let derived = plan.derived.iter().map(|(to, _)| To::Signal(*to));
-        let all = signals.chain(channels).chain(rate).chain(derived);
-        Self {
-            plan,
-            path: path.to_owned(),
-            columns: all.map(|to| (to, Vec::new())).collect(),
-            firsts: Vec::new(),
-            ends: None,
-            hidden: Default::default(),
-            taken: 0,
-            times: None,
-            given: 0,
-            rows: 0,
-        }
-    }
-
-    /// Takes the next rows, and writes what is whole.
-    ///
-    /// # Errors
-    /// Numbers that no file of ours holds, by their column, row and line in the text; the disk's.
-    pub(super) fn add(
-        &mut self,
-        stretch: &Stretch,
-        writer: &mut TrialWriter,
-    ) -> Result<(), Errors> {
-        let raw = |i: usize| &stretch.parsed.values[i][stretch.range.clone()];
-        let rows = &stretch.parsed.rows.kept[stretch.range.clone()];
-        if self.firsts.is_empty() {
-            self.firsts = (0..stretch.parsed.values.len()).map(|i| raw(i)[0]).collect();
-        }
-        let standing = |row: &usize| stretch.before.of(&stretch.parsed.recording.table, *row);
-        let [begin, end] = [&rows[0], &rows[rows.len() - 1]].map(standing);
-        let first = self.ends.map_or(begin, |[first, _]| first);
-        self.ends = Some([first, end]);
-        self.taken += rows.len();
-        let lines = self.plan.taken.iter().map(|Taken { line, factor, .. }| (line, *factor));
-        let lines: Vec<(&Linear, f64)> =
-            lines.chain(self.plan.channels.iter().map(|c| (&c.line, 1.0))).collect();
-        let mut part = Samples::default();
-        for (i, (line, factor)) in lines.into_iter().enumerate() {
-            let mut values = raw(i).to_vec();
-            let zero = if line.zero == Zero::First { self.firsts[i] } else { 0.0 };
-            line.apply(&mut values, factor, zero);
-            set(&mut part, &self.columns[i].0, values);
-        }
-        if let Some(rate_hz) = self.plan.rate_hz {
-            let numbers = rows.iter().map(|row| standing(row).place - first.place);
-            part.set(Signal::Time, rate_times(rate_hz, numbers));
-        }
-        let Parsed { recording, numeric, labels, .. } = stretch.parsed;
-        let t_s = part.get(Signal::Time).unwrap_or_default();
-        let found = counter::elsewhere(recording, numeric, self.plan, labels, rows, t_s);
-        let (hidden, told) = &mut self.hidden;
-        hidden.add(found);
-        *told = counter::told(recording, self.plan, hidden);
-        self.check(&part).map_err(|e| self.in_their_words(e, stretch))?;
-        let t = part.get(Signal::Time).unwrap_or_default();
-        let ends = |t: &[f64]| Some([*t.first()?, *t.last()?]);
-        self.times = match (self.times, ends(t)) {
-            (Some([first, _]), Some([_, last])) => Some([first, last]),
-            (None, ends) => ends,
-            (times, None) => times,
-        };
-        for (to, values) in &mut self.columns {
-            let new = match to {
-                To::Signal(signal) => part.get(*signal),
-                To::Channel(id) => part.channel(id),
-            };
-            values.extend_from_slice(new.unwrap_or_default());
-        }
-        self.write(writer, false)
-    }
-
-    /// What it lacks between its first row and its last.
-    pub(super) fn gaps(&self) -> Gaps {
-        self.ends
-            .map_or_else(Gaps::default, |[first, last]| Gaps::between(first, last, self.taken, 0))
-    }
-
-    /// What other columns say of samples that are missing.
-    pub(super) fn hidden(&self) -> Option<String> {
-        self.hidden.1.clone()
-    }
-
-    /// Writes what is left.
-    ///
-    /// # Errors
-    /// Those of [`Growing::add`]; a derivative of one sample.
-    pub(super) fn end(&mut self, writer: &mut TrialWriter) -> Result<(), Errors> {
-        let derives = |(_, rule): &(Signal, Rule)| matches!(rule, Rule::DerivativeOf(_));
-        let held = self.column(Signal::Time).len();
-        if self.plan.derived.iter().any(derives) && self.rows == 0 && held < 2 {
-            let what = "a derivative needs at least 2 samples in a trial";
-            let remedy = "leave the file out, or remove derive from the mapping";
-            return Err(StoreError::new(&self.path, what, remedy).into());
-        }
-        self.write(writer, true)
-    }
-
-    /// Whether the next rows can be the trial's.
-    fn check(&self, part: &Samples) -> Result<(), StoreError> {
-        part.check(&self.path)?;
-        check_sizes(&self.path, part)?;
-        let (Some([first, last]), Some(t)) = (self.times, part.get(Signal::Time)) else {
-            return Ok(());
-        };
-        let error = |what: String, remedy: &str, row: usize| {
-            Err(StoreError::new(&self.path, what, remedy).column(Signal::Time.name()).row0(row))
-        };
-        if t.first().is_some_and(|t| *t <= last) {
-            let what = format!("time runs backwards or stands still: {} s after {last} s", t[0]);
-            let remedy = "set equal = \"drop\", wrap or backwards = \"split\" in [time], or sort the recording";
-            return error(what, remedy, 0);
-        }
-        let with_first: Vec<f64> = std::iter::once(first).chain(t.iter().copied()).collect();
-        match check_time(&with_first) {
-            Ok(()) => Ok(()),
-            Err((row, what)) => {
-                error(what, "check the unit of the time, or leave the row out", row.max(1) - 1)
-            }
-        }
-    }
-
-    /// An error about our column and the row of a stretch, as one about their column, row and line.
-    fn in_their_words(&self, error: StoreError, stretch: &Stretch) -> StoreError {
-        let name = |to: &To| match to {
-            To::Signal(signal) => signal.name().to_owned(),
-            To::Channel(id) => id.as_str().to_owned(),
-        };
-        let parsed = stretch.parsed;
-        let ours = self.columns.iter().take(parsed.numeric.len());
-        let place = ours.map(|c| name(&c.0)).position(|n| Some(&n) == error.column.as_ref());
-        match (place, error.row) {
-            (Some(i), Some(row)) => {
-                // An error counts rows from 1. The time comes first.
-                let at = row - 1;
-                let rows = &parsed.rows.kept[stretch.range.clone()];
-                let column = parsed.numeric[i];
-                let recording = &parsed.recording;
-                let is_time = i == 0 && self.plan.time.is_some();
-                let key = is_time.then(|| recording.time_remedy(column, rows, at)).flatten();
-                let remedy = key.unwrap_or(error.remedy);
-                let error = recording.cell_error(column, rows[at], &error.what, &remedy);
-                StoreError { row: error.row.map(|row| row + stretch.before.row), ..error }
-            }
-            _ => error,
-        }
-    }
-
-    fn column(&self, signal: Signal) -> &[f64] {
-        let found = self.columns.iter().find(|(to, _)| *to == To::Signal(signal));
-        found.map_or(&[], |(_, values)| values)
-    }
-
-    /// Computes what the rows at hand allow, and gives whole parts to the writer; at the end
-    /// all.
-    fn write(&mut self, writer: &mut TrialWriter, end: bool) -> Result<(), Errors> {
-        for (to, rule) in &self.plan.derived {
-            let more = self.derived(*to, *rule, end);
-            if let Some((_, values)) = self.columns.iter_mut().find(|c| c.0 == To::Signal(*to)) {
-                values.extend(more);
-            }
-        }
-        let ready = self.columns.iter().map(|(_, values)| values.len()).min().unwrap_or(0);
-        let mut from = self.given;
-        while ready - from >= PART || (end && ready > from) {
-            let to = ready.min(from + PART);
-            let mut group = Samples::default();
-            for (column, values) in &self.columns {
-                set(&mut group, column, values[from..to].to_vec());
-            }
-            check_sizes(&self.path, &group)?;
-            writer.add(&group)?;
-            self.rows += to - from;
-            from = to;
-        }
-        // The last row given stays: the next one's derivative looks back to it.
-        let gone = from.saturating_sub(1);
-        if from > self.given {
-            self.columns.iter_mut().for_each(|(_, values)| drop(values.drain(..gone)));
-            self.given = from - gone;
-        }
-        Ok(())
-    }
-
-    /// The next values of a computed column, with the arithmetic of `convert::derivative` and
-    /// `convert::integral`.
-    fn derived(&self, to: Signal, rule: Rule, end: bool) -> Vec<f64> {
-        let (Rule::DerivativeOf(of) | Rule::IntegralOf(of)) = rule;
-        let t = self.column(Signal::Time);
-        let x = self.column(of);
-        let have = self.column(to);
-        let n = t.len().min(x.len());
-        // Whether the first row at hand is the trial's first.
-        let from_start = self.rows == self.given;
-        match rule {
-            Rule::DerivativeOf(_) => {
-                let until = if end { n } else { n.saturating_sub(1) };
-                (have.len()..until)
-                    .map(|i| match i {
-                        0 if from_start => slope(t, x, 0),
-                        _ if i + 1 == n => slope(t, x, i - 1),
-                        _ => central(t, x, i),
-                    })
-                    .collect()
-            }
-            Rule::IntegralOf(_) => {
-                let mut sum = have.last().copied().unwrap_or(0.0);
-                let mut next = |i: usize| {
-                    if i > 0 {
-                        sum += 0.5 * (x[i] + x[i - 1]) * (t[i] - t[i - 1]);
-                    }
-                    sum
-                };
-                (have.len()..n).map(&mut next).collect()
-            }
-        }
-    }
-}
-
-fn set(samples: &mut Samples, to: &To, values: Vec<f64>) {
-    match to {
-        To::Signal(signal) => samples.set(*signal, values),
-        To::Channel(id) => samples.set_channel(id.clone(), values),
-    }
 }
 
 #[cfg(test)]

@@ -3,19 +3,18 @@
 use super::batch::{Batch, Output};
 use super::blocks::{blake3_of, is_long};
 use super::context::{Context, Converted, EMPTY, EMPTY_AT_A_RATE, MISSING, Step, given_once};
-use super::convert::{Linear, derivative, integral};
 use super::errors::{Errors, all};
+use super::growing::{Growing, Part};
 use super::identity::{Identity, identity, number_trials, tell_labels};
-use super::limits::{Budget, check_sizes};
-use super::mapping::{ChannelFrom, Rule, SignalFrom, Time, Who};
-use super::mend::unwrap_angle;
+use super::limits::Budget;
+use super::mapping::{ChannelFrom, SignalFrom, Time, Who};
 use super::outline::Outline;
-use super::plan::{Plan, Taken, plan, rate_times};
-use super::recording::{Gaps, Recording, Rows};
+use super::plan::{Plan, plan};
+use super::recording::{Gaps, Recording, Rows, Standing};
 use super::report::{FileReport, RowsDropped, null_columns};
-use super::stream::{Growing, Source as LongText};
+use super::stream::Source as LongText;
 use super::table::{Cells, ColumnRef};
-use super::{counter, once, outline, unit, zero};
+use super::{counter, once, outline, unit};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use zwidth_store::{
@@ -42,13 +41,6 @@ struct Notes {
     /// What was taken for the zeros of its sensors ([`ZEROS`]).
     zeros: Vec<String>,
     /// Why it is to be read with care although its samples do not show it ([`DOUBTS`]).
-    doubts: Vec<String>,
-}
-
-/// What is known of the zeros of a trial's sensors.
-#[derive(Debug, Default)]
-struct Zeros {
-    words: Vec<String>,
     doubts: Vec<String>,
 }
 
@@ -235,7 +227,8 @@ fn streamed(
             report = Some(context.file_report(recording, &Rows::default(), 0, &used)?);
         }
         if let Some(Open { growing, writer, .. }) = &mut open {
-            growing.add(stretch, writer)?;
+            growing.add(&stretch.part())?;
+            growing.write(writer, false)?;
         }
         Ok(true)
     });
@@ -322,7 +315,7 @@ impl<'a> Open<'a> {
         if let Some(hidden) = &hidden {
             self.writer.note(DOUBTS, hidden.clone());
         }
-        if let Err(errors) = self.growing.end(&mut self.writer) {
+        if let Err(errors) = self.growing.write(&mut self.writer, true) {
             self.writer.discard(context.files);
             return Err(errors);
         }
@@ -441,7 +434,20 @@ fn convert(
     let begins: Vec<usize> = pieces().map(|rows| rows[0]).collect();
     let pieces = all(pieces().enumerate().map(|(i, stretch)| {
         let identity = identity(who, recording, stretch[0], context.study)?;
-        let (samples, zeros) = samples(plan, recording, &numeric, stretch)?;
+        let part = Part {
+            recording,
+            numeric: &numeric,
+            labels: &labels,
+            rows: stretch,
+            values: all(numeric.iter().map(|column| recording.numbers(*column, stretch)))?,
+            before: Standing::default(),
+            is_whole: true,
+        };
+        let mut growing = Growing::new(plan, &recording.path);
+        growing.add(&part)?;
+        let zeros = std::mem::take(&mut growing.of_zeros);
+        let hidden = growing.hidden();
+        let samples = growing.samples()?;
         let gaps = told_gaps(plan, recording.gaps(&rows, stretch), stretch.len());
         // Rows that could not be read are the trial's before them, or the first one's.
         let from = if i == 0 { 0 } else { stretch[0] };
@@ -450,16 +456,8 @@ fn convert(
             1 => lost,
             n => format!("{lost} (the recording has {n} trials)"),
         });
-        let missing = match plan.time.and_then(|time| time.mend.counts_at_hz) {
-            Some(rate_hz) => passed_over(samples.get(Signal::Time).unwrap_or_default(), rate_hz),
-            None => {
-                let t_s = samples.get(Signal::Time).unwrap_or_default();
-                let found = counter::elsewhere(recording, &numeric, plan, &labels, stretch, t_s);
-                counter::told(recording, plan, &found)
-            }
-        };
         let known = recording.table.doubts.iter().chain(&other_units).chain(&coarse).cloned();
-        let doubts = known.chain(zeros.doubts).chain(missing);
+        let doubts = known.chain(zeros.doubts).chain(hidden);
         let doubts = doubts.collect();
         let notes = Notes { gaps, lost, zeros: zeros.words, doubts };
         Ok::<_, Errors>(Piece { identity, samples, notes })
@@ -516,17 +514,6 @@ fn check_turned(turned: bool, recording: &Recording) -> Result<(), StoreError> {
     Err(recording.error(what, remedy))
 }
 
-/// What is said of samples that the counter which the time is from passes over.
-fn passed_over(t_s: &[f64], rate_hz: f64) -> Option<String> {
-    let found = counter::gaps(t_s, 1.0 / rate_hz);
-    found.matter().then(|| {
-        format!(
-            "t_s: its counter passes over {} samples in {} places, or over more if a gap is longer than it counts",
-            found.samples, found.places
-        )
-    })
-}
-
 /// What empty rows of a file mean.
 fn why_empty(plan: &Plan) -> &'static str {
     if plan.rate_hz.is_some() { EMPTY_AT_A_RATE } else { EMPTY }
@@ -537,104 +524,6 @@ fn why_empty(plan: &Plan) -> &'static str {
 fn told_gaps(plan: &Plan, gaps: Gaps, kept: usize) -> Option<String> {
     let empty = if plan.rate_hz.is_some() { gaps.empty } else { 0 };
     Gaps { empty, ..gaps }.in_words(kept)
-}
-
-/// The samples in `rows` of the file; `numeric` are the places of the columns taken.
-fn samples(
-    plan: &Plan,
-    recording: &Recording,
-    numeric: &[usize],
-    rows: &[usize],
-) -> Result<(Samples, Zeros), Errors> {
-    let mut samples = Samples::default();
-    let mut zeros = Zeros::default();
-    let (signals, channels) = numeric.split_at(plan.taken.len());
-    match plan.rate_hz {
-        Some(rate_hz) => samples.set(Signal::Time, rate_times(rate_hz, recording.places(rows))),
-        // The plan has the time first.
-        None => {
-            let Taken { line, factor, .. } = &plan.taken[0];
-            match recording.converted(signals[0], rows, line, *factor) {
-                Ok(t_s) => samples.set(Signal::Time, t_s),
-                // Of every column at once.
-                Err(error) => {
-                    all(numeric.iter().map(|place| recording.numbers(*place, rows)))?;
-                    return Err(error.into());
-                }
-            }
-        }
-    }
-    let t_s = samples.get(Signal::Time).unwrap_or_default().to_vec();
-    let mut convert = |name: &str, place: usize, line: &Linear, factor: f64, wrap: Option<f64>| {
-        let mut values = recording.numbers(place, rows)?;
-        if let Some(wrap) = wrap {
-            unwrap_angle(&mut values, wrap);
-        }
-        let zero = zero::find(line.zero, &t_s, &values).map_err(|what| {
-            let remedy = "name another stretch in zero, or leave the trial out";
-            recording.cell_error(place, rows[0], &what, remedy)
-        })?;
-        zeros.words.extend(zero.words.map(|words| format!("{name}: {words}")));
-        zeros.doubts.extend(zero.doubt.map(|doubt| format!("{name}: {doubt}")));
-        line.apply(&mut values, factor, zero.value);
-        Ok::<_, StoreError>(values)
-    };
-    let taken = plan.taken.iter().zip(signals).filter(|(taken, _)| taken.to != Signal::Time);
-    let taken = all(taken.map(|(t, place)| {
-        Ok::<_, StoreError>((t.to, convert(t.to.name(), *place, &t.line, t.factor, t.wrap)?))
-    }))?;
-    let own = all(plan.channels.iter().zip(channels).map(|(c, place)| {
-        Ok::<_, StoreError>((&c.to, convert(c.to.as_str(), *place, &c.line, 1.0, None)?))
-    }))?;
-    taken.into_iter().for_each(|(to, values)| samples.set(to, values));
-    own.into_iter().for_each(|(to, values)| samples.set_channel(to.clone(), values));
-    let check = |samples: &Samples| {
-        let checked =
-            samples.check(&recording.path).and_then(|()| check_sizes(&recording.path, samples));
-        checked.map_err(|e| in_their_words(e, plan, recording, numeric, rows))
-    };
-    // Before, because a derivative needs times that run forward; and once more with what it gave.
-    check(&samples)?;
-    for (to, rule) in &plan.derived {
-        samples.set(*to, derive(*rule, &samples, recording)?);
-    }
-    check(&samples)?;
-    Ok((samples, zeros))
-}
-
-fn derive(rule: Rule, samples: &Samples, recording: &Recording) -> Result<Vec<f64>, StoreError> {
-    let column = |signal: Signal| samples.get(signal).unwrap_or_default();
-    let t = column(Signal::Time);
-    match rule {
-        Rule::DerivativeOf(_) if t.len() < 2 => {
-            let what = "a derivative needs at least 2 samples in a trial";
-            Err(recording.error(what, "leave the file out, or remove derive from the mapping"))
-        }
-        Rule::DerivativeOf(of) => Ok(derivative(t, column(of))),
-        Rule::IntegralOf(of) => Ok(integral(t, column(of))),
-    }
-}
-
-/// An error about our column and a sample's number, as one about their column and row.
-fn in_their_words(
-    error: StoreError,
-    plan: &Plan,
-    recording: &Recording,
-    numeric: &[usize],
-    rows: &[usize],
-) -> StoreError {
-    let channels = plan.channels.iter().map(|c| c.to.as_str());
-    let mut ours = plan.taken.iter().map(|t| t.to.name()).chain(channels);
-    match (ours.position(|name| Some(name) == error.column.as_deref()), error.row) {
-        (Some(i), Some(row)) => {
-            // An error counts rows from 1. The time comes first.
-            let is_time = i == 0 && plan.time.is_some();
-            let key = is_time.then(|| recording.time_remedy(numeric[i], rows, row - 1)).flatten();
-            let remedy = key.unwrap_or(error.remedy);
-            recording.cell_error(numeric[i], rows[row - 1], &error.what, &remedy)
-        }
-        _ => error,
-    }
 }
 
 /// One trial's file.
