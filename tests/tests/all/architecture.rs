@@ -71,7 +71,9 @@ fn every_arrow_points_down() {
     let mut arrows = 0;
     for package in &metadata.packages {
         let from = place(package);
-        for to in package.dependencies.iter().filter_map(|d| places.get(d.name.as_str())) {
+        // A package that is its own dev-dependency turns a feature of its on for its tests.
+        let others = package.dependencies.iter().filter(|d| d.name != package.name.as_str());
+        for to in others.filter_map(|d| places.get(d.name.as_str())) {
             assert!(floor(to) < floor(&from), "{from} must not know {to}: arrows point down only");
             arrows += 1;
         }
