@@ -242,6 +242,7 @@ fn parameters(study: &Study, sat: &[Sat]) -> anyhow::Result<Parameters> {
         Ok(MetricParameters {
             metric: metric.parse()?,
             primary: *metric == study.compare.primary.as_str(),
+            better: zwidth_study::Better::Lower,
             preregistered: None,
             bounds: vec![None; study.environments.len()],
             noticed: None,

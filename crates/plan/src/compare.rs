@@ -14,8 +14,9 @@ use zwidth_compare::{
     AnswerParameters, DrawnOrder, MetricParameters, Noticed, Parameters, SessionOrder,
 };
 use zwidth_figures::{
-    ANSWERS_COMPARED, About, AnswersPage, FigureKind, MODES_COMPARED, MetricResults,
-    PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED, answers_compared,
+    ANSWERS_COMPARED, About, AnswersPage, FigureKind, IN_ONE_COLUMN, MODES_COMPARED, MetricResults,
+    PARTICIPANTS_COMPARED, REPEATS_COMPARED, SESSIONS_COMPARED, VERDICTS, VerdictRow,
+    answers_compared, verdict_rows,
 };
 use zwidth_results::{
     AnswerDifference, Cell, Compared, GivenAnswer, Learning, Mean, MetricNote, ModeDifference,
@@ -26,7 +27,7 @@ use zwidth_runner::{Inputs, Job, JobError, Made, Making, Stage};
 use zwidth_store::{Layout, SessionLog, StudyData};
 use zwidth_study::order::Rules;
 use zwidth_study::{
-    Bound, Coordinate, Environment, Event, IdError, MetricId, Source, Study, is_felt,
+    Better, Bound, Coordinate, Environment, Event, IdError, MetricId, Source, Study, is_felt,
 };
 use zwidth_tables::{Measured, TableError};
 
@@ -353,6 +354,7 @@ impl Comparing {
             Ok(MetricParameters {
                 metric: metric.parse()?,
                 primary,
+                better: better(study, metric),
                 preregistered: if primary { preregistered(data, &compared) } else { None },
                 bounds: study.environments.iter().map(bound).collect(),
                 noticed: noticed(study, metric),
@@ -372,6 +374,12 @@ impl Comparing {
         let simulated = data.counting().any(|trial| trial.meta.source.is_simulated());
         Ok(Self { stage, simulated })
     }
+}
+
+/// Which values of a metric are better: as the study says, else as is usual.
+fn better(study: &Study, metric: &str) -> Better {
+    let chosen = study.compare.better.iter().find(|(of, _)| of.as_str() == metric);
+    chosen.map_or_else(|| zwidth_metrics::better(metric), |(_, better)| *better)
 }
 
 /// From which difference on a metric is noticed, if anybody feels it.
@@ -502,8 +510,55 @@ struct Drawn {
     metric: String,
 }
 
+/// What the figure of all metrics depends on besides tables.
+#[derive(Clone, Serialize)]
+struct AllDrawn {
+    about: About,
+    environments: Vec<Environment>,
+    sources: BTreeSet<Source>,
+    metrics: Vec<String>,
+    is_narrow: bool,
+}
+
+fn draw_verdicts(of: &AllDrawn, found: &Comparison) -> Figured {
+    let read = of.metrics.iter().map(|metric| found.read(&metric.parse()?));
+    let metrics = read.collect::<Result<Vec<_>, _>>()?;
+    let sources: Vec<Source> = of.sources.iter().copied().collect();
+    let AllDrawn { about, environments, is_narrow, .. } = of;
+    Ok((zwidth_figures::verdicts(about, environments, &sources, &metrics, *is_narrow), Vec::new()))
+}
+
 /// What describes a figure of a metric.
 type Draw = fn(&Drawn, &Comparison) -> Figured;
+
+/// The figure of every difference between modes, over two columns and in one.
+pub(crate) fn verdict_figures(data: &StudyData) -> Vec<Drawing> {
+    let metrics = compared(data);
+    let forms = if metrics.is_empty() { Vec::new() } else { vec![None, Some(IN_ONE_COLUMN)] };
+    let figure = |column: Option<&str>| {
+        let of = AllDrawn {
+            about: About::of(&data.study),
+            environments: data.study.environments.clone(),
+            sources: data.counting().map(|trial| trial.meta.source).collect(),
+            metrics: metrics.clone(),
+            is_narrow: column.is_some(),
+        };
+        let found = Comparison::of(&data.layout);
+        Drawing::new(data, VERDICTS, column, of, found, draw_verdicts).of(data.counting().count())
+    };
+    forms.into_iter().map(figure).collect()
+}
+
+/// Every difference between modes, as a terminal shows it.
+///
+/// # Errors
+/// Tables that are not there.
+pub fn verdicts(data: &StudyData) -> Result<Vec<VerdictRow>, JobError> {
+    let found = Comparison::of(&data.layout);
+    let read = compared(data).into_iter().map(|metric| found.read(&metric.parse()?));
+    let metrics = read.collect::<Result<Vec<_>, JobError>>()?;
+    Ok(verdict_rows(&About::of(&data.study), &data.study.environments, &metrics))
+}
 
 /// The figures of every metric.
 pub(crate) fn figures(data: &StudyData) -> Vec<Drawing> {

@@ -29,7 +29,7 @@ mod tests;
 mod trade;
 
 pub use compare::{
-    By, answers, asked_in_vain, compared, comparison, is_metric, metric_in_words, spreads,
+    By, answers, asked_in_vain, compared, comparison, is_metric, metric_in_words, spreads, verdicts,
 };
 pub use figures::font::font;
 pub use figures::{captions, chosen_in_vain, describe, on_demand};

@@ -5,12 +5,13 @@ use crate::column::UNIT_OF_ROW;
 use crate::note::NoteKind;
 use crate::row::rows;
 use crate::sentence::Sentence;
-use crate::value::{texts, words};
+use crate::value::{named, texts, words};
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 use zwidth_study::{
-    Contrast, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId, SessionId,
+    Better, Contrast, EnvironmentId, IdError, MetricId, ModeId, ParticipantId, QuestionId,
+    SessionId,
 };
 
 words! {
@@ -145,6 +146,7 @@ impl FromStr for Effect {
 }
 
 texts!(UnitOfAnalysis, SessionPair, Effect);
+named!(Better);
 
 rows! {
     /// A metric that is compared.
@@ -157,6 +159,8 @@ rows! {
         words: String,
         /// whether claims rest on it
         role: Role,
+        /// which values of it are better
+        better: Better,
         /// what n counts
         unit_of_analysis: UnitOfAnalysis,
     }

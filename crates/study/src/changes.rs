@@ -218,6 +218,11 @@ mod tests {
             ("", "primary = \"a_s\"", "compare.primary"),
             ("bounds.a_s = 1.0", "bounds.a_s = 2.0", "compare.bounds.a_s"),
             ("bounds.a_s.weber = 0.1", "bounds.a_s.weber = 0.2", "compare.bounds.a_s.weber"),
+            (
+                "metrics = [\"a_s\"]\nbetter.a_s = \"lower\"",
+                "metrics = [\"a_s\"]\nbetter.a_s = \"higher\"",
+                "compare.better.a_s",
+            ),
             ("", "alpha = 0.01", "compare.alpha"),
         ] {
             let found = study_changes(&with(then), &with(now));

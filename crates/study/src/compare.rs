@@ -20,6 +20,8 @@ pub struct Compare {
     pub metrics: Option<Vec<MetricId>>,
     /// What difference is too small to matter, by metric.
     pub bounds: BTreeMap<MetricId, Bound>,
+    /// Which way is better, by metric, where the study says other than is usual for the metric.
+    pub better: BTreeMap<MetricId, Better>,
     /// A claim counts where its adjusted p value is below this.
     pub alpha: f64,
     /// Level of the intervals, as a fraction; by default that of the analysis.
@@ -67,6 +69,34 @@ pub enum Bound {
     Absolute(f64),
     /// A share of the commanded value: the Weber fraction of the just noticeable difference.
     Weber(f64),
+}
+
+/// Which values of a metric are better.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Better {
+    /// The lower ones, such as those of an error.
+    Lower,
+    /// The higher ones.
+    Higher,
+    /// Neither: a difference is only a difference.
+    Neither,
+}
+
+impl Better {
+    /// The word as it stands in files.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Lower => "lower",
+            Self::Higher => "higher",
+            Self::Neither => "neither",
+        }
+    }
+
+    /// The value of a word from a file, if it is one.
+    pub fn from_word(word: &str) -> Option<Self> {
+        [Self::Lower, Self::Higher, Self::Neither].into_iter().find(|b| b.as_str() == word)
+    }
 }
 
 /// Which contrasts of a metric are one family, adjusted together.

@@ -36,7 +36,7 @@ mod trial;
 pub use answer::{AnswerValue, NoAnswer};
 pub use calibration::{Basis, Calibration, CalibrationError, Characteristic};
 pub use changes::{Affects, StudyChange, study_changes};
-pub use compare::{Bound, Compare, Contrast, EffectSize, Families};
+pub use compare::{Better, Bound, Compare, Contrast, EffectSize, Families};
 pub use control::{Control, VelocityFilter};
 pub use counted::counted;
 pub use event::{Event, Given, Moment, SealedTrial};

@@ -66,6 +66,7 @@ mod tests {
             unit: "rad".into(),
             words: "angle past the wall".to_owned(),
             role: Role::Primary,
+            better: zwidth_study::Better::Lower,
             unit_of_analysis: UnitOfAnalysis::Participants,
         };
         let note = |metric: &str, table: &str, note: &str| MetricNote {

@@ -59,7 +59,7 @@ use zwidth_results::{
 use zwidth_tables::Measured;
 
 /// Version of the algorithms here: a change of any number they give raises it.
-pub const VERSION: u32 = 11;
+pub const VERSION: u32 = 12;
 
 /// All metrics compared, one after the other.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -149,6 +149,7 @@ fn compare_metric(
             unit: measure.unit.clone(),
             words: measure.words.clone(),
             role: if measure.parameters.primary { Role::Primary } else { Role::Exploratory },
+            better: measure.parameters.better,
             unit_of_analysis: unit.clone(),
         }],
         cells: cells.rows(measure, parameters),

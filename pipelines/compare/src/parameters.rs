@@ -2,7 +2,9 @@
 
 use crate::{Preregistered, SessionOrder};
 use serde::Serialize;
-use zwidth_study::{Contrast, EffectSize, EnvironmentId, Families, MetricId, ModeId, Perception};
+use zwidth_study::{
+    Better, Contrast, EffectSize, EnvironmentId, Families, MetricId, ModeId, Perception,
+};
 
 /// What a comparison depends on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -34,6 +36,8 @@ pub struct MetricParameters {
     pub metric: MetricId,
     /// Whether it is the study's primary metric. The claims of every other one are exploratory.
     pub primary: bool,
+    /// Which values of it are better.
+    pub better: Better,
     /// What the study's plan says of this analysis, where there is a plan.
     pub preregistered: Option<Preregistered>,
     /// For each environment the size up to which differences are equivalent, in the metric's SI

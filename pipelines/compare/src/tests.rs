@@ -30,6 +30,7 @@ pub(crate) fn parameters() -> Parameters {
     let step = MetricParameters {
         metric: "step_n".parse().unwrap(),
         primary: true,
+        better: zwidth_study::Better::Lower,
         preregistered: None,
         bounds: vec![None],
         noticed: None,

@@ -4,7 +4,7 @@ use crate::{PlantMetrics, TrialMetrics};
 use zwidth_numerics::spectrum::BandPower;
 use zwidth_results::RecordedStability;
 use zwidth_store::Signal;
-use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Scene};
+use zwidth_study::{Better, CURRENT_BRAKE, CURRENT_MOTOR, Channel, REFERENCE, Scene};
 
 /// Version of the algorithms here: a change of any number they give, or a further metric, raises it.
 pub const VERSION: u32 = 21;
@@ -93,6 +93,46 @@ pub fn in_words(metric: &str) -> Option<&'static str> {
     let of_trial = GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
     let of_plant = PLANT_GROUPS.into_iter().flatten().map(|spec| (spec.name, spec.description));
     of_trial.chain(of_plant).find(|(name, _)| *name == metric).map(|(_, words)| words)
+}
+
+/// Errors, swings, wear: the lower, the better.
+const LOWER_IS_BETTER: [&str; 16] = [
+    "discrepancy_user_mean_n",
+    "discrepancy_user_max_n",
+    "discrepancy_user_step_n",
+    "discrepancy_actuator_mean_n",
+    "discrepancy_actuator_max_n",
+    "discrepancy_actuator_step_n",
+    "force_rms_error_n",
+    "wall_past_max_rad",
+    "wall_depth_m",
+    "oscillation_amplitude_rad",
+    "force_band_rms_n",
+    "electrical_energy_j",
+    "electrical_energy_max_j",
+    "step_rise_s",
+    "step_overshoot_share",
+    "step_settling_s",
+];
+
+/// Smoothness, rigidity of a wall, force for its power: the higher, the better.
+const HIGHER_IS_BETTER: [&str; 7] = [
+    "sparc_forward",
+    "sparc_backward",
+    "wall_rigidity_n_per_rad",
+    "wall_hold_rigidity_min_n_per_rad",
+    "wall_stiffness_n_per_rad",
+    "force_per_power_n_per_w",
+    "force_per_power_recorded_n_per_w",
+];
+
+/// Which values of a metric are better, where that does not depend on what a study wants.
+pub fn better(metric: &str) -> Better {
+    match metric {
+        _ if LOWER_IS_BETTER.contains(&metric) => Better::Lower,
+        _ if HIGHER_IS_BETTER.contains(&metric) => Better::Higher,
+        _ => Better::Neither,
+    }
 }
 
 /// The names of all metrics that are numbers with a unit, and whether each is summarised.

@@ -56,7 +56,9 @@ mod wall;
 
 pub use actuator::ActuatorDiscrepancy;
 pub use by_mode::by_mode;
-pub use columns::{VERSION, commanded, in_words, is_number, is_possible, names, needs_lever};
+pub use columns::{
+    VERSION, better, commanded, in_words, is_number, is_possible, names, needs_lever,
+};
 pub use compliance::Compliance;
 pub use conditions::{ConditionsError, by_condition, summarised};
 pub use discrepancy::Discrepancy;

@@ -4,7 +4,7 @@ use crate::findings::Finding;
 use crate::gallery::Shown;
 use serde::Serialize;
 use zwidth_results::{Compared, Mean, ModeDifference, Role, UnitOfAnalysis, Verdict};
-use zwidth_study::{Coordinate, EnvironmentId, ModeId, Setup, contrast_label};
+use zwidth_study::{Better, Coordinate, EnvironmentId, ModeId, Setup, contrast_label};
 use zwidth_tables::{in_coordinate, number, p_value, shown_unit, with_unit};
 
 /// What was found of a metric.
@@ -113,7 +113,9 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
         Finding::new(text, shown)
     };
     let words = first.words(study.coordinate);
-    let mut found = vec![finding(first, answer(first, &words))];
+    let briefs: Vec<String> =
+        differences(study, first).into_iter().map(|told| told.in_brief()).collect();
+    let mut found = vec![finding(first, answer(first, &words, &briefs))];
     let sentences = differences(study, first).into_iter().map(|told| told.told(&words));
     found.extend(sentences.map(|text| finding(first, text)));
     for metric in others.iter().filter(|metric| !metric.contrasts.is_empty()) {
@@ -126,8 +128,11 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
     found
 }
 
-/// How many contrasts show a difference; if no contrast has a test, that it was not asked.
-fn answer(metric: &ComparedMetric, words: &str) -> String {
+/// The answer names so many differences.
+const TOLD: usize = 4;
+
+/// How many contrasts show a difference, and each in brief; if no contrast has a test, that it was not asked.
+fn answer(metric: &ComparedMetric, words: &str, briefs: &[String]) -> String {
     let contrasts = metric.contrasts;
     let (who, the) = match &metric.metric.unit_of_analysis {
         UnitOfAnalysis::TrialsOf(who) => (format!("Within {who}, "), "the"),
@@ -148,13 +153,21 @@ fn answer(metric: &ComparedMetric, words: &str) -> String {
     }
     let n = size(metric);
     let differ = contrasts.iter().filter(|row| row.verdict.is_different()).count();
+    let better = match metric.metric.better {
+        Better::Neither => String::new(),
+        better => format!(" ({} is better)", better.as_str()),
+    };
+    let more = briefs.len().saturating_sub(TOLD);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    let each = briefs.iter().take(TOLD).cloned().collect::<Vec<_>>().join("; ");
     let text = match (differ, all) {
-        (0, _) => format!("{who}{the} modes were not shown to differ in {told} ({n})."),
-        (1, 1) => format!("{who}{the} modes were shown to differ in {told} ({n})."),
+        (0, _) => format!("{who}{the} modes were not shown to differ in {told} ({n})"),
+        (1, 1) => format!("{who}{the} modes were shown to differ in {told} ({n})"),
         _ => format!(
-            "{who}{the} modes were shown to differ in {told}, in {differ} of {all} contrasts ({n})."
+            "{who}{the} modes were shown to differ in {told}, in {differ} of {all} contrasts ({n})"
         ),
     };
+    let text = format!("{text}. Differences{better}: {each}{more}.");
     let smallest = contrasts.iter().filter_map(|row| row.smallest_p_adjusted);
     match smallest.min_by(f64::total_cmp) {
         Some(p) => format!(
@@ -291,6 +304,7 @@ pub(crate) mod tests {
             unit: unit.into(),
             words: words.to_owned(),
             role: Role::Primary,
+            better: zwidth_study::Better::Lower,
             unit_of_analysis: of,
         }
     }
@@ -410,7 +424,7 @@ pub(crate) mod tests {
     #[test]
     fn a_difference_is_told_with_its_interval_its_n_and_its_unit_after_the_answer() {
         let found = texts(UnitOfAnalysis::Participants, Verdict::Different);
-        let answer = "The modes were shown to differ in the primary metric, angle past the wall (n = 6 participants).";
+        let answer = "The modes were shown to differ in the primary metric, angle past the wall (n = 6 participants). Differences (lower is better): Spring, Hybrid − Active: −5.7° (−8.6 to −2.9, different).";
         assert_eq!(found[0], answer);
         assert_eq!(
             found[1],

@@ -61,6 +61,9 @@ use zwidth_tables::escape_markdown as escape;
 /// Version of the tables' form: raised when a table would be another from the same data.
 pub const VERSION: u32 = 16;
 
+/// The figure of every difference between modes, from the summary's folder on.
+pub(crate) const VERDICTS_FIGURE: &str = "figures/verdicts.png";
+
 /// Stands in a cell of the matrix without a mean.
 pub(crate) const NO_MEAN: &str = "–";
 
@@ -158,6 +161,9 @@ pub fn summary_markdown(summary: &Summary) -> String {
     let facts = [origins, Some(what), participants(summary.participants)];
     let mut parts = vec![format!("# {}", escape(&summary.title))];
     parts.extend(facts.into_iter().flatten());
+    if let Some(made) = summary.figures.iter().find(|made| made.path == VERDICTS_FIGURE) {
+        parts.push(format!("![{}]({})", escape(&made.caption.to_string()), made.path));
+    }
     if !summary.matrix.rows.is_empty() {
         parts.push(format!("## The modes compared\n\n{}", grid(&summary.matrix)));
     }

@@ -53,7 +53,7 @@ pub fn on_demand(data: &StudyData, stem: &str) -> Option<Job> {
 
 /// Every figure of these sessions and of the study as a whole.
 fn of(data: &StudyData, sessions: Vec<Session>) -> Vec<Drawing> {
-    let mut drawings = Vec::new();
+    let mut drawings = compare::verdict_figures(data);
     for session in &sessions {
         let mut environments: Vec<&Environment> =
             data.study.environments.iter().filter(|e| !session.of(e).is_empty()).collect();

@@ -29,7 +29,7 @@ use zwidth_study::{EnvironmentId, ModeId};
 use zwidth_tables::{Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 19 };
+const STAGE: Stage = Stage { name: "page", version: 20 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";

@@ -28,9 +28,14 @@ impl Check<'_> {
         let compared = |m: &MetricId| {
             *m == primary || table.metrics.as_ref().is_none_or(|others| others.contains(m))
         };
+        for metric in table.better.keys().filter(|metric| !compared(metric)) {
+            let problem = format!("'{metric}' is not compared; add it to compare.metrics");
+            self.error(&format!("compare.better.{metric}"), problem);
+        }
         let bounds = table.bounds.iter().map(|(m, b)| (m.clone(), self.bound(m, b, compared(m))));
         Compare {
             bounds: bounds.collect(),
+            better: table.better,
             contrasts: match table.contrasts {
                 Some(pairs) => self.contrasts(pairs, modes),
                 None => default_contrasts(modes),
@@ -151,6 +156,7 @@ pub(super) fn table(study: &Study) -> CompareTable {
             .iter()
             .map(|(m, b)| (m.clone(), bound_table(*b)))
             .collect::<BTreeMap<_, _>>(),
+        better: compare.better.clone(),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::environment::EnvironmentTable;
 use super::perception::PerceptionTable;
 use crate::model::{Analysis, OrderScheme};
-use crate::{AnswerScale, MetricId, ModeId, ModeLaw, QuestionId, StudyId};
+use crate::{AnswerScale, Better, MetricId, ModeId, ModeLaw, QuestionId, StudyId};
 use crate::{Channel, Control, EffectSize, Families, ReplayModel, SceneFigure, VelocityFilter};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -222,6 +222,7 @@ pub(super) struct CompareTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) effect_sizes: Option<Vec<EffectSize>>,
     pub(super) bounds: BTreeMap<MetricId, BoundTable>,
+    pub(super) better: BTreeMap<MetricId, Better>,
 }
 
 impl CompareTable {

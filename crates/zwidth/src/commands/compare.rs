@@ -6,16 +6,18 @@ use super::near::did_you_mean;
 use super::run::lengths;
 use crate::exit::Exit;
 use crate::screen::Screen;
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_acquire::Unsynced;
+use zwidth_figures::{MeasuredBy, VerdictRow};
 use zwidth_plan as plan;
+use zwidth_results::Role;
 use zwidth_runner::{JobEnd, Options, Results, run as run_jobs, wanted};
 use zwidth_store::{RealFiles, StudyData, findings};
-use zwidth_study::StudyId;
+use zwidth_study::{Better, StudyId};
 use zwidth_tables::{Format, Table, TableError, Type, Wording};
 
 /// What can be compared.
@@ -79,6 +81,17 @@ pub(crate) fn compare(root: &Path, asked: &CompareArgs, screen: &Screen) -> anyh
     }
     let wording = Wording::of(&data.study);
     let width = screen.width();
+    if asked.by.is_none() && asked.metric.is_none() && by == By::Mode {
+        let rows = plan::verdicts(&data).map_err(|e| anyhow!("{e}"))?;
+        if !rows.is_empty() {
+            let lines = verdict_lines(&rows, width.unwrap_or(WIDTH));
+            match width {
+                Some(_) => screen.result(lines),
+                // What follows is Markdown.
+                None => screen.file(&format!("```text\n{lines}\n```\n")),
+            }
+        }
+    }
     for table in tables.iter().filter(|table| table.height() > 0) {
         if let Some(width) = width {
             screen.result(table.for_terminal(&wording, width, &LEAST)? + "\n");
@@ -90,6 +103,77 @@ pub(crate) fn compare(root: &Path, asked: &CompareArgs, screen: &Screen) -> anyh
         }
     }
     Ok(exit)
+}
+
+/// Characters in a line where the window does not say.
+const WIDTH: usize = 120;
+/// Characters of a plot, at most and at least.
+const PLOT: [usize; 2] = [61, 21];
+
+/// Every difference between modes: a heading a metric, and of each contrast a plot, on one axis for all
+/// that are measured by the same, its value and its verdict.
+fn verdict_lines(rows: &[VerdictRow], width: usize) -> String {
+    let longest = |of: fn(&VerdictRow) -> String| {
+        rows.iter().map(|row| of(row).chars().count()).max().unwrap_or(0)
+    };
+    let place = longest(|row| row.place.clone());
+    let words = longest(|row| format!("{}  {}", row.value, row.judged()));
+    let plot = width.saturating_sub(place + words + 6).clamp(PLOT[1], PLOT[0]);
+    let mut lines = Vec::new();
+    for of_axis in rows.chunk_by(|a, b| a.by == b.by) {
+        let (unit, name) = match of_axis[0].by {
+            MeasuredBy::Jnd => {
+                ("JND", "just noticeable differences (JND); shaded: below what is felt")
+            }
+            MeasuredBy::Deviation => ("SD", "standard deviations (SD): what is felt is not known"),
+        };
+        let all = of_axis.iter().flat_map(|row| {
+            let ends = row.ends.into_iter().flatten();
+            ends.chain([row.estimate]).chain(row.dots.iter().copied())
+        });
+        let most = all.map(f64::abs).fold(1.0, f64::max).ceil();
+        lines.push(format!("Differences in {name}"));
+        for of_metric in of_axis.chunk_by(|a, b| a.metric == b.metric) {
+            let row = &of_metric[0];
+            let role = if row.role == Role::Primary { "primary: " } else { "" };
+            let better = match row.better {
+                Better::Neither => String::new(),
+                better => format!(" ({} is better)", better.as_str()),
+            };
+            lines.push(format!("{role}{}{better}", row.metric));
+            for row in of_metric {
+                let drawn = plotted(row, most, plot);
+                let value = &row.value;
+                lines.push(format!("  {:place$}  {drawn}  {value}  {}", row.place, row.judged()));
+            }
+        }
+        let half = plot / 2;
+        let [low, high] = [-most, most].map(|end| format!("{end} {unit}"));
+        let gap =
+            " ".repeat((half * 2 + 1).saturating_sub(low.chars().count() + high.chars().count()));
+        lines.push(format!("  {:place$}  {low}{gap}{high}\n", ""));
+    }
+    lines.join("\n")
+}
+
+/// A row's plot from −most to most: people's dots, the interval, the difference, zero, and the band that is
+/// not felt.
+fn plotted(row: &VerdictRow, most: f64, width: usize) -> String {
+    let half = (width / 2) as f64;
+    let at = |value: f64| ((value / most).clamp(-1.0, 1.0) * half + half).round() as usize;
+    let mut line = vec![' '; 2 * (width / 2) + 1];
+    if row.by == MeasuredBy::Jnd {
+        line[at(-1.0)..=at(1.0)].fill('░');
+    }
+    line[at(0.0)] = '│';
+    for dot in &row.dots {
+        line[at(*dot)] = '·';
+    }
+    if let Some([low, high]) = row.ends {
+        line[at(low)..=at(high)].fill('─');
+    }
+    line[at(row.estimate)] = '●';
+    line.into_iter().collect()
 }
 
 /// Columns that matter least of a comparison, the very least first: a narrow window has them at the

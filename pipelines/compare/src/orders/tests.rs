@@ -76,6 +76,7 @@ impl Demo {
         let step = MetricParameters {
             metric: "step_n".parse().unwrap(),
             primary: true,
+            better: zwidth_study::Better::Lower,
             preregistered: None,
             bounds: vec![None; ENVIRONMENTS.len()],
             noticed: None,

@@ -87,14 +87,14 @@ impl MetricResults {
 }
 
 /// The metric as it stands on an axis.
-struct Shown {
-    factor: f64,
-    unit: String,
-    words: String,
+pub(super) struct Shown {
+    pub(super) factor: f64,
+    pub(super) unit: String,
+    pub(super) words: String,
 }
 
 impl Shown {
-    fn of(about: &About, metric: &Compared) -> Self {
+    pub(super) fn of(about: &About, metric: &Compared) -> Self {
         let (unit, factor) = shown_unit(&metric.unit, about.coordinate);
         let unit = if unit == "1" { String::new() } else { unit };
         Self { factor, unit, words: in_coordinate(&metric.words, about.coordinate) }
@@ -107,7 +107,7 @@ impl Shown {
 }
 
 /// The panels; where there are none, one that says why.
-fn or_note(panels: Vec<Panel>) -> Vec<Panel> {
+pub(super) fn or_note(panels: Vec<Panel>) -> Vec<Panel> {
     let bare = || Axis::bare(0.0, 1.0);
     match panels.is_empty() {
         true => vec![Panel::with_note(Cell::at(0, 0), bare(), bare(), "nothing to compare")],
@@ -380,7 +380,7 @@ fn judgement(row: &ModeDifference) -> String {
 
 /// Differences that are equally probable, as discs one beside the other at the left of a place where
 /// they are of about one size.
-fn stacked(place: f64, differences: &[f64]) -> Layer {
+pub(super) fn stacked(place: f64, differences: &[f64]) -> Layer {
     /// Heights at which discs stand.
     const HEIGHTS: f64 = 40.0;
     /// Room that a disc takes at most, in categories.
@@ -405,7 +405,7 @@ fn stacked(place: f64, differences: &[f64]) -> Layer {
     Layer::Points(Points { x, y, colour: style::GREY, ..Points::default() })
 }
 
-fn zero(direction: Direction) -> Layer {
+pub(super) fn zero(direction: Direction) -> Layer {
     Layer::Reference(Reference {
         direction,
         at: 0.0,

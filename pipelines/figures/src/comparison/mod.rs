@@ -4,8 +4,10 @@ pub(crate) mod answers;
 pub(crate) mod compared;
 pub(crate) mod likert;
 pub(crate) mod ratings;
+pub(crate) mod verdicts;
 
 pub use answers::*;
 pub use compared::*;
 pub use likert::*;
 pub use ratings::*;
+pub use verdicts::*;

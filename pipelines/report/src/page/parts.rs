@@ -27,6 +27,7 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
         is_there.then(|| Part { id, title, body: body(page) })
     };
     let parts = [
+        part("verdicts", VERDICTS, verdicts_of(summary).is_some(), verdicts),
         part("matrix", "The modes compared", !summary.matrix.rows.is_empty(), matrix),
         part("findings", "What the trials show", !summary.shown.is_empty(), findings),
         part("trials", "Every trial", trials, trial_browser),
@@ -63,6 +64,27 @@ pub(super) fn header(page: &Page) -> Markup {
             p.facts {
                 (what_it_is(summary))
                 @for more in [origins, participants(summary.participants)].into_iter().flatten() { " " (more) }
+            }
+        }
+    }
+}
+
+/// What the first part is called.
+const VERDICTS: &str = "Do the modes differ, and can it be felt?";
+
+/// The figure of every difference between modes, where it was made.
+fn verdicts_of(summary: &Summary) -> Option<&Made> {
+    summary.figures.iter().find(|made| made.path == crate::VERDICTS_FIGURE)
+}
+
+fn verdicts(page: &Page) -> Markup {
+    html! {
+        @if let Some(made) = verdicts_of(page.summary) {
+            figure {
+                a href=(with_extension(&made.path, "pdf")) {
+                    img src=(with_extension(&made.path, "svg")) alt=(made.caption);
+                }
+                figcaption { (made.caption) ". " a href={ "#" (anchor(&made.path)) } { "All its forms" } }
             }
         }
     }

@@ -78,6 +78,7 @@ fn parameters() -> anyhow::Result<Parameters> {
         Ok(MetricParameters {
             metric: name.parse()?,
             primary: place == 0,
+            better: zwidth_study::Better::Lower,
             preregistered: None,
             bounds: vec![None; ENVIRONMENTS.len()],
             noticed: None,
