@@ -1,7 +1,7 @@
 //! `cargo xtask bits`: the main job gives the same bytes on one thread and on many, and on
-//! processors with and without vector units. Without what files say of their making these are the
-//! bytes that were written down when a number was last meant to change, with the versions of the
-//! stages that made them: a stage whose content changes has to raise its version.
+//! processors with and without vector units. Apart from their origin, the files are those whose
+//! hashes were written down at the last intended change, with the versions of the stages that made
+//! them. A stage whose content changes must raise its version.
 
 use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,5 +1,5 @@
 //! `cargo xtask board`: a board with the twin behind it, at the end of a line that looks like a
-//! serial port: `zwidth acquire STUDY … --device rig:PORT` records from it.
+//! serial port. `zwidth acquire STUDY … --device rig:PORT` records from it.
 
 use anyhow::{Context as _, bail};
 use std::io::ErrorKind;

@@ -1,5 +1,5 @@
-//! A microcontroller that runs a sketch in an emulator (`tests/interop/avr/board.js`), which goes by
-//! its own time.
+//! A microcontroller that runs a sketch in an emulator (`tests/interop/avr/board.js`) with its own
+//! time.
 
 use anyhow::Context as _;
 use std::io::{self, BufRead as _, BufReader, Write as _};

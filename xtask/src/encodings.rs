@@ -1,4 +1,5 @@
-//! Measures column encodings on the trials of a study: bytes a sample, and time to write and read.
+//! Measures column encodings on the trials of a study: bytes per sample, and time to write and
+//! read.
 
 use std::path::Path;
 use std::time::Instant;

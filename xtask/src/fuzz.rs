@@ -1,7 +1,7 @@
-//! `cargo xtask fuzz`: any bytes in the place of each file that is read (`fuzz/`).
+//! `cargo xtask fuzz`: arbitrary bytes in the place of each file that is read (`fuzz/`).
 //!
-//! libFuzzer is guided by counters that LLVM puts on every edge, which a stable compiler does too
-//! when asked by these flags.
+//! libFuzzer is guided by counters that LLVM puts on every edge. With these flags a stable compiler
+//! adds them too.
 
 use crate::tried::{Tried, note};
 use anyhow::{Context as _, bail, ensure};

@@ -1,8 +1,8 @@
 //! `cargo xtask messages`: every text that a person can be told, with its file and line, so that
-//! they can be read one after the other, as a stranger reads them.
+//! they can be read one after the other, as a stranger would read them.
 //!
-//! Found in the sources, without a compiler: a string is a message if it stands within a call that
-//! makes one (`bail!`, `StoreError::new`, `#[error]`, …), or behind a name for one (`what`,
+//! It finds them in the sources, without a compiler: a string is a message if it is within a call
+//! that makes one (`bail!`, `StoreError::new`, `#[error]`, …), or follows a name for one (`what`,
 //! `remedy`).
 
 use std::fs;

@@ -1,5 +1,5 @@
-//! `cargo xtask room`: whether the words of every figure have room and are large enough to be read,
-//! in one column and in two.
+//! `cargo xtask room`: checks that the words of every figure have room and are large enough to be
+//! read, in one column and in two.
 
 use anyhow::{Context as _, ensure};
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! `cargo xtask sheet`: every figure of a study at print size on pages for a reviewer, beside each
-//! what is left of it in grey and for an eye without green cones, below it its caption.
+//! `cargo xtask sheet`: every figure of a study at print size on pages for a reviewer. Beside each
+//! figure are its versions in grey and for an eye without green cones; its caption is below.
 
 use anyhow::{Context as _, ensure};
 use std::fmt::Write as _;

@@ -1,6 +1,6 @@
 //! `cargo xtask stale`: each field of `study.toml`, of a session's record and of each stage's
 //! parameters is changed in turn. What a run then leaves as it was must be what a run from nothing
-//! makes, byte for byte (without what files say of their making).
+//! makes, byte for byte (apart from the origin of the files).
 
 use anyhow::{Context as _, bail, ensure};
 use serde_json::Value;

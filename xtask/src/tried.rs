@@ -1,6 +1,6 @@
-//! What was tried and what came of it: chores note it, and `cargo xtask reliability` makes
-//! `docs/reliability.md` of it. A row of the page stays until a longer try of the same takes its
-//! place: the notes lie in a build's folder, which may be emptied at any time.
+//! What was tried, and with which result: chores note it, and `cargo xtask reliability` makes
+//! `docs/reliability.md` from it. A row of the page stays until a longer run of the same chore
+//! replaces it: the notes are in a build folder, which may be emptied at any time.
 
 use anyhow::Context as _;
 use serde::{Deserialize, Serialize};

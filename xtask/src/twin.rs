@@ -1,4 +1,4 @@
-//! `raw/thesis-twin`: the study that comes along, made by the program itself from a seed.
+//! `raw/thesis-twin`: the study that comes with the clone, made by the program itself from a seed.
 
 use crate::soak;
 use anyhow::{Context as _, bail};

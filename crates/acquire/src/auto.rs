@@ -1,11 +1,11 @@
-//! A session that runs by itself: what nobody says, this says.
+//! A session that runs by itself: it gives the inputs that nobody else gives.
 
 use crate::{AcquireError, Front, Input, Phase, View};
 use std::time::Duration;
 
 /// Another front end, and somebody who starts each trial, skips a question that the device's own
 /// participant did not answer, and ends the session when it is done or stopped. Nobody holds the
-/// lever against its stop: it is for devices whose lever gets there by itself.
+/// lever against its stop, so this is for devices whose lever gets there by itself.
 #[derive(Debug)]
 pub struct Auto<F> {
     front: F,

@@ -1,5 +1,4 @@
-//! A session that runs by itself, with somebody who looks at each trial and has a failed one done
-//! again.
+//! A session that runs by itself, with somebody who looks at each trial and repeats failed ones.
 
 use crate::{AcquireError, Auto, Front, Input, Phase, View};
 use std::time::Duration;

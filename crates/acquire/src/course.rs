@@ -1,4 +1,4 @@
-//! How far a session is: what is done of each condition, and how long the rest will take.
+//! The progress of a session: how much of each condition is done, and how long the rest will take.
 
 use crate::flow::{Flow, Place};
 use crate::view::{Cell, Course};

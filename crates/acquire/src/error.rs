@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use zwidth_device::{DeviceError, Refusal};
 use zwidth_store::StoreError;
 
-/// A session that cannot go on, and what to do about it. The device is at 0 V when one of these is
-/// returned.
+/// Why a session cannot continue, and what to do about it. The device is at 0 V when one of these
+/// is returned.
 #[derive(Debug, thiserror::Error)]
 pub enum AcquireError {
     /// A file could not be read or written. What was finished before is safe.

@@ -1,7 +1,7 @@
 //! The study's folder, held open while a session is recorded into it.
 //!
-//! A folder that is moved or removed meanwhile is noticed at the next look, and never made anew:
-//! what is written after that would lie apart from all that was recorded before.
+//! If the folder is moved or removed meanwhile, the next check notices it. The folder is never made
+//! anew: later files would then lie apart from all earlier recordings.
 
 use crate::AcquireError;
 use std::io;

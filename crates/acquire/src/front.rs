@@ -1,9 +1,9 @@
-//! What a session needs of whoever sits before it: a screen, a script, or nobody.
+//! What a session needs from its operator: a screen, a script, or nobody.
 
 use crate::{AcquireError, Input, View};
 use std::time::Duration;
 
-/// A front end: shows a [`View`] and hands over what was asked for.
+/// A front end: shows a [`View`] and hands over inputs.
 ///
 /// The screen, lines in and out, and nobody are the three.
 pub trait Front {

@@ -1,11 +1,11 @@
-//! What is still to be done of a session that was begun.
+//! What remains to be done in a session that has begun.
 
 use crate::flow::Flow;
 use crate::session::recorded;
 use zwidth_store::{SessionLog, TrialEntry};
 
-/// How many trials of a session's order are still to be done, its own among `trials`; 0 of an
-/// imported one, which has no order.
+/// How many trials of a session's order are still to be done, its own among `trials`; 0 for an
+/// imported session, which has no order.
 pub fn left_to_do<'t>(trials: impl IntoIterator<Item = &'t TrialEntry>, log: &SessionLog) -> usize {
     if log.record.order.is_none() {
         return 0;

@@ -1,7 +1,8 @@
-//! By which numbers a session is counterbalanced.
+//! The numbers by which a session is counterbalanced.
 //!
-//! The digits at the end of an id are its number. An id without any gets its place among all of its
-//! kind that appeared in the study so far, and keeps it: every session's record holds both numbers.
+//! The digits at the end of an id are its number. An id without digits gets its place among all
+//! such ids that have appeared in the study so far, and keeps it: every session's record holds both
+//! numbers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,7 +17,7 @@ pub(crate) struct Numbers {
     pub(crate) remarks: Vec<String>,
 }
 
-/// The number at the end of an id, where it has one below 2³².
+/// The number at the end of an id, if it has one below 2³².
 pub fn number(id: &str) -> Option<u32> {
     let letters = id.trim_end_matches(|c: char| c.is_ascii_digit()).len();
     id[letters..].parse().ok()

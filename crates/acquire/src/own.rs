@@ -1,4 +1,4 @@
-//! The study by which a session goes on: its own copy, whatever `study.toml` says by then.
+//! The study with which a session continues: its own copy, whatever `study.toml` says by then.
 
 use crate::AcquireError;
 use crate::plan::Plan;
@@ -7,7 +7,7 @@ use zwidth_study::{
     Affects, Control, Event, ParticipantId, SessionId, Study, StudyChange, study_changes,
 };
 
-/// The study by which a session that was laid down goes on: its own copy. Nothing for one that is
+/// The study with which an existing session continues: its own copy. `None` for a session that is
 /// to begin, and for one from before there were copies.
 ///
 /// # Errors

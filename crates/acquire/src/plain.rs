@@ -1,13 +1,13 @@
-//! Plain mode: a line in, a line out, for scripts, tests and people who read with their ears.
+//! Plain mode: lines in, lines out, for scripts, tests and screen readers.
 //!
 //! Lines in: `start`, `answer N` (or `N` alone), `skip`, `hold`, `repeat`, `exclude REASON`,
 //! `note TEXT`, `stop`, `quit`; of any trial that ended `trial N` and one of `exclude REASON`,
 //! `note TEXT`, `repeat`, `ask`, which asks its questions again. They are taken in order, each when
-//! the session waits for somebody; so a script may say everything at once. `stop` alone is obeyed
-//! the moment it is read, and what was said before it and not yet taken is forgotten. The end of
-//! the input is `quit`.
+//! the session waits for somebody, so a script may write all of them at once. Only `stop` is obeyed
+//! the moment it is read; lines before it that were not yet taken are dropped. The end of the input
+//! counts as `quit`.
 //!
-//! Lines out: one a phase, one a message.
+//! Lines out: one per phase, one per message.
 
 use crate::flow::About;
 use crate::{AcquireError, Front, Input, Phase, View};

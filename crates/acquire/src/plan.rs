@@ -4,17 +4,17 @@ use std::path::PathBuf;
 use zwidth_store::Layout;
 use zwidth_study::{Calibration, ParticipantId, SessionId, Study};
 
-/// What a session is made of, besides the device.
+/// The parts of a session besides the device.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// Where the study lies.
     pub layout: Layout,
-    /// The study to record by: that of `study.toml`, or of a session that is gone on with its own
+    /// The study to record with: that of `study.toml`, or for a continued session its own
     /// ([`crate::own_study`]).
     pub study: Study,
     /// The text of the present `study.toml`, of which a session that begins keeps a copy.
     pub study_toml: Vec<u8>,
-    /// A session whose copy differs from that in what is recorded goes on, by its copy; its log
+    /// A session whose copy differs from that in what is recorded continues with its copy; its log
     /// says so.
     pub accept_study_change: bool,
     /// Who.
@@ -27,8 +27,8 @@ pub struct Plan {
     pub software: String,
     /// Rate of the control loop, Hz.
     pub rate_hz: f64,
-    /// The order's seed, where one is asked for. A study has one seed: its participants are
-    /// balanced under it.
+    /// The order's seed, if one is requested. A study has one seed: its participants are balanced
+    /// under it.
     pub seed: Option<u64>,
     /// The folder of seals and of the seed that is not to be known.
     pub keys: PathBuf,

@@ -1,4 +1,4 @@
-//! A session as it is laid down before its first trial, or found again on the disk.
+//! A session as it is set up before its first trial, or found again on the disk.
 
 use crate::flow::Recorded;
 use crate::number::{Numbers, numbers};
@@ -15,25 +15,24 @@ use zwidth_study::{
     SessionRecord, Status, Study, TrialMeta, order,
 };
 
-/// A session, laid down or found again.
+/// A session, set up or found again.
 #[derive(Debug, Clone)]
 pub struct Session {
     /// Its record.
     pub record: SessionRecord,
-    /// Whether the record lies on the disk.
+    /// Whether the record is on the disk.
     pub laid_down: bool,
-    /// Its seal, where it was sealed.
+    /// Its seal, if it was sealed.
     pub seal: Option<Seal>,
     /// Whether modes and voltages are hidden.
     pub blinded: bool,
     /// The mode of each trial of the order.
     pub modes: Vec<ModeId>,
-    /// What was recorded before.
+    /// Earlier recordings.
     pub recorded: Vec<Recorded>,
     /// What the log holds.
     pub events: Vec<Event>,
-    /// What is to be told of it, and kept in its log, as soon as it is laid down, or is gone on
-    /// with.
+    /// Events to report and keep in its log as soon as it is set up or continued.
     pub opening: Vec<Event>,
 }
 

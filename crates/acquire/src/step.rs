@@ -1,8 +1,8 @@
-//! What a hand must do before a step of the device check, in words.
+//! What a person must do before a step of the device check, in words.
 
 use zwidth_device::check::Step;
 
-/// What is to be done, and whether the lever will move by itself then: that needs a consent.
+/// What the person must do, and whether the lever will then move by itself: that needs a consent.
 pub fn step_words(step: Step) -> (String, bool) {
     match step {
         Step::Rest => ("Lever against its lower stop, hands off.".to_owned(), false),

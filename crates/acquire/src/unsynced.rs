@@ -1,4 +1,4 @@
-//! A disk that is not waited for: for whole simulated studies, which can be made again.
+//! A disk without syncs, for whole simulated studies, which can be made again.
 
 use std::fs::{self, File};
 use std::io::{self, Write as _};

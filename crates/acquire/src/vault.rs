@@ -1,14 +1,14 @@
-//! Where seals lie until they are opened: a folder of the user's own, outside the data.
+//! Where seals are kept until they are opened: in a folder of the user's own, outside the data.
 //!
 //! ```text
 //! <folder>/<study>/seed                                  the order's seed, where none was given
 //! <folder>/<study>/<participant>_<session>.<16 digits of the commitment>.json
 //! ```
 //!
-//! With the commitment in its name a seal is never taken for that of another study of the same id.
-//! Opened seals stay: the event log holds them too. Seeds and seals are for this user alone: files
-//! 0600, the study's folder and those that had to be made 0700, whatever the umask says. Folders
-//! above it that are there keep their modes: they may be the user's home.
+//! Because its name contains the commitment, a seal is never mistaken for that of another study
+//! with the same id. Opened seals stay: the event log holds them too. Only this user can read seeds
+//! and seals: files have 0600, the study's folder and newly made folders 0700, whatever the umask
+//! says. Existing folders above it keep their permissions: they may be the user's home.
 
 use crate::AcquireError;
 use std::io;
@@ -21,8 +21,8 @@ const DIGITS: usize = 16;
 /// Largest seal that is read, bytes: that of a hundred thousand trials.
 const MOST_SEAL: u64 = 1 << 23;
 
-/// Whether seals in this folder lie apart from the data, which others are to read. What counts is
-/// where paths lead: through links, `..` and folders that are still to be made.
+/// Whether seals in this folder are apart from the data, which others may read. Paths are followed
+/// through links, `..` and folders that are still to be made.
 ///
 /// # Errors
 /// The seals of the study would lie in raw/, derived/ or reports/; a path that leads nowhere.
@@ -55,7 +55,7 @@ fn leads_to(path: &Path) -> Result<PathBuf, StoreError> {
     })
 }
 
-/// Where a session's seal lies.
+/// Where a session's seal is.
 pub fn seal_path(
     folder: &Path,
     study: &StudyId,
@@ -67,7 +67,7 @@ pub fn seal_path(
     folder.join(study.as_str()).join(format!("{participant}_{session}.{digits}.json"))
 }
 
-/// Keeps a seal. One that lies there already is this very one, by its name: a simulated study made
+/// Keeps a seal. By its name, a seal that is already there is the same one: a simulated study made
 /// again from its seed.
 ///
 /// # Errors

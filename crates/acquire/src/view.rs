@@ -1,7 +1,7 @@
 //! Everything a screen shows, as plain values: the runner fills it, a screen draws it.
 //!
-//! What would give a blinded session's mode away is not in here at all, so that no screen can show
-//! it by mistake.
+//! It contains nothing that would reveal a blinded session's mode, so no screen can show it by
+//! mistake.
 
 use std::collections::VecDeque;
 use zwidth_study::{AnswerScale, Kind, Voltages};
@@ -9,8 +9,7 @@ use zwidth_study::{AnswerScale, Kind, Voltages};
 /// Points of a trace kept, at most: a trial of 10 s at [`TRACE_HZ`].
 pub const TRACE_POINTS: usize = 1000;
 
-/// Points a second that go into a trace, at most: twice what a terminal can show of a four-second
-/// trial.
+/// Most points per second in a trace: twice what a terminal can show of a four-second trial.
 pub const TRACE_HZ: f64 = 100.0;
 
 /// Lines of talk kept.
@@ -31,7 +30,7 @@ pub struct View {
     pub simulated: bool,
     /// Whether modes and voltages are hidden.
     pub blinded: bool,
-    /// Where the session stands.
+    /// The phase of the session.
     pub phase: Phase,
     /// The trial in progress, or the next one; none before homing and after the last.
     pub trial: Option<Current>,
@@ -39,18 +38,18 @@ pub struct View {
     pub done: usize,
     /// Trials of the order.
     pub total: usize,
-    /// What is done of each part of the order: of each condition, or of each environment where
+    /// How much is done of each part of the order: of each condition, or of each environment if
     /// modes are hidden. Familiarisation is in none.
     pub cells: Vec<Cell>,
     /// How long the session takes, this time.
     pub course: Course,
     /// Whether the pause goes on until somebody ends it.
     pub held: bool,
-    /// The step of the device check that goes on, and what is done in it.
+    /// The running step of the device check, and what is done in it.
     pub step: Option<String>,
     /// Work space, rad.
     pub theta_range_rad: (f64, f64),
-    /// Where the environment's wall begins, rad, where it has one.
+    /// Where the environment's wall begins, rad, if it has one.
     pub wall_rad: Option<f64>,
     /// The trial's course so far, oldest first; it stays until the next trial begins.
     pub trace: VecDeque<Point>,
@@ -61,13 +60,13 @@ pub struct View {
     pub timing: Timing,
     /// The device check: name, value with unit, whether it passed.
     pub checks: Vec<CheckLine>,
-    /// What was said, oldest first: refusals, warnings, what was stored.
+    /// Messages, oldest first: refusals, warnings, stored trials.
     pub messages: VecDeque<String>,
     /// How many messages there were in all, those that went included.
     pub said: usize,
 }
 
-/// Where the session stands, with what a screen shows of it.
+/// The phase of the session, with what a screen shows of it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Phase {
     /// The device is being checked.
@@ -131,16 +130,16 @@ pub struct Cell {
     pub of: usize,
 }
 
-/// How long a session takes, since it was begun or gone on with.
+/// How long a session takes, since it was begun or continued.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Course {
     /// Since the first trial, s.
     pub elapsed_s: f64,
-    /// What is expected to be left, s; none when nothing is.
+    /// The expected remaining time, s; none if nothing is left.
     pub left_s: Option<f64>,
 }
 
-/// The trial a screen speaks of.
+/// The trial that a screen shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Current {
     /// Its number: the file's.
@@ -153,7 +152,7 @@ pub struct Current {
     pub environment: String,
     /// The mode's label; none in a blinded session.
     pub mode: Option<String>,
-    /// The trial it takes the place of, where it is a repeat.
+    /// The trial that it replaces, if it is a repeat.
     pub repeats: Option<u32>,
 }
 
@@ -177,7 +176,7 @@ pub struct Point {
 pub struct Timing {
     /// Nominal rate, Hz.
     pub rate_hz: f64,
-    /// Samples a second so far, Hz.
+    /// Samples per second so far, Hz.
     pub measured_hz: f64,
     /// Lateness of a tick against its deadline, median, s.
     pub jitter_p50_s: f64,

@@ -1,4 +1,4 @@
-//! What is done with whole columns.
+//! Operations on whole columns.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{

@@ -1,8 +1,8 @@
 //! The parts of Arrow that trials and tables need, under the names of the crate `arrow`.
 //!
-//! `arrow` itself brings along casts, comparisons, sums, regular expressions and rows: 2½ minutes
-//! of a processor, of which nothing here calls more than the cast of a column to `f64`. What is
-//! left is what Parquet builds on anyway.
+//! `arrow` itself also builds casts, comparisons, sums, regular expressions and rows. This takes 2½
+//! minutes of a processor, and the workspace uses only the cast of a column to `f64`. Parquet
+//! builds the remaining parts anyway.
 
 pub mod compute;
 

@@ -1,9 +1,9 @@
 //! A device that is never left alone.
 //!
-//! In real time a thread of its own has the device for a whole session, and the caller asks it for
-//! one thing after another. While nothing is asked it reads on at 0 V, so that the turn of the
-//! shaft stays known whatever the caller is waiting for: a disk, a screen, a person. On a simulated
-//! clock no time passes between two questions, and all of it happens on the caller's thread.
+//! In real time a thread of its own holds the device for a whole session, and the caller gives it
+//! one task after another. Between tasks it keeps reading at 0 V, so the turn of the shaft stays
+//! known whatever the caller is waiting for: a disk, a screen, a person. On a simulated clock no
+//! time passes between two tasks, and everything happens on the caller's thread.
 
 use crate::trial::{Collected, read_on, run_caught, said};
 use crate::{
@@ -32,7 +32,7 @@ pub struct Station<'a> {
     pub device: &'a mut dyn Device,
     /// Its time.
     pub clock: &'a mut dyn Clock,
-    /// What stands before its actuators.
+    /// The guard before its actuators.
     pub guard: Guard,
     /// Ticks a second while nothing is asked, Hz.
     rate_hz: f64,
@@ -55,7 +55,7 @@ pub struct TrialTask<'a> {
 }
 
 impl<'a> Station<'a> {
-    /// A device that is read `rate_hz` times a second while nothing is asked. Nothing is homed yet.
+    /// A device that is read `rate_hz` times per second between tasks. It is not homed yet.
     pub fn new(
         device: &'a mut dyn Device,
         clock: &'a mut dyn Clock,
@@ -65,7 +65,7 @@ impl<'a> Station<'a> {
         Self { device, clock, guard, rate_hz, fault: None }
     }
 
-    /// Homes ([`Guard::home`]). What was found before is over.
+    /// Homes ([`Guard::home`]). Earlier faults are cleared.
     ///
     /// # Errors
     /// A device that is lost, or a lever that is not at its stop.
@@ -84,8 +84,8 @@ impl<'a> Station<'a> {
         self.device.write(now_s, Voltages::OFF)
     }
 
-    /// What a trip is due to: one that says no more than that the turn is not known is due to what
-    /// was found while nothing was asked.
+    /// The cause of a trip: a trip that only says that the turn is not known is due to a fault that
+    /// was found between tasks.
     pub fn cause(&mut self, trip: Trip) -> Trip {
         if trip == Trip::NotHomed { self.fault.take().unwrap_or(trip) } else { trip }
     }
@@ -171,15 +171,15 @@ impl<'a> Attendant<'a> {
         }
     }
 
-    /// What was found while nothing was asked, told once: the turn of the shaft is not known any
-    /// more.
+    /// A fault that was found between tasks, reported once: the turn of the shaft is no longer
+    /// known.
     pub fn fault(&mut self) -> Option<Trip> {
         let Place::There { shared, .. } = &self.0 else { return None };
         let found = shared.fault.swap(false, Ordering::Relaxed);
         if found { self.ask(|station| station.fault.take()).unwrap_or_else(Some) } else { None }
     }
 
-    /// Has the station do something, and waits for what comes of it.
+    /// Gives the station a task, and waits for the result.
     ///
     /// # Errors
     /// [`Trip::Panic`] if it panics on the station's own thread.

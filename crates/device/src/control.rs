@@ -1,9 +1,9 @@
 //! The prototype's control sequence: scene → demanded force → inverse characteristic → voltages
 //! (thesis Fig. 32, §4.2, §6.2.1).
 //!
-//! Signs: a demanded force above 0 resists, that is, it pushes towards −θ. The motor is odd in its
-//! voltage and a voltage above 0 pushes towards +θ, so resisting takes a negative one. The brake
-//! only knows a level.
+//! Signs: a demanded force above 0 resists, that is, it pushes towards −θ. The motor's force is odd
+//! in its voltage, and a voltage above 0 pushes towards +θ, so resisting takes a negative voltage.
+//! The brake has only a level.
 
 use zwidth_study::{
     ActuatorKind, Calibration, Control, Environment, Flags, Mode, ModeLaw, Scene, Voltages,
@@ -47,7 +47,7 @@ fn demand(scene: &Scene, theta_rad: f64, theta_dot_rad_s: f64) -> Demand {
 /// Motor: −clamp(u, −F_m, F_m); brake: clamp(u, 0, F_b). From θ_wall on each gives all its mode
 /// allows.
 ///
-/// θ̇ > 0 is asked with hysteresis, since a counted angle makes a slow velocity flicker: forward
+/// θ̇ > 0 is tested with hysteresis, because a counted angle makes a slow velocity flicker: forward
 /// above [`FORWARD_RAD_S`], until it is down to [`HOLDING_RAD_S`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Controller {

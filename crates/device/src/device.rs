@@ -8,7 +8,7 @@ use zwidth_study::{AnswerScale, Channel, Environment, Extra, Moment, Source, Vol
 pub struct Capabilities {
     /// What it is called, with its version: kept with every trial.
     pub name: String,
-    /// Rate at which it can be asked, Hz.
+    /// Rate at which it can be read, Hz.
     pub rate_hz: f64,
     /// Rate at which its force sensor gives new values, Hz.
     pub force_rate_hz: f64,
@@ -26,7 +26,7 @@ pub struct Capabilities {
     pub shows_moments: bool,
     /// What its data is: measured or simulated.
     pub source: Source,
-    /// What it gives with every reading besides: recorded where the study asks for it.
+    /// Further values of every reading, recorded if the study asks for them.
     pub channels: Vec<Channel>,
 }
 
@@ -39,15 +39,15 @@ pub enum Angle {
     Lever(f64),
 }
 
-/// What was read at one moment.
+/// The values read at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// When the device took it, by its own clock, s.
     pub t_device_s: Option<f64>,
     /// The angle.
     pub angle: Angle,
-    /// Age of the angle, s: 0 for one that was taken when it was asked for. A loop that outruns
-    /// its sensor sees it grow, and safety sees a sensor that has stopped.
+    /// Age of the angle, s: 0 for one that was taken on request. A loop that outruns its sensor
+    /// sees it grow, and safety sees a sensor that has stopped.
     pub angle_age_s: f64,
     /// User force at the lever's end, N; above 0 pushes into the object (+θ).
     pub force_n: f64,
@@ -58,7 +58,7 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// The angle sensor's own count, where it has one.
+    /// The angle sensor's own count, if it has one.
     pub fn raw(&self) -> Option<u16> {
         match self.angle {
             Angle::Counts(raw) => Some(raw),

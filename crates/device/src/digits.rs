@@ -1,6 +1,6 @@
-//! The digits that a recording keeps. What sensors and clocks count is multiplied and divided until
-//! all 53 bits of a number are different, and no compression takes the meaningless ones away: they
-//! would be a quarter of a trial's file.
+//! The digits that a recording keeps. The counts of sensors and clocks are multiplied and divided
+//! until all 53 bits of a number vary, and no compression removes the meaningless ones: they would
+//! be a quarter of a trial's file.
 
 /// A clock's ticks per second: one is 0.93 ns, so that counts of nanoseconds differ in it.
 const TICKS_PER_S: f64 = (1_u64 << 30) as f64;

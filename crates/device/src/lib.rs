@@ -1,14 +1,13 @@
-//! Devices behind one trait: the simulated one, playback, and what stands between them and the
+//! Devices behind one trait: the simulated one, playback, and the guard between them and the
 //! control of a trial.
 //!
 //! A [`Device`] is an instrument: it reads a sample and takes two voltages. It knows no scene and
-//! no study folder. Time belongs to a [`Clock`]: the same loop runs in real time and faster than
-//! it.
+//! no study folder. Time belongs to a [`Clock`]: the same loop runs in real time and faster.
 //!
 //! [`run_trial`] is that loop: the [`Guard`] judges each reading, the [`Controller`] decides, the
-//! guard clamps, the device is written to, and the sample handed over. [`run_live`] runs it on a
-//! thread of its own; an [`Attendant`] has the device for a whole session, and reads on between
-//! trials.
+//! guard clamps, the device is written to, and the sample is handed over. [`run_live`] runs it on a
+//! thread of its own; an [`Attendant`] holds the device for a whole session, and keeps reading
+//! between trials.
 //!
 //! ```
 //! use std::{ops::ControlFlow, sync::atomic::AtomicBool};

@@ -1,5 +1,5 @@
-//! A device for tests: it moves as it is told, keeps what was written to it, and fails in every way
-//! when asked. And a clock that two threads can share.
+//! A device for tests: it moves as commanded, keeps what was written to it, and can fail in every
+//! way. The module also has a clock that two threads can share.
 
 use crate::angle::rad_per_count;
 use crate::{Angle, Capabilities, Clock, Cue, Device, DeviceError, Reading};
@@ -238,8 +238,8 @@ impl SharedClock {
         *self.lock()
     }
 
-    /// Stands still until the loop of another thread has gone on for so long, s; from when until
-    /// when. Without such a loop the time passes all the same.
+    /// Stands still until the loop of another thread has run for this time, s; returns from when
+    /// until when. Without such a loop the time passes all the same.
     pub fn stand(&self, for_s: f64) -> (f64, f64) {
         let now_s = self.lock();
         let from_s = *now_s;

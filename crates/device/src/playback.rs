@@ -6,11 +6,11 @@ use zwidth_study::{Extra, Sample, Source, Voltages};
 /// Plays a recorded trial: lever and force as they were, whatever is commanded. In real time with
 /// [`crate::RealClock`], at once with [`crate::SimulatedClock`].
 ///
-/// Before its first row and past its last one, that row stands. In between the last row that has
-/// come stands until the next, and its age grows, so that a gap in the recording is one here too.
+/// Before its first row and past its last one, that row holds. In between, the latest row holds
+/// until the next, and its age grows, so a gap in the recording is a gap here too.
 ///
-/// What comes of it was not measured in the condition it is given out for: its source is
-/// [`Source::Twin`], whatever the recording's was, and everything made of it is marked as
+/// The results were not measured in the condition that they are recorded for: their source is
+/// [`Source::Twin`], whatever the recording's was, and everything made from them is marked as
 /// simulated.
 #[derive(Debug, Clone)]
 pub struct Playback {

@@ -1,4 +1,4 @@
-//! Coming before other threads.
+//! Priority over other threads.
 
 /// Whether a thread comes before others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

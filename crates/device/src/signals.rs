@@ -1,4 +1,4 @@
-//! Signals that end a program end a trial first.
+//! Signals that end the program: they end the trial first.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -1,8 +1,8 @@
 //! The lever's velocity from its angles.
 //!
 //! A difference of two counted angles at 1 kHz is a velocity in steps of 0.22 rad/s (one count of
-//! the prototype's sensor in 1 ms): its sign at slow motion is noise. The differentiator trades
-//! that for a stated delay.
+//! the prototype's sensor in 1 ms), so its sign in slow motion is noise. The differentiator avoids
+//! this at the price of a stated delay.
 
 use crate::DeviceError;
 use crate::error::positive;

@@ -1,4 +1,5 @@
-//! One axis, planned: its ticks with their labels set, its own label, and the room all that takes.
+//! One axis, planned: its ticks with their labels set, its own label, and the room that all of
+//! these take.
 
 use crate::error::Error;
 use crate::figure::{Axis, Direction, Ticks};

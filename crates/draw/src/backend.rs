@@ -1,7 +1,7 @@
 //! plotters on our sheet: a drawing backend with hundredths of a point for pixels.
 //!
-//! plotters counts whole pixels; at 7,200 to the inch that is finer than any printer. Its strokes
-//! know no dashes, so curves go through [`Curve`], an element of ours.
+//! plotters counts whole pixels; at 7,200 to the inch these are finer than any printer's. Its
+//! strokes have no dashes, so curves go through [`Curve`], an element of ours.
 
 use std::convert::Infallible;
 

@@ -1,4 +1,4 @@
-//! Curves made ready for paper: broken at gaps, cut at the plot's edge, thinned to what print can
+//! Curves prepared for paper: broken at gaps, cut at the plot's edge, thinned to what print can
 //! show.
 
 /// A point of a curve.

@@ -1,9 +1,9 @@
 //! The description of a figure: plain data, nothing drawn yet.
 //!
 //! Lengths on paper are millimetres (`_mm`) or points (`_pt`, 1/72 inch). Data carry the unit that
-//! the axis names: what stands in a layer is what stands on the axis (degrees, if the axis says
-//! degrees). Every text is [markup](crate::markup): `*F*_{ex}`, `10^{−3}`, `**bold**`.
-//! In every array of data NaN means "no value here" and leaves a gap; an infinity is an error.
+//! the axis names: a layer holds the numbers that the axis shows (degrees, if the axis says
+//! degrees). Every text is [markup](crate::markup): `*F*_{ex}`, `10^{−3}`, `**bold**`. In every
+//! array of data NaN means "no value here" and leaves a gap; an infinity is an error.
 
 use crate::style::{self, Colour, Marker, Stroke};
 use crate::typeface::Font;
@@ -30,7 +30,7 @@ pub struct Figure {
     pub panels: Vec<Panel>,
     /// Relative widths of the columns' plot areas; empty: all alike.
     pub column_weights: Vec<f64>,
-    /// Where the shared legend stands. It holds every named layer once, in order of appearance.
+    /// Where the shared legend is. It holds every named layer once, in order of appearance.
     pub legend: LegendPlace,
     /// Small print under the figure.
     pub footnotes: Vec<String>,
@@ -66,7 +66,7 @@ impl Default for Figure {
     }
 }
 
-/// Where the shared legend stands; never inside a panel.
+/// Where the shared legend is; never inside a panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LegendPlace {
     /// Between the heading and the panels.
@@ -152,7 +152,7 @@ pub struct Axis {
     /// too. Directly stacked panels that share their x axis number it once, at the bottom;
     /// neighbours that share their y axis once, at the left.
     pub link: Option<String>,
-    /// What stands at the ticks.
+    /// The labels at the ticks.
     pub ticks: Ticks,
 }
 
@@ -174,7 +174,7 @@ impl Axis {
         Self { ticks: Ticks::Categories(names), ..Self::new("", "") }
     }
 
-    /// An axis of which nothing is shown, from `low` to `high`: see [`Ticks::Bare`].
+    /// An invisible axis, from `low` to `high`: see [`Ticks::Bare`].
     pub fn bare(low: f64, high: f64) -> Self {
         Self { ticks: Ticks::Bare, range: Range::Fixed(low, high), ..Self::new("", "") }
     }
@@ -204,7 +204,7 @@ pub enum Range {
     Fixed(f64, f64),
 }
 
-/// What stands at an axis' ticks.
+/// The labels at an axis' ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ticks {
     /// Numbers in steps of 1, 2 or 5 × 10ⁿ.
@@ -337,7 +337,7 @@ pub struct Text {
     pub place: TextPlace,
 }
 
-/// Where words stand inside a panel.
+/// Where words are inside a panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TextPlace {
     /// In the corner where they cover the fewest data.

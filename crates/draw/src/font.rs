@@ -1,8 +1,8 @@
 //! Letters to placed glyphs, glyphs to outlines.
 //!
-//! In Noto Sans (SIL Open Font Licence) in three faces, which is bundled, or in a font of one's
-//! own. Letters are shaped as a text engine would (kerning, and marks such as the dot of θ̇ set over
-//! their letter), so widths measured here are widths on paper.
+//! The font is Noto Sans (SIL Open Font Licence) in three faces, which is bundled, or one of the
+//! user's own. Letters are shaped as a text engine would (kerning, and marks such as the dot of θ̇
+//! set over their letter), so widths measured here are those on paper.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

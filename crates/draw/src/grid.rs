@@ -1,4 +1,4 @@
-//! Places plot areas in a grid so that their edges line up whatever stands around them.
+//! Places plot areas in a grid so that their edges line up whatever is around them.
 
 use crate::figure::Cell;
 use crate::sheet::Rect;

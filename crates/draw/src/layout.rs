@@ -1,4 +1,4 @@
-//! Where everything stands on the page.
+//! Where everything is on the page.
 //!
 //! From top to bottom: heading and stamp, legend, the grid of panels, legend (if below), footnotes.
 //! The grid is solved in rounds, because the room for tick labels depends on the ticks, and those

@@ -23,10 +23,10 @@
 //! # Ok::<(), zwidth_draw::Error>(())
 //! ```
 //!
-//! **Thinning.** A curve keeps of every run of points within 1/200 inch the first, lowest, highest
-//! and last, and of those the ones that lie more than 0.04 pt (14 µm) off the straight line through
-//! their neighbours. Of points that fall on one spot of 1/200 inch one is drawn. What is left out
-//! could not be seen in print.
+//! **Thinning.** Of every run of points within 1/200 inch, a curve keeps the first, lowest, highest
+//! and last, and of these only the ones that lie more than 0.04 pt (14 µm) off the straight line
+//! through their neighbours. Of points that fall on one spot of 1/200 inch, one is drawn. The
+//! omitted points could not be seen in print.
 
 #![cfg_attr(test, allow(clippy::float_cmp))] // tests compare exact results exactly
 
@@ -159,8 +159,7 @@ impl Drawing {
         })
     }
 
-    /// Every two words whose letters lie on each other: none, where a figure has the room that its
-    /// words need.
+    /// Every two words whose letters overlap: none, if a figure has the room that its words need.
     ///
     /// # Errors
     /// [`Error::Font`] as [`draw`].

@@ -8,8 +8,8 @@
 //! | `⁻³` | raised too, so that units may be typed as they are |
 //! | `\*` | a star; a backslash takes the meaning off any sign |
 //!
-//! A sign without its partner stands for itself, so any text can be set: the worst that happens is
-//! a visible star. Names that come from data go through [`escape`].
+//! A sign without its partner stands for itself, so any text can be set: at worst a star is
+//! visible. Names that come from data go through [`escape`].
 
 /// Height of the letters of one run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,7 +29,7 @@ pub(crate) struct Run {
     pub(crate) script: Script,
 }
 
-/// `text` such that it is set as it stands.
+/// `text` escaped so that it is set unchanged.
 pub fn escape(text: &str) -> String {
     text.chars().flat_map(|c| special(c).then_some('\\').into_iter().chain([c])).collect()
 }

@@ -1,4 +1,4 @@
-//! Draws a planned page: frames, ticks, words; the data in between.
+//! Draws a planned page: frames, ticks, words, and the data between them.
 
 use crate::axis::{PLOT_GAP_PT, PlannedTick, TICK_GAP_PT};
 use crate::error::Error;

@@ -1,4 +1,5 @@
-//! Writes a sheet as PDF, words as text in embedded fonts, so that they can be found and copied.
+//! Writes a sheet as PDF, with words as text in embedded fonts, so that they can be found and
+//! copied.
 
 use std::sync::LazyLock;
 

@@ -1,9 +1,9 @@
 //! The one style of all figures: colours, pens, sizes.
 //!
 //! Each kind of thing (modes, actuators and other parts of a force, solvers, ways of a command,
-//! environments) has a palette of its own. Colours that stand in one figure differ in lightness, so
-//! that print in grey tells them apart, and stay apart for readers without red or green cones; a
-//! test computes how far. The diverging ones are ColorBrewer's "PuOr" (Harrower & Brewer 2003,
+//! environments) has a palette of its own. Colours in one figure differ in lightness, so they can
+//! be told apart in grey print and by readers without red or green cones; a test computes by how
+//! much. The diverging ones are ColorBrewer's "PuOr" (Harrower & Brewer 2003,
 //! doi:10.1179/000870403235002042).
 
 /// An sRGB colour.
@@ -136,7 +136,7 @@ pub fn part_colour(index: usize) -> Colour {
     PARTS[index % PARTS.len()]
 }
 
-/// The colour of the `index`-th solver; the first is the exact one, which others are held against.
+/// The colour of the `index`-th solver; the first is the exact one, with which others are compared.
 pub fn solver_colour(index: usize) -> Colour {
     match index.checked_sub(1) {
         None => INK,
@@ -379,7 +379,7 @@ pub const fn zero() -> Stroke {
     Stroke { colour: INK, width_pt: AXIS_PT, opacity: 1.0, dash: Dash::Solid, from_pt: 0.0 }
 }
 
-/// Opacity of a band: three that overlap are still told apart.
+/// Opacity of a band: three overlapping bands can still be told apart.
 pub const BAND_OPACITY: f64 = 0.2;
 /// Diameter of a single point, in pt.
 pub const POINT_PT: f64 = 2.6;

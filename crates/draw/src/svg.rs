@@ -1,7 +1,7 @@
-//! Writes a sheet as SVG, words as outlines or as text.
+//! Writes a sheet as SVG, with words as outlines or as text.
 //!
-//! Shapes of one style stand in one group, and each glyph's outline is written once, so that files
-//! stay small and can be edited by hand.
+//! Shapes of one style are in one group, and each glyph's outline is written once, so files stay
+//! small and can be edited by hand.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -1,4 +1,4 @@
-//! Facts about whole figures: every one of the gallery, and figures of odd numbers.
+//! Facts about whole figures: every figure of the gallery, and figures of odd numbers.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};

@@ -1,4 +1,4 @@
-//! Where the ticks of a numeric axis stand, and what is written there.
+//! Where the ticks of a numeric axis are, and what is written there.
 
 use crate::figure;
 

@@ -1,4 +1,4 @@
-//! Faces: those of the bundled font, and those of a font of one's own, which is read from files.
+//! Faces: those of the bundled font, and those of the user's own font, which is read from files.
 
 use std::fmt::{Debug, Formatter};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -80,7 +80,7 @@ impl Font {
     pub const MOST_BYTES: u64 = 1 << 25;
 
     /// A font of TrueType or OpenType files in any order: each says itself whether it is upright,
-    /// italic or bold. Where none is upright, the first takes this place.
+    /// italic or bold. If none is upright, the first takes this place.
     ///
     /// # Errors
     /// [`Error::FontFile`] for a file that is no font, that is damaged, whose letters have no

@@ -6,10 +6,10 @@ use crate::trajectory::Forces;
 
 impl System {
     /// Forces for a given motion of the lever: θ (rad), θ̇ (rad/s), θ̈ (rad/s²). The user's force
-    /// is the one the motion needs, M_O L θ̈ less what acts on the lever; there is no finger and
-    /// nothing lags.
+    /// is the one that the motion needs, M_O L θ̈ minus the other forces on the lever; there is no
+    /// finger and nothing lags.
     ///
-    /// The motion decides all: no force feeds back into it, so that nothing can oscillate.
+    /// The motion determines everything: no force feeds back into it, so nothing can oscillate.
     pub fn prescribed(
         &self,
         theta_rad: f64,

@@ -1,4 +1,4 @@
-//! Where the energy went: work by part, what is stored, and what is left over.
+//! Where the energy went: work by part, stored energy, and the remainder.
 
 use crate::scene::environment::Demand;
 use crate::system::region::{Contact, Motion, Region, Side};

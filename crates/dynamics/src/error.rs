@@ -1,5 +1,5 @@
-//! What can go wrong: a parameter that makes no sense, a scene a method cannot run, a run that does
-//! not end.
+//! What can go wrong: a parameter that makes no sense, a scene that a method cannot run, a run that
+//! does not end.
 
 use thiserror::Error;
 

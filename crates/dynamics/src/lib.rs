@@ -2,9 +2,9 @@
 //!
 //! A [`ModelScene`] says what is simulated. [`System::new`] checks it and turns it into regions, in
 //! each of which the motion is smooth, and rules for passing from one to the next. A [`Solver`]
-//! moves a system along a [`Grid`] of times and returns a [`Trajectory`]. Solvers know no scene,
-//! scenes know no solver. Equation numbers in parentheses are the thesis'. Nothing here reads a
-//! file or the clock.
+//! moves a system along a [`Grid`] of times and returns a [`Trajectory`]. Solvers know no scenes,
+//! and scenes know no solvers. Equation numbers in parentheses are the thesis'. Nothing here reads
+//! a file or the clock.
 //!
 //! ```
 //! use zwidth_dynamics::{Exact, Grid, Input, DriveMode, Solver, System, table3};

@@ -1,4 +1,4 @@
-//! Many trials on all cores, of which only summaries are kept.
+//! Many trials on all cores; only their summaries are kept.
 
 use rayon::iter::IndexedParallelIterator;
 

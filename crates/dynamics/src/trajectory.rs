@@ -61,18 +61,18 @@ pub struct WorkCounts {
 }
 
 impl WorkCounts {
-    /// One number to compare costs by, in evaluations: a factorisation or an exponential of an n ×
-    /// n matrix is worth some n products of it with a state. It does not depend on the machine, and
-    /// is no time.
+    /// One number by which to compare costs, in evaluations: a factorisation or an exponential of
+    /// an n × n matrix counts as n products of it with a state. It does not depend on the machine,
+    /// and is not a time.
     pub fn in_evaluations(&self, layout: &Layout) -> u64 {
         self.evaluations + self.factorisations * layout.n as u64
     }
 }
 
-/// A run. States are augmented (see [`Layout`]), one row of `layout.n` numbers a sample.
+/// A run. States are augmented (see [`Layout`]), one row of `layout.n` numbers per sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
-    /// Where each quantity stands in a state.
+    /// The place of each quantity in a state.
     pub layout: Layout,
     /// Sample times, s.
     pub t_s: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Rows in groups, by polars: what shares a key, and what its numbers come to.
+//! Rows in groups, by polars: rows that share a key, and the summaries of their numbers.
 //!
 //! No other crate uses polars, so that only crates with queries wait for it to compile.
 //! Polars groups by its in-memory engine with stable order: the same rows give the same bits.
@@ -22,7 +22,7 @@ pub enum FrameError {
     Read(#[from] ReadError),
 }
 
-/// What the numbers of a group come to.
+/// The statistics of the numbers of a group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statistics {
     /// How many there are.
@@ -40,7 +40,7 @@ pub struct Group<K> {
     pub key: K,
     /// How many they are.
     pub rows: usize,
-    /// What each column of numbers comes to.
+    /// The statistics of each column of numbers.
     pub numbers: Vec<Statistics>,
 }
 

@@ -1,4 +1,4 @@
-//! Answers of a questionnaire to trials of sessions that are there: another questionnaire of the same
+//! Answers of a questionnaire to trials of existing sessions: another questionnaire of the same
 //! session, or the same table again after people were added.
 
 use super::context::Context;

@@ -1,5 +1,5 @@
-//! A long text block by block: each of whole records, with the header before them, so that it is
-//! read as a file of its own.
+//! A long text block by block: each block has whole records and the header before them, so it is
+//! read like a separate file.
 
 use super::csv::{Dialect, record_ends, whole_records};
 use super::format::Format;

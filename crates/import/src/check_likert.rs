@@ -1,4 +1,4 @@
-//! Checks a mapping of a questionnaire: where its answers stand.
+//! Checks a mapping of a questionnaire: where its answers are.
 
 use super::check::Check;
 use super::mapping::{Asked, Content, LongForm, OfRow, Questionnaire};

@@ -1,4 +1,4 @@
-//! Times that are written as clocks and durations are: `10:00:00.040`, `0 days 00:00:00.04`, `0.04 sec`,
+//! Times written as clock times and durations: `10:00:00.040`, `0 days 00:00:00.04`, `0.04 sec`,
 //! `2026-01-31 10:00:00.04`, `PT0.04S`.
 
 use super::mapping::CellForm;

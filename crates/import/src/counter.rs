@@ -1,4 +1,4 @@
-//! Columns that count samples or time, and the samples that they pass over.
+//! Columns that count samples or time, and the samples that the counts skip.
 
 use super::clock::{Clock, clock};
 use super::convert::median;

@@ -1,4 +1,4 @@
-//! The units that files name of their columns, against those of the mapping.
+//! The units that files name for their columns, compared with those of the mapping.
 
 use super::convert::Linear;
 use super::recording::Recording;

@@ -1,5 +1,5 @@
-//! A table beside recordings that says which of their trials are not to count → exclusions in the sessions'
-//! logs.
+//! A table beside recordings that says which of their trials do not count → exclusions in the
+//! sessions' logs.
 
 use super::blocks::blake3_of;
 use super::context::Context;

@@ -1,4 +1,5 @@
-//! The answers of a questionnaire, cell by cell: as numbers of their scales, with what each took.
+//! The answers of a questionnaire, cell by cell: as numbers of their scales, with the time that
+//! each took.
 
 use super::context::Context;
 use super::errors::Errors;

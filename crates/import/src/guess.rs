@@ -1,8 +1,8 @@
 //! A mapping file to edit, guessed from a recording: how its text is written, and what its columns
 //! may be.
 //!
-//! Nothing is imported by a guess: the mapping is a text that a person reads, mends and names in
-//! `--map`. What could not be told stands in it as a line to fill in.
+//! A guess imports nothing: the mapping is a text that a person reads, corrects and names in
+//! `--map`. It has a line to fill in for whatever could not be guessed.
 
 use super::clock::{Clock, clock};
 use super::counter::wrap_of;
@@ -33,11 +33,11 @@ pub struct Guess {
     pub apart: Vec<StoreError>,
 }
 
-/// A mapping for recordings, guessed: from the first of those that are alike what is in them, from
-/// all of their names whose trial each is. Files with other columns are told apart.
+/// A guessed mapping for recordings: their content from the first of the similar ones, the trial of
+/// each from all names. Files with other columns are named apart.
 ///
 /// # Errors
-/// A file that cannot be read, where it is the only one or the first of those alike.
+/// A file that cannot be read, if it is the only one or the first of the similar ones.
 pub fn guess(path: &Path, others: &[PathBuf]) -> Result<Guess, StoreError> {
     let files: Vec<PathBuf> = std::iter::once(path.to_owned()).chain(others.to_vec()).collect();
     let Sorted { alike, apart } = sort(&files);

@@ -1,5 +1,5 @@
-//! A table of answers, guessed: a mapping of `kind = "likert"` for a questionnaire, or for what PsychoPy
-//! writes.
+//! A table of answers, guessed: a mapping of `kind = "likert"` for a questionnaire, or for the
+//! output of PsychoPy.
 
 use super::guess_names::Names;
 use super::guess_read::{LOOKED_AT, first_numbers, is_number, quoted};

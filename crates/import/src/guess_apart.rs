@@ -1,5 +1,5 @@
-//! The files of a guess that are not like the others: a table of answers beside forty recordings,
-//! perhaps.
+//! The files of a guess that differ from the others, such as a table of answers beside forty
+//! recordings.
 
 use super::guess_read::look_at_head;
 use super::guess_words::are_answers;

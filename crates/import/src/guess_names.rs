@@ -1,7 +1,7 @@
-//! What the names of recordings say of their trials: a pattern for `[name]`, guessed.
+//! What the names of recordings say about their trials: a guessed pattern for `[name]`.
 //!
-//! A name is taken apart into runs of letters, of digits, and of other signs. Names of one shape
-//! give a pattern: what is the same in all stays, what differs becomes a group.
+//! A name is divided into runs of letters, of digits, and of other characters. Names of one shape
+//! give a pattern: runs that are the same in all names stay, runs that differ become groups.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

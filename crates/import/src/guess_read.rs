@@ -1,5 +1,4 @@
-//! Reading a recording of which nothing is known yet: how its text is written, and its first
-//! columns.
+//! Reads a recording without a mapping: how its text is written, and its first columns.
 
 use super::csv::{Dialect, WHITE_SPACE, opens_single_quote, record_ends};
 use super::format::{Format, FormatOptions};

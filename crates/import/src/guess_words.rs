@@ -1,4 +1,4 @@
-//! Words of columns: what a recording's columns are called, and what they then are.
+//! Words of columns: the names of a recording's columns, and what they mean.
 
 use super::unit::{Unit, find, find_in_any_case, may_become};
 use zwidth_store::Signal;

@@ -1,4 +1,4 @@
-//! JSON lines: one object a line, keys are columns.
+//! JSON lines: one object per line; keys are columns.
 
 use super::limits::{
     MOST_LINE, MOST_WHOLE_ROWS, Take, check_columns, check_name, too_many_rows, too_much,

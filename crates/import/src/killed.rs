@@ -1,5 +1,5 @@
-//! An import is killed, or the power is cut, at every step of its writing; the next import goes
-//! through without hands, and each recording counts once.
+//! An import is killed, or the power is cut, at every step of its writing; the next import succeeds
+//! without manual repair, and each recording counts once.
 
 use super::world::{BY, COLUMNS, FORCE, ONE, UTC, trials_map};
 use super::{Mapping, Report, import};

@@ -1,4 +1,5 @@
-//! LabVIEW's measurement files (`.lvm`): text behind two heads of keys, which say what the columns are.
+//! LabVIEW's measurement files (`.lvm`): text after two headers of keys, which say what the columns
+//! are.
 //!
 //! Source of the format: National Instruments, "Specification for the LabVIEW Measurement File (.lvm)".
 

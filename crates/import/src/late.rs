@@ -1,5 +1,5 @@
-//! Answers that a study kept beside its recordings, for trials that are there: a table with one
-//! row per answer, without a mapping file. Its columns have fixed names.
+//! Answers that a study kept beside its recordings, for existing trials: a table with one row per
+//! answer and fixed column names, without a mapping file.
 
 use super::guess_read::{Looked, look};
 use super::identity::{id, number, written};
@@ -14,7 +14,7 @@ use zwidth_study::{AnswerValue, EnvironmentId, ModeId, ParticipantId, QuestionId
 /// What to do about a row that is wrong.
 const MEND: &str = "mend the row, or remove it; nothing was written";
 
-/// Which trial of its session a row speaks of.
+/// The trial of its session that a row means.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum TrialMeant {
     /// The trial of this number.
@@ -30,8 +30,8 @@ pub enum TrialMeant {
     },
 }
 
-/// What a row says of a trial that it names by number, in columns beside that. It must be so: else
-/// nobody knows which of them is right.
+/// What a row says about a trial that it names by number, in the columns beside the number. It must
+/// be true, because otherwise it is not known which of them is right.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Claims {
     /// The id of its environment, or the label.
@@ -51,7 +51,7 @@ pub struct LateAnswer {
     pub session: Option<SessionId>,
     /// After which trial.
     pub trial: TrialMeant,
-    /// What the row says of the trial besides its number.
+    /// What the row says about the trial besides its number.
     pub claims: Claims,
     /// To which question; `None` where the table has no such column.
     pub question: Option<QuestionId>,

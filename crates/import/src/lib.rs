@@ -1,8 +1,8 @@
 //! Import: recordings of other rigs, through a mapping file, into a study (`docs/import.md`).
 //!
-//! All files are read, converted and checked before anything is written, and what is written is
-//! written whole or not at all. What a recording lacks is a null column; what was computed (a
-//! derivative, a time from a rate) was asked for in the mapping, and the files made say so.
+//! All files are read, converted and checked before anything is written, and everything is written
+//! whole or not at all. A quantity that a recording lacks is a null column. Computed quantities (a
+//! derivative, a time from a rate) are requested in the mapping, and the resulting files say so.
 //!
 //! A file goes through: `recording` (its format becomes a `table` of text and number columns) →
 //! `trials`, `sweeps` or `likert` (labels resolved, units converted) → `batch` (bytes, written).
@@ -111,14 +111,13 @@ pub struct By<'a> {
 
 /// Imports `files` into the study at `layout`, as `mapping` says.
 ///
-/// `study` is the content of the study's `study.toml`; `disk` holds the study; `progress` is told
-/// each step, from any thread. The caller
-/// holds the study's lock. What an import before this one left because it was killed is removed
-/// first.
+/// `study` is the content of the study's `study.toml`; `disk` holds the study; `progress` is called
+/// at each step, from any thread. The caller holds the study's lock. Remains of an earlier import
+/// that was killed are removed first.
 ///
 /// # Errors
-/// Everything found wrong, each with file, column and row; then nothing was written. When writing
-/// fails, what this import had written is removed again, and the error says so.
+/// Everything found wrong, each with file, column and row; then nothing was written. If writing
+/// fails, the files that this import has written are removed again, and the error says so.
 pub fn import(
     layout: &Layout,
     study: &Study,

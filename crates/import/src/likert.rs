@@ -1,5 +1,5 @@
-//! Questionnaire tables → trials without samples, and answers as events. Here: wide ones, a row a
-//! trial; `long` has the others.
+//! Questionnaire tables → trials without samples, and answers as events. This module reads wide
+//! tables, with one row per trial; `long` reads the others.
 
 use super::added::There;
 use super::batch::Batch;

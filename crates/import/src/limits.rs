@@ -1,5 +1,5 @@
-//! How much of other people's files is read: nothing that they claim decides how much memory is
-//! taken (`docs/data.md`, "Limits").
+//! How much of other people's files is read: their claims never decide how much memory is allocated
+//! (`docs/data.md`, "Limits").
 
 use super::spelling::shown;
 use super::table::ColumnRef;

@@ -1,4 +1,5 @@
-//! Long questionnaire tables, a row an answer → trials without samples, each with its answers.
+//! Long questionnaire tables, with one row per answer → trials without samples, each with its
+//! answers.
 
 use super::context::{Context, EMPTY};
 use super::errors::{Errors, all, append};

@@ -1,4 +1,5 @@
-//! The mapping file, checked: what of a recording becomes what of ours (`docs/import.md`).
+//! The mapping file, checked: which part of a recording becomes which of our columns
+//! (`docs/import.md`).
 
 use super::convert::Linear;
 use super::csv::{Dialect, WHITE_SPACE};

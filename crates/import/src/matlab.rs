@@ -1,4 +1,5 @@
-//! What MATLAB saves that is no array of numbers, and what to type there to save it readably.
+//! What MATLAB saves that is not an array of numbers, and what to type in MATLAB to save it
+//! readably.
 
 /// What a variable of a class of MATLAB's is, with the line that makes numbers of it; `None` where the class
 /// is one of real numbers.

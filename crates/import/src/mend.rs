@@ -1,4 +1,4 @@
-//! Times that are mended before they are converted: clocks read, counters unwrapped, rows of one time
+//! Repairs times before they are converted: clocks are read, counters unwrapped, rows of equal time
 //! joined.
 
 use super::clock::{Clock, clock};

@@ -1,4 +1,4 @@
-//! The order of files: that of their names, in which numbers count as numbers.
+//! The order of files: by name, with numbers in names compared as numbers.
 
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! What the trials of an import have in common, and which of them are not like the others.
+//! What the trials of an import have in common, and which of them differ from the others.
 
 use super::convert::median;
 use super::identity::Identity;

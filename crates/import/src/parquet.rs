@@ -1,4 +1,4 @@
-//! Anybody's Parquet file.
+//! Parquet files from any program.
 
 use super::limits::{
     MOST_TEXT, MOST_UNPACKED, MOST_WHOLE_ROWS, Take, check_columns, too_many_rows, too_much,

@@ -1,5 +1,5 @@
-//! Texts that are tables in another way than delimited ones, written as those are, line for line:
-//! so that every row keeps the line it has in the file.
+//! Tables in other text formats, rewritten as delimited text, line for line, so that every row
+//! keeps its line number in the file.
 
 /// What LabChart's text export begins its blocks with (ADInstruments, "How can channel titles,
 /// ranges, intervals, etc. for a text file be imported into LabChart?").

@@ -1,4 +1,4 @@
-//! The readers of other people's formats as functions of bytes, with the first columns taken.
+//! The readers of other people's formats as functions of bytes; they take the first columns.
 
 use super::csv::{Dialect, WHITE_SPACE};
 use super::format::{Format, FormatOptions};

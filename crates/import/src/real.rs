@@ -1,5 +1,5 @@
-//! The four real sets, with the mappings in `studies/`. They lie outside the project: these tests
-//! read them where `ZWIDTH_REAL_DATA` names their folder.
+//! The four real sets, with the mappings in `studies/`. They are outside the project: these tests
+//! read them if `ZWIDTH_REAL_DATA` names their folder.
 
 use super::world::World;
 use super::{Report, convert};

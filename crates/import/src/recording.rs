@@ -1,4 +1,4 @@
-//! One file of other people's, read but not yet converted.
+//! One file from another program, read but not yet converted.
 
 use super::convert::Linear;
 use super::format::FormatOptions;

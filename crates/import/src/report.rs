@@ -21,7 +21,7 @@ pub struct Report {
     pub trials: usize,
     /// Sweep files written.
     pub sweeps: usize,
-    /// Sessions laid down.
+    /// New sessions.
     pub sessions: usize,
     /// Answers written as events.
     pub answers: usize,
@@ -36,7 +36,7 @@ pub struct Report {
 pub struct Unplanned {
     /// The session's record, or the trial's file.
     pub file: String,
-    /// What was found, and what to do.
+    /// The finding, and what to do.
     pub what: String,
 }
 
@@ -47,7 +47,7 @@ pub struct FileReport {
     pub file: String,
     /// Rows in the file.
     pub rows_read: usize,
-    /// Rows that went into what was made.
+    /// Rows that went into the results.
     pub rows_kept: usize,
     /// Rows left out, and why.
     pub rows_dropped: Vec<RowsDropped>,
@@ -59,13 +59,13 @@ pub struct FileReport {
     pub computed: Vec<String>,
     /// Columns of ours that the recording lacks: null, never invented.
     pub null: Vec<String>,
-    /// What was made of the file.
+    /// What the file became.
     pub made: Vec<String>,
-    /// What was taken for granted in reading it.
+    /// Assumptions made in reading it.
     pub told: Vec<String>,
     /// The trials that the study has of it already: nothing was made of it.
     pub there: Option<String>,
-    /// What of it could not be read: what was made of it is to be read with care, and says so.
+    /// The parts that could not be read: its results are to be read with care, and say so.
     pub lost: Option<String>,
     /// What its trials say against their units, signs, clock and sensors: they were imported, and
     /// are to be read with care.

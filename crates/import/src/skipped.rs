@@ -1,5 +1,5 @@
-//! What is skipped or lost of a recording is known afterwards: in the report, in the files made, in
-//! the log, and to `verify`.
+//! Whatever an import skips or loses of a recording is shown afterwards: in the report, in the
+//! resulting files, in the log, and by `verify`.
 
 use super::workbook::tests::{archive, xlsx};
 use super::world::{FORCE, ONE, World, trials_map};

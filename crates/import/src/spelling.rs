@@ -1,5 +1,5 @@
-//! How other programs spell what is no plain word or number in a cell: a missing value, a truth
-//! value, a whole number that was made a decimal one, a UUID.
+//! How other programs write cells that are not plain words or numbers: a missing value, a truth
+//! value, a whole number with decimals, a UUID.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
 //! The trials of a long text: read block by block, as many at a time as there are cores, and
-//! written as they are read, so that neither the text nor its columns are ever in memory whole.
-//! What they become is what a short recording becomes.
+//! written as they are read, so neither the whole text nor its columns are ever in memory. The
+//! result is the same as for a short recording.
 
 use super::blocks::{Block, Blocks, is_long};
 use super::context::Context;

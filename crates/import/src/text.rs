@@ -1,4 +1,4 @@
-//! What text formats share: decoding.
+//! The common part of text formats: decoding.
 
 use serde::Deserialize;
 use std::borrow::Cow;

@@ -1,4 +1,4 @@
-//! Units of other people's recordings: which there are, and how they become ours.
+//! Units of other people's recordings: the known ones, and how they are converted to ours.
 
 use zwidth_store::Signal;
 use zwidth_study::{Coordinate, Study};

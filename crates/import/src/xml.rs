@@ -1,9 +1,8 @@
-//! XML as far as headers and workbooks need it: elements, attributes and texts, in the order in
-//! which they stand.
+//! XML as far as headers and workbooks need it: elements, attributes and texts, in their order.
 //!
-//! quick-xml tells the tags; it neither bounds how deep they stand nor minds an end in the middle, and
-//! cuts a text at every reference. Names are told without their prefix. What comments, declarations
-//! and instructions say is passed by.
+//! quick-xml finds the tags. It does not limit how deep they are nested, accepts a file that ends
+//! in the middle, and cuts a text at every reference. Names are given without their prefix.
+//! Comments, declarations and instructions are skipped.
 
 use super::spelling::shown;
 use quick_xml::escape::resolve_predefined_entity;

@@ -1,7 +1,7 @@
 //! ZIP archives, stored or deflated: what `numpy.savez` writes, and workbooks.
 //!
-//! Source of the format: PKWARE, APPNOTE.TXT 6.3.10. What is read of an entry stands in the central
-//! directory at the end of the file; nothing that it claims is more than is there.
+//! Source of the format: PKWARE, APPNOTE.TXT 6.3.10. Entries are read by the central directory at
+//! the end of the file; a claim in it never exceeds the bytes that are there.
 
 use super::limits::{MOST_COLUMNS, MOST_NAME, MOST_UNPACKED};
 use flate2::Crc;

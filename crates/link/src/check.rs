@@ -1,4 +1,4 @@
-//! What is asked of the numbers of `rig.toml`.
+//! Checks of the numbers of `rig.toml`.
 
 use zwidth_device::DeviceError;
 

@@ -1,7 +1,7 @@
-//! Which serial ports there are, and who is at one of them.
+//! Which serial ports there are, and which board is at one of them.
 //!
-//! A port is asked only where somebody names it: what is no board might take a question for a
-//! command. It is listened to first, since a sketch that prints lines takes commands, too.
+//! A port is asked only if somebody names it, because another device might take a question for a
+//! command. The host listens to it first, because a sketch that prints lines takes commands too.
 
 use crate::firmata::Pins;
 use crate::firmata::host::Host;
@@ -20,7 +20,7 @@ use zwidth_device::DeviceError;
 pub struct Port {
     /// What the system calls it.
     pub path: PathBuf,
-    /// What the USB device at it says of itself.
+    /// The description of the USB device at it.
     pub usb: Option<String>,
 }
 
@@ -47,7 +47,7 @@ const AGAIN_EVERY: Duration = Duration::from_millis(200);
 /// Lines in a row that can be read are no accident of another link's bytes.
 const LINES: u32 = 3;
 
-/// The bits a second at which a port is asked, in order of their size.
+/// The bits per second at which a port is asked, in ascending order.
 pub fn bauds() -> Vec<u32> {
     let mut bauds: Vec<u32> = ASKED.iter().map(|(_, baud)| *baud).collect();
     bauds.sort_unstable();
@@ -80,7 +80,8 @@ fn usb(kind: &serialport::SerialPortType) -> Option<String> {
     Some(words.into_iter().flatten().chain([ids]).collect::<Vec<_>>().join(", "))
 }
 
-/// Who is at a serial port, and at how many bits a second; nobody, if nothing was understood.
+/// Which board is at a serial port, and at how many bits per second; none, if nothing was
+/// understood.
 ///
 /// # Errors
 /// A port that cannot be opened, or that goes meanwhile.

@@ -1,4 +1,4 @@
-//! What goes to every board, whatever it speaks: both voltages, and the moments of a trial.
+//! What every board receives, whatever its protocol: both voltages, and the moments of a trial.
 
 use zwidth_study::{Moment, Voltages};
 
@@ -12,7 +12,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Voltages as shares of the full scale, rounded towards 0: never more than was asked for.
+    /// Voltages as shares of the full scale, rounded towards 0: never more than the command.
     pub fn of(voltages: Voltages, full: Voltages) -> Self {
         let share = |volts: f64, full_v: f64| match full_v > 0.0 {
             true => (volts / full_v * f64::from(i16::MAX)) as i16,
@@ -31,8 +31,7 @@ impl Drive {
         }
     }
 
-    /// As whole steps of outputs with so many steps each, of which none is more than was asked
-    /// for.
+    /// As whole steps of outputs with this many steps each; none exceeds the command.
     pub fn steps(self, motor: u16, brake: u16) -> [i32; 2] {
         let steps = |part: i16, full: u16| i32::from(part) * i32::from(full) / i32::from(i16::MAX);
         [steps(self.motor, motor), steps(self.brake, brake)]
@@ -57,7 +56,7 @@ pub mod mark {
     pub const ENVIRONMENT: u8 = 1;
     /// A trial begins, by its number.
     pub const TRIAL: u8 = 2;
-    /// The lever is to stand at its lower stop.
+    /// The lever is to be at its lower stop.
     pub const HOMING: u8 = 3;
     /// A moment of the trial, to be shown on the board's marker pins: [`number`].
     pub const MOMENT: u8 = 4;

@@ -1,4 +1,4 @@
-//! A host that hears any bytes: for whoever tries them.
+//! A host that receives arbitrary bytes, for tests.
 
 use crate::Drive;
 use crate::Settings;
@@ -15,7 +15,7 @@ pub struct Told {
     pub damaged: u64,
     /// Counts in a turn of a board that said enough of itself.
     pub counts_per_turn: Option<u16>,
-    /// What was said to it then.
+    /// The messages sent to it then.
     pub said: Vec<u8>,
 }
 

@@ -1,11 +1,11 @@
 //! The wire to a board.
 //!
-//! At the host's end stands a [`zwidth_device::Device`] over a [`Wire`], by one of three links,
-//! each a folder with the host's end, the board's end and its settings: a [`Rig`] asks a board by
+//! At the host's end is a [`zwidth_device::Device`] over a [`Wire`], by one of three links, each a
+//! folder with the host's end, the board's end and its settings: a [`Rig`] asks a board by
 //! [`framed`] messages; a board that speaks [`firmata`], or prints lines of [`text`], sends its
-//! readings unasked. What goes over the wire are pure functions of bytes: any split of them reads
-//! alike, and what is no message is dropped. [`Board`] is the other end of each with any device
-//! behind it, as the twin: what a rig is tried on without a board.
+//! readings unasked. The protocols are pure functions of bytes: the bytes read the same however
+//! they are split, and whatever is not a message is dropped. [`Board`] is the other end of each
+//! link, with any device behind it, such as the twin: a rig can be tested on it without a board.
 
 pub mod board;
 mod check;

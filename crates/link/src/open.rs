@@ -1,4 +1,4 @@
-//! A rig by its settings, over whatever link they name.
+//! A rig by its settings, over the link that they name.
 
 use crate::stream::{Cell, Stream};
 use crate::{Rig, Serial, Settings, Wire};
@@ -6,8 +6,8 @@ use std::path::Path;
 use zwidth_device::{Device, DeviceError};
 use zwidth_study::EnvironmentId;
 
-/// Opens the ports of a rig and asks who is there. `port`: in the place of the settings' own;
-/// `environments`: the study's, in its order.
+/// Opens the ports of a rig and asks the board to identify itself. `port` replaces that of the
+/// settings; `environments`: the study's, in its order.
 ///
 /// # Errors
 /// Settings that make no sense; no port; no board, or one that cannot do what is needed.
@@ -29,7 +29,7 @@ pub fn open(
     over(wire, cell, settings, environments)
 }
 
-/// A rig over wires that are there: the board's, and the load cell's where it has one of its own.
+/// A rig over existing wires: the board's, and the load cell's if it has its own.
 ///
 /// # Errors
 /// Those of [`open`].

@@ -1,4 +1,4 @@
-//! How often a serial line carries what.
+//! How often a serial line can carry which messages.
 
 /// Bits of a byte on a serial line: a start, eight, a stop.
 const BITS: f64 = 10.0;

@@ -77,8 +77,7 @@ impl Wire for Serial {
     }
 }
 
-/// Our end of a line whose other end looks like a serial port to whoever opens it: a
-/// pseudo-terminal.
+/// Our end of a line whose other end looks like a serial port: a pseudo-terminal.
 #[cfg(unix)]
 pub struct Pair {
     ours: Serial,

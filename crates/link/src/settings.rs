@@ -1,4 +1,4 @@
-//! What a host must be told of a rig: no board can know it.
+//! What a host must be told about a rig, because no board can know it.
 
 use crate::board::{NEWTONS_PER_COUNT, ZERO_COUNTS};
 use crate::check::{positive, unable, within};
@@ -36,16 +36,16 @@ pub enum Link {
     Text,
 }
 
-/// What stands in `rig.toml`.
+/// The content of `rig.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
     /// The serial port, as the system calls it.
     pub port: Option<PathBuf>,
-    /// What is spoken there.
+    /// The protocol.
     #[serde(default)]
     pub link: Link,
-    /// Bits a second on the wire, unless it is what the link is usually at.
+    /// Bits per second on the wire, unless it is the link's usual number.
     pub baud: Option<u32>,
     /// Force of one count of the load cell, N; below 0 where a push into the object counts down.
     pub newtons_per_count: f64,
@@ -61,7 +61,7 @@ pub struct Settings {
     /// What comes is simulated, though the board does not say so.
     #[serde(default)]
     pub simulated: bool,
-    /// Of a board that speaks Firmata.
+    /// For a board that speaks Firmata.
     pub firmata: Option<Firmata>,
     /// Of a board that prints lines.
     pub text: Option<Text>,
@@ -78,10 +78,10 @@ pub struct Hx711 {
     /// Bits a second on the wire.
     #[serde(default = "usual_hx711_baud")]
     pub baud: u32,
-    /// What stands in a line.
+    /// The form of a line.
     #[serde(default = "usual_hx711_line")]
     pub line: String,
-    /// Values a second: 10 or 80, by its pin RATE (HX711 data sheet, "Output Data Rate").
+    /// Values per second: 10 or 80, by its pin RATE (HX711 data sheet, "Output Data Rate").
     #[serde(default = "usual_hx711_rate")]
     pub rate_hz: f64,
 }
@@ -114,9 +114,9 @@ fn usual_hx711_rate() -> f64 {
 }
 
 impl Settings {
-    /// What a host must be told of a board in software with this device behind it: `angle` where
-    /// Firmata has it, `rate_hz` readings a second of a link that streams, and `cell` the port of
-    /// the load cell where it has one of its own.
+    /// The settings for a board in software with this device behind it: `angle` is where Firmata
+    /// has it, `rate_hz` the readings per second of a link that streams, and `cell` the port of the
+    /// load cell if it has its own.
     pub fn of_board(
         link: Link,
         angle: AngleAt,
@@ -146,8 +146,8 @@ impl Settings {
         }
     }
 
-    /// Bits a second on the wire: for frames enough for 1 kHz, and what an Arduino's clock divides
-    /// without an error; for Firmata what its sketches begin with.
+    /// Bits per second on the wire: for frames, enough for 1 kHz, and divided by an Arduino's clock
+    /// without an error; for Firmata, the default of its sketches.
     pub fn baud(&self) -> u32 {
         self.baud.unwrap_or(match self.link {
             Link::Framed => 500_000,

@@ -1,10 +1,10 @@
-//! A rig in simulated time: a board, its serial lines, and what goes wrong on them.
+//! A rig in simulated time: a board, its serial lines, and their faults.
 //!
-//! Both ends go by one clock, which moves on only where somebody waits: the loop for its next tick,
-//! the host for an answer. Each byte takes its time on its line, ten bits of its baud, and a line
-//! gives its messages in their order. A message is what one end says at once. One of them,
-//! counted from the first, may meet with a [`Trouble`]: so a session can be tried with each of its
-//! messages gone wrong, and the same one always goes the same way.
+//! Both ends use one clock, which moves on only while somebody waits: the loop for its next tick,
+//! the host for an answer. Each byte takes the time of ten bits at its line's baud rate, and a line
+//! delivers its messages in order. A message is what one end sends at once. One of them, counted
+//! from the first, may meet with a [`Trouble`], so a session can be run with a fault in each of its
+//! messages, and the same run always goes the same way.
 
 use crate::rate::line_s;
 use crate::{Board, Drive, Wire};
@@ -196,8 +196,8 @@ impl Inside {
 }
 
 impl Bench {
-    /// A board at lines of so many bits a second, its own and its load cell's, that needs so long
-    /// for an answer, s.
+    /// A board at lines with these bits per second, its own and its load cell's, that needs this
+    /// time for an answer, s.
     pub fn new(board: Board, baud: u32, cell_baud: u32, thinks_s: f64) -> Self {
         let lanes = [Lane::new(baud), Lane::new(baud), Lane::new(cell_baud)];
         Self(Arc::new(Mutex::new(Inside {
@@ -262,7 +262,7 @@ impl Bench {
         self.inside().now_s
     }
 
-    /// Time goes by.
+    /// Lets time pass.
     pub fn wait(&self, for_s: f64) {
         let mut inside = self.inside();
         let until_s = inside.now_s + for_s;

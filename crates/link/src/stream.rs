@@ -1,10 +1,10 @@
 //! A board that sends readings unasked as a device, and a load cell that may have a port of its
 //! own.
 //!
-//! Readings are handed out in the order in which they came, one for each look, so that none is lost
-//! where the loop was late; the loop looks more often than they come ([`LOOKS_PER_READING`]), which
-//! works off what has piled up. Between two of them the last one stands, with its age: from when
-//! the host took it in, so up to one look too young.
+//! Readings are handed out in the order in which they came, one for each look, so none is lost if
+//! the loop was late. The loop looks more often than readings come ([`LOOKS_PER_READING`]), which
+//! works off a backlog. Between two readings the last one is used, with its age, counted from when
+//! the host received it, so up to one look too young.
 
 use crate::rate::LOOKS_PER_READING;
 use crate::shaft::Shaft;

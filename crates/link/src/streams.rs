@@ -1,4 +1,4 @@
-//! What a link that streams is for the others.
+//! The interface of a link that streams.
 
 use crate::board::Speech;
 use crate::talk::Talk;

@@ -1,4 +1,4 @@
-//! What a host needs of a link whose board sends readings unasked: bytes in, readings out, and
+//! What a host needs from a link whose board sends readings unasked: bytes in, readings out, and
 //! back.
 
 use crate::Drive;

@@ -1,4 +1,4 @@
-//! A wire: bytes out, bytes in, never longer than a deadline.
+//! A wire: it sends and receives bytes, and never takes longer than a deadline.
 
 use std::io;
 use std::sync::LazyLock;

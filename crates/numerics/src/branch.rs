@@ -1,4 +1,4 @@
-//! Whether the command was on its way up or down: an actuator may answer the two differently.
+//! Whether the command was going up or down: an actuator may respond differently to the two.
 
 /// A command that falls back (or recovers) by more than this share of its sweep's span has turned;
 /// less is jitter of a measured command.

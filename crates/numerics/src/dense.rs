@@ -1,12 +1,12 @@
-//! Small dense systems: matrices whose size is known when they are made, row by row, and the
+//! Small dense systems: matrices whose size is set when they are made, stored row by row, and the
 //! solvers of the workspace, in plain loops of a fixed order.
 //!
-//! There is one of each method. Systems of symmetric positive definite matrices go by Cholesky's
-//! triangle ([`Matrix::cholesky`]) or, with a size known to the compiler and unknowns that may have
-//! to be left out, by elimination ([`solve_symmetric`]); inverses of matrices of a fixed size by
-//! Gauss and Jordan ([`crate::expm::Matrix::inverse_by`]); fits with many rows by reflections
-//! ([`crate::lsq`]). They are not one method because each rounds in another way, and results of
-//! each are stored and compared to the last bit.
+//! There is one implementation of each method. Systems of symmetric positive definite matrices go
+//! by Cholesky's triangle ([`Matrix::cholesky`]) or, with a size known to the compiler and unknowns
+//! that may have to be left out, by elimination ([`solve_symmetric`]); inverses of matrices of a
+//! fixed size by Gauss and Jordan ([`crate::expm::Matrix::inverse_by`]); fits with many rows by
+//! reflections ([`crate::lsq`]). They are not one method because each rounds differently, and
+//! results of each are stored and compared to the last bit.
 
 use core::ops::{Index, IndexMut};
 
@@ -14,7 +14,8 @@ use core::ops::{Index, IndexMut};
 const ROTATED: f64 = 1e-15;
 /// More sweeps than any symmetric matrix of this size takes (it takes six to ten).
 const MAX_SWEEPS: usize = 60;
-/// What is left of a diagonal entry below this share of itself is rounding: the matrix is singular.
+/// If less than this share of a diagonal entry remains, the rest is rounding: the matrix is
+/// singular.
 pub const SINGULAR: f64 = 1e-14;
 
 /// A matrix of `rows` × `cols` numbers.
@@ -135,10 +136,10 @@ impl Matrix {
     }
 
     /// The lower triangle L with L Lᵀ = A, of a symmetric A (Golub & Van Loan, *Matrix
-    /// Computations*, 4th ed., §4.2). `None` where A is not positive definite: where what is left of
-    /// a diagonal entry is no more than `least_share` of it. With [`SINGULAR`] a matrix that is
-    /// singular but for rounding is refused; with 0 any triangle counts that exists, as next to
-    /// separation, where what is left is tiny without being rounding.
+    /// Computations*, 4th ed., §4.2). `None` if A is not positive definite: if the remainder of a
+    /// diagonal entry is no more than `least_share` of it. With [`SINGULAR`] a matrix that is
+    /// singular up to rounding is refused; with 0 any existing triangle counts, as next to
+    /// separation, where the remainder is tiny without being rounding.
     pub fn cholesky(&self, least_share: f64) -> Option<Self> {
         let mut l = Self::zeros(self.rows, self.rows);
         for i in 0..self.rows {
@@ -243,7 +244,7 @@ fn rotate(a: &mut Matrix, vectors: &mut Matrix, p: usize, q: usize) {
 }
 
 /// Solves A x = b for a symmetric positive definite A by elimination without pivoting (Golub & Van
-/// Loan, §4.1). Unknown `j` stays 0 where `is_left_out(j, pivot)` says so, with what is left of its
+/// Loan, §4.1). Unknown `j` stays 0 if `is_left_out(j, pivot)` says so, given the remainder of its
 /// diagonal entry: it is held, or the ones before it explain it wholly.
 pub fn solve_symmetric<const P: usize>(
     mut a: [[f64; P]; P],

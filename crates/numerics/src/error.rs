@@ -1,4 +1,4 @@
-//! What can be wrong with the numbers handed in.
+//! What can be wrong with the given numbers.
 
 /// Why a numerical routine refused its input. Indices count from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,11 +1,11 @@
-//! Many frequencies of a long signal at once, whose samples need not be even.
+//! Many frequencies at once of a long signal whose samples need not be even.
 //!
-//! A Fourier sum frequency by frequency takes the number of samples times that of frequencies, and
-//! both grow with a recording's length. Here the samples are spread onto an even grid by a narrow
-//! Gaussian, the grid is transformed by a fast Fourier transform, and what the Gaussian did to each
-//! frequency is divided out again (Greengard & Lee 2004, SIAM Rev. 46:443): n log n, and the sum
-//! itself to about 1e-14 of ∫ |y| dt. Plain loops and `libm`, so that it is the same bits on every
-//! processor.
+//! The work of a Fourier sum, frequency by frequency, is the number of samples times the number of
+//! frequencies, and both grow with a recording's length. Here the samples are spread onto an even
+//! grid by a narrow Gaussian, the grid is transformed by a fast Fourier transform, and what the
+//! Gaussian did to each frequency is divided out again (Greengard & Lee 2004, SIAM Rev. 46:443): n
+//! log n, and the sum itself to about 1e-14 of ∫ |y| dt. Plain loops and `libm` give the same bits
+//! on every processor.
 
 use crate::wide::widest;
 use core::f64::consts::{PI, TAU};

@@ -1,6 +1,6 @@
-//! First and second derivative of a sampled signal, by parabolas through its neighbourhoods: what a
-//! sensor's counts leave of them. [`crate::series::central_differences`] has the derivative of the
-//! samples as they are; the two differ in definition, and results of both are stored.
+//! First and second derivative of a sampled signal, by parabolas through its neighbourhoods, as far
+//! as a sensor's counts show them. [`crate::series::central_differences`] gives the derivative of
+//! the samples as they are; the two differ in definition, and results of both are stored.
 
 use crate::error::{NumericsError, same_length};
 
@@ -46,9 +46,9 @@ fn neighbourhood(i: usize, low: usize, high: usize, samples: usize) -> (usize, u
     (low.min(i.saturating_sub(LEAST_BESIDE)), high.max((i + LEAST_BESIDE + 1).min(samples)))
 }
 
-/// [`derivatives`] at single samples, which may be asked for in any order. Those of samples that are
-/// near each other share their sums: neighbourhoods overlap, and the powers of their times are added
-/// up once, about one origin, for every few samples.
+/// [`derivatives`] at single samples, in any order. Those of samples that are near each other share
+/// their sums: neighbourhoods overlap, and the powers of their times are added up once, about one
+/// origin, for every few samples.
 pub struct Derivator<'a> {
     t: &'a [f64],
     y: &'a [f64],

@@ -15,11 +15,11 @@ const RANK_TOLERANCE: f64 = 1e-12;
 /// The solution of min ‖y − X β‖₂ over n rows and p columns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearFit {
-    /// β, one a column, in the unit of `y` per unit of the column.
+    /// β, one per column, in the unit of `y` per unit of the column.
     pub coefficients: Vec<f64>,
     /// (XᵀX)⁻¹, p × p, row by row. Times the residual variance it is the covariance of β.
     pub xtx_inverse: Vec<Vec<f64>>,
-    /// y − X β, one a row, in the unit of `y`.
+    /// y − X β, one per row, in the unit of `y`.
     pub residuals: Vec<f64>,
     /// Residual sum of squares Σ (y − X β)², unit of `y` squared.
     pub rss: f64,

@@ -3,10 +3,9 @@
 //!
 //! Nocedal & Wright (2006), *Numerical Optimization*, 2nd ed.: the update of the inverse Hessian is
 //! their equation 6.17, its first scale 6.20. A step satisfies the weak Wolfe conditions, found by
-//! doubling and bisection (Lewis & Overton 2013, Math. Program. 141:135). Where the function has
-//! gone flat to rounding, its slope decides instead (the approximate Wolfe condition of Hager &
-//! Zhang 2005, SIAM J. Optim. 16:170), so that a minimum is found to nearly all digits and not to
-//! half of them.
+//! doubling and bisection (Lewis & Overton 2013, Math. Program. 141:135). Where rounding makes the
+//! function flat, its slope decides instead (the approximate Wolfe condition of Hager & Zhang 2005,
+//! SIAM J. Optim. 16:170), so a minimum is found to nearly all digits, not only to half of them.
 
 use crate::error::NumericsError;
 

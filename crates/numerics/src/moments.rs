@@ -28,8 +28,8 @@ impl Moments {
         Self { n, mean, squares }
     }
 
-    /// The variance of what the values are a sample of, Σ w (x − mean)² / (n − 1); `None` for fewer
-    /// than two.
+    /// The variance of the population that the values are a sample of, Σ w (x − mean)² / (n − 1);
+    /// `None` for fewer than two.
     pub fn variance(&self) -> Option<f64> {
         (self.n > 1.0).then(|| self.squares / (self.n - 1.0))
     }

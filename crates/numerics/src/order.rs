@@ -1,6 +1,7 @@
 //! Medians and quantiles: values by their rank.
 //!
-//! NaN is beyond all numbers ([`f64::total_cmp`]): who asks for a rank checks his values before.
+//! NaN is beyond all numbers ([`f64::total_cmp`]): the caller checks the values before asking for a
+//! rank.
 
 /// The median: the middle value, or the mean of the two in the middle. Unit as the values; `None`
 /// of none.
@@ -31,8 +32,8 @@ pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     quantile_by(sorted.len(), share, |rank| sorted.get(rank).copied())
 }
 
-/// [`quantile`] of so many values, of which a rule gives the one at each rank from 0 on; `None` also
-/// where the rule has none.
+/// [`quantile`] of this many values; a rule gives the value at each rank from 0 on. `None` also if
+/// the rule has no value.
 pub fn quantile_by(
     values: usize,
     share: f64,

@@ -1,6 +1,6 @@
 //! The phases of one movement there and back, and where it passes a level on its way.
 
-/// Where the phases of a movement lie: indices of samples, each inclusive.
+/// The phases of a movement: indices of samples, each inclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Phases {
     /// First sample of the movement.

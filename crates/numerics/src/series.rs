@@ -12,8 +12,8 @@ pub fn interpolate(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
     interpolate_by(t.len().min(y.len()), |i| t[i], |i| y[i], at)
 }
 
-/// [`interpolate`] with times and values that a rule gives for each of so many samples: values are
-/// asked for beside `at` alone.
+/// [`interpolate`] with times and values that a rule gives for each of this many samples: only
+/// values beside `at` are requested.
 pub fn interpolate_by(
     samples: usize,
     t: impl Fn(usize) -> f64,
@@ -49,8 +49,8 @@ fn interpolated(
     Some(y0 + (at - t0) / (t1 - t0) * (y1 - y0))
 }
 
-/// [`interpolate`] at every point of `grid`, in its order; the fewer samples lie between a point and
-/// the next, the less it takes.
+/// [`interpolate`] at every point of `grid`, in its order; it is faster if fewer samples lie
+/// between successive points.
 pub fn interpolate_all(t: &[f64], y: &[f64], grid: &[f64]) -> Vec<Option<f64>> {
     // From a point to the next, this far.
     const STEPS: usize = 8;
@@ -101,8 +101,8 @@ pub fn cumulative_trapezoid(t: &[f64], y: &[f64]) -> Result<Vec<f64>, NumericsEr
 /// at either end (first order). As long as `t`; a single sample has no slope and gives an empty
 /// vector.
 ///
-/// This is the derivative of samples as they are. Where they are counts of a sensor, which it would
-/// make steps of, [`crate::local`] has that of parabolas through many samples.
+/// This is the derivative of samples as they are. If they are counts of a sensor, whose steps it
+/// would show, [`crate::local`] gives the derivative of parabolas through many samples.
 ///
 /// # Errors
 /// Unequal lengths.
@@ -150,8 +150,8 @@ pub fn loop_area(x: &[f64], y: &[f64]) -> Result<f64, NumericsError> {
     Ok(trapezoid(x, y)? + (x0 - xn) * (yn + y0) / 2.0)
 }
 
-/// Smallest and largest value, of every fourth on its own: they do not wait for each other. Infinite,
-/// the wrong way round, where there is none; what is not a number is passed by.
+/// Smallest and largest value, computed for every fourth value separately, so that the steps do not
+/// wait for each other. Infinite, the wrong way round, if there is none; NaN is skipped.
 pub fn ends(values: &[f64]) -> (f64, f64) {
     widest(
         #[inline(always)]

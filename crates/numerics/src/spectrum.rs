@@ -1,7 +1,7 @@
-//! What a sampled signal does in a band of frequencies; its samples need not be even.
+//! The content of a sampled signal in a band of frequencies; its samples need not be even.
 //!
-//! By the Fourier integral ∫ y e^(−2πift) dt at the recorded times ([`crate::fourier`]): no
-//! resampling.
+//! It uses the Fourier integral ∫ y e^(−2πift) dt at the recorded times ([`crate::fourier`]),
+//! without resampling.
 
 use crate::fourier::summed_squares;
 use crate::wide::widest;

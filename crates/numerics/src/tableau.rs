@@ -3,7 +3,7 @@
 /// An explicit Runge–Kutta method of `S` stages.
 #[derive(Debug, Clone, Copy)]
 pub struct Tableau<const S: usize> {
-    /// Nodes: stage `i` stands at `t + c[i] h`.
+    /// Nodes: stage `i` is at `t + c[i] h`.
     pub c: [f64; S],
     /// Stage weights, strictly lower triangular.
     pub a: [[f64; S]; S],

@@ -46,7 +46,8 @@ impl CrossPoint {
 }
 
 impl CrossSpectra {
-    /// Segments of so many samples at a rate, Hz; none if that is no power of two of at least 8.
+    /// Segments of this many samples at a rate, Hz; none if the number is not a power of two of at
+    /// least 8.
     pub fn new(rate_hz: f64, length: usize) -> Option<Self> {
         const LEAST: usize = 8;
         let bins = length / 2 + 1;
@@ -69,7 +70,7 @@ impl CrossSpectra {
         self.window.len()
     }
 
-    /// Adds the segments of a record: even samples of x and y, equally many. What is left at its
+    /// Adds the segments of a record: even samples of x and y, equally many. The remainder at its
     /// end does not count; a record shorter than a segment adds nothing.
     pub fn add(&mut self, x: &[f64], y: &[f64]) {
         let length = self.length();

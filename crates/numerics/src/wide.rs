@@ -1,4 +1,4 @@
-//! Loops over as many numbers at a time as the processor takes.
+//! Loops over as many numbers at a time as the processor can take.
 
 use fearless_simd::{Level, dispatch};
 

@@ -1,4 +1,4 @@
-//! A signal as a zigzag: the legs between its turns, small wiggles left out.
+//! A signal as a zigzag: the legs between its turns, without small wiggles.
 
 /// One way of a zigzag: sample indices, both inclusive; the next leg begins where this one ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

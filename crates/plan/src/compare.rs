@@ -231,7 +231,7 @@ pub fn is_metric(name: &str) -> bool {
     zwidth_metrics::is_number(name)
 }
 
-/// What study.toml says of metrics that do not exist, and of bounds that have no effect.
+/// Remarks on metrics in study.toml that do not exist, and on bounds that have no effect.
 pub fn asked_in_vain(study: &Study) -> Vec<String> {
     let unknown = wanted(study).into_iter().filter(|metric| !zwidth_metrics::is_number(metric));
     let mut unknown: Vec<String> = unknown

@@ -1,5 +1,5 @@
-//! Stage `freemotion`: in a free environment, the plane fit of every trial that brings an
-//! acceleration, the plant of every other that has an angle.
+//! Stage `freemotion`: in a free environment, the plane fit of every trial that has an
+//! acceleration, and the plant of every other trial that has an angle.
 
 use crate::shared::handle::{Derived, Written};
 use crate::shared::making::split;

@@ -1,7 +1,7 @@
 //! Stage `ladder`: which terms of the model each condition of a study needs, and whether its
-//! recordings bear that out. Planned where `[replay] model = "auto"`; `zwidth ladder` asks for one
-//! condition at a time. Here stages meet, because they do not know each other: the scene is the
-//! replay's, the numbers that are compared are the metrics'.
+//! recordings confirm that. It is planned if `[replay] model = "auto"`; `zwidth ladder` asks for
+//! one condition at a time. Stages do not know each other; they meet here: the scene is the
+//! replay's, and the numbers that are compared are the metrics'.
 
 use crate::figures::drawing::{Drawing, Figured};
 use crate::replay::replayable::{is_replayable, rendering};
@@ -221,10 +221,10 @@ fn draw(synthetic: &bool, (own, beside): &(Drawn, Vec<Drawn>)) -> Figured {
 
 /// Models, effects and interactions of each condition of a study that has a recording, with so many
 /// points: what `zwidth ladder STUDY` prints. `told` is called with each condition before it is
-/// made, `progress` after each of its points.
+/// made, and `progress` after each of its points.
 ///
 /// # Errors
-/// A condition of which no model can be made.
+/// A condition for which no model can be made.
 pub fn ladders(
     data: &StudyData,
     points: usize,

@@ -1,9 +1,9 @@
-//! The plan of a study: which jobs its data give. Each file or folder binds one stage, a pure
-//! function, to the files that it reads and makes; `shared` is what they have in common.
+//! The plan of a study: the jobs that its data need. Each file or folder binds one stage, a pure
+//! function, to the files that it reads and makes; `shared` has their common parts.
 //!
 //! A stage is declared in one place: its name and version ([`zwidth_runner::Stage`]), the files of
 //! each of its jobs, and what else its function gets, as one serialisable struct. There is no
-//! domain logic here: what a stage does with what it reads is the stage's.
+//! domain logic here: what a stage does with its inputs is in the stage's own crate.
 
 #![allow(clippy::ptr_arg)] // a job's function takes what the job holds, not a view of it
 
@@ -92,7 +92,7 @@ fn of_data(data: &StudyData, stages: &[OfData]) -> Vec<Job> {
     jobs.into_iter().flatten().collect()
 }
 
-/// Every job of a study, of which this was found.
+/// Every job of a study, given its findings.
 pub fn jobs(data: &StudyData, found: &Findings) -> Vec<Job> {
     // Side by side: in a study of tens of thousands of trials that takes as long as all else.
     let (mut jobs, (figures, tables, page, summary)) = rayon::join(

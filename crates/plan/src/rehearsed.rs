@@ -1,6 +1,6 @@
-//! What another loop or other sensors do to a study's metrics, from its trials on the simulated
-//! device: `zwidth trade` asks for it, a run does not. Here stages meet: what is simulated is the
-//! trade's, what is computed from it the metrics'.
+//! The effect of another loop or other sensors on a study's metrics, from its trials on the
+//! simulated device: `zwidth trade` asks for it, a run does not. Stages meet here: the trade
+//! simulates, and the metrics are computed from the result.
 
 use crate::shared::conditions::Repeats;
 use crate::trade::{measured_conditions, scenes_calibration};
@@ -69,7 +69,7 @@ pub fn rehearsed_trials(data: &StudyData) -> usize {
 pub struct OtherSetups {
     /// Every metric of every condition at every setup.
     pub shifts: Vec<MetricShift>,
-    /// The same in short, a row a setup.
+    /// The same in short, one row per setup.
     pub summary: Vec<SetupSummary>,
     /// The trials that safety stopped.
     pub stops: Vec<Stops>,

@@ -1,4 +1,4 @@
-//! Stage `report`: the tables of what was planned, and the pros and cons beside what came out.
+//! Stage `report`: the tables of what was planned, and the pros and cons beside the results.
 
 use crate::figures::design::{Forces, forces, has_actuators};
 use crate::figures::drawing::Drawing;

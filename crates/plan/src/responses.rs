@@ -7,7 +7,7 @@ use zwidth_stability::impedance::{Recording, Response, response};
 use zwidth_store::{Signal, StudyData, Trial, TrialEntry};
 use zwidth_study::{Scene, Source};
 
-/// What the trials of a study say of impedance.
+/// What the trials of a study say about impedance.
 #[derive(Debug)]
 pub struct Responses {
     /// By environment and mode, as the study calls them.

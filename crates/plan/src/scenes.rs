@@ -1,4 +1,4 @@
-//! Stage `simulate`: runs of the scenes that study.toml lists, and their figures. No recording goes
+//! Stage `simulate`: runs of the scenes that study.toml lists, and their figures. No recordings go
 //! into them.
 
 use crate::figures::drawing::{Drawing, Figured};

@@ -1,5 +1,5 @@
-//! Stage `trade`: speed against accuracy of a study's conditions as scenes, in counts alone; what
-//! less of a recording does to its metrics; and their figures.
+//! Stage `trade`: speed against accuracy of a study's conditions as scenes, in counts alone; the
+//! effect of fewer recorded data on the metrics; and their figures.
 
 use crate::figures::drawing::{Drawing, Figured};
 use crate::replay::rendered;
@@ -36,7 +36,7 @@ pub struct Traded {
 }
 
 impl Traded {
-    /// The study's own metrics of a run, as if it had been recorded; empty where they cannot be
+    /// The study's own metrics of a run, as if it had been recorded; empty if they cannot be
     /// computed.
     pub fn measure(&self, course: &Course) -> Vec<Measured> {
         let mut samples = Samples::default();

@@ -1,6 +1,5 @@
-//! What the stage `likert` finds: the answers, their tallies, and who knew which mode it was. Which
-//! columns of counts and sums there are, and whether answers are whole numbers, depends on the
-//! scales of the study.
+//! What the stage `likert` finds: the answers, their tallies, and who knew the mode. The scales of
+//! the study determine the columns of counts and sums, and whether answers are whole numbers.
 
 use crate::row::rows;
 use zwidth_study::{AnswerValue, EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId};

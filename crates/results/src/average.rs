@@ -1,5 +1,5 @@
-//! What the stage `average` finds: means of repeats against time, and of force against position. Beside
-//! these columns stand mean, SD and band of each signal.
+//! What the stage `average` finds: means of repeats against time, and of force against position.
+//! Beside these columns are the mean, SD and band of each signal.
 
 use crate::row::rows;
 use crate::value::{named, words};

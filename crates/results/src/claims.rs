@@ -1,4 +1,4 @@
-//! What a study says of the thesis' claims, and what its device is.
+//! What a study says about the thesis' claims, and facts of its device.
 
 use crate::row::rows;
 use crate::sentence::Sentence;

@@ -1,5 +1,5 @@
 //! What the stage `compare` finds: modes, participants, sessions and repeats compared, one metric
-//! at a time. The numbers of a row are in the unit of its metric, which stands in the row.
+//! at a time. The numbers of a row are in the unit of its metric, which the row names.
 
 use crate::column::UNIT_OF_ROW;
 use crate::note::NoteKind;

@@ -1,4 +1,5 @@
-//! What the stage `freemotion` finds: the device itself, of each trial in which nothing was rendered.
+//! What the stage `freemotion` finds: the device itself, from each trial in which nothing was
+//! rendered.
 
 use crate::row::rows;
 use zwidth_study::{EnvironmentId, ModeId, ParticipantId, SessionId, Source};

@@ -1,5 +1,5 @@
 //! What the stage `identify` finds: the plant that fits recorded trials best, and how well it is
-//! known. The numbers of a row are in the unit that stands in the row, where there is one.
+//! known. The numbers of a row are in the unit that the row names, if it has one.
 
 use crate::row::rows;
 use crate::value::{texts, words};

@@ -1,5 +1,5 @@
 //! What the stage `ladder` finds: which terms of the model a scene needs, and whether the
-//! recordings of a condition bear that out.
+//! recordings of a condition confirm that.
 
 use crate::row::rows;
 use crate::sentence::Sentence;

@@ -1,9 +1,9 @@
 //! What the stages find, as types: one struct for each derived table.
 //!
-//! A field is a column: its name, which ends in its unit, its unit and its meaning stand beside it,
-//! once (`rows!`). A stage returns rows, a figure or a sentence is made of rows, and a file has
-//! their columns ([`Row::columns`], [`Row::read`]). What is one of a few things is an enum, and what
-//! names something is an id: nobody reads a word to learn what it means.
+//! A field is a column: its name, which ends in its unit, its unit and its meaning are declared
+//! once, beside it (`rows!`). A stage returns rows, a figure or a sentence is made of rows, and a
+//! file has their columns ([`Row::columns`], [`Row::read`]). A value from a small set is an enum,
+//! and a name is an id: no code reads a word to learn its meaning.
 //!
 //! | rows | key | made by | read by |
 //! |---|---|---|---|

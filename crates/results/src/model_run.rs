@@ -1,4 +1,4 @@
-//! What runs of the model come to.
+//! The results of model runs.
 
 use crate::column::{Column, Type, Values};
 use crate::row::{ReadError, Row, rows};

@@ -1,5 +1,5 @@
-//! What the stage `stability` finds: which walls a sampled device bears by each limit, boundaries
-//! that others measured, and what a Z-width test comes to.
+//! What the stage `stability` finds: which walls a sampled device can render by each limit,
+//! boundaries that others measured, and the results of a Z-width test.
 
 use crate::row::rows;
 use crate::value::{texts, words};

@@ -1,5 +1,6 @@
 //! What the stage `trade` finds: the error and the work of every solver at every step on a scene,
-//! what is recommended, and what less of a recording or another setup does to a study's metrics.
+//! what is recommended, and the effect of fewer recorded data or another setup on a study's
+//! metrics.
 
 use crate::row::rows;
 use crate::value::{texts, words};

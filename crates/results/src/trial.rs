@@ -1,4 +1,4 @@
-//! Which trial a row is about, what happened in it, and what is said of it.
+//! Which trial a row is about, what happened in it, and the remarks on it.
 
 use crate::note::NoteKind;
 use crate::row::rows;

@@ -1,4 +1,4 @@
-//! What a column of a table can hold, and what it is in memory.
+//! What a column of a table can hold, and its type in memory.
 
 use crate::column::{Scalar, Type};
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! Parts of a study that an engine has made elsewhere: which there are to make, and how what comes
-//! back becomes a shard that can be merged.
+//! Parts of a study that an engine makes elsewhere: which parts are due, and how the returned
+//! results become a shard that can be merged.
 
 use crate::hashes::Hashes;
 use crate::manifest::Manifest;
@@ -8,7 +8,7 @@ use crate::{HashesRead, Job, Records, Results, Shard};
 use std::collections::BTreeMap;
 use zwidth_store::StoreError;
 
-/// What was made of a part elsewhere.
+/// The results of a part that were made elsewhere.
 #[derive(Debug, Clone, Default)]
 pub struct Sent {
     /// The records of its jobs.
@@ -17,9 +17,9 @@ pub struct Sent {
     pub files: Vec<(String, Vec<u8>)>,
 }
 
-/// The jobs of each part ([`Job::part`]) that are not up to date and can be made now, by
-/// whoever makes this part alone: what they read is raw, up to date, or made by another of them.
-/// `known` are hashes of files that were read already.
+/// The jobs of each part ([`Job::part`]) that are not up to date and can be made now by making this
+/// part alone: their inputs are raw, up to date, or made by another of them. `known` are hashes of
+/// files that were read already.
 ///
 /// # Errors
 /// A link on the way to the study's records.
@@ -42,12 +42,11 @@ pub fn due<'j>(
     Ok(due)
 }
 
-/// Writes what was made of a part elsewhere: its files, then the manifest of the shard that it
-/// belongs to, which has what was laid down of that shard before, too. Nothing of it is believed
-/// until it is merged.
+/// Writes the results of a part that were made elsewhere: its files, then the manifest of its
+/// shard, which also has the shard's earlier parts. Nothing of it is trusted until it is merged.
 ///
 /// # Errors
-/// A file that is no result of the study; a write that failed.
+/// A file that is not a result of the study; a write that failed.
 pub fn lay_down(sent: Sent, shard: Shard, results: &Results) -> Result<(), StoreError> {
     for (path, bytes) in &sent.files {
         let refused = |why: String| {

@@ -1,4 +1,4 @@
-//! Hashes of files, each computed once a run.
+//! Hashes of files, each computed once per run.
 
 use std::borrow::Borrow;
 use std::collections::{BTreeMap, HashMap};

@@ -37,7 +37,7 @@ pub struct Made {
 }
 
 impl Made {
-    /// Whole files, and nothing else to be said of them.
+    /// Whole files without remarks.
     pub fn of(outputs: Vec<Vec<u8>>) -> Self {
         let outputs = outputs.into_iter().map(Output::Whole).collect();
         Self { outputs, ..Self::default() }
@@ -108,20 +108,21 @@ impl<A: Inputs, B: Inputs, C: Inputs> Inputs for (A, B, C) {
     }
 }
 
-/// Where a job's outputs go, and what they say of their making. Nothing else in them depends on it.
+/// Where a job's outputs go, and what they say about their origin. Nothing else in them depends on
+/// it.
 pub struct Making<'m> {
-    /// What the outputs say of their making.
+    /// What the outputs say about their origin.
     pub from: &'m Provenance,
     /// The outputs' paths, in order.
     pub outputs: &'m [PathBuf],
-    /// The folder that holds the data: results do not depend on where it lies.
+    /// The folder that holds the data: results do not depend on its place.
     pub root: &'m Path,
     /// Trials that other jobs of the run read last.
     pub trials: &'m Lately,
 }
 
 impl Making<'_> {
-    /// The hash of an input, as the outputs tell it; `None` where they tell nothing.
+    /// The hash of an input, as the outputs give it; `None` if they give none.
     pub fn hash_of(&self, input: &Path) -> Option<&str> {
         self.from.get(&input_key(&self.shown(input))).map(String::as_str)
     }
@@ -132,8 +133,8 @@ impl Making<'_> {
     }
 }
 
-/// A text without the folder that holds the data in it, so that results have the same bytes
-/// wherever that lies.
+/// A text without the path of the data folder, so that results have the same bytes wherever the
+/// folder is.
 pub fn strip_root(root: &Path, text: &str) -> String {
     let root = root.join("").to_string_lossy().into_owned();
     if root.is_empty() { text.to_owned() } else { text.replace(&root, "") }
@@ -215,9 +216,9 @@ impl Job {
         }
     }
 
-    /// Everything but files that the outputs depend on, as canonical text: JSON in the order of
-    /// the declaration, or its hash where that is long. Nothing where they cannot be written: then
-    /// the job fails when it is made.
+    /// Everything but files that the outputs depend on, as canonical text: JSON in the order of the
+    /// declaration, or its hash if that is long. Empty if they cannot be written: then the job
+    /// fails when it is made.
     pub fn parameters(&self) -> String {
         self.work.parameters().unwrap_or_default()
     }

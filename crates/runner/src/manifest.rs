@@ -1,7 +1,7 @@
 //! The manifest of a shard: what it made, from which inputs, with which version and parameters.
 //!
-//! A shard writes its own outputs and its own manifest, and nothing else: shards that run at the
-//! same time never write the same file. Each write is of a whole file, or does not happen.
+//! A shard writes its own outputs and its own manifest, and nothing else, so shards that run at the
+//! same time never write the same file. Each file is written whole, or not at all.
 
 use crate::{Records, Results, Shard};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! The members of a JSON object that is too large to be in memory: a block of the file at a time.
+//! The members of a JSON object that is too large for memory: one block of the file at a time.
 
 use crate::record::in_words;
 use serde::Deserialize;

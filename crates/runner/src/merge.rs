@@ -1,5 +1,5 @@
 //! Merging: the union of the records of shards whose keys are those of the study as it is, and of
-//! their files where these lie elsewhere.
+//! their files if these are elsewhere.
 
 use crate::manifest::folder;
 use crate::survey::{Offer, Share, Survey, content, survey};
@@ -10,7 +10,7 @@ use zwidth_store::{Seen, StoreError, hex_blake3};
 
 /// What came of a merge.
 pub struct Merged<'r, 'j> {
-    /// What there is now, what was refused, and why.
+    /// The present shards, and which were refused, and why.
     pub survey: Survey<'r>,
     /// The shards that were merged.
     pub shards: BTreeSet<Shard>,
@@ -22,14 +22,14 @@ pub struct Merged<'r, 'j> {
     pub shares: Vec<Share<'j>>,
 }
 
-/// Merges the shards whose results lie in the study's own folder or in those of other roots.
+/// Merges the shards whose results are in the study's own folder or in those of other roots.
 ///
 /// First files of other roots are copied, then the records are written, and only then are the
 /// manifests in the study's own folder removed, because the records now say the same. So a merge
 /// that was killed at any point can be done again. Nothing is changed in other roots.
 ///
-/// `progress` is called after each job that was held against its results and each file that was
-/// copied, with how many of both there are.
+/// `progress` is called after each job that was compared with its results and each file that was
+/// copied, with the number of both.
 ///
 /// # Errors
 /// A run of the study is still going on in its folder; a file that cannot be copied; records that

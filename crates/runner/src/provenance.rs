@@ -1,5 +1,5 @@
-//! What a file says of its making: the entries for its footer or metadata, and the one word that
-//! finds its job again.
+//! What a file says about its origin: the entries for its footer or metadata, and the one word that
+//! identifies its job.
 
 use crate::record::Record;
 use std::collections::{BTreeMap, BTreeSet};
@@ -50,8 +50,8 @@ pub(crate) fn origin(name: &str, record: &Record) -> String {
     format!("{PREFIX}{}:{}:{}", record.stage, record.version, hex_blake3(text.as_bytes()))
 }
 
-/// Every origin that stands in a file of any format (SVG, PDF, PNG, Parquet, comments of tables),
-/// each once, in order.
+/// Every origin in a file of any format (SVG, PDF, PNG, Parquet, comments of tables), each once, in
+/// order.
 pub fn origins(bytes: &[u8]) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let starts = bytes.windows(PREFIX.len()).enumerate().filter(|(_, w)| *w == PREFIX.as_bytes());

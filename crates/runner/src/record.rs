@@ -12,7 +12,7 @@ use std::marker::PhantomData;
 use std::path::Path;
 use zwidth_store::Layout;
 
-/// What is kept of a job that succeeded. Paths are relative to the root, hashes are BLAKE3 of
+/// The record of a job that succeeded. Paths are relative to the root, hashes are BLAKE3 of
 /// contents.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Record {

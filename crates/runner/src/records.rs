@@ -1,6 +1,6 @@
-//! The records of a study. Those of a thousand participants are a hundred megabytes of text, so they
-//! stay in their file. In memory is where each of them stands there, and those that have come since
-//! the file was written.
+//! The records of a study. Those of a thousand participants are a hundred megabytes of text, so
+//! they stay in their file. Memory holds only the place of each record in the file, and the records
+//! that were added since the file was written.
 
 use crate::Results;
 use crate::members::{Member, members};

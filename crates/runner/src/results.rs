@@ -35,7 +35,7 @@ impl<'a> Results<'a> {
         self.layout.root()
     }
 
-    /// Where the records of the study's jobs lie.
+    /// Where the records of the study's jobs are.
     pub fn records_file(layout: &Layout) -> PathBuf {
         layout.derived().join("records.json")
     }

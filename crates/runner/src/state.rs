@@ -1,4 +1,4 @@
-//! What a run would find now: for each job why it would be made again. Nothing is made.
+//! What a run would find now: for each job, why it would be made again. Nothing is made.
 
 use crate::change::{Change, How, changes};
 use crate::hashes::Hashes;

@@ -1,4 +1,4 @@
-//! What shards have made of a study, held against the study as it is.
+//! What shards have made of a study, compared with the study as it is.
 
 use crate::change::{Change, changes, first_change};
 use crate::hashes::{Hashes, show_path};
@@ -80,13 +80,13 @@ impl Survey<'_> {
     }
 }
 
-/// Looks at the manifests in the study's own results and in those of other roots. `known` are
-/// hashes of files that were read already, and `seen` what others were when they were last read.
-/// `progress` is called after each job that was held against its results, with how many there are,
-/// and how many files of other roots a merge would copy after them.
+/// Checks the manifests in the study's own results and in those of other roots. `known` are hashes
+/// of files that were already read, and `seen` is what others were when they were last read.
+/// `progress` is called after each job that was compared with its results, with the number of jobs,
+/// and the number of files of other roots that a merge would copy after them.
 ///
 /// # Errors
-/// Records or manifests that cannot be looked for: a link on the way to them.
+/// Records or manifests that cannot be reached: a link on the way to them.
 pub fn survey<'r>(
     jobs: &[Job],
     own: &'r Results<'r>,

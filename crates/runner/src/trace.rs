@@ -32,8 +32,8 @@ pub struct Trace<'r> {
     pub steps: Vec<Step<'r>>,
     /// The files in which the chain ends, because no job makes them, sorted.
     pub sources: Vec<Source>,
-    /// Files read on the way whose job has made them with another content since: of the contents
-    /// read there is no record any more, and the chain ends there. Sorted.
+    /// Files read on the way whose job has made them with another content since: there is no longer
+    /// a record of the contents that were read, and the chain ends there. Sorted.
     pub lost: Vec<Source>,
 }
 

@@ -1,5 +1,6 @@
-//! Answers on an ordered scale with what may explain them, screened before any search: are there
-//! two different answers, can the columns be told apart, has the likelihood a maximum at all?
+//! Answers on an ordered scale, with variables that may explain them, screened before any search:
+//! are there two different answers, can the columns be told apart, has the likelihood a maximum at
+//! all?
 
 use crate::error::{StatsError, all_finite};
 use crate::separation::{self, Pattern};
@@ -24,7 +25,7 @@ pub struct Scale {
 /// intercept, so no column may be constant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// What to call it where it is spoken of: `mode passive`.
+    /// Its name in messages: `mode passive`.
     pub name: String,
     /// Its values.
     pub values: Vec<f64>,

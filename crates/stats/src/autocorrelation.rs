@@ -1,4 +1,4 @@
-//! Whether residuals still hold structure: neighbours alike mean that the model misses something.
+//! Whether residuals still have structure: similar neighbours mean that the model misses something.
 
 /// First-order autocorrelation of `segments` (stretches recorded without a break, in order):
 /// Σ (eᵢ − ē)(eᵢ₋₁ − ē) / Σ (eᵢ − ē)², ē over all of them; pairs across a break do not count.

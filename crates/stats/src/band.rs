@@ -10,7 +10,7 @@ use zwidth_numerics::moments::Moments;
 /// Where only one has (of one or two repeats) there is a mean without SD or band.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Band {
-    /// Repeats that have a value here, also where they are too few.
+    /// Repeats that have a value here, even if they are too few.
     pub n: Vec<usize>,
     /// Mean over the repeats present.
     pub mean: Vec<Option<f64>>,
@@ -23,7 +23,7 @@ pub struct Band {
     pub ci_high: Vec<Option<f64>>,
 }
 
-/// The [`Band`] of `rows` (one a repeat, each as long as the grid, `None` where the repeat has
+/// The [`Band`] of `rows` (one per repeat, each as long as the grid, `None` where the repeat has
 /// ended or has no value) at confidence `level`.
 ///
 /// # Errors

@@ -1,8 +1,8 @@
 //! The bootstrap interval corrected for bias and acceleration.
 //!
-//! It is approximate: for the mean of a few participants it covers less than it says (86 % of
+//! It is approximate: for the mean of a few participants it covers less than its level (86 % of
 //! studies for n = 6, 90 % for 12, 93 % for 30, at 95 %). A mean has its t interval; this one is
-//! for statistics that have none, and is to be labelled approximate.
+//! for statistics without such an interval, and must be labelled approximate.
 
 use crate::Unestimable;
 use crate::bootstrap::{percentile_interval, resample};

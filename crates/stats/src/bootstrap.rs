@@ -1,8 +1,8 @@
 //! The bootstrap over blocks: resampled statistics and their percentile interval.
 //!
-//! Samples of one recording are not independent, blocks of it (or whole sweeps, trials,
-//! participants) nearly are: those are what is drawn. Efron & Tibshirani (1993), *An Introduction
-//! to the Bootstrap*; Künsch (1989), Ann. Statist. 17:1217 for blocks of a series.
+//! Samples of one recording are not independent, but blocks of it (or whole sweeps, trials,
+//! participants) nearly are, so blocks are drawn. Efron & Tibshirani (1993), *An Introduction to
+//! the Bootstrap*; Künsch (1989), Ann. Statist. 17:1217 for blocks of a series.
 //!
 //! Each resample draws from its own stream of the ChaCha8 cipher, keyed with the seed: the numbers
 //! are those of the cipher's definition, on any machine, in any later version, and with any number
@@ -21,8 +21,9 @@ const KEY_BYTES: usize = 32;
 /// Evaluates `statistic` on `resamples` samples of `draws` blocks each, drawn from `blocks` with
 /// replacement.
 ///
-/// `draws` is `blocks.len()` for the ordinary bootstrap. One value a resample, in the order of the
-/// resamples; the same for one seed whatever the number of threads. Empty if there are no blocks.
+/// `draws` is `blocks.len()` for the ordinary bootstrap. One value per resample, in the order of
+/// the resamples; the same for one seed whatever the number of threads. Empty if there are no
+/// blocks.
 pub fn resample<B: Sync, T: Send>(
     blocks: &[B],
     draws: usize,

@@ -1,8 +1,8 @@
-//! What a design can show at all: the smallest p value that its tests reach, and the design that
-//! would reach the one that is wanted.
+//! What a design can show at all: the smallest p value that its tests can reach, and the design
+//! that would reach the desired one.
 //!
 //! A test that counts cases has a smallest p, however large the effect. Tests with a t or an F have
-//! none: for them power is to be stated.
+//! none: for these, state the power.
 
 use crate::StatsError;
 use crate::sign_flip::smallest_p;

@@ -1,5 +1,6 @@
-//! Sizes of a paired difference without unit: d_z, in standard deviations of the differences, and
-//! d_av, in those of people within a mode, each without its bias in small samples as Hedges' g.
+//! Effect sizes of a paired difference: d_z, in standard deviations of the differences, and d_av,
+//! in standard deviations of people within a mode; each also as Hedges' g, without its bias in
+//! small samples.
 
 use crate::error::{all_finite, check_level};
 use crate::paired::{self, ROUNDINGS};

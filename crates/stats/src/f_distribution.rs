@@ -1,7 +1,7 @@
 //! Fisher's F: p values and quantiles, by the regularised incomplete beta function of statrs.
 //!
 //! P(F > f) = I_x(d₂/2, d₁/2) with x = d₂ / (d₂ + d₁ f) (Abramowitz & Stegun 1964, 26.6.2): the
-//! upper tail as it stands, not one minus the lower, so that small p values keep their digits.
+//! upper tail itself, not one minus the lower tail, so small p values keep their digits.
 
 use crate::error::{StatsError, check_level};
 use crate::rounded::rounded;

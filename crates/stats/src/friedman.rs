@@ -1,4 +1,4 @@
-//! Friedman's test: whether participants order the modes alike.
+//! Friedman's test: whether participants rank the modes alike.
 
 use crate::Unestimable;
 use crate::bootstrap::index_below;

@@ -1,4 +1,4 @@
-//! Standard errors for fits to recordings, whose samples are neither independent nor of one
+//! Standard errors for fits to recordings, whose samples are neither independent nor of equal
 //! variance.
 
 use crate::error::StatsError;

@@ -1,15 +1,15 @@
-//! Agreement of sessions where some participants lack some: intraclass correlations by a mixed
-//! model, intervals by a parametric bootstrap.
+//! Agreement of sessions if some participants lack some sessions: intraclass correlations by a
+//! mixed model, intervals by a parametric bootstrap.
 //!
 //! yᵢⱼ = μ + pᵢ + sⱼ + eᵢⱼ with variances σ²ₚ, σ²ₛ, σ²ₑ, by restricted maximum likelihood
-//! (Patterson & Thompson 1971, Biometrika 58:545). Participants and sessions are crossed, and of a
-//! value missing at random nothing has to be known. Estimates below zero are allowed, as those of
-//! mean squares are (Verbeke & Molenberghs 2003, Biometrics 59:254): on a complete table the two
-//! are the same.
+//! (Patterson & Thompson 1971, Biometrika 58:545). Participants and sessions are crossed, and a
+//! value missing at random needs no further assumption. Estimates below zero are allowed, as with
+//! mean squares (Verbeke & Molenberghs 2003, Biometrics 59:254): on a complete table the two are
+//! the same.
 //!
-//! With θ = σ²/σ²ₑ the participants' part W = I + θₚ Zₚ Zₚᵀ has an inverse in closed form. What is
-//! left is of the size of the sessions: M = Sᵀ W⁻¹ S, r = Sᵀ W⁻¹ y and B = (I + θₛ M)⁻¹ give all of
-//! yᵀV⁻¹y = yᵀW⁻¹y − θₛ rᵀBr, SᵀV⁻¹y = Br, 1ᵀV⁻¹1 = 1ᵀBM1, |V| = |W| / |B|.
+//! With θ = σ²/σ²ₑ the participants' part W = I + θₚ Zₚ Zₚᵀ has an inverse in closed form. The
+//! remaining system has the size of the sessions: M = Sᵀ W⁻¹ S, r = Sᵀ W⁻¹ y and B = (I + θₛ M)⁻¹
+//! give all of yᵀV⁻¹y = yᵀW⁻¹y − θₛ rᵀBr, SᵀV⁻¹y = Br, 1ᵀV⁻¹1 = 1ᵀBM1, |V| = |W| / |B|.
 
 use crate::agreement::{Agreement, Correlation, LIMIT, averaged};
 use crate::bootstrap::stream;

@@ -1,4 +1,4 @@
-//! A straight line's slope, over strata that each have a level of their own.
+//! The slope of a straight line, over strata that each have their own level.
 
 use crate::welch::tested;
 use crate::{Tested, Unestimable, error::check_level};

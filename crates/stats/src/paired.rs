@@ -1,9 +1,9 @@
 //! Two modes felt by the same participants: the mean of their differences, and whether it is too
 //! small to matter.
 //!
-//! One pair per participant: their mean in mode A, their mean in mode B. The differences carry
-//! their own variance, so that nothing is assumed of the other modes; on balanced data this is the
-//! mixed model whose participants differ freely in every mode.
+//! One pair per participant: their mean in mode A, their mean in mode B. The differences have their
+//! own variance, so nothing is assumed about the other modes; on balanced data this is the mixed
+//! model whose participants differ freely in every mode.
 
 use crate::error::{StatsError, all_finite};
 use crate::interval::t_interval;
@@ -123,7 +123,7 @@ impl Equivalence {
     }
 }
 
-/// Tests whether the quantity behind `tested` lies within ± `bound`, at `alpha` a side
+/// Tests whether the quantity behind `tested` lies within ± `bound`, at `alpha` per side
 /// (Schuirmann 1987, J. Pharmacokinet. Biopharm. 15:657): t = (estimate ± δ) / std_error with the
 /// degrees of freedom of `tested`. The interval has level 1 − 2 alpha: 90 % for 0.05.
 ///
@@ -168,8 +168,8 @@ pub enum Verdict {
 
 impl Verdict {
     /// The verdict of two p values at `alpha`: that of "no difference" (adjusted where several
-    /// claims are made) and that of [`equivalence`], if a bound was given. Each shows what it
-    /// tests against where it is below `alpha`.
+    /// claims are made) and that of [`equivalence`], if a bound was given. Each rejects its null
+    /// hypothesis if it is below `alpha`.
     pub fn new(p_no_difference: f64, p_not_equivalent: Option<f64>, alpha: f64) -> Verdict {
         let equivalent = p_not_equivalent.is_some_and(|p| p < alpha);
         match (p_no_difference < alpha, equivalent) {

@@ -24,7 +24,7 @@ const MOST_PARTICIPANTS: usize = 10_000;
 /// Halvings of a searched difference: to a millionth of where it began.
 pub const HALVINGS: usize = 20;
 
-/// A planned study of one contrast: two modes, the others beside.
+/// A planned study of one contrast: two modes, with the others beside them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
     /// SD of participants' levels. The paired tests do not depend on it.

@@ -1,5 +1,5 @@
-//! The end of a profile interval: how far from the estimate the profiled likelihood has fallen to
-//! its critical value.
+//! The end of a profile interval: how far from the estimate the profiled likelihood falls to its
+//! critical value.
 
 use crate::tested::Unestimable;
 use zwidth_numerics::roots;

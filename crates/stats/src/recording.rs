@@ -1,5 +1,5 @@
-//! Intervals for a linear fit to one recording, whose samples resemble their neighbours. Of a line
-//! and of a mean no copy of the recording is made.
+//! Intervals for a linear fit to one recording, whose samples resemble their neighbours. For a line
+//! or a mean the recording is not copied.
 
 use crate::error::StatsError;
 use crate::hac::{long_run_sum, newey_west};
@@ -20,7 +20,7 @@ const DF: f64 = 9.0;
 /// The coefficients of a fit to one recording, with intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingFit {
-    /// One a coefficient, in the order of the fit's columns and in their units.
+    /// One per coefficient, in the order of the fit's columns and in their units.
     pub estimates: Vec<Estimate>,
     /// Lags of the covariance, in samples.
     pub lags: usize,
@@ -29,10 +29,10 @@ pub struct RecordingFit {
 /// Estimates with standard errors and intervals at confidence `level` for a fit to evenly recorded
 /// samples: [`newey_west`] with n / 10 lags, and t with 9 degrees of freedom.
 ///
-/// Samples hundreds of times a second are not independent: what the model leaves out (friction, the
-/// hand) changes slowly, so residuals resemble their neighbours and the usual standard errors are
-/// several times too small. The interval speaks of this recording only, not of how another would
-/// differ.
+/// Samples at hundreds of times per second are not independent: what the model leaves out
+/// (friction, the hand) changes slowly, so residuals resemble their neighbours and the usual
+/// standard errors are several times too small. The interval speaks of this recording only, not of
+/// how another would differ.
 ///
 /// # Errors
 /// Columns that are not those of the fit, `level` outside (0, 1).
@@ -54,7 +54,7 @@ pub fn recording_fit(
 /// A straight line through samples of one recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordingLine {
-    /// Its value where it was asked for, in the unit of y.
+    /// Its value at the requested place, in the unit of y.
     pub value: Estimate,
     /// Its slope, in the unit of y per unit of x.
     pub slope: Estimate,

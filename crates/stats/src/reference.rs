@@ -1,5 +1,5 @@
-//! What a likelihood ratio or an estimate's share of its error is referred to: the normal, the χ²
-//! and the F distribution, by statrs and rounded as it comes in.
+//! Reference distributions of a likelihood ratio, or of an estimate divided by its error: normal,
+//! χ² and F, computed by statrs and rounded at once.
 
 use crate::error::{StatsError, check_level};
 use crate::rounded::rounded;

@@ -1,9 +1,9 @@
 //! Repeated-measures analysis of variance of participants' means: one row per participant, one
 //! column per mode.
 //!
-//! F compares the modes with the interaction of participant × mode. It takes the differences
-//! between all pairs of modes to have one variance (sphericity); ε says how far they do, and
-//! degrees of freedom times ε make the test hold nearly anyway.
+//! F compares the modes with the interaction of participant × mode. It assumes that the differences
+//! between all pairs of modes have one variance (sphericity); ε says how far this holds, and
+//! degrees of freedom multiplied by ε make the test nearly valid anyway.
 
 use crate::anova::{ROUNDING, check_table, two_way};
 use crate::f_distribution::upper_p;

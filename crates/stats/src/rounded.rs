@@ -1,13 +1,13 @@
 //! The one place where numbers of another library's distributions are rounded.
 //!
 //! statrs takes `ln` and `exp` from the platform, whose last bits differ between processors, and
-//! intervals are stored. So what it gives is rounded to nine significant digits as it comes in,
-//! before anything is computed from it: all that follows is the same everywhere. A number flips to
-//! the neighbouring nine digits only where two platforms lie on both sides of the middle between
-//! two of them; with differences around 1e-15 (degrees of freedom below some hundreds) that is one
-//! number in a million, and one in ten thousand at worst (a thousand degrees of freedom, where
-//! statrs subtracts large logarithms). Rounding results instead would round many numbers for one,
-//! each with the differences that came about on the way.
+//! intervals are stored. So its numbers are rounded to nine significant digits at once, before
+//! anything is computed from them, and all later results are the same everywhere. A number rounds
+//! to different nine digits only if two platforms lie on either side of the middle between two of
+//! these. With differences around 1e-15 (degrees of freedom below some hundreds) that is one number
+//! in a million, and one in ten thousand at worst (a thousand degrees of freedom, where statrs
+//! subtracts large logarithms). Rounding results instead would mean rounding many numbers for each
+//! of these, with the differences that had built up by then.
 
 /// The nearest number of nine significant digits.
 pub(crate) fn rounded(value: f64) -> f64 {

@@ -1,10 +1,10 @@
-//! Variance-based sensitivity: how much of an output's variance each input makes.
+//! Variance-based sensitivity: how much of an output's variance each input causes.
 //!
 //! With V the variance of f(x) over independent inputs, the first-order index of input i is
 //! S_i = Var(E(f | x_i))/V, its total effect S_Ti = E(Var(f | all but x_i))/V, and the second-order
-//! index S_ij what i and j make together and neither alone. Σ S_i ≤ 1 ≤ Σ S_Ti, with equality
-//! where f is a sum of functions of one input each. I. M. Sobol', Math. Comput. Simul. 55 (2001)
-//! 271–280; A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259–270.
+//! index S_ij what i and j cause together and neither causes alone. Σ S_i ≤ 1 ≤ Σ S_Ti, with
+//! equality where f is a sum of functions of one input each. I. M. Sobol', Math. Comput. Simul. 55
+//! (2001) 271–280; A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259–270.
 
 use zwidth_numerics::moments::Moments;
 

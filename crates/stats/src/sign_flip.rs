@@ -1,4 +1,4 @@
-//! The sign-flip test: if the modes do not differ, each participant's difference could as well have
+//! The sign-flip test: if the modes do not differ, each participant's difference could equally have
 //! had the other sign.
 
 use crate::error::all_finite;

@@ -1,9 +1,10 @@
 //! Student's t: two-sided p-values and critical values, by the distributions of statrs.
 //!
-//! Critical values are searched on its distribution function, because its own inverse (0.19) starts
-//! from a clamped guess: it is off for less than one degree of freedom and for levels next to 0 or
-//! 1, and from some thousand degrees on it stops early or not at all. For many degrees of freedom
-//! its logarithms cancel, and the normal distribution with its corrections is exact to rounding.
+//! Critical values are found by a search on its distribution function, because its own inverse
+//! (0.19) starts from a clamped guess: it is wrong for less than one degree of freedom and for
+//! levels next to 0 or 1, and from some thousand degrees on it stops early or never. For many
+//! degrees of freedom its logarithms cancel, and the normal distribution with its corrections is
+//! exact to rounding.
 
 use crate::error::{StatsError, check_level};
 use crate::rounded::rounded;

@@ -2,8 +2,8 @@
 //!
 //! The probability of superiority (Grissom 1994, J. Appl. Psychol. 79:314) or, over all pairs of
 //! repeats of one person, her Mann–Whitney U as a share. It needs no distance between the points
-//! of a scale and no model. Participants are the units: their probabilities are averaged, each
-//! counting the same however many repeats there are.
+//! of a scale and no model. Participants are the units: their probabilities are averaged with equal
+//! weight, however many repeats there are.
 
 use crate::student_t::{critical_value, two_sided_p};
 use crate::tested::{Tested, Unestimable};

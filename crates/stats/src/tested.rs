@@ -1,4 +1,4 @@
-//! Words that all tests share: an estimate with its test, and why there may be none.
+//! Common words of all tests: an estimate with its test, or why there is none.
 
 use crate::error::StatsError;
 use zwidth_study::counted;

@@ -1,5 +1,5 @@
-//! What anybody's Parquet file claims, looked at before it is decoded: for whoever reads files that
-//! are none of ours (`crates/import`).
+//! Checks the claims of a Parquet file from any program before it is decoded, for readers of other
+//! programs' files (`crates/import`).
 
 pub use crate::form::bounds::{check_footer, check_pages};
 pub use crate::form::codec::check_codecs;

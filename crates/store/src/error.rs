@@ -17,8 +17,8 @@ pub struct StoreError {
     pub what: String,
     /// What to do about it.
     pub remedy: String,
-    /// Whether the operating system refused it: that says nothing of what is in the file, and may be
-    /// otherwise the next time.
+    /// Whether the operating system refused it: that says nothing about the file's content, and may
+    /// change the next time.
     pub by_system: bool,
 }
 

@@ -1,5 +1,5 @@
 //! The first of many errors, and how many more there are. A file can be wrong in every row, and
-//! nobody reads a message for each.
+//! nobody reads one message per row.
 
 use crate::StoreError;
 use std::ops::Deref;

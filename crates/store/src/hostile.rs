@@ -1,8 +1,6 @@
-//! Each reader as a function of a file's bytes, for tests that put anything in their place
-//! (`fuzz/`).
+//! Each reader as a function of a file's bytes, for tests with arbitrary bytes (`fuzz/`).
 //!
-//! What a reader makes of them is thrown away; what is looked for is a panic, a hang, or memory
-//! without end.
+//! The result of a reader is discarded; the tests look for a panic, a hang, or unlimited memory.
 
 use crate::form::events::read_events_from;
 use crate::form::footer::read_footer_from;
@@ -29,7 +27,7 @@ pub fn events(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
     read_events_from(files, path).map(drop)
 }
 
-/// Where the head of a log lies.
+/// Where the head of a log is.
 pub fn head_of(log: &Path) -> PathBuf {
     crate::form::head::head_of(log)
 }

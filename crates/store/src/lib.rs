@@ -1,9 +1,9 @@
 //! The one store: the trial and sweep schema, Parquet files written atomically and read strictly,
 //! the journal and its recovery, the event log, and `verify`.
 //!
-//! Layout and promises are those of `docs/data.md`. Recording writes with arrow/parquet; the files
-//! are the boundary to the analysis. Whatever is wrong with a file is one [`StoreError`] that says
-//! which file, which column, which row, and what to do.
+//! `docs/data.md` describes layout and promises. Recording writes with arrow/parquet; the files are
+//! the boundary to the analysis. Any fault of a file is one [`StoreError`] that says which file,
+//! which column, which row, and what to do.
 
 pub mod claims;
 mod command;

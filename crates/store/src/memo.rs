@@ -1,4 +1,4 @@
-//! The last few values of a function that takes long, for those who ask again and again for the same.
+//! The last few values of a slow function, for callers that ask for the same ones repeatedly.
 
 /// Values that are kept.
 const KEPT: usize = 4;

@@ -15,19 +15,20 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnswerValue(f64);
 
-/// A text or a number that is no answer on any scale.
+/// A text or a number that is not an answer on any scale.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("'{0}' is not a number from {min} to {max}", min = AnswerValue::RANGE.start(), max = AnswerValue::RANGE.end())]
 pub struct NoAnswer(String);
 
 impl AnswerValue {
-    /// What is read as an answer: more than any scale has, and no more than a journal can hold.
+    /// The range of answers that are read: wider than any scale, and no wider than a journal can
+    /// hold.
     pub const RANGE: RangeInclusive<i16> = i16::MIN..=i16::MAX;
 
     /// The answer of this number.
     ///
     /// # Errors
-    /// What is not finite, or beyond [`AnswerValue::RANGE`].
+    /// A number that is not finite, or beyond [`AnswerValue::RANGE`].
     pub fn new(number: f64) -> Result<Self, NoAnswer> {
         let range = f64::from(*Self::RANGE.start())..=f64::from(*Self::RANGE.end());
         if range.contains(&number) {

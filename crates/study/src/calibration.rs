@@ -1,11 +1,11 @@
-//! Calibration: which force a voltage stands for, and back.
+//! Calibration: from a voltage to the force that it stands for, and back.
 
 use serde::{Deserialize, Serialize};
 
 /// No voltage (V) and no force (N) of a characteristic is larger.
 const LARGEST: f64 = 1e6;
 
-/// What is wrong with a calibration, and how to mend it.
+/// What is wrong with a calibration, and how to correct it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("calibration: {actuator}: {problem}")]
 pub struct CalibrationError {

@@ -1,14 +1,14 @@
 //! What changed between two versions of a `study.toml`, and what each change affects.
 //!
-//! Both are compared by value: a comment, a blank line or a default that is written out is no
-//! change. Every key that is not known to affect nothing affects the recording.
+//! Both are compared by value: a comment, a blank line or a default that is written out is not a
+//! change. A key counts as affecting the recording unless it is known to affect nothing.
 
 use crate::Study;
 use crate::file::value_of;
 use std::collections::BTreeMap;
 use toml::Value;
 
-/// What a change of `study.toml` does to a session that was laid down before it.
+/// The effect of a change of `study.toml` on an earlier session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Affects {
     /// Nothing that is recorded: titles, labels, figures, numbers of the analysis.

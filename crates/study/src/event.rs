@@ -1,4 +1,4 @@
-//! Events: what happened to a session after, or beside, its samples. Append-only.
+//! Events: what happened to a session after, or besides, its samples. They are append-only.
 
 use crate::{ActuatorId, AnswerValue, ModeId, QuestionId};
 use serde::{Deserialize, Serialize};
@@ -143,7 +143,7 @@ pub struct SealedTrial {
 }
 
 impl Event {
-    /// The trial the event speaks of, where it speaks of one.
+    /// The trial that the event is about, if it is about one.
     pub fn trial(&self) -> Option<u32> {
         match self {
             Self::Recorded { trial, .. }

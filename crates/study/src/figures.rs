@@ -1,4 +1,4 @@
-//! What a study chooses of its figures.
+//! What a study chooses for its figures.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -72,7 +72,7 @@ impl Figures {
     /// sessions of 36 trials took 560 MB.
     pub const MOST_SESSIONS: usize = 24;
 
-    /// Whether a session of a study of so many has figures of its own.
+    /// Whether a session of a study with this many sessions has figures of its own.
     pub fn has_own(&self, [participant, session]: &[String; 2], sessions: usize) -> bool {
         match &self.own {
             OwnFigures::All => true,

@@ -1,6 +1,6 @@
-//! The form of a study's trial files: which columns they have. `study.toml` says it, so that all of
-//! a study's files are alike and open as one data set, and so that a study keeps the form it began
-//! with.
+//! The form of a study's trial files: which columns they have. `study.toml` names it, so that all
+//! of a study's files are alike and open as one data set, and the study keeps the form with which
+//! it began.
 
 use crate::{AnswerScale, ChannelId, Study};
 use serde::{Deserialize, Serialize};
@@ -82,9 +82,8 @@ pub struct TrialForm {
 }
 
 impl Study {
-    /// The form of this study's trial files. There is a column `likert` only where
-    /// the study has one question, on a scale that has a name, so that nobody has to ask which one
-    /// is meant.
+    /// The form of this study's trial files. There is a column `likert` only if the study has one
+    /// question, on a scale that has a name, so that its meaning is clear.
     pub fn trial_form(&self) -> TrialForm {
         let schema = self.schema;
         let channels = self.channels.clone();

@@ -16,7 +16,7 @@ pub fn in_a_sentence(label: &str) -> String {
     }
 }
 
-/// A contrast by the labels of its modes; by their ids where they are others.
+/// A contrast by the labels of its modes; by their ids if it has other modes.
 pub fn contrast_label(modes: &[Mode], contrast: &Contrast) -> String {
     let [mode, against] = [&contrast.mode, &contrast.against]
         .map(|id| modes.iter().find(|mode| mode.id == *id).map_or(id.as_str(), |mode| &mode.label));

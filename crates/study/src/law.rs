@@ -1,4 +1,4 @@
-//! Which actuator is in charge when: the one list of laws of a mode.
+//! Which actuator gives the force when: the one list of laws of a mode.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,9 @@
 //! The words of a study: ids, modes, environments, conditions, trials, design; `study.toml` read
-//! and written; the order of the trials, and its seal. No files, no clock: text in, values out.
+//! and written; the order of the trials, and its seal. It uses no files and no clock: text in,
+//! values out.
 //!
-//! Angles are radians and everything else is SI in memory; `study.toml` speaks degrees and
-//! millimetres where people do, and its keys end in their unit.
+//! Angles are radians and everything else is SI in memory; `study.toml` uses degrees and
+//! millimetres as people do, and its keys end in their unit.
 
 mod answer;
 mod calibration;

@@ -3,7 +3,7 @@
 use crate::StudyError;
 use toml::de::{DeTable, DeValue};
 
-/// The line (from 1) on which the value at `path` stands, or the nearest existing parent's.
+/// The line (from 1) of the value at `path`, or of the nearest existing parent.
 ///
 /// `path` is written as in error messages: `environments[1].wall_deg`. Text that is not TOML
 /// gives line 1.

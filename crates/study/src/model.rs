@@ -45,7 +45,7 @@ pub struct Study {
     pub scenes: Vec<SceneFigure>,
     /// Version of the trial files' form.
     pub schema: Schema,
-    /// What is recorded per sample besides what every study records, in the order of the file.
+    /// The study's own quantities per sample, in the order of the file.
     pub channels: Vec<Channel>,
 }
 
@@ -137,7 +137,7 @@ pub struct Masses {
     pub brake_kg: f64,
 }
 
-/// Resistances of the actuators' windings; `None` where they are not known.
+/// Resistances of the actuators' windings; `None` if they are not known.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Resistances {
     /// The motor's, Ω.
@@ -155,15 +155,15 @@ pub struct Environment {
     pub label: String,
     /// What is rendered.
     pub scene: Scene,
-    /// The question asked first after each of its trials.
+    /// The first question after each of its trials.
     pub question: Option<QuestionId>,
-    /// Those that are asked after it, in this order.
+    /// The questions after it, in this order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<QuestionId>,
 }
 
 impl Environment {
-    /// What is asked after each of its trials, in order.
+    /// The questions after each of its trials, in order.
     pub fn questions(&self) -> impl Iterator<Item = &QuestionId> {
         self.question.iter().chain(&self.further)
     }
@@ -214,11 +214,12 @@ pub struct Question {
     pub id: QuestionId,
     /// Its wording.
     pub text: String,
-    /// The group it is tallied with, where it belongs to one.
+    /// The group with which it is tallied, if it belongs to one.
     pub group: Option<String>,
     /// What may be answered.
     pub scale: AnswerScale,
-    /// Agreement speaks against: the tally turns the answer round ([`AnswerScale::score`]).
+    /// Whether agreement is unfavourable: the tally then reverses the answer
+    /// ([`AnswerScale::score`]).
     pub reversed: bool,
 }
 

@@ -1,9 +1,9 @@
 //! The order of a session's trials.
 //!
-//! Blocks of one environment follow each other; within a block every mode comes `repeats` times.
+//! Blocks of one environment follow each other; within a block every mode occurs `repeats` times.
 //! Which environment comes first, and by which rows of a Williams square the modes follow each
-//! other, is counterbalanced over participants: with one seed for the study, participants whose
-//! numbers follow each other get the rows in turn.
+//! other, is counterbalanced over participants: with one seed for the study, participants with
+//! consecutive numbers get the rows in turn.
 //!
 //! Williams, E. J. (1949), Experimental designs balanced for the estimation of residual effects of
 //! treatments, Aust. J. Sci. Res. A 2:149–168.
@@ -21,11 +21,11 @@ use std::collections::BTreeMap;
 const IN_A_ROW: usize = 2;
 
 /// The sequences of Williams squares for `n` conditions, each a permutation of 0…n − 1: n of them
-/// for an even n, 2n for an odd one. Each condition stands equally often in each position, and each
+/// for an even n, 2n for an odd one. Each condition is equally often in each position, and each
 /// follows each other equally often.
 ///
-/// The first row is 0, 1, n − 1, 2, n − 2, …; the next adds 1 (mod n) to each entry; an odd n takes
-/// the mirror image of each row besides (Williams 1949).
+/// The first row is 0, 1, n − 1, 2, n − 2, …; the next adds 1 (mod n) to each entry; an odd n also
+/// takes the mirror image of each row (Williams 1949).
 pub fn williams(n: usize) -> Vec<Vec<usize>> {
     let mut rows: Vec<Vec<usize>> =
         (0..n).map(|add| (0..n).map(|i| (zigzag(n, i) + add) % n).collect()).collect();
@@ -41,7 +41,7 @@ fn zigzag(n: usize, i: usize) -> usize {
     if i % 2 == 1 { i.div_ceil(2) } else { n - i / 2 }
 }
 
-/// All that the order of a session is drawn by, besides the seed.
+/// Everything that determines the order of a session besides the seed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Rules {
     /// How the order of the modes within a block is drawn.
@@ -89,9 +89,9 @@ impl Rules {
         }
     }
 
-    /// Rules of which those that are equal draw the same modes in each environment, whatever the
-    /// seed: participants whose rows of a Williams square begin alike share one number. (The
-    /// environments may still follow each other differently, and practice is everybody's own.)
+    /// Rules that, if they are equal, draw the same modes in each environment, whatever the seed:
+    /// participants whose rows of a Williams square begin alike share one number. (The environments
+    /// may still follow each other differently, and each participant has its own practice.)
     pub fn shared(&self) -> Rules {
         let participant_number = match self.scheme {
             OrderScheme::Williams => {
@@ -109,7 +109,8 @@ impl Rules {
     }
 }
 
-/// Draws a session: familiarisation first, then a block of trials an environment ([`draw_modes`]).
+/// Draws a session: familiarisation first, then one block of trials per environment
+/// ([`draw_modes`]).
 ///
 /// Familiarisation takes environments in the order of the blocks and all modes in turn, so that few
 /// trials cover every environment and every mode, and environments × modes of them cover every

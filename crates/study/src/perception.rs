@@ -2,8 +2,8 @@
 
 use serde::{Serialize, Serializer};
 
-/// `[perception]` of a study, with its defaults put in. What each rests on stands in
-/// `docs/trade.md`; what could not be confirmed is called assumed there and here.
+/// `[perception]` of a study, with its defaults filled in. `docs/trade.md` gives the source of
+/// each; unconfirmed values are called assumed there and here.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Perception {
     /// Difference of two forces that is just noticed, as a share of the force. 7 % from 2.5 to
@@ -17,8 +17,8 @@ pub struct Perception {
     /// Difference of two viscosities that is just noticed, as a share. 19 %, at 4 to 512 N s/m:
     /// Jones, Hunter & Lafontaine 1997.
     pub viscosity_share: f64,
-    /// Difference of two angles that is just noticed, rad. 2.0°, the wrist's of Tan et al. 1994 as
-    /// others give it; that the lever's angle may stand for a joint's is assumed.
+    /// Just noticeable difference of two angles, rad. 2.0°, that of the wrist by Tan et al. 1994 as
+    /// others cite it; that the lever's angle may be treated as a joint's is assumed.
     pub angle_rad: f64,
     /// A vibration is another one if it exceeds the right one's level by this share. Assumed.
     pub excess_share: f64,
@@ -134,12 +134,13 @@ pub struct Measured {
     pub name: String,
     /// Its unit as tables have it.
     pub unit: String,
-    /// Null where it does not apply.
+    /// Null if it does not apply.
     pub value: Option<f64>,
 }
 
-/// Whether a metric says what somebody could feel: nobody feels how well a number is known, a bound
-/// that the resolution of a sensor sets, or by how much a stiffness misses what was asked for.
+/// Whether a metric describes something that a person could feel: nobody feels the precision of a
+/// number, a bound set by the resolution of a sensor, or the error of a stiffness relative to its
+/// command.
 pub fn is_felt(metric: &str) -> bool {
     const KNOWLEDGE: [&str; 5] =
         ["std_error", "ci_low", "ci_high", "hold_rigidity_min", "stiffness_error"];

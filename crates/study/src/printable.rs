@@ -1,5 +1,5 @@
-//! Text of others, safe to show: nothing in it steers a terminal, forges a line, or turns what is
-//! read.
+//! Text from outside, made safe to show: it cannot control a terminal, forge a line, or reverse the
+//! direction of writing.
 
 use std::borrow::Cow;
 

@@ -82,7 +82,7 @@ impl Flags {
 pub struct Sample {
     /// Time since the trial's start, host's clock, s.
     pub t_s: f64,
-    /// The device's own clock, s, where it has one.
+    /// The device's own clock, s, if it has one.
     pub t_device_s: Option<f64>,
     /// Lever angle, rad.
     pub theta_rad: f64,
@@ -94,13 +94,13 @@ pub struct Sample {
     pub voltages: Voltages,
     /// Age of the force value, s, where known.
     pub force_age_s: Option<f64>,
-    /// The angle sensor's own count, where it has one.
+    /// The angle sensor's own count, if it has one.
     pub theta_raw: Option<u16>,
-    /// Feedback force the voltages stand for, by the calibration in force, N.
+    /// Feedback force that the voltages stand for, by the calibration in force, N.
     pub force_cmd_n: f64,
     /// Status bits.
     pub flags: Flags,
-    /// What the device gives besides.
+    /// The device's channels.
     pub extra: Extra,
 }
 

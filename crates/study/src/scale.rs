@@ -4,8 +4,8 @@ use crate::AnswerValue;
 use serde::{Deserialize, Serialize};
 
 /// A scale of answers: whole numbers at equal distances, from the most unfavourable to the most
-/// favourable, each with its word where it has one. Between those of a line, every number is an
-/// answer too ([`AnswerScale::is_line`]).
+/// favourable, each with its word if it has one. On a line, every number between them is an answer
+/// too ([`AnswerScale::is_line`]).
 #[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AnswerScale {
@@ -48,8 +48,8 @@ impl AnswerScale {
 
     /// The most points of a scale whose answers are counted one by one, and modelled as ordered
     /// categories (0 to 10). A longer one is summarised by quartiles and means, as a quantity. The
-    /// border is this program's own: nobody reads a bar of more boxes, and few studies have an
-    /// answer for each threshold of a longer model.
+    /// limit is this program's own choice: nobody reads a bar of more boxes, and few studies have
+    /// an answer for each threshold of a longer model.
     pub const MOST_CATEGORIES: u8 = 11;
 
     /// Its name in prose, and its answers in words, from 1 on.
@@ -137,8 +137,8 @@ impl AnswerScale {
     }
 
     /// Whether any number from its lowest to its highest is an answer: a slider gives such numbers
-    /// (47.273), and nobody counts them one by one. Steps of another length are the study's own, and
-    /// what lies between them was not offered.
+    /// (47.273), and nobody counts them one by one. Steps of another length are the study's own,
+    /// and numbers between them were not offered.
     pub fn is_line(&self) -> bool {
         !self.is_short() && !self.is_nominal() && self.step() == 1
     }

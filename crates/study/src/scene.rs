@@ -96,7 +96,7 @@ impl ForceLaw {
         spring_n + self.damping_ns_per_rad * theta_dot_rad_s
     }
 
-    /// Whether an angle lies behind the wall.
+    /// Whether an angle is past the wall.
     pub fn is_past_wall(&self, theta_rad: f64) -> bool {
         self.wall_rad.is_some_and(|wall_rad| theta_rad >= wall_rad)
     }
@@ -172,7 +172,7 @@ impl Scene {
         }
     }
 
-    /// The scene's spring, where it has one.
+    /// The scene's spring, if it has one.
     pub fn spring(&self) -> Option<Spring> {
         match *self {
             Self::Spring(spring) | Self::SpringWall { spring, .. } => Some(spring),

@@ -1,4 +1,4 @@
-//! Figures of scenes of the model that a study has drawn beside its data.
+//! Figures of model scenes that a study shows beside its data.
 
 use crate::SceneFigureId;
 use serde::{Deserialize, Serialize};

@@ -3,13 +3,13 @@
 //!
 //! The session's record holds codes in place of modes, and the commitment BLAKE3(nonce ‖ text),
 //! where the nonce is 32 random bytes and the text has a line `<trial> <mode>` for each trial, by
-//! number, each ended by a line feed. Opening the seal shows nonce and order: whoever reads the log
-//! can then check that the order is the one that was committed to. A code is BLAKE3 of the trial's
-//! number (4 bytes, little-endian) keyed with the nonce: it differs from trial to trial and knows
-//! nothing of the mode.
+//! number, each ended by a line feed. Opening the seal shows nonce and order: every reader of the
+//! log can then check that the order is the committed one. A code is BLAKE3 of the trial's number
+//! (4 bytes, little-endian) keyed with the nonce: it differs from trial to trial and does not
+//! depend on the mode.
 //!
-//! This protects against accident, not against a person with the disk: the voltages of a recording
-//! tell its mode.
+//! This protects against accident, not against a person with access to the disk: the voltages of a
+//! recording reveal its mode.
 
 use crate::{Event, Kind, ModeId, PlannedTrial, SealedTrial};
 use serde::{Deserialize, Serialize};
@@ -72,7 +72,7 @@ impl Seal {
         Self { nonce, order }
     }
 
-    /// The commitment, hexadecimal: what a session's record shows before the first trial.
+    /// The commitment, hexadecimal, which a session's record shows before the first trial.
     pub fn commitment(&self) -> String {
         let mut text = String::new();
         for (trial, mode) in &self.order {
@@ -87,8 +87,7 @@ impl Seal {
             .to_string()
     }
 
-    /// The code of a trial: what stands in place of its mode, in the record and in the trial's
-    /// file.
+    /// The code of a trial, which replaces its mode in the record and in the trial's file.
     pub fn code(&self, trial: u32) -> ModeId {
         ModeId::code(&blake3::keyed_hash(&self.nonce, &trial.to_le_bytes()))
     }

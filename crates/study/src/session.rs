@@ -1,4 +1,4 @@
-//! What is fixed about a session when it is laid down.
+//! What is fixed about a session when it is set up.
 
 use crate::{
     Calibration, EnvironmentId, Kind, ModeId, OrderScheme, ParticipantId, RECORD_VERSION,
@@ -63,8 +63,8 @@ pub struct SessionRecord {
     pub counted_from_zero: bool,
 }
 
-/// How a session's order was drawn: with the seed, all that [`crate::order::draw`] needs besides
-/// the study.
+/// How a session's order was drawn: together with the seed, everything that [`crate::order::draw`]
+/// needs besides the study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OrderRecord {
@@ -91,7 +91,7 @@ pub struct Check {
     pub ok: bool,
 }
 
-/// One trial of a session, recorded or only asked about.
+/// One trial of a session, recorded or only with questions.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlannedTrial {

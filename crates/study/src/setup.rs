@@ -7,7 +7,7 @@ use crate::{
 };
 use serde::Serialize;
 
-/// What was planned, as far as tables, pages and schematics speak of it.
+/// What was planned, as far as tables, pages and schematics show it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Setup {
     /// The device.

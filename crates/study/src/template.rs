@@ -2,7 +2,8 @@
 
 use crate::{SceneKind, StudyId};
 
-/// A commented `study.toml` for a new study: the thesis' design, ready to edit, valid as it stands.
+/// A commented `study.toml` for a new study: the thesis' design, ready to edit, and valid
+/// unchanged.
 pub fn template(id: &StudyId) -> String {
     TEMPLATE.replace("@ID@", id.as_str()).replace("@KINDS@", &kinds())
 }

@@ -1,4 +1,4 @@
-//! What is known of a trial besides its samples.
+//! The facts about a trial besides its samples.
 
 use crate::{Condition, EnvironmentId, ModeId, ParticipantId, SessionId};
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ macro_rules! words {
         pub enum $name { $($(#[$vdoc])* $variant,)* }
 
         impl $name {
-            /// The word as it stands in files.
+            /// The word as it is written in files.
             pub fn as_str(self) -> &'static str {
                 match self { $(Self::$variant => $word,)* }
             }
@@ -67,7 +67,7 @@ impl Source {
     }
 }
 
-/// What is known of a trial besides its samples.
+/// The facts about a trial besides its samples.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialMeta {

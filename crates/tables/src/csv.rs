@@ -9,7 +9,7 @@ use std::io::Write;
 /// Numbers are the shortest text that reads back as the same `f64`; null is an empty field and an
 /// empty text is `""`; yes and no are `true` and `false`. The title and the notes are left out: RFC
 /// 4180 has no comments, and a reader would take them for rows. Only the mark of simulated data
-/// ([`SYNTHETIC`]) is told all the same, by a last column `synthetic` that is `true` in every row.
+/// ([`SYNTHETIC`]) is kept, as a last column `synthetic` that is `true` in every row.
 ///
 /// A text that a spreadsheet would run as a formula (it begins with `=`, `+`, `-`, `@`, or their
 /// wide forms, after spaces or not) gets an apostrophe in front, by which spreadsheets know text;

@@ -1,4 +1,4 @@
-//! The formats there are, by name.
+//! The formats, by name.
 
 use crate::html::html;
 use crate::latex::latex;
@@ -127,8 +127,8 @@ impl Table {
         })
     }
 
-    /// The table for a terminal of so many letters, by [`Wording::tell`]. Where it is wider, it
-    /// stands in parts; columns with the words of `least` come last.
+    /// The table for a terminal of this width in letters, by [`Wording::tell`]. If it is wider, it
+    /// is printed in parts; columns with the words of `least` come last.
     ///
     /// # Errors
     /// Those of [`Wording::tell`].

@@ -1,4 +1,4 @@
-//! From a column's name to what stands above it, and to the part it plays.
+//! From a column's name to its heading, and to the part that it plays.
 
 use crate::{Field, unit};
 
@@ -25,8 +25,7 @@ const DOT: char = '\u{307}';
 /// Two dots above the sign before it: a second derivative in time.
 const DDOT: char = '\u{308}';
 
-/// What stands above the column for people: its name in words, and its unit in brackets unless that
-/// is 1.
+/// The column's heading for people: its name in words, and its unit in brackets unless that is 1.
 ///
 /// `loop_area_j` → `loop area (J)`, `theta_dot_max_deg_s` → `θ̇ max (°/s)`.
 pub fn heading(field: &Field) -> String {

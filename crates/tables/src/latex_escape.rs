@@ -1,4 +1,4 @@
-//! Any text as LaTeX that sets it as it stands, under pdflatex and under xelatex.
+//! Any text as LaTeX that sets it unchanged, under pdflatex and under xelatex.
 
 use crate::shown::one_line;
 use crate::symbol::{Piece, pieces};

@@ -1,5 +1,5 @@
-//! How a table is laid out on paper: at which size, where headings and texts wrap, and which
-//! columns stand in which of several tables, where one is not wide enough.
+//! How a table is laid out on paper: its size, where headings and texts wrap, and how its columns
+//! are divided among several tables if one is not wide enough.
 //!
 //! Widths are in digits of the size the table is set in ([`crate::width`]).
 

@@ -1,8 +1,9 @@
 //! One table object, many formats: CSV, Markdown, LaTeX, Typst, HTML, Parquet.
 //!
 //! [`Table`] holds SI units and radians. CSV and Parquet ([`csv`], [`Table::to_parquet`]) hold it
-//! as it is, for machines; Markdown, LaTeX, Typst and HTML are rounded for people, [`for_people`]
-//! of it (degrees, or millimetres in a linear study). [`Table::to_bytes`] writes any [`Format`].
+//! as it is, for machines; Markdown, LaTeX, Typst and HTML are rounded for people, by
+//! [`for_people`] (degrees, or millimetres in a linear study). [`Table::to_bytes`] writes any
+//! [`Format`].
 //!
 //! # How a column is named
 //! `<stem>[_<part>][_<unit>]`, in snake case, the unit always last:
@@ -19,15 +20,15 @@
 //! suffix. Columns of one stem and one unit belong together, wherever they stand in the table.
 //!
 //! # How a number is rounded for people
-//! Two significant digits of the uncertainty decide the last digit of estimate, standard error and
-//! interval, row by row. The uncertainty is the standard error, or else half the interval. A mean
-//! with its standard deviation is one column (`4.052 ± 0.002`, to the place of two digits of the
-//! latter), and so are the ends of an interval (`[3.9, 4.2]`). Without
-//! either, a number has four significant digits (never fewer than its whole part, below a million;
-//! an exact `0.5` stays `0.5`). From 10⁶ on, and where more than seven decimals would be needed,
-//! powers of ten are used. A p value (a pure number whose stem begins with `p_`) below 0.001 is
-//! `< 0.001`, never `0`. There is no `-0`; null is `–`. CSV keeps every digit: the shortest text
-//! that reads back as the same number, null is empty.
+//! Two significant digits of the uncertainty determine the last digit of estimate, standard error
+//! and interval, row by row. The uncertainty is the standard error, or else half the interval. A
+//! mean with its standard deviation is one column (`4.052 ± 0.002`, to the place of two digits of
+//! the latter), and so are the ends of an interval (`[3.9, 4.2]`). Without either, a number has
+//! four significant digits (never fewer than its whole part, below a million; an exact `0.5` stays
+//! `0.5`). From 10⁶ on, and if more than seven decimals would be needed, powers of ten are used. A
+//! p value (a pure number whose stem begins with `p_`) below 0.001 is `< 0.001`, never `0`. There
+//! is no `-0`; null is `–`. CSV keeps every digit: the shortest text that reads back as the same
+//! number, null is empty.
 
 mod csv;
 mod display;

@@ -33,7 +33,7 @@ fn line(cells: impl Iterator<Item = String>) -> String {
     format!("| {} |", cells.collect::<Vec<_>>().join(" | "))
 }
 
-/// `text` such that Markdown sets it as it stands, on one line: in a paragraph, a list item or a
+/// `text` escaped so that Markdown sets it unchanged, on one line: in a paragraph, a list item or a
 /// table's cell.
 pub fn escape(text: &str) -> String {
     let text = one_line(text);

@@ -43,7 +43,7 @@ impl Measured {
     /// The values of a metric, of any numbers: of `trials`' order.
     ///
     /// # Errors
-    /// A metric that is not there, or is no number.
+    /// A metric that is missing, or is not a number.
     pub fn numbers(&self, metric: &str) -> Result<Vec<Option<f64>>, TableError> {
         self.table.numbers(metric)
     }
@@ -51,7 +51,7 @@ impl Measured {
     /// The yes and no of a metric.
     ///
     /// # Errors
-    /// A metric that is not there, or is no yes and no.
+    /// A metric that is missing, or is not a yes or no.
     pub fn flags(&self, metric: &str) -> Result<Vec<Option<bool>>, TableError> {
         self.table.flags(metric)
     }

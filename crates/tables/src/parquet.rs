@@ -54,7 +54,7 @@ impl Table {
         footer
     }
 
-    /// What a Parquet file says of its table, without its rows.
+    /// What a Parquet file says about its table, without its rows.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -123,8 +123,8 @@ impl Table {
         Self::joined(path, names, MOST_RESERVED, Ok)
     }
 
-    /// The same, and of the rows of each part what `of` leaves: in memory is no more than that, and a
-    /// part.
+    /// The same, with only the rows of each part that `of` leaves: memory holds no more than these
+    /// and one part.
     ///
     /// # Errors
     /// A file that cannot be read; those of `of`.
@@ -197,7 +197,7 @@ fn of_table(footer: BTreeMap<String, String>, names: &[&str]) -> BTreeMap<String
     footer.into_iter().filter(|(name, _)| names.contains(&name.as_str())).collect()
 }
 
-/// What a file says of its table.
+/// What a file says about its table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct About {
     /// Short name: a file's stem.

@@ -16,7 +16,7 @@ pub fn quantity(value: f64, unit: &str, coordinate: Coordinate) -> String {
     with_unit(&number(shown, Some(SHARE_UNKNOWN * shown.abs())), &unit)
 }
 
-/// A value that was asked for, with no more digits than it has: `4 N/rad`.
+/// A given value, with no more digits than it has: `4 N/rad`.
 pub fn given(value: f64, unit: &str, coordinate: Coordinate) -> String {
     let (unit, factor) = shown_unit(unit, coordinate);
     with_unit(&number(factor * value, None), &unit)

@@ -5,7 +5,7 @@ use crate::unit::split_unit;
 use std::sync::Arc;
 use zwidth_results::{Column, Field, ModelRun, ModelSample, NoteKind, Row, Type, Values};
 
-/// Stands below every table that simulated data went into, as on every such figure.
+/// The mark below every table made from simulated data, as on every such figure.
 pub const SYNTHETIC: &str = "SYNTHETIC: simulated, not measured.";
 
 /// A table: name, title, notes, and columns of one length.
@@ -84,7 +84,8 @@ impl Table {
             .map_err(|source| TableError::Rows { table: self.name.clone(), source })
     }
 
-    /// The same table without the columns of which no row has a value; all of a table without rows.
+    /// The same table without the columns that have no value in any row; a table without rows stays
+    /// whole.
     #[must_use]
     pub fn without_empty_columns(mut self) -> Self {
         if self.height() > 0 {
@@ -246,7 +247,7 @@ impl Table {
         }
     }
 
-    /// The same, looked at and not copied.
+    /// The same, borrowed and not copied.
     pub fn words(
         &self,
         column: &str,

@@ -1,5 +1,5 @@
-//! A table on a terminal: columns in line, no sign escaped. A table that is wider than the window
-//! stands in parts, one below the other; no column is lost and no number is broken.
+//! A table on a terminal: aligned columns, no character escaped. A table that is wider than the
+//! window is printed in parts, one below the other; no column is lost and no number is broken.
 
 use crate::layout::keys;
 use crate::shown::{Cell, Seen, Shown, rows};

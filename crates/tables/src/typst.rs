@@ -181,7 +181,7 @@ fn align(placed: &Placed) -> &'static str {
     if placed.column.numeric { "right" } else { "left" }
 }
 
-/// `text` as an expression: strings; what stands below a symbol is set there.
+/// `text` as an expression: strings, with subscripts set as such.
 pub fn expression(text: &str) -> String {
     let mut parts = Vec::new();
     for piece in pieces(&one_line(text)) {

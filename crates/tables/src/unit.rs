@@ -1,4 +1,4 @@
-//! Units as texts: their suffix in a column's name, and what they become on a screen.
+//! Units as texts: their suffix in a column's name, and their form on a screen.
 
 use zwidth_study::Coordinate;
 

@@ -1,5 +1,5 @@
-//! How wide texts and numbers come out on paper, roughly and rather too wide than too narrow, in
-//! widths of a digit (half an em in most text fonts).
+//! The approximate width of texts and numbers on paper, too wide rather than too narrow, in widths
+//! of a digit (half an em in most text fonts).
 
 use crate::rounding::Decimal;
 use crate::shown::Cell;

@@ -26,7 +26,7 @@ const PROPER: [(&str, &str); 6] = [
 /// How the tables of a study speak to people: in which units, and which names its ids have.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wording {
-    /// Whether a lever's angle or a slide's way is told.
+    /// Whether the coordinate is a lever's angle or a slide's position.
     pub coordinate: Coordinate,
     /// Ids of environments and their labels.
     pub environments: Vec<(String, String)>,

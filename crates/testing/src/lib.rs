@@ -10,8 +10,7 @@ pub fn study() -> Study {
     Study::from_toml(&template(&"demo".parse().unwrap())).unwrap()
 }
 
-/// Who did the trial of that number, and what it was: a repeat of `spring` in a mode, whole,
-/// simulated.
+/// The metadata of the trial with that number: a repeat of `spring` in a mode, whole, simulated.
 #[expect(clippy::missing_panics_doc, reason = "a mode's name that is none is a failed test")]
 pub fn meta(trial: u32, mode: &str) -> TrialMeta {
     TrialMeta {

@@ -1,4 +1,4 @@
-//! What can be typed. Parsed here, resolved into work by the commands.
+//! The command line: parsed here, resolved into work by the commands.
 
 use crate::commands::acquire::AcquireArgs;
 use crate::commands::characterise::CharacteriseArgs;

@@ -1,5 +1,5 @@
-//! What numbers on the command line can be: none of them decides without a limit how much memory or
-//! time is taken.
+//! The limits of numbers on the command line, so that none of them can claim unlimited memory or
+//! time.
 
 use zwidth_results::WallQuantity;
 

@@ -2,9 +2,9 @@
 //! pipelines from these files to every figure and table, a simulator that solves the device's
 //! hybrid dynamics exactly, and the statistics and the report of a study.
 //!
-//! This crate is the command line. `main.rs` is its table of contents: the arguments of each
-//! command and what it does stand in one file of `commands`. What the commands call is the
-//! workspace below, floor by floor; a crate knows those above it in this table, and none below:
+//! This crate is the command line. `main.rs` is its table of contents: the arguments and the work
+//! of each command are in one file of `commands`. The commands call the workspace below, floor by
+//! floor; a crate knows those above it in this table, and none below:
 //!
 //! | crates | what they are | begin with |
 //! |---|---|---|

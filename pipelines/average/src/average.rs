@@ -21,7 +21,7 @@ pub struct Repeat {
     pub trial: u32,
     /// Which repeat of the condition it is.
     pub repeat: u32,
-    /// Its onset on its own clock, s: where the average's t = 0 lies.
+    /// Its onset on its own clock, s: the average's t = 0.
     pub onset_s: f64,
     /// Onset to last sample on the average's time scale, s.
     pub length_s: f64,
@@ -102,9 +102,9 @@ impl Average {
 /// listed; the result says so.
 ///
 /// # Errors
-/// [`AverageError::WhyNot`] where there is no average and no fault: free motion, or no repeat that
-/// can be placed (the first one's reason). Otherwise: no trial, trials of different conditions,
-/// columns of unequal length.
+/// [`AverageError::WhyNot`] if there is no average and no fault: free motion, or no repeat that can
+/// be placed (the first one's reason). Otherwise: no trial, trials of different conditions, columns
+/// of unequal length.
 pub fn average<'a, T>(
     trials: &'a [T],
     parameters: &Parameters,

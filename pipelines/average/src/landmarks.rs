@@ -1,4 +1,4 @@
-//! Landmarks of a movement, and the time warp that makes those of several repeats coincide.
+//! Landmarks of a movement, and the time warp that aligns those of several repeats.
 
 use std::fmt;
 

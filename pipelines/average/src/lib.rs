@@ -17,19 +17,19 @@
 //! * **Grid**: `analysis.grid_points` even times from 0 to where the average ends: the longest time
 //!   that at least half of the repeats reach. Values between samples are on the straight line
 //!   between them.
-//! * **Mean, SD and band**: at each time over the n repeats that reach it, n a column: where it
-//!   falls the mean may jump, and the notes say where; the band is the mean's Student-t interval
+//! * **Mean, SD and band**: at each time over the n repeats that reach it. n is a column; where n
+//!   falls, the mean may jump, and the notes say where. The band is the mean's Student-t interval
 //!   with n − 1 degrees of freedom at `analysis.confidence`. It is pointwise: it covers each time,
 //!   not the whole curve. One repeat has a mean and no band.
 //! * A quantity that is not recorded in every repeat is null.
 //! * **Force against position** is averaged by branch at the angle ([`mean_loop`]): the way in, held at the
-//!   turn, the way out, on the angles that all repeats cover. A mean there lies within the least and the
-//!   largest of its repeats; one at equal phases does not.
+//!   turn, the way out, on the angles that all repeats cover. Such a mean lies between the least
+//!   and the largest of its repeats; a mean at equal phases does not.
 //!
-//! A mean aligned at onset smears what repeats do at different times (the reversal, the contact
-//! with a wall): peaks of the mean are lower than the mean of the peaks. The mean aligned by
-//! landmarks keeps them, at the price of a time scale that is no repeat's own; the metrics table
-//! has the mean of the peaks.
+//! A mean aligned at onset smears events that happen at different times in different repeats (the
+//! reversal, the contact with a wall): peaks of the mean are lower than the mean of the peaks. The
+//! mean aligned by landmarks keeps peaks, but its time scale is not that of any repeat. The metrics
+//! table has the mean of the peaks.
 //!
 //! Pure: trials in memory, tables out; the same trials give the same bits. Only trials that count
 //! may come in (`StudyData::counting`): the caller filters.

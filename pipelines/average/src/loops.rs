@@ -1,8 +1,8 @@
 //! The mean of force against position, by branch at the angle.
 //!
-//! A mean of force at equal phases of the movement, drawn at the mean angle of these, passes through
-//! pairs of force and angle that occur in no repeat wherever repeats turn or let go at different angles.
-//! At one angle the mean of the forces lies between theirs.
+//! If repeats turn or let go at different angles, a mean of force at equal phases of the movement,
+//! drawn at their mean angle, passes through pairs of force and angle that occur in no repeat. At
+//! one angle the mean of the forces lies between those of the repeats.
 
 use crate::average::{Parameters, Placed, place, source_of};
 use crate::{AverageError, LeftOut};

@@ -1,4 +1,4 @@
-//! What an average says of itself: where it ends, where repeats drop out, what it is aligned by.
+//! The notes of an average: where it ends, where repeats end, and how it is aligned.
 
 use crate::{Average, LeftOut};
 use zwidth_tables::NoteKind;

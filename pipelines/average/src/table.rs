@@ -1,4 +1,4 @@
-//! Averages as tables: SI units, one row a point of the grid.
+//! Averages as tables: SI units, one row per point of the grid.
 
 use crate::WhyNot;
 use crate::average::{Average, Course, SIGNALS};
@@ -68,8 +68,8 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
 
 /// One row per angle of each branch of a mean loop, in the order of the movement: participant, session,
 /// environment, mode, source, `branch` (`in`, `held`, `out`), `theta_rad`, `n` repeats, and mean, SD and
-/// band of each load there (null where not every repeat has it). Notes say which trials are not in it, and
-/// where repeats do not return.
+/// band of each load there (null where not every repeat has it). Notes say which trials are not in
+/// it, and which repeats do not return.
 ///
 /// # Errors
 /// A number that is not finite.

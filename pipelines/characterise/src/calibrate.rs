@@ -32,16 +32,17 @@ pub struct Chosen {
 /// Force against voltage of `actuator` (`motor` or `brake`) by knots, made from its chosen curve (N
 /// against V).
 ///
-/// * **No force** is the response at the lowest voltage of the sweeps that is not negative: the
-///   load cell's zero and the friction that the lever meets without the actuator are in it, and are
-///   taken off.
-/// * **Hysteresis**: the mean of both branches, as a controller does not ask which way its voltage
-///   goes; where one of them has not turned yet, the mean's tangent. After each turn of the voltage
-///   dry friction keeps the response for a while (a stretch that is flat on one branch alone):
-///   neither that nor the other branch's half of the friction is the actuator's. Flat on both is a
-///   dead zone, or an actuator that can give no more, and stays.
+/// * **No force** is the response at the lowest voltage of the sweeps that is not negative: it
+///   includes the load cell's zero and the friction of the lever without the actuator, and is
+///   subtracted.
+/// * **Hysteresis**: the mean of both branches, because a controller does not depend on the
+///   direction of its voltage; where one of them has not turned yet, the mean's tangent. After each
+///   turn of the voltage, dry friction holds the response for a while (a stretch that is flat on
+///   one branch only): neither this nor the other branch's half of the friction belongs to the
+///   actuator. A stretch that is flat on both is a dead zone, or an actuator that saturates, and
+///   stays.
 /// * **Knots** lie on that curve: where force begins (0 V, or the end of the dead zone), where it
-///   ends to rise, and in between as many as keep straight lines within 0.05 % of the largest force
+///   stops rising, and in between as many as keep straight lines within 0.05 % of the largest force
 ///   (Douglas & Peucker 1973): a hinge has two. They rise strictly, so that forward and inverse
 ///   undo each other.
 ///

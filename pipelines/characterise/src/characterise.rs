@@ -1,4 +1,4 @@
-//! Every candidate fitted, judged and compared.
+//! Fits, judges and compares every candidate.
 
 use crate::characteristic::{Candidate, Characteristic, Grouping, Parameter, Quality, Settings};
 use crate::crossval::{LeftOut, cross_validate, folds};

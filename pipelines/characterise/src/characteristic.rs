@@ -1,4 +1,4 @@
-//! What is found: plain data, ready for a table.
+//! The results: plain data, ready for a table.
 
 use crate::shape::Quantity;
 use zwidth_numerics::branch::Branch;
@@ -96,8 +96,8 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The interval that `values`, one a resample, give at confidence `level`: between percentiles
-    /// further out than the level says where few sweeps were drawn
+    /// The interval that `values`, one per resample, give at confidence `level`: between
+    /// percentiles further out than the level says if few sweeps were drawn
     /// ([`expanded_level`](zwidth_stats::bootstrap::expanded_level)).
     ///
     /// # Errors
@@ -115,7 +115,7 @@ pub struct Parameter {
     pub name: CurveSymbol,
     /// The branch whose curve it belongs to; `None` for both.
     pub branch: Option<Branch>,
-    /// What it stands for.
+    /// Its quantity.
     pub quantity: Quantity,
     /// Its unit; empty for a pure number.
     pub unit: String,

@@ -1,4 +1,4 @@
-//! The straight line of the thesis, with the textbook's intervals.
+//! The straight line of the thesis, with textbook intervals.
 
 use crate::curve::Curve;
 use crate::error::CharacteriseError;

@@ -1,4 +1,5 @@
-//! Stage: what an actuator or sensor does with its command: candidate models, the chosen one, why.
+//! Stage: how an actuator or sensor responds to its command: candidate models, the chosen one, and
+//! why.
 //!
 //! [`characterise`] takes sweeps (command against response, in the caller's units) and gives every
 //! candidate of [`models`] with its parameters, their bootstrap intervals, its errors, a verdict and
@@ -6,36 +7,36 @@
 //! give the same bits.
 //!
 //! # What is fitted
-//! Each curve of [`models`] once for all samples, and, if the command went up and down, once for
-//! each way ([`branches`]). Fits are made on the means of at most 256 steps of the command, one
-//! mean a sweep, way and step: exact where there are no more commands than that (the sum of squares
-//! depends on the samples through these means alone), and otherwise off by less than a hundredth of
-//! the interval. Errors are those of the samples themselves.
+//! Each curve of [`models`] is fitted once to all samples, and, if the command went up and down,
+//! once to each way ([`branches`]). Fits are made on the means of at most 256 steps of the command,
+//! one mean per sweep, way and step. They are exact if there are no more commands than that (the
+//! sum of squares depends on the samples through these means alone), and otherwise off by less than
+//! a hundredth of the interval. Errors are those of the samples themselves.
 //!
-//! A sweep holds samples that show the response, and no others: a brake makes no force of its own
-//! unless someone pushes the lever past slip, so that whoever records leaves out what does not
-//! slip. Gaps do no harm.
+//! A sweep has only samples that show the response: a brake gives no force of its own unless
+//! someone pushes the lever past slip, so the recorder leaves out samples that do not slip. Gaps do
+//! no harm.
 //!
 //! # How a candidate is chosen
-//! By its root mean square error on data left out of the fit. The simplest candidate is chosen that
-//! is within one standard error of the smallest (Hastie, Tibshirani & Friedman, *The Elements of
-//! Statistical Learning*, 2nd ed., §7.10) and not consistently worse: its mean square is within two
-//! standard errors of the difference, taken part by part. (By the first rule alone, sweeps whose
-//! gains differ by 5 % hide a hysteresis of a fifth of a volt, although every one of them shows
-//! it.) One sweep at a time is left out; of a single sweep, one of ten contiguous blocks
-//! (fewer if a block would be shorter than two points), because neighbouring samples are too alike
-//! to test each other. AICc is computed on per-command bins and reported only: samples are not
-//! independent, and it assumes that they are. The spline is not a law: it takes part only if every
-//! law lacks fit.
+//! The criterion is the root mean square error on data left out of the fit. The simplest candidate
+//! is chosen that is within one standard error of the smallest (Hastie, Tibshirani & Friedman, *The
+//! Elements of Statistical Learning*, 2nd ed., §7.10) and not consistently worse: its mean square
+//! is within two standard errors of the difference, taken part by part. (By the first rule alone,
+//! sweeps whose gains differ by 5 % hide a hysteresis of a fifth of a volt, although every one of
+//! them shows it.) One sweep at a time is left out; if there is only one, one of its ten contiguous
+//! blocks (fewer if a block would be shorter than two points), because neighbouring samples are too
+//! similar to test each other. AICc is computed on per-command bins and is only reported, because
+//! it assumes independent samples, and these are not. The spline is not a law: it takes part only
+//! if every law lacks fit.
 //!
 //! # What else is said of each
 //! * intervals: percentile bootstrap over whole sweeps, expanded for their small number
-//!   ([`expanded_level`](zwidth_stats::bootstrap::expanded_level)); of a single sweep, over blocks
-//!   of residuals a tenth of it long, put back on the fitted curve (its commands are a design, not
-//!   a draw: leaving out a tenth of them would leave out the break). Searches start from the fit to
-//!   the data;
+//!   ([`expanded_level`](zwidth_stats::bootstrap::expanded_level)); for a single sweep, over blocks
+//!   of residuals a tenth of its length, put back on the fitted curve (its commands are a design,
+//!   not a random draw: leaving out a tenth of them would leave out the break). Searches start from
+//!   the fit to the data;
 //! * lack of fit: RMS over the noise ([`Characteristic::noise`]; above 1.5 the curve is wrong), and
-//!   how alike neighbouring residuals are;
+//!   how similar neighbouring residuals are;
 //! * a break or plateau with fewer than two commands to one side of it is reported as lying at the
 //!   edge of the data, not identifiable.
 //!

@@ -1,4 +1,4 @@
-//! How much the response scatters where the curve cannot be the reason.
+//! The scatter of the response that the curve cannot explain.
 
 use crate::samples::{Samples, split};
 use crate::shape::weighted_line;

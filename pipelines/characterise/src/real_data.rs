@@ -1,4 +1,4 @@
-//! Facts of recordings made by others, read where `ZWIDTH_REAL_DATA` points.
+//! Facts of recordings made by others, in the folder that `ZWIDTH_REAL_DATA` names.
 
 use crate::{Characteristic, Settings, Sweep, characterise, first_order};
 use std::path::PathBuf;

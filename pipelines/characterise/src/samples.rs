@@ -11,9 +11,9 @@ use zwidth_numerics::branch::{Branch, branches};
 pub struct Sweep<'a> {
     /// What was set: volts, counts, newtons, …
     pub command: &'a [f64],
-    /// What was measured, one a command. A held value belongs in here once, at its own update:
-    /// repeated, it would hide the noise. A sample that cannot show the response is left out
-    /// by whoever records: a brake makes no force of its own unless the lever slips.
+    /// What was measured, one per command. A held value belongs here once, at its own update:
+    /// repeated, it would hide the noise. The recorder leaves out samples that cannot show the
+    /// response: a brake gives no force of its own unless the lever slips.
     pub response: &'a [f64],
 }
 

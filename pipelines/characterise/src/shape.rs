@@ -1,4 +1,4 @@
-//! What every curve is: an equation with parameters, fitted to points.
+//! The interface of every curve: an equation with parameters, fitted to points.
 
 use zwidth_results::CurveSymbol;
 
@@ -30,7 +30,7 @@ pub trait Shape: Sync {
     }
 }
 
-/// What a parameter stands for: it decides the unit and what can be wrong with it.
+/// The quantity of a parameter: it determines the unit and the possible faults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// A response.
@@ -90,9 +90,9 @@ impl Points<'_> {
         self.samples > parameters && self.at.len() >= parameters
     }
 
-    /// Lowest and highest command at which a break may lie: from the lowest command to the third
-    /// from the top, so that two different commands at least are left to show the law above it.
-    /// It depends on all points, left out or not. `None` if that leaves no room.
+    /// Lowest and highest command at which a break may be: from the lowest command to the third
+    /// from the top, so that two different commands at least are left to show the law above it. It
+    /// depends on all points, left out or not. `None` if that leaves no room.
     pub fn break_range(&self) -> Option<(f64, f64)> {
         break_range(self.levels)
     }

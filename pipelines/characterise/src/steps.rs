@@ -1,4 +1,4 @@
-//! Samples gathered by step of the command: what a fit needs of them, a hundred times shorter.
+//! Samples gathered by step of the command: the sums that a fit needs, a hundred times shorter.
 
 use crate::shape::{Point, Points};
 use core::ops::Range;

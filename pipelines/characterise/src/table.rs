@@ -164,7 +164,7 @@ pub fn curve_points(
     Ok(points)
 }
 
-/// What was found of an actuator, with the units of its sweeps.
+/// The results for an actuator, with the units of its sweeps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
     /// The candidate models.

@@ -1,4 +1,4 @@
-//! Which candidate is chosen, and what is said of each.
+//! The chosen candidate, and the verdict on each.
 
 use crate::characteristic::{Candidate, Quality};
 use crate::crossval::mean_and_error;

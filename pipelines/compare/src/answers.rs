@@ -329,7 +329,7 @@ fn adjust(rows: &mut [Row]) -> Result<(), CompareError> {
     Ok(())
 }
 
-/// The answers compared as a table, with what is to be known of it.
+/// The answers compared as a table, with its notes.
 ///
 /// # Errors
 /// A number that is none.

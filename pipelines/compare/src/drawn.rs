@@ -1,4 +1,4 @@
-//! How the order of a session's trials came about.
+//! How the order of a session's trials was drawn.
 
 use serde::Serialize;
 use zwidth_study::order::Rules;
@@ -11,7 +11,7 @@ pub struct SessionOrder {
     pub participant: ParticipantId,
     /// In which session.
     pub session: SessionId,
-    /// How this program drew the order; nothing for an order of others.
+    /// How this program drew the order; none for an order from elsewhere.
     pub drawn: Option<DrawnOrder>,
 }
 
@@ -20,8 +20,8 @@ pub struct SessionOrder {
 pub struct DrawnOrder {
     /// By what it was drawn.
     pub rules: Rules,
-    /// With which seed: sessions of one seed are balanced against each other. Nothing where that is
-    /// not told (sealed sessions), and they are taken to have one seed.
+    /// The seed: sessions of one seed are balanced against each other. None if it is not known
+    /// (sealed sessions); these are assumed to have one seed.
     pub seed: Option<u64>,
     /// Trials before the first block.
     pub familiarisation: u32,

@@ -7,10 +7,10 @@
 //! The unweighted mean over participants of (mean in one mode − mean in the other), sessions
 //! averaged with equal weight, per environment. Repeats of one person are not people: with several
 //! participants n counts participants, and each contributes one difference, tested by Student's t
-//! with n − 1 degrees of freedom (the differences carry their own variance, so no sphericity is
-//! assumed). With one participant, n counts trials, everything is said "within this participant",
+//! with n − 1 degrees of freedom (the differences have their own variance, so no sphericity is
+//! assumed). With one participant, n counts trials, every statement is "within this participant",
 //! and claims rest on randomisation over the orders that the design could have drawn; Welch's
-//! interval (sessions as strata) stands beside as a description.
+//! interval (sessions as strata) is given beside it as a description.
 //!
 //! # Families
 //! The contrasts of the primary metric over all environments are one family of claims, adjusted
@@ -88,7 +88,7 @@ pub struct Comparison {
     pub orders: Vec<OrderTest>,
     /// What these differences are in the other orders.
     pub redrawn: Vec<RedrawnDifference>,
-    /// What stands below the rows of each metric.
+    /// The notes below the rows of each metric.
     pub notes: Vec<MetricNote>,
 }
 

@@ -1,7 +1,8 @@
 //! The mixed model beside the paired differences: one row per environment and contrast.
 //!
-//! Trials are the rows, participants and their combinations with mode and session are random, as
-//! many as the design can tell apart. Who lacks a mode stays in the model (missing at random).
+//! Trials are the rows; participants and their combinations with mode and session are random, as
+//! many as the design can separate. A participant who lacks a mode stays in the model (missing at
+//! random).
 
 use crate::Parameters;
 use crate::measure::Measure;

@@ -1,4 +1,4 @@
-//! What stands below the tables: of whom they speak, how claims were tested, who is missing.
+//! The notes below the tables: whom the tables are about, how claims were tested, who is missing.
 
 use crate::cells::{Cell, Cells};
 use crate::measure::Measure;

@@ -19,7 +19,7 @@ pub struct Parameters {
     pub contrasts: Vec<Contrast>,
     /// Which of them are adjusted together.
     pub families: Families,
-    /// What an adjusted p value must lie below for a claim.
+    /// A claim needs an adjusted p value below this.
     pub alpha: f64,
     /// Level of every interval, as a fraction.
     pub level: f64,
@@ -38,12 +38,12 @@ pub struct MetricParameters {
     pub primary: bool,
     /// Which values of it are better.
     pub better: Better,
-    /// What the study's plan says of this analysis, where there is a plan.
+    /// What the study's plan says about this analysis, if there is a plan.
     pub preregistered: Option<Preregistered>,
     /// For each environment the size up to which differences are equivalent, in the metric's SI
     /// unit, where the study says so.
     pub bounds: Vec<Option<f64>>,
-    /// What of the metric is just noticed; `None` where nobody feels it.
+    /// The just noticeable difference of the metric; `None` if nobody feels it.
     pub noticed: Option<Noticed>,
 }
 
@@ -54,10 +54,10 @@ pub struct Noticed {
     pub perception: Perception,
     /// Length of the lever, m; 0 without one.
     pub lever_m: f64,
-    /// Whether positions are those of a slide: how far a hand must go to be elsewhere is known of
-    /// joints, not of slides.
+    /// Whether positions are those of a slide: the just noticeable movement is known for joints,
+    /// not for slides.
     pub is_slide: bool,
-    /// For each environment the value of the metric that it commands, where it does.
+    /// For each environment, the value of the metric that it commands, if any.
     pub commanded: Vec<Option<f64>>,
 }
 

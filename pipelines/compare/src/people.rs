@@ -1,4 +1,5 @@
-//! Everybody's own difference between two modes: one row per participant, environment and contrast.
+//! Each participant's own difference between two modes: one row per participant, environment and
+//! contrast.
 
 use crate::Parameters;
 use crate::cells::Cells;

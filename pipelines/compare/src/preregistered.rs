@@ -3,12 +3,12 @@
 use serde::Serialize;
 use zwidth_tables::NoteKind;
 
-/// What a plan says of the analysis that is made.
+/// What a plan says about the analysis that is made.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Preregistered {
-    /// BLAKE3 of the plan's file, hexadecimal; empty where it cannot be read.
+    /// BLAKE3 of the plan's file, hexadecimal; empty if it cannot be read.
     pub blake3: String,
-    /// What is otherwise than planned, each in words.
+    /// The deviations from the plan, each in words.
     pub deviations: Vec<String>,
     /// What else a reader of the plan should know: whole sentences.
     pub remarks: Vec<String>,

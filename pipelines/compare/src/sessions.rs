@@ -1,5 +1,5 @@
 //! Sessions compared: how participants changed from one session to another, and how well one
-//! session tells another.
+//! session predicts another.
 
 use crate::Parameters;
 use crate::cells::{Cell, Cells};

@@ -1,4 +1,4 @@
-//! The trials that count, by the places of the names that they have.
+//! The trials that count, with their names as indices.
 
 use crate::measure::Measure;
 use crate::{CompareError, Parameters};

@@ -1,4 +1,5 @@
-//! What figures say of a study besides what was recorded and derived, and what each says of itself.
+//! What figures say about a study besides recorded and derived data, and what each says about
+//! itself.
 
 use serde::Serialize;
 use zwidth_study::{Coordinate, Mode, REFERENCE, Study};
@@ -49,14 +50,14 @@ impl Serialize for FigureKind {
     }
 }
 
-/// What a figure says of itself.
+/// What a figure says about itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Caption {
     /// What it shows.
     pub kind: FigureKind,
     /// Of whom or what: `["P01", "S01", "spring"]`; nothing for the study.
     pub subject: Vec<String>,
-    /// How many trials, sweeps or answers it is drawn from; `None` where it is drawn from a plan.
+    /// How many trials, sweeps or answers it is drawn from; `None` if it is drawn from a plan.
     pub n: Option<usize>,
 }
 

@@ -2,9 +2,9 @@
 
 use zwidth_draw::{Figure, markup};
 
-/// What the figure shows, in plain text (`F_ex` for what stands below the line): title, what it
-/// shows, the notes that stand under it, and the mark of simulated data; a paragraph each. A figure
-/// drawn bare leaves title and notes to it.
+/// What the figure shows, in plain text (`F_ex` for subscripts): title, what it shows, the notes
+/// under it, and the mark of simulated data; one paragraph each. A figure drawn bare leaves title
+/// and notes to it.
 pub fn caption_text(figure: &Figure) -> String {
     let title = figure.title.as_deref().map(markup::typed);
     let notes = figure.footnotes.iter().map(|note| markup::typed(note));

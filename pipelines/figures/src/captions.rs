@@ -1,4 +1,4 @@
-//! The captions of all figures in one file, in the formats that documents are written in.
+//! The captions of all figures in one file, in the formats of documents.
 
 use zwidth_tables::{Format, escape_latex, escape_markdown, typst_expression};
 
@@ -10,7 +10,7 @@ pub const CAPTION_FORMATS: [Format; 3] = [Format::Latex, Format::Typst, Format::
 pub struct NamedCaption {
     /// The stem of its files' names.
     pub name: String,
-    /// What [`crate::caption_text`] says of it.
+    /// Its text by [`crate::caption_text`].
     pub paragraphs: Vec<String>,
 }
 
@@ -42,7 +42,7 @@ const LATEX_HEAD: &str = r"% The captions of all figures by their names. \input 
 ";
 
 /// The captions in a format: commands for LaTeX, two dictionaries for Typst, sections for Markdown;
-/// every text is set as it stands. Nothing for a format that no document is written in.
+/// every text is set unchanged. None for a format that is not one of documents.
 pub fn captions_text(format: Format, captions: &[NamedCaption]) -> String {
     match format {
         Format::Latex => latex(captions),

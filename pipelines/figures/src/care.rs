@@ -1,4 +1,4 @@
-//! What trials of a figure have against them, in a note below it.
+//! Doubts about the trials of a figure, in a note below it.
 
 use crate::words::plain;
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use zwidth_draw::Figure;
 pub struct Found {
     /// The trial's number.
     pub trial: u32,
-    /// The column that it was found in; empty where it is of the whole trial.
+    /// The column in which it was found; empty if it is about the whole trial.
     pub column: String,
     /// What it is, a phrase.
     pub what: String,

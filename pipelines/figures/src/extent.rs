@@ -1,5 +1,5 @@
-//! How far the axes of figures reach that are to be compared with each other, and which part of one
-//! is worth a panel of its own.
+//! The ranges of axes in figures that are to be compared with each other, and the part of one that
+//! deserves a panel of its own.
 
 use crate::course::data::EnvironmentData;
 use crate::course::panels::on_axis;

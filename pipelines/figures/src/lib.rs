@@ -17,16 +17,16 @@
 //! | `characteristic` | 22, 23 | an actuator's response to its command: sweeps, mean, first-order and chosen fit |
 //! | `likert` | 30 | answers, diverging bars with counts |
 //! | `ratings` | – | answers on scales of many points: each, with median, quartiles and mean |
-//! | `compared` | – | modes, participants and repeats compared, one metric a figure |
+//! | `compared` | – | modes, participants and repeats compared, one metric per figure |
 //! | `freemotion` | – | plane-fit coefficients with intervals, by session and mode |
 //! | `simulation` | 11, 12, 33–35; 8 | model runs: forces against angle and time, angle against time; their inputs |
 //! | `bow_tie` | 31 | brake and motor of a lever whose motion is given |
 //! | `chattering` | – | swings of solvers against their step |
 //! | `work_precision` | – | error against work of every solver and step |
-//! | `less` | – | what less of the recordings does to metrics |
+//! | `less` | – | the effect of fewer recorded data on metrics |
 //! | `finding` | – | that an oscillation is the method's, at a glance |
 //! | `impedance` | – | the Z-width of a device: the stiffest wall against its damping |
-//! | `stability` | – | which walls a sampled device bears: each limit a line with its name |
+//! | `stability` | – | which walls a sampled device can render: each limit a line with its name |
 //! | `ladder` | – | models of a scene: cost against error, and what each term does |
 
 mod about;

@@ -1,4 +1,4 @@
-//! What a study calls its coordinate, and in which unit it stands on axes.
+//! The name of a study's coordinate, and its unit on axes.
 
 use zwidth_draw::{Axis, markup};
 use zwidth_study::{Coordinate, Source};
@@ -27,7 +27,7 @@ impl Words {
         Self { coordinate }
     }
 
-    /// An angle as it stands on the axis: degrees, or millimetres along the slide.
+    /// An angle in the unit of the axis: degrees, or millimetres along the slide.
     pub fn position(self, theta_rad: f64) -> f64 {
         match self.coordinate {
             Coordinate::Rotational => theta_rad.to_degrees(),

@@ -1,4 +1,4 @@
-//! The plane through one recording.
+//! The plane fitted to one recording.
 
 use serde::Serialize;
 use zwidth_numerics::{NumericsError, lsq};

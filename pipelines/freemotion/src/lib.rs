@@ -1,16 +1,16 @@
-//! Stage: what free motion tells of the device: plane fits, and the plant.
+//! Stage: what free motion reveals about the device: plane fits, and the plant.
 //!
-//! Where nothing is rendered, what the user feels is the device itself. [`plane_fit`] describes one
-//! recording by
+//! If nothing is rendered, the user feels the device itself. [`plane_fit`] describes one recording
+//! by
 //!
 //! τ = c + I θ̈ + b θ̇,
 //!
-//! least squares over all its samples: c an offset (N·m), I the inertia felt (kg·m²), b the damping
-//! felt (N·m·s/rad); smaller is more transparent. A time average of free motion means nothing (no
-//! two movements follow the same course), but these three can be compared over controllers and
-//! sessions.
+//! fitted by least squares to all its samples: c is an offset (N·m), I the inertia felt (kg·m²), b
+//! the damping felt (N·m·s/rad); smaller is more transparent. A time average of free motion means
+//! nothing (no two movements follow the same course), but these three can be compared between
+//! controllers and sessions.
 //!
-//! Where the angle was recorded and no acceleration, [`plant_fit`] asks for more of the device, and
+//! If the angle was recorded but no acceleration, [`plant_fit`] estimates more of the device, and
 //! never differentiates twice:
 //!
 //! τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ,
@@ -21,10 +21,10 @@
 //! # Intervals
 //! Samples taken hundreds of times a second are not independent: what the plane leaves out
 //! (friction that turns with the direction, the sensor's delay, the hand) changes over tenths of a
-//! second, so a residual resembles the ones around it and the usual standard errors come out
-//! several times too small. Standard errors are Newey and West's with a tenth of the recording as
-//! bandwidth, and intervals are t with 9 degrees of freedom ([`zwidth_stats::recording`]). They
-//! speak of one recording; sessions differ by more than that.
+//! second, so a residual resembles its neighbours, and the usual standard errors are several times
+//! too small. Standard errors are Newey and West's with a tenth of the recording as bandwidth, and
+//! intervals are t with 9 degrees of freedom ([`zwidth_stats::recording`]). They describe one
+//! recording; sessions differ by more than that.
 //!
 //! Pure: samples in memory, rows out; the same samples give the same bits. Only trials that count
 //! may come in (`StudyData::counting`): the caller filters.

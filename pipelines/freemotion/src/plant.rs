@@ -1,4 +1,4 @@
-//! The plant through one recording with an angle.
+//! The plant fitted to one recording with an angle.
 
 use crate::FreeMotionError;
 use crate::Parameters;
@@ -16,11 +16,11 @@ const NEEDS: &str = "a plant fit needs torque, angle and velocity";
 /// τ = c + I θ̈ + b θ̇ + τ_c sgn θ̇ + κ θ for one recording, from its angle: θ̈ is never formed.
 ///
 /// Each side is averaged over stretches of 0.2 s with weights φ that vanish with their derivatives
-/// at both ends: ∫φ τ = c ∫φ + I ∫φ'' θ − b ∫φ' θ + τ_c sgn θ̇ ∫φ + κ ∫φ θ. What a double
-/// differentiation makes of the angle sensor's steps would pull I towards 0; here they average out,
-/// and torque and angle pass through the same weights, so neither lags behind the other. A stretch
-/// counts where |θ̇| ≥ `analysis.onset_rad_s` with one sign at every sample: stuck, dry friction
-/// takes any value. One stretch a sample, and least squares over all of them.
+/// at both ends: ∫φ τ = c ∫φ + I ∫φ'' θ − b ∫φ' θ + τ_c sgn θ̇ ∫φ + κ ∫φ θ. Differentiating the
+/// angle sensor's steps twice would pull I towards 0; here the steps average out, and torque and
+/// angle pass through the same weights, so neither lags behind the other. A stretch counts if |θ̇|
+/// ≥ `analysis.onset_rad_s` with one sign at every sample: while the device sticks, dry friction
+/// takes any value. There is one stretch per sample, and least squares over all of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantFit {
     /// Which trial.

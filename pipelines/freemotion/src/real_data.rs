@@ -1,4 +1,4 @@
-//! The plane fits against recordings made by others; the test says so where they are not there.
+//! The plane fits against recordings made by others; the test says so if they are missing.
 
 use crate::fit::tests::{parameters, trial};
 use crate::plane_fit;

@@ -1,7 +1,7 @@
 //! The force below which the brake lets go, from what the controller did.
 //!
-//! A threshold between two recorded forces cannot be told apart from any other between them: it has
-//! a bracket, which holds it for certain, and no interval.
+//! Thresholds between the same two recorded forces cannot be told apart. So the threshold has a
+//! bracket, which certainly contains it, and no interval.
 
 /// A trial with motor and brake, sample by sample; all of one length.
 #[derive(Debug, Clone, Copy)]
@@ -16,10 +16,10 @@ pub struct Switching<'a> {
     pub brake_v: &'a [f64],
 }
 
-/// Between which forces the threshold lies, N.
+/// The forces between which the threshold lies, N.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bracket {
-    /// Largest force at which the brake let go; `None` where it never did.
+    /// Largest force at which the brake let go; `None` if it never did.
     pub low_n: Option<f64>,
     /// Smallest force at which it held on to a lever that did not move on; `None` where there was
     /// none.

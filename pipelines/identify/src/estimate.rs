@@ -22,7 +22,7 @@ pub struct Estimate {
     pub std_error: Option<f64>,
     /// Effective degrees of freedom of the standard error; `None` likewise.
     pub df: Option<f64>,
-    /// Where the profile stays within the level asked for; an end may be a bound. `None` likewise.
+    /// Where the profile stays within the requested level; an end may be a bound. `None` likewise.
     pub interval: Option<(f64, f64)>,
     /// Variance inflation: by how much its variance is larger than if the other parameters were
     /// known, 1 at least; `None` for a parameter that the trials do not determine.

@@ -8,16 +8,16 @@ use rayon::prelude::*;
 use zwidth_results::{FitPart, PlantTrialError};
 use zwidth_study::TrialMeta;
 
-/// A trial of which something is to be explained.
+/// A trial to be explained.
 #[derive(Debug, Clone, Copy)]
 pub struct Recording<'a> {
     /// Which trial.
     pub meta: &'a TrialMeta,
-    /// What is to be explained, with all of its noise.
+    /// The observations to be explained, with all of their noise.
     pub observed: &'a [f64],
 }
 
-/// What is to be fitted, and from where.
+/// What is to be fitted, and from which starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Task<'a, const P: usize> {
     /// The parameters.

@@ -1,17 +1,17 @@
 //! Stage: the plant's parameters that fit recorded trials best, how well they are known, and
 //! whether the fit beats a choice by eye on trials it has not seen.
 //!
-//! [`identify`] takes what was observed in recordings and any model that explains it from
-//! parameters: what the model is made of it does not know. Of each participant's repeats of a
-//! condition, by session, every other one, beginning with the first, is fitted; the others are held
-//! out and only judged.
+//! [`identify`] takes observations from recordings and any model that explains them by parameters;
+//! it does not know what the model consists of. It fits every other repeat of each participant,
+//! session and condition, beginning with the first; the others are held out and only judged.
 //!
-//! * **Fit**: least squares of what was observed in all fitted trials, within bounds, by a
-//!   projected Levenberg–Marquardt method from several starts, of which the best end counts. Slopes
-//!   are central differences. The noise must be in what is explained, not in what explains.
-//! * **Intervals**: where the profile's likelihood ratio stays below t². The ratio is scaled by the
-//!   standard error of leaving out each trial in turn, because errors within a trial are alike, and
-//!   t has Satterthwaite's degrees of freedom, because a parameter may show in few of the trials.
+//! * **Fit**: least squares over the observations of all fitted trials, within bounds, by a
+//!   projected Levenberg–Marquardt method from several starts; the best result counts. Slopes are
+//!   central differences. The noise must be in the dependent variable, not in the explanatory ones.
+//! * **Intervals**: the values for which the profile's likelihood ratio stays below t². The ratio
+//!   is scaled by the standard error from leaving out each trial in turn, because errors within a
+//!   trial are correlated, and t has Satterthwaite's degrees of freedom, because a parameter may
+//!   affect only a few of the trials.
 //! * **Left out**: a trial's error with the parameters that the other fitted trials give, by one
 //!   Gauss–Newton step.
 //! * **Identifiability**: see [`Identifiability`](zwidth_results::Identifiability).

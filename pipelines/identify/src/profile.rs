@@ -1,5 +1,5 @@
-//! The profile of a parameter: what becomes of the error when it is held elsewhere and the others
-//! are fitted anew.
+//! The profile of a parameter: how the error changes if the parameter is held at another value and
+//! the others are fitted again.
 
 use crate::Parameter;
 use crate::estimate::{Spread, inverse};
@@ -26,7 +26,7 @@ const MAX_STEPS: usize = 10;
 pub struct Point {
     /// Value at which the parameter is held.
     pub value: f64,
-    /// Σ r² with the others fitted anew, over that of the fit.
+    /// Σ r² with the others fitted again, divided by that of the fit.
     pub relative_error: f64,
     /// Likelihood ratio, −2 ln: how much less likely the value is than the fit; 3.84 is the end of
     /// a 95 % interval with many degrees of freedom.

@@ -53,7 +53,7 @@ impl From<&Estimate> for PlantEstimate {
     }
 }
 
-/// The covariance of the parameters, each pair once and each with itself; none where there is no
+/// The covariance of the parameters, each pair once and each with itself; none if there is no
 /// covariance.
 pub fn covariances(found: &Identified) -> Vec<PlantCovariance> {
     let Some(v) = &found.covariance else { return Vec::new() };
@@ -73,8 +73,8 @@ pub fn covariances(found: &Identified) -> Vec<PlantCovariance> {
     rows
 }
 
-/// The profiles: what becomes of the error when a parameter is held at a value and the others are
-/// fitted anew.
+/// The profiles: how the error changes if a parameter is held at a value and the others are fitted
+/// again.
 pub fn profiles(estimates: &[Estimate]) -> Vec<PlantProfile> {
     let mut rows = Vec::new();
     for estimate in estimates {
@@ -89,8 +89,8 @@ pub fn profiles(estimates: &[Estimate]) -> Vec<PlantProfile> {
     rows
 }
 
-/// Between which forces the brake's let-go threshold lies, beside the one that was set; nothing
-/// without a trial in which it could show.
+/// The forces between which the brake's let-go threshold lies, beside the one that was set; none
+/// without a trial that could show it.
 pub fn threshold(found: &Bracket, set_n: f64) -> Option<ThresholdBracket> {
     let Bracket { low_n, high_n, releases } = *found;
     let is_shown = low_n.is_some() || high_n.is_some();

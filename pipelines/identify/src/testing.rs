@@ -1,4 +1,4 @@
-//! A lever on a spring that is pushed, for the tests of this crate.
+//! A pushed lever on a spring, for the tests of this crate.
 
 use crate::Parameter;
 use zwidth_dynamics::{

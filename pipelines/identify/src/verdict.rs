@@ -1,4 +1,4 @@
-//! Whether the trials say what a parameter is.
+//! Whether the trials determine a parameter.
 
 use crate::Estimate;
 use crate::estimate::{inverse, on_bound};

@@ -1,4 +1,4 @@
-//! Whether recordings bear the choices of a study out.
+//! Whether recordings confirm the choices of a study.
 
 use crate::held_out::{Knobs, Tried};
 use zwidth_results::{
@@ -17,7 +17,7 @@ const NOTES: [&str; 3] = [
 /// repeats do not tell finer ones apart.
 const SMALLER: f64 = 0.1;
 
-/// Models held against a condition's trials, one row a model.
+/// Models compared with a condition's trials, one row per model.
 pub fn held_out_models(
     condition: &LadderCondition,
     tried: &[Tried],
@@ -107,7 +107,7 @@ fn borne_out(
     })
 }
 
-/// The choice of a condition, and what was fitted; `None` where nothing was.
+/// The choice of a condition, and its fit; `None` if nothing was fitted.
 pub fn fitted(models: &[HeldOutModel]) -> Option<(TermSet, Knobs)> {
     let choice = models.iter().find(|tried| tried.model == TriedModel::Choice)?;
     let knobs = Knobs {

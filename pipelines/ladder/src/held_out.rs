@@ -1,4 +1,4 @@
-//! Whether recordings bear a choice out: a model is fitted to some repeats and predicts the others.
+//! Whether recordings confirm a choice: a model is fitted to some repeats and predicts the others.
 
 use crate::model::{Loop, model};
 use crate::ranges::Point;
@@ -20,9 +20,9 @@ pub struct Recorded {
     pub theta_rad: Vec<f64>,
 }
 
-/// What a fit may change, each as a factor of the twin's default or, where it has none, of the
-/// middle of the range: inertia, friction at rest and in motion, viscous friction, both lags of the
-/// brake, what the lever weighs.
+/// What a fit may change, each as a factor of the twin's default or, if it has none, of the middle
+/// of the range: inertia, friction at rest and in motion, viscous friction, both lags of the brake,
+/// the weight of the lever.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Knobs {
     /// Of the moment of inertia.
@@ -167,7 +167,7 @@ pub fn held_out(trials: &[Recorded], set: TermSet, looped: &Loop) -> Option<Held
     })
 }
 
-/// A model that was held against recordings, and what it is to the choice.
+/// A model that was compared with recordings, and its relation to the choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tried {
     /// What it is.
@@ -177,7 +177,7 @@ pub struct Tried {
 }
 
 /// The choice, the choice without each of its terms in turn, and the fullest model, each fitted
-/// anew and judged on the other trials; nothing without trials.
+/// again and judged on the other trials; none without trials.
 pub fn tried(trials: &[Recorded], choice: TermSet, fullest: TermSet, looped: &Loop) -> Vec<Tried> {
     let less = choice.terms().map(|term| (TriedModel::Without(term), choice.without(term)));
     let sets = std::iter::once((TriedModel::Choice, choice)).chain(less);
@@ -204,7 +204,7 @@ pub struct Plant {
     pub brake_lag_s: [f64; 2],
 }
 
-/// The plant that fitted factors stand for.
+/// The plant for fitted factors.
 pub fn plant(set: TermSet, knobs: Knobs) -> Plant {
     let twin = knobs.point().twin;
     let driven = twin.plant(None);

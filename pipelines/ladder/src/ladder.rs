@@ -1,4 +1,4 @@
-//! Every set of terms against the fullest model, at every point.
+//! Compares every set of terms with the fullest model, at every point.
 
 use crate::error::LadderError;
 use crate::model::{Loop, model};
@@ -19,7 +19,7 @@ pub const DEFAULT_POINTS: usize = 64;
 /// Most periods of the loop in a scene.
 pub const MOST_PERIODS: usize = 100_000;
 
-/// What a ladder is made of besides its scene.
+/// The parts of a ladder besides its scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// The digital loop.
@@ -97,8 +97,8 @@ impl Ladder {
         self.rungs.iter().find(|rung| rung.set == set)
     }
 
-    /// The cheapest model that nobody could tell from the fullest, at any point; of equally cheap
-    /// ones that with fewer terms.
+    /// The cheapest model that nobody could tell from the fullest, at any point; among equally
+    /// cheap ones, that with fewer terms.
     pub fn choice(&self) -> Option<&Rung> {
         let enough = self.rungs.iter().filter(|rung| rung.is_enough());
         enough.min_by(|a, b| {

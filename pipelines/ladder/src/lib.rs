@@ -1,9 +1,9 @@
 //! Stage: which terms of the model a scene needs ("model only what a scene requires").
 //!
 //! [`ladder`] runs a scene with every set of eight terms ([`zwidth_results::LadderTerm`]: 2⁸ models) at points of
-//! Sobol's sequence over the ranges of the twin's parameters, and holds each against the fullest
+//! Sobol's sequence over the ranges of the twin's parameters, and compares each with the fullest
 //! model at the same point. [`Ladder::choice`] is the cheapest set whose difference nobody could
-//! feel at any point; total effects and interactions say how much each term does. Proper
+//! feel at any point; total effects and interactions measure the effect of each term. Proper
 //! modelling: B. H. Wilson & J. L. Stein, ASME Winter Annual Meeting, DSC 41 (1992) 47–58; T. Ersal
 //! et al., J. Dyn. Syst. Meas. Control 130 (2008) 061008.
 //!

@@ -1,9 +1,9 @@
 //! The family of models: a scene with any set of the eight terms, at a point of the parameters.
 //!
-//! Without sampling, delay and sensors the environment's law acts at every instant and `exact` runs
-//! the scene as it is. With any of them a controller asks at ticks and its command is held
-//! ([`zwidth_dynamics::HeldScene`]); without sampling the ticks are a small part of a period, and a
-//! delay is shortened by half of one, which is what the hold delays by itself.
+//! Without sampling, delay and sensors, the environment's law acts at every instant, and `exact`
+//! runs the scene as it is. With any of them, a controller acts at ticks, and its command is held
+//! ([`zwidth_dynamics::HeldScene`]). Without sampling the ticks are a small part of a period, and a
+//! delay is shortened by half a tick, because the hold itself delays by that much.
 
 use crate::ranges::Point;
 use zwidth_device::{TwinParameters, Velocity};
@@ -15,7 +15,7 @@ const WEIGHT_RADIUS_M: f64 = 0.04;
 /// L_F0, m (thesis Table 3).
 const FINGER_LENGTH_M: f64 = 0.006;
 
-/// The digital loop of a scene: what its terms are made of besides the twin's numbers.
+/// The digital loop of a scene: the numbers of its terms besides the twin's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loop {
     /// T: the controller's period, s.

@@ -1,4 +1,4 @@
-//! What models are compared by, and when a difference could be felt.
+//! The quantities by which models are compared, and when a difference could be felt.
 
 use crate::run::Course;
 use std::ops::Range;
@@ -9,7 +9,7 @@ const HALF_WINDOW_S: f64 = 0.05;
 /// A force jumps where it changes by more than this share of its largest size within a window.
 const JUMP: f64 = 0.25;
 
-/// The numbers of a course where there is no study: largest angle, angle at the end, largest force.
+/// The numbers of a course without a study: largest angle, angle at the end, largest force.
 pub fn own(course: &Course) -> Vec<Measured> {
     let number = |name: &str, unit: &str, value: f64| Measured {
         name: name.to_owned(),

@@ -1,4 +1,4 @@
-//! Within what the numbers of a scene's terms may lie, and points in it.
+//! The ranges of the numbers of a scene's terms, and points in these ranges.
 
 use crate::LadderError;
 use zwidth_device::{HAND_RANGES, TwinParameters};
@@ -9,11 +9,11 @@ use zwidth_numerics::sobol::sobol_points;
 pub struct Range {
     /// What it is, with its unit.
     pub name: &'static str,
-    /// Where it lies.
+    /// Its lower end.
     pub low: f64,
     /// Up to where.
     pub high: f64,
-    /// Where it comes from, or that it is assumed.
+    /// Its source, or that it is assumed.
     pub source: &'static str,
 }
 

@@ -47,9 +47,9 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// One number to compare models by: evaluations, as [`WorkCounts::in_evaluations`] counts them
-    /// (an exponential of n entries is worth n products), and one a decision. It does not depend
-    /// on the machine, and is not a time.
+    /// One number by which to compare models: evaluations, as [`WorkCounts::in_evaluations`] counts
+    /// them (an exponential of n entries counts as n products), and one per decision. It does not
+    /// depend on the machine, and is not a time.
     pub fn in_evaluations(&self) -> u64 {
         self.work.evaluations + self.work.factorisations * self.entries + self.decisions
     }

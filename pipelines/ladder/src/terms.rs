@@ -1,4 +1,4 @@
-//! Which terms a scene can have, and which of them it gives numbers for.
+//! The terms that a scene can have, and those for which it gives numbers.
 
 use zwidth_dynamics::ModelScene;
 use zwidth_results::{LadderTerm, TermSet};

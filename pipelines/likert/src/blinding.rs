@@ -1,4 +1,4 @@
-//! The blinding index: how often a participant who was asked which mode it was knew it.
+//! The blinding index: how often participants knew the mode when asked for it.
 
 use crate::LikertError;
 use serde::Serialize;
@@ -8,7 +8,7 @@ use zwidth_stats::interval;
 use zwidth_study::{AnswerValue, ModeId, ParticipantId};
 use zwidth_tables::{NoteKind, Table, TableError};
 
-/// One trial after which it was asked which mode it was.
+/// One trial after which a question asked for the mode.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Guess {
     /// Who was asked.
@@ -28,7 +28,7 @@ pub struct Guess {
 pub struct Blinding {
     /// The study's modes, in its order.
     pub modes: Vec<ModeId>,
-    /// The trials after which it was asked, in the order of participants.
+    /// The trials after which the mode was asked for, in the order of participants.
     pub guesses: Vec<Guess>,
     /// Trials of sealed sessions that would be among them.
     pub sealed: usize,
@@ -94,16 +94,16 @@ fn all_wrong(choices: u8) -> f64 {
     -1.0 / (f64::from(choices) - 1.0)
 }
 
-/// The blinding index: for each participant and mode, and where there are several
-/// participants for each mode over them, the trials after which it was asked which mode it was, the
-/// answers that were right, wrong, and "do not know", and the index.
+/// The blinding index: for each participant and mode, and, if there are several participants, for
+/// each mode over them, the trials after which the mode was asked for, the answers that were right,
+/// wrong, and "do not know", and the index.
 ///
 /// The index is the mean over the answered trials of 1 if right, −1/(k − 1) if wrong, 0 for "do not
 /// know", with k modes to choose from: 0 at chance, 1 if always right, −1/(k − 1) if always wrong.
 /// For k = 2 it is (right − wrong)/n, the index of Bang, Ni & Davis 2004 (Controlled Clinical Trials
 /// 25:143). Over participants it is the mean of their indices, with a t interval over participants,
-/// held to what an index can be: repeats are not people. No interval for fewer than two
-/// participants, nor where all have the same index.
+/// cut off at the limits of an index: repeats are not people. No interval for fewer than two
+/// participants, or if all have the same index.
 ///
 /// # Errors
 /// An answer that was not offered; a level outside (0, 1).
@@ -127,7 +127,7 @@ pub fn blinding(of: &Blinding) -> Result<Vec<BlindingIndex>, LikertError> {
     Ok(rows)
 }
 
-/// The same as a table, with what the index is and what is not in it below.
+/// The same as a table, with notes on the definition of the index and on what is not in it.
 ///
 /// # Errors
 /// A number that is not finite.

@@ -1,4 +1,4 @@
-//! Counts of the answers on a scale, and what they say of the middle and the spread.
+//! Counts of the answers on a scale, with their middle and spread.
 
 use std::collections::BTreeMap;
 use zwidth_numerics::moments::Moments;

@@ -2,22 +2,22 @@
 //!
 //! [`tally`] counts, for each environment × mode, how often each point of a question's scale was
 //! chosen: one row per question, and one per group of questions with its answers pooled. An answer
-//! to a reversed question (where agreement speaks against) counts from the other end
-//! (6 − a on a scale from 1 to 5: lowest + highest − a), so that the last point is always the
-//! favourable one. Only answers that were given are counted: an unanswered question is not a 0, and
-//! a condition nobody answered for has no row.
+//! to a reversed question (where agreement is unfavourable) counts from the other end (6 − a on a
+//! scale from 1 to 5: lowest + highest − a), so that the last point is always the favourable one.
+//! Only answers that were given are counted: an unanswered question is not a 0, and a condition
+//! nobody answered for has no row.
 //!
 //! A scale of up to [`zwidth_study::AnswerScale::MOST_CATEGORIES`] points is ordinal: there is a
 //! median and no mean. On a longer one (0 to 100) answers are a quantity, with quartiles and a mean
-//! in the place of counts; those on a line, which may have decimals, count by their own numbers.
+//! instead of counts; answers on a line, which may have decimals, count with their own numbers.
 //! Answers pooled over a group come from the same people, so `n` there is a number of answers, not
-//! of independent ones; `participants` says of how many.
+//! of independent ones; `participants` says of how many people.
 //!
 //! [`long`] gives the answers themselves, one row each, as they were given: those that count, and the
 //! others with the reason.
 //!
-//! The question which mode it was is none of these: its answers are names, in no tally. [`blinding`]
-//! counts how often they were right.
+//! The question which mode it was is different: its answers are names, and are in no tally.
+//! [`blinding`] counts how often they were right.
 //!
 //! Pure: answers in memory, rows out. Only answers that count may come into a tally
 //! (`StudyData::answers` gives those).

@@ -67,7 +67,7 @@ pub enum LikertError {
 
 type ByQuestion = BTreeMap<(Condition, QuestionId), Counts>;
 
-/// What can be asked, and after what, in the order of the study file.
+/// The possible questions, and the environments that ask them, in the order of the study file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scheme {
     /// The environments.
@@ -111,7 +111,7 @@ impl Scheme {
         Column { field, values }
     }
 
-    /// Whether an answer rates what was felt, and is for the tally to count, or to refuse if the
+    /// Whether an answer rates what was felt, so that the tally must count it, or refuse it if the
     /// study does not have its question.
     pub fn rates(&self, answer: &Answer) -> bool {
         let question = self.questions.iter().find(|q| q.id == answer.question);
@@ -124,8 +124,8 @@ impl Scheme {
     }
 }
 
-/// The counts, in the order of the study file: for each environment and mode first a row a question,
-/// then one row per group. Answers to the question which mode it was are in no row.
+/// The counts, in the order of the study file: for each environment and mode first one row per
+/// question, then one row per group. Answers to the question which mode it was are in no row.
 ///
 /// # Errors
 /// An answer off the scale; a question, environment or mode that the study does not have.

@@ -1,4 +1,4 @@
-//! The actuators' force discrepancy: what is left of the user's without the plant (thesis, appendix
+//! The actuators' force discrepancy: the user's without the share of the plant (thesis, appendix
 //! B).
 
 use crate::branch::Branches;

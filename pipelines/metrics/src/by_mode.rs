@@ -1,4 +1,4 @@
-//! The metrics by condition as a page has room for them: a row a metric, modes beside each other.
+//! The metrics by condition in a form that fits on a page: one row per metric, modes side by side.
 
 use zwidth_results::ConditionTrials;
 use zwidth_tables::{Column, Field, Table, TableError, Type, UNIT_OF_ROW, Values, split_unit};
@@ -17,8 +17,8 @@ struct Metric<'a> {
 
 /// The table of conditions ([`crate::by_condition`]) with one row per participant, session,
 /// environment and metric, and in each mode's columns mean and standard deviation; `modes` are ids
-/// and labels, and a mode that is not among them stands behind them under its id. What an
-/// environment has of no mode is left out. The first row of each block is the number of trials.
+/// and labels, and a mode that is not among them comes after them under its id. A metric that no
+/// mode of an environment has is left out. The first row of each block is the number of trials.
 ///
 /// # Errors
 /// A table that is not one of conditions, or labels that cannot be names of columns beside each

@@ -164,7 +164,7 @@ const OF_LEVER: [&str; 5] = [
     "force_per_power_recorded_n_per_w",
 ];
 
-/// Whether there is no such metric without the lever's length.
+/// Whether the metric needs the lever's length.
 pub fn needs_lever(metric: &str) -> bool {
     OF_LEVER.contains(&metric) || ACTUATORS.iter().any(|spec| spec.name == metric)
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use zwidth_store::Signal;
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, Resistances};
 
-/// What a trial takes from its supply.
+/// The energy that a trial takes from its supply.
 ///
 /// **Recorded**: E = ∫ (U_m I_m + U_b I_b) dt over the recording, U the commanded voltage, held
 /// from sample to sample, I the current recorded beside it
@@ -28,7 +28,7 @@ use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, Resistances};
 /// (a warm winding has more), that the calibration's force is the motor's, and that one actuator is
 /// commanded at a time, so that F_cmd is the motor's where it is on.
 ///
-/// What drivers and computers take is in neither.
+/// Neither includes the energy of drivers and computers.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct ElectricalEnergy {
     /// E, J, from recorded currents. Null where an actuator that the mode uses lacks its current or

@@ -1,9 +1,9 @@
-//! What can be wrong with a trial whose metrics are asked for.
+//! What can be wrong with a trial whose metrics are requested.
 
 use zwidth_numerics::NumericsError;
 use zwidth_stats::StatsError;
 
-/// Why a trial has no metrics. What is merely not recorded is null, not an error.
+/// Why a trial has no metrics. A quantity that was merely not recorded is null, not an error.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MetricsError {
     /// No time.

@@ -1,4 +1,4 @@
-//! What happened in a trial, and when: what a reader of its curves wants marked.
+//! What happened in a trial, and when: the marks for readers of its curves.
 
 use crate::MetricsError;
 use crate::movement::Movement;

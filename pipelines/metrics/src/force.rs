@@ -5,7 +5,7 @@ use crate::signals::Signals;
 use serde::Serialize;
 use zwidth_numerics::series::trapezoid;
 
-/// What the user's force comes to over the recording: all that a force alone tells, of a load held or a
+/// The user's force over the recording: everything that a force alone shows, for a held load or a
 /// grip.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct UserForce {

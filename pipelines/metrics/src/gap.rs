@@ -1,4 +1,4 @@
-//! What compression has over decompression at the same angle, and what it comes to.
+//! The force of compression minus that of decompression at the same angle, and its summaries.
 
 use crate::MetricsError;
 use zwidth_numerics::series::trapezoid;

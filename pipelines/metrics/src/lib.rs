@@ -14,15 +14,15 @@
 //!   first sample of the largest θ. Without a recorded velocity there is neither onset nor end, and
 //!   the whole recording stands in for the movement.
 //! * **The force** counts at the times at which its sensor gave new values, with straight lines
-//!   between them, where the recording tells their age (`force_age_s`); else as recorded. A held
-//!   value lags behind by half of the sensor's interval on average: it would make loops too small
-//!   and an elastic spring look active.
-//! * A metric is null (`None`) where the recording lacks what it needs, or where it does not apply;
-//!   it is never 0 for want of data.
+//!   between them, if the recording gives their age (`force_age_s`); else as recorded. A held value
+//!   lags behind by half of the sensor's interval on average: it would make loops too small and an
+//!   elastic spring look active.
+//! * A metric is null (`None`) if the recording lacks what it needs, or if it does not apply;
+//!   missing data never give 0.
 //!
-//! The definitions stand at the fields of [`Movement`], [`UserForce`], [`Discrepancy`], [`SpringRendering`],
-//! [`WallContact`], [`Stability`], [`ElectricalEnergy`], [`StepResponse`], [`Compliance`],
-//! [`ActuatorDiscrepancy`] and [`EnergyObserver`].
+//! The definitions are at the fields of [`Movement`], [`UserForce`], [`Discrepancy`],
+//! [`SpringRendering`], [`WallContact`], [`Stability`], [`ElectricalEnergy`], [`StepResponse`],
+//! [`Compliance`], [`ActuatorDiscrepancy`] and [`EnergyObserver`].
 
 mod actuator;
 mod branch;
@@ -88,7 +88,7 @@ pub struct TrialMetrics {
     pub meta: TrialMeta,
     /// When and how fast it moved.
     pub movement: Movement,
-    /// What the user's force comes to, with or without a movement.
+    /// The user's force, with or without a movement.
     pub force: UserForce,
     /// How far compression and decompression differ in the user's force; all null where the
     /// environment has no spring.

@@ -36,8 +36,8 @@ pub struct Movement {
     pub velocity_backward_peak_rad_s: Option<f64>,
     /// Smoothness of the way forward: spectral arc length of |θ̇|, onset to reversal;
     /// dimensionless, below 0, a minimum-jerk movement has −1.40 ([`spectral_arc_length`](zwidth_numerics::smoothness::spectral_arc_length);
-    /// Balasubramanian et al. 2015). Null where samples come slower than 20 a second, and for
-    /// a way of less than 10 % of the angles travelled.
+    /// Balasubramanian et al. 2015). Null if there are fewer than 20 samples per second, and for a
+    /// way of less than 10 % of the angles travelled.
     pub sparc_forward: Option<f64>,
     /// Smoothness of the way back, reversal to end.
     pub sparc_backward: Option<f64>,

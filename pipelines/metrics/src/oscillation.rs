@@ -27,10 +27,10 @@ pub struct Swings {
     /// Turns of the lever: extremes of θ from which it retreats by more than 0.2 % of the angles
     /// travelled. A movement there and back has one. Null without a movement.
     pub reversals: Option<i64>,
-    /// Fast swings: turns within 0.1 s of the one before. Null where samples come slower than 40 a
-    /// second.
+    /// Fast swings: turns within 0.1 s of the one before. Null if there are fewer than 40 samples
+    /// per second.
     pub fast: Option<i64>,
-    /// What they come to; null with them.
+    /// Their verdict; null with them.
     pub verdict: Option<RecordedStability>,
     /// Frequency of the fast swings where there are at least six: 1 / (2 · their mean duration),
     /// Hz.

@@ -1,5 +1,5 @@
-//! What a trial says once the plant is known: the actuators' own force discrepancy, and what the
-//! device gave that it had not got.
+//! The metrics of a trial once the plant is known: the actuators' own force discrepancy, and the
+//! energy that the device gave without having received it.
 
 use crate::actuator::{ActuatorDiscrepancy, actuator_discrepancy};
 use crate::energy::{EnergyObserver, energy_observer};
@@ -24,7 +24,7 @@ pub struct PlantMetrics {
     pub energy: EnergyObserver,
 }
 
-/// The metrics of `trial` that rest on the plant; `None` where it was not identified.
+/// The metrics of `trial` that depend on the plant; `None` if it was not identified.
 ///
 /// # Errors
 /// As [`trial_metrics`](crate::trial_metrics).

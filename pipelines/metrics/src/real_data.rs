@@ -1,4 +1,4 @@
-//! The metrics against recordings made by others; each test says so where they are not there.
+//! The metrics against recordings made by others; each test says so if they are missing.
 
 use crate::Parameters;
 use crate::testing::{in_spring, trial};

@@ -1,8 +1,8 @@
-//! A trial's samples as the metrics see them: columns of one length, and where the movement's phases
-//! lie.
+//! A trial's samples as the metrics see them: columns of one length, and the places of the
+//! movement's phases.
 //!
-//! A column is asked for where it is needed and let go after, and no metric needs more than three at
-//! a time: those of a long trial are read from its file when they are asked for.
+//! A column is requested when it is needed and released afterwards, and no metric needs more than
+//! three at a time. The columns of a long trial are read from its file on request.
 
 use crate::{MetricsError, Parameters};
 use std::sync::Arc;

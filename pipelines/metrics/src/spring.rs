@@ -41,14 +41,14 @@ pub struct SpringRendering {
     pub r2: Option<f64>,
     /// Samples of the line.
     pub samples: Option<i64>,
-    /// Where and at which force the spring saturates; all null where it does not.
+    /// Where and at which force the spring saturates; all null if it does not.
     pub saturation: Saturation,
     /// √mean (F_ex − F_cmd)² over the samples of line and plateau, N: the command saturates too.
     /// Null where no commanded force is recorded.
     pub force_rms_error_n: Option<f64>,
     /// F where the lever begins to return, N: at the first sample from the reversal on from which
     /// θ̇ stays below −`analysis.offset_rad_s` until it is below −`analysis.onset_rad_s`, so that
-    /// jitter does not count as a return. Null where it never is, before the end.
+    /// jitter does not count as a return. Null if this never happens before the end.
     pub return_force_n: Option<f64>,
     /// Work the device gives back over work the user puts in: −∫F dθ (reversal → end) / ∫F dθ
     /// (onset → reversal), by the trapezoidal rule, a wall's work included. 1 for an elastic

@@ -10,15 +10,15 @@ use zwidth_numerics::spectrum::BandPower;
 ///
 /// **Verdict.** A model run is judged by the model's own motion, which tells chattering of the
 /// method from what the model does (`zwidth_dynamics::RunVerdict`). A recording cannot be run
-/// again, so that it is `smooth` or `oscillating` by the same count of fast swings, and no more is
+/// again, so it is `smooth` or `oscillating` by the same count of fast swings, and no more is
 /// claimed.
 ///
 /// **Band.** Power and dominant frequency from 5 to 50 Hz, by Welch's method ([`band_power`]),
 /// never above the channel's own Nyquist frequency: for θ̇ half of the rate of samples; for the
 /// force half of the rate at which its sensor gives new values (by `force_age_s`, or else
-/// `device.force_rate_hz` where that is less than the rate of samples): 40 Hz for 80 a second. The
-/// highest frequency taken in is a column of its own. Null where nothing of the band is left, and
-/// for a movement shorter than 1 s.
+/// `device.force_rate_hz` if that is less than the rate of samples): 40 Hz for 80 per second. The
+/// highest included frequency is a column of its own. Null if nothing of the band is left, and for
+/// a movement shorter than 1 s.
 ///
 /// [`band_power`]: zwidth_numerics::spectrum::band_power
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -31,7 +31,7 @@ pub struct Stability {
     /// How often the set of actuators that are on changes: a handover in one sample is one switch.
     /// Null where neither is known.
     pub actuator_switches: Option<i64>,
-    /// Turns of the lever and what they come to.
+    /// Turns of the lever and their verdict.
     pub swings: Swings,
     /// What the user's force does from 5 to 50 Hz.
     pub force_band: Option<BandPower>,

@@ -20,19 +20,19 @@ const LEAST_SAMPLES: usize = 20;
 
 /// The response of the angle to the first step of its reference
 /// ([`REFERENCE`](zwidth_study::REFERENCE)): a change from one sample to the next by at least half of
-/// the reference's range. It is looked at until the reference changes again, or until the recording
+/// the reference's range. It is evaluated until the reference changes again, or until the recording
 /// ends.
 ///
 /// θ₀ is the angle at the step, θ_f its mean over the last tenth of that time. Rise, overshoot and
-/// settling are those of θ between θ₀ and θ_f, so that a steady error is told apart from them
-/// (Ogata, Modern Control Engineering, 5th ed. 2010). Straight lines between samples.
+/// settling are those of θ between θ₀ and θ_f, so that a steady error does not affect them (Ogata,
+/// Modern Control Engineering, 5th ed. 2010). Straight lines between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct StepResponse {
     /// The step of the reference, rad.
     pub step_rad: Option<f64>,
     /// From 10 % to 90 % of the way from θ₀ to θ_f, s.
     pub rise_s: Option<f64>,
-    /// How far θ goes beyond θ_f, over |θ_f − θ₀|; 0 where it does not.
+    /// How far θ goes beyond θ_f, divided by |θ_f − θ₀|; 0 if it does not.
     pub overshoot_share: Option<f64>,
     /// From the step until θ stays within 2 % of |θ_f − θ₀| of θ_f, s.
     pub settling_s: Option<f64>,

@@ -8,8 +8,8 @@ use zwidth_study::TrialMeta;
 use zwidth_tables::{Column, Table, TableError};
 
 /// One row per trial, in the order given: which trial it is, then every metric. SI units; null
-/// where a metric does not apply or the recording lacks what it needs. The columns' definitions
-/// stand at the fields of [`TrialMetrics`]'s parts and, by column, in `docs/analysis.md`.
+/// where a metric does not apply or the recording lacks what it needs. The columns' definitions are
+/// at the fields of [`TrialMetrics`]'s parts and, by column, in `docs/analysis.md`.
 ///
 /// # Errors
 /// A metric that is not finite.
@@ -19,7 +19,7 @@ pub fn table(rows: &[TrialMetrics]) -> Result<Table, TableError> {
     Table::new("metrics", "Metrics, one row per trial", columns)
 }
 
-/// One row per trial, in the order given: which trial it is, then every metric that rests on the
+/// One row per trial, in the order given: which trial it is, then every metric that depends on the
 /// plant.
 ///
 /// # Errors
@@ -30,8 +30,8 @@ pub fn plant_table(rows: &[PlantMetrics]) -> Result<Table, TableError> {
     Table::new("metrics", "Metrics that rest on the plant, one row per trial", columns)
 }
 
-/// The table of metrics with those that rest on the plant beside them; null for a trial that has no
-/// row there.
+/// The table of metrics with those that depend on the plant beside them; null for a trial that has
+/// no row there.
 ///
 /// # Errors
 /// Tables that are not of this stage.

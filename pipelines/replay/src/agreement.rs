@@ -146,7 +146,7 @@ pub fn agreement(
     Ok(found)
 }
 
-/// The agreement as a table, with what is to be known of it and of the replays that it is of.
+/// The agreement as a table, with notes on it and on its replays.
 ///
 /// # Errors
 /// A number that is none.

@@ -1,4 +1,5 @@
-//! The balance of forces in weak form: what the recorded motion needs, without differentiating it.
+//! The balance of forces in weak form: the forces that the recorded motion needs, without
+//! differentiating it.
 //!
 //! The equation of motion times a hat φ (1 at the middle of three nodes a < b < c, 0 at the outer
 //! two), integrated over time and by parts twice while the lever moves in one direction s, is
@@ -9,14 +10,14 @@
 //! ```
 //!
 //! with the motor's force F_m and the brake's level b as they follow the recorded commands with
-//! their lags. All that is noisy stands on the right: the force sensor's noise is the error of what
-//! is explained, for which least squares is not biased, and the angle, which is nearly free of it,
-//! explains. Driven the other way, by force, the noise would be in what explains. Hats are the test
-//! functions of finite elements; on weak forms against noise see Messenger & Bortz (2021),
-//! J. Comput. Phys. 443:110525.
+//! their lags. All noisy terms are on the right. The force sensor's noise is the error of the
+//! dependent variable, which does not bias least squares, and the angle, which is nearly free of
+//! noise, is the explanatory variable. If the model were driven by force instead, the noise would
+//! be in the explanatory variable. Hats are the test functions of finite elements; on weak forms
+//! against noise see Messenger & Bortz (2021), J. Comput. Phys. 443:110525.
 //!
-//! A lever that reverses, sticks or lies on a stop is held by forces that nobody recorded, so such
-//! times have no hats.
+//! A lever that reverses, sticks or rests on a stop is held by unrecorded forces, so such times
+//! have no hats.
 
 use crate::scene::Rendering;
 use crate::{Parameters, ReplayError, WhyNot};
@@ -70,7 +71,7 @@ struct Hat {
 }
 
 impl Balance {
-    /// Makes a trial ready. A trial in which the lever never moves long enough has no hats.
+    /// Prepares a trial. A trial in which the lever never moves long enough has no hats.
     ///
     /// # Errors
     /// [`ReplayError::WhyNot`] where the recording or what is known of it lacks what the balance

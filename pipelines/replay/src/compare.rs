@@ -52,8 +52,8 @@ pub struct Comparison {
     /// off by a constant; below 0 for one that is worse than the recording's mean. `None` for
     /// a constant recording.
     pub vaf: Option<f64>,
-    /// By how much the model comes later, s: where the cross-correlation is highest within ±0.5 s.
-    /// `None` where there is no highest.
+    /// The delay of the model, s: where the cross-correlation is highest within ±0.5 s. `None` if
+    /// there is no highest value.
     pub lag_s: Option<f64>,
     /// Largest y of the recording, unit of y.
     pub peak_recorded: f64,

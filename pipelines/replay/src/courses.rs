@@ -1,4 +1,4 @@
-//! What figures show of a replay: recorded trials and their models against time.
+//! The data for figures of a replay: recorded trials and their models against time.
 
 use crate::table::OWN_MODEL;
 use crate::{Course, Drive, Parameters, Rendering, ReplayError};

@@ -1,4 +1,4 @@
-//! A trial made ready to be replayed: what was recorded, and the model of it.
+//! A trial prepared for replay: its recording, and its model.
 
 use crate::closed_loop::{self, Held};
 use crate::scene::{Parameters, Rendering};
@@ -26,19 +26,17 @@ pub struct Course {
     pub t_s: Vec<f64>,
     /// θ, rad.
     pub theta_rad: Vec<f64>,
-    /// θ̇, rad/s: recorded, or by central differences where it was not.
+    /// θ̇, rad/s: recorded, or by central differences if it was not.
     pub theta_dot_rad_s: Vec<f64>,
     /// F_ex, N; above 0 pushes into the object.
     pub force_ex_n: Vec<f64>,
-    /// What the actuators give against the user, N; above 0 resists a push into the object. Of a
-    /// recording it is what was commanded. `None` where it was not recorded, and in closed
-    /// loop.
+    /// The actuators' force against the user, N; above 0 resists a push into the object. For a
+    /// recording it is the commanded force. `None` if it was not recorded, and in closed loop.
     pub feedback_n: Option<Vec<f64>>,
 }
 
 impl Drive {
-    /// Makes a trial ready: its force becomes the model's input, its first sample the model's
-    /// start.
+    /// Prepares a trial: its force becomes the model's input, its first sample the model's start.
     ///
     /// # Errors
     /// [`ReplayError::WhyNot`] where the recording or what is known of it lacks what every

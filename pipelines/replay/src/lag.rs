@@ -1,4 +1,4 @@
-//! How late one signal is against another, by cross-correlation.
+//! The delay of one signal relative to another, by cross-correlation.
 
 use zwidth_numerics::NumericsError;
 use zwidth_numerics::series::interpolate_all;

@@ -1,27 +1,27 @@
-//! Stage: recorded forces into the model, and how far it departs from what was recorded (thesis
-//! §4.3, Fig. 24).
+//! Stage: drives the model with recorded forces, and measures how far it departs from the recording
+//! (thesis §4.3, Fig. 24).
 //!
-//! [`replay`] turns one trial into three [`TrialReplay`]s, one a [`Causality`](zwidth_results::Causality); [`rows`]
-//! are those of its table, and [`agreement`] says of all trials together how far peaks and times agree (Bland &
-//! Altman). [`Drive`] is a trial made ready to be replayed with any [`Parameters`], for figures and
-//! for judging fits; [`Balance`] is one whose recorded motion says what force it needs, for fits.
-//! Pure: trials in memory, rows out; only trials that count may come in (`StudyData::counting`):
-//! the caller filters.
+//! [`replay`] turns one trial into three [`TrialReplay`]s, one per
+//! [`Causality`](zwidth_results::Causality); [`rows`] are those of its table, and [`agreement`]
+//! says for all trials together how far peaks and times agree (Bland & Altman). [`Drive`] is a
+//! trial prepared for replay with any [`Parameters`], for figures and for judging fits; [`Balance`]
+//! gives the force that the recorded motion of a trial needs, for fits. Pure: trials in memory,
+//! rows out; only trials that count may come in (`StudyData::counting`): the caller filters.
 //!
 //! # The model
 //! M_O L θ̈ = F_O + F_ex − B_O θ̇ − friction, equation (10) without finger, solved exactly between
 //! events. M_O and B_O are the thesis' ([`Parameters::BY_EYE`]), L, environment, mode and work
-//! space those of `study.toml`; what the actuators can give at most is by the session's
-//! calibration. The brake is a set-valued force. B_O acts on the lever beside the actuators and is
-//! not limited by them: the prototype commands the spring alone (§4.3, F = −k u), so that
-//! the simulation's B_O stands for the plant's own damping.
+//! space those of `study.toml`; the session's calibration limits the actuators' forces. The brake
+//! is a set-valued force. B_O acts on the lever beside the actuators and is not limited by them:
+//! the prototype commands the spring alone (§4.3, F = −k u), so the simulation's B_O stands for the
+//! plant's own damping.
 //!
 //! The user's force counts at the times at which its sensor gave new values, with straight lines
-//! between them, where the recording tells their age (`force_age_s`); else at the samples' times.
+//! between them, if the recording gives their age (`force_age_s`); else at the samples' times.
 //!
-//! [`oscillation`] asks of one trial whether what swings in it is the device's own.
+//! [`oscillation`] finds out whether the swings in one trial are the device's own.
 //!
-//! Errors are model less recording: above 0 the model's peak is higher, its time later.
+//! Errors are model minus recording: above 0 the model's peak is higher, its time later.
 
 mod agreement;
 mod balance;

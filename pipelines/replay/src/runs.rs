@@ -1,4 +1,4 @@
-//! What a reader sees who turns the plant's parameters: trials driven by their recorded force,
+//! What the page's sliders for the plant's parameters show: trials driven by their recorded force,
 //! through the model at every point of a grid.
 
 use crate::{Drive, Parameters, Rendering, ReplayError};

@@ -1,5 +1,5 @@
-//! The model of a trial: environment, mode, work space and actuators from the study, the plant from
-//! parameters.
+//! The model of a trial: environment, mode, work space and actuators from the study, and the plant
+//! from parameters.
 
 use crate::WhyNot;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use zwidth_study::{ActuatorKind, Calibration, ForceLaw, ModeLaw, Scene, Study};
 /// Lags below this count as no lag, s: far below any sample's interval.
 const LEAST_LAG_S: f64 = 1e-6;
 
-/// What is not known of the plant.
+/// The unknown numbers of the plant.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Parameters {
     /// M_O: mass felt at the lever's end, kg.
@@ -76,8 +76,8 @@ impl Parameters {
     }
 }
 
-/// What a condition's trials rendered and how: all that their model depends on besides the trials
-/// and the plant.
+/// What a condition's trials rendered and how: everything that their model depends on besides the
+/// trials and the plant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rendering {
     /// What was rendered.

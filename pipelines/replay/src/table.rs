@@ -4,8 +4,8 @@ use crate::TrialReplay;
 use zwidth_results::{Causality, ReplayedTrial};
 use zwidth_study::Source;
 
-/// One row per trial and causality, in the order given: which trial, what went in, what came of it,
-/// the plant, and how far the model departs.
+/// One row per trial and causality, in the order given: which trial, the input, the outcome, the
+/// plant, and how far the model departs.
 pub fn rows(replays: &[TrialReplay]) -> Vec<ReplayedTrial> {
     replays.iter().map(row).collect()
 }
@@ -59,7 +59,7 @@ pub fn in_order(mut rows: Vec<ReplayedTrial>) -> Vec<ReplayedTrial> {
     rows
 }
 
-/// What is to be said of trials that a model of the same equations made.
+/// The note on trials that a model with the same equations made.
 pub fn own_model(mut sources: impl Iterator<Item = Source>) -> Option<&'static str> {
     sources.any(|source| source == Source::Twin).then_some(OWN_MODEL)
 }

@@ -1,4 +1,5 @@
-//! The answers to an environment's question: their median, and one mode's against another's.
+//! The answers to an environment's question: their median, and the comparison of one mode with
+//! another.
 
 use std::collections::BTreeMap;
 use zwidth_results::{AnswerTally, GivenAnswer};

@@ -1,4 +1,4 @@
-//! The metrics that this stage asks for by their names. A test of `plan` holds that there are such.
+//! The metrics that this stage requests by name. A test of `plan` checks that they exist.
 
 use crate::thesis::asked_metrics;
 use zwidth_results::RecordedStability;
@@ -45,8 +45,8 @@ const LOOKED_AT: [&str; 17] = [
     FORCE_PER_POWER,
 ];
 
-/// The metrics that are looked at, whatever is compared: a third of them, and so much less memory
-/// where there are many trials.
+/// The metrics that are used, whatever is compared: a third of them, which saves memory if there
+/// are many trials.
 pub fn metric_columns() -> Vec<&'static str> {
     LOOKED_AT.into_iter().chain(asked_metrics()).collect()
 }

@@ -7,7 +7,7 @@ use zwidth_results::{Compared, Mean, ModeDifference, Role, UnitOfAnalysis, Verdi
 use zwidth_study::{Better, Coordinate, EnvironmentId, ModeId, Setup, contrast_label};
 use zwidth_tables::{in_coordinate, number, p_value, shown_unit, with_unit};
 
-/// What was found of a metric.
+/// The results for a metric.
 #[derive(Debug, Clone, Copy)]
 pub struct ComparedMetric<'a> {
     /// The metric.
@@ -33,9 +33,9 @@ impl ComparedMetric<'_> {
 pub struct Matrix {
     /// The modes and their labels.
     pub modes: Vec<(ModeId, String)>,
-    /// A row a metric and environment.
+    /// One row per metric and environment.
     pub rows: Vec<MatrixRow>,
-    /// What stands in the cells, a sentence.
+    /// A sentence on the content of the cells.
     pub caption: String,
 }
 
@@ -48,7 +48,7 @@ pub struct MatrixRow {
     pub environment: EnvironmentId,
     /// Its label.
     pub label: String,
-    /// One cell per mode, where it has a mean: `1.617 ± 0.029 (6)`.
+    /// One cell per mode, if it has a mean: `1.617 ± 0.029 (6)`.
     pub cells: Vec<Option<String>>,
 }
 
@@ -100,8 +100,8 @@ fn caption(unit: &UnitOfAnalysis) -> String {
     }
 }
 
-/// What the contrasts of the first of `metrics` say, the primary one where it is there: first how
-/// many show a difference, then each in a sentence with effect, interval, n and unit. Of each other
+/// What the contrasts of the first of `metrics` say, the primary one if it is there: first how many
+/// show a difference, then each in a sentence with effect, interval, n and unit. For each other
 /// metric, one sentence with its differences.
 pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
     let Some((first, others)) = metrics.split_first() else { return Vec::new() };

@@ -1,10 +1,10 @@
-//! The thesis' Table 4: what the device is made of, as far as the study knows it.
+//! The thesis' Table 4: the parts of the device, as far as the study names them.
 
 use zwidth_results::Component;
 use zwidth_study::{Coordinate, Mode, Setup};
 
-/// What the device is made of, one row a component, with its function and what `study.toml` says of
-/// it.
+/// The parts of the device, one row per component, with its function and what `study.toml` says
+/// about it.
 pub fn components(study: &Setup) -> Vec<Component> {
     let most = |of: fn(&Mode) -> Option<f64>| study.modes.iter().filter_map(of).reduce(f64::max);
     let motor = most(|mode| mode.motor_max_v).map(|volts| Component {

@@ -1,4 +1,4 @@
-//! What speaks for or against a claim of the thesis: shared by its Table 1 and its statements.
+//! Evidence for or against a claim of the thesis: shared by its Table 1 and its statements.
 
 use crate::people::simulated;
 use std::collections::BTreeSet;
@@ -16,7 +16,7 @@ pub struct Known<'a> {
     pub study: &'a Setup,
     /// Forces for voltages.
     pub calibration: &'a Calibration,
-    /// The metrics, one row per trial; `None` where there is no trial.
+    /// The metrics, one row per trial; `None` if there is no trial.
     pub metrics: Option<&'a Measured>,
 }
 

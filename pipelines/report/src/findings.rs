@@ -34,9 +34,9 @@ impl Finding {
 pub type TrialNames = BTreeSet<(ParticipantId, SessionId, u32)>;
 
 /// What the trials of a study show, in sentences: for each environment what each mode did, then the
-/// modes against each other, then the answers. Descriptive: means over trials, no sentence goes
-/// beyond them, and none speaks of anybody who did not take part. `tally` is that of the answers; `doubted` are the trials whose clock, angle or velocity is to be
-/// read with care.
+/// comparison of modes, then the answers. The sentences are descriptive: they give means over
+/// trials, and make no statement about anybody who did not take part. `tally` is that of the
+/// answers; `doubted` are the trials whose clock, angle or velocity is to be read with care.
 ///
 /// # Errors
 /// A table that lacks a column.

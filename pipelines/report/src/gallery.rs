@@ -1,4 +1,4 @@
-//! Where a sentence can be seen: which figure or table, and its file.
+//! Where to see the evidence for a sentence: which figure or table, and its file.
 
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -56,16 +56,15 @@ impl Shown {
 pub struct Gallery {
     /// The names of its figures.
     pub figures: BTreeSet<String>,
-    /// The names of its tables that are there for programs alone, because nobody would read so long a
-    /// one.
+    /// The names of its tables that are only for programs, because they are too long to read.
     pub for_programs: BTreeSet<String>,
     /// Participant and session, where there is only one.
     pub only_session: Option<[String; 2]>,
 }
 
 impl Gallery {
-    /// The figure that shows it, from the summary's folder on, with `/`; the table where there is
-    /// no such figure.
+    /// The figure that shows it, from the summary's folder on, with `/`; the table if there is no
+    /// such figure.
     pub fn file(&self, shown: &Shown) -> String {
         let figure = self.figure(shown).filter(|figure| self.figures.contains(figure));
         figure.map_or_else(|| self.table(shown), |figure| format!("figures/{figure}.png"))

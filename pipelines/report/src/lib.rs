@@ -1,12 +1,11 @@
-//! Stage: what a person reads first: the summary, and the tables of what was planned and what it
-//! came to.
+//! Stage: what a person reads first: the summary, and the tables of the plan and its results.
 //!
-//! [`summary_markdown`] turns what is known of a run into one page of text, in it the sentences of
-//! [`findings`]. Rows, with the thesis' number: [`pros_cons`] (1), [`mode_forces`],
+//! [`summary_markdown`] turns the results of a run into one page of text, including the sentences
+//! of [`findings`]. Rows, with the thesis' number: [`pros_cons`] (1), [`mode_forces`],
 //! [`model_facts`] (2, 3), [`components`] and [`device_facts`] (4), [`weight_facts`] (Appendix A),
-//! and its statements, [`statements`]. [`methods`] are what was done, in words.
-//! [`page_html`] is the summary as a page with the trials in it. No files and no clock: data in,
-//! text and tables out.
+//! and its statements, [`statements`]. [`methods`] describes in words what was done. [`page_html`]
+//! is the summary as a page with the trials in it. No files and no clock: data in, text and tables
+//! out.
 
 mod actuation;
 mod answers;
@@ -73,7 +72,7 @@ pub(crate) const RUNS: &str = "What a run of the model requires";
 /// What is said of the plan that lies beside the data.
 pub(crate) const PLAN: &str = "The deposited plan";
 
-/// What the summary speaks of.
+/// The content of the summary.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Summary {
     /// The study's title.
@@ -92,16 +91,16 @@ pub struct Summary {
     pub sources: BTreeMap<Source, usize>,
     /// Means by metric, environment and mode.
     pub matrix: Matrix,
-    /// What the trials show: sentences, each with where it can be seen.
+    /// What the trials show: sentences, each with a figure or table that shows it.
     pub shown: Vec<Made>,
-    /// How the thesis' statements stand, a sentence; empty if no statement was judged.
+    /// A sentence on the verdicts of the thesis' statements; empty if no statement was judged.
     pub statements: String,
     /// Those that are judged.
     pub judged: Vec<Told>,
-    /// What runs of the model show, each with where it can be seen: speed against accuracy, and the
-    /// terms that a condition requires.
+    /// What runs of the model show, each with a figure or table that shows it: speed against
+    /// accuracy, and the terms that a condition requires.
     pub runs: Vec<Made>,
-    /// The figures, the one to look at first in front.
+    /// The figures, with the one to look at first in front.
     pub figures: Vec<Made>,
     /// Sessions whose own figures are made on demand alone.
     pub undrawn: usize,
@@ -113,7 +112,7 @@ pub struct Summary {
     pub care: Vec<Remark>,
     /// What these data cannot show: whole sentences.
     pub limits: Vec<String>,
-    /// What the plan that was deposited says of them, whole sentences; empty without a plan.
+    /// What the deposited plan says about them, in whole sentences; empty without a plan.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub plan: Vec<String>,
 }
@@ -150,8 +149,8 @@ pub struct Remark {
 /// The summary in Markdown: what the study is, what was made, what was left out and what to read
 /// with care, and why; what it cannot show.
 ///
-/// Simulated data are called so before anything else is said. With one participant, the text says
-/// that it speaks of nobody else. All texts given are escaped: they are set as they stand.
+/// Simulated data are named as such before anything else. With one participant, the text says that
+/// it is about nobody else. All given texts are escaped, so they are set unchanged.
 pub fn summary_markdown(summary: &Summary) -> String {
     let origins = sources(&summary.sources).map(|told| {
         let mark = told.mark.map(|mark| format!("**{mark}** ")).unwrap_or_default();

@@ -1,5 +1,4 @@
-//! The thesis' Table 1: pros and cons of brake and motor, each beside what the study itself knows
-//! of it.
+//! The thesis' Table 1: pros and cons of brake and motor, each beside the study's own evidence.
 
 use crate::actuation::{active, passive};
 use crate::columns::{

@@ -1,4 +1,4 @@
-//! Whether the stiffness of two modes is that of one range of angles.
+//! Whether the stiffnesses of two modes were fitted over the same range of angles.
 
 use crate::columns::{SATURATION, STIFFNESS};
 use crate::trials::Trials;
@@ -6,7 +6,7 @@ use zwidth_study::{Setup, in_a_sentence};
 use zwidth_tables::{Measured, TableError};
 
 /// A sentence per environment in which the line of stiffness ends at a saturation in most trials of
-/// one mode and not in most of another: it is fitted over less of the angle there, and where a
+/// one mode and not in most of another: it is then fitted over a smaller range of angles, and if a
 /// force bends, that alone makes the two differ.
 ///
 /// # Errors

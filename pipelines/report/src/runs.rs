@@ -1,4 +1,4 @@
-//! Runs of the model in sentences: which is cheap and could not be told from the right one, and
+//! Runs of the model in sentences: which cheap run could not be told apart from the right one, and
 //! which terms a condition requires.
 
 use crate::findings::Finding;
@@ -9,7 +9,7 @@ use zwidth_study::{Environment, Mode, Setup, in_a_sentence};
 use zwidth_tables::quantity;
 
 /// The cheapest run of each scene of a study that a person could not tell from the right one: one
-/// sentence per scene. They speak of the model, not of trials.
+/// sentence per scene. They are about the model, not about trials.
 pub fn traded(study: &Setup, choices: &[TradeChoice]) -> Vec<Finding> {
     let one = |choice: &TradeChoice| {
         let text = match (choice.solver.as_deref(), choice.work) {
@@ -49,7 +49,7 @@ fn in_words(environment: &Environment, mode: &Mode) -> String {
     format!("{}, {}", environment.label, in_a_sentence(&mode.label))
 }
 
-/// Which terms of the model each condition requires, and whether its recordings bear that out: one
+/// Which terms of the model each condition requires, and whether its recordings confirm that: one
 /// sentence per condition.
 pub fn laddered(study: &Setup, choices: &[LadderChoice]) -> Vec<Finding> {
     let one = |choice: &LadderChoice| {

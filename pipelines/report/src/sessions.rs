@@ -8,8 +8,8 @@ use zwidth_study::Setup;
 use zwidth_tables::{number, shown_unit, with_unit};
 
 /// How participants changed from their first session to a later one, in a metric: one sentence, with
-/// interval and n of each condition. Nothing is said where fewer than two participants came again:
-/// one changes for themselves alone.
+/// interval and n of each condition. There is no sentence if fewer than two participants came
+/// again, because the change of one person concerns that person alone.
 pub fn changes(
     study: &Setup,
     metric: &ComparedMetric,

@@ -10,8 +10,8 @@ use zwidth_study::{Environment, Mode, Question, Setup};
 /// Questions that are told one by one, those whose medians lie farthest apart.
 const TOLD: usize = 3;
 
-/// What the answers of a study show that recorded no trial, an environment after another: how many
-/// there are, then the questions in which the modes' medians lie farthest apart. Descriptive: no
+/// What the answers show in a study without recorded trials, environment by environment: how many
+/// there are, then the questions in which the modes' medians are farthest apart. Descriptive: no
 /// sentence says that a difference was shown.
 pub fn survey(study: &Setup, tally: &[AnswerTally]) -> Vec<Finding> {
     let mut found = Vec::new();

@@ -60,7 +60,7 @@ fn facts(motor_g: f64, brake_g: f64, used_v: f64, calibration: &Calibration) -> 
     ]
 }
 
-/// What stands below the table of weights.
+/// The notes below the table of weights.
 pub const WEIGHT_NOTES: [&str; 2] = [
     "Two slips of the thesis are corrected: at stall the power goes with the square of the voltage, so that 8 of \
      48 V are 1/36 of it and not 1/6 (the force, on which the masses rest, is 1/6); and 88 g less 42 g are \

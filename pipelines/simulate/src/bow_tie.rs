@@ -1,4 +1,4 @@
-//! The bow tie of Fig. 31: force against angle where the lever's motion is given (Fig. 7), so that
+//! The bow tie of Fig. 31: force against angle if the lever's motion is given (Fig. 7), so that
 //! nothing can swing.
 
 use crate::SimulateError;
@@ -12,8 +12,8 @@ const STEPS: usize = 360;
 /// scene's duration: time, angle, velocity, the user's force that the motion needs, and what brake
 /// and motor make together and apart (N, above 0 they push into the object, +θ).
 ///
-/// There is no finger in it, nothing lags, and turning takes no force. Where the lever turns stand
-/// two rows of one time and one angle, the last of the way there and the first of the way back: a
+/// There is no finger, nothing lags, and turning takes no force. Where the lever turns there are
+/// two rows with one time and one angle, the last of the way there and the first of the way back: a
 /// curve through them is vertical there.
 ///
 /// # Errors
@@ -42,7 +42,7 @@ pub fn bow_tie(scene: &ModelScene) -> Result<Vec<BowTieSample>, SimulateError> {
     Ok(ways.map(|(way, i)| sample(way, i)).collect())
 }
 
-/// What stands below a bow tie.
+/// The note below a bow tie.
 pub const BOW_TIE_NOTE: &str =
     "A model with a given motion, not a measurement: no finger, and nothing lags.";
 

@@ -42,7 +42,7 @@ pub fn chattering(
     Ok(rows)
 }
 
-/// What stands below a table of chattering.
+/// The note below a table of chattering.
 pub const CHATTERING_NOTE: &str =
     "Model runs, not measurements. The exact solver is the reference.";
 

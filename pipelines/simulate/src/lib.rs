@@ -1,7 +1,7 @@
 //! Stage: model runs of scenes, as rows.
 //!
 //! [`simulate`] runs a scene with a solver chosen by name and judges the run.
-//! [`model_run`], [`model_events`] and [`Summary`] say what came out; [`chattering`] sets solvers
+//! [`model_run`], [`model_events`] and [`Summary`] give the results; [`chattering`] sets solvers
 //! and steps side by side, and [`bow_tie`] moves the lever there and back whatever the forces
 //! (thesis Fig. 7 and 31). Nothing here is measured, and every table says so.
 //!

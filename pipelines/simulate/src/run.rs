@@ -1,4 +1,4 @@
-//! A scene, run and judged.
+//! Runs and judges a scene.
 
 use crate::SimulateError;
 use zwidth_dynamics::{Grid, Judgement, ModelScene, Solver, System, Trajectory, judge};

@@ -1,4 +1,4 @@
-//! Facts about the committed scenes: what the thesis says of its figures comes out of them.
+//! Facts about the committed scenes: they give what the thesis says about its figures.
 
 use crate::{DEFAULT_TOLERANCE, Run, bow_tie, model_events, model_run, simulate, solver};
 use std::path::{Path, PathBuf};

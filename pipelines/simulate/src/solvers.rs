@@ -1,4 +1,4 @@
-//! The solvers by the names they go by in tables and on the command line.
+//! The solvers by their names in tables and on the command line.
 
 use crate::SimulateError;
 use zwidth_dynamics::{NAMED_SOLVERS, Solver};
@@ -14,10 +14,10 @@ pub const SOLVERS: [&str; NAMED_SOLVERS.len()] = {
     names
 };
 
-/// The solver that is used unless another is asked for.
+/// The solver that is used unless another is requested.
 pub const DEFAULT_SOLVER: &str = SOLVERS[0];
 
-/// Relative error a step that the adaptive solvers aim for unless another is asked for; far below
+/// Relative error per step at which the adaptive solvers aim unless another is requested; far below
 /// what a figure shows.
 pub const DEFAULT_TOLERANCE: f64 = 1e-9;
 

@@ -32,14 +32,14 @@ pub struct Summary {
     pub verdict: &'static str,
     /// What the verdict rests on: swings at the step, at half of it, and at a quarter.
     pub swings: [StepSwings; 3],
-    /// The other thing it rests on: the motion as it is known; `None` where it is not.
+    /// The other basis of the verdict: the known motion; `None` if it is not known.
     pub reference: Option<KnownMotion>,
     /// The same with the other rule for the command at rest, where the verdict says that it
     /// matters.
     pub other_rest_rule: Option<KnownMotion>,
     /// Whether the run oscillates if the reference does.
     pub shows_the_reference: bool,
-    /// The longest way that the lever creeps where the known motion stands still, rad.
+    /// The longest distance that the lever creeps while the known motion stands still, rad.
     pub creep_rad: f64,
     /// Largest growth a step in the regions met, over the exact flow's; above 1 the step is
     /// unstable.

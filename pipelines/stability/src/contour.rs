@@ -1,5 +1,5 @@
-//! Lines on which a function over the unit square is a level: marching squares, the crossings
-//! closed in on by bisection, and joined.
+//! Lines on which a function over the unit square equals a level: marching squares, with crossings
+//! found by bisection and then joined.
 
 use std::collections::BTreeMap;
 

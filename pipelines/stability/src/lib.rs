@@ -1,10 +1,11 @@
-//! Stage: which walls a sampled device bears, mapped over pairs of quantities.
+//! Stage: which walls a sampled device can render, mapped over pairs of quantities.
 //!
-//! [`map`] looks at every cell of a grid over two quantities ([`zwidth_results::WallQuantity`]) and keeps the limits
-//! apart: the lifted map's spectral radius, passivity, each solver's growth, and the closed forms
-//! of the literature. [`curves`] are the lines on which one of them is 1, and [`measured`] are
-//! points that a simulated loop gives. [`limits`] sums them up at one point, each with its error
-//! against the exact one. `docs/stability.md` has equations, sources and numbers.
+//! [`map`] computes every cell of a grid over two quantities ([`zwidth_results::WallQuantity`]) and
+//! keeps the limits apart: the lifted map's spectral radius, passivity, each solver's growth, and
+//! the closed forms from the literature. [`curves`] are the lines on which one of them is 1, and
+//! [`measured`] are points from a simulated loop. [`limits`] gives all limits at one point, each
+//! with its error relative to the exact one. `docs/stability.md` has equations, sources and
+//! numbers.
 //!
 //! Pure: a wall in memory, rows out.
 

@@ -1,4 +1,4 @@
-//! The stiffest wall by every limit at one point.
+//! The stiffest wall at one point, by every limit.
 
 use crate::curves::of_textbook;
 use crate::error::StabilityError;

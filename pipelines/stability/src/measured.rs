@@ -1,4 +1,4 @@
-//! The exact limit again, by experiment: the loop simulated and its swings looked at.
+//! The exact limit again, by experiment: the loop is simulated and its swings are examined.
 
 use crate::curves::{Curve, passes};
 use crate::map::{Map, placed};

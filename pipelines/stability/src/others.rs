@@ -1,5 +1,5 @@
-//! A boundary of stiffness and damping that someone measured: its extent, and what it has in common
-//! with others.
+//! A boundary of stiffness and damping that someone measured: its extent, and its overlap with
+//! others.
 
 use crate::error::StabilityError;
 use zwidth_dynamics::SampledWall;
@@ -10,7 +10,7 @@ use zwidth_dynamics::SampledWall;
 pub struct Boundary {
     /// (B, K), B rising.
     pub points: Vec<[f64; 2]>,
-    /// Whether they are N s/m and N/m at the lever's end; else nothing is known of their units.
+    /// Whether they are N s/m and N/m at the lever's end; else their units are unknown.
     pub is_si: bool,
 }
 
@@ -19,10 +19,10 @@ pub struct Boundary {
 const HEADS: [[&str; 2]; 3] =
     [["K", "B"], ["K_n_per_m", "B_ns_per_m"], ["K_nm_per_rad", "B_nms_per_rad"]];
 
-/// What a boundary comes to.
+/// The summary of a boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// K at B = 0; `None` where it was not measured.
+    /// K at B = 0; `None` if it was not measured.
     pub undamped: Option<f64>,
     /// The largest K.
     pub largest: f64,
@@ -94,8 +94,8 @@ impl Boundary {
         Ok(Self { is_si: form > 0, ..read })
     }
 
-    /// Where the lifted map of a wall has its limit, from no damping to that at which no wall is
-    /// stable; `None` for a device that bears any wall.
+    /// The limit of a wall by the lifted map, from no damping to that at which no wall is stable;
+    /// `None` for a device that can render any wall.
     ///
     /// # Errors
     /// A wall that makes no sense.

@@ -8,7 +8,7 @@ use zwidth_tables::{Table, TableError};
 
 const MODEL: &str = "Model runs, not measurements.";
 
-/// A row a cell of a map: where it is, and how far each limit is passed (above 1).
+/// One row per cell of a map: its place, and how far each limit is exceeded (above 1).
 pub fn cells(map: &Map) -> Vec<WallCell> {
     let x = map.x;
     let y = map.y;
@@ -46,7 +46,7 @@ pub fn cells_table(map: &Map) -> Result<Table, TableError> {
     Ok(Table::new(WallCell::NAME, &format!("{y} against {x}"), columns)?.with_note(MODEL))
 }
 
-/// A row a point of every limit of a map.
+/// One row per point of every limit of a map.
 pub fn limit_points(map: &Map, curves: &[Curve]) -> Vec<LimitPoint> {
     let mut rows = Vec::new();
     for curve in curves {

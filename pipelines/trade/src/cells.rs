@@ -1,4 +1,4 @@
-//! Every setting on a scene: verdict, errors, work, and the first gate that it does not pass.
+//! Every setting on a scene: verdict, errors, work, and the first gate that it fails.
 
 use crate::TradeError;
 use crate::errors::{Errors, errors};
@@ -60,13 +60,13 @@ pub struct Cell {
     pub reversals: usize,
     /// The first gate that it does not pass.
     pub gate: Gate,
-    /// The study's own metrics beside those of the right run; empty for a run that failed, where
-    /// there is no study, or for the exact solver beside itself. They judge nothing.
+    /// The study's own metrics beside those of the right run; empty for a run that failed, without
+    /// a study, or for the exact solver beside itself. They do not affect the judgement.
     pub metrics: Vec<MetricChange>,
 }
 
 impl Cell {
-    /// The metric that changes most, over what is just felt.
+    /// The metric that changes most relative to what is just felt.
     pub fn furthest_metric(&self) -> Option<(&MetricChange, f64)> {
         let shares = self.metrics.iter().filter_map(|metric| Some((metric, metric.felt_share?)));
         shares.reduce(|most, next| if next.1 > most.1 { next } else { most })

@@ -1,4 +1,4 @@
-//! A study's condition as a scene: what it renders, with what actuators, pushed as in the thesis.
+//! A study's condition as a scene: what it renders, with which actuators, pushed as in the thesis.
 
 use zwidth_dynamics::{
     Brake, BrakeLaw, DriveMode, Environment, Friction, Input, ModelScene, Motor, Plant, Start,
@@ -17,8 +17,8 @@ const DURATION_S: f64 = 4.0;
 const PUSH: f64 = 0.9;
 
 /// The scene of a condition: the study's environment, limits, lever and work space, its
-/// controller's tick as step, the plant of the thesis' Fig. 24, and its sine as push. None where
-/// the study does not say what a model needs: a lever length, a work space, a mode's law, a spring.
+/// controller's tick as step, the plant of the thesis' Fig. 24, and its sine as push. None if the
+/// study lacks what a model needs: a lever length, a work space, a mode's law, a spring.
 pub fn condition_scene(
     study: &Study,
     environment: &zwidth_study::Environment,

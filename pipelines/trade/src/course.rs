@@ -1,4 +1,4 @@
-//! Runs beside each other: what chattering looks like.
+//! Runs side by side: what chattering looks like.
 
 use crate::TradeError;
 use crate::cells::grid;
@@ -30,7 +30,7 @@ pub fn courses(scene: &ModelScene, settings: &[Setting]) -> Result<Vec<TradeRun>
     Ok(runs)
 }
 
-/// A row a sample of each run. There are too many for rows of a type.
+/// One row per sample of each run. There are too many for typed rows.
 ///
 /// # Errors
 /// None that finished runs can cause.

@@ -1,4 +1,4 @@
-//! What less of a recording, or another setup of the simulated device, does to the metrics.
+//! The effect on the metrics of fewer recorded data, or of another setup of the simulated device.
 
 use crate::Less;
 use crate::setup::Rehearsed;
@@ -42,9 +42,9 @@ impl Bounds<'_> {
     }
 }
 
-/// For everything that is taken from the recordings and each metric: its mean with all of them, how
-/// its changes are spread over the trials, how many trials lose it, and the change that a person
-/// would feel, where one is known for its unit. `whole` and each of `lessened` have one row per
+/// For each degradation of the recordings and each metric: its mean with the full recordings, the
+/// spread of its changes over the trials, how many trials lose it, and the change that a person
+/// would feel, if this is known for its unit. `whole` and each of `lessened` have one row per
 /// trial, in the same order.
 pub fn less_shifts(
     condition: &str,

@@ -1,5 +1,5 @@
-//! Less of a recording: fewer samples, fewer bits of angle, a slower force sensor, another filter
-//! of the velocity. What that does to a metric is what the better of each is worth.
+//! Degraded recordings: fewer samples, fewer bits of angle, a slower force sensor, another filter
+//! of the velocity. The effect on a metric shows what the better version of each is worth.
 
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -10,10 +10,10 @@ use zwidth_store::{Samples, Signal, Trial};
 /// turn of the shaft.
 const SHAFT_TURNS: f64 = 75.0 / 11.0;
 
-/// Samples of the longest recording of which less is taken: 17 minutes at 1 kHz.
+/// Samples of the longest recording that is degraded: 17 minutes at 1 kHz.
 pub const LONGEST: usize = 1 << 20;
 
-/// What is taken from a recording.
+/// A degradation of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Less {

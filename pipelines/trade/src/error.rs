@@ -1,4 +1,4 @@
-//! What can keep a scene from a trade.
+//! What can prevent the trade of a scene.
 
 use zwidth_dynamics::DynamicsError;
 

@@ -1,4 +1,4 @@
-//! How far a run is from the right answer.
+//! The error of a run: how far it is from the right answer.
 
 use crate::TradeError;
 use crate::story::Story;

@@ -8,13 +8,12 @@
 //!    (`zwidth_dynamics::FeltReference`);
 //! 3. **cost**: work counts.
 //!
-//! Of each solver the coarsest setting counts for which every finer one that was tried passes too,
-//! since an error does not always fall with the step. The cheapest of these is recommended if it
-//! passes on neighbours of the scene as well. Nothing is recommended where the right answer is
+//! For each solver, the coarsest setting counts for which every finer setting that was tried passes
+//! too, because an error does not always fall with the step. The cheapest of these is recommended
+//! if it passes on neighbours of the scene as well. Nothing is recommended if the right answer is
 //! unproven. `docs/trade.md` has the definitions and their sources.
 //!
-//! Pure: a scene in memory, rows out. It reads no clock: how long runs take is measured by those
-//! who call it.
+//! Pure: a scene in memory, rows out. It reads no clock: its callers measure how long runs take.
 
 mod cells;
 mod choice;

@@ -1,4 +1,4 @@
-//! The study's own metrics of a run, beside those of the right one.
+//! The study's own metrics of a run, beside those of the right run.
 
 use crate::TradeError;
 use crate::errors::places;
@@ -47,7 +47,8 @@ pub struct MetricChange {
     pub right: Option<f64>,
     /// Of the run.
     pub found: Option<f64>,
-    /// Change over what is just felt; `None` where that is not known, or one of the two is missing.
+    /// Change relative to what is just felt; `None` if that is not known, or one of the two is
+    /// missing.
     pub felt_share: Option<f64>,
 }
 

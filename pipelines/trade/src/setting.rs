@@ -1,4 +1,4 @@
-//! What is chosen for a run: a solver and its step or tolerance.
+//! The setting of a run: a solver and its step or tolerance.
 
 use serde::Serialize;
 use zwidth_dynamics::{NAMED_SOLVERS, NamedSolver, Solver};
@@ -85,7 +85,7 @@ fn named(name: &str) -> NamedSolver {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fan {
     /// Steps, s, each twice the one before, so that the runs with half and a quarter of a step are
-    /// there to judge by.
+    /// there for the judgement.
     pub doubled_s: Vec<f64>,
     /// Further steps, s.
     pub further_s: Vec<f64>,

@@ -1,7 +1,7 @@
 //! The simulated device with another loop or other sensors: what a study would have recorded.
 //!
-//! Less of a recording leaves the motion as it was; here the controller acts on what the setup lets
-//! it see, and the hand feels what comes of that. Same person, same board, same intent: a trial at
+//! A degraded recording leaves the motion as it was; here the controller acts on what the setup
+//! lets it see, and the hand feels the result. Person, board and intent stay the same: a trial at
 //! another setup is the same trial.
 
 use serde::Serialize;

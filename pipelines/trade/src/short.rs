@@ -18,8 +18,8 @@ pub struct Stops {
     pub why: String,
 }
 
-/// A row a setup: how many metrics the median trial of some condition has changed by more than is
-/// just felt, the one that changes most, and how many trials safety stopped. `shifts` are those of
+/// One row per setup: how many metrics change by more than is just felt in the median trial of some
+/// condition, the one that changes most, and how many trials safety stopped. `shifts` are those of
 /// all conditions.
 pub fn twin_summary(shifts: &[MetricShift], stops: &[Stops]) -> Vec<SetupSummary> {
     // Each setup once, those last that no trial came through.

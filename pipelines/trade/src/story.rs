@@ -1,5 +1,6 @@
 //! What happens in a run, and when: how the lever moves, and when it passes an edge of the
-//! environment. Of runs that look for events it is theirs; of others it is read off the samples.
+//! environment. Runs that look for events supply it themselves; for other runs it is read from the
+//! samples.
 
 use zwidth_dynamics::{EventKind, Motion, System, Trajectory};
 

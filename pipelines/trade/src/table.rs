@@ -106,7 +106,7 @@ pub fn model_words(scene: &ModelScene) -> &'static str {
     }
 }
 
-/// How far the yardstick of a trade is proven, and what is recommended and why.
+/// How well the yardstick of a trade is proven, and what is recommended and why.
 pub fn choice(trade: &Trade) -> TradeChoice {
     let choice = trade.choice.as_ref();
     let setting = choice.map(|choice| choice.setting);

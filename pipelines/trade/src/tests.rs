@@ -1,4 +1,4 @@
-//! What the thesis' scene comes to.
+//! The results of the thesis' scene.
 
 use crate::*;
 use crate::{choice as choice_of, settings as settings_of};

@@ -1,4 +1,5 @@
-//! A scene's trade: every setting, the cheapest that is good enough, and what neither beats.
+//! A scene's trade: every setting, the cheapest that is good enough, and the settings that no other
+//! beats.
 
 use crate::TradeError;
 use crate::cells::{Cell, cells};
@@ -66,7 +67,7 @@ pub struct Trade {
 }
 
 /// Runs every setting on a scene; `progress` is called after each. With `metrics` each run's are
-/// held against the right one's. The same bits on any number of threads.
+/// compared with those of the right run. The same bits on any number of threads.
 ///
 /// # Errors
 /// A scene that makes no sense or is too long, or that neither the exact solver nor an adaptive one
@@ -115,8 +116,8 @@ fn possible(scene: &ModelScene, settings: &[Setting]) -> Vec<Setting> {
     settings.iter().filter(|setting| fits(setting)).copied().collect()
 }
 
-/// The models that a scene can be run with: as it is, and where it has a finger without it and with
-/// the other law of it.
+/// The models that a scene can be run with: as it is, and, if it has a finger, without the finger
+/// and with the finger's other law.
 pub fn models(scene: &ModelScene) -> Vec<ModelScene> {
     let mut models = vec![scene.clone()];
     if let Some(finger) = scene.finger {
@@ -130,8 +131,8 @@ pub fn models(scene: &ModelScene) -> Vec<ModelScene> {
     models
 }
 
-/// Of pairs of cost and error those that no other beats in both, the cheapest first; a pair that is
-/// no number is left out. Of equal pairs the first stays.
+/// The pairs of cost and error that no other beats in both, the cheapest first; a pair that is not
+/// a number is left out. Of equal pairs the first stays.
 pub fn pareto_front(pairs: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> =
         (0..pairs.len()).filter(|i| pairs[*i].0.is_finite() && pairs[*i].1.is_finite()).collect();

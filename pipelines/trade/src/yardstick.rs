@@ -1,4 +1,4 @@
-//! The right answer, and how far it is proven.
+//! The right answer, and how well it is proven.
 
 use crate::TradeError;
 use crate::story::Story;

@@ -1,7 +1,6 @@
 //! `cargo xtask bench`: every bench beside its peers, in one table, and whether a ratio became
-//! worse than the committed one. What counts is how many times as long the other takes: both ran
-//! on the same machine at nearly the same time, so that a ratio can be compared with one from
-//! elsewhere.
+//! worse than the committed one. The ratio says how many times as long the peer takes. Both run on
+//! the same machine at nearly the same time, so ratios from different machines can be compared.
 
 mod benches;
 mod case;

@@ -1,5 +1,5 @@
 //! `cargo xtask firmware COMMAND…`: our host at a microcontroller that runs our firmware in an
-//! emulator (`tests/interop/avr/board.js`), which goes by its own time.
+//! emulator (`tests/interop/avr/board.js`) with its own time.
 
 mod session;
 

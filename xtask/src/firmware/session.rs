@@ -1,5 +1,5 @@
 //! Whole sessions of our host at our firmware in its emulator, by the emulator's time: undisturbed,
-//! and with the cable pulled under voltage, when only the firmware's own watchdog can reach 0 V.
+//! and with the cable pulled under voltage, where only the firmware's own watchdog can set 0 V.
 
 use crate::emulator::Emulator;
 use crate::played::{Person, plan, play, short_study, told};

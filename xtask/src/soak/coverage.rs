@@ -1,5 +1,5 @@
-//! Does an interval of 95 % hold the truth 95 times of a hundred? Sessions of the simulated device,
-//! of which the truth is known, recorded and identified as users do it, one a seed.
+//! Does a 95 % interval contain the truth 95 times in a hundred? Sessions of the simulated device,
+//! whose truth is known, are recorded and identified as users do it, one per seed.
 
 use super::{STUDY, fresh, run};
 use anyhow::{Context as _, bail, ensure};

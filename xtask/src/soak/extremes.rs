@@ -1,4 +1,4 @@
-//! Scenes at the extremes, more of them than a test has time for; the page of what became of them.
+//! Scenes at the extremes, more than a test has time for, and the page of their results.
 
 use crate::tried::held;
 use anyhow::bail;

@@ -1,6 +1,6 @@
-//! `kill -9` at random instants of a running acquisition: nothing that was finished is lost, the
-//! trial in progress keeps what it had, `verify` is clean after `recover`, and the session goes on
-//! in the same order.
+//! `kill -9` at random instants of a running acquisition: nothing finished is lost, the trial in
+//! progress keeps its samples, `verify` is clean after `recover`, and the session continues in the
+//! same order.
 
 use super::{SESSION, STUDY, fraction, fresh, run};
 use crate::tried::held;

@@ -1,6 +1,6 @@
-//! Minutes of trials in real time at 1 kHz on the simulated device, or on a board with it at the
-//! other end of a serial line, written as users write them: no sample is lost; jitter and missed
-//! deadlines are told, and every missed deadline is flagged in the data.
+//! Minutes of trials in real time at 1 kHz on the simulated device, or on a board with this device
+//! at the other end of a serial line, written as users write them. No sample is lost, jitter and
+//! missed deadlines are reported, and every missed deadline is flagged in the data.
 
 use super::{SESSION, STUDY, fresh, run};
 use crate::board::Plugged;

@@ -1,5 +1,5 @@
-//! Does a mean of force against position lie between its repeats? Sessions of the simulated device and
-//! people, one seed a study, against the recordings themselves.
+//! Does a mean of force against position lie between its repeats? Sessions of the simulated device
+//! and people, one seed per study, are compared with the recordings themselves.
 
 use super::run;
 use anyhow::{Context as _, ensure};

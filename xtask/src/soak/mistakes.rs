@@ -1,11 +1,12 @@
-//! Studies of a device that is not ours, clean or with one mistake, through the import: what leaves a trace
-//! and changes a result is to be found or refused.
+//! Imports studies of another device, clean or with one mistake: a mistake that leaves a trace and
+//! changes a result must be found or refused.
 //!
 //! A clean study is drawn from its seed: people, modes, repeats, a rate, a spring, noise. A mistake is then
 //! made in its files or its mapping. The import must refuse it, or say "read with care"; if it says nothing,
-//! the means of the two modes must be those of the clean study, within the interval of each. Mistakes that
-//! leave no trace (labels exchanged, a force off by less than two) are tried too, and must leave none but by
-//! chance: samples that are lost around the turn of a motion can leave one that stands alone.
+//! the means of the two modes must be those of the clean study, within the interval of each.
+//! Mistakes that leave no trace (labels exchanged, a force off by a factor below two) are tried
+//! too. They may leave a trace only by chance: samples lost around the turn of a motion can leave
+//! one sample that stands alone.
 
 use super::optimised;
 use crate::tried::held;

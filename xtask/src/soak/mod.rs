@@ -1,4 +1,4 @@
-//! `cargo xtask soak`: what takes too long for the tests, and a short turn of it in CI.
+//! `cargo xtask soak`: checks that take too long for the tests; CI runs a short version of them.
 
 mod cable;
 pub(crate) mod compared;

@@ -1,5 +1,5 @@
-//! Fresh cases for every random property: `cargo test` draws the same ones each time
-//! (`.cargo/config.toml`), and what lies beyond them is looked for here.
+//! Fresh cases for every random property: `cargo test` draws the same cases each time
+//! (`.cargo/config.toml`); this chore draws others.
 
 use crate::tried::held;
 use anyhow::{bail, ensure};

@@ -1,6 +1,6 @@
-//! The statistics held against R and SciPy on random data, and put to studies without an effect:
-//! the tests of `crates/stats`, with the number of data sets and studies changed. What they counted
-//! stands in `docs/statistics-tried.md`.
+//! Compares the statistics with R and SciPy on random data, and applies them to studies without an
+//! effect. These are the tests of `crates/stats` with other numbers of data sets and studies. Their
+//! counts are in `docs/statistics-tried.md`.
 
 use crate::tried::{END, held, parts};
 use anyhow::{Context as _, bail, ensure};

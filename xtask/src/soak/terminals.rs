@@ -1,7 +1,8 @@
-//! Terminals that go away at random instants of a session in real time: windows that are closed, with
-//! or without a word to their program, and pipes whose reader ends. However that happens, the program
-//! ends by itself, no journal is left that should be a trial, the study is not locked, and the session
-//! can be resumed. The participant's screen ends likewise, and another one is let in.
+//! Terminals that disappear at random instants of a session in real time: windows that are closed,
+//! with or without a signal to their program, and pipes whose reader ends. However that happens,
+//! the program ends by itself, no journal is left that should be a trial, the study is not locked,
+//! and the session can be resumed. The participant's screen ends likewise, and another one is
+//! accepted.
 
 use super::{SESSION, STUDY, fraction, fresh, run};
 use crate::tried::held;

@@ -1,6 +1,6 @@
 //! How often the thesis' statements hold for the simulated device and its participant: studies of
 //! one session of one person, each number of the device drawn over its range, recorded and judged
-//! as users do it. No seed is chosen.
+//! as users do it. No seed is selected.
 
 use super::{STUDY, fraction, fresh, run};
 use crate::tried::{END, held, parts};

@@ -1,6 +1,6 @@
 //! SIGKILL and a pulled cable while the actuators have voltage: the control loop runs in a process
-//! of its own, the board in this one, in real time, with a cable between. Nobody tells the board:
-//! its watchdog takes the voltages away.
+//! of its own, the board in this one, in real time, with a cable between them. Nobody tells the
+//! board: its watchdog removes the voltages.
 
 use super::cable::{Board, Remote};
 use super::{STUDY, fraction};

@@ -1,4 +1,4 @@
-//! What is said about a trial that ended: it is excluded, done again, asked again, remarked on.
+//! What is done with a trial that ended: it is excluded, repeated, asked about again, or annotated.
 
 use super::{About, Action, Flow, Phase, refuse};
 use zwidth_study::Event;

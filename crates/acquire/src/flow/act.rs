@@ -1,4 +1,4 @@
-//! One input at a time: what it changes, and what is to be done.
+//! One input at a time: what it changes, and which actions follow.
 
 use super::about::note;
 use super::{Action, EMERGENCY_STOP, End, Flow, Halt, Input, Phase, refuse};

@@ -6,15 +6,15 @@
 //!                        └──────────────── Start ─────────────── Stopped ←──── from every phase
 //! ```
 //!
-//! The order is a row of *places*; each holds one trial. A trial that is repeated, or that was cut
-//! short, gives its place to a new trial **right away**: if it was the last one, the conditions
-//! that count follow each other exactly as drawn, and blocks stay blocks. Numbers are never used
-//! twice: the new trial takes the next free number after the order's last, and the event
-//! `superseded` names both.
+//! The order is a row of *places*; each holds one trial. If a trial is repeated or was cut short, a
+//! new trial takes its place **right away**. If it was the last one, the conditions that count
+//! follow each other exactly as drawn, and blocks stay blocks. Numbers are never used twice: the
+//! new trial takes the next free number after the order's last, and the event `superseded` names
+//! both.
 //!
-//! A trial that was excluded is **missing**: its place counts as open, and is offered once all
-//! others are done, unless somebody asks for the repeat before. Only then does it give its place
-//! away. A familiarisation trial counts nowhere, so that nothing is missing without it.
+//! An excluded trial is **missing**: its place counts as open, and is offered once all others are
+//! done, unless somebody asks for the repeat earlier. Only then does a new trial take its place. A
+//! familiarisation trial counts nowhere, so nothing is missing without it.
 
 mod about;
 mod act;
@@ -70,7 +70,7 @@ pub enum Input {
     Quit,
 }
 
-/// What may be said about any trial of a session, at any time at which none runs.
+/// Requests about any trial of a session, at any time at which none runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum About {
     /// It does not count, and why.
@@ -129,7 +129,7 @@ fn refuse(why: impl Into<String>) -> Vec<Action> {
     vec![Action::Refuse(why.into())]
 }
 
-/// Where the session stands.
+/// The phase of the session.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Phase {
     /// The device is being checked.
@@ -168,7 +168,7 @@ pub enum Phase {
     Left,
 }
 
-/// Why a running trial was told to end.
+/// Why a running trial is ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Halt {
     /// Emergency stop.
@@ -184,7 +184,7 @@ pub struct Place {
     pub trial: PlannedTrial,
     /// The trial it took the place from.
     pub repeats: Option<u32>,
-    /// What is asked after it, in order.
+    /// The questions after it, in order.
     pub questions: Vec<Question>,
     /// Whether it ran to its end.
     pub done: bool,
@@ -242,7 +242,7 @@ impl Flow {
         Self { by_hand, ..self }
     }
 
-    /// Where the session stands.
+    /// The phase of the session.
     pub(crate) fn phase(&self) -> &Phase {
         &self.phase
     }

@@ -1,4 +1,4 @@
-//! A session laid out: fresh, or from what was recorded of it before.
+//! A session set up: from nothing, or from what was recorded of it earlier.
 
 use super::{Action, Flow, Phase, Place};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,7 +11,7 @@ pub struct Recorded {
     pub trial: u32,
     /// Whether it ran to its end.
     pub complete: bool,
-    /// Whether nothing is left to ask about it, whatever the log says of answers.
+    /// Whether no question about it is left, whatever the log says about answers.
     pub settled: bool,
 }
 

@@ -1,7 +1,7 @@
-//! Markers: moments of a trial that other programs are told of, as they come.
+//! Markers: moments of a trial that are announced to other programs as they occur.
 //!
-//! They are sent by a thread of their own. What cannot be sent is told once, and disturbs nothing:
-//! neither the control loop nor the session waits for it.
+//! A thread of their own sends them. A marker that cannot be sent is reported once, and disturbs
+//! nothing: neither the control loop nor the session waits for it.
 
 mod osc;
 mod target;

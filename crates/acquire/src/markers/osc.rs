@@ -1,6 +1,6 @@
-//! Open Sound Control 1.0, as far as a marker needs it: one message, big-endian, each part filled
-//! up to a multiple of four bytes. Source: M. Wright, "The Open Sound Control 1.0 Specification",
-//! 2002 (opensoundcontrol.org/spec-1_0).
+//! Open Sound Control 1.0, as far as a marker needs it: one message, big-endian, each part padded
+//! to a multiple of four bytes. Source: M. Wright, "The Open Sound Control 1.0 Specification", 2002
+//! (opensoundcontrol.org/spec-1_0).
 
 /// An argument of a message.
 #[derive(Debug, Clone, PartialEq)]

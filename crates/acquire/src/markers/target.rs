@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Who is told of each marker.
+/// A receiver of markers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Target {
     /// A line of JSON over TCP, to whoever listens at `host:port`.

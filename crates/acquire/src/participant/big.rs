@@ -1,4 +1,4 @@
-//! Words in letters of five rows, to be read from where the lever is.
+//! Words in letters five rows high, legible from where the lever is.
 
 /// Rows of a letter.
 pub(super) const ROWS: usize = 5;

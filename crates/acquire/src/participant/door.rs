@@ -1,9 +1,9 @@
-//! The session's end of the line as sockets: a port of this machine alone. What is said there is
-//! [`Reception`]'s.
+//! The session's end of the line as sockets, on a port of this machine alone. [`Reception`] decides
+//! what is sent there.
 //!
-//! Anybody on this machine may come to the port, so nothing waits for whoever comes: each is greeted
-//! by a thread of its own within a time for all of the greeting, only so many at once, and the end of
-//! the session joins none of these threads.
+//! Anybody on this machine may connect to the port, so nothing waits for a client. A thread of its
+//! own greets each client, within a time limit for the whole greeting. The number of greetings at
+//! once is limited, and the end of the session joins none of these threads.
 
 use super::proof::Secret;
 use super::reception::{Reception, SentAway, Teller, Visit};
@@ -25,8 +25,8 @@ const MOST_GREETED: usize = 64;
 /// Longest wait for our own call to the port, which ends the thread that listens there.
 const CALL: Duration = Duration::from_millis(50);
 
-/// A port at which the participant's screen finds a session. When it is dropped, the screen is told
-/// the last sight first.
+/// A port at which the participant's screen finds a session. When it is dropped, the screen first
+/// gets the last sight.
 #[derive(Debug)]
 pub struct Door {
     reception: Arc<Reception>,

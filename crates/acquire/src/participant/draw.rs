@@ -1,4 +1,4 @@
-//! The participant's screen: a sight in, a frame out.
+//! The participant's screen: it turns a sight into a frame.
 
 use super::big::{ROWS, big, big_width};
 use super::sight::{Asked, Now, Sight};

@@ -38,8 +38,8 @@ enum Greeted {
 const A_MOMENT: Duration = Duration::from_millis(20);
 
 impl Guest {
-    /// Asks to be let in at a port of this machine. Nothing of what comes from there is believed
-    /// before whoever listens has proven that they know the secret.
+    /// Asks to be let in at a port of this machine. Nothing from there is believed before the
+    /// listener has proven that it knows the secret.
     ///
     /// # Errors
     /// Nobody listens there, or not a session of this program; another screen is open.

@@ -1,5 +1,5 @@
-//! What either end of the participant's line makes of any bytes, for tests that put anything in
-//! their place (`fuzz/`).
+//! How either end of the participant's line reads arbitrary bytes, for tests that send them
+//! (`fuzz/`).
 
 use super::proof::Secret;
 use super::reception::{Reception, Visit};

@@ -1,5 +1,5 @@
 //! What a key means on the participant's screen: an answer to the open question, or the end of the
-//! screen. Nothing else can be asked for there.
+//! screen. Nothing else can be requested there.
 
 use super::sight::Asked;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};

@@ -1,7 +1,8 @@
-//! The participant's screen as lines, for scripts, tests and people who read with their ears.
+//! The participant's screen as lines, for scripts, tests and screen readers.
 //!
-//! A line out for each thing to do; a line in, a number, answers the question. Numbers are taken in
-//! order, each when a question is open; so a script may say everything at once.
+//! It writes one line for each thing to do. A number on a line of input answers the question.
+//! Numbers are taken in order, each when a question is open, so a script may write all of them at
+//! once.
 
 use super::guest::Guest;
 use super::sight::{Asked, Now, Sight};

@@ -7,8 +7,8 @@
 //!
 //! What the participant may see is a [`Sight`](sight::Sight), which has no place for a mode, a
 //! voltage or a message; nothing else leaves the session. Both ends prove that they know a secret
-//! before they say anything else. The door has threads of its own, so that neither the control loop
-//! nor the session ever waits for a screen.
+//! before they send anything else. The door has threads of its own, so that neither the control
+//! loop nor the session ever waits for a screen.
 
 mod beside;
 mod big;

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! A proof is a BLAKE3 hash, keyed with the secret, of who gives it and of both nonces. So a proof
-//! of one end is none of the other, and one that was overheard is none on another line. Whoever has
-//! got a port that an earlier session had learns nothing from a screen, and the screen shows nothing
-//! of what it says.
+//! of one end is not valid for the other, and an overheard proof is not valid on another line. A
+//! program that took over the port of an earlier session learns nothing from a screen, and the
+//! screen shows nothing that this program sends.
 
 use blake3::{Hash, Hasher};
 use std::fmt;

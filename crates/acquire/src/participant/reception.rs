@@ -1,5 +1,5 @@
-//! The session's end of the line without the line: bytes of a screen in, lines for it out. It knows
-//! no socket, so that a simulation can be a screen as well.
+//! The session's end of the line without the line: it takes bytes from a screen and gives lines for
+//! it. It knows no socket, so a simulation can be a screen too.
 
 use super::proof::{Nonce, Nonces, Secret};
 use super::sight::Sight;
@@ -10,8 +10,8 @@ use std::time::Duration;
 /// Longest line of a screen, bytes: its first one has 85.
 const MOST_LINE: usize = 128;
 
-/// What a session shows to the participant's screen and hears from it. One screen at a time is let
-/// in, which has to prove that it knows the secret.
+/// What a session shows to the participant's screen and receives from it. One screen at a time is
+/// let in, and must prove that it knows the secret.
 #[derive(Debug)]
 pub struct Reception {
     secret: Secret,
@@ -116,7 +116,7 @@ enum Stage {
     Inside(u64),
 }
 
-/// A screen that is sent away, after what it is to be told.
+/// A screen that is sent away, with the message to it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SentAway(pub String);
 
@@ -127,7 +127,7 @@ impl Visit {
         Self { reception, nonce, stage: Stage::Outside, line: Vec::new() }
     }
 
-    /// Takes what came; what is to be sent back.
+    /// Takes the received bytes; returns the reply.
     ///
     /// # Errors
     /// It is none of ours, or another screen is in: the line is to be closed.

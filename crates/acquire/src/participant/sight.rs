@@ -1,7 +1,7 @@
 //! What a participant may see of a session, as plain values.
 //!
-//! Nothing in here tells a mode: no mode, voltage, force or trace, no number of a trial, no message
-//! and no reason of a stop, which may name an actuator.
+//! Nothing in it reveals a mode: no mode, voltage, force or trace, no number of a trial, no
+//! message, and no reason for a stop, because a reason may name an actuator.
 
 use crate::{Phase, View};
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,4 @@
-//! What goes over the line between a session and the participant's screen: lines of text, at most
-//! so long.
+//! What a session and the participant's screen send each other: lines of text of limited length.
 
 use super::proof::{Nonce, Secret};
 use super::sight::Sight;
@@ -21,7 +20,8 @@ pub(super) enum Said {
     Sight(Sight),
 }
 
-/// What a file says of where a session is found: its port, and the secret that proves who is who.
+/// What a file says about where a session is found: its port, and the secret that proves who is
+/// who.
 pub fn place_of(text: &str) -> Option<(u16, Secret)> {
     let (port, secret) = text.trim_end().split_once(' ')?;
     Some((port.parse().ok()?, Secret::from_hex(secret)?))

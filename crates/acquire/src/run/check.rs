@@ -1,4 +1,4 @@
-//! The device check: its steps one by one, each after somebody's word where somebody is asked.
+//! The device check: its steps one by one, each after a confirmation if somebody is asked for it.
 
 use super::{Runner, WAIT, look};
 use crate::flow::{EMERGENCY_STOP, Input};

@@ -1,7 +1,7 @@
-//! A front end that may go away: a window is closed, the reader of a pipe ends.
+//! A front end that may disappear: a window is closed, or the reader of a pipe ends.
 //!
-//! The session is left then as by a signal that ends the program: the trial that runs is cut and
-//! kept, the device is at 0 V, and the session can be resumed.
+//! The session then ends as after a signal that ends the program: the running trial is cut short
+//! and kept, the device is at 0 V, and the session can be resumed.
 
 use crate::{AcquireError, Front, Input, View};
 use std::sync::atomic::{AtomicBool, Ordering};

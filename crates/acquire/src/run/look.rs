@@ -1,4 +1,4 @@
-//! From what goes on to what is shown.
+//! Turns the state of a session into what is shown.
 
 use crate::course::Conditions;
 use crate::flow::{self, Flow};

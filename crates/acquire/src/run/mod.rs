@@ -1,9 +1,10 @@
 //! The runner: binds a session's flow to device, clock, journal, event log and front end.
 //!
-//! One path for real and simulated time: the device is asked for one thing after another. In real
-//! time a thread of its own has it ([`Attendant`]) while this one writes and shows: it runs the
-//! trials, and between them reads on at 0 V, so that the turn of the shaft stays known however long
-//! a disk takes. On a simulated clock it is asked here, and a pause is over at once.
+//! There is one path for real and simulated time: the device does one thing after another. In real
+//! time a thread of its own holds the device ([`Attendant`]) while this one writes and shows. That
+//! thread runs the trials, and between them keeps reading at 0 V, so the turn of the shaft stays
+//! known however long a disk takes. On a simulated clock this thread drives the device, and a pause
+//! is over at once.
 
 mod check;
 mod idle;
@@ -74,9 +75,9 @@ pub struct Options {
     pub ask: bool,
     /// The motor of a device without a watchdog may be used; each trial is marked.
     pub no_watchdog: bool,
-    /// Who is told of each trial's start, contact, end and answer.
+    /// The receivers of each trial's start, contact, end and answer.
     pub markers: Vec<Target>,
-    /// Who sits before it, by their code: it stands beside each event.
+    /// The operator's code, which is added to each event.
     pub by: Option<ExperimenterId>,
     /// Raised by a stop key: the running trial ends at its next tick.
     pub stop: Arc<AtomicBool>,
@@ -91,7 +92,7 @@ pub struct Outcome {
     pub done: usize,
     /// Trials of the order.
     pub total: usize,
-    /// What stopped it last, where it was left in that state.
+    /// What stopped it last, if it was left in that state.
     pub stopped: Option<String>,
     /// A signal ended it, or the terminal that is gone.
     pub interrupted: bool,
@@ -137,7 +138,7 @@ struct Runner<'a> {
     lasted: (usize, f64),
 }
 
-/// Runs a session from where it stands to where it is left. The study's lock is the caller's.
+/// Runs a session from its present state to where it is left. The caller holds the study's lock.
 ///
 /// # Errors
 /// A device, a disk or a study's folder that is gone; a study that this device must not run. The device is at 0 V then, and what was finished is safe; the session can be resumed.

@@ -1,4 +1,4 @@
-//! One trial: run, journaled, shown, and made a file.
+//! One trial: run, written to the journal, shown, and made a file.
 
 use super::mark::Marking;
 use super::{Runner, look};

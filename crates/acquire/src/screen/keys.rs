@@ -2,8 +2,8 @@
 //!
 //! **Stop** is the space bar: the largest key, sent as one byte, so that no terminal or multiplexer
 //! holds it back to see whether more comes (as they do with Esc). Esc and Ctrl-C stop as well.
-//! While a remark is typed a space is a space and Esc takes the line back: Ctrl-C is the stop key
-//! then, and the screen says so. Nothing can be typed while a trial runs: an open line is dropped.
+//! While a remark is typed, Space types a space, Esc discards the line, and Ctrl-C is the stop key;
+//! the screen says so. Nothing can be typed while a trial runs: an open line is dropped.
 
 use crate::flow::About;
 use crate::{Input, Phase};

@@ -3,8 +3,7 @@
 use ratatui::buffer::Buffer;
 use ratatui::style::{Color, Modifier, Style};
 
-/// How a screen looks. Nothing is said by colour alone, so that all four combinations tell the
-/// same.
+/// How a screen looks. Nothing is shown by colour alone, so all four combinations show the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Look {
     /// Whether colours are used.

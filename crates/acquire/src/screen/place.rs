@@ -1,5 +1,5 @@
-//! Areas of the screen cut into parts, by plain sums: a constraint solver, asked for every frame,
-//! costs more than all the drawing.
+//! Divides areas of the screen by plain sums: a constraint solver, run for every frame, would cost
+//! more than all the drawing.
 
 use ratatui::layout::Rect;
 

@@ -1,4 +1,4 @@
-//! The whole screen: a view in, a frame out.
+//! The whole screen: it turns a view into a frame.
 
 use super::foot;
 use super::keys::Entry;

@@ -24,8 +24,8 @@ const KEY_WAIT: Duration = Duration::from_millis(50);
 /// The screen of a session. The terminal is given back when it is dropped, and on a panic.
 ///
 /// [`Front::show`] leaves the newest view for the drawing thread and returns; views that come
-/// faster than frames are skipped. A signal is not the screen's business: whoever handles it drops
-/// the screen.
+/// faster than frames are skipped. The screen does not handle signals: the handler of a signal
+/// drops the screen.
 #[derive(Debug)]
 pub struct Screen {
     shared: Arc<Shared>,

@@ -1,7 +1,7 @@
 //! The lever's angle from a sensor that turns with the shaft and forgets its turns.
 //!
-//! One turn of the shaft is 52.8° of the prototype's lever (thesis §4.2), so a count alone leaves
-//! the angle open by multiples of that. [`Homed`] fixes the turn at the lower stop, [`Unwrap`]
+//! One turn of the shaft is 52.8° of the prototype's lever (thesis §4.2), so a count alone gives
+//! the angle only up to multiples of 52.8°. [`Homed`] fixes the turn at the lower stop; [`Unwrap`]
 //! counts turns from there.
 
 use crate::{Angle, Capabilities, DeviceError, Reading};

@@ -1,4 +1,4 @@
-//! Do motor and brake do anything, and the right way round?
+//! Do motor and brake respond, and in the right direction?
 
 use super::finding::Finding;
 use crate::timing::Pace;

@@ -1,8 +1,8 @@
-//! The device check before a session: does the device do what it says, now?
+//! The device check before a session: does the device now do what it claims?
 //!
-//! Four steps, each with something for a person to do first ([`Step`]); what is found in one is a
-//! pure function of its readings ([`at_rest`], [`loaded`], [`by_hand`]) or of how far the lever
-//! went ([`actuators`]).
+//! There are four steps, each with something for a person to do first ([`Step`]). The findings of a
+//! step are a pure function of its readings ([`at_rest`], [`loaded`], [`by_hand`]) or of how far
+//! the lever went ([`actuators`]).
 
 mod actuators;
 mod finding;

@@ -6,7 +6,7 @@ use crate::{Angle, Capabilities, Limits, Reading, Timing, Unwrap};
 use std::collections::BTreeSet;
 use zwidth_numerics::moments::Moments;
 
-/// A reading and when it was asked for.
+/// A reading and when it was requested.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
     /// Host time, s.
@@ -72,7 +72,7 @@ pub fn timing(timing: &Timing, rate_hz: f64) -> Vec<Finding> {
     ]
 }
 
-/// A lever at rest, asked at such a rate: the sensors' rates, noise and zero.
+/// A lever at rest, read at this rate: the sensors' rates, noise and zero.
 pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Vec<Finding> {
     let span_s = span_s(looks);
     let nominal_hz = capabilities.rate_hz.min(asked_hz);
@@ -105,13 +105,13 @@ pub fn at_rest(capabilities: &Capabilities, asked_hz: f64, looks: &[Look]) -> Ve
     found
 }
 
-/// The force at rest that was found, N; 0 where nobody looked.
+/// The measured force at rest, N; 0 if it was not measured.
 pub fn tare_n(found: &[Finding]) -> f64 {
     found.iter().find(|finding| finding.check.name == TARE).map_or(0.0, |tare| tare.check.value)
 }
 
 /// A known mass on the load cell: is a newton a newton? `tare_n` is the force without it. The mass
-/// itself stands beside the scale, so that whoever reads it knows what it rests on.
+/// is given beside the scale, so that a reader knows what the scale is based on.
 pub fn loaded(looks: &[Look], tare_n: f64, mass_kg: f64) -> Vec<Finding> {
     let scale = (mean_force_n(looks) - tare_n) / (mass_kg * GRAVITY_M_S2);
     let about = "force shown per force there, with the known mass; if it is not near 1, calibrate the load cell \

@@ -1,9 +1,9 @@
-//! What stands between any control law and the device: no voltage reaches an actuator that this has
-//! not let through.
+//! The guard between any control law and the device: no voltage reaches an actuator unless the
+//! guard lets it through.
 //!
 //! The guard knows where the lever is ([`Guard::home`]), which voltages the trial's mode may use
 //! ([`Guard::arm`]), judges every reading ([`Guard::see`]) and clamps every command
-//! ([`Guard::permit`]). Whatever it finds wrong is a [`Trip`], upon which the loop goes to 0 V.
+//! ([`Guard::permit`]). Whatever it finds wrong is a [`Trip`], after which the loop goes to 0 V.
 
 mod refuse;
 mod trip;
@@ -141,10 +141,10 @@ impl Guard {
         self.tracking.is_some()
     }
 
-    /// Whether a mode may be used on this device at all: to be asked before a session begins.
+    /// Whether a mode may be used on this device at all: call this before a session begins.
     ///
     /// # Errors
-    /// The first thing that stands against it.
+    /// The first reason against it.
     pub fn admit(&self, mode: &Mode, calibration: &Calibration) -> Result<(), Refusal> {
         self.refuse(&Asked::by(mode), calibration)
     }

@@ -1,4 +1,5 @@
-//! Why the voltages went to 0 V, and why they were never allowed: a sentence and a remedy each.
+//! Why the voltages went to 0 V, or why they were never allowed: a sentence and a remedy for each
+//! reason.
 
 use crate::{AngleFault, DeviceError};
 

@@ -1,4 +1,4 @@
-//! The answer to the question of a trial: a written rule from what was felt, with a bias and noise.
+//! The answer to the question of a trial: a written rule over what was felt, with a bias and noise.
 //!
 //! Qualities go from 0 (nothing like it) to 1 (just like it); the answer is
 //! 1 + (points − 1) · (quality + (bias + noise) / 4), rounded, and held to the scale: the place on
@@ -12,10 +12,10 @@
 //! | free, or nothing rendered | 1 − greatest force / 2 N |
 //!
 //! line = (R² − 0.5) / 0.4 of force over angle while going in; each term held to 0…1. The weights
-//! were chosen so that the modes rank as in thesis Fig. 30; they are no measurement.
+//! were chosen so that the modes rank as in thesis Fig. 30; they were not measured.
 //!
-//! Asked which mode it was, nothing felt decides: each mode and "do not know" are equally likely, so
-//! that the blinding index of simulated answers is 0 but for chance.
+//! An answer to the question which mode it was does not depend on what was felt: each mode and "do
+//! not know" are equally likely, so the blinding index of simulated answers is 0 except for chance.
 
 use super::draw::{Draw, Purpose};
 use super::{Felt, Person};

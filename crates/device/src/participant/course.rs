@@ -1,7 +1,8 @@
 //! How an intent is carried out: forward, let go, and back with the lever.
 //!
-//! The intent is made before the trial and does not know the mode; the course goes by what the hand
-//! does and feels. Positions are those of the hand's aim along the arc, from where it waits, m.
+//! The intent is made before the trial and does not know the mode; the course depends on what the
+//! hand does and feels. Positions are those of the hand's aim along the arc, from where it waits,
+//! in m.
 //!
 //! ```text
 //! forward   x = A · least jerk(t) + ∫ g L (θ_goal − θ) dt   the second part, within τ, once the plan is over
@@ -12,8 +13,8 @@
 //! back      least jerk to 0 from where it is, a reaction time after the lever came back or the force went
 //! ```
 //!
-//! So the hand lets go of its force first, as the thesis' participant did (§4.3), and goes back
-//! with the lever once that moves, or alone where it stays.
+//! So the hand lets go of its force first, as the thesis' participant did (§4.3). It goes back with
+//! the lever once the lever moves, or alone if the lever stays.
 
 use super::{Intent, Person};
 use zwidth_dynamics::{Aim, DrivenState};

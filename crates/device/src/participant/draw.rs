@@ -1,4 +1,5 @@
-//! Random numbers of the simulated: one seed and one purpose give the same numbers on any machine.
+//! Random numbers for the simulation: one seed and one purpose give the same numbers on any
+//! machine.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

@@ -1,4 +1,4 @@
-//! What was felt in a trial, gathered step by step in a few sums.
+//! What was felt in a trial, accumulated step by step in a few sums.
 
 use zwidth_dynamics::DrivenState;
 

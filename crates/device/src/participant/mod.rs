@@ -2,18 +2,18 @@
 //! answers.
 //!
 //! **A stand-in with stated limits, not a claim about people.** It exists so that a study can be
-//! rehearsed, software tested and a protocol's power planned before anyone is asked to push. What
-//! it is made of:
+//! rehearsed, software tested and a protocol's power planned before anyone is asked to push. It
+//! consists of:
 //!
 //! * **Intent**: a forward movement of least jerk (Flash & Hogan 1985, J. Neurosci. 5:1688) to a
 //!   goal: an angle of the lever, and at a wall a force ([`Goal`]). It is planned before the trial
 //!   from what the participant knows: the environment and the lever, never the mode. The same
 //!   intent in three modes gives three trajectories through contact alone.
-//! * **Course**: how that is carried out by what is felt. The hand turns where the goal is reached,
-//!   lets go of its force, and goes back with the lever.
+//! * **Course**: how the intent is carried out, depending on what is felt. The hand turns where the
+//!   goal is reached, lets go of its force, and goes back with the lever.
 //! * **Impedance**: a mass on a spring and a damper towards the intent; it pushes through a
-//!   fingertip and never pulls. Constant; people stiffen when they are surprised, this one does
-//!   not.
+//!   fingertip and never pulls. It is constant: people stiffen when they are surprised, this
+//!   participant does not.
 //! * **Giving way**: above a comfortable force, and near the end of the work space, the intent
 //!   retreats, a reaction time late.
 //! * **Variation**: participants differ by their [`Person`], sessions by what a day brings
@@ -23,8 +23,8 @@
 //!   It was made so that the three modes rank as in thesis Fig. 30, so **no finding about
 //!   perception can come from it**.
 //!
-//! What it lacks: tremor, fatigue, attention, strategies that change with what is felt, grip, arm
-//! posture, and any knowledge that was measured on the thesis' participant, of whom there is none.
+//! It lacks tremor, fatigue, attention, strategies that change with what is felt, grip, arm
+//! posture, and any knowledge measured on the thesis' participant, because there is none.
 
 mod answer;
 mod course;

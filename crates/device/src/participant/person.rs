@@ -1,4 +1,5 @@
-//! What a participant is like: what lasts is drawn once, and what a day brings once a session.
+//! What a participant is like: lasting properties are drawn once, those of the day once per
+//! session.
 
 use super::draw::{Draw, Purpose};
 use serde::{Deserialize, Serialize};
@@ -139,8 +140,8 @@ impl Person {
         today.at(1.0 + pace)
     }
 
-    /// The same, who does not always do what was asked: one trial in 25 is given up, one question
-    /// in 30 stays open (assumed).
+    /// The same person, who does not always follow instructions: one trial in 25 is abandoned, one
+    /// question in 30 stays open (assumed).
     pub fn untidy(self) -> Self {
         Self { gives_up: 1.0 / 25.0, is_silent: 1.0 / 30.0, ..self }
     }

@@ -36,7 +36,7 @@ pub struct LiveRun {
 
 /// Runs [`run_trial`] on a thread of its own, at an elevated priority where that is allowed.
 /// Meanwhile the caller's thread is given the samples that have come, every 5 ms; the batch may be
-/// empty. Files and screens are its business: however long it takes, the loop does not wait for it.
+/// empty. It handles files and screens: however long it takes, the loop does not wait for it.
 /// Should it fall 10 s behind, samples are lost, counted, and the trial does not count as run to
 /// its end. Nobody reads the device before or after: a session of trials is run by
 /// [`crate::Attendant`].

@@ -34,7 +34,7 @@ pub type Sink<'a> = dyn FnMut(&Sample) -> ControlFlow<()> + 'a;
 pub struct TrialPlan<'a> {
     /// What the device may know of it: number, environment, longest time.
     pub cue: Cue<'a>,
-    /// Ticks a second, Hz.
+    /// Ticks per second, Hz.
     pub rate_hz: f64,
     /// The velocity filter, at its beginning.
     pub velocity: Velocity,
@@ -85,8 +85,7 @@ pub struct TrialRun {
     pub end: TrialEnd,
     /// How well it kept its time.
     pub timing: Timing,
-    /// The motor could run with no watchdog watching it, as was asked for: the trial is to be
-    /// marked.
+    /// The motor could run without a watchdog, as requested: the trial is to be marked.
     pub unwatched: bool,
 }
 
@@ -101,7 +100,7 @@ impl TrialRun {
 /// is disarmed.
 ///
 /// The guard must be homed ([`Guard::home`]) and armed with the mode ([`Guard::arm`]); otherwise
-/// the trial ends at once and says so. `stop` is looked at in every tick.
+/// the trial ends at once and says so. `stop` is checked in every tick.
 pub fn run_trial(
     device: &mut dyn Device,
     clock: &mut dyn Clock,

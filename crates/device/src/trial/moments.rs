@@ -1,4 +1,4 @@
-//! The moments of a trial that others want to know of, found among its samples.
+//! The moments of a trial that are announced to others, found among its samples.
 
 use zwidth_study::{Flags, Moment};
 

@@ -1,4 +1,5 @@
-//! While this lives, actuators may be on; when it goes, for whatever reason, they are off.
+//! While this value lives, actuators may be on; when it is dropped, for whatever reason, they are
+//! off.
 
 use super::Moments;
 use crate::timing::Tick;

@@ -7,12 +7,12 @@
 //! nothing is written for 50 ms. A seed gives the same bits on any machine, trial by trial: a
 //! trial's numbers depend on its number, not on what went before.
 //!
-//! Signs: a motor voltage above 0 pushes towards +θ, as everywhere; rendering a spring takes one
-//! below 0.
+//! Signs: a motor voltage above 0 pushes towards +θ, as everywhere; rendering a spring takes a
+//! voltage below 0.
 //!
-//! What it leaves out: slack and stretch of the capstan's cable, gravity, heating, the drivers'
-//! dead times, noise and non-linearity of the angle sensor, the load cell's creep, and the time the
-//! HX711 takes to settle.
+//! It leaves out slack and stretch of the capstan's cable, gravity, heating, the drivers' dead
+//! times, noise and non-linearity of the angle sensor, the load cell's creep, and the settling time
+//! of the HX711.
 
 mod board;
 mod parameters;

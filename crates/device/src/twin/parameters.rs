@@ -49,7 +49,7 @@ pub struct TwinParameters {
     pub actuators: Calibration,
 }
 
-/// One number of [`TwinParameters`]: what is known of it.
+/// One number of [`TwinParameters`]: its known facts.
 #[derive(Debug, Clone, Copy)]
 pub struct TwinParameter {
     /// Its field, which ends in its unit.

@@ -1,4 +1,4 @@
-//! What the twin's sensors make of the plant.
+//! How the twin's sensors see the plant.
 
 use crate::participant::draw::Draw;
 use std::f64::consts::TAU;

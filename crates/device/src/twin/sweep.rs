@@ -1,10 +1,10 @@
 //! Characterisation: the twin's pusher holds or drives the lever while one actuator's voltage goes
 //! up and down.
 //!
-//! A motor is measured at a held lever. A brake makes no force unless someone pushes past slip, so
-//! its lever is driven from stop to stop at slow constant velocity. Both are felt through the load
-//! cell, capstan friction included: the measured force is a little low while the motor's rises and
-//! a little high while it falls.
+//! A motor is measured at a held lever. A brake gives no force unless someone pushes past slip, so
+//! its lever is driven from stop to stop at a slow, constant velocity. Both are felt through the
+//! load cell, capstan friction included: the measured force is a little low while the motor's rises
+//! and a little high while it falls.
 
 use super::parameters::impossible;
 use super::parameters::{STOPS_RAD, TwinParameters};

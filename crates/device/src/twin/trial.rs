@@ -1,4 +1,4 @@
-//! What the participant is at: waiting, or in a trial.
+//! What the participant is doing: waiting, or in a trial.
 
 use super::parameters::{STOPS_RAD, TwinParameters};
 use crate::Cue;

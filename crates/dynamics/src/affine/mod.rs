@@ -1,10 +1,10 @@
-//! Piecewise affine motion, whatever it describes.
+//! Piecewise affine motion of any system.
 //!
 //! In a region the state moves as ż = A z, whose last entry is 1, and functionals of it, the
-//! guards, are not below zero. [`ReadyFlow`] is a region made ready: its exponentials, bounds that
+//! guards, are not below zero. [`ReadyFlow`] is a prepared region: its exponentials, bounds that
 //! prove a span free of events, and the search for the first event where they do not. The exact
-//! solver of scenes and the driven plant are both made of it. What the rows say, and what an event
-//! does, is theirs.
+//! solver of scenes and the driven plant both use it. They define the meaning of the rows and the
+//! effect of an event.
 
 mod functionals;
 mod ready;

@@ -1,4 +1,4 @@
-//! A region made ready: its ladder of exponentials, its guards, and bounds that prove an interval
+//! A prepared region: its ladder of exponentials, its guards, and bounds that prove an interval
 //! free of events.
 
 use zwidth_numerics::expm::{self, Ladder, Matrix, ORDER};

@@ -1,4 +1,4 @@
-//! The plant under held commands, with a hand in one-sided contact: what a simulated device moves
+//! The plant under held commands, with a hand in one-sided contact: a simulated device moves it
 //! from tick to tick.
 //!
 //! Unlike a [`crate::ModelScene`], nothing here knows an environment or a mode: between two calls
@@ -15,15 +15,15 @@
 //! F_ex = 0,  K_F δ + B_F δ̇ = 0                             tissue free: it springs back by itself
 //! ```
 //!
-//! The tissue has no mass and can only push. It lifts off where its force reaches zero (still
-//! pressed, because it is slow to spring back), relaxes in the air, and touches again where its
+//! The tissue has no mass and can only push. It lifts off when its force reaches zero (still
+//! pressed, because it is slow to spring back), relaxes in the air, and touches again when its
 //! surface meets the lever. So F_ex is never negative and jumps only by B_F times the speed of the
 //! touch.
 //!
 //! The equations are piecewise linear, and each piece is solved exactly: by the matrix exponential
 //! over a ladder of spans made once, with events (reversal, departure, stop, touch, lift-off) as
-//! roots of its Taylor polynomials. A span is passed over only if no event can lie inside, so none
-//! is missed, however short. A lever at rest keeps its angle bit for bit.
+//! roots of its Taylor polynomials. A span is passed over only if no event can lie inside it, so no
+//! event is missed, however short. A lever at rest keeps its angle bit for bit.
 
 mod parameters;
 mod plant;

@@ -1,5 +1,5 @@
-//! What the plant is made of. A term that is `None` is left out: no region, no event and no
-//! exponential is made for it.
+//! The parts of the plant. A term that is `None` is left out: it gets no region, no event and no
+//! exponential.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ pub struct DrivenParameters {
     pub inertia_kg_m2: f64,
     /// L: lever length, m.
     pub lever_m: f64,
-    /// Where the mechanical stops stand, rad, lower first; inelastic.
+    /// Where the mechanical stops are, rad, lower first; inelastic.
     pub stops_rad: Option<[f64; 2]>,
     /// Dry and viscous friction of the capstan.
     pub friction: Option<Friction>,

@@ -9,7 +9,7 @@ use crate::affine::Fall;
 use crate::error::{DynamicsError, Result, check, finite, in_bounds, not_negative};
 use crate::system::region::Motion;
 
-/// What the actuators are told, held over an advance.
+/// The commands to the actuators, held over an advance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Command {
     /// Force of the motor at the lever's end, N; above 0 drives to +θ.
@@ -125,8 +125,8 @@ impl Driven {
     }
 
     /// Moves the plant over `dt_s` seconds with the commands held and the hand's aim going from
-    /// `aims[0]` to `aims[1]` in straight lines (position and velocity each). Without hand the
-    /// aims are not looked at.
+    /// `aims[0]` to `aims[1]` in straight lines (position and velocity each). Without a hand the
+    /// aims are not used.
     ///
     /// # Errors
     /// [`DynamicsError::Parameter`] if an argument is not finite, the time or the brake's level

@@ -1,4 +1,4 @@
-//! The pieces of the dynamics: in each the motion is linear, and a few functionals tell where it
+//! The pieces of the dynamics: in each, the motion is linear, and a few functionals tell where it
 //! ends.
 
 use zwidth_numerics::expm::{Ladder, Matrix};

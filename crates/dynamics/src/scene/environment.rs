@@ -1,5 +1,5 @@
-//! Virtual environments: zones of angle, each with the resisting force u(θ, θ̇) the actuators are
-//! asked for.
+//! Virtual environments: zones of angle, each with the resisting force u(θ, θ̇) that the actuators
+//! are asked for.
 //!
 //! A new environment is a new value: spring, damper, sponge, detent, free space, one wall or two.
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::numbers;
 use crate::error::{DynamicsError, Result, check, finite, not_negative};
 
-/// The force asked for in a zone; u > 0 resists a push into the object (+θ).
+/// The force commanded in a zone; u > 0 resists a push into the object (+θ).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Demand {
@@ -31,7 +31,7 @@ pub enum Demand {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Zone {
-    /// Where it begins, rad; the first zone reaches down without end, whatever stands here.
+    /// Where it begins, rad; the first zone extends down without end, whatever this value is.
     #[serde(default)]
     pub from_rad: f64,
     /// The force asked for.

@@ -1,5 +1,5 @@
-//! A scene: environment, mode, plant, actuators, input, and the terms a model has on top. A plain
-//! value.
+//! A scene: environment, mode, plant, actuators, input, and the additional terms of a model. A
+//! plain value.
 
 pub(crate) mod actuators;
 pub(crate) mod environment;
@@ -23,8 +23,8 @@ use terms::Terms;
 
 use crate::error::{DynamicsError, Result, positive};
 
-/// What is simulated. Parts that are `None` and terms that are not there are left out of the
-/// equations and cost nothing.
+/// What is simulated. Parts that are `None` and absent terms are left out of the equations and cost
+/// nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", deny_unknown_fields)]
 pub struct ModelScene {

@@ -18,7 +18,7 @@ pub const FINGER_LENGTH_M: f64 = 0.006;
 pub const DURATION_S: f64 = 4.0;
 /// h: step, s; the prototype's control loop ran at it.
 pub const STEP_S: f64 = 0.008_3;
-/// Half the work space, rad: the stops stand at ±45°.
+/// Half the work space, rad: the stops are at ±45°.
 pub const HALF_STROKE_RAD: f64 = std::f64::consts::FRAC_PI_4;
 /// Lever length with which the thesis' figures are reproduced, m: (10) read as M_O θ̈. Inferred:
 /// with less than 0.5889 m its step lies outside the stability region of its method.

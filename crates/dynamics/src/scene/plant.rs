@@ -13,7 +13,7 @@ pub struct Plant {
     pub mass_kg: f64,
     /// L: lever length, m.
     pub lever_m: f64,
-    /// Where the mechanical stops stand, rad, lower first; inelastic. Without them the lever turns
+    /// Where the mechanical stops are, rad, lower first; inelastic. Without them the lever turns
     /// freely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stops_rad: Option<[f64; 2]>,

@@ -1,5 +1,5 @@
-//! The loop the adaptive methods share: error control, dense output at the grid's times, events
-//! located on the dense output, and the same regions and transitions as the exact solver.
+//! The loop that the adaptive methods share: error control, dense output at the grid's times,
+//! events located on the dense output, and the same regions and transitions as the exact solver.
 
 use zwidth_numerics::expm::dot;
 use zwidth_numerics::roots;

@@ -1,5 +1,5 @@
-//! The loop all fixed-step methods share: inputs at the stage times, one step a sample, stops after
-//! it.
+//! The loop that all fixed-step methods share: inputs at the stage times, one step per sample,
+//! stops after it.
 
 use super::{Grid, shorten};
 use crate::error::{DynamicsError, Result, in_bounds};

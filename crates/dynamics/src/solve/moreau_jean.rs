@@ -1,5 +1,5 @@
-//! Moreau–Jean time stepping: a θ-method that is implicit in the set-valued forces, so that it
-//! sticks without chattering at any step and never looks for events.
+//! Moreau–Jean time stepping: a θ-method that is implicit in the set-valued forces, so it sticks
+//! without chattering at any step and never looks for events.
 
 use zwidth_numerics::expm::Matrix;
 

@@ -1,4 +1,4 @@
-//! The solvers by the names they go by in tables and on the command line: the one list.
+//! The solvers by their names in tables and on the command line: the one list.
 
 use super::adaptive::Tolerances;
 use super::dormand_prince::DormandPrince;
@@ -59,7 +59,7 @@ pub const NAMED_SOLVERS: [NamedSolver; 7] = [
     },
 ];
 
-/// What people call the solver of that name; the name itself where there is no such solver.
+/// The readable name of the solver with that name; the name itself if there is no such solver.
 pub fn solver_label(name: &str) -> &str {
     NAMED_SOLVERS.iter().find(|named| named.name == name).map_or(name, |named| named.label)
 }

@@ -14,7 +14,7 @@ use crate::trajectory::Trajectory;
 /// RK4 with the grid's step. The thesis does not say whether it switched per stage or per step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rk4 {
-    /// When the sign of θ̇ is looked at.
+    /// When the sign of θ̇ is tested.
     pub switching: Switching,
 }
 

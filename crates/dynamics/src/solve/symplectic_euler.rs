@@ -10,7 +10,7 @@ use crate::system::row::MOST;
 use crate::system::{OMEGA, System, THETA};
 use crate::trajectory::Trajectory;
 
-/// Symplectic Euler with the grid's step, switching on the sign of θ̇ once a step.
+/// Symplectic Euler with the grid's step, switching on the sign of θ̇ once per step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SymplecticEuler;
 

@@ -1,6 +1,6 @@
 //! The equations as the thesis writes them: one right-hand side that switches on the sign of θ̇.
 //!
-//! Fixed-step methods use it, per stage or once a step. Nothing here looks for events.
+//! Fixed-step methods use it, once per stage or once per step. Nothing here looks for events.
 
 use super::command::Actuator;
 use super::region::{Branch, Contact, Motion, Region, Side};

@@ -1,4 +1,4 @@
-//! The ways out of a region: functionals that are not below zero while it holds.
+//! The exits from a region: functionals that are not below zero while the region holds.
 
 use super::command::Actuator;
 use super::region::{Branch, Contact, Region, Side};

@@ -30,7 +30,7 @@ pub(crate) const THETA: usize = 0;
 /// Index of θ̇.
 pub(crate) const OMEGA: usize = 1;
 
-/// Where each quantity stands in the augmented state.
+/// The place of each quantity in the augmented state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     /// Number of entries.

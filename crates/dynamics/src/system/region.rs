@@ -1,4 +1,4 @@
-//! The regions of a system: in each of them the motion is smooth.
+//! The regions of a system: in each, the motion is smooth.
 
 /// Up is +θ, into the object; down is back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,5 +1,5 @@
-//! The scene's terms in the equations: a row each for the affine part, and one curved force of them
-//! all.
+//! The scene's terms in the equations: one row each for the affine part, and one curved force for
+//! all of them.
 
 use super::row::{Functional, Row};
 use super::{OMEGA, System, THETA};

@@ -1,4 +1,4 @@
-//! Creep of a method: a lever that moves on while the model's stands still.
+//! Creep of a method: the lever moves on while the model's lever stands still.
 
 use super::path::Path;
 use super::reference::Known;

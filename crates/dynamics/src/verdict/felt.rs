@@ -1,4 +1,4 @@
-//! Whether a person can feel a swing. It stands beside a verdict and never changes it.
+//! Whether a person can feel a swing. This is reported beside a verdict and never changes it.
 
 use zwidth_study::VibrationCurve;
 

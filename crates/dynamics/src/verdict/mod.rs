@@ -1,14 +1,16 @@
-//! What a run is worth: smooth, an oscillation that its model has, or one that its method made.
+//! The verdict on a run: smooth, an oscillation that its model has, or one that its method made.
 //!
-//! A run is judged by a [`Reference`], the motion as `exact` has it or, where that cannot run the
-//! model, as two independent methods agree on. The method runs it with half the step and a quarter
-//! of it too: a step may be too long to show how the method chatters. The order of judgement:
+//! A run is judged by a [`Reference`]: the motion by `exact` or, if `exact` cannot run the model,
+//! the motion on which two independent methods agree. The method also runs the scene with half and
+//! a quarter of the step, because a step may be too long to show how the method chatters. The order
+//! of judgement:
 //!
 //! 1. **failed**: the run ended in an error.
 //! 2. **smooth**: neither the run, at any of the three steps, nor the reference oscillates, and the
 //!    run does not creep. A *swing* is the way from one end of a motion to the next; it exists where half of its angle is
 //!    above 1e-9 rad and 100 times the reference's error; six existing swings are an oscillation. A
-//!    run that grows away from the reference without a turn is not smooth but the next.
+//!    run that grows away from the reference without a turn is not smooth; the next verdict
+//!    applies.
 //! 3. **unstable step**: |R(hλ)| > 1 in a region in which the run moved, curved terms linearised
 //!    along the run, where the exact flow does not grow.
 //! 4. **depends on the rule at rest**: a lagging actuator may follow either side's command while
@@ -21,7 +23,7 @@
 //!    is below 0.9 or above 1.1), **free, undamped** (a conservative model), or else a **limit
 //!    cycle**.
 //!
-//! Whether a person feels it stands beside, in [`felt`].
+//! [`felt`] says beside it whether a person feels the motion.
 
 mod bands;
 mod creep;
@@ -56,7 +58,7 @@ use crate::error::DynamicsError;
 use crate::solve::Solver;
 use crate::trajectory::Trajectory;
 
-/// What a motion comes to.
+/// The summary of a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motions {
     /// By which method it is known.
@@ -85,8 +87,8 @@ pub struct Judgement {
     pub shows_the_reference: bool,
     /// Half the peak-to-peak angle from which on a swing exists, rad.
     pub bound_rad: f64,
-    /// The longest way that the lever creeps in a stretch in which the reference's stands still,
-    /// rad; 0 if it stands too.
+    /// The longest distance that the lever creeps in a stretch in which the reference's lever
+    /// stands still, rad; 0 if it stands still too.
     pub creep_rad: f64,
     /// Largest growth of a step in the regions in which the run moved, over the exact flow's own;
     /// above 1 the step is unstable. 1 for methods without a limit.

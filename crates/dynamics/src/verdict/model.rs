@@ -1,4 +1,4 @@
-//! What a verdict is about.
+//! The model that a verdict is about.
 
 use crate::error::DynamicsError;
 use crate::scene::finger::FingerLaw;

@@ -1,17 +1,17 @@
-//! Whether a person could feel that one motion is not another: the error gate of the trade and the
-//! ladder.
+//! Whether a person could feel the difference between two motions: the error gate of the trade and
+//! the ladder.
 //!
-//! * **Slow part**: force and angle, each as the mean over 100 ms, differ by less than a person
-//!   tells apart: the force by a share of itself and no less than a floor, the angle by a fixed
-//!   one.
+//! * **Slow part**: force and angle, each as the mean over 100 ms, differ by less than a person can
+//!   tell apart: the force by a share of itself and no less than a floor, the angle by a fixed
+//!   amount.
 //! * **Vibration**: the position of the lever's end by third octaves from 10 to 794 Hz, in windows
-//!   of 100 ms and more. A level is another one where it exceeds both what is just felt and the
-//!   right one's level by a share. (The level of a difference signal would be no vibration: one
+//!   of 100 ms and more. A level differs if it exceeds both the smallest level that is felt and the
+//!   right level by a share. (The level of a difference signal would not be a vibration: one
 //!   microsecond of an event is 0.2 µm.)
 //!
-//! Within 50 ms of a jump of the right force nothing is compared: an instant is not felt. A jump is
-//! a change of the device's force, within a millisecond, that a person tells apart, or a jump of an
-//! input.
+//! Nothing is compared within 50 ms of a jump of the right force, because an instant is not felt. A
+//! jump is a change of the device's force, within a millisecond, that a person can tell apart, or a
+//! jump of an input.
 
 use zwidth_study::Perception;
 
@@ -187,20 +187,20 @@ struct BandLevels {
 /// How far a motion is from another one for a person. A share of 1 is just felt.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FeltDifference {
-    /// Largest difference of the slow force, as a share of the one that is noticed.
+    /// Largest difference of the slow force, as a share of the just noticeable one.
     pub force_share: f64,
     /// The difference itself, N.
     pub force_n: f64,
-    /// Largest difference of the slow angle, as a share of the one that is noticed.
+    /// Largest difference of the slow angle, as a share of the just noticeable one.
     pub angle_share: f64,
-    /// How far the level of vibration is above the right one, as a share of how far it may be: 0
-    /// where it is not above; none where no window is free of jumps.
+    /// How far the level of vibration is above the right one, as a share of the allowed excess: 0
+    /// if it is not above; none if no window is free of jumps.
     pub vibration_share: Option<f64>,
     /// The centre of that band, Hz.
     pub frequency_hz: f64,
     /// Its amplitude at the lever's end, m.
     pub amplitude_m: f64,
-    /// What is right there, m.
+    /// The right value there, m.
     pub right_m: f64,
 }
 

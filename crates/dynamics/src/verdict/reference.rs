@@ -1,4 +1,4 @@
-//! The motion that a run is judged by, and what that motion is.
+//! The motion by which a run is judged, and what that motion does.
 
 use super::model::Model;
 use super::path::Path;

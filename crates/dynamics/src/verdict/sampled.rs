@@ -1,4 +1,4 @@
-//! A plant in the loop of a digital controller, which any solver moves from tick to tick.
+//! A plant in the loop of a digital controller; any solver can move it from tick to tick.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! The method's own facts: stability regions, and the cases that were judged wrong.
+//! The method's own facts: stability regions, and the cases that were once judged wrongly.
 
 use super::stability::Growth;
 use super::*;

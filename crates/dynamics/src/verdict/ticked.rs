@@ -1,5 +1,5 @@
 //! A plant in the loop of any digital controller, at times of its own: a recorded trial as a model
-//! that any solver moves from tick to tick.
+//! that any solver can move from tick to tick.
 
 use super::model::Model;
 use super::sampled::{append, held, inside};

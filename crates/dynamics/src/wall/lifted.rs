@@ -1,4 +1,4 @@
-//! The lifted map: everything that is remembered at a tick, taken to the next.
+//! The lifted map: it takes everything that is remembered at one tick to the next tick.
 //!
 //! x_{k+1} = A x_k on (x, ẋ, x2, ẋ2, motor force; x before, filtered velocity; the commands that
 //! have not acted yet). With d whole periods of delay and a rest δ, the plant feels u_{k−d−1} for δ

@@ -1,5 +1,5 @@
-//! The boundary as an experiment finds it: the linear loop simulated, tick by tick, and its swings
-//! looked at.
+//! The boundary as an experiment finds it: the linear loop is simulated, tick by tick, and its
+//! swings are examined.
 
 use super::SampledWall;
 use super::lifted::stiffest;

@@ -1,6 +1,6 @@
-//! A sampled virtual wall on a lever, bilateral and linear: which stiffness it bears.
+//! A sampled virtual wall on a lever, bilateral and linear: how stiff it may be.
 //!
-//! Three limits are kept apart, and formulas of the literature beside them:
+//! Three limits are kept apart, and formulas from the literature are given beside them:
 //!
 //! * **exact linear stability** ([`SampledWall::spectral_radius`]): x_{k+1} = A x_k on everything
 //!   that is remembered from tick to tick; stable if ρ(A) < 1;
@@ -10,9 +10,9 @@
 //!   wall without sampling;
 //! * [`Textbook`]: closed forms, which are approximations.
 //!
-//! [`SampledWall::stiffest_measured`] simulates the loop ([`crate::HeldScene`]) and looks at what
-//! grows; it shares no code with the map. [`PushedWall`] has friction, counts and limits too.
-//! Lengths are those of the lever's end: x = L θ.
+//! [`SampledWall::stiffest_measured`] simulates the loop ([`crate::HeldScene`]) and looks for
+//! growing swings; it shares no code with the map. [`PushedWall`] also has friction, counts and
+//! limits. Lengths are those of the lever's end: x = L θ.
 
 mod lifted;
 mod measured;

@@ -1,4 +1,4 @@
-//! What moves between two ticks: lever, finger and motor under a command u that is held.
+//! What moves between two ticks: lever, finger and motor under a held command u.
 
 use super::SampledWall;
 use zwidth_numerics::expm::{Ladder, Matrix};

@@ -1,10 +1,10 @@
 //! The wall of a real device: dry friction, a motor that saturates, an angle that is counted, a
-//! brake beside the motor. What it bears depends on the push.
+//! brake beside the motor. Its limit depends on the push.
 //!
-//! The lever is let go of at rest, a push deep in the bilateral wall. Below the boundary its swings
-//! end in friction's cone; above they go on. For a large push the boundary is that of the lifted
-//! map; for a small one friction holds more: about (b + 4 F_c/(π ω A))/(T/2) by the describing
-//! function of Coulomb friction, ω² = K/m.
+//! The lever is released at rest, a push deep in the bilateral wall. Below the boundary its swings
+//! end in the friction cone; above the boundary they go on. For a large push the boundary is that
+//! of the lifted map; for a small push friction stabilises a stiffer wall: about (b + 4 F_c/(π ω
+//! A))/(T/2) by the describing function of Coulomb friction, ω² = K/m.
 
 use super::SampledWall;
 use super::lifted::stiffest;
@@ -47,7 +47,7 @@ pub struct Pushed {
     pub swing_m: f64,
     /// Whether it goes on: more than a tenth of the push, and more than a count.
     pub goes_on: bool,
-    /// Whether an actuator was asked for more than it has.
+    /// Whether a command exceeded what an actuator can give.
     pub saturates: bool,
 }
 

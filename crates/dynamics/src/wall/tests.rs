@@ -1,5 +1,5 @@
-//! Numbers of closed forms and of roots of the characteristic polynomial, which were found apart
-//! from this code.
+//! Numbers from closed forms and from roots of the characteristic polynomial, found independently
+//! of this code.
 
 use super::*;
 use crate::scene::actuators::DriveMode;

@@ -1,4 +1,4 @@
-//! Closed forms of the literature for the stiffest wall. Each leaves something out.
+//! Closed forms from the literature for the stiffest wall. Each leaves something out.
 
 use super::SampledWall;
 
@@ -49,7 +49,7 @@ impl Textbook {
         }
     }
 
-    /// Where it comes from.
+    /// Its source.
     pub fn citation(self) -> &'static str {
         match self {
             Self::ColgateSchenkel => {
@@ -73,9 +73,9 @@ impl Textbook {
         }
     }
 
-    /// The stiffest wall by this formula, N/m; none where it says nothing: a delay for formulas
-    /// that know none, no friction and count for those that ask for them, a damped wall for those
-    /// that have none.
+    /// The stiffest wall by this formula, N/m; none if it gives no answer: for a delay if the
+    /// formula has none, without friction and counts if the formula needs them, for a damped wall
+    /// if the formula has no damping.
     pub fn stiffest(self, wall: &SampledWall, dry: Option<DryLimits>) -> Option<f64> {
         let b = wall.damping_ns_per_m;
         let wall_b = wall.wall_damping_ns_per_m;

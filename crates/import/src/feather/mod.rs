@@ -2,8 +2,8 @@
 //! or Zstandard.
 //!
 //! Source of the format: Apache Arrow, "Arrow Columnar Format" 1.5, "IPC File Format". arrow-ipc
-//! reads the tables of the format's own descriptions; the values are read here, where nothing that
-//! a file claims decides how much memory is taken.
+//! reads the tables of the format's own descriptions; this module reads the values, so that a
+//! file's claims never decide how much memory is allocated.
 
 mod batch;
 #[cfg(test)]

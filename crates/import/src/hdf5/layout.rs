@@ -1,10 +1,10 @@
-//! What HDF5 files have that the library does not read, and that is changed before it does, in memory:
-//! layouts of chunks as HDF5 2.0 writes them, and a block of the user's that was cut off.
+//! Parts of HDF5 files that the library cannot read, and that are changed in memory before it does:
+//! layouts of chunks as HDF5 2.0 writes them, and a user block that was cut off.
 //!
-//! The library (hdf5-pure 0.47) refuses version 5 of the message, which differs from version 4 in one thing:
-//! the sizes of filtered chunks have eight bytes, and no longer as few as a chunk needs. How many they have the
-//! index of the chunks says too, and there the library looks. So such messages are made version 4 before it reads
-//! them, in memory.
+//! The library (hdf5-pure 0.47) refuses version 5 of the message, which differs from version 4 in
+//! one way: the sizes of filtered chunks always have eight bytes, not as few as a chunk needs. The
+//! index of the chunks also says how many bytes they have, and the library looks there. So such
+//! messages are changed to version 4, in memory, before the library reads them.
 //!
 //! Source: HDF5 2.0.0, `H5Olayout.c` and `H5Dfarray.c`; Bob Jenkins, `lookup3.c`, `hashlittle`, for the checksum.
 

@@ -1,9 +1,10 @@
 //! The links of an HDF5 file that name a path: soft ones lead to a path in the file, external ones to
 //! another file.
 //!
-//! The library (hdf5-pure 0.47) takes a soft link in a group of the old form for an object at address
-//! 2⁶⁴ − 1, and refuses the group and all that is in it. So such links are taken out of their groups
-//! before it reads them, in memory, and are followed here where a column is asked for by their name.
+//! The library (hdf5-pure 0.47) takes a soft link in a group of the old form for an object at
+//! address 2⁶⁴ − 1, and refuses the group with its contents. So such links are removed from their
+//! groups, in memory, before the library reads them. This module follows them when a column is
+//! requested by their name.
 //!
 //! Source: HDF5 File Format Specification 3.0, III.A–D (groups).
 

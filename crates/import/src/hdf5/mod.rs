@@ -1,7 +1,8 @@
 //! HDF5 files, and MAT files of version 7.3, which are HDF5: real numeric data sets.
 //!
-//! The library `hdf5-pure` reads the format. What a file claims is held against limits before the
-//! library takes memory for it, and a library that gives up on a damaged file is an error of ours.
+//! The library `hdf5-pure` reads the format. A file's claims are checked against limits before the
+//! library allocates memory for them. If the library panics on a damaged file, that becomes an
+//! error of ours.
 
 mod fields;
 mod layout;

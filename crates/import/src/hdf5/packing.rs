@@ -1,5 +1,6 @@
-//! What the attributes of a data set say of its numbers: `scale_factor` and `add_offset` of the CF
-//! conventions, `conversion` and `offset` of NWB, the numbers that stand for a missing one, and the unit.
+//! What the attributes of a data set say about its numbers: `scale_factor` and `add_offset` of the
+//! CF conventions, `conversion` and `offset` of NWB, the numbers that stand for a missing value,
+//! and the unit.
 //!
 //! Source: CF Conventions 1.11, 2.5 and 8.1; NWB 2.8, `TimeSeries`, and `ElectricalSeries` for the factor of
 //! each channel; NetCDF User's Guide, "Attribute Conventions".

@@ -1,5 +1,5 @@
-//! The bytes of an HDF5 file, and the messages of its objects' headers, as far as the library does not go
-//! through them for us.
+//! The bytes of an HDF5 file, and the messages of its objects' headers, as far as the library does
+//! not read them.
 //!
 //! Source: HDF5 File Format Specification 3.0, II.A (superblock), IV.A (headers).
 

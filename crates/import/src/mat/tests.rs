@@ -1,4 +1,4 @@
-//! MAT files: those that SciPy wrote, cut ones, and ones that claim too much.
+//! MAT files: some that SciPy wrote, truncated ones, and some that claim too much.
 
 use super::super::limits::{
     Budget,

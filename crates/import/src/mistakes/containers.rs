@@ -1,4 +1,5 @@
-//! Files of the field's containers: packed numbers, times of their own type, structures, objects.
+//! Files in the field's container formats: packed numbers, times of their own type, structures,
+//! objects.
 
 use super::super::feather::tests as feather;
 use super::super::hdf5::tests as hdf5;

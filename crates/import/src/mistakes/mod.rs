@@ -1,8 +1,8 @@
-//! What is commonly wrong with recordings, and files of other kinds: each is read right, refused
-//! with the remedy, or flagged.
+//! Common faults of recordings, and files of other kinds: each is read correctly, refused with a
+//! remedy, or flagged.
 //!
-//! The table in `docs/mistakes.md` is this one; each row is a fixture, and what the program says of
-//! it.
+//! The table in `docs/mistakes.md` is this one; each row is a fixture and the program's message
+//! about it.
 
 mod cells;
 mod containers;

@@ -1,4 +1,4 @@
-//! Recordings of a movement spoilt on purpose, and answers.
+//! Recordings of a movement, spoilt on purpose, and answers.
 
 use super::super::world::{ONE, trials_map};
 use super::Becomes::{Flagged, Read, Refused};

@@ -1,4 +1,4 @@
-//! Clocks and counters of others, zeros of sensors, and trials that are not what a study plans.
+//! Clocks and counters of other programs, zeros of sensors, and trials that a study did not plan.
 
 use super::super::world::{FORCE, ONE, trials_map};
 use super::super::xdf::tests::steady;

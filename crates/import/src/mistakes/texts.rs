@@ -1,4 +1,4 @@
-//! How text is written, and what stands in its cells.
+//! How text is written, and what its cells contain.
 
 use super::super::world::{FORCE, ONE, trials_map};
 use super::Becomes::{Flagged, Read, Refused};

@@ -1,4 +1,4 @@
-//! What an array says of itself: a Python dictionary of type, order and shape.
+//! The description of an array: a Python dictionary of type, order and shape.
 
 use crate::limits::{MOST_COLUMNS, MOST_NAME};
 

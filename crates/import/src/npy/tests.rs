@@ -1,4 +1,4 @@
-//! Arrays and archives as NumPy writes them, cut ones, and ones that claim too much.
+//! Arrays and archives as NumPy writes them, truncated ones, and some that claim too much.
 
 use super::super::limits::tests::{everything, everything_turned};
 use super::super::table::{Cell, ColumnRef};

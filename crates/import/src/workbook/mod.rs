@@ -1,9 +1,9 @@
-//! Workbooks: `.xlsx` as Excel writes them, `.ods` as LibreOffice does. A sheet is a table as a CSV
-//! is one.
+//! Workbooks: `.xlsx` as Excel writes them, `.ods` as LibreOffice writes them. A sheet is a table,
+//! like a CSV file.
 //!
 //! Sources of the formats: ECMA-376 (5th edition) part 1, 18.2–18.8; OpenDocument 1.3 part 3, 9.
 //! calamine 0.38 reserves room for as many texts as a file claims, and unfolds repeated cells to
-//! 10⁸: here nothing is taken that is not there, and what is repeated counts.
+//! 10⁸. This module allocates nothing for texts that are not there, and counts repeated cells.
 
 mod dates;
 mod ods;

@@ -1,4 +1,4 @@
-//! `.ods`: all sheets in one part, equal cells and rows side by side written once.
+//! `.ods`: all sheets in one part; adjacent equal cells and rows are written once.
 
 use super::super::limits::MOST_COLUMNS;
 use super::super::xml::{Attributes, Event, Xml};

@@ -1,4 +1,4 @@
-//! `.xlsx`: sheets, texts and formats stand in parts of their own.
+//! `.xlsx`: sheets, texts and formats are in parts of their own.
 
 use super::super::limits::MOST_COLUMNS;
 use super::super::xml::{Attributes, Event, Xml};

@@ -1,4 +1,4 @@
-//! The chunks of an XDF file, one after the other; what is damaged is passed by.
+//! The chunks of an XDF file, one after the other; damaged ones are skipped.
 
 /// First bytes of a file.
 pub(super) const MAGIC: &[u8] = b"XDF:";

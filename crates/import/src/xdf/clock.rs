@@ -1,5 +1,5 @@
-//! The times of a stream's samples on the recorder's clock: as `pyxdf` 1.17 has them with its usual
-//! settings, without the clock offsets that are wrong.
+//! The times of a stream's samples on the recorder's clock: as `pyxdf` 1.17 gives them with its
+//! usual settings, without wrong clock offsets.
 //!
 //! Source: `pyxdf` 1.17, `_clock_sync`, `_detect_clock_resets` and `_robust_fit`; the fit is that of
 //! S. Boyd et al., "Distributed Optimization and Statistical Learning via the Alternating Direction

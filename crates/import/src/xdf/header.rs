@@ -1,4 +1,4 @@
-//! What a stream says of itself: XML, of which a few texts are read.
+//! The description of a stream: XML, of which a few texts are read.
 
 use super::super::limits::MOST_COLUMNS;
 use super::super::xml::{Event, Xml};

@@ -1,7 +1,7 @@
-//! The jitter of a regular stream's times: they are put on a straight line, between two gaps each.
+//! Removes the jitter of a regular stream's times: between gaps, they are put on straight lines.
 //!
-//! Source: `pyxdf` 1.17, `_jitter_removal`. It breaks the line at gaps of more than a second and 500
-//! samples alone, and spreads shorter ones over the whole recording.
+//! Source: `pyxdf` 1.17, `_jitter_removal`. It breaks the line only at gaps of more than a second
+//! and 500 samples, and spreads shorter gaps over the whole recording.
 
 use super::super::convert::median;
 use super::clock::parts;

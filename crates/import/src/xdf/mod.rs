@@ -1,9 +1,8 @@
-//! XDF, the files of LabStreamingLayer's recorder: streams of samples, each with a clock of its
-//! own.
+//! XDF, the format of LabStreamingLayer's recorder: streams of samples, each with its own clock.
 //!
 //! Source of the format: XDF 1.0 (github.com/sccn/xdf/wiki/Specifications). A damaged file is read
-//! as far as it goes, and what is lost is told; `xdf` 0.1 passes by a chunk that is cut off without
-//! a word.
+//! as far as possible, and losses are reported; `xdf` 0.1 skips a truncated chunk without a
+//! message.
 
 mod chunks;
 mod clock;

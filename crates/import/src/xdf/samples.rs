@@ -1,4 +1,4 @@
-//! The samples of a stream, of the channels asked for alone.
+//! The samples of a stream, for the requested channels only.
 
 use super::super::limits::{MOST_TEXT, MOST_WHOLE_ROWS, Take, too_many_rows, too_much};
 use super::super::table::Cells;

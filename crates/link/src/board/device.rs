@@ -1,5 +1,4 @@
-//! What every board is about: a device behind it, voltages, a watchdog, markers, and what it
-//! speaks.
+//! What every board has: a device behind it, voltages, a watchdog, markers, and a protocol.
 
 use crate::{Drive, mark};
 use zwidth_device::{Angle, Capabilities, Cue, Device, DeviceError, Reading};

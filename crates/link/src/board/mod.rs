@@ -1,8 +1,9 @@
 //! The board's end of each link, with a device behind it.
 //!
-//! What a firmware does in C, here with the twin or any other device in the place of sensors and
-//! drivers: bytes in, bytes out. A rig is tried on it without a board. One that speaks frames has a
-//! watchdog; sketches that speak Firmata or print lines have none, and so it has none there.
+//! It does what a firmware does in C, with the twin or any other device in the place of sensors and
+//! drivers: bytes in, bytes out. A rig can be tested on it without a board. A board that speaks
+//! frames has a watchdog; sketches that speak Firmata or print lines have none, so these boards
+//! have none either.
 
 mod device;
 
@@ -27,14 +28,14 @@ pub struct Board {
 }
 
 impl Board {
-    /// One that speaks frames; the host marks the environments by their places.
+    /// A board that speaks frames; the host marks the environments by their places.
     pub fn new(device: impl Device + 'static, environments: Vec<Environment>) -> Self {
         let behind = Behind::new(Box::new(device), environments, true);
         Self::with(behind, Box::new(Framed::default()))
     }
 
-    /// One that speaks Firmata, with the device at these pins and an analog input of so many bits,
-    /// up to 14.
+    /// A board that speaks Firmata, with the device at these pins and an analog input of this many
+    /// bits, up to 14.
     pub fn firmata(
         device: impl Device + 'static,
         environments: Vec<Environment>,
@@ -45,7 +46,8 @@ impl Board {
         Self::with(behind, Box::new(Uno::new(pins, bits.min(14))))
     }
 
-    /// One that speaks what these settings say; over Firmata with all of the sensor's 12 bits.
+    /// A board that speaks the protocol of these settings; over Firmata with all of the sensor's 12
+    /// bits.
     ///
     /// # Errors
     /// Settings that make no sense.
@@ -70,7 +72,7 @@ impl Board {
         self
     }
 
-    /// Begins anew, as after a press on its button: 0 V, and it says who it is.
+    /// Restarts, as after a press on its button: it goes to 0 V and identifies itself.
     ///
     /// # Errors
     /// A device that is lost.
@@ -84,8 +86,8 @@ impl Board {
         self.behind.drive
     }
 
-    /// Takes bytes of the host; what it says to them goes behind `out`. To be called without bytes,
-    /// too, as time goes by.
+    /// Takes bytes from the host; its reply is appended to `out`. Call it without bytes, too, as
+    /// time passes.
     ///
     /// # Errors
     /// A device that is lost.

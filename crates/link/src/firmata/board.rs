@@ -1,8 +1,8 @@
 //! A board that speaks Firmata as StandardFirmata 2.5 does, with the pins of an Arduino Uno. Its
-//! analog input may have other bits than the Uno's 10.
+//! analog input may have a resolution other than the Uno's 10 bits.
 //!
-//! Source: github.com/firmata/arduino, StandardFirmata.ino: 19 ms between samples until it is told
-//! another interval; a channel is told at once when its reporting is switched on; up to eight
+//! Source: github.com/firmata/arduino, StandardFirmata.ino: 19 ms between samples until it receives
+//! another interval; a channel is reported at once when its reporting is switched on; up to eight
 //! readings of the I²C bus at each interval.
 
 use super::host::{AS5600, RAW_ANGLE, SIMULATED};

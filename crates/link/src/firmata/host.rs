@@ -1,4 +1,4 @@
-//! The host's end of Firmata: asks what the pins can do, sets them up, and hears the angle.
+//! The host's end of Firmata: it asks what the pins can do, sets them up, and receives the angle.
 //!
 //! The angle is what an analog channel reads, or the register RAW ANGLE of an AS5600 (ams data
 //! sheet v1-06, Fig. 21: address 0x36, registers 0x0C and 0x0D, 12 bits). Both come at each

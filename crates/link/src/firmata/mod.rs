@@ -1,9 +1,9 @@
 //! Firmata 2.5: messages of one to three bytes, and longer ones between 0xF0 and 0xF7.
 //!
 //! Source: github.com/firmata/protocol, `protocol.md` (version 2.5.1) and `i2c.md`. A byte from
-//! 0x80 on begins a message or ends a long one; all others are below. So a reader that begins in
-//! the middle, or on a noisy wire, is right again at the next message. There is no check: a byte
-//! that turned into another one below 0x80 is believed.
+//! 0x80 on begins a message or ends a long one; all other bytes are below 0x80. So a reader that
+//! begins in the middle, or on a noisy wire, is right again at the next message. There is no
+//! checksum: a byte that turned into another one below 0x80 is believed.
 
 mod board;
 pub(crate) mod host;
@@ -160,7 +160,7 @@ impl Message<'_> {
     }
 }
 
-/// Which end says it: the version is asked for by the byte that tells it.
+/// Which end sends it: the same byte requests the version and reports it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// The host.

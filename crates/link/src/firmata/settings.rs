@@ -41,7 +41,7 @@ impl From<AngleAt> for String {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Firmata {
-    /// Readings a second, of which the board knows those that are whole milliseconds apart.
+    /// Readings per second; the board supports intervals of whole milliseconds.
     #[serde(default = "usual_firmata_rate")]
     pub rate_hz: f64,
     /// Where the angle sensor is.

@@ -33,7 +33,7 @@ impl Pin {
         Self(modes.iter().map(|(mode, bits)| (*mode as u8, *bits)).collect())
     }
 
-    /// Bits of a mode; none that it does not have.
+    /// Bits of a mode; none for a mode that it does not have.
     pub fn bits(&self, mode: Mode) -> Option<u8> {
         self.0.iter().find(|(known, _)| *known == mode as u8).map(|(_, bits)| *bits)
     }

@@ -1,4 +1,4 @@
-//! Bytes and messages, either way.
+//! Bytes to messages and back.
 
 use super::*;
 use proptest::prelude::*;

@@ -1,15 +1,15 @@
-//! Frames: how messages stand on the wire.
+//! Frames: how messages are written on the wire.
 //!
 //! A frame is `kind ‖ sequence ‖ payload ‖ CRC-32`, by consistent overhead byte stuffing (Cheshire
-//! & Baker, IEEE/ACM Trans. Netw. 7 (1999) 159–172) without a 0 in it, and a 0 behind it. Whatever
-//! comes between two zeros and is no whole frame is dropped and counted, so a reader that begins in
+//! & Baker, IEEE/ACM Trans. Netw. 7 (1999) 159–172) without a 0 in it, and a 0 after it. Bytes
+//! between two zeros that are not a whole frame are dropped and counted, so a reader that begins in
 //! the middle, or on a noisy wire, is right again at the next 0. Numbers are little-endian.
 
 /// Longest payload of a message, bytes.
 pub const MOST_PAYLOAD: usize = 64;
 /// Kind, sequence, and the CRC-32 behind the payload (IEEE 802.3, as zlib has it), bytes.
 const AROUND: usize = 1 + 2 + 4;
-/// Longest frame as it stands on the wire: one byte of stuffing in each 254, and the 0.
+/// Longest frame on the wire: one byte of stuffing in each 254, and the 0.
 pub const MOST_WIRE: usize = MOST_PAYLOAD + AROUND + 2;
 
 /// A message as bytes.

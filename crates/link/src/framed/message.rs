@@ -27,7 +27,7 @@ pub enum ToBoard {
     },
 }
 
-/// What a board says of itself.
+/// What a board says about itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Description {
     /// The protocol it speaks.

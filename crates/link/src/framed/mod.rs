@@ -1,5 +1,5 @@
-//! Frames of our own: the host asks, the board answers. `docs/rig.md` has them byte by byte, so
-//! that a sketch of a hundred lines can speak them.
+//! Frames of our own: the host asks, the board answers. `docs/rig.md` describes them byte by byte;
+//! a sketch of a hundred lines can speak them.
 
 mod board;
 pub mod frame;

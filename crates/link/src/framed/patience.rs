@@ -1,9 +1,9 @@
-//! How long a framed answer is waited for.
+//! How long the host waits for a framed answer.
 //!
 //! The question (9 bytes), the answer (31) and the command that follows from it (13) are on the
-//! line one after another. Where all three have room in a tick, the answer is waited for, and its
-//! command goes out in the same tick. Where they have not, waiting would only make the command
-//! late: the answer to the question before is taken, which came meanwhile, with its age.
+//! line one after another. If all three fit into a tick, the host waits for the answer, and its
+//! command goes out in the same tick. If they do not, waiting would only delay the command: the
+//! host takes the answer to the previous question, which came meanwhile, with its age.
 
 use super::message::{FromBoard, Seen, ToBoard};
 use crate::Drive;

@@ -1,4 +1,4 @@
-//! A board as a device: one question a reading, one write a command.
+//! A board as a device: one question per reading, one write per command.
 
 use super::frame::{Frames, MOST_WIRE};
 use super::message::{Description, FromBoard, PROTOCOL, Seen, ToBoard, UNASKED, status};
@@ -103,7 +103,7 @@ impl<W: Wire> Rig<W> {
         Ok(rig)
     }
 
-    /// Looks that found no newer answer than the one before, and pieces on the wire that were no
+    /// Looks that found no newer answer than before, and pieces on the wire that were not a
     /// message.
     pub fn faults(&self) -> [u64; 2] {
         [self.late, self.frames.damaged()]

@@ -1,4 +1,4 @@
-//! A rig at the one end, a board with the twin at the other, and what goes wrong between them.
+//! A rig at one end, a board with the twin at the other, and the faults between them.
 
 mod slow;
 mod streams;

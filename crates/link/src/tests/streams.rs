@@ -1,4 +1,4 @@
-//! Boards that send readings unasked: the host at the one end, the twin's board at the other.
+//! Boards that send readings unasked: the host at one end, the twin's board at the other.
 
 use super::{environments, twin};
 use crate::Drive;

@@ -1,8 +1,8 @@
-//! Lines of text: those that a sketch prints already, and the commands that it takes.
+//! Lines of text: those that an existing sketch prints, and the commands that it takes.
 //!
-//! A [`Template`] says what stands in a line; [`Lines`] finds the lines in bytes as they come.
-//! There is no check of a line but its form: what a noisy wire makes of a digit is believed. So a
-//! board behind USB, whose packets have a check, is what text is for.
+//! A [`Template`] says what a line contains; [`Lines`] finds the lines in the incoming bytes. Only
+//! the form of a line is checked: a digit that a noisy wire changed is believed. So text is meant
+//! for a board behind USB, whose packets have a checksum.
 
 mod board;
 mod host;
@@ -19,8 +19,8 @@ pub const MOST_LINE: usize = 128;
 
 /// Takes bytes as they come, in whatever pieces, and gives lines. Its memory is bounded.
 ///
-/// A line ends with `\n`; a `\r` before it is no part of it. Whatever comes before the first end is
-/// dropped, since it may be half a line.
+/// A line ends with `\n`; a `\r` before it is not part of it. Bytes before the first end are
+/// dropped, because they may be half a line.
 #[derive(Debug, Clone)]
 pub struct Lines {
     bytes: [u8; MOST_LINE],

@@ -9,9 +9,9 @@ use zwidth_device::{Capabilities, DeviceError};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Text {
-    /// Lines a second.
+    /// Lines per second.
     pub rate_hz: f64,
-    /// What stands in a line, as `"{t_ms},{counts},{hx711}"`.
+    /// The form of a line, such as `"{t_ms},{counts},{hx711}"`.
     pub line: String,
     /// The command for both voltages, as `"M{motor_pwm} B{brake_pwm}\n"`.
     pub command: String,
@@ -57,7 +57,7 @@ impl Text {
     /// Its templates.
     ///
     /// # Errors
-    /// What is wrong with which of them.
+    /// Which of them is wrong, and why.
     pub fn templates(&self) -> Result<Templates, DeviceError> {
         let seen = [Field::Millis, Field::Micros, Field::Counts, Field::Hx711, Field::Any];
         let drive = [Field::MotorPwm, Field::BrakePwm];

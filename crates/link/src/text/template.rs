@@ -1,4 +1,4 @@
-//! What stands in a line: words, and fields with numbers.
+//! What a line contains: words, and fields with numbers.
 
 use super::MOST_LINE;
 
@@ -26,7 +26,7 @@ pub enum Field {
     Number,
 }
 
-/// Longest text that `{any}` stands for, bytes: what keeps a line's length, and so its rate, known.
+/// Longest text that `{any}` stands for, bytes: it bounds a line's length, and so its rate.
 pub const MOST_ANY: usize = 16;
 
 /// Every field: its word, its lowest and highest number.
@@ -70,7 +70,7 @@ impl Field {
     }
 }
 
-/// What stood in a line's fields, or is to stand there.
+/// The values of a line's fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Values([Option<i64>; FIELDS.len()]);
 
@@ -88,7 +88,7 @@ impl Values {
     }
 }
 
-/// Why a text is no template.
+/// Why a text is not a template.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TemplateError {
     /// A `{` without its `}`.
@@ -125,7 +125,7 @@ pub enum TemplateError {
     Long,
 }
 
-/// What stands in a line: some text, then fields with text behind each.
+/// The form of a line: some text, then fields with text after each.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Template {
     before: Vec<u8>,
@@ -133,7 +133,7 @@ pub struct Template {
 }
 
 impl Template {
-    /// From a text as `"{t_ms},{counts},{hx711}"`; a line's end behind it is no part of it.
+    /// From a text such as `"{t_ms},{counts},{hx711}"`; a line end after it is not part of it.
     /// `may`: the fields that make sense, `must`: those among them that are needed.
     ///
     /// # Errors
@@ -166,7 +166,7 @@ impl Template {
         Ok(template)
     }
 
-    /// Whether a field stands in it.
+    /// Whether it contains a field.
     pub fn has(&self, field: Field) -> bool {
         self.fields.iter().any(|(known, _)| *known == field)
     }

@@ -90,8 +90,8 @@ impl<const N: usize> Matrix<N> {
     }
 
     /// The inverse by Gauss–Jordan elimination (Golub & Van Loan, *Matrix Computations*, 4th ed.,
-    /// §3.4); `pivot` chooses, from what is left of the rows, the one that column `k` is divided by:
-    /// row `k` or a later one. `None` where it finds none.
+    /// §3.4); `pivot` chooses, from the remaining rows, the one by which column `k` is divided: row
+    /// `k` or a later one. `None` if it finds none.
     pub fn inverse_by(
         &self,
         pivot: impl Fn(&[[f64; N]; N], usize) -> Option<usize>,

@@ -5,7 +5,7 @@
 //! squaring method for the matrix exponential revisited"). All rungs are kept: they reach any
 //! span, even or uneven, and they bound what happens inside a span.
 //! The series keeps structure that a rational approximation loses: a zero row of `A` gives exactly
-//! a unit row, so that a quantity at rest stays at rest, bit for bit.
+//! a unit row, so a quantity at rest stays at rest, bit for bit.
 
 mod condition;
 mod matrix;
@@ -136,8 +136,8 @@ impl<const N: usize> Ladder<N> {
         Self::with_rest(a, reach, || Matrix::ZERO)
     }
 
-    /// The ladder of a matrix whose entries are no doubles, given as these rounded (`a`) and what
-    /// rounding took away (`rest`, asked for where it counts). Flows that are computed in twice
+    /// The ladder of a matrix whose entries are not doubles, given as rounded entries (`a`) and
+    /// their rounding errors (`rest`, requested where they count). Flows that are computed in twice
     /// the precision are those of the sum.
     pub fn with_rest(a: Matrix<N>, reach: f64, rest: impl FnOnce() -> Matrix<N>) -> Self {
         let below = libm::ldexp(1.0, libm::ilogb(reach));

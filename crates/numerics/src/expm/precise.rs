@@ -1,9 +1,9 @@
 //! Flows over doubled spans, and over multiples of a span, in twice the working precision.
 //!
 //! An exponential multiplies the rounding of its own computation by its condition number. Where
-//! that is large the series and the squarings are done with each number held as an unevaluated sum
-//! of two (Dekker 1971; Hida, Li & Bailey 2001), and only the flows are rounded: what remains is
-//! one rounding a flow.
+//! that number is large, the series and the squarings are done with each number held as an
+//! unevaluated sum of two (Dekker 1971; Hida, Li & Bailey 2001), and only the flows are rounded:
+//! one rounding per flow remains.
 
 use super::matrix::Matrix;
 use super::pair::Pair;

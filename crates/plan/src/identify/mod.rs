@@ -1,6 +1,6 @@
 //! Stage `identify`: the plant that fits half of the trials best, judged on the other half. The fit
-//! balances the forces of the recorded motion, the judge is the replay driven by force; here stages
-//! meet, because they do not know each other.
+//! balances the forces of the recorded motion, and the replay driven by force judges it. Stages do
+//! not know each other; they meet here.
 
 use crate::replay::replayable::{rendering, replayable};
 use crate::shared::conditions::spread;

@@ -1,4 +1,4 @@
-//! Simulate, record, fit: without a sensor's noise every parameter comes back.
+//! Simulate, record, fit: without sensor noise every parameter is recovered.
 
 use super::*;
 use crate::shared::conditions::spread_within;

@@ -1,4 +1,4 @@
-//! The figures of the stage `likert`, as many panels to a figure as fit on a page.
+//! The figures of the stage `likert`, with as many panels per figure as fit on a page.
 
 use crate::figures::drawing::{Drawing, Figured};
 use crate::likert::{answers, ratings, read_counting, tally};

@@ -1,5 +1,5 @@
 //! Stage `likert`: tallies by question, and by group of questions; the answers themselves; the
-//! blinding index where it was asked which mode it was.
+//! blinding index if a question asked for the mode.
 
 pub(crate) mod figures;
 

@@ -1,4 +1,4 @@
-//! What the methods in words speak of: what was recorded, and which stages a run has for it.
+//! What the methods in words describe: what was recorded, and which stages a run has for it.
 
 use crate::page::people::participants;
 use crate::page::preregistered::of_plan;

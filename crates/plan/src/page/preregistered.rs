@@ -14,7 +14,8 @@ pub fn plan_file(layout: &Layout) -> PathBuf {
     layout.raw().join("plan.json")
 }
 
-/// What of a study its claims rest on, as a plan keeps it: what is compared, in which design.
+/// The parts of a study on which its claims rest, as a plan keeps them: what is compared, in which
+/// design.
 pub fn analysis(study: &Study) -> Value {
     let compare = &study.compare;
     json!({
@@ -48,7 +49,7 @@ struct Deposited<'a, P> {
 /// The text of a plan's file: the plan, and a hash of all of it, so that an edit shows.
 ///
 /// # Errors
-/// A plan that is no object, or has a number that is not finite.
+/// A plan that is not an object, or has a number that is not finite.
 pub fn plan_text(plan: &impl Serialize) -> serde_json::Result<String> {
     let text =
         |blake3| serde_json::to_string_pretty(&Deposited { plan, blake3 }).map(|text| text + "\n");

@@ -1,4 +1,4 @@
-//! The trials of Figure 24 and their models against time, of each environment with a spring: a
+//! The trials of Figure 24 and their models against time, for each environment with a spring: a
 //! table of the stage `replay`, which the figure draws.
 
 use crate::replay::STAGE;

@@ -1,5 +1,5 @@
-//! Figure 24: for a session and each environment with a spring, one trial per mode beside the model
-//! that is given its external force, by eye and fitted: what the stage `replay` derived.
+//! Figure 24: for a session and each environment with a spring, one trial per mode beside the
+//! models, by eye and fitted, driven by its external force. The stage `replay` derives these data.
 
 use crate::figures::drawing::{Drawing, Figured};
 use crate::replay::courses;

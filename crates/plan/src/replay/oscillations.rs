@@ -1,5 +1,5 @@
-//! Was what swings in recorded trials real? `zwidth stability --study` asks for it, a run does not:
-//! a trial's loop is run again half a dozen times.
+//! Were the swings in recorded trials real? `zwidth stability --study` asks for this, a run does
+//! not: a trial's loop is run again half a dozen times.
 
 use crate::identify;
 use crate::replay::replayable::rendering;

@@ -1,4 +1,4 @@
-//! Which trials a model can be given, and how their conditions were rendered.
+//! Which trials can be replayed, and how their conditions were rendered.
 
 use crate::shared::conditions::calibration;
 use std::collections::BTreeSet;

@@ -1,6 +1,6 @@
 //! The model over its parameters on typical trials, for the page's sliders: tables of the stage
-//! `replay`, of the first session that has such trials. A table of every session would cost hours
-//! in a large study, and show the same.
+//! `replay`, of the first session that has such trials. A table for every session would cost hours
+//! in a large study, and would show the same.
 
 use crate::identify;
 use crate::replay::STAGE;

@@ -1,5 +1,5 @@
-//! What the jobs of every stage share: where results lie, reading and writing tables, keeping apart
-//! what went well and what did not.
+//! What the jobs of every stage share: where results are, reading and writing tables, separating
+//! successes from failures.
 
 use rayon::prelude::*;
 use std::cell::RefCell;

@@ -1,4 +1,4 @@
-//! What the jobs of every stage share: conditions, handles of tables, trials, what went well.
+//! What the jobs of every stage share: conditions, handles of tables, trials, successes.
 
 pub(crate) mod conditions;
 pub(crate) mod handle;

@@ -1,4 +1,4 @@
-//! Tables that are too long to be read: they are written for programs alone.
+//! Tables that are too long to be read: they are written only for programs.
 
 use crate::{compare, identify, replay};
 use std::collections::BTreeSet;

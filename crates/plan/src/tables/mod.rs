@@ -1,5 +1,5 @@
-//! Stage `tables`: every derived table that people read, in every format; one that is too long to be
-//! read, for programs alone.
+//! Stage `tables`: every derived table that people read, in every format; tables that are too long
+//! to be read, only for programs.
 
 pub(crate) mod long;
 pub(crate) mod printed;

@@ -1,4 +1,4 @@
-//! A table as it is printed: the whole of a derived one, or a metric's rows of it.
+//! A table as it is printed: a whole derived table, or one metric's rows of it.
 
 use crate::shared::handle::Derived;
 use std::path::{Path, PathBuf};

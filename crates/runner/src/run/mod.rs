@@ -1,6 +1,6 @@
-//! Runs a plan: each job as soon as what it reads is there, as many at a time as there are cores;
-//! of those that read much, one at a time, so that what a run holds in memory does not grow with
-//! the number of cores.
+//! Runs a plan: each job as soon as its inputs are there, as many at a time as there are cores; but
+//! only one at a time of the jobs with large inputs, so that a run's memory does not grow with the
+//! number of cores.
 
 use crate::change::{Change, first_change};
 use crate::hashes::{Hashes, show_path};
@@ -58,8 +58,8 @@ pub struct Report {
 pub struct Done {
     /// How each job ended.
     pub reports: Vec<Report>,
-    /// What was wrong with the records of earlier runs, and what was not removed though no job
-    /// makes it any more.
+    /// Faults in the records of earlier runs, and files that were not removed although no job makes
+    /// them any more.
     pub remarks: Vec<StoreError>,
 }
 

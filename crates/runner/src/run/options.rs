@@ -1,4 +1,4 @@
-//! How to run: which jobs, and where a run reads and writes down what was made from what.
+//! How to run: which jobs, and where a run keeps the records of what was made from what.
 
 use super::unplanned::{outputs, remove_unplanned};
 use crate::hashes::{Hashes, HashesRead};
@@ -19,13 +19,13 @@ pub struct Options {
     pub dry_run: bool,
     /// Only jobs that are called so ([`Job::is_called`]), and what they need.
     pub only: Option<String>,
-    /// Only the jobs of this shard that can be made now. What they make is told by the shard's
-    /// manifest; the records of the study stay as they are until it is merged.
+    /// Only the jobs of this shard that can be made now. The shard's manifest lists what they make;
+    /// the records of the study stay as they are until it is merged.
     pub shard: Option<Shard>,
     /// Hashes of files that were read already.
     pub known: HashesRead,
     /// What files were when they were last read: those that are the same are not read again. A run
-    /// that is no shard's writes down what it has seen.
+    /// that is not a shard's writes down what it has seen.
     pub seen: Arc<Seen>,
     /// Outputs say nothing of their making: their bytes are their content alone.
     pub without_origin: bool,

@@ -1,5 +1,5 @@
-//! What no planned job makes any more: of jobs that are gone, of jobs that make less, of runs that were
-//! cut short.
+//! Outputs that no planned job makes any more: of jobs that are gone, of jobs that make less, of
+//! interrupted runs.
 
 use crate::provenance::origins;
 use crate::record::Record;

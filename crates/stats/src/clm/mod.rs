@@ -2,9 +2,9 @@
 //! JRSS B 42:109), by maximum likelihood.
 //!
 //! Its log-likelihood is concave in the thresholds and the coefficients (Pratt 1981, JASA 76:103),
-//! so that Newton's method with halved steps finds the one maximum; that there is one is screened
-//! before. All answers count as independent: those of one person are not, so the model is for the
-//! trials of one participant, and the place from which the model with random effects starts.
+//! so Newton's method with halved steps finds the only maximum; its existence is checked first. All
+//! answers count as independent; in a group, those of one person are not. So the model is for the
+//! trials of one participant, and is the start of the model with random effects.
 
 use crate::answers::Answers;
 pub use crate::answers::{Column, Scale};

@@ -35,7 +35,7 @@ pub struct ModeStudy<'a> {
     pub modes: &'a [usize],
     /// In which session of the participant.
     pub sessions: &'a [usize],
-    /// The names of the modes, for what is said of them; without one a mode is told by its number.
+    /// The names of the modes, for messages; a mode without a name is given by its number.
     pub mode_names: &'a [&'a str],
 }
 
@@ -87,7 +87,7 @@ pub struct ModeComparison {
     pub test: RatioTest,
     /// The bootstrap of that test, for fewer than 8 participants.
     pub bootstrap: Option<Bootstrap>,
-    /// One per pair that was asked for.
+    /// One per requested pair.
     pub odds_ratios: Vec<Result<OddsRatio, Unestimable>>,
 }
 

@@ -31,7 +31,7 @@ pub struct Fit {
     pub coefficients: Vec<f64>,
     /// SD of the participants' effects, on the scale of the logits.
     pub sd_participant: f64,
-    /// SD of the effects of participant and mode; `None` where they are not in the model.
+    /// SD of the effects of participant and mode; `None` if they are not in the model.
     pub sd_participant_mode: Option<f64>,
     /// Whether an SD of the model is estimated as zero: an outcome of little data as often as of
     /// people who are alike, and no error.
@@ -39,7 +39,7 @@ pub struct Fit {
     /// Covariance of thresholds and coefficients, in this order: of the inverse of the observed
     /// information, in which an SD of zero counts as known.
     pub covariance: Vec<Vec<f64>>,
-    /// The maximum of the log-likelihood, by the integral asked for.
+    /// The maximum of the log-likelihood, by the requested integral.
     pub log_likelihood: f64,
     /// Largest slope left at the maximum, per standard error of a parameter.
     pub slope: f64,

@@ -7,11 +7,11 @@
 //! pair of u and w.
 //!
 //! The integrands are analytic between the poles of the logistic function, at a distance of π from
-//! the real line, and fall off as a normal density does: for such the rule's error falls
+//! the real line, and fall off as a normal density does. For such integrands the rule's error falls
 //! exponentially with the lattice's step (Trefethen & Weideman 2014, SIAM Rev. 56:385), whatever
 //! the SDs, and is below 1e-10 here. Between two steps the nodes do not move with the parameters:
-//! the gradient given is the derivative of the sum itself, so that a search is not misled far from
-//! the estimates either, where SDs are large and integrands nearly boxes.
+//! the returned gradient is the derivative of the sum itself, so a search is not misled even far
+//! from the estimates, where SDs are large and integrands nearly boxes.
 
 use super::cell::{Levels, fixed, near};
 use super::laplace::{Effects, settle};

@@ -18,7 +18,7 @@ pub struct RatioTest {
     /// studies with 6 and 12 participants it rejects 2 to 5 % at 5 %.
     pub f: FTest,
     /// The ratio itself referred to χ²(q), which holds for many participants. With 6 it rejects 8 %
-    /// of null studies: to be shown beside, not to be decided by.
+    /// of null studies: show it beside, but do not decide by it.
     pub chi_square: ChiSquareTest,
 }
 

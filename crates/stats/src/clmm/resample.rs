@@ -2,8 +2,7 @@
 //! in question, and fitted with and without them.
 //!
 //! Davison & Hinkley (1997), *Bootstrap Methods and their Application*, §4.2. Each study has its
-//! own stream of the ChaCha8 cipher, so that the result is one for one seed, whatever the number of
-//! threads.
+//! own stream of the ChaCha8 cipher, so one seed gives one result, whatever the number of threads.
 
 use super::fit::highest;
 use super::likelihood::Integral;

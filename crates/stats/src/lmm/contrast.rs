@@ -1,4 +1,4 @@
-//! Linear combinations of the coefficients, as both kinds of degrees of freedom take them.
+//! Linear combinations of the coefficients, as both kinds of degrees of freedom use them.
 
 use super::design::Design;
 use crate::error::StatsError;

@@ -1,11 +1,11 @@
-//! A model reduced to the sums that its likelihood takes: cross-products per group, those of groups
-//! with the same design added up.
+//! A model reduced to the sums that its likelihood needs: cross-products per group, with those of
+//! groups with the same design added up.
 //!
 //! Groups are independent, so everything is a sum over groups of products of Zᵢᵀ Zᵢ, Zᵢᵀ Xᵢ, Xᵢᵀ Xᵢ
 //! and of Zᵢᵀ yᵢ, Xᵢᵀ yᵢ, yᵢᵀ yᵢ. The first three are the same for all participants who did the
 //! same trials: a thousand people on one design share one factorisation.
 //!
-//! Before that X = Q R is orthonormalised and y replaced by its least-squares residuals, so that a
+//! Before that, X = Q R is orthonormalised and y is replaced by its least-squares residuals, so a
 //! large mean costs no digits; the random columns are divided by their root mean squares.
 
 use super::model::{Model, RandomTerm};

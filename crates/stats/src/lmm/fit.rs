@@ -70,7 +70,7 @@ pub struct Fit {
 ///
 /// The cost of one evaluation of the criterion is that of a small matrix per *different* design of
 /// a group. It is a sum of cross-products, which lose digits as a random effect's SD outgrows the
-/// residual's: up to a hundred times that is nothing to notice; at a thousand the search may end in
+/// residual's: up to a hundred times this is not noticeable; at a thousand the search may end in
 /// [`Unestimable::NotConverged`].
 ///
 /// # Errors

@@ -1,5 +1,5 @@
-//! What the data tell of the variances: the sums that Kenward–Roger's and Satterthwaite's degrees
-//! of freedom are made of.
+//! The information of the data on the variances: the sums that Kenward–Roger's and Satterthwaite's
+//! degrees of freedom are made of.
 //!
 //! The covariance V = Σᵣ γᵣ Gᵣ is linear in the variance parameters γ: each term's covariances and,
 //! last, the residual variance with G = I. Kenward & Roger (1997), Biometrics 53:983, with

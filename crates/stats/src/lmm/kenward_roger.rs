@@ -1,8 +1,8 @@
-//! Kenward & Roger's small-sample tests of fixed effects, as the R package pbkrtest has them.
+//! Kenward & Roger's small-sample tests of fixed effects, as in the R package pbkrtest.
 //!
 //! Kenward & Roger (1997), Biometrics 53:983; Halekoh & Højsgaard (2014), J. Stat. Softw. 59(9).
-//! The covariance is linear in the variances, and one that was estimated as zero remains a
-//! parameter: so a fit at the bound keeps its degrees of freedom, where Satterthwaite's collapse.
+//! The covariance is linear in the variances, and a variance that was estimated as zero remains a
+//! parameter. So a fit at the bound keeps its degrees of freedom, where Satterthwaite's collapse.
 
 use super::contrast::{Contrasts, check_independent, f_test, sandwich, t_test};
 use super::design::Design;

@@ -1,7 +1,7 @@
 //! Linear mixed models: y = X β + Z b + ε with random effects within participants.
 //!
 //! A [`Model`] is fitted by [`fit()`] and tested by contrasts of its coefficients, after Kenward &
-//! Roger ([`Fit::kenward_roger`]) or Satterthwaite. [`trials::fit_trials`] does all of it for
+//! Roger ([`Fit::kenward_roger`]) or Satterthwaite. [`trials::fit_trials`] does all of this for
 //! trials of participants in modes and sessions.
 //!
 //! | file | mathematics |

@@ -3,7 +3,7 @@
 //! Bates, Mächler, Bolker & Walker (2015), J. Stat. Softw. 67(1), §3: y ~ N(X β, σ² W) with
 //! W = I + Z Λ Λᵀ Zᵀ, where Λ repeats each term's lower triangle T (the relative Cholesky factor,
 //! its entries are θ) once per level. At a given θ the best β and σ² have closed forms, and minus
-//! twice the log-likelihood, with them put in, is
+//! twice the log-likelihood with these values is
 //!
 //! ML:   ln det W + n (1 + ln(2π r²/n))
 //! REML: ln det W + ln det Xᵀ W⁻¹ X + ν (1 + ln(2π r²/ν)), ν = n − p

@@ -1,4 +1,4 @@
-//! Satterthwaite's degrees of freedom, as the R package lmerTest has them.
+//! Satterthwaite's degrees of freedom, as in the R package lmerTest.
 //!
 //! Fai & Cornelius (1996), J. Stat. Comput. Simul. 54:363; Kuznetsova, Brockhoff & Christensen
 //! (2017), J. Stat. Softw. 82(13): df = 2 f² / (gᵀ A g), with f the variance of a contrast, g its

@@ -1,4 +1,5 @@
-//! The best θ: several starts, then what is lost when a variance is exactly zero; the lowest wins.
+//! The best θ: several starts, then the fits with a variance of exactly zero; the lowest criterion
+//! wins.
 
 use super::design::Design;
 use super::profile::{factors, profile};

@@ -1,11 +1,10 @@
 //! The mixed model of a study: participants who did repeated trials in modes, in one or more
 //! sessions.
 //!
-//! The fixed effects are the means of the cells (session × mode), so nothing is assumed of how
+//! The fixed effects are the means of the cells (session × mode), so nothing is assumed about how
 //! sessions and modes combine; a contrast of modes averages the sessions' contrasts equally. The
 //! random effects are those of participants and of their combinations with mode and session, as
-//! many as the design can tell apart: repeats of one person are not people, and neither are
-//! sessions.
+//! many as the design can separate: repeats of one person are not people, and neither are sessions.
 
 use super::fit::{Criterion, Fit, fit};
 use super::model::{Column, Model, RandomTerm};

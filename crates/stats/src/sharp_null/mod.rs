@@ -1,10 +1,10 @@
 //! Randomisation over the orders of trials: had the trials come in another order that the design
 //! could have drawn, would the modes have differed as much?
 //!
-//! That tests the sharp null hypothesis that *no trial of anyone* depended on mode, carry-over
-//! included. It is no test of an average effect: participants whose effects cancel are no such
-//! null, and it rejects them. Fisher (1935), *The Design of Experiments*; Edgington & Onghena
-//! (2007), *Randomization Tests*.
+//! This tests the sharp null hypothesis that *no trial of anyone* depended on mode, carry-over
+//! included. It does not test an average effect: if the effects of participants cancel, the sharp
+//! null is false, and the test rejects it. Fisher (1935), *The Design of Experiments*; Edgington &
+//! Onghena (2007), *Randomization Tests*.
 //!
 //! This crate knows no design: the caller redraws orders with the rules and the probabilities that
 //! drew the actual one, all participants jointly.
@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use zwidth_numerics::NumericsError;
 
-/// What is measured of an order: large where modes differ.
+/// What is measured for an order: large if modes differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Statistic {
     /// Mean of the first mode − mean of the second, in the unit of the values: extreme to either side.
@@ -70,9 +70,9 @@ impl Trials {
     /// Trials with their `values`, the number of the `block` of each, and the mode of each in the
     /// `actual` order, from 0 to `modes` − 1.
     ///
-    /// Each value is taken from the mean of its block, which no order changes: what blocks differ
-    /// by does not blur the modes where trials are missing, and nothing changes where none is. A
-    /// trial without a value is left out here and from every order alike.
+    /// Each value is taken from the mean of its block, which no order changes: differences between
+    /// blocks then do not blur the modes if trials are missing, and nothing changes if none is
+    /// missing. A trial without a value is left out here and from every order alike.
     ///
     /// # Errors
     /// No trial; a value that is not finite; lists of different lengths; a mode not below `modes`.
@@ -136,7 +136,7 @@ impl Trials {
     ///
     /// # Errors
     /// A mode without a trial in the actual order; trials of one value only; an order with another
-    /// number of trials or with a mode that there is not.
+    /// number of trials or with an unknown mode.
     pub fn against_drawn(
         &self,
         statistic: Statistic,

@@ -12,7 +12,7 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// What lies at a path.
+/// What is at a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Entry {
     /// A regular file.
@@ -25,8 +25,8 @@ pub enum Entry {
     Special,
 }
 
-/// The file operations that recording and checking need. What is looked at lies on the real disk,
-/// unless a layer says otherwise.
+/// The file operations that recording and checking need. Files are on the real disk, unless a layer
+/// says otherwise.
 pub trait Files: Sync {
     /// What lies at `path`; nothing if nothing does, or nothing that can be looked at.
     fn kind(&self, path: &Path) -> Option<Entry> {
@@ -275,12 +275,11 @@ pub(crate) fn sync_file(files: &dyn Files, path: &Path) -> io::Result<()> {
     files.sync_folder(folder_of(path))
 }
 
-/// Syncs the names of a file or folder, and of those it lies in below `top`, as far as they are
-/// there: a process that was killed may have left one unsynced, and a power cut would take
-/// everything in it.
+/// Syncs the names of a file or folder, and of its parents below `top`, as far as they exist: a
+/// process that was killed may have left one unsynced, and a power cut would take everything in it.
 ///
 /// # Errors
-/// A folder that cannot be synced; one that may not be looked into is passed by.
+/// A folder that cannot be synced; a folder that may not be read is skipped.
 pub fn sync_names(files: &dyn Files, path: &Path, top: &Path) -> Result<(), StoreError> {
     let below = path.ancestors().take_while(|p| *p != top && *p != Path::new(""));
     for there in below.filter(|p| files.kind(p).is_some()) {
@@ -329,11 +328,11 @@ pub fn replace(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), Store
 }
 
 /// Writes a new file as a whole that this user alone can read, in a folder that nobody else can
-/// enter, whatever the umask says. Folders that are missing are made so too.
+/// enter, whatever the umask says. Missing folders are made in the same way.
 ///
 /// # Errors
-/// A file that is there already; a write that failed; a folder that is another user's or lies on a
-/// disk without modes.
+/// A file that already exists; a write that failed; a folder that is another user's or on a disk
+/// without modes.
 pub fn write_private(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     if files.kind(path).is_some() {
         return Err(StoreError::io(path, "write", &io::ErrorKind::AlreadyExists.into()));
@@ -349,10 +348,10 @@ pub fn write_private(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<(),
     .map_err(|error| take_away(files, path, error))
 }
 
-/// Keeps a file or a folder that is there for this user alone.
+/// Restricts an existing file or folder to this user alone.
 ///
 /// # Errors
-/// It is another user's, or lies on a disk without modes.
+/// It is another user's, or on a disk without modes.
 pub fn keep_private(files: &dyn Files, path: &Path) -> Result<(), StoreError> {
     files.make_private(path).map_err(|e| StoreError::io(path, "keep from other users", &e))
 }

@@ -1,5 +1,5 @@
-//! What a file holds: in memory where it is small, else on the disk, of which a part is read where
-//! it is asked for. So a long recording is never in memory whole.
+//! The content of a file: in memory if it is small, else on the disk, where only the requested
+//! parts are read. So a long recording is never in memory whole.
 
 use bytes::Bytes;
 use parquet::errors::ParquetError;
@@ -35,7 +35,7 @@ enum Kept {
 }
 
 impl Content {
-    /// What was read already.
+    /// Bytes that were already read.
     pub fn of(bytes: Vec<u8>) -> Self {
         Self(Kept::Memory(Bytes::from(bytes)))
     }

@@ -1,4 +1,5 @@
-//! A folder held open: it is known again wherever it goes, and no other is taken for it.
+//! A folder held open: it is recognised wherever it is moved, and no other folder is mistaken for
+//! it.
 
 #[cfg(unix)]
 use std::fs::File;

@@ -1,4 +1,4 @@
-//! Where everything lies under the root (`docs/data.md`, "Layout").
+//! Where everything is under the root (`docs/data.md`, "Layout").
 
 use std::path::{Path, PathBuf};
 use zwidth_study::{ActuatorId, ParticipantId, SessionId, StudyId};
@@ -79,8 +79,7 @@ impl Layout {
         self.sessions().join(format!("{participant}_{session}.json"))
     }
 
-    /// One session's copy of `study.toml`: its very bytes as they were when the session was laid
-    /// down.
+    /// One session's copy of `study.toml`: its exact bytes when the session was set up.
     pub fn study_copy(&self, participant: &ParticipantId, session: &SessionId) -> PathBuf {
         self.sessions().join(format!("{participant}_{session}.study.toml"))
     }
@@ -121,7 +120,7 @@ impl Layout {
         self.raw().join(".participant")
     }
 
-    /// A path as shown to people: relative to the root where it lies below it.
+    /// A path as shown to people: relative to the root if it is below it.
     pub fn shown<'a>(&self, path: &'a Path) -> &'a Path {
         path.strip_prefix(&self.root).unwrap_or(path)
     }

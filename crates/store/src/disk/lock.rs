@@ -1,8 +1,8 @@
 //! One writer at a time: a lock file that says who holds it.
 //!
-//! The lock is the operating system's (`flock`, `LockFileEx`): it goes with the process that holds
-//! it, however that ends, so that no lock is ever stale. The file stays where it is, empty while
-//! nobody holds it; an owner that still stands in it did not end in order.
+//! The lock is the operating system's (`flock`, `LockFileEx`): it ends with the process that holds
+//! it, however the process ends, so no lock is ever stale. The file stays where it is, empty while
+//! nobody holds it; if it still names an owner, that owner did not end in order.
 
 use crate::disk::atomic::create_folders;
 use crate::disk::regular::open_as;

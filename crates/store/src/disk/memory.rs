@@ -1,9 +1,9 @@
-//! A disk in memory that fails as it is told to: for simulations of whole sessions and for hostile
-//! files, of which thousands are looked at in a second.
+//! A disk in memory that fails on request: for simulations of whole sessions, and for hostile
+//! files, thousands of which are read per second.
 //!
 //! Beside what a process sees (the page cache) it keeps what is durable: a file's content from its
-//! last sync, a name from the last sync of its folder. [`Memory::restart`] leaves what outlives a
-//! kill or a power cut.
+//! last sync, and a name from the last sync of its folder. [`Memory::restart`] leaves what survives
+//! a kill or a power cut.
 
 use crate::disk::SECTOR;
 use crate::disk::sectors::{Draws, torn};
@@ -176,7 +176,7 @@ impl Memory {
         files.collect()
     }
 
-    /// What was written to a file, whatever it holds.
+    /// What was written to a file, whatever it now holds.
     pub fn meant(&self, path: &Path) -> Option<Vec<u8>> {
         let state = self.state();
         let content = &state.contents[state.file(path).ok()?];

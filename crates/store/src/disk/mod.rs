@@ -1,4 +1,4 @@
-//! Files, whatever is in them: written whole or not at all, held, locked, walked.
+//! Files, whatever they contain: written whole or not at all, held, locked, walked.
 
 pub(crate) mod atomic;
 pub(crate) mod content;

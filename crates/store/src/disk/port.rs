@@ -1,8 +1,8 @@
 //! The file by which a participant's screen finds the session that is being recorded.
 //!
-//! It lies beside the study's lock, is there while a session is recorded, and can be read by this
-//! user alone: a screen takes none that others could have read or written. One that a killed process
-//! left leads nowhere, and is written anew by the next.
+//! It is beside the study's lock while a session is recorded, and only this user can read it: a
+//! screen accepts no file that others could have read or written. A file that a killed process left
+//! behind leads nowhere, and the next process writes it anew.
 
 use crate::disk::atomic::temporary;
 use crate::disk::lock::StudyLock;
@@ -22,10 +22,10 @@ pub struct PortFile {
 }
 
 impl PortFile {
-    /// Writes the file; only who holds the study's lock may.
+    /// Writes the file; only the holder of the study's lock may.
     ///
     /// # Errors
-    /// Something that lies in its place and cannot be removed; a folder that cannot be written.
+    /// Something in its place that cannot be removed; a folder that cannot be written.
     pub fn write(layout: &Layout, _lock: &StudyLock, text: &str) -> Result<Self, StoreError> {
         let path = layout.port();
         write_new(&path, text).map_err(|e| StoreError::io(&path, "write the port", &e))?;
@@ -43,7 +43,7 @@ impl Drop for PortFile {
 /// The text of the file; none if there is no such file.
 ///
 /// # Errors
-/// Anything but a short text that this user alone can read lies there, or it cannot be read.
+/// Anything else than a short text that this user alone can read is there, or it cannot be read.
 pub fn read_port(layout: &Layout) -> Result<Option<String>, StoreError> {
     let path = layout.port();
     let file = match open_regular(&path) {

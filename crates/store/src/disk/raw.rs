@@ -1,9 +1,9 @@
-//! The handle that writes below `raw/<study>`: the one way in which a command does.
+//! The handle that writes below `raw/<study>`: commands have no other way to write there.
 //!
-//! It is a file layer that refuses, where the file is opened, whatever lies elsewhere, and what its
-//! command may not do: a command that records adds and removes nothing but its own journals;
-//! `recover` and `import` may also remove and write anew what an unfinished life left. To have one
-//! a command holds the study's lock, or makes the study.
+//! It is a file layer. When a file is opened, it refuses files elsewhere, and actions that its
+//! command may not do: a command that records only adds files, and removes only its own journals;
+//! `recover` and `import` may also remove and rewrite what an unfinished process left. To get this
+//! handle, a command must hold the study's lock or make the study.
 
 use crate::disk::atomic::is_unfinished;
 use crate::disk::content::Content;
@@ -43,7 +43,7 @@ impl<'a> Raw<'a> {
         Self { files, root, raw, journals, list, vault: None, may, newest: Mutex::new(None) }
     }
 
-    /// For a study that is made: nobody can hold its lock yet.
+    /// For a new study: nobody can hold its lock yet.
     pub fn new_study(files: &'a dyn Files, layout: &Layout) -> Self {
         Self::of(files, layout, May::Add)
     }

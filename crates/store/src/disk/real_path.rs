@@ -1,4 +1,4 @@
-//! Where a path leads, also one at which nothing is yet.
+//! Where a path leads, even if nothing is there yet.
 
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf, absolute};
@@ -6,12 +6,12 @@ use std::path::{Component, Path, PathBuf, absolute};
 /// More links than this lead in a circle, as on Linux.
 const MOST_LINKS: usize = 40;
 
-/// The absolute path to which a path leads: links are followed, `.` and `..` are gone. In contrast to
-/// [`Path::canonicalize`], nothing needs to be there; a link to what is not there leads there.
+/// The absolute path to which a path leads: links are followed, `.` and `..` are gone. In contrast
+/// to [`Path::canonicalize`], nothing needs to be there; a link to a missing path leads to that
+/// path.
 ///
 /// # Errors
-/// An empty path; a folder on the way that may not be looked into, or that is a file; links in a
-/// circle.
+/// An empty path; a folder on the way that may not be read, or that is a file; links in a circle.
 pub fn real_path(path: &Path) -> io::Result<PathBuf> {
     let mut real = PathBuf::new();
     let mut ahead = backwards(&absolute(path)?);

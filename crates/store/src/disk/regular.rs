@@ -1,5 +1,5 @@
-//! Opening what others may have laid there: regular files only. A pipe or a device could hang
-//! whoever reads it, and a link leads out of the data.
+//! Opens files that others may have put there: regular files only. A pipe or a device could hang
+//! its reader, and a link leads out of the data.
 
 use crate::disk::content::{Content, WHOLE, room};
 use crate::{Files, StoreError};

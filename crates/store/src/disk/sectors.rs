@@ -1,5 +1,4 @@
-//! What a disk does with the sectors of a write that it has not finished, or that it led astray: for
-//! [`crate::Memory`].
+//! What a disk does with the sectors of an unfinished or misdirected write, for [`crate::Memory`].
 
 use super::SECTOR;
 

@@ -1,4 +1,4 @@
-//! What the system says of a file, by which a change of it shows although it is not read.
+//! What the system says about a file; it reveals a change without reading the file.
 
 use serde::{Deserialize, Serialize};
 use std::fs::Metadata;
@@ -9,7 +9,7 @@ use std::time::{Duration, SystemTime};
 /// it in steps, of two seconds at most.
 pub(crate) const SETTLED: Duration = Duration::from_secs(2);
 
-/// What the system says of a file or a folder: it is another after every change of its content, or
+/// What the system says about a file or a folder: it differs after every change of the content, or
 /// of the names in the folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stamp {

@@ -1,4 +1,4 @@
-//! What is below a folder of the data: files, and what zwidth did not make.
+//! What is below a folder of the data: files, and things that zwidth did not make.
 
 use crate::disk::atomic::is_unfinished;
 use crate::{Entry, Files, Layout, StoreError};
@@ -59,8 +59,8 @@ pub(crate) fn is_hidden(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
 }
 
-/// Every file below a folder but hidden ones, sorted. What is neither file nor folder is passed by:
-/// it is a finding of the study as a whole.
+/// Every file below a folder but hidden ones, sorted. Anything that is neither file nor folder is
+/// skipped: it is a finding of the study as a whole.
 ///
 /// # Errors
 /// A folder that cannot be listed.

@@ -1,4 +1,4 @@
-//! The list of a change of several files, which lies on the disk until the change is made.
+//! The list of a change of several files; it is on the disk until the change is made.
 
 use crate::disk::regular::text;
 use crate::form::events::MOST_LOG;

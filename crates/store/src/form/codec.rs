@@ -1,5 +1,5 @@
-//! How the columns of a Parquet file are compressed: what this program does not read is named, not
-//! called damage.
+//! How the columns of a Parquet file are compressed: an error names an unsupported codec, instead
+//! of calling it damage.
 
 use crate::StoreError;
 use parquet::basic::CompressionCodec;

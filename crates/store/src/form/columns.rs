@@ -1,4 +1,4 @@
-//! The signals of a trial one by one: in memory, or read when they are looked at. What looks at two
+//! The signals of a trial one by one: in memory, or read when they are needed. Code that uses two
 //! signals of a long recording never has the others in memory.
 
 use crate::{Samples, Signal, StoreError, Trial};
@@ -94,10 +94,10 @@ impl Columns for Samples {
     }
 }
 
-/// A trial to be looked at, wherever its samples are.
+/// A trial to be read, wherever its samples are.
 #[derive(Clone, Copy)]
 pub struct Recorded<'a> {
-    /// What is known of the trial.
+    /// The trial's metadata.
     pub meta: &'a TrialMeta,
     /// Its samples.
     pub columns: &'a dyn Columns,

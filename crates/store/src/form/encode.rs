@@ -1,4 +1,4 @@
-//! Encodings, chosen by measurement (`cargo xtask encodings`; the figures stand in `docs/data.md`).
+//! Encodings, chosen by measurement (`cargo xtask encodings`; the numbers are in `docs/data.md`).
 
 use arrow::datatypes::{DataType, Field, Schema};
 use parquet::basic::{Compression, Encoding as ParquetEncoding, ZstdLevel};

@@ -1,4 +1,4 @@
-//! What a study consists of: its trials, its sweeps and its sessions, each with what is known of it.
+//! What a study consists of: its trials, its sweeps and its sessions, each with its metadata.
 
 use crate::{Signal, StoreError, Trial, TrialFile, read_trial};
 use std::path::{Path, PathBuf};
@@ -11,10 +11,11 @@ use zwidth_study::{
 /// Largest `study.toml` that is read, bytes: a hundred times a long one.
 pub const MOST_STUDY: u64 = 1 << 20;
 
-/// What a trial's file says besides who, when and which.
+/// What a trial's file says besides participant, time and trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Said {
-    /// What the file says of itself, without when the trial began and which file it was imported from.
+    /// What the file says about itself, without the start of the trial and the file from which it
+    /// was imported.
     pub file: TrialFile,
     /// Which columns the file has.
     pub form: TrialForm,
@@ -22,14 +23,14 @@ pub struct Said {
     pub signals: Vec<Signal>,
 }
 
-/// One trial file, and what the events say of it.
+/// One trial file, and what the events say about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialEntry {
     /// Its file.
     pub path: Arc<Path>,
-    /// What is known of it.
+    /// Its metadata.
     pub meta: TrialMeta,
-    /// What the file says besides.
+    /// What the file says besides that.
     pub said: Arc<Said>,
     /// Number of samples.
     pub rows: usize,
@@ -69,9 +70,9 @@ impl TrialEntry {
         self.excluded.as_ref().map(|reason| format!("excluded: {reason}"))
     }
 
-    /// Reads the trial's file, with those of the `signals` asked for that were recorded, as
-    /// [`read_trial`] does. What is known of it is what the session knows: an unsealed trial
-    /// has its mode and repeat, where the file has a code.
+    /// Reads the trial's file, with those of the requested `signals` that were recorded, as
+    /// [`read_trial`] does. Its metadata are those of the session: an unsealed trial has its mode
+    /// and repeat, where the file has a code.
     ///
     /// # Errors
     /// Those of [`read_trial`].
@@ -111,8 +112,7 @@ pub struct SessionLog {
     pub trials: Vec<PlannedTrial>,
     /// The seal, once it was opened and verified.
     pub seal: Option<Seal>,
-    /// The study as it was when the session was laid down; nothing for a session without a copy of
-    /// it.
+    /// The study as it was when the session was set up; none for a session without a copy of it.
     pub study: Option<Arc<Study>>,
 }
 

@@ -1,4 +1,5 @@
-//! The event log of a session: one JSON object a line, chained by checksums, only ever appended to.
+//! The event log of a session: one JSON object per line, chained by checksums; lines are only ever
+//! appended.
 
 use crate::disk::atomic::{create_folders, folder_of};
 use crate::disk::regular::{as_text, text};
@@ -27,7 +28,7 @@ pub(crate) struct Line {
     pub(crate) blake3: String,
 }
 
-/// What is written beside each event: when, UTC, and who had it written, where that was said.
+/// What is written beside each event: the time, UTC, and who caused it, if that was given.
 #[derive(Debug, Clone, Copy)]
 pub struct Entered<'a> {
     /// The time in RFC 3339.
@@ -62,8 +63,8 @@ pub(crate) fn digest(
 
 /// Appends events in one synced write.
 ///
-/// Killed meanwhile, each line is there whole or can be seen to be unfinished; [`crate::recover`]
-/// mends the log then. Lines of which all or none must stay are [`crate::commit_events`]'s.
+/// After a kill meanwhile, each line is whole or recognisably unfinished; [`crate::recover`] then
+/// repairs the log. Use [`crate::commit_events`] for lines of which all or none must stay.
 ///
 /// # Errors
 /// A log that cannot be read to its end, because nothing may follow a line that is in doubt; the

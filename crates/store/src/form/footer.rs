@@ -1,4 +1,4 @@
-//! What a trial's file says of itself, read strictly.
+//! The footer of a trial's file, read strictly.
 
 use crate::disk::regular::open_end;
 use crate::form::json::from_json;
@@ -13,10 +13,10 @@ use zwidth_study::{
     TrialMeta,
 };
 
-/// What a trial file says of itself, without its samples.
+/// What a trial file says about itself, without its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialFooter {
-    /// What is known of the trial.
+    /// The trial's metadata.
     pub meta: TrialMeta,
     /// The remaining footer keys.
     pub file: TrialFile,
@@ -30,8 +30,8 @@ pub struct TrialFooter {
     pub blake3: String,
 }
 
-/// Reads what a trial file says of itself, without its samples. Participant and session come from
-/// the path.
+/// Reads what a trial file says about itself, without its samples. Participant and session come
+/// from the path.
 pub fn read_footer(path: &Path) -> Result<TrialFooter, StoreError> {
     read_footer_from(&RealFiles, path)
 }

@@ -13,9 +13,9 @@
 //! digest  = BLAKE3(digest of the frame before · length · kind · payload)
 //! ```
 //!
-//! Numbers are little-endian. A frame counts only if its digest holds. Behind damage the digest
-//! that stands before a frame takes the place of the digest that was computed, so that what was
-//! lost hides nothing of what comes after it.
+//! Numbers are little-endian. A frame counts only if its digest holds. After damage, the digest
+//! that is stored before a frame replaces the computed digest, so a lost part does not hide the
+//! parts after it.
 
 use crate::disk::SECTOR;
 use crate::{TrialFile, from_json};
@@ -76,9 +76,9 @@ pub(crate) struct Header {
 pub struct Protocol {
     /// Which columns the file has.
     pub form: TrialForm,
-    /// What is asked after the trial.
+    /// The question after the trial.
     pub question: Option<QuestionId>,
-    /// What the device gives besides, in the order in which a sample has it.
+    /// The device's channels, in the order in which a sample has them.
     pub given: Vec<Channel>,
 }
 

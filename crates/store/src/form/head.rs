@@ -1,8 +1,8 @@
 //! The head of a log: how many lines it has, and the digest of the last, in a file of its own.
 //!
-//! A log that is cut at a line's end is a log as whole as any other; only something outside of it
-//! can tell. The head is written after the lines that it counts are safe on the disk, so that it
-//! may be behind the log (a kill came between), and never ahead of it.
+//! A log that was cut at the end of a line looks whole; only something outside the log can reveal
+//! the cut. The head is written after the lines that it counts are safe on the disk, so it may be
+//! behind the log (after a kill in between), but never ahead of it.
 
 use crate::disk::regular::text;
 use crate::form::json::from_json;

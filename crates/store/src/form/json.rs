@@ -1,7 +1,7 @@
 //! JSON that may have been changed by hand, or made to do harm.
 //!
-//! Where a key stands twice, readers differ in which of the two they believe; so an object with one
-//! is refused. So is text with more keys, or nested deeper, than any file of ours.
+//! If a key occurs twice, readers differ in which value they use, so an object with such a key is
+//! refused. So is a text with more keys, or deeper nesting, than any file of ours.
 
 use serde::de::{DeserializeOwned, DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
 use std::cell::Cell;
@@ -17,7 +17,7 @@ const MOST_NESTED: usize = 16;
 /// Reads JSON of ours.
 ///
 /// # Errors
-/// Text that is not JSON, or not of this form; a key that stands twice in an object; more than
+/// Text that is not JSON, or not of this form; a key that occurs twice in an object; more than
 /// [`MOST_KEYS`] keys; objects and lists nested more than 16 deep. With line and column.
 pub fn from_json<T: DeserializeOwned>(text: &str) -> Result<T, serde_json::Error> {
     let keys = Cell::new(0);

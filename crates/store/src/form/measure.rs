@@ -1,4 +1,4 @@
-//! One column in one encoding: how large it gets, and how long it takes (`cargo xtask encodings`).
+//! One column in one encoding: its size, and how long it takes (`cargo xtask encodings`).
 
 use crate::form::encode::{Encoding, properties};
 use crate::form::write::signal_column;

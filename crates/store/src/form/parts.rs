@@ -1,5 +1,5 @@
-//! A derived table, read some rows at a time, and written so: however long it is, no more of it is in
-//! memory than these, and of what is written a row group, encoded.
+//! A derived table that is read and written some rows at a time: however long it is, memory holds
+//! only these rows and, of the written ones, one encoded row group.
 
 use crate::form::bounds::MOST_RECORDED_BYTES;
 use crate::form::encode::derived;
@@ -83,7 +83,7 @@ pub struct TableWriter<W: Write + Send> {
 }
 
 impl<W: Write + Send> TableWriter<W> {
-    /// Begins a file with these columns; `path` is where it will lie, for errors.
+    /// Begins a file with these columns; `path` is its final place, for errors.
     ///
     /// # Errors
     /// Those of `out`.

@@ -1,4 +1,4 @@
-//! Reading strictly: a file that is not exactly what it should be is one clear error.
+//! Strict reading: a file that is not exactly what it should be is one clear error.
 
 use crate::form::bounds::MOST_VALUES;
 use crate::form::columns::{Columns, Values};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 use zwidth_numerics::series::ends;
 use zwidth_study::{Channel, ChannelId, TrialForm, TrialMeta};
 
-/// Reads a trial, with only the `signals` asked for (all: `Signal::all()`). Time is always read.
+/// Reads a trial, with only the requested `signals` (all: `Signal::all()`). Time is always read.
 ///
 /// Every column read is checked: type, unit, digest, finite values, time that runs forward.
 pub fn read_trial(
@@ -36,8 +36,8 @@ pub fn read_channels(path: &Path, wanted: &[ChannelId]) -> Result<Trial, StoreEr
     read_trial_and_channels(path, [], wanted)
 }
 
-/// Reads a trial with the `signals` asked for, and of the study's own channels those of these names
-/// that its file has. Checks are those of [`read_trial`].
+/// Reads a trial with the requested `signals`, and with those of the named channels that its file
+/// has. Checks are those of [`read_trial`].
 ///
 /// # Errors
 /// Those of [`read_trial`].

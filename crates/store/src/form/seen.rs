@@ -1,19 +1,19 @@
-//! What files were when their content was last hashed: as long as the system says that nothing of a
-//! file has changed, its hash is known without its being read.
+//! What files were when their content was last hashed: as long as the system says that a file has
+//! not changed, its hash is known without reading it.
 //!
-//! A file is taken for the same while its length, its two times and its number on the disk are. The
-//! time at which its state last changed (`ctime`) moves with every write and every renaming, and where
-//! a file system keeps it, no program can set it back without the machine's clock. What this does not
-//! see is listed in docs/data.md ("Where a result is from"): a disk that loses bytes by itself; who
-//! writes through a memory map, where the time moves only when a page is first touched after it was
-//! last written back; a result that is changed within the step of the clock in which it was written; a
-//! file system that gives the time of the last write for `ctime`; a network disk whose times lag.
-//! [`verify`](crate::verify) reads every recording, whatever is known. Where a system keeps no such
-//! time, nothing is known.
+//! A file counts as the same while its length, its two times and its number on the disk are the
+//! same. The time at which its state last changed (`ctime`) moves with every write and every
+//! renaming, and if a file system keeps it, no program can set it back without the machine's clock.
+//! docs/data.md ("Where a result is from") lists the changes that stay unnoticed: a disk loses
+//! bytes by itself; a program writes through a memory map, where the time moves only when a page is
+//! first touched after it was last written back; a result is changed within the step of the clock
+//! in which it was written; a file system gives the time of the last write for `ctime`; the times
+//! of a network disk lag. [`verify`](crate::verify) reads every recording in any case. On a system
+//! without such a time, no hash is kept.
 //!
-//! A recording's signals are held against their digests when they are first read. After that its
-//! bytes as they are read then are held against their hash: they say the same in less time, because
-//! they are packed.
+//! A recording's signals are compared with their digests when they are first read. Later, the bytes
+//! of the file are compared with their hash, which proves the same in less time, because the bytes
+//! are compressed.
 
 use crate::disk::regular::read_regular;
 use crate::disk::stamp::Stamp;
@@ -104,7 +104,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Where it lies: hidden, because it is none of a study's results.
+    /// Its place: hidden, because it is not one of a study's results.
     pub fn file(layout: &Layout) -> PathBuf {
         layout.derived().join(".hashes.json")
     }
@@ -147,7 +147,7 @@ impl Seen {
         }
     }
 
-    /// Remembers what was just written to a file.
+    /// Remembers the content just written to a file.
     pub fn written(&self, path: &Path, blake3: &str) {
         if let (Some(stamp), Ok(blake3)) = (Stamp::at(path), blake3.try_into()) {
             self.note(path, (stamp, blake3, Signals::default()));
@@ -196,7 +196,7 @@ impl Seen {
         is_news && self.before.len() + new >= WORTH_WRITING
     }
 
-    /// Writes what is known.
+    /// Writes the known hashes.
     ///
     /// # Errors
     /// Those of `out`.

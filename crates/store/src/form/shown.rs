@@ -1,4 +1,4 @@
-//! The samples of a short trial that was read, to whom asked for some of them.
+//! The samples of a short trial that was read, for a caller that needs some of them.
 
 use crate::form::columns::{Columns, Values};
 use crate::{Samples, Signal};

@@ -32,7 +32,7 @@ pub enum Signal {
     StateBits,
 }
 
-/// How a column lies in the file.
+/// How a column is stored in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Storage {
     /// 64-bit float.

@@ -1,6 +1,6 @@
 //! Numbers whose bytes were split into streams: the lowest byte of each, then the second of each, and
-//! so on (Parquet's `BYTE_STREAM_SPLIT`). The parquet crate puts them together byte by byte; loops over
-//! whole streams a compiler turns into vector instructions.
+//! so on (Parquet's `BYTE_STREAM_SPLIT`). The parquet crate joins them byte by byte; a compiler
+//! turns loops over whole streams into vector instructions.
 
 use std::ops::Range;
 use zwidth_numerics::wide::widest;

@@ -42,7 +42,7 @@ pub struct Sweep {
     pub command_values: Vec<f64>,
     /// The response, in its unit.
     pub response_values: Vec<f64>,
-    /// What the file says of itself besides.
+    /// What else the file says about itself.
     pub file: BTreeMap<String, String>,
 }
 

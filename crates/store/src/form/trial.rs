@@ -1,4 +1,4 @@
-//! A trial in memory: what is known of it, and its samples.
+//! A trial in memory: its metadata and its samples.
 
 use crate::{COLUMNS, Signal, Storage, StoreError};
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ pub struct Samples {
 
 impl Samples {
     /// The samples of these rows, with the columns that they have: a quantity that one of them
-    /// lacks has none. What the device gives besides is left out.
+    /// lacks has no column. The device's channels are left out.
     pub fn from_rows(rows: &[Sample]) -> Self {
         let mut samples = Self::default();
         for column in &COLUMNS {
@@ -27,8 +27,8 @@ impl Samples {
         samples
     }
 
-    /// The same with what the device gives besides, of which `given` says what it is; those values
-    /// alone whose channel is one of `form`'s.
+    /// The same with the device's channels, which `given` names; only those that are channels of
+    /// `form`.
     #[must_use]
     pub fn with_channels(mut self, rows: &[Sample], given: &[Channel], form: &TrialForm) -> Self {
         for (place, channel) in given.iter().enumerate() {
@@ -179,7 +179,7 @@ fn fits(value: f64, storage: Storage) -> bool {
     }
 }
 
-/// What a trial file says of itself besides the trial: key → value, in the file's footer.
+/// What a trial file says about itself besides the trial: key → value, in the file's footer.
 ///
 /// Known keys: `study_blake3`, `calibration_blake3`, `device`, `software`, `start_utc`, `seed`,
 /// `lever_m` (the lever length that turned lengths into angles or torques into forces),
@@ -209,12 +209,12 @@ pub const SOURCE: &str = "source_blake3";
 /// Footer key of when a trial began.
 pub(crate) const START: &str = "start_utc";
 
-/// A trial: what is known of it, what its file says of itself, and its samples.
+/// A trial: its metadata, what its file says about itself, and its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// What is known of the trial.
+    /// The trial's metadata.
     pub meta: TrialMeta,
-    /// What the file says of itself.
+    /// What the file says about itself.
     pub file: TrialFile,
     /// The samples.
     pub samples: Samples,

@@ -1,4 +1,4 @@
-//! The values of one column of a recording, whichever way they lie in its file.
+//! The values of one column of a recording, whatever their encoding in its file.
 
 use crate::form::bounds::MOST_RECORDED_BYTES;
 use crate::form::digest::ColumnDigest;

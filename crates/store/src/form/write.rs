@@ -84,7 +84,7 @@ pub(crate) fn trial_batch(
 }
 
 /// The bytes of a sweep's Parquet file with one row group, our encodings, and `footer` as its
-/// key-value metadata (in key order), to which the units, a digest and, where it says none, the
+/// key-value metadata (in key order), to which the units, a digest and, if it is missing, the
 /// version are added.
 pub fn write_parquet(
     batch: &RecordBatch,

@@ -1,6 +1,6 @@
-//! Ids that differ only by case: two folders on one system, one and the same on another, and for
-//! people most likely one id that was once typed otherwise. None is made beside another, and of
-//! those that are there nobody knows whose trials are whose.
+//! Ids that differ only by case: two folders on one system, the same folder on another, and most
+//! likely one id that somebody typed in two ways. The program never makes one beside another; if
+//! both exist, it is not known whose trials they contain.
 
 use crate::disk::regular::text;
 use crate::disk::walk::files_below;
@@ -16,7 +16,7 @@ const RENAME: &str = "use the id that is there, or one that differs by more than
 /// Whether a session can be made under these ids.
 ///
 /// # Errors
-/// A participant, or a session of this one, whose id differs from it only by case.
+/// A participant, or a session of this participant, whose id differs only by case.
 pub fn check_session_ids(
     files: &dyn Files,
     layout: &Layout,

@@ -1,4 +1,4 @@
-//! The calibration in a session's record is the one whose hash stands beside it.
+//! The calibration in a session's record must have the hash beside it.
 
 use crate::{StoreError, hex_blake3};
 use serde::Deserialize;

@@ -1,4 +1,4 @@
-//! Trials that were read last, for whoever looks at the same ones next: several jobs of a run look at
+//! The trials that were read last, for the next reader of the same ones: several jobs of a run read
 //! the trials of a session one after the other.
 
 use crate::disk::stamp::Stamp;
@@ -39,12 +39,14 @@ struct Read {
 }
 
 impl Lately {
-    /// None yet. What `seen` knows need not be held against digests again, and it learns what was.
+    /// None yet. Signals that `seen` knows need not be compared with digests again, and it learns
+    /// which were.
     pub fn seeing(seen: Arc<Seen>) -> Self {
         Self { read: Mutex::default(), seen }
     }
 
-    /// [`OpenTrial::open`], from memory where a short one was read lately with all that is asked for.
+    /// [`OpenTrial::open`], from memory if a short one was read lately with all the requested
+    /// signals.
     ///
     /// # Errors
     /// Those of [`OpenTrial::open`].

@@ -1,4 +1,4 @@
-//! The sweeps, held against the log that has the hash of each.
+//! The sweeps, compared with the log that has the hash of each.
 
 use crate::form::change_list::pending;
 use crate::form::events::read_events_to;

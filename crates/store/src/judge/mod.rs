@@ -1,5 +1,5 @@
-//! What was read, held against itself, against the logs, against the plan and against what can be:
-//! a study is loaded here, and every finding is made.
+//! Loads a study and makes every finding: the files are compared with each other, with the logs,
+//! with the plan and with what is plausible.
 
 pub(crate) mod alike;
 pub(crate) mod calibrated;

@@ -1,5 +1,5 @@
-//! Whether a study's trial files are all of one form. Those of two do not open as one data set in
-//! other tools, so a study keeps the form it began with.
+//! Whether a study's trial files are all of one form. Files of two forms do not open as one data
+//! set in other tools, so a study keeps the form with which it began.
 
 use crate::disk::walk::parquet_below;
 use crate::form::footer::read_footer_from;

@@ -1,4 +1,4 @@
-//! A trial of a file whose columns are read when they are looked at, if it is long.
+//! A trial of a file; if it is long, its columns are read when they are needed.
 
 use crate::form::columns::{Columns, LONG, Recorded};
 use crate::form::read::{OpenColumns, with_time};
@@ -10,10 +10,10 @@ use std::path::Path;
 use std::sync::Arc;
 use zwidth_study::{ChannelId, TrialMeta};
 
-/// A trial of a file: in memory, or if it is long with columns that are read when they are looked
-/// at.
+/// A trial of a file: in memory, or, if it is long, with columns that are read when they are
+/// needed.
 pub struct OpenTrial {
-    /// What is known of the trial.
+    /// The trial's metadata.
     pub meta: TrialMeta,
     /// What its import found ([`LOST`](crate::LOST), [`DOUBTS`](crate::DOUBTS)).
     imported: Vec<StoreError>,
@@ -91,8 +91,7 @@ impl OpenTrial {
         Self { meta, imported, columns: Box::new(columns) }
     }
 
-    /// What is to be read with care of it: what its samples say against it ([`check_samples`]), and
-    /// what its import found.
+    /// Its doubts: those from its samples ([`check_samples`]), and those that its import found.
     pub fn check(&self, asked: &Asked) -> Vec<StoreError> {
         let found = check_samples(asked, Path::new(""), self.columns());
         found.into_iter().chain(self.imported.clone()).collect()

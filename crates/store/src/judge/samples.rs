@@ -1,4 +1,4 @@
-//! What the samples of a trial, and what its import found, say against it.
+//! Doubts about a trial from its samples, and from the findings of its import.
 
 use crate::judge::plausible::implausible;
 use crate::{Asked, Columns, DOUBTS, LOST, Signal, StoreError, TrialFile};

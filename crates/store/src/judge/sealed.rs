@@ -1,4 +1,4 @@
-//! What is known of a session's trials: the record, the trials done again, and the seal.
+//! The known facts about a session's trials: the record, the repeated trials, and the seal.
 
 use crate::StoreError;
 use std::path::Path;

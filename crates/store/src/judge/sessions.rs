@@ -1,4 +1,4 @@
-//! Sessions: their records and event logs, and what the events say of the trials.
+//! Sessions: their records and event logs, and what the events say about the trials.
 
 use crate::disk::regular::text;
 use crate::disk::walk::files_below;

@@ -1,5 +1,5 @@
-//! Which recordings of others a study's files were imported from, so that each counts once. What
-//! cannot be read is a finding of `verify`, and no error here.
+//! Which recordings of other programs a study's files were imported from, so that each counts once.
+//! A file that cannot be read is a finding of `verify`, not an error here.
 
 use crate::disk::regular::text;
 use crate::disk::walk::files_below;
@@ -36,7 +36,7 @@ pub fn trial_sources(
     Ok(sources)
 }
 
-/// The recordings that sweeps were imported from, by their hash, with what was made of them in words.
+/// The recordings from which sweeps were imported, by their hash, with what they became in words.
 ///
 /// # Errors
 /// A folder that cannot be listed.

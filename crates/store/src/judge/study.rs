@@ -1,4 +1,4 @@
-//! A whole study: every trial, sweep and session there is, joined with the events.
+//! A whole study: all trials, sweeps and sessions, joined with the events.
 
 use crate::disk::regular::text;
 use crate::disk::walk::{below, parquet_below, strange};
@@ -35,7 +35,7 @@ pub struct Answer {
     pub question: QuestionId,
     /// The answer as given, a number of the question's scale.
     pub value: AnswerValue,
-    /// From the question to its answer, ms, where it was measured.
+    /// From the question to its answer, ms, if it was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_ms: Option<u32>,
 }
@@ -50,10 +50,10 @@ pub struct LeftOutAnswer {
     pub why_not: String,
 }
 
-/// A study as it lies on the disk.
+/// A study as it is on the disk.
 #[derive(Debug, Clone)]
 pub struct StudyData {
-    /// Where it lies.
+    /// Where it is.
     pub layout: Layout,
     /// What was planned.
     pub study: Study,
@@ -65,7 +65,7 @@ pub struct StudyData {
     pub sessions: Vec<SessionLog>,
     /// What could not be read, and was left out.
     pub problems: Vec<StoreError>,
-    /// What is to be read with care, and counts all the same.
+    /// Trials to be read with care that count nevertheless.
     pub warnings: Vec<StoreError>,
     /// Every answer that counts: from events, and from trial files for their environment's question
     /// (an event overrides the file). Sorted by participant, session, trial and question.
@@ -83,13 +83,13 @@ impl StudyData {
     /// Reads the study: its `study.toml`, all footers, sessions and events. Samples are not read.
     ///
     /// # Errors
-    /// A missing or wrong `study.toml`, one error per finding, and behind them whatever else was
-    /// found. If that file is whole, what cannot be read is left out and listed in `problems`.
+    /// A missing or wrong `study.toml`, one error per finding, and after them all other findings.
+    /// If that file is whole, unreadable files are left out and listed in `problems`.
     pub fn load(layout: &Layout) -> Result<Self, Vec<StoreError>> {
         Self::load_seen(&Seen::of(layout), layout)
     }
 
-    /// [`StudyData::load`], where it is known what files were when they were last read.
+    /// [`StudyData::load`], if it is known what files were when they were last read.
     ///
     /// # Errors
     /// Those of [`StudyData::load`].

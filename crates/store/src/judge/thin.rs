@@ -1,5 +1,5 @@
 //! A long trial as it is drawn: with fewer samples, among them the extremes of every stretch, so
-//! that it looks as it does with all. No more than one of its columns is in memory at a time.
+//! that it looks as it would with all. Only one of its columns is in memory at a time.
 
 use crate::form::columns::{Columns, LONG};
 use crate::form::read::{OpenColumns, read_trial};

@@ -35,8 +35,8 @@ pub fn verify_from(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
     verify_by(files, layout, check_samples, &|_| {})
 }
 
-/// [`verify_from`] without whether a recording can be what it says: what is left was not kept as it
-/// was recorded.
+/// [`verify_from`] without the plausibility of recordings: the remaining findings are about files
+/// that were not kept as recorded.
 pub fn verify_kept(files: &dyn Files, layout: &Layout) -> Vec<StoreError> {
     verify_by(files, layout, within_limits, &|_| {})
 }
@@ -76,7 +76,7 @@ fn verify_by(
     all
 }
 
-/// What is wrong with a study, apart by what it means for the results.
+/// What is wrong with a study, divided by the consequences for the results.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Findings {
     /// Something was recorded, and no result has it in it.
@@ -85,9 +85,8 @@ pub struct Findings {
     pub with_care: Vec<StoreError>,
 }
 
-/// Every finding that takes no sample to be read: those of loading the study, of its sessions and
-/// of what lies beside its files. What single samples say is told by [`check_samples`], trial by
-/// trial.
+/// Every finding that needs no samples: those of loading the study, of its sessions and of things
+/// beside its files. [`check_samples`] gives the findings from samples, trial by trial.
 pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
     let mut found = strays(files, &data.layout);
     found.left_out.splice(0..0, data.problems.iter().cloned());
@@ -97,7 +96,7 @@ pub fn findings(files: &dyn Files, data: &StudyData) -> Findings {
     found
 }
 
-/// What is more, less or other than planned: repeats that count twice, conditions with other numbers of trials,
+/// Deviations from the plan: repeats that count twice, conditions with other numbers of trials,
 /// trials far shorter than others.
 pub fn against_plan(data: &StudyData) -> Vec<StoreError> {
     [doubled(data), unplanned(data), stumps(data)].concat()

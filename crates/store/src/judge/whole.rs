@@ -1,5 +1,5 @@
-//! One session, held against itself: record, log, copy of `study.toml` and trials. Who goes on with
-//! it must find it whole: what is recorded onto a session in doubt is in doubt as well.
+//! The consistency of one session: record, log, copy of `study.toml` and trials. A session may be
+//! continued only if it is whole: trials added to a doubtful session would be doubtful too.
 
 use crate::disk::atomic::folder_of;
 use crate::disk::hash::blake3_of;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zwidth_study::{Event, ParticipantId, SessionId, SessionRecord, Study};
 
-/// A session of which every part is there and fits the others.
+/// A session whose parts are all there and fit each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WholeSession {
     /// Its record and its log.
@@ -28,11 +28,11 @@ pub struct WholeSession {
     pub trials: Vec<TrialEntry>,
 }
 
-/// Reads one session with its trials; nothing, if nothing of it was laid down.
+/// Reads one session with its trials; none if it does not exist yet.
 ///
 /// # Errors
 /// Every finding: a record, a log or a copy of `study.toml` that is gone or was changed; a trial
-/// that is gone, was changed, or of which the log does not speak.
+/// that is gone, was changed, or is not in the log.
 pub fn read_session(
     files: &dyn Files,
     layout: &Layout,
@@ -103,8 +103,8 @@ fn check_copy(
     is_copy(&path, &bytes, record)
 }
 
-/// The study by which a session was laid down, as its copy says; nothing for one that was not laid
-/// down, or that has no copy because it is older than copies are.
+/// The study with which a session was set up, as its copy says; none for a session that does not
+/// exist yet, or that is older than such copies.
 ///
 /// # Errors
 /// A record, a log or a copy that is gone or was changed.

@@ -1,4 +1,4 @@
-//! A `study.toml` that was changed after sessions were laid down: an event accepts it, session by
+//! A `study.toml` that was changed after sessions were set up: an event accepts it, session by
 //! session.
 
 use crate::judge::laid::{matters, study_warning};
@@ -9,10 +9,11 @@ use std::path::Path;
 use zwidth_study::{Event, ParticipantId, SessionId};
 
 /// Accepts the present `study.toml` for every session to which a change of it matters, or for
-/// `only` one; what was accepted, in words, a session each. The caller holds the study's lock.
+/// `only` one; returns what was accepted, in words, one text per session. The caller holds the
+/// study's lock.
 ///
 /// # Errors
-/// A `study.toml` or the session asked for that cannot be read; a write that failed.
+/// A `study.toml` or the requested session that cannot be read; a write that failed.
 pub fn accept_study(
     files: &dyn Files,
     layout: &Layout,

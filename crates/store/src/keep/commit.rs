@@ -1,13 +1,13 @@
 //! Several files changed as one: all of them, or none.
 //!
-//! A list of what is to be written lies on the disk before the first file is touched, and its removal
-//! is the moment at which the change is made. Whoever finds the list takes back what was written:
-//! the process itself after a write that failed, or whoever holds the study's lock next after a kill.
+//! A list of what is to be written is on the disk before the first file is touched, and its removal
+//! is the moment at which the change is made. If the list is found, the writes are taken back: by
+//! the process itself after a failed write, or by the next holder of the study's lock after a kill.
 //! Until then readers pass over the lines that the list names.
 //!
-//! Files go in the reverse of the order in which they were written, and only what the change wrote
-//! goes: a file of a session or sweep that was imported, with the listed content, and the listed
-//! lines at the end of a log.
+//! Files are removed in the reverse order of writing, and only what the change wrote is removed:
+//! files of an imported session or sweep, with the listed content, and the listed lines at the end
+//! of a log.
 
 use crate::disk::atomic::folder_of;
 use crate::disk::hash::blake3_of;
@@ -29,7 +29,7 @@ use zwidth_study::{Event, Source};
 pub struct TakenBack {
     /// Files that were removed.
     pub files: usize,
-    /// Logs of which lines were cut off.
+    /// Logs that lost lines.
     pub logs: usize,
     /// What could not be taken back.
     pub left: Vec<StoreError>,
@@ -110,9 +110,8 @@ impl<'a> Change<'a> {
     /// Makes the change; `write` writes the new files. An error says that nothing was `done`.
     ///
     /// # Errors
-    /// A change before this one that was cut short and not taken back; the write that failed, saying
-    /// what became of what was written before, and behind it each file that could not be removed
-    /// again.
+    /// A change before this one that was cut short and not taken back; the write that failed, with
+    /// the fate of earlier writes, and after it each file that could not be removed again.
     pub fn make(
         &self,
         done: &str,

@@ -1,8 +1,8 @@
 //! The journal: a trial's samples are safe on the disk while it runs.
 //!
-//! One file per trial in progress, made of checksummed frames ([`crate::frame`]): what is known of
-//! the trial, then rows as they come, then the end. Each append is synced before it returns, so
-//! that a power cut takes no more than the batch that was being written. A finished trial becomes a
+//! One file per trial in progress, made of checksummed frames ([`crate::frame`]): the trial's
+//! metadata, then rows as they come, then the end. Each append is synced before it returns, so a
+//! power cut loses no more than the batch that was being written. A finished trial becomes a
 //! Parquet file, and its journal is removed last.
 
 use crate::disk::atomic::{create_folders, folder_of};
@@ -72,8 +72,8 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Appends rows as one frame, or a few where they are many; when it returns they are safe on
-    /// the disk.
+    /// Appends rows as one frame, or as a few if there are many rows; when it returns they are safe
+    /// on the disk.
     ///
     /// # Errors
     /// A row that no trial file can hold (a value that is not finite, time that does not run
@@ -145,7 +145,7 @@ impl Journal {
         })
     }
 
-    /// The same for a session of which many trials are recorded.
+    /// The same for a session with many recorded trials.
     ///
     /// # Errors
     /// Those of [`Journal::finish`].

@@ -1,5 +1,5 @@
-//! A session is laid down before its first trial: its copy of `study.toml`, its record, and the
-//! first line of its log, which holds the record's hash.
+//! A session is set up before its first trial: its copy of `study.toml`, its record, and the first
+//! line of its log, which holds the record's hash.
 
 use crate::form::head::head_of;
 use crate::judge::alike::check_session_ids;
@@ -9,12 +9,12 @@ use crate::{Files, Layout, StoreError, append_events, hex_blake3, replace, write
 use std::path::Path;
 use zwidth_study::{Event, SessionRecord};
 
-/// Lays a session down. `study_toml` is the text of the `study.toml` in force. What an earlier
-/// attempt that was killed has done is done again.
+/// Sets a session up. `study_toml` is the text of the `study.toml` in force. The steps of an
+/// earlier attempt that was killed are repeated.
 ///
 /// # Errors
-/// A record of the session that is there already; ids that differ only by case from those of
-/// another; a write that failed.
+/// A record of the session that already exists; ids that differ only by case from those of another;
+/// a write that failed.
 pub fn lay_down(
     files: &dyn Files,
     layout: &Layout,
@@ -53,7 +53,7 @@ pub fn record_bytes(path: &Path, record: &SessionRecord) -> Result<Vec<u8>, Stor
     Ok(text.into_bytes())
 }
 
-/// The event that says that a session was laid down with this record.
+/// The event that says that a session was set up with this record.
 pub fn laid_down(record: &[u8]) -> Event {
     Event::LaidDown { record_blake3: hex_blake3(record) }
 }

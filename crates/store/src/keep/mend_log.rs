@@ -1,4 +1,4 @@
-//! The end of a log and its head, brought in order after a kill or a power cut.
+//! Repairs the end of a log and its head after a kill or a power cut.
 
 use crate::disk::atomic::sync_file;
 use crate::form::events::{Entered, Line, MOST_LOG, digest, digests_of, finished_text, lines_of};

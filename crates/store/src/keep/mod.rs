@@ -1,5 +1,5 @@
-//! Whatever changes a study: sessions laid down, trials recorded, several files changed as one, and
-//! what a kill left brought in order.
+//! Everything that changes a study: setting up sessions, recording trials, changing several files
+//! as one, and repairs after a kill.
 
 pub(crate) mod accept;
 pub mod commit;

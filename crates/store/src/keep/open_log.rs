@@ -1,10 +1,10 @@
 //! The log of a session that is being recorded: read and checked once, then only appended to.
 //!
-//! Whoever holds the study's lock is the only writer, but an editor asks for no lock. So before
+//! The holder of the study's lock is the only writer, but an editor asks for no lock. So before
 //! each append the system is asked whether log and head are the files that were left ([`Stamp`]);
-//! if not, they are read and checked again, as for a first append. What this does not see is a
-//! change that leaves the length as it was within the same step of the system's clock as our own
-//! write; the next command that reads the log sees it.
+//! if not, they are read and checked again, as for a first append. This misses a change that keeps
+//! the length and falls within the same step of the system's clock as our own write; the next
+//! command that reads the log finds it.
 
 use crate::disk::stamp::Stamp;
 use crate::form::events::{chained, count_lines, finished_lines, write_lines};

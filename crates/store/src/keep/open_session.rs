@@ -1,8 +1,10 @@
-//! A session that is being recorded: a trial costs no more however many there were before.
+//! A session that is being recorded: the cost of a trial does not depend on how many there were
+//! before.
 //!
 //! Its record, its copy of `study.toml`, its log and the names of its trials are read and checked
-//! once. After that only this handle writes them, by the study's lock; before each trial the system
-//! is asked whether anybody did all the same ([`Stamp`]), and then they are read and checked again.
+//! once. After that only this handle writes them, under the study's lock. Before each trial the
+//! system is asked whether anybody else wrote them ([`Stamp`]); if so, they are read and checked
+//! again.
 
 use crate::disk::atomic::folder_of;
 use crate::disk::stamp::Stamp;
@@ -37,7 +39,7 @@ struct Stamps {
 }
 
 impl OpenSession {
-    /// A session of a study, of which nothing is read yet.
+    /// A session of a study; nothing of it is read yet.
     pub fn new(layout: &Layout, participant: &ParticipantId, session: &SessionId) -> Self {
         Self {
             layout: layout.clone(),
@@ -49,7 +51,7 @@ impl OpenSession {
         }
     }
 
-    /// Whether the session still is what it was when it was laid down.
+    /// Whether the session still is as it was set up.
     ///
     /// # Errors
     /// The first finding.
@@ -107,12 +109,12 @@ impl OpenSession {
     }
 }
 
-/// Writes a trial's file, the event that calls it recorded and the event of the
-/// answer to its question; gives the file's path. `utc` is the time of the events,
-/// `answer_time_ms` what the answer took, where it was measured.
+/// Writes a trial's file, the event that reports it as recorded and the event of the answer to its
+/// question; returns the file's path. `utc` is the time of the events, `answer_time_ms` the time of
+/// the answer, if it was measured.
 ///
-/// What a first attempt has done already is not done again: the file may be there with this very
-/// trial in it, and the event may be there with the file's hash.
+/// Steps of a first attempt are not repeated: the file may be there with this very trial in it, and
+/// the event may be there with the file's hash.
 ///
 /// # Errors
 /// Samples that break a promise of the schema; another trial under the same number; a log that

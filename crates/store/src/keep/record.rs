@@ -1,5 +1,5 @@
-//! A trial becomes a file: written as a whole, its place made durable, and called recorded in the
-//! session's log.
+//! A trial becomes a file: it is written as a whole, its place is made durable, and the session's
+//! log reports it as recorded.
 
 use crate::disk::atomic::{folder_of, sync_file};
 use crate::disk::hash::{blake3_of, hex_blake3};

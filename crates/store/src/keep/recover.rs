@@ -1,7 +1,7 @@
-//! `recover`: what a killed process or a power cut has left is brought in order.
+//! `recover`: repairs what a killed process or a power cut has left.
 //!
-//! It can itself be killed at any moment: run again, it goes on where it stopped. The caller holds
-//! the study's lock.
+//! It can itself be killed at any moment: when run again, it continues where it stopped. The caller
+//! holds the study's lock.
 
 use crate::disk::atomic::sync_file;
 use crate::disk::regular::text;
@@ -17,10 +17,10 @@ use crate::keep::sweep_log::take_in;
 use crate::{Entry, Files, Layout, StoreError, record_trial};
 use std::path::{Path, PathBuf};
 
-/// Brings a study in order after a kill or a power cut, and says what was done: half-written files
-/// and what a change of several files had written when it was cut short are removed, unfinished lines of event logs
-/// are cut off, and each journal becomes a trial, `complete` if its end is in the journal and
-/// `incomplete` otherwise. An error each for what could not be brought in order; the rest is.
+/// Repairs a study after a kill or a power cut, and reports what it did: half-written files and the
+/// files of an interrupted change are removed, unfinished lines of event logs are cut off, and each
+/// journal becomes a trial, `complete` if its end is in the journal and `incomplete` otherwise.
+/// There is one error for each thing that could not be repaired; the rest is repaired.
 ///
 /// `utc` is the time of the events that are written.
 pub fn recover(

@@ -1,4 +1,4 @@
-//! What was brought in order.
+//! What was repaired.
 
 use std::fmt;
 use std::path::PathBuf;

@@ -1,5 +1,5 @@
-//! What is too long to be in memory whole, above all a long trial, row group by row group: written
-//! beside its place, and published whole, or not at all.
+//! Writes data that are too long for memory, above all a long trial, row group by row group: beside
+//! their final place, and published whole, or not at all.
 
 use crate::disk::atomic::{create_folders, folder_of, place, temporary};
 use crate::form::digest::ColumnDigest;
@@ -44,8 +44,8 @@ impl TrialWriter {
     /// Rows that are best given at a time: row groups are longer, and grow encoded.
     pub const AT_ONCE: usize = 1 << 16;
 
-    /// Begins the file of a trial that will lie at `path`; `near` names a file in a folder of the
-    /// same disk that is there, beside which it is written.
+    /// Begins the file of a trial whose final place is `path`; it is written beside `near`, a file
+    /// in an existing folder of the same disk.
     ///
     /// # Errors
     /// The disk's.
@@ -77,7 +77,7 @@ impl TrialWriter {
         })
     }
 
-    /// Adds the next rows: [`TrialWriter::AT_ONCE`] of them, or what is left.
+    /// Adds the next rows: [`TrialWriter::AT_ONCE`] of them, or the remaining ones.
     ///
     /// # Errors
     /// Samples that break a promise of the schema, with column and row of the whole trial; columns
@@ -114,7 +114,7 @@ impl TrialWriter {
         self.file.insert(key.to_owned(), value);
     }
 
-    /// Removes what was written; what cannot be removed, the next import sweeps up.
+    /// Removes what was written; the next import removes what could not be removed now.
     pub fn discard(self, files: &dyn Files) {
         // The file is closed first: an open one stays on some systems.
         let beside = self.beside.clone();
@@ -166,8 +166,8 @@ impl Staged {
             .map_err(|e| StoreError::io(path, "write", &e))
     }
 
-    /// Removes what was written, where it is not in its place; what cannot be removed, the next
-    /// import sweeps up.
+    /// Removes what was written, if it is not in its place; the next import removes what could not
+    /// be removed now.
     pub fn discard(&self, files: &dyn Files) {
         if files.kind(&self.beside).is_some() {
             let _ = files.remove(&self.beside);

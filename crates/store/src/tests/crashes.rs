@@ -1,6 +1,5 @@
 //! Every write, sync, rename, append and removal of a trial's life fails once, by a kill and by
-//! power cuts; what is promised holds after `recover`, and after a `recover` that was itself cut
-//! short.
+//! power cuts; the promises hold after `recover`, and after a `recover` that was itself cut short.
 
 use crate::form::events::read_events_from;
 use crate::form::read::read_trial_from;

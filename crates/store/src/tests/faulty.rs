@@ -1,5 +1,5 @@
-//! The real disk, failing on purpose, for tests of what reads it by other ways than [`Files`].
-//! Kills and power cuts are [`crate::Memory`]'s.
+//! The real disk, failing on purpose, for tests of code that does not read it through [`Files`].
+//! [`crate::Memory`] simulates kills and power cuts.
 
 use crate::{Append, Files, RealFiles};
 use std::fs;

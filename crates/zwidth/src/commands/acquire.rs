@@ -1,4 +1,4 @@
-//! `zwidth acquire`: records a session, or goes on with one.
+//! `zwidth acquire`: records a session, or continues one.
 
 use super::device::{Bench, bench, clock, keys, raised_by_signals, secret, warn_of_calibration};
 use super::participant::{beside, way};

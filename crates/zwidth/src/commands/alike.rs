@@ -1,4 +1,4 @@
-//! Findings that differ by their file and their numbers alone, told once.
+//! Findings that differ only by their file and their numbers are reported once.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,6 @@
-//! `zwidth run --cluster`: the program `zwidth-cluster`, a workspace of its own, makes what is
-//! derived from trials, and merges it; then the run goes on here and finds it up to date.
+//! `zwidth run --cluster`: the program `zwidth-cluster`, a workspace of its own, makes the results
+//! that are derived from trials, and merges them; then the run continues here and finds them up to
+//! date.
 
 use crate::exit::Exit;
 use crate::screen::Screen;

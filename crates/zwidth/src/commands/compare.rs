@@ -1,5 +1,5 @@
-//! `zwidth compare`: modes, participants, sessions or repeats of a study compared. What is missing
-//! of the stage `compare` is made first.
+//! `zwidth compare`: modes, participants, sessions or repeats of a study compared. Missing results
+//! of the stage `compare` are made first.
 
 use super::hashes_read;
 use super::near::did_you_mean;

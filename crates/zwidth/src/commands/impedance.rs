@@ -1,7 +1,7 @@
 //! `zwidth characterise STUDY impedance`: which stiffness and damping of a wall the device renders.
 //!
-//! Each search is a sweep of its own, written when it ends, so that a test that was cut short goes
-//! on where it was left; figure and tables are made of all that lie there.
+//! Each search is a sweep of its own, written when it ends, so an interrupted test continues where
+//! it stopped; figure and tables are made from all of them.
 
 use super::device::Bench;
 use super::output::Output;

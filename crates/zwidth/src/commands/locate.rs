@@ -1,5 +1,5 @@
 //! From a path that a person typed to the job behind it: by its place, or for a copy elsewhere by
-//! what the file says.
+//! the origin in the file.
 
 use super::near::did_you_mean;
 use crate::screen::Screen;

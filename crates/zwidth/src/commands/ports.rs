@@ -1,4 +1,4 @@
-//! `zwidth ports`: which serial ports there are, and who is at one.
+//! `zwidth ports`: which serial ports there are, and which board is at one.
 
 use crate::exit::Exit;
 use crate::screen::Screen;

@@ -1,4 +1,4 @@
-//! `zwidth recover`: what a kill or a power cut left is brought in order.
+//! `zwidth recover`: repairs what a kill or a power cut left.
 
 use super::{join_findings, study};
 use crate::exit::Exit;

@@ -1,4 +1,5 @@
-//! `zwidth run`: the main job. Raw data to every figure, table and summary; does only what changed.
+//! `zwidth run`: the main job, from raw data to every figure, table and summary. It makes only what
+//! changed.
 
 use super::alike::once;
 use super::cluster::run_on;

@@ -1,4 +1,4 @@
-//! What the commands about shards share: the study's jobs, and the folders that shards lie in.
+//! The common parts of the commands about shards: the study's jobs, and the folders of shards.
 
 use super::{hashes_read, join_findings, study};
 use anyhow::bail;

@@ -1,5 +1,5 @@
-//! `zwidth trace`: the raw files behind a result, and the jobs between, as the records of the last
-//! run have them.
+//! `zwidth trace`: the raw files behind a result, and the jobs between, from the records of the
+//! last run.
 
 use super::locate::{
     FoundBy, Made, Place, Traced, copies, is_a_copy, is_raw, no_job, place, records,

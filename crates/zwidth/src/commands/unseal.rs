@@ -1,5 +1,5 @@
-//! `zwidth unseal`: opens a blinded session's seal. An event of the session, seen by whoever reads
-//! its log.
+//! `zwidth unseal`: opens a blinded session's seal. This is an event of the session, visible to
+//! every reader of its log.
 
 use super::device::keys;
 use super::recover::{lock, now, put_in_order_and_tell};

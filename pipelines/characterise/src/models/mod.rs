@@ -1,6 +1,6 @@
 //! The candidates: each is a curve with parameters, one file each, with or without hysteresis.
 //!
-//! A new one is a file with a unit struct that implements [`Shape`], and a word of
+//! A new candidate is a file with a unit struct that implements [`Shape`], and a word of
 //! [`CurveModel`] with its curve.
 
 mod hinge;
@@ -67,8 +67,7 @@ impl Model {
         self.shape.complexity() * self.branches().len()
     }
 
-    /// The parameters in the order in which they stand wherever they are listed: branch, name,
-    /// meaning.
+    /// The parameters in the order of every list: branch, name, meaning.
     pub fn parameters(&self) -> Vec<(Option<Branch>, CurveSymbol, Quantity)> {
         let of = |branch: &Option<Branch>| {
             let branch = *branch;

@@ -1,5 +1,4 @@
-//! A line between a free break and a free plateau: a dead zone, and an actuator that can give no
-//! more.
+//! A line between a free break and a free plateau: a dead zone, and an actuator that saturates.
 
 use super::hinge::{self, Fit, Scale};
 use crate::shape::{Point, Points, Quantity, Shape};

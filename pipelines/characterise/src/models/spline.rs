@@ -1,4 +1,4 @@
-//! A smooth curve that only rises (or only falls), for laws that no other candidate knows.
+//! A smooth curve that only rises (or only falls), for laws that no other candidate describes.
 
 use super::nonnegative::nonnegative;
 use crate::shape::{Point, Points, Quantity, Shape};

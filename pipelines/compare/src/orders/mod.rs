@@ -2,8 +2,8 @@
 //! drawn, would the modes have differed as much?
 //!
 //! The hypothesis is the sharp null: *no trial of anyone* depended on mode, carry-over included. It
-//! is not that of an average effect. Orders are redrawn for all participants and sessions together,
-//! by the rules and with the probabilities that drew theirs ([`zwidth_study::order`]).
+//! is not the hypothesis of no average effect. Orders are redrawn for all participants and sessions
+//! together, by the rules and with the probabilities that drew theirs ([`zwidth_study::order`]).
 
 use crate::Parameters;
 use crate::measure::Measure;

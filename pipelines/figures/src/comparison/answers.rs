@@ -41,8 +41,8 @@ impl AnswersPage {
 }
 
 /// The pages of the answers compared: one panel per environment and question, under the name of the
-/// environment, with the question's wording where it has several. Answers to a reversed question are
-/// turned round, and its heading says so.
+/// environment, with the question's wording if it has several. Answers to a reversed question are
+/// recoded, and its heading says so.
 pub fn answers_pages(asked: &[(&Environment, Vec<&Question>)]) -> Vec<AnswersPage> {
     let panels: Vec<_> = asked
         .iter()

@@ -1,4 +1,4 @@
-//! Modes, participants and repeats compared, one metric a figure, from the tables of the stage
+//! Modes, participants and repeats compared, one metric per figure, from the tables of the stage
 //! `compare`.
 
 use crate::words::{mark, percent, plain};
@@ -56,7 +56,7 @@ const MANY: usize = 40;
 /// Width of means against that of differences, whose names have the longer words.
 const WEIGHTS: [f64; 2] = [0.95, 1.0];
 
-/// What was found of one metric.
+/// The results for one metric.
 #[derive(Debug, Clone)]
 pub struct MetricResults {
     /// The metric.
@@ -75,7 +75,7 @@ pub struct MetricResults {
     pub repeats: Vec<RepeatMean>,
     /// Differences between modes in redrawn orders.
     pub redrawn: Vec<RedrawnDifference>,
-    /// What is said of these.
+    /// The notes on these.
     pub notes: Vec<MetricNote>,
 }
 
@@ -415,8 +415,8 @@ pub(super) fn zero(direction: Direction) -> Layer {
     })
 }
 
-/// Participants compared: everybody's difference with its interval within them, the lowest at the top,
-/// one panel per contrast, one row of panels per environment.
+/// Participants compared: each participant's difference with its interval within the participant,
+/// the lowest at the top, one panel per contrast, one row of panels per environment.
 pub fn participants_compared(
     about: &About,
     environments: &[Environment],
@@ -549,8 +549,9 @@ pub fn repeats_compared(
     }
 }
 
-/// Sessions compared: everybody's change against the mean of the two sessions (Bland–Altman), with
-/// mean change and limits of agreement; one row of panels per environment, one panel per mode.
+/// Sessions compared: each participant's change against the mean of the two sessions
+/// (Bland–Altman), with mean change and limits of agreement; one row of panels per environment, one
+/// panel per mode.
 pub fn sessions_compared(
     about: &About,
     environments: &[Environment],

@@ -1,5 +1,5 @@
-//! Figure 30: answers as diverging bars, their counts in the boxes; of several people a strip each.
-//! Scales of many points are in `ratings`.
+//! Figure 30: answers as diverging bars, with their counts in the boxes; for several people, one
+//! strip each. Scales of many points are in `ratings`.
 
 use crate::words::{mark, plain};
 use crate::{About, FigureKind};
@@ -116,7 +116,7 @@ impl Wanted {
 }
 
 /// The pages of the overview, from the questions that were answered in each environment: one panel
-/// an environment with one question; else one per group, and one per question without a group.
+/// per environment with one question; else one per group, and one per question without a group.
 pub fn likert_overview(asked: &[(&Environment, Vec<&Question>)]) -> Vec<LikertPage> {
     pages(asked.iter().flat_map(|(environment, questions)| overview(environment, questions)))
 }

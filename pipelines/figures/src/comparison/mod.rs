@@ -1,4 +1,4 @@
-//! Figures of what is compared: metrics by mode, participant, session and repeat; answers.
+//! Figures of comparisons: metrics by mode, participant, session and repeat; answers.
 
 pub(crate) mod answers;
 pub(crate) mod compared;

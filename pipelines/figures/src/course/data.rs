@@ -99,7 +99,7 @@ pub struct ModeData<'a> {
     pub repeats: Vec<Repeat<'a>>,
     /// Their mean against time, as the stage `average` made it.
     pub average: Option<&'a Table>,
-    /// The mean that force stands against position by.
+    /// The mean for force against position.
     pub loop_average: Option<&'a Table>,
 }
 
@@ -116,7 +116,7 @@ pub struct EnvironmentData<'a> {
     pub modes: Vec<ModeData<'a>>,
     /// How the means against time are aligned.
     pub alignment: Alignment,
-    /// What is to be said of the means: why there is none, or where it ends.
+    /// The notes on the means: why there is none, or where it ends.
     pub notes: Vec<String>,
 }
 
@@ -171,7 +171,7 @@ pub(crate) struct MeanCurve {
     pub(crate) high: Vec<f64>,
 }
 
-/// What figures show of a trial beside time.
+/// The signals of a trial that figures show besides time.
 pub const SIGNALS: [Signal; 5] =
     [Signal::Theta, Signal::ThetaDot, Signal::ForceEx, Signal::TorqueEx, Signal::ForceCmd];
 

@@ -8,8 +8,8 @@ use zwidth_store::{Signal, Trial};
 use zwidth_study::{Alignment, Analysis, Environment, ModeId};
 use zwidth_tables::{NoteKind, Table, TableError};
 
-/// What a figure of trials is of: the study, the environment, who, how means against time are aligned,
-/// and from which speed on somebody moves.
+/// The subject of a figure of trials: the study, the environment, the participant, the alignment of
+/// means against time, and the speed at which a movement begins.
 pub type Of<'a> = (&'a About, &'a Environment, &'a str, Alignment, &'a Analysis);
 
 /// Tables of the stage `average`, by mode.
@@ -38,8 +38,8 @@ pub struct Loaded<'a> {
 
 impl<'a> Loaded<'a> {
     /// What was read: trials, and tables of the stage `average`. `warp` gives, for trials of one
-    /// mode, the times at which their samples stand behind a mean against time aligned by
-    /// landmarks; a repeat that is in no mean stays at its own.
+    /// mode, the times at which their samples are drawn behind a mean against time aligned by
+    /// landmarks; a repeat that is in no mean keeps its own times.
     ///
     /// # Errors
     /// A table that lacks a column.

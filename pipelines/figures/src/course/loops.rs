@@ -1,4 +1,4 @@
-//! The user's force against position for every environment side by side: the user's force
+//! The user's force against position, for every environment side by side: the user's force
 //! discrepancy at a glance.
 
 use crate::course::data::{AT_THE_ANGLE, EnvironmentData, ModeData, repeats_averaged};

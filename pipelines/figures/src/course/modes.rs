@@ -1,6 +1,6 @@
 //! Figures 28 and 29: position, force and velocity against time, force against position; the mean
-//! of each mode's repeats with its 95 % band, every repeat faint behind; dotted past the wall.
-//! Where a mode stays near the wall, a panel shows what it does there.
+//! of each mode's repeats with its 95 % band, with every repeat faint behind it; dotted past the
+//! wall. If a mode stays near the wall, a panel shows its course there.
 
 use crate::FigureKind;
 use crate::course::data::{AT_THE_ANGLE, EnvironmentData, ModeData, aligned};
@@ -29,8 +29,8 @@ const UNDRAWN: &str = "The set-point (channel reference_rad) is not drawn, neith
 /// Height of one of the three panels against time, mm.
 const PANEL_MM: f64 = 30.0;
 
-/// The four-panel figure of one environment. Its axes hold what was recorded in the environments
-/// `beside` it too, so that their figures can be compared.
+/// The four-panel figure of one environment. Its axes also cover what was recorded in the
+/// environments `beside` it, so that their figures can be compared.
 pub fn modes(scene: &EnvironmentData, beside: &[EnvironmentData]) -> Result<Figure, TableError> {
     let words = Words::new(scene.about.coordinate);
     let load = scene.load();

@@ -1,5 +1,5 @@
-//! The user's force against position over participants: each one's mean loop thin, the mean over
-//! them thick.
+//! The user's force against position over participants: each participant's mean loop is thin, the
+//! mean over them thick.
 
 use crate::course::data::{AT_THE_ANGLE, mean_loop_of};
 use crate::course::panels::{axis, on_axis};
@@ -24,8 +24,8 @@ const PANEL_MM: f64 = 62.0;
 /// Above so many curves of participants the mean would not be seen.
 const MOST_THIN: usize = 60;
 
-/// Whether each session's own loop is drawn beside the mean, where a condition has so many: those of
-/// more need not be read.
+/// Whether each session's own loop is drawn beside the mean, if a condition has this many: with
+/// more sessions the loops need not be read.
 pub fn draws_each(sessions: usize) -> bool {
     sessions <= MOST_THIN
 }

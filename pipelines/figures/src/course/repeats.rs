@@ -1,4 +1,4 @@
-//! Figures 36–41: every repeat of one condition; the commanded force dotted.
+//! Figures 36–41: every repeat of one condition; the commanded force is dotted.
 
 use crate::FigureKind;
 use crate::course::data::{EnvironmentData, ModeData, Repeat};

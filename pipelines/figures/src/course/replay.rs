@@ -1,5 +1,5 @@
 //! Figure 24, reality against simulation: forces, position and velocity against time of one
-//! recorded trial a mode, and those of the model that was given its external force.
+//! recorded trial per mode, and those of the model driven by its external force.
 
 use crate::extent::without_excess;
 use crate::words::{Words, keep_together, mark, plain, time_axis};
@@ -50,7 +50,7 @@ struct Replayed {
 }
 
 /// The figure of one environment of one session, one column per trial. `courses` are those of its
-/// typical trials; `notes`, what their models are, go below the figure.
+/// typical trials; `notes`, which describe their models, go below the figure.
 pub fn replay(
     about: &About,
     environment: &Environment,

@@ -1,4 +1,4 @@
-//! Figure 31: the bow tie of two actuators of unequal strength, of a lever whose motion is given.
+//! Figure 31: the bow tie of two actuators of unequal strength, on a lever whose motion is given.
 
 use crate::about::FigureKind;
 use crate::words::{Words, model_mark, plain};

@@ -1,5 +1,5 @@
-//! Swings of solvers against their step, on axes of logarithms: an oscillation of the method
-//! vanishes with its step, one of the model stays.
+//! Swings of solvers against their step, on logarithmic axes: an oscillation of the method vanishes
+//! with its step, one of the model stays.
 
 use crate::words::{model_mark, plain};
 use zwidth_draw::style::{self, Stroke};

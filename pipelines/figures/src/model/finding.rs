@@ -1,5 +1,5 @@
 //! That an oscillation is the method's and not the device's, at a glance: three runs of one scene,
-//! and how size and number of the swings go with the step.
+//! and how size and number of the swings depend on the step.
 
 use crate::words::{model_mark, plain};
 use zwidth_draw::style::{self, Stroke};
@@ -26,7 +26,7 @@ const ABOVE_DEG: f64 = 0.4;
 /// Swings whose median is smaller are not drawn, rad: ten times the smallest that exist.
 const LEAST_RAD: f64 = 1e-8;
 
-/// Of which solver the finding is, and what is said of it.
+/// The solver of the finding, and the remarks on it.
 pub struct Felt<'a> {
     /// The solver that chatters.
     pub solver: &'a str,

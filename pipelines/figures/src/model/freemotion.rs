@@ -1,5 +1,5 @@
-//! Plane-fit coefficients of free motion with their intervals: sessions side by side, one colour a
-//! mode.
+//! Plane-fit coefficients of free motion with their intervals: sessions side by side, one colour
+//! per mode.
 
 use crate::words::{mark, percent, plain};
 use crate::{About, FigureKind};

@@ -1,4 +1,4 @@
-//! Impedance against frequency with its coherence, an environment a column.
+//! Impedance against frequency with its coherence, one column per environment.
 
 use crate::words::plain;
 use std::sync::Arc;

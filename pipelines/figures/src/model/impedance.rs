@@ -1,4 +1,5 @@
-//! The Z-width of a device: the stiffest wall against its damping, mode by mode, a panel a push.
+//! The Z-width of a device: the stiffest wall against its damping, mode by mode, one panel per
+//! push.
 
 use crate::words::{mark, plain};
 use std::sync::Arc;

@@ -1,5 +1,5 @@
-//! The ladder of a scene: what every model costs against how far it is off, and which terms decide
-//! that.
+//! The ladder of a scene: the cost of every model against its error, and the terms that decide the
+//! error.
 
 use crate::about::FigureKind;
 use crate::extent::holding;
@@ -34,9 +34,9 @@ pub struct LadderRows {
 }
 
 /// Every model's error against its work, the choice marked; and the error that decides whether the
-/// choice has a term, the largest first. The axes hold those of the conditions that the figure is
-/// compared with, `beside`. `notes` stand below the table of models, and below the figure;
-/// `synthetic` says that the scene's force was simulated as if it had been recorded.
+/// choice has a term, the largest first. The axes also cover the conditions with which the figure
+/// is compared, `beside`. `notes` are below the table of models, and below the figure; `synthetic`
+/// says that the scene's force was simulated as if it had been recorded.
 pub fn ladder(
     own: &LadderRows,
     beside: &[LadderRows],

@@ -1,5 +1,6 @@
-//! What less of a recording, or another setup of the simulated device, does to the metrics: the
-//! change of each in the median trial and up to the 90th percentile, over what a person just feels.
+//! The effect on the metrics of fewer recorded data, or of another setup of the simulated device:
+//! the change of each in the median trial and up to the 90th percentile, divided by what a person
+//! just feels.
 
 use crate::about::FigureKind;
 use crate::words::plain;
@@ -52,9 +53,9 @@ fn row_words(metric: &str, unit: &str) -> String {
     plain(&read.replace('_', " "))
 }
 
-/// One panel per kind of less, a row a metric whose unit has a change that is just felt, a marker a
-/// degree of it. `changes` come in parts, for there may be many; `title` and `notes` are those of
-/// their table.
+/// One panel per kind of degradation, one row per metric whose unit has a just noticeable change,
+/// one marker per degree of it. `changes` come in parts, because there may be many; `title` and
+/// `notes` are those of their table.
 ///
 /// # Errors
 /// Those of the parts.

@@ -57,15 +57,14 @@ impl Acting<'_> {
     }
 }
 
-/// The force that each actuator gives for a command, and for each mode and way the range of what
-/// commands up to the mode's own voltage can make: the device's force on the lever, positive
-/// against a push into the object. `calibration` gives forces for voltages, `footnote` says where
-/// it is from, and `sources` where the sweeps behind it are from. None where no mode has an
-/// actuator.
+/// The force that each actuator gives for a command, and for each mode and way the range of forces
+/// from commands up to the mode's own voltage: the device's force on the lever, positive against a
+/// push into the object. `calibration` gives forces for voltages, `footnote` says where it is from,
+/// and `sources` where the sweeps behind it are from. None if no mode has an actuator.
 ///
-/// A motor makes either sign on either way. A brake makes a force against the motion alone: against
-/// the push while compressing, against the return while decompressing. A mode of both has the brake
-/// on the way in and the motor on the way back (thesis §2.2).
+/// A motor gives either sign on either way. A brake gives a force only against the motion: against
+/// the push while compressing, against the return while decompressing. A mode with both has the
+/// brake on the way in and the motor on the way back (thesis §2.2).
 pub fn rendering_range(
     about: &About,
     calibration: &Calibration,

@@ -31,7 +31,7 @@ const LOOP_MM: f64 = 58.0;
 const TIME_MM: f64 = 28.0;
 /// Height of a panel of an input, mm.
 const INPUT_MM: f64 = 32.0;
-/// Runs that stand beside each other on one page: more would be too narrow to read.
+/// Most runs side by side on one page: more would be too narrow to read.
 pub const MOST_SIDE_BY_SIDE: usize = 3;
 
 /// Broad, so that the tissue's share on it leaves its edges.

@@ -1,4 +1,4 @@
-//! Which walls a sampled device bears: each limit a line of its own.
+//! Which walls a sampled device can render: each limit is a line of its own.
 
 use crate::words::{model_mark, plain};
 use zwidth_draw::style::{self, Dash, Marker, Stroke};
@@ -29,7 +29,7 @@ pub struct Side {
     pub is_logarithmic: bool,
 }
 
-/// A panel: two axes, and what lies between them besides the limits.
+/// A panel: two axes, and what is between them besides the limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StabilityPanel {
     /// Along x.
@@ -38,7 +38,7 @@ pub struct StabilityPanel {
     pub y: Side,
     /// Where the wall is stable, exactly.
     pub stable: Vec<StableArea>,
-    /// Where the device stands on x and on y, SI; `None` where it has no such part.
+    /// The device's place on x and on y, SI; `None` if it has no such part.
     pub device: [Option<f64>; 2],
 }
 
@@ -243,9 +243,8 @@ pub struct BoundaryOf {
     pub shares: Option<Vec<[f64; 2]>>,
 }
 
-/// Boundaries that others measured: on axes of damping and stiffness in the units that they have,
-/// and in shares of their own ends, which need none, beside `linear`, the lifted map's in the same
-/// shares.
+/// Boundaries that others measured: on axes of damping and stiffness in their units, and in shares
+/// of their own ends, which need no units, beside `linear`, the lifted map's in the same shares.
 pub fn boundaries(
     boundaries: &[BoundaryOf],
     linear: Option<&[[f64; 2]]>,

@@ -1,4 +1,4 @@
-//! Error against work of every solver and step on a scene, on axes of logarithms, and what of it a
+//! Error against work of every solver and step on a scene, on logarithmic axes, and which errors a
 //! person could feel.
 
 use crate::about::FigureKind;
@@ -43,8 +43,8 @@ struct Curve {
 }
 
 /// Error of the angle against work with the front that no setting beats, and the most that could be
-/// felt against work. `settings` are those of a scene and of all that it is compared with: the axes
-/// hold them all. `choice` says what is recommended for the scene.
+/// felt against work. `settings` are those of a scene and of all scenes with which it is compared:
+/// the axes cover them all. `choice` says what is recommended for the scene.
 pub fn work_precision(
     title: &str,
     scene: &str,

@@ -1,4 +1,4 @@
-//! Figure 32: what flows from the user's force to the voltages of motor and brake and back again,
+//! Figure 32: the flow from the user's force to the voltages of motor and brake and back again,
 //! tick by tick.
 
 use super::setup::{brake, force_sensor, motor, name, words};

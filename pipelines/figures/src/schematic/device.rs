@@ -1,5 +1,5 @@
-//! Figure 20: the device from the front and from the side: a lever on a wheel, which a capstan on
-//! the shaft of motor and brake drives.
+//! Figure 20: the device from the front and from the side: a lever on a wheel, which is driven by a
+//! capstan on the shaft of motor and brake.
 
 use super::setup::{brake, force_sensor, motor, name, words};
 use crate::FigureKind;

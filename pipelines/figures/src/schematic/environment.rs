@@ -62,8 +62,8 @@ impl Placement {
 /// The device and what it renders, as far as it is a lever between stops on a spring; `None`
 /// otherwise.
 ///
-/// Angles are true; θ = 0 stands upright, and θ > 0 compresses. Lengths are in lengths of the
-/// lever. What the drawing shows is commanded, not measured.
+/// Angles are true; θ = 0 is upright, and θ > 0 compresses. Lengths are in lengths of the lever.
+/// What the drawing shows is commanded, not measured.
 pub fn environment(placement: &Placement) -> Option<Figure> {
     let Placement { coordinate, environment, .. } = placement;
     let low = placement.theta_min_rad?;

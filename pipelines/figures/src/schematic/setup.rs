@@ -1,4 +1,4 @@
-//! What the schematics of the device say of what a study plans.
+//! What the schematics of the device say about a study's plan.
 
 use crate::words::{Words, plain};
 use zwidth_study::Setup;

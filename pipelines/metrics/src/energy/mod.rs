@@ -1,4 +1,5 @@
-//! Energy observers: does the device give more than it has got, at a wall or over a closed loop?
+//! Energy observers: does the device give more energy than it received, at a wall or over a closed
+//! loop?
 
 use crate::MetricsError;
 use crate::compliance::range;

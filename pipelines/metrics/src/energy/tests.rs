@@ -1,4 +1,4 @@
-//! Walls and loops of which the energy is known in closed form.
+//! Walls and loops whose energy is known in closed form.
 
 use super::*;
 use crate::testing::{LEVER_M, REST_RAD, at_wall, in_spring, stroke, trial};

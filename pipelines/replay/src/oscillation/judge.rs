@@ -25,7 +25,7 @@ const STEPS: [f64; 3] = [0.25, 0.125, 0.0625];
 /// Samples in a tick at which `exact` is looked at.
 const SAMPLES: f64 = 4.0;
 
-/// Where an oscillation comes from, or why that cannot be told.
+/// Where an oscillation comes from, or why this is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
     /// There is no oscillation above the resolution.

@@ -1,5 +1,5 @@
 //! Trials of a loop whose truth is known: made by the driven plant, which shares no code with the
-//! model that the answer asks.
+//! model behind the answer.
 
 use super::judge::{Origin, Oscillation, SwingAnswer, oscillation};
 use super::{RecordedSwings, trial_oscillation};

@@ -1,8 +1,8 @@
 //! The methods of a study in words, ready for a thesis' methods chapter: what was recorded, what
-//! was computed from it, with which numbers, and where each method is from.
+//! was computed from it, with which numbers, and the source of each method.
 //!
-//! Only what the study has is said: a study without a wall has no sentence about one. Nothing is
-//! said of why.
+//! The text covers only what the study has: without a wall, it has no sentence about one. It gives
+//! no reasons for the choices.
 
 mod form;
 mod recorded;
@@ -23,7 +23,7 @@ use zwidth_study::{
 };
 use zwidth_tables::{given, in_coordinate};
 
-/// A heading and what stands below it.
+/// A heading and the text below it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MethodsPart {
     heading: &'static str,

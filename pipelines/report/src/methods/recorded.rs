@@ -1,9 +1,9 @@
-//! What the methods speak of.
+//! What the methods describe.
 
 use std::collections::{BTreeMap, BTreeSet};
 use zwidth_study::Source;
 
-/// What was recorded for a study and made of it, as far as its methods speak of it.
+/// What was recorded for a study and made from it, as far as its methods describe it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Recorded {
     /// Participants with at least one trial that counts.
@@ -22,7 +22,7 @@ pub struct Recorded {
     pub compared: Vec<String>,
     /// What the primary metric and those measure, in words, by their names.
     pub words: BTreeMap<String, String>,
-    /// Whether answers were given that rate what was felt.
+    /// Whether there are answers that rate what was felt.
     pub answers: bool,
     /// Whether it was answered which mode it was.
     pub guesses: bool,
@@ -30,7 +30,7 @@ pub struct Recorded {
     pub replayed: bool,
     /// Whether the plant is identified from trials.
     pub identified: bool,
-    /// What the plan that was deposited says of them, whole sentences; empty without a plan.
+    /// What the deposited plan says about them, in whole sentences; empty without a plan.
     pub plan: Vec<String>,
 }
 

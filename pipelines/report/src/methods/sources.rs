@@ -1,4 +1,4 @@
-//! The papers that methods are from.
+//! The papers from which the methods are taken.
 
 /// Key, how it is cited, the whole entry.
 pub(super) const SOURCES: [(&str, &str, &str); 18] = [

@@ -118,7 +118,8 @@ impl Contents {
         self.turned.is_some()
     }
 
-    /// What is known of a study. `compared` names the metrics to show; `answers` are all there are.
+    /// The facts about a study. `compared` names the metrics to show; `answers` are all of its
+    /// answers.
     pub fn of(
         study: &str,
         title: &str,

@@ -1,5 +1,4 @@
-//! The samples of a condition's trials as a script that the page loads when somebody asks for them,
-//! bit for bit.
+//! The samples of a condition's trials, bit for bit, as a script that the page loads on request.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;

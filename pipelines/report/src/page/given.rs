@@ -15,7 +15,7 @@ pub struct Page<'a> {
     pub study: &'a str,
     /// The trials, where there are any.
     pub contents: Option<&'a Contents>,
-    /// The page's origin, where it is told.
+    /// The page's origin, if it is given.
     pub origin: Option<&'a str>,
     /// The version of the program.
     pub version: &'a str,

@@ -1,10 +1,10 @@
 //! The page: the summary for a browser, with every trial to look at.
 //!
-//! All that is text stands in the page as it is, so that it reads and prints without its script;
-//! the script (`script/`, ours, no library) adds the browser of trials and what can be clicked.
-//! Nothing leaves the page: style and script stand in it, samples in scripts beside it
-//! ([`condition_script`]) that are loaded when somebody asks for them. A policy in its head
-//! ([`policy`]) lets the browser do nothing else.
+//! All text is in the page itself, so the page reads and prints without its script. The script
+//! (`script/`, ours, no library) adds the browser of trials and everything that can be clicked.
+//! Nothing leaves the page: style and script are in it, and samples in scripts beside it
+//! ([`condition_script`]), which are loaded on request. A policy in its head ([`policy`]) forbids
+//! the browser everything else.
 
 mod contents;
 mod course;
@@ -30,8 +30,8 @@ use policy::{Form, policy};
 use single::DATA;
 use std::io::{self, BufWriter, Write};
 
-/// The page in HTML, before and behind what its script knows of the study: of a large one that is far
-/// more than all else.
+/// The page in HTML, before and after the data that its script knows of the study: in a large study
+/// these are far more than the rest.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageHtml {
     before: String,
@@ -39,7 +39,7 @@ pub struct PageHtml {
     after: Option<String>,
 }
 
-/// The page in HTML. Texts are shown as they stand, whatever is in them.
+/// The page in HTML. Texts are shown unchanged, whatever they contain.
 pub fn page_html(page: &Page) -> PageHtml {
     let parts: Vec<Part> = parts::all(page);
     let markup = html! {

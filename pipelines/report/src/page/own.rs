@@ -1,5 +1,5 @@
-//! The page's own script and style sheet, as they stand in it. Colours, dashes and markers of modes
-//! are those of the figures.
+//! The page's own script and style sheet. Colours, dashes and markers of modes are those of the
+//! figures.
 
 use std::fmt::Write as _;
 use std::sync::LazyLock;

@@ -1,6 +1,6 @@
-//! What a browser may do for the page, said in its head (Content Security Policy, level 3,
-//! <https://www.w3.org/TR/CSP3/>): run its own script, use its own style sheet, show its figures.
-//! A script or a picture that somebody else brought into the page does nothing, and nothing is sent
+//! What a browser may do for the page, as declared in its head (Content Security Policy, level 3,
+//! <https://www.w3.org/TR/CSP3/>): run its own script, use its own style sheet, show its figures. A
+//! script or a picture that somebody else brought into the page does nothing, and nothing is sent
 //! anywhere.
 
 use super::own::{SCRIPT, STYLE};

@@ -1,5 +1,5 @@
-//! What is to be known of the data before they are believed: what is missing, what is to be read
-//! with care, in which order conditions came.
+//! What readers must know about the data before they trust them: what is missing, what is to be
+//! read with care, and in which order conditions came.
 
 use super::contents::TrialOf;
 use super::given::Page;

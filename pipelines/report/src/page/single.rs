@@ -1,4 +1,4 @@
-//! The page as one file: pictures and samples in it.
+//! The page as one file, with pictures and samples in it.
 
 use super::policy::{Form, policy};
 use base64::Engine as _;
@@ -16,11 +16,11 @@ pub(super) const DATA: &str = "<script id=\"study-data\" type=\"application/json
 /// How a trial names the script that holds its samples.
 const KEY: &str = "\"data\":\"";
 
-/// The page with everything in it that it shows: `read` gives the files beside it, by their paths
+/// The page including everything that it shows: `read` gives the files beside it, by their paths
 /// from its folder on. Links to tables and other forms of a figure stay links.
 ///
 /// # Errors
-/// Those of `read`; a page or a script of samples that is not one of ours; a picture that is no
+/// Those of `read`; a page or a script of samples that is not one of ours; a picture that is not a
 /// figure.
 pub fn single_file(
     html: &str,

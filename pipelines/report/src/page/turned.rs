@@ -39,7 +39,7 @@ struct Script<'a> {
     turned: Vec<Turned<'a>>,
 }
 
-/// The script: of each environment's runs one entry per mode.
+/// The script: one entry per mode for each environment's runs.
 ///
 /// # Errors
 /// Numbers that cannot be packed.

@@ -1,4 +1,4 @@
-//! Which columns the statements look at.
+//! Which columns the statements use.
 
 use crate::thesis::forces::WALL_FORCE;
 use crate::thesis::rule::From;
@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use zwidth_results::{Causality, ModelPlant, ReplayedModel, Row as _, TrialKey};
 use zwidth_tables::{Table, TableError};
 
-/// Of the rows of the table of replays those that are asked: of the model by eye, driven by force.
+/// The rows of the table of replays that are used: those of the model by eye, driven by force.
 ///
 /// # Errors
 /// A table that is not one of replays.
@@ -20,7 +20,7 @@ pub fn replayed(replays: &Table) -> Result<Table, TableError> {
     Ok(replays.rows(&rows.collect::<Vec<_>>()))
 }
 
-/// The columns of the table of replays that are looked at.
+/// The columns of the table of replays that are used.
 pub fn replayed_columns() -> Vec<Cow<'static, str>> {
     let told_apart = [TrialKey::fields(), ReplayedModel::fields()].concat().into_iter();
     told_apart.map(|field| field.name).chain(asked(From::Replays).map(Cow::from)).collect()

@@ -1,5 +1,5 @@
-//! A mean, or the difference of two, with its interval: over participants where there are several,
-//! else over the trials of the one.
+//! A mean, or the difference of two, with its interval: over participants if there are several,
+//! else over the trials of the only one.
 
 use crate::trials::{People, mean_of_one};
 use zwidth_numerics::moments::Moments;

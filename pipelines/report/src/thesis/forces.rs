@@ -1,4 +1,4 @@
-//! What calibration and masses say of the thesis' statements.
+//! What calibration and masses say about the thesis' statements.
 
 use crate::evidence::{Evidence, Verdict};
 use crate::gallery::Shown;

@@ -1,4 +1,4 @@
-//! What a study's tables say of a statement.
+//! What a study's tables say about a statement.
 
 use crate::answers::{median, scored};
 use crate::columns::STIFFNESS;

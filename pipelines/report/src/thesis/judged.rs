@@ -1,4 +1,4 @@
-//! A statement as judged, and what its verdict is made from.
+//! A judged statement, and the basis of its verdict.
 
 use crate::actuation::with_law;
 use crate::evidence::{Evidence, Known, Verdict};
@@ -17,7 +17,7 @@ pub struct Derived<'a> {
     pub known: Known<'a>,
     /// Where the calibration comes from.
     pub basis: Basis,
-    /// The replays that are asked ([`crate::replayed`]), one row per trial.
+    /// The replays that are used ([`crate::replayed`]), one row per trial.
     pub replays: Option<&'a Measured>,
     /// The answers as given, one row each.
     pub answers: Option<&'a [GivenAnswer]>,

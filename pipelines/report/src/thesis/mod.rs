@@ -1,9 +1,9 @@
 //! The thesis' statements (§5.3.1–§5.3.3, §5.4, §6.1, §6.2.1), each judged by a study's own tables.
 //!
-//! A statement is data: where the thesis has it, which mode and environment it is of, and a rule
-//! over numbers. Modes are found by their law and environments by what they are, so that any study
-//! can be asked; what it does not hold is "not measured". Where several people took part they are
-//! the units, else the trials of the one are, and the row says so.
+//! A statement is data: its place in the thesis, its mode and environment, and a rule over numbers.
+//! Modes are found by their law and environments by their kind, so the rules apply to any study;
+//! whatever a study lacks is "not measured". If several people took part, they are the units, else
+//! the trials of the only one; the row says which.
 
 mod asked;
 mod estimate;
@@ -31,10 +31,11 @@ use zwidth_tables::TableError;
 /// The thesis' statements, one row each, in the order of its text: verdict, value with interval,
 /// unit, n, unit of analysis, and the figure or table that shows it.
 ///
-/// Supported where the whole interval lies in the range that is asked for, contradicted where none
-/// of it does, undecided else; not measured where the study has no number, and why. Intervals are
-/// Student's t at the study's level, over participants' means (differences within participants); of
-/// one participant Welch's over the trials, which speaks of nobody else.
+/// A statement is supported if the whole interval lies in its range, contradicted if none of it
+/// does, and undecided otherwise; it is not measured if the study has no number, with the reason.
+/// Intervals are Student's t at the study's level, over participants' means (differences within
+/// participants); with one participant they are Welch's over the trials, which describe nobody
+/// else.
 ///
 /// # Errors
 /// Metrics or replays that lack a column.
@@ -49,7 +50,7 @@ pub fn statements(derived: &Derived) -> Result<Vec<JudgedStatement>, TableError>
     Ok(rows)
 }
 
-/// What stands below the table of statements.
+/// The note below the table of statements.
 pub const HOW_JUDGED: &str = "A statement is supported if the whole interval lies within what is asked, contradicted if no part of it \
      does, and undecided otherwise. Intervals are not adjusted for the number of statements.";
 

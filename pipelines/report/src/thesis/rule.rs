@@ -1,4 +1,4 @@
-//! What a statement says of numbers, as data.
+//! What a statement says about numbers, as data.
 
 use crate::evidence::{Verdict, a_spring, a_wall};
 use crate::thesis::estimate::Spread;

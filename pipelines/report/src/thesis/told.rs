@@ -13,7 +13,7 @@ pub struct Told {
     pub source: String,
     /// `supported`, `contradicted` or `undecided`.
     pub verdict: String,
-    /// What was measured and what was asked for, sentences.
+    /// The measured and the required values, in sentences.
     pub evidence: String,
     /// The file, from the summary's folder on, with `/`.
     pub path: String,

@@ -1,4 +1,5 @@
-//! Impedance against frequency: Z = F / ẋ of what a user feels at the lever's end, from recordings.
+//! Impedance against frequency: the Z = F / ẋ that a user feels at the lever's end, from
+//! recordings.
 
 use zwidth_numerics::order::upper_median;
 use zwidth_numerics::series::interpolate_all;
@@ -82,15 +83,15 @@ impl ResponsePoint {
     }
 }
 
-/// Impedance of the recordings of one condition; `None` where they are too short for four
-/// independent segments.
+/// Impedance of the recordings of one condition; `None` if they are too short for four independent
+/// segments.
 ///
 /// Even samples at the rate at which the force sensor gives new values; Hann windows of about 2 s
 /// that overlap by half; ẋ = jω L θ. The estimator is H1, Z = S_vF / S_vv, which noise of the force
 /// does not bias; noise of the angle makes |Z| too small. With n independent segments the interval
 /// is
 /// |Z| (1 ± t √((1 − γ²)/(2 (n − 1) γ²))), t of 2 (n − 1) degrees of freedom: Bendat & Piersol's random
-/// error √((1 − γ²)/(2 n γ²)) with what an estimated γ² costs.
+/// error √((1 − γ²)/(2 n γ²)) with the correction for an estimated γ².
 ///
 /// # Errors
 /// A level that is not between 0 and 1.

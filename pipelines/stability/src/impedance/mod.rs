@@ -1,11 +1,11 @@
 //! The Z-width of a device: which stiffness and damping of a virtual wall it renders without
-//! oscillation that goes on.
+//! sustained oscillation.
 //!
 //! A [`Probe`] is a mode, a push, a damping and a repeat. [`search`] raises the stiffness until the
-//! lever keeps swinging after a push, or an actuator saturates, and closes in on the boundary;
-//! [`regions`] joins the repeats of all probes to boundaries with intervals, and sums them up.
-//! Colgate & Brown 1994 call an impedance achievable if it is passive; here it is one without
-//! oscillation. [`response`] has beside it what recordings say of impedance against frequency.
+//! lever keeps swinging after a push, or an actuator saturates, and brackets the boundary ever more
+//! closely; [`regions`] joins the repeats of all probes to boundaries with intervals, and sums them
+//! up. Colgate & Brown 1994 call an impedance achievable if it is passive; here it is achievable
+//! without oscillation. [`response`] gives impedance against frequency from recordings beside it.
 
 mod frequency;
 mod region;
@@ -14,7 +14,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-/// What the searches of a Z-width test go by among a study's sweeps: no actuator, so that no
+/// The name of the searches of a Z-width test among a study's sweeps: it is not an actuator, so no
 /// characteristic is fitted to them.
 pub const ACTUATOR: &str = "impedance";
 

@@ -8,7 +8,7 @@ use zwidth_dynamics::DriveMode;
 pub struct Bound {
     /// B, N s/m.
     pub damping_ns_per_m: f64,
-    /// K, N/m: the middle of the interval; where it is censored, what was reached.
+    /// K, N/m: the middle of the interval; if it is censored, the value that was reached.
     pub stiffness_n_per_m: f64,
     /// The interval, N/m: from the stiffest wall that came to rest in every repeat to the softest
     /// that swung in every one.

@@ -1,4 +1,4 @@
-//! Searches against boundaries that are known.
+//! Searches compared with known boundaries.
 
 use super::*;
 use rayon::prelude::*;

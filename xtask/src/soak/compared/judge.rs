@@ -1,4 +1,4 @@
-//! How often the studies were right, and whether that is as often as they say.
+//! How often the studies were right, and whether that is as often as they claim.
 
 use super::people::{CONTRASTS, PARTICIPANTS, People, REPEATS, THESIS, Truth, What};
 use super::studies::{ALPHA, Found, LEVEL, Said};

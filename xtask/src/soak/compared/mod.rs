@@ -1,13 +1,12 @@
-//! Does an interval of a comparison hold the truth 95 times of a hundred, and is nothing found
-//! where there is nothing? Studies of twelve simulated people, drawn from many whose truth is
+//! Does an interval of a comparison contain the truth 95 times in a hundred, and is nothing found
+//! where there is no effect? Studies of twelve simulated people are drawn from many whose truth is
 //! known.
 //!
-//! A study of its own for each seed would simulate hundreds of trials to learn one thing. So people
-//! are simulated once, many of them, by the program as users run it: two sessions of every
-//! environment and mode each. They are the population; its truth is the mean over all of them. A
-//! seed draws twelve of them, each from all, and their trials go through the comparison's own code.
-//! Beside the thesis' modes there is a copy of the last one: nothing can differ there but by
-//! chance.
+//! A separate study for each seed would simulate hundreds of trials to learn one fact. So many
+//! people are simulated once, by the program as users run it: two sessions of every environment and
+//! mode each. They are the population; its truth is the mean over all of them. A seed draws twelve
+//! of them, each from all, and their trials go through the comparison's own code. Beside the
+//! thesis' modes there is a copy of the last one, which can differ only by chance.
 
 mod judge;
 mod people;

@@ -1,10 +1,9 @@
-//! Every call of each command to the file system fails once: with a full disk, with an error of the
-//! disk, or with the end of the process. After that the data are the old or the new ones, whole; the
-//! exit code tells which; and the same command, given again, does what it should.
+//! Every call of each command to the file system fails once: with a full disk, with a disk error,
+//! or with the end of the process. After that the data are the old or the new ones, whole; the exit
+//! code tells which; and the same command, given again, succeeds.
 //!
-//! SQLite is tested in this way (sqlite.org/testing.html, "I/O Error Testing"). The calls fail below
-//! the program, in `shim.c`, so that none is left out that the program makes by another way than
-//! its file layer.
+//! SQLite is tested in this way (sqlite.org/testing.html, "I/O Error Testing"). The calls fail
+//! below the program, in `shim.c`, so calls that bypass the program's file layer fail too.
 
 mod case;
 

@@ -1,9 +1,9 @@
-//! A life on a disk that leads a sector astray: one of a write of the session's lands at another
+//! A life on a disk that misdirects a sector: one sector of a write of the session lands at another
 //! place of the same file, or in another file, and its own place stays as it was.
 //!
-//! Whatever holds something else than was written then is to be found: by the life itself, which
-//! ends with an error, by `recover` or by `verify`, each of which names the file. Nothing that was
-//! damaged counts as a trial, and no trial that was called recorded is gone without a word.
+//! Every file that then differs from what was written must be found: by the life itself, which ends
+//! with an error, by `recover` or by `verify`, each of which names the file. Nothing damaged counts
+//! as a trial, and no trial that was reported as recorded disappears without a message.
 
 use super::life::{BEGIN, Desk};
 use super::world::{Draw, Trouble};

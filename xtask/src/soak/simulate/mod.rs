@@ -1,15 +1,14 @@
-//! Whole sessions under one seed each: the flow, a device, a disk in memory and a clock, and what
-//! goes wrong with them.
+//! Whole sessions under one seed each: the flow, a device, a disk in memory and a clock, and their
+//! faults.
 //!
 //! A session of a few short trials is recorded in several lives. Each but the last is cut short by
 //! what its seed draws: a kill, a power cut, a full disk, a pulled cable, a sensor that stops, a
 //! late tick, a clock that jumps or steps, a person who leaves or presses stop, a participant's
-//! screen that lies. (A power cut may leave any of the sectors of what was not synced.) After each
-//! life the device
-//! is at 0 V, `recover` succeeds, `verify` finds nothing, and whatever was finished is there, byte
-//! for byte; the last life ends the session in the order in which it was drawn, or is on a disk that
-//! leads a sector astray (`astray`). One seed is
-//! one course of events, so that a seed that fails can be looked at again.
+//! screen that lies. (A power cut may leave any of the unsynced sectors.) After each life the
+//! device is at 0 V, `recover` succeeds, `verify` finds nothing, and everything finished is there,
+//! byte for byte. The last life ends the session in the drawn order, or is on a disk that
+//! misdirects a sector (`astray`). One seed is one course of events, so a seed that fails can be
+//! run again.
 
 mod astray;
 mod life;

@@ -1,6 +1,7 @@
-//! A participant's screen that lies, beside the person who runs a session: strangers who do not know
-//! the secret, proofs that were overheard, answers to other questions and off the scale, floods, half
-//! lines, any bytes, and an end at any moment. Now and then it answers as a screen of ours does.
+//! A participant's screen that lies, beside the person who runs a session: strangers who do not
+//! know the secret, overheard proofs, answers to other questions and off the scale, floods, half
+//! lines, arbitrary bytes, and an end at any moment. Now and then it answers as a screen of ours
+//! does.
 
 use super::world::Draw;
 use std::sync::Arc;

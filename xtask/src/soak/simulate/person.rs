@@ -1,4 +1,4 @@
-//! Somebody before the session, who does what a seed says.
+//! A simulated operator, who does what a seed says.
 
 use super::world::Draw;
 use std::time::Duration;

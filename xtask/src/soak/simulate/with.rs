@@ -1,4 +1,4 @@
-//! What sessions are recorded with, and what is counted of them.
+//! What sessions are recorded with, and the counts of their events.
 
 use std::collections::BTreeMap;
 

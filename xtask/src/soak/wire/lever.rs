@@ -1,4 +1,4 @@
-//! What stands behind the board: a device that remembers what it was asked for.
+//! The device behind the board: it remembers the commands that it received.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,13 +1,14 @@
-//! Whole sessions over each link on a simulated clock, and every message of one gone wrong.
+//! Whole sessions over each link on a simulated clock, with a fault in each of their messages in
+//! turn.
 //!
-//! A session of a few short trials is recorded once to count its messages: what the host says, what
-//! the board says, what a load cell at a port of its own says. Then it is recorded again for each
-//! of them and each thing that can happen to it: dropped, twice, a bit turned over, half of it,
+//! A session of a few short trials is recorded once to count its messages: those of the host, of
+//! the board, and of a load cell at a port of its own. Then it is recorded again for each message
+//! and each fault: the message is dropped, sent twice, has a flipped bit, is cut in half, comes
 //! late by more than the other port's next message (so that the two ports' messages change places)
-//! or by much more, the board begins anew, the cable is pulled and plugged in again. After each the
-//! session must have come to its end, every finished trial lie there whole, the board be at 0 V,
-//! and no sample be one that the board never saw. What links without a check may believe is said in
-//! [`Over::believes`], and in docs/rig.md.
+//! or by much more, the board restarts, or the cable is pulled and plugged in again. After each
+//! fault the session must have ended, every finished trial must be there whole, the board must be
+//! at 0 V, and no sample may be one that the board never saw. [`Over::believes`] and docs/rig.md
+//! say what links without a check may believe.
 
 mod judge;
 mod lever;

@@ -1,4 +1,4 @@
-//! The device check where somebody is asked before each of its steps.
+//! The device check if somebody is asked before each of its steps.
 
 use super::*;
 use crate::flow::EMERGENCY_STOP;

@@ -1,4 +1,4 @@
-//! A session of very many trials: none costs more than those before it.
+//! A session of very many trials: no trial costs more than earlier ones.
 
 use super::*;
 use std::sync::atomic::{AtomicU64, Ordering};

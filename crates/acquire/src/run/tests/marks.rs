@@ -1,4 +1,4 @@
-//! Markers of whole sessions: told to another program, and kept in the log.
+//! Markers of whole sessions: sent to another program, and kept in the log.
 
 use super::*;
 use crate::Target;

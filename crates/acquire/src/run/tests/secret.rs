@@ -1,4 +1,4 @@
-//! What a blinded session must tell nobody, and who may read what it keeps.
+//! What a blinded session must reveal to nobody, and who may read its files.
 
 use super::*;
 

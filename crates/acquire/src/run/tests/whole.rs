@@ -1,4 +1,4 @@
-//! A session that is not whole any more: nothing is recorded onto it.
+//! A session that is no longer whole: nothing more is recorded in it.
 
 use super::*;
 use std::collections::BTreeMap;

@@ -1,5 +1,5 @@
 //! Random motions of a shaft as a sensor sees them: with noise, with hysteresis, round and round.
-//! Below the bound that [`Unwrap`] states each is followed to the count; one step beyond it is
+//! Below the bound that [`Unwrap`] states, each is followed to the count; one step beyond it is
 //! refused.
 
 use super::super::*;

@@ -1,4 +1,4 @@
-//! The board as a device: it moves plant and participant up to the moment it is asked for.
+//! The board as a device: it moves plant and participant up to the requested moment.
 
 use super::parameters::{STOPS_RAD, TwinParameters, impossible};
 use super::sensors::{AngleSensor, COUNTS_PER_TURN, FORCE_RATE_HZ, ForceSensor, SHAFT_PER_LEVER};

@@ -1,4 +1,4 @@
-//! Two sessions of the same people: as alike as those of people are, and no copies.
+//! Two sessions of the same people: as alike as sessions of real people, and not copies.
 
 use super::rehearsal::*;
 use crate::{Person, Twin, TwinParameters};

@@ -1,5 +1,5 @@
-//! The story of thesis §5.3, told by the twin over the whole range of what is assumed: the real
-//! loop, controller and guard, judged by the plant's true state.
+//! The observations of thesis §5.3 on the twin, over the whole range of what is assumed: with the
+//! real loop, controller and guard, judged by the plant's true state.
 
 mod days;
 mod rehearsal;

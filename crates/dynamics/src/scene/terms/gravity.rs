@@ -1,5 +1,5 @@
-//! The lever's weight. θ = 0 is upright, so it pulls away from there: a force (m g r / L) sin θ at
-//! the end.
+//! The lever's weight. θ = 0 is upright, so the weight pulls away from there, with a force (m g r /
+//! L) sin θ at the end.
 
 use serde::{Deserialize, Serialize};
 

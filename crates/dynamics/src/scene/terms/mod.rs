@@ -1,9 +1,9 @@
-//! Terms: single-valued forces on the lever's end that a model may have on top. One file each.
+//! Terms: additional single-valued forces on the lever's end that a model may have, one file each.
 //!
 //! A term is a type that implements [`Term`]; `scene.terms.set(…)` puts it into a scene, and the
-//! equations, the checks, the forces by part, the energy and the tables follow. A new one is one
-//! new file. For scene files to ask for it by name it has its `mod` and a line in `READERS` here;
-//! nothing else changes. A term that is left out is not in any sum.
+//! equations, the checks, the forces by part, the energy and the tables follow. A new term is one
+//! new file. To let scene files name it, add its `mod` and a line in `READERS` here; nothing else
+//! changes. A term that is left out is not in any sum.
 //!
 //! ```
 //! use serde::Serialize;
@@ -39,9 +39,9 @@
 //! # Ok::<(), zwidth_dynamics::DynamicsError>(())
 //! ```
 //!
-//! What makes regions of its own is no term: dry friction and the brake (set-valued at θ̇ = 0), the
-//! stops, and the finger, which has a mass and a rigid end. They are parts of the scene, and the
-//! rules of [`crate::System`] know them.
+//! Parts with regions of their own are not terms: dry friction and the brake (set-valued at θ̇ =
+//! 0), the stops, and the finger, which has a mass and a rigid end. They are parts of the scene,
+//! and the rules of [`crate::System`] know them.
 
 pub mod gravity;
 pub mod pull;

@@ -1,4 +1,4 @@
-//! The terms of a scene, and how a file says them.
+//! The terms of a scene, and how a file names them.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use crate::scene::plant::Plant;
 pub struct Terms(Vec<Arc<dyn Written>>);
 
 impl Terms {
-    /// Adds a term, in the place of the one of its name.
+    /// Adds a term, replacing the one with its name.
     pub fn set(&mut self, term: impl Term + Serialize + 'static) {
         self.put(Arc::new(term));
     }

@@ -1,4 +1,4 @@
-//! Terms that are defined here and nowhere else: what a new file would hold.
+//! Terms that are defined only here: what a new file would contain.
 
 use serde::{Deserialize, Serialize};
 

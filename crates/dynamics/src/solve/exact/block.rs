@@ -1,5 +1,5 @@
-//! Several even steps at once: where no event can lie in a whole block, each of its samples costs
-//! one product, none of which waits for another.
+//! Several even steps at once: if no event can lie in a whole block, each of its samples costs one
+//! product, and these products do not wait for each other.
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 

@@ -1,4 +1,4 @@
-//! A region of a system made ready, with the steps that are prepared for it.
+//! A prepared region of a system, with its prepared steps.
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 

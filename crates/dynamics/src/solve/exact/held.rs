@@ -1,8 +1,8 @@
 //! A scene whose commands are held by a digital controller, moved exactly from moment to moment.
 //!
-//! The command is one more entry of the augmented state. While the motor is in charge the scene is
-//! that of the mode `active`, while the brake is, that of `passive`; both have the same entries, so
-//! the state goes over as it is. Regions are made ready when they are first met and kept.
+//! The command is one more entry of the augmented state. While the motor is in charge, the scene is
+//! that of the mode `active`; while the brake is, that of `passive`. Both have the same entries, so
+//! the state is passed on as it is. Regions are prepared when they are first met, and kept.
 
 use super::Exact;
 use super::compiled::Reach;
@@ -156,7 +156,7 @@ impl HeldRun<'_> {
         self.now_mut().take_up(t_s, &z, contact)
     }
 
-    /// Moves on until a moment, s; not further than was asked for at the start.
+    /// Moves on until a moment, s; not beyond the end requested at the start.
     ///
     /// # Errors
     /// A state that is no longer finite, or a work limit.

@@ -1,4 +1,4 @@
-//! The method with its limits, and a system made ready for it.
+//! The method with its limits, and a system prepared for it.
 
 use crate::error::DynamicsError;
 use crate::solve::Grid;

@@ -1,8 +1,8 @@
 //! Flows over spans of any length: a table of multiples of short spans, eight to a level, as digits
 //! of the span.
 //!
-//! A recorded signal has steps of ever new lengths. Each costs a product a digit and a short
-//! series, instead of a matrix exponential.
+//! The steps of a recorded signal keep changing in length. Each costs one product per digit and a
+//! short series, instead of a matrix exponential.
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 

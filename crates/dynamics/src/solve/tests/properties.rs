@@ -1,5 +1,4 @@
-//! What must hold for any scene: passivity, the energy balance, and an end in a result or a named
-//! error.
+//! What must hold for any scene: passivity, the energy balance, and a result or a named error.
 
 use proptest::prelude::*;
 

@@ -1,10 +1,10 @@
-//! What a Parquet file claims of itself, looked at before anything takes memory for it.
+//! Checks the claims of a Parquet file before any memory is allocated for them.
 //!
 //! A few bytes can claim 10¹² rows, a list of 2³¹ row groups, or a page that unpacks to gigabytes;
-//! the decoder reserves what is claimed, and a reservation that fails ends the process. So the
+//! the decoder reserves memory for these claims, and a failed reservation ends the process. So the
 //! claims are read here first, by walking the structures of the footer and the headers of the pages
 //! (Thrift's compact protocol; parquet-format, `parquet.thrift`: `FileMetaData`, `PageHeader`)
-//! without keeping anything of them.
+//! without keeping any of them.
 
 use crate::StoreError;
 use crate::disk::content::Content;
@@ -188,8 +188,8 @@ pub(crate) fn check_size(
     }
 }
 
-/// Checks the pages of the columns that `wanted` picks by their place: what they unpack to, and
-/// that they lie in the file. What they unpack to together, bytes.
+/// Checks the pages of the columns that `wanted` picks by their place: their unpacked size, and
+/// that they are in the file. Returns their unpacked size together, bytes.
 ///
 /// # Errors
 /// Why the column cannot be read, in words.

@@ -1,4 +1,4 @@
-//! Files of a few bytes that claim gigabytes: each is one error, and no memory is taken for it.
+//! Files of a few bytes that claim gigabytes: each is one error, and no memory is allocated for it.
 
 use super::*;
 use crate::{Files, Memory, RealFiles, read_parquet, write_table};

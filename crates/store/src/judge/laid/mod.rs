@@ -1,6 +1,6 @@
-//! A session is laid down before its first trial: its copy of `study.toml`, its record, and the
-//! first line of its log, which holds the record's hash. Later all three are held against each
-//! other, against the trials' footers, and against the present `study.toml`.
+//! A session is set up before its first trial: its copy of `study.toml`, its record, and the first
+//! line of its log, which holds the record's hash. Later all three are compared with each other,
+//! with the trials' footers, and with the present `study.toml`.
 
 use crate::disk::regular::text;
 use crate::form::entry::MOST_STUDY;

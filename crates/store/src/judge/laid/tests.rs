@@ -1,4 +1,4 @@
-//! Each part of a session that says something says it alone against the others.
+//! Each part of a session in turn contradicts all the others.
 
 use super::*;
 use crate::append_events;

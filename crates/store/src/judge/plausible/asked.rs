@@ -1,9 +1,9 @@
-//! What a study asks of a trial's samples.
+//! What a study requires of a trial's samples.
 
 use serde::Serialize;
 use zwidth_study::{Coordinate, EnvironmentId, Scene, Study};
 
-/// What a study asks of a trial's samples.
+/// What a study requires of a trial's samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Asked {
     /// Work space, lower end, rad.

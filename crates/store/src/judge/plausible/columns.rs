@@ -1,4 +1,4 @@
-//! What single columns say: clock, reach of the angle, sensors that stop or end.
+//! What single columns show: clock, range of the angle, sensors that stop or saturate.
 
 use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, first, range};
@@ -459,7 +459,7 @@ fn at_the_end(samples: &dyn Columns, signal: Signal) -> Option<Doubt> {
     Some(Doubt { row: Some(first), ..Doubt::new(signal, what, remedy) })
 }
 
-/// Where a signal stands at its largest value.
+/// Where a signal stays at its largest value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plateau {
     /// The value.
@@ -470,8 +470,8 @@ pub struct Plateau {
     pub share: f64,
 }
 
-/// Where a signal stands at its largest value as one does whose sensor ends there; `None` if it comes to
-/// rest there.
+/// Where a signal stays at its largest value because its sensor saturates there; `None` if it comes
+/// to rest there.
 pub fn plateau(values: &[f64]) -> Option<Plateau> {
     let (low, high) = ends(values);
     let end = *values.iter().find(|value| value.abs() >= low.abs().max(high.abs()))?;

@@ -1,4 +1,4 @@
-//! A finding of one trial's samples, and what several of them ask.
+//! A finding about one trial's samples, and the questions that several checks share.
 
 use crate::{Signal, StoreError};
 use std::ops::Range;

@@ -1,10 +1,10 @@
-//! Whether a recording can be what it says: what a wrong unit, a lost sensor or a stopped clock
+//! Whether a recording is plausible: the traces that a wrong unit, a lost sensor or a stopped clock
 //! leaves in single columns.
 //!
-//! It lies in the store because `verify`, import and a run ask the same question of the same
-//! samples, and no other crate is below all three. Thresholds lie far from what devices and hands
-//! do, so that a finding is worth reading: a wrong unit is off by ten times and more, a sensor that
-//! is read well differs from sample to sample.
+//! It is in the store because `verify`, import and a run ask the same question about the same
+//! samples, and no other crate is below all three. Thresholds are far from what devices and hands
+//! do, so that a finding is worth reading: a wrong unit is off by a factor of ten or more, and a
+//! sensor that is read properly differs from sample to sample.
 
 mod asked;
 mod columns;

@@ -1,5 +1,5 @@
 //! Whether the signals of a trial fit each other: velocity and angle, force and motion, force and
-//! the spring asked for.
+//! the commanded spring.
 
 use super::asked::Asked;
 use super::doubt::{Doubt, LEAST_SAMPLES, range};

@@ -1,4 +1,4 @@
-//! `zwidth answer --from`: a table of answers to trials that are there, all given or none.
+//! `zwidth answer --from`: a table of answers to existing trials, all given or none.
 
 use super::given::{Given, Known};
 use crate::commands::recover::{lock, now, put_in_order_and_tell};

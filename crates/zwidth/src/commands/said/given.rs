@@ -1,4 +1,4 @@
-//! What may be said of a trial of a session, and what an answer to it is.
+//! Remarks on a trial of a session, and answers to its questions.
 
 use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,5 +1,5 @@
-//! `zwidth exclude`, `note`, `answer`: what is said of a session after it was recorded. Each is an
-//! event that is added to its log; nothing that stands there changes.
+//! `zwidth exclude`, `note`, `answer`: remarks on a session after it was recorded. Each is an event
+//! that is added to its log; existing lines never change.
 
 pub(crate) mod answers;
 mod given;

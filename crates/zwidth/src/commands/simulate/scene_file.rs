@@ -1,4 +1,4 @@
-//! A scene as its file has it, and errors that name the file and the line.
+//! A scene from its file, and errors that name the file and the line.
 
 use anyhow::anyhow;
 use std::path::{Path, PathBuf};

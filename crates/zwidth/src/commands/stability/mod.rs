@@ -1,5 +1,5 @@
-//! `zwidth stability`: which virtual walls a device bears, each limit by itself; of a study whether
-//! what swung in its trials was the device's own.
+//! `zwidth stability`: which virtual walls a device can render, each limit by itself; for a study,
+//! whether the swings in its trials were the device's own.
 
 mod args;
 mod point;

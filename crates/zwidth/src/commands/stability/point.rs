@@ -1,4 +1,4 @@
-//! The device and the wall that a command asks for.
+//! The device and the wall that a command names.
 
 use super::args::StabilityArgs;
 use anyhow::Context as _;

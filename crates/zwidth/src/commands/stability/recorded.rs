@@ -1,4 +1,4 @@
-//! `zwidth stability --study`: whether what swings in recorded trials is the device's own.
+//! `zwidth stability --study`: whether the swings in recorded trials are the device's own.
 
 use super::super::output::Output;
 use super::args::StabilityArgs;

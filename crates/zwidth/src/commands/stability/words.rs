@@ -1,4 +1,4 @@
-//! What limits come to, in sentences.
+//! The limits in sentences.
 
 use zwidth_results::{LimitKind, StiffestWall};
 use zwidth_stability::{Boundary, Point};

@@ -1,4 +1,5 @@
-//! How long runs take on this machine. Not repeatable, and kept apart from what is.
+//! How long runs take on this machine. These numbers are not repeatable, and are kept apart from
+//! those that are.
 
 use std::hint::black_box;
 use std::time::Instant;

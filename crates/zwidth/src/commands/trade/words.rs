@@ -1,4 +1,4 @@
-//! What a trade comes to, in sentences.
+//! The result of a trade in sentences.
 
 use zwidth_dynamics::RunVerdict;
 use zwidth_trade::{Cell, Trade};

@@ -1,5 +1,5 @@
-//! Figures 22 and 23: what came of a command, every sweep, with the first-order fit and the chosen
-//! one; below, how far the samples lie off the chosen one.
+//! Figures 22 and 23: the response to a command in every sweep, with the first-order fit and the
+//! chosen fit; below, how far the samples are from the chosen fit.
 
 mod words;
 
@@ -63,7 +63,7 @@ impl<'a> Characterised<'a> {
 
 /// The characteristic of one actuator or sensor: all sweeps faint, their mean, the first-order fit
 /// with its R², the chosen fit, and where it begins and ends to rise; below, from the chosen fit
-/// on, the band for a new response and the samples. Its coefficients stand in their table.
+/// on, the band for a new response and the samples. Its coefficients are in their table.
 pub fn characteristic(actuator: &str, sweeps: &[Sweep], found: Characterised) -> Figure {
     let quantity =
         |of: fn(&Sweep) -> &Quantity| sweeps.first().map(of).cloned().unwrap_or_else(nothing);

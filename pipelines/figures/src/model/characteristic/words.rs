@@ -1,4 +1,4 @@
-//! A characteristic in words: what stands under its figure.
+//! A characteristic in words: the text under its figure.
 
 use crate::words::plain;
 use zwidth_results::{CurvePoint, FittedModel, FittedParameter, Row};

@@ -1,4 +1,4 @@
-//! A box with words in it, of which arrows come and go.
+//! A box with words in it, to and from which arrows lead.
 
 use super::pieces::{line, tint, within};
 use super::way::Point;

@@ -1,4 +1,4 @@
-//! A lever that stands upright at θ = 0 and turns about the origin, and what lies around it.
+//! A lever that is upright at θ = 0 and turns about the origin, and what surrounds it.
 
 use super::pieces::{amid, arrow, disc, line, over, right_of};
 use super::way::{Point, Way, polar};

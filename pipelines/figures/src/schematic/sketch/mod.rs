@@ -1,5 +1,5 @@
-//! The few pieces that drawings of things are made of: the environments, and the schematics of
-//! model, device and control. Lengths are mm on paper, angles are from upright, clockwise.
+//! The few pieces of drawings of objects: the environments, and the schematics of model, device and
+//! control. Lengths are mm on paper, angles are from upright, clockwise.
 
 mod block;
 mod lever;

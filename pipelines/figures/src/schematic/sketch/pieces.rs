@@ -1,4 +1,4 @@
-//! Pieces along a way, words at their place, and the panel that holds them.
+//! Pieces along a line, words at their place, and the panel that holds them.
 
 use super::way::{Point, Way};
 use zwidth_draw::style::{self, Colour, Stroke};

@@ -1,9 +1,9 @@
 //! The error against closed forms, as the condition number of a step's exponential runs from 1 to
 //! 1e9 and beyond.
 //!
-//! Parameters are dyadic, so that the arguments of the closed forms are the numbers meant: at a
-//! condition number of 1e6 the rounding of an argument alone is worth 1e-10. Any other parameters
-//! have a reference in `reference.rs`.
+//! Parameters are dyadic, so that the arguments of the closed forms are exact: at a condition
+//! number of 1e6 the rounding of an argument alone adds 1e-10. All other parameters have a
+//! reference in `reference.rs`.
 
 use super::super::*;
 use super::oscillator;

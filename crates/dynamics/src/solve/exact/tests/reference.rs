@@ -1,6 +1,6 @@
-//! The error against a reference in 120 digits, for parameters that are no short binary fractions:
-//! what is run is the motion of the very numbers that were given, though K_O/(M_O L) and its like
-//! cannot be held by a double.
+//! The error against a reference in 120 digits, for parameters that are not short binary fractions.
+//! The run is the motion of exactly the given numbers, although a double cannot hold K_O/(M_O L)
+//! and similar terms.
 //!
 //! The numbers in `REFERENCES` and `HELD` are `exp(A n h) z0` of the augmented matrix, made with
 //! mpmath 1.4.1 in 120 digits by scaling, a Taylor series and squaring, from the doubles below as
