@@ -135,7 +135,7 @@ impl World<'_> {
             self.engine.take_back().await;
             asked
         });
-        let merged = merge(self.jobs, (&self.results, &laid), &self.known, &Arc::default(), &|_| {});
+        let merged = merge(self.jobs, &self.results, &laid, &self.known, &Arc::default(), &|_| {});
         let merged = merged.map_err(|error| {
             // Not lost for a run that went on here meanwhile.
             let kept = folder.keep();
