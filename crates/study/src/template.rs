@@ -197,9 +197,6 @@ confidence = 0.95
 # Differences up to this size do not matter: a number in the metric's unit, or a Weber fraction of what is commanded.
 # [compare.bounds]
 # stiffness_n_per_rad = { weber = 0.08 }
-# Which values of a metric are better, where that is not as usual: "lower", "higher" or "neither".
-# [compare.better]
-# duration_s = "lower"
 
 # Which model recorded trials are replayed with: "by_eye", the thesis' mass and damping, or "auto", the cheapest that
 # nobody could tell from the fullest, which takes minutes a condition (docs/ladder.md).

@@ -231,6 +231,7 @@ fn a_superseded_trial_remakes_what_depends_on_it_and_nothing_else() {
             "learning_",
             "orders_",
             "answers",
+            "verdicts",
         ]
         .iter()
         .any(|begin| name.starts_with(begin))
