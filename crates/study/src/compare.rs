@@ -75,7 +75,7 @@ pub enum Bound {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Better {
-    /// The lower ones, such as those of an error.
+    /// Those nearer to zero, such as those of an error.
     Lower,
     /// The higher ones.
     Higher,

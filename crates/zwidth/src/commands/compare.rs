@@ -17,7 +17,7 @@ use zwidth_plan as plan;
 use zwidth_results::Role;
 use zwidth_runner::{JobEnd, Options, Results, run as run_jobs, wanted};
 use zwidth_store::{RealFiles, StudyData, findings};
-use zwidth_study::{Better, StudyId};
+use zwidth_study::StudyId;
 use zwidth_tables::{Format, Table, TableError, Type, Wording};
 
 /// What can be compared.
@@ -136,11 +136,7 @@ fn verdict_lines(rows: &[VerdictRow], width: usize) -> String {
         for of_metric in of_axis.chunk_by(|a, b| a.metric == b.metric) {
             let row = &of_metric[0];
             let role = if row.role == Role::Primary { "primary: " } else { "" };
-            let better = match row.better {
-                Better::Neither => String::new(),
-                better => format!(" ({} is better)", better.as_str()),
-            };
-            lines.push(format!("{role}{}{better}", row.metric));
+            lines.push(format!("{role}{}{}", row.metric, row.direction()));
             for row in of_metric {
                 let drawn = plotted(row, most, plot);
                 let value = &row.value;

@@ -10,7 +10,7 @@ use zwidth_draw::{
     TWO_COLUMNS_MM, Text, TextPlace,
 };
 use zwidth_results::{Mean, ModeDifference, Role, UnitOfAnalysis};
-use zwidth_study::{Better, Environment, Mode, ModeId, Source, contrast_label, in_a_sentence};
+use zwidth_study::{Better, Environment, ModeId, Source, contrast_label, in_a_sentence};
 use zwidth_tables::{number, with_unit};
 
 /// The figure [`verdicts`].
@@ -75,6 +75,14 @@ pub struct VerdictRow {
 }
 
 impl VerdictRow {
+    /// Which values are better, behind the metric: ` (lower is better)`.
+    pub fn direction(&self) -> String {
+        match self.better {
+            Better::Neither => String::new(),
+            better => format!(" ({} is better)", better.as_str()),
+        }
+    }
+
     /// Verdict, size, which mode is better, and how many: `different, felt: hybrid is better (8 people)`.
     pub fn judged(&self) -> String {
         let best = self.best.as_ref().map(|mode| format!(": {mode} is better"));
@@ -106,10 +114,9 @@ fn row(
     found: &MetricResults,
     contrast: &ModeDifference,
 ) -> Option<VerdictRow> {
-    let deviation = || deviation(&found.means, contrast);
     let (by, unit) = match contrast.jnd {
         Some(jnd) => (MeasuredBy::Jnd, jnd),
-        None => (MeasuredBy::Deviation, deviation()?),
+        None => (MeasuredBy::Deviation, deviation(&found.means, contrast)?),
     };
     let shown = Shown::of(about, &found.metric);
     let key = (&contrast.environment, &contrast.contrast);
@@ -124,17 +131,11 @@ fn row(
     let redrawn = found.redrawn.iter().filter(|r| of_one && (&r.environment, &r.contrast) == key);
     let ends = contrast.difference_ci_low.zip(contrast.difference_ci_high).filter(|_| !of_one);
     let error = contrast.difference_std_error.map(|error| error * shown.factor);
-    let told = |value: f64| number(value * shown.factor, error);
-    let interval = ends.map(|(low, high)| format!(" ({} to {})", told(low), told(high)));
-    let label = |id: &ModeId| {
-        let known = about.modes.iter().find(|mode| mode.id == *id);
-        known.map_or_else(|| id.to_string(), |mode: &Mode| in_a_sentence(&mode.label))
-    };
-    let is_told = found.metric.better != Better::Neither && contrast.verdict.is_different();
-    let best = is_told.then(|| {
-        let is_first = (contrast.difference < 0.0) == (found.metric.better == Better::Lower);
-        let modes = &contrast.contrast;
-        label(if is_first { &modes.mode } else { &modes.against })
+    let rounded = |value: f64| number(value * shown.factor, error);
+    let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
+    let best = best(found.metric.better, contrast).map(|id| {
+        let mode = about.modes.iter().find(|mode| mode.id == *id);
+        mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
     });
     let size = contrast.size.map(|size| format!(", {}", size.as_str()));
     Some(VerdictRow {
@@ -150,7 +151,8 @@ fn row(
         ends: ends.map(|(low, high)| [low / unit, high / unit]),
         dots: dots.into_iter().map(|dot| dot / unit).collect(),
         redrawn: redrawn.map(|r| r.difference / unit).collect(),
-        value: with_unit(&told(contrast.difference), &shown.unit) + &interval.unwrap_or_default(),
+        value: with_unit(&rounded(contrast.difference), &shown.unit)
+            + &interval.unwrap_or_default(),
         verdict: format!("{}{}", contrast.verdict.as_str(), size.unwrap_or_default()),
         who: match &contrast.unit_of_analysis {
             UnitOfAnalysis::Participants => format!("{} people", contrast.n),
@@ -159,6 +161,19 @@ fn row(
         better: found.metric.better,
         best,
     })
+}
+
+/// The mode that is better, where a difference was shown and one way is better. Lower is nearer to zero: of
+/// means of two signs, whose magnitudes were not tested, neither is better.
+fn best(better: Better, contrast: &ModeDifference) -> Option<&ModeId> {
+    let (first, second) = (contrast.mean_first, contrast.mean_second);
+    let is_first = match better {
+        _ if !contrast.verdict.is_different() => return None,
+        Better::Lower if first * second >= 0.0 => first.abs() < second.abs(),
+        Better::Higher => first > second,
+        Better::Lower | Better::Neither => return None,
+    };
+    Some(if is_first { &contrast.contrast.mode } else { &contrast.contrast.against })
 }
 
 /// s_av: the root mean of the variances of both modes (Cumming, Understanding the New Statistics, 2012); none
@@ -175,20 +190,19 @@ fn deviation(means: &[Mean], contrast: &ModeDifference) -> Option<f64> {
 
 /// The difference between both modes at each repeat that has both, of one participant.
 fn differences_of_repeats(found: &MetricResults, contrast: &ModeDifference) -> Vec<f64> {
-    let of_mode = |mode: &ModeId, repeat: Option<u32>| {
+    let mean_at = |mode: &ModeId, repeat: u32| {
+        let key = (&contrast.environment, mode, repeat);
         let mut rows = found.repeats.iter();
-        let key = (&contrast.environment, mode);
-        let row = rows.find(|r| (&r.environment, &r.mode) == key && Some(r.repeat) == repeat)?;
-        row.mean
+        rows.find(|row| (&row.environment, &row.mode, row.repeat) == key)?.mean
     };
     let mut repeats: Vec<u32> = found.repeats.iter().map(|row| row.repeat).collect();
     repeats.sort_unstable();
     repeats.dedup();
     let modes = &contrast.contrast;
-    let difference = |repeat: u32| {
-        Some(of_mode(&modes.mode, Some(repeat))? - of_mode(&modes.against, Some(repeat))?)
-    };
-    repeats.into_iter().filter_map(difference).collect()
+    repeats
+        .into_iter()
+        .filter_map(|repeat| Some(mean_at(&modes.mode, repeat)? - mean_at(&modes.against, repeat)?))
+        .collect()
 }
 
 /// Every difference between modes, a row each: dots, interval and the band of what is not felt on one
@@ -206,9 +220,9 @@ pub fn verdicts(
     let mut panels = Vec::new();
     let mut beside = Vec::new();
     for by in [MeasuredBy::Jnd, MeasuredBy::Deviation] {
-        let of: Vec<&VerdictRow> = rows.iter().filter(|row| row.by == by).collect();
-        if !of.is_empty() {
-            let [plot, words] = both_panels(panels.len(), by, &of, is_narrow);
+        let measured: Vec<&VerdictRow> = rows.iter().filter(|row| row.by == by).collect();
+        if !measured.is_empty() {
+            let [plot, words] = both_panels(panels.len(), by, &measured, is_narrow);
             panels.push(plot);
             beside.push(words);
         }
@@ -258,7 +272,12 @@ fn both_panels(line: usize, by: MeasuredBy, rows: &[&VerdictRow], is_narrow: boo
     let mut names: Vec<String> = Vec::new();
     let mut places: Vec<f64> = Vec::new();
     for of_metric in rows.chunk_by(|a, b| a.metric == b.metric) {
-        names.push(heading(of_metric[0]));
+        let heading = plain(&of_metric[0].metric);
+        let heading = match of_metric[0].role {
+            Role::Primary => format!("**{heading}**"),
+            Role::Exploratory => heading,
+        };
+        names.push(heading + &of_metric[0].direction());
         for row in of_metric {
             places.push(names.len() as f64);
             names.push(plain(&match is_narrow {
@@ -327,19 +346,6 @@ fn both_panels(line: usize, by: MeasuredBy, rows: &[&VerdictRow], is_narrow: boo
     let blank = Axis::categories(vec![String::new(); height]);
     let beside = Panel::new(Cell::at(line, 1), Axis::bare(0.0, 1.0), blank, layers);
     [plot, beside].map(|panel| Panel { height_mm, ..panel })
-}
-
-/// The metric, bold where it is the primary one, and which way is better.
-fn heading(row: &VerdictRow) -> String {
-    let metric = plain(&row.metric);
-    let metric = match row.role {
-        Role::Primary => format!("**{metric}**"),
-        Role::Exploratory => metric,
-    };
-    match row.better {
-        Better::Neither => metric,
-        better => format!("{metric} ({} is better)", better.as_str()),
-    }
 }
 
 /// Discs that stand beside a place of x, as discs above a place of y.
@@ -473,6 +479,24 @@ mod tests {
         assert_eq!(row.place, "Spring: Hybrid − Active");
         assert_eq!(row.judged(), "different, felt: hybrid is better (2 people)");
         assert_eq!(row.value, "−2.00\u{a0}N (−3.00 to −1.00)");
+    }
+
+    #[test]
+    fn lower_is_nearer_to_zero_and_of_two_signs_neither_mode_is_better() {
+        let best_of = |mean_first: f64, mean_second: f64, better| {
+            let mut found = found(None, Verdict::Different);
+            found.metric.better = better;
+            let contrast = &mut found.contrasts[0];
+            contrast.difference = mean_first - mean_second;
+            (contrast.mean_first, contrast.mean_second) = (mean_first, mean_second);
+            rows(&found)[0].best.clone()
+        };
+        let [hybrid, active] = ["hybrid", "active"].map(|mode| Some(mode.to_owned()));
+        assert_eq!(best_of(1.0, 3.0, Better::Lower), hybrid);
+        assert_eq!(best_of(-3.0, -1.0, Better::Lower), active);
+        assert_eq!(best_of(-3.0, 1.0, Better::Lower), None);
+        assert_eq!(best_of(-3.0, -1.0, Better::Higher), active);
+        assert_eq!(best_of(1.0, 3.0, Better::Neither), None);
     }
 
     #[test]
