@@ -165,6 +165,20 @@ const SLOT_SHARE: f64 = 0.92;
 /// Widths that names beside a vertical axis may take, in pt: the first at which all are lower than
 /// their rows.
 const NAME_PT: [f64; 4] = [80.0, 120.0, 160.0, 220.0];
+/// Share of a figure's width that names beside a vertical axis leave to it at least.
+const SHARE_BESIDE_NAMES: f64 = 0.3;
+
+/// Length of a vertical axis, in a figure that is `figure_pt` wide, on which each of the names has room.
+pub(crate) fn names_pt(fonts: &Fonts, names: &[String], figure_pt: f64) -> Result<f64, Error> {
+    let is_left = |width_pt: &&f64| **width_pt <= (1.0 - SHARE_BESIDE_NAMES) * figure_pt;
+    let width_pt = NAME_PT.iter().rev().find(is_left).unwrap_or(&NAME_PT[0]);
+    let mut highest: f64 = 0.0;
+    for name in names {
+        highest = highest.max(font::height_pt(&fonts.parted(name, SMALL_PT, *width_pt)?));
+    }
+    Ok(highest * names.len() as f64)
+}
+
 /// Lengths that names which read upwards under a horizontal axis may take, in pt: the first at which
 /// the lines of each are in its slot.
 const TURNED_PT: [f64; 4] = [60.0, 90.0, 130.0, 200.0];
@@ -204,20 +218,24 @@ fn categories<'f>(
         }
         return Ok((turned, true));
     }
-    for width_pt in NAME_PT {
-        match set(width_pt, Fonts::block) {
-            Err(Error::TextTooLong { .. }) => {}
-            Ok(ticks) if height_pt(&ticks) > slot_pt => {}
-            ticks => return Ok((ticks?, false)),
+    // A word is parted only where no width keeps all of them whole.
+    let ways: [SetLines<'f>; 2] = [Fonts::block, Fonts::parted];
+    for lines in ways {
+        for width_pt in NAME_PT {
+            match set(width_pt, lines) {
+                Err(Error::TextTooLong { .. }) => {}
+                Ok(ticks) if height_pt(&ticks) > slot_pt => {}
+                ticks => return Ok((ticks?, false)),
+            }
         }
     }
     let ticks = set(NAME_PT[NAME_PT.len() - 1], Fonts::parted)?;
-    let need_pt = height_pt(&ticks);
-    let have_pt = slot_pt;
-    if need_pt > have_pt {
-        return Err(Error::TextTooLong { text: names.join(" / "), need_pt, have_pt });
-    }
-    Ok((ticks, false))
+    let highest = ticks
+        .iter()
+        .zip(names)
+        .max_by(|(a, _), (b, _)| font::height_pt(&a.lines).total_cmp(&font::height_pt(&b.lines)));
+    let text = highest.map(|(_, name)| name.clone()).unwrap_or_default();
+    Err(Error::TextTooLong { text, need_pt: height_pt(&ticks), have_pt: slot_pt })
 }
 
 /// How a text becomes lines of a size within a width.

@@ -4,6 +4,7 @@
 //! The grid is solved in rounds, because the room for tick labels depends on the ticks, and those
 //! on the size of the plot.
 
+use crate::axis;
 use crate::error::Error;
 use crate::figure::{Cell, Figure, LegendPlace, Panel, Ticks};
 use crate::font::{self, Fonts, Label};
@@ -167,7 +168,7 @@ fn solve<'a>(
     let mut panels: Vec<PanelPlan<'a>> = Vec::new();
     let mut bottom = top;
     for _ in 0..ROUNDS {
-        let (plots, low) = place(figure, &cells, &decor, top, height_pt);
+        let (plots, low) = place(figure, fonts, &cells, &decor, top, height_pt)?;
         bottom = low;
         panels.clear();
         for ((panel, &ends), plot) in figure.panels.iter().zip(&ends).zip(plots) {
@@ -186,11 +187,12 @@ fn solve<'a>(
 /// grid.
 fn place(
     figure: &Figure,
+    fonts: &Fonts,
     cells: &[Cell],
     decor: &[Decor],
     top: f64,
     height_pt: Option<f64>,
-) -> (Vec<Rect>, f64) {
+) -> Result<(Vec<Rect>, f64), Error> {
     let inner_pt = figure.width_mm * PT_PER_MM - 2.0 * PAGE_MARGIN_PT;
     let weights: Vec<f64> = (0..grid::size(cells).1)
         .map(|column| figure.column_weights.get(column).copied().unwrap_or(1.0))
@@ -200,31 +202,33 @@ fn place(
     let columns = grid::tracks(PAGE_MARGIN_PT, &margins, GRID_GAP_PT.0, &widths);
 
     let margins = grid::row_margins(cells, decor);
-    let mut heights = row_heights(figure, &widths);
+    let mut heights = row_heights(figure, fonts, &widths)?;
     if let Some(height_pt) = height_pt {
         heights = grid::share(height_pt, &margins, GRID_GAP_PT.1, &heights);
     }
     let rows = grid::tracks(top, &margins, GRID_GAP_PT.1, &heights);
     let bottom = rows.last().zip(margins.last()).map_or(top, |(row, margin)| row.1 + margin.1);
-    (cells.iter().map(|cell| grid::plot(cell, &columns, &rows)).collect(), bottom)
+    Ok((cells.iter().map(|cell| grid::plot(cell, &columns, &rows)).collect(), bottom))
 }
 
 /// Room around a plot before anything is measured.
 const FIRST_GUESS: Decor = Decor { left: 36.0, right: 6.0, top: 12.0, bottom: 28.0 };
 
 /// Heights of the rows in pt: the most that a panel of that row alone asks for.
-fn row_heights(figure: &Figure, widths: &[f64]) -> Vec<f64> {
+fn row_heights(figure: &Figure, fonts: &Fonts, widths: &[f64]) -> Result<Vec<f64>, Error> {
     let rows = grid::size(&cells(figure)).0;
     let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
     let usual = usual_height_pt(rows, narrowest);
-    let of_row = |row: usize| {
-        let alone =
-            figure.panels.iter().filter(|panel| panel.cell.row == row && panel.cell.rows == 1);
-        let asked = alone
-            .map(|panel| panel.height_mm.map_or(own_height_pt(panel, usual), |mm| mm * PT_PER_MM));
-        asked.reduce(f64::max).unwrap_or(usual)
-    };
-    (0..rows).map(of_row).collect()
+    let mut heights: Vec<Option<f64>> = vec![None; rows];
+    for panel in figure.panels.iter().filter(|panel| panel.cell.rows == 1) {
+        let mut asked = panel.height_mm.map_or(own_height_pt(panel, usual), |mm| mm * PT_PER_MM);
+        if let Ticks::Categories(names) = &panel.y.ticks {
+            asked = asked.max(axis::names_pt(fonts, names, figure.width_mm * PT_PER_MM)?);
+        }
+        let height = &mut heights[panel.cell.row];
+        *height = Some(height.map_or(asked, |height| height.max(asked)));
+    }
+    Ok(heights.into_iter().map(|height| height.unwrap_or(usual)).collect())
 }
 
 /// Height of a row of a named y axis, in pt.

@@ -417,6 +417,24 @@ fn a_stamp_that_takes_more_than_half_of_a_narrow_figure_stands_above_its_heading
     assert!(matches!(refused, Error::TextTooLong { .. }), "{refused}");
 }
 
+#[test]
+fn a_panel_grows_until_the_names_of_its_rows_have_room() {
+    let height_pt = |names: Vec<String>, width_mm: f64| {
+        let mut figure = Figure { width_mm, ..one_line() };
+        let panel = &mut figure.panels[0];
+        panel.height_mm = Some(8.0 * names.len() as f64);
+        panel.y = Axis::categories(names);
+        let drawing = draw(&figure).unwrap();
+        assert_eq!(drawing.overlapping_words().unwrap(), [] as [[String; 2]; 0]);
+        drawing.size_pt.1
+    };
+    for width_mm in [ONE_COLUMN_MM, TWO_COLUMNS_MM] {
+        let short = height_pt(vec!["Spring: Hybrid − Active".to_owned(); 2], width_mm);
+        let long = height_pt(vec!["<script>alert(1)</script>".repeat(12); 2], width_mm);
+        assert!(long > 1.5 * short, "{short} and {long} pt");
+    }
+}
+
 /// A figure of one line with names on its axes.
 fn one_line() -> Figure {
     let line = Line { x: vec![0.0, 1.0], y: vec![0.0, 1.0], ..Line::default() };
