@@ -13,6 +13,7 @@ import csv
 import io
 import json
 import math
+import random
 import re
 import shutil
 import struct
@@ -50,6 +51,7 @@ def main():
     arguments.add_argument("--out", type=Path, required=True, help="where screenshots and saved plots go")
     arguments.add_argument("--axe", type=Path, default=Path(axe_playwright_python.__file__).parent / "axe.min.js", help="axe.min.js of axe-core")
     arguments.add_argument("--chromium", default="/usr/bin/chromium", help="the browser [default: /usr/bin/chromium]")
+    arguments.add_argument("--exclusions", type=int, default=6, help="random exclusions that the matrix is compared with the program after [default: 6]")
     given = arguments.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as playwright:
@@ -62,6 +64,8 @@ def main():
         by_keyboard(visit, given.raw)
         every_sample(visit, given.raw)
         brush_and_zoom(visit)
+        the_matrix_is_opened(visit)
+        another_condition_beside_it(visit)
         cells_and_dots_open_trials(visit)
         dots_have_the_tables_intervals(visit)
         the_model_is_turned(visit)
@@ -73,6 +77,7 @@ def main():
         every_mode_on_a_telephone(browser, visit.report)
         no_white_cards_in_the_dark(browser, visit.report)
         a_mean_opens_the_trials_of_everybody(browser, given.zwidth.resolve())
+        what_is_left_out_is_estimated_as_by_the_program(browser, given.zwidth.resolve(), given.exclusions)
         screens(browser, visit.report, given)
         says_what_is_missing(browser, visit.report)
         what_is_missing_has_no_label(browser, visit.report)
@@ -356,6 +361,125 @@ def brush_and_zoom(visit):
         checks.equal("the wall's button is pressed", page.locator("#zoom-wall").get_attribute("aria-pressed"), "true")
     visit.after(lambda: page.locator("#zoom-reset").click())
     checks.equal("no complaint while zooming", visit.complaints(), [])
+
+
+ROWS = """[...document.querySelectorAll('.verdicts tr[data-row]')].map((line) => ({ row: line.dataset.row, value: line.dataset.value, low: line.dataset.low, high: line.dataset.high, p: line.dataset.p, n: line.dataset.n,
+    words: line.querySelector('.number').textContent, judged: line.querySelector('.judged').firstChild.textContent }))"""
+
+
+def the_matrix_is_opened(visit):
+    """By mouse and keyboard: a row opens its metric, a dot the traces behind it, a box leaves a trial out."""
+    page = visit.page
+    page.wait_for_selector("#verdict-matrix[data-ready]")
+    page.evaluate("scrollTo({ top: 0, behavior: 'instant' })")
+    rows = page.evaluate(ROWS)
+    differences = sum(len(metric["differences"]) for metric in visit.study["metrics"])
+    checks.check(f"{len(rows)} of {differences} differences have a row", 0 < len(rows) <= differences)
+    checks.check("the figure that the matrix stands for is not shown twice", not page.locator("#verdicts > figure").is_visible())
+    name = page.locator(".verdicts .row-name").first
+    name.click()
+    checks.equal("a name opens its metric", (name.get_attribute("aria-expanded"), page.locator(".detail .chart").count() > 0, page.locator(".detail table tbody tr").count() > 1), ("true", True, True))
+    checks.check("the address names the open row", "row=" in page.url, page.url)
+    page.locator(".detail details summary").first.click()
+    page.wait_for_selector(".detail details img")
+    checks.check("a metric's figures open in it", page.evaluate("document.querySelector('.detail details img').decode().then(() => true, () => false)"))
+    name.focus()
+    page.keyboard.press("Enter")
+    checks.equal("Enter closes it", (name.get_attribute("aria-expanded"), page.locator(".detail").count()), ("false", 0))
+    dots = page.locator(".verdicts svg.row").first
+    dots.focus()
+    first = dots.get_attribute("aria-valuetext")
+    page.keyboard.press("ArrowRight")
+    checks.check("arrows go from dot to dot", dots.get_attribute("aria-valuetext") != first, first)
+    print(f"      a dot's traces drawn {visit.after(lambda: page.keyboard.press('Enter')):.0f} ms after Enter")
+    checks.equal("a dot opens the traces of both modes in place", (page.locator(".detail #surface").count(), len(page.locator("#pick-modes input:checked").all())), (1, 2))
+    checks.check("the focus is on the traces", page.evaluate("document.activeElement.id === 'surface'"))
+    checks.check("the browser's own part says where they are", page.locator("#trials .elsewhere").is_visible())
+    page.locator("#trials .elsewhere button").click()
+    checks.equal("they are brought back", (page.locator("#trials #surface").count(), page.locator(".detail").count()), (1, 0))
+    for form, begin in (("svg", b"<svg"), ("png", b"\x89PNG"), ("csv", b"metric,")):
+        with page.expect_download() as waiting:
+            page.locator(f'[data-save-matrix="{form}"]').click()
+        saved = Path(waiting.value.path()).read_bytes()
+        checks.check(f"the matrix is saved as {form}", saved.startswith(begin) and len(saved) > 500, saved[:40])
+    lines = list(csv.DictReader(io.StringIO(saved.decode())))
+    checks.equal("every row is in it", len(lines), len(rows))
+    page.locator("#copy-matrix").click()
+    wait_until(page, "document.getElementById('copy-matrix').textContent !== 'Copy values'")
+    page.locator("#left-out > summary").click()
+    box = page.locator("#left-out-trials input").first
+    trial = box.get_attribute("value")
+    box.uncheck()
+    shown = page.locator(".explored").inner_text()
+    checks.check("what is explored says so, and how it would be made so", "Explored, not the analysis" in shown and "zwidth exclude" in shown and f"--trial {trial.split('/')[2]}" in shown, shown)
+    checks.check("the address records it", "x=" in page.url, page.url)
+    explored = page.evaluate(ROWS)
+    checks.check("rows are estimated again", explored != rows)
+    page.reload()
+    visit.ready()
+    page.wait_for_selector("#verdict-matrix[data-ready]")
+    checks.equal("an address brings it back", page.evaluate(ROWS), explored)
+    page.locator(".explored button").click()
+    checks.equal("taken back in, all is as the tables have it", page.evaluate(ROWS), rows)
+    checks.equal("no complaint in the matrix", visit.complaints(), [])
+
+
+def another_condition_beside_it(visit):
+    page = visit.page
+    other = page.locator("#pick-beside option").nth(1)
+    if not other.count():
+        return
+    visit.after(lambda: page.locator("#pick-beside").select_option(other.get_attribute("value")))
+    checks.check("another condition is laid over it", "Dotted: " in page.locator("#browser").inner_text() and visit.address("beside="), page.url)
+    visit.after(lambda: page.locator("#pick-beside").select_option(""))
+
+
+def what_is_left_out_is_estimated_as_by_the_program(browser, zwidth, exclusions):
+    """Rows without random trials and people are those of `zwidth compare` after `zwidth exclude`."""
+    draw = random.Random(1)
+    with tempfile.TemporaryDirectory() as root:
+        base = Path(root) / "base"
+        checks.run(zwidth, "--root", base, "new", "left")
+        checks.run(zwidth, "--root", base, "twin", "left", "--participants", 4, "--sessions", 1)
+        checks.run(zwidth, "--root", base, "run", "left")
+        visit = Visit(browser, base / "reports" / "left").ready()
+        page = visit.page
+        page.wait_for_selector("#verdict-matrix[data-ready]")
+        trials = [(t["participant"], t["session"], t["trial"]) for t in visit.study["trials"]]
+        compared, wrong = 0, []
+        for case in range(exclusions):
+            person = draw.choice(trials)[0]
+            gone = set(draw.sample(trials, draw.randint(1, 12))) | ({t for t in trials if t[0] == person} if case % 3 == 2 else set())
+            copy = Path(root) / "copy"
+            shutil.copytree(base, copy)
+            for who in sorted({(p, s) for p, s, _ in gone}):
+                numbers = ",".join(str(n) for p, s, n in sorted(gone) if (p, s) == who)
+                checks.run(zwidth, "--root", copy, "exclude", "left", "-p", who[0], "-s", who[1], "--trial", numbers, "left out")
+            checks.run(zwidth, "--root", copy, "compare", "left")
+            table = parquet.read_table(copy / "derived" / "left" / "compare" / "contrasts.parquet")
+            stems = [with_its_unit(table.column_names, stem) for stem in ("difference", "difference_ci_low", "difference_ci_high")]
+            told = table.to_pylist()
+            shutil.rmtree(copy)
+            keys = ",".join("/".join(map(str, key)) for key in sorted(gone))
+            page.evaluate("(x) => { location.hash = `verdicts?x=${encodeURIComponent(x)}`; }", keys)
+            wait_until(page, "!document.querySelector('.explored').hidden")
+            found = {row["row"]: row for row in page.evaluate(ROWS)}
+            for row in told:
+                mine = found.get(f"{row['metric']}/{row['environment']}/{row['contrast']}")
+                if mine is None:
+                    continue
+                compared += 1
+                theirs = [row[stem] for stem in stems] + [row["p_adjusted"]]
+                ours = [mine[name] for name in ("value", "low", "high", "p")]
+                # The program rounds quantiles and p values to nine digits, the same on every machine.
+                wrong += [(case, mine["row"], our, their) for our, their in zip(ours, theirs) if (our == "") != (their is None) or (our != "" and abs(float(our) - their) > 2e-8 * (abs(their) + abs(theirs[2] - theirs[1] if theirs[1] is not None else 0)))]
+                said = row["verdict"] + (f", {row['size']}" if row["size"] else "")
+                if not mine["judged"].startswith(said):
+                    wrong.append((case, mine["row"], mine["judged"], said))
+        checks.equal(f"{compared} rows after {exclusions} random exclusions are those of the program", wrong[:5], [])
+        checks.check("rows were compared", compared >= 10 * exclusions, f"{compared}")
+        checks.equal("no complaint while leaving out", visit.complaints(), [])
+        visit.context.close()
 
 
 def cells_and_dots_open_trials(visit):
@@ -649,7 +773,10 @@ def printed(visit, out):
     content = visit.page.pdf(path=str(out / "printed.pdf"), format="A4", print_background=True)
     checks.check("the page prints", content.startswith(b"%PDF") and len(content) > 20_000, f"{len(content)} bytes")
     # What stands below a part's plots is on the page of its heading, and so are the plots between.
-    parts = visit.page.evaluate("""['trials', 'dots', 'model'].map((id) => document.getElementById(id)).filter((part) => part)
+    pages = pdfium.PdfDocument(content)
+    checks.check("it takes at most 12 pages", len(pages) <= 12, f"{len(pages)}")
+    checks.check("the matrix is on the first", "difference ÷" in pages[0].get_textpage().get_text_range() or "difference and verdict" in pages[0].get_textpage().get_text_range())
+    parts = visit.page.evaluate("""['trials', 'dots'].map((id) => document.getElementById(id)).filter((part) => part)
         .map((part) => [part.querySelector('h2').textContent.trim(), [...part.querySelectorAll('p.caption:not(#surface-keys)')].map((note) => note.textContent.trim()).filter((text) => text).pop()])""")
     pages = [" ".join(page.get_textpage().get_text_range().split()) for page in pdfium.PdfDocument(content)]
     for title, note in parts:
@@ -816,8 +943,12 @@ def as_one_file(browser, report, zwidth):
             pick(visit, "environment", environment["id"])
         text, _ = downloaded(visit, "csv")
         checks.check("one file gives its samples", text.count(b"\n") > 100, f"{text.count(chr(10).encode())} lines")
-        scroll_through(visit.page)
-        pictures = visit.page.evaluate("[...document.images].filter((image) => image.complete).map((image) => image.naturalWidth)")
+        checks.check("one file is smaller than 4 MB", file.stat().st_size < 4e6, f"{file.stat().st_size / 1e6:.2f} MB")
+        visit.page.evaluate("for (const details of document.querySelectorAll('#figures details')) details.open = true; for (const still of document.querySelectorAll('#verdicts > figure')) still.remove()")
+        for _ in range(10):  # the page grows while its figures are unpacked
+            scroll_through(visit.page)
+        wait_until(visit.page, "!document.querySelector('img[data-packed]')")
+        pictures = visit.page.evaluate("Promise.all([...document.images].map((image) => image.decode().then(() => image.naturalWidth, () => 0)))")
         checks.check(f"one file shows its {len(pictures)} figures", len(pictures) > 0 and all(pictures))
         checks.equal("one file: no complaint", visit.complaints(), [])
         nothing_left_the_page(visit)

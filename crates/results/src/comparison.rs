@@ -53,6 +53,21 @@ words! {
     }
 }
 
+impl ModeDifference {
+    /// The mode that is better, where a difference was shown and one way is better. Lower is nearer to
+    /// zero: of means of two signs, whose magnitudes were not tested, neither is better.
+    pub fn best(&self, better: Better) -> Option<&ModeId> {
+        let (first, second) = (self.mean_first, self.mean_second);
+        let is_first = match better {
+            _ if !self.verdict.is_different() => return None,
+            Better::Lower if first * second >= 0.0 => first.abs() < second.abs(),
+            Better::Higher => first > second,
+            Better::Lower | Better::Neither => return None,
+        };
+        Some(if is_first { &self.contrast.mode } else { &self.contrast.against })
+    }
+}
+
 impl Verdict {
     /// Whether a difference was shown.
     pub fn is_different(self) -> bool {

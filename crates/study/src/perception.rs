@@ -47,19 +47,23 @@ impl Perception {
     }
 
     /// The difference of two numbers in `unit` that is just noticed at one of them, for a lever of
-    /// `lever_m`; `None` if it is not known for that unit. A way is the angle's on the lever's arc;
-    /// work is force along a way: the force's share of it, and no less than the smallest force
-    /// along the smallest way.
+    /// `lever_m`; `None` if it is not known for that unit.
     pub fn bound(&self, value: f64, unit: &str, lever_m: f64) -> Option<f64> {
+        let [share, floor] = self.share_and_floor(unit, lever_m)?;
+        Some((share * value.abs()).max(floor))
+    }
+
+    /// Of numbers in `unit` the share that is just noticed, and the difference below which nothing is,
+    /// in that unit. A way is the angle's on the lever's arc; work is force along a way: the force's
+    /// share of it, and no less than the smallest force along the smallest way.
+    pub fn share_and_floor(&self, unit: &str, lever_m: f64) -> Option<[f64; 2]> {
         match unit {
-            "rad" => Some(self.angle_rad),
-            "m" => Some(lever_m * self.angle_rad),
-            "N" => Some(self.force_bound_n(value)),
-            "J" => Some(
-                (self.force_share * value.abs()).max(self.force_floor_n * lever_m * self.angle_rad),
-            ),
-            "N/rad" => Some(self.compliance_share * value.abs()),
-            "N·s/rad" => Some(self.viscosity_share * value.abs()),
+            "rad" => Some([0.0, self.angle_rad]),
+            "m" => Some([0.0, lever_m * self.angle_rad]),
+            "N" => Some([self.force_share, self.force_floor_n]),
+            "J" => Some([self.force_share, self.force_floor_n * lever_m * self.angle_rad]),
+            "N/rad" => Some([self.compliance_share, 0.0]),
+            "N·s/rad" => Some([self.viscosity_share, 0.0]),
             _ => None,
         }
     }

@@ -3,8 +3,12 @@
 use crate::findings::Finding;
 use crate::gallery::Shown;
 use serde::Serialize;
-use zwidth_results::{Compared, Mean, ModeDifference, Role, UnitOfAnalysis, Verdict};
-use zwidth_study::{Better, Coordinate, EnvironmentId, ModeId, Setup, contrast_label};
+use zwidth_results::{
+    Compared, Mean, ModeDifference, RedrawnDifference, Role, UnitOfAnalysis, Verdict,
+};
+use zwidth_study::{
+    Better, Coordinate, EnvironmentId, ModeId, Setup, contrast_label, in_a_sentence,
+};
 use zwidth_tables::{in_coordinate, number, p_value, shown_unit, with_unit};
 
 /// The results for a metric.
@@ -19,6 +23,8 @@ pub struct ComparedMetric<'a> {
     pub means: &'a [Mean],
     /// Differences between modes.
     pub contrasts: &'a [ModeDifference],
+    /// The differences in other orders of one participant's trials, had none depended on mode.
+    pub redrawn: &'a [RedrawnDifference],
 }
 
 impl ComparedMetric<'_> {
@@ -100,8 +106,8 @@ fn caption(unit: &UnitOfAnalysis) -> String {
     }
 }
 
-/// What the contrasts of the first of `metrics` say, the primary one if it is there: first how many
-/// show a difference, then each in a sentence with effect, interval, n and unit. For each other
+/// What the contrasts of the first of `metrics` say, the primary one if it is there: first the answer,
+/// then each in a sentence with effect, interval, n and unit. For each other
 /// metric, one sentence with its differences.
 pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
     let Some((first, others)) = metrics.split_first() else { return Vec::new() };
@@ -113,9 +119,7 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
         Finding::new(text, shown)
     };
     let words = first.words(study.coordinate);
-    let briefs: Vec<String> =
-        differences(study, first).into_iter().map(|told| told.in_brief()).collect();
-    let mut found = vec![finding(first, answer(first, &words, &briefs))];
+    let mut found = vec![finding(first, answer(study, first, &words))];
     let sentences = differences(study, first).into_iter().map(|told| told.told(&words));
     found.extend(sentences.map(|text| finding(first, text)));
     for metric in others.iter().filter(|metric| !metric.contrasts.is_empty()) {
@@ -131,43 +135,42 @@ pub fn contrasts(study: &Setup, metrics: &[ComparedMetric]) -> Vec<Finding> {
 /// The answer names so many differences.
 const TOLD: usize = 4;
 
-/// How many contrasts show a difference, and each in brief; if no contrast has a test, that it was not asked.
-fn answer(metric: &ComparedMetric, words: &str, briefs: &[String]) -> String {
+/// Each contrast with direction, size, unit and verdict, and how many people; if no contrast has a test,
+/// that it was not asked.
+fn answer(study: &Setup, metric: &ComparedMetric, words: &str) -> String {
     let contrasts = metric.contrasts;
-    let (who, the) = match &metric.metric.unit_of_analysis {
+    let (within, the) = match &metric.metric.unit_of_analysis {
         UnitOfAnalysis::TrialsOf(who) => (format!("Within {who}, "), "the"),
         UnitOfAnalysis::Participants => (String::new(), "The"),
     };
-    let all = contrasts.len();
-    let told = match (metric.metric.role, metric.is_primary_by_default) {
-        (Role::Primary, false) => format!("the primary metric, {words}"),
-        (Role::Primary, true) => format!("the primary metric, {words} (primary by default)"),
-        (Role::Exploratory, _) => format!("{words} (exploratory: not the primary metric)"),
+    let role = match (metric.metric.role, metric.is_primary_by_default) {
+        (Role::Primary, false) => "the primary metric",
+        (Role::Primary, true) => "the primary metric by default",
+        (Role::Exploratory, _) => "exploratory: not the primary metric",
     };
     if contrasts.iter().all(|row| row.p_adjusted.is_none()) {
-        let whether = format!("whether {} modes differ in {told}", the.to_lowercase());
-        let start = if who.is_empty() { "It" } else { "it" };
+        let start = if within.is_empty() { "It" } else { "it" };
         return format!(
-            "{who}{start} was not tested {whether}: none of {all} contrasts has a test."
+            "{within}{start} was not tested whether {} modes differ in {words} ({role}): none of {} contrasts has a test.",
+            the.to_lowercase(),
+            contrasts.len()
         );
     }
-    let n = size(metric);
-    let differ = contrasts.iter().filter(|row| row.verdict.is_different()).count();
     let better = match metric.metric.better {
         Better::Neither => String::new(),
-        better => format!(" ({} is better)", better.as_str()),
+        better => format!(", {} is better", better.as_str()),
     };
-    let more = briefs.len().saturating_sub(TOLD);
-    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
-    let each = briefs.iter().take(TOLD).cloned().collect::<Vec<_>>().join("; ");
-    let text = match (differ, all) {
-        (0, _) => format!("{who}{the} modes were not shown to differ in {told} ({n})"),
-        (1, 1) => format!("{who}{the} modes were shown to differ in {told} ({n})"),
-        _ => format!(
-            "{who}{the} modes were shown to differ in {told}, in {differ} of {all} contrasts ({n})"
-        ),
-    };
-    let text = format!("{text}. Differences{better}: {each}{more}.");
+    let mut text = format!("{within}{words} ({role}{better}; {}): ", size(metric));
+    if let Some(first) = text.chars().next() {
+        text.replace_range(..first.len_utf8(), &first.to_uppercase().to_string());
+    }
+    let directed: Vec<String> =
+        contrasts.iter().take(TOLD).map(|row| directed(study, metric, row)).collect();
+    text += &directed.join("; ");
+    if contrasts.len() > TOLD {
+        text += &format!("; and {} more", contrasts.len() - TOLD);
+    }
+    text += ".";
     let smallest = contrasts.iter().filter_map(|row| row.smallest_p_adjusted);
     match smallest.min_by(f64::total_cmp) {
         Some(p) => format!(
@@ -177,6 +180,47 @@ fn answer(metric: &ComparedMetric, words: &str, briefs: &[String]) -> String {
         ),
         None => text,
     }
+}
+
+/// A difference by its direction: `in Spring 0.94 N higher with Hybrid than with Active (0.89 to 0.99):
+/// different, felt, 19 JND`.
+fn directed(study: &Setup, metric: &ComparedMetric, row: &ModeDifference) -> String {
+    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let label = |id: &ModeId| {
+        let mode = study.modes.iter().find(|mode| mode.id == *id);
+        mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
+    };
+    let (mode, against) = (label(&row.contrast.mode), label(&row.contrast.against));
+    // Told as what is higher or lower, an interval has the sign of that.
+    let turn = if row.difference < 0.0 { -factor } else { factor };
+    let error = row.difference_std_error.map(|error| error * factor);
+    let amount = with_unit(&number(row.difference * turn, error), &unit);
+    let higher = if row.difference < 0.0 { "lower" } else { "higher" };
+    let ends = row.difference_ci_low.zip(row.difference_ci_high).map(|(low, high)| {
+        let [from, to] = if turn < 0.0 { [high, low] } else { [low, high] };
+        format!(" ({} to {})", number(from * turn, error), number(to * turn, error))
+    });
+    let felt = row.size.map(|size| {
+        let jnds =
+            row.difference_jnd.map(|jnds| format!(", {} JND", number(jnds.abs(), Some(1.0))));
+        format!(", {}{}", size.as_str(), jnds.unwrap_or_default())
+    });
+    let best = row.best(metric.metric.better).map(|mode| format!(": {} is better", label(mode)));
+    let remark = row.remark.as_ref().map(|why| format!(": {why}"));
+    format!(
+        "in {} {amount} {higher} with {mode} than with {against}{}, {}{}{}{}",
+        environment_label(study, &row.environment),
+        ends.unwrap_or_default(),
+        row.verdict.as_str(),
+        felt.unwrap_or_default(),
+        best.unwrap_or_default(),
+        remark.unwrap_or_default(),
+    )
+}
+
+fn environment_label(study: &Setup, id: &EnvironmentId) -> String {
+    let environment = study.environments.iter().find(|environment| environment.id == *id);
+    environment.map_or_else(|| id.to_string(), |environment| environment.label.clone())
 }
 
 /// `n = 4 participants`, `n = 3 to 4 participants`: over all contrasts.
@@ -244,10 +288,6 @@ impl Told {
 /// Every contrast.
 fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Told> {
     let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
-    let label = |id: &EnvironmentId| {
-        let known = study.environments.iter().find(|e| e.id == *id);
-        known.map_or_else(|| id.to_string(), |e| e.label.clone())
-    };
     let told = |row: &ModeDifference| {
         let error = row.difference_std_error.map(|error| error * factor);
         let shown = |value: f64| number(value * factor, error);
@@ -256,7 +296,7 @@ fn differences(study: &Setup, metric: &ComparedMetric) -> Vec<Told> {
         Told {
             place: format!(
                 "{}, {}",
-                label(&row.environment),
+                environment_label(study, &row.environment),
                 contrast_label(&study.modes, &row.contrast)
             ),
             amount: with_unit(&shown(row.difference), &unit),
@@ -387,8 +427,13 @@ pub(crate) mod tests {
         is_primary_by_default: bool,
         row: ModeDifference,
     ) -> Vec<String> {
-        let metric =
-            ComparedMetric { metric, is_primary_by_default, means: &[], contrasts: &[row] };
+        let metric = ComparedMetric {
+            metric,
+            is_primary_by_default,
+            means: &[],
+            contrasts: &[row],
+            redrawn: &[],
+        };
         contrasts(&study(), &[metric]).into_iter().map(|found| found.text.to_string()).collect()
     }
 
@@ -407,6 +452,7 @@ pub(crate) mod tests {
             is_primary_by_default: false,
             means: &means,
             contrasts: &[],
+            redrawn: &[],
         };
         let matrix = matrix(&study(), &[metric]);
         let row = MatrixRow {
@@ -424,7 +470,7 @@ pub(crate) mod tests {
     #[test]
     fn a_difference_is_told_with_its_interval_its_n_and_its_unit_after_the_answer() {
         let found = texts(UnitOfAnalysis::Participants, Verdict::Different);
-        let answer = "The modes were shown to differ in the primary metric, angle past the wall (n = 6 participants). Differences (lower is better): Spring, Hybrid − Active: −5.7° (−8.6 to −2.9, different).";
+        let answer = "Angle past the wall (the primary metric, lower is better; n = 6 participants): in Spring 5.7° lower with hybrid than with active (2.9 to 8.6), different: hybrid is better.";
         assert_eq!(found[0], answer);
         assert_eq!(
             found[1],
@@ -447,9 +493,9 @@ pub(crate) mod tests {
             (
                 Role::Exploratory,
                 false,
-                "angle past the wall (exploratory: not the primary metric) (",
+                "Angle past the wall (exploratory: not the primary metric, lower",
             ),
-            (Role::Primary, true, "the primary metric, angle past the wall (primary by default) ("),
+            (Role::Primary, true, "Angle past the wall (the primary metric by default, lower"),
         ] {
             let metric = Compared { role, ..past(UnitOfAnalysis::Participants) };
             let found = texts_of(&metric, by_default, difference(&metric, Verdict::Different));
@@ -462,15 +508,15 @@ pub(crate) mod tests {
         let metric = past(trials());
         let row = difference(&metric, Verdict::NotTested);
         let untested = ModeDifference { p_adjusted: None, ..row };
-        let answer = "Within P01, it was not tested whether the modes differ in the primary metric, \
-                      angle past the wall: none of 1 contrasts has a test.";
+        let answer = "Within P01, it was not tested whether the modes differ in angle past the wall (the \
+                      primary metric): none of 1 contrasts has a test.";
         assert_eq!(texts_of(&metric, false, untested)[0], answer);
     }
 
     #[test]
     fn with_one_participant_it_is_said_within_whom() {
         let found = texts(trials(), Verdict::Undecided);
-        assert!(found[0].starts_with("Within P01, the modes were not shown to differ"));
+        assert!(found[0].starts_with("Within P01, angle past the wall (the primary metric, lower is better; n = 6 trials of P01): in Spring"));
         assert!(found[1].contains("n = 6 trials of P01"), "{}", found[1]);
         assert!(found[1].contains("undecided, neither a difference nor"), "{}", found[1]);
     }

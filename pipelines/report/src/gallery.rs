@@ -19,6 +19,8 @@ pub enum Shown {
     Compared(String),
     /// In the figure of the changes between sessions in this metric.
     Sessions(String),
+    /// In the figure of the changes from repeat to repeat in this metric.
+    Learning(String),
     /// In the figure of the forces that each mode can render.
     Forces,
     /// In the figure of one environment's replays.
@@ -33,13 +35,37 @@ pub enum Shown {
     Ladder,
 }
 
+/// The question that a sentence answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Asked {
+    /// Whether modes differ.
+    Difference,
+    /// Whether practice changes anything.
+    Practice,
+    /// What people said.
+    Answers,
+    /// Anything else.
+    #[default]
+    Else,
+}
+
 impl Shown {
+    /// The question that it answers.
+    pub fn question(&self) -> Asked {
+        match self {
+            Self::Compared(_) => Asked::Difference,
+            Self::Sessions(_) | Self::Learning(_) => Asked::Practice,
+            Self::Answers => Asked::Answers,
+            _ => Asked::Else,
+        }
+    }
+
     /// The name of the table that holds the same numbers.
     fn table(&self) -> &'static str {
         match self {
             Self::Modes(_) | Self::Metrics => "metrics",
             Self::Conditions => "conditions",
-            Self::Compared(_) | Self::Sessions(_) => "comparison",
+            Self::Compared(_) | Self::Sessions(_) | Self::Learning(_) => "comparison",
             Self::Answers => "likert",
             Self::Forces => "modes",
             Self::Replays(_) => "replay",
@@ -95,6 +121,7 @@ impl Gallery {
                 .map(str::to_owned),
             Shown::Compared(metric) => Some(format!("compare.{metric}")),
             Shown::Sessions(metric) => Some(format!("sessions.{metric}")),
+            Shown::Learning(metric) => Some(format!("learning.{metric}")),
             Shown::Forces => Some("rendering_range".to_owned()),
             Shown::Trade(scene) => Some(format!("trade.{scene}")),
             Shown::Conditions

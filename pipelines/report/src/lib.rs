@@ -35,17 +35,17 @@ pub use components::components;
 pub use design::{device_facts, mode_forces};
 pub use evidence::{Known, notes};
 pub use findings::{Finding, TrialNames, findings};
-pub use gallery::{Gallery, Shown};
+pub use gallery::{Asked, Gallery, Shown};
 pub use methods::{MethodsForm, MethodsPart, Recorded, methods};
 pub use model::model_facts;
 pub use page::{
-    Columns, Contents, Course, Event, Page, PageHtml, TURNED, Turn, TurnedError, condition_script,
-    page_html, single_file, turned_script,
+    Columns, Contents, Course, Estimating, Event, Page, PageHtml, TURNED, Turn, TurnedError,
+    condition_script, page_html, single_file, turned_script,
 };
 pub use pros_cons::pros_cons;
 pub use ranges::uneven_ranges;
 pub use runs::{laddered, traded};
-pub use sessions::changes;
+pub use sessions::{changes, learned};
 pub use survey::survey;
 pub use thesis::{Derived, HOW_JUDGED, Told, replayed, replayed_columns, statements, told};
 pub use weight::{WEIGHT_NOTES, is_weighed, weight_facts};
@@ -128,12 +128,20 @@ pub struct Made {
     /// What figures of its kind show; nothing of a table.
     #[serde(skip)]
     pub kind: String,
+    /// The question that a sentence answers.
+    #[serde(skip)]
+    pub question: Asked,
 }
 
 impl Made {
     /// A table, or a sentence that a table or figure shows.
     pub fn new(path: impl Into<String>, caption: impl Into<Sentence>) -> Self {
-        Self { path: path.into(), caption: caption.into(), kind: String::new() }
+        Self {
+            path: path.into(),
+            caption: caption.into(),
+            kind: String::new(),
+            question: Asked::Else,
+        }
     }
 }
 

@@ -1,9 +1,9 @@
-//! What the comparison of sessions says, in a sentence.
+//! What the comparisons of repeats and of sessions say, in a sentence each.
 
 use crate::compared::ComparedMetric;
 use crate::findings::Finding;
 use crate::gallery::Shown;
-use zwidth_results::{Role, SessionChange};
+use zwidth_results::{Learning, Role, SessionChange};
 use zwidth_study::Setup;
 use zwidth_tables::{number, shown_unit, with_unit};
 
@@ -47,6 +47,42 @@ pub fn changes(
         told.join("; ")
     );
     Some(Finding::new(text, Shown::Sessions(metric.metric.metric.to_string())))
+}
+
+/// How a metric changed from each repeat to the next: one sentence, with interval and n of each
+/// condition that has a test.
+pub fn learned(study: &Setup, metric: &ComparedMetric, learning: &[Learning]) -> Option<Finding> {
+    let (unit, factor) = shown_unit(&metric.metric.unit, study.coordinate);
+    let mut told = Vec::new();
+    for row in learning {
+        let environment = study.environments.iter().find(|e| e.id == row.environment)?;
+        let mode = study.modes.iter().find(|m| m.id == row.mode)?;
+        let (Some(change), Some(low), Some(high)) =
+            (row.change, row.change_ci_low, row.change_ci_high)
+        else {
+            continue;
+        };
+        let error = row.change_std_error.map(|error| error * factor);
+        told.push(format!(
+            "{}, {}: {} ({} to {}, n = {} {})",
+            environment.label,
+            mode.label,
+            with_unit(&number(change * factor, error), &unit),
+            number(low * factor, error),
+            number(high * factor, error),
+            row.n,
+            row.unit_of_analysis,
+        ));
+    }
+    if told.is_empty() {
+        return None;
+    }
+    let text = format!(
+        "Exploratory, mean change per repeat in {}: {}. Not adjusted for the number of changes.",
+        metric.words(study.coordinate),
+        told.join("; ")
+    );
+    Some(Finding::new(text, Shown::Learning(metric.metric.metric.to_string())))
 }
 
 #[cfg(test)]
@@ -97,6 +133,7 @@ mod tests {
             is_primary_by_default: false,
             means: &[],
             contrasts: &[],
+            redrawn: &[],
         };
         let rows = [change("active", n[0]), change("hybrid", n[1])];
         changes(&Setup::of(&zwidth_testing::study()), &metric, &rows)

@@ -20,7 +20,8 @@ use std::path::PathBuf;
 use zwidth_average::Alignment;
 use zwidth_replay::Parameters;
 use zwidth_report::{
-    Columns, Contents, Course, Event, Page, TURNED, condition_script, page_html, turned_script,
+    Columns, Contents, Course, Estimating, Event, Page, TURNED, condition_script, page_html,
+    turned_script,
 };
 use zwidth_results::{CourseSample, CourseSeries, GivenAnswer, PlantRun, TrialEvent};
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Output, Stage, WriteLong};
@@ -29,7 +30,7 @@ use zwidth_study::{EnvironmentId, ModeId};
 use zwidth_tables::{Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "page", version: 20 };
+const STAGE: Stage = Stage { name: "page", version: 21 };
 
 /// The job that makes the page itself.
 pub const JOB: &str = "page";
@@ -261,6 +262,7 @@ struct Index {
     turned: Option<[String; 2]>,
     /// The user's torque was recorded, and no force.
     torque: bool,
+    estimating: Estimating,
     version: &'static str,
 }
 
@@ -269,7 +271,15 @@ fn index(data: &StudyData, found: &Findings, figures: &[Drawing]) -> Job {
     let study = data.layout.study().to_string();
     let turned = runs::turned(data).map(|(session, _)| session.ids());
     let torque = summary::has_torque_alone(data);
-    let of = Index { summary, study, turned, torque, version: env!("CARGO_PKG_VERSION") };
+    let compare = &data.study.compare;
+    let estimating = Estimating {
+        level: compare.level,
+        alpha: compare.alpha,
+        families: compare.families,
+        perception: data.study.perception.clone(),
+    };
+    let version = env!("CARGO_PKG_VERSION");
+    let of = Index { summary, study, turned, torque, estimating, version };
     let files = IndexFiles { summary: files, answers: likert::answers(data) };
     Job::new(STAGE, JOB, of, files, vec![file(&data.layout)], make_index).tolerant()
 }
@@ -296,8 +306,15 @@ fn make_index(of: &Index, files: &IndexFiles, making: &Making) -> Result<Made, J
     let planned = &of.summary.planned;
     let contents = metrics.map(|metrics| {
         let compared = compared.by_metric(of.summary.is_primary_by_default);
-        let contents =
-            Contents::of(of.study.as_str(), &summary.title, planned, &metrics, &compared, &answers);
+        let contents = Contents::of(
+            of.study.as_str(),
+            &summary.title,
+            planned,
+            &of.estimating,
+            &metrics,
+            &compared,
+            &answers,
+        );
         let contents = contents.with_turned(of.turned.clone(), planned.coordinate);
         if of.torque { contents.with_torque() } else { contents }
     });

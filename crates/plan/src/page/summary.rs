@@ -13,11 +13,11 @@ use std::path::{Path, PathBuf};
 use zwidth_figures::Caption;
 use zwidth_report::{
     ComparedMetric, Finding, Gallery, Made as Listed, Remark, Shown, Summary, Told, TrialNames,
-    changes, findings, laddered, summary_markdown, survey, traded, uneven_ranges,
+    changes, findings, laddered, learned, summary_markdown, survey, traded, uneven_ranges,
 };
 use zwidth_results::{
-    AnswerTally, Compared, JudgedStatement, LadderChoice, Mean, MetricNote, ModeDifference,
-    SessionChange, TradeChoice, TrialRemark,
+    AnswerTally, Compared, JudgedStatement, LadderChoice, Learning, Mean, MetricNote,
+    ModeDifference, RedrawnDifference, SessionChange, TradeChoice, TrialRemark,
 };
 use zwidth_runner::{Inputs, Job, JobError, Made, Making, ORIGIN, Stage, strip_root};
 use zwidth_store::{Findings, Signal, StoreError, StudyData, TrialEntry};
@@ -25,7 +25,7 @@ use zwidth_study::{Kind, Scene, Setup};
 use zwidth_tables::{About, Format, Measured, NoteKind, Table, TableError};
 
 /// Its version is raised when the page would be written differently from the same data.
-const STAGE: Stage = Stage { name: "summary", version: 21 };
+const STAGE: Stage = Stage { name: "summary", version: 22 };
 
 /// The summary's file.
 fn file(data: &StudyData) -> PathBuf {
@@ -90,9 +90,18 @@ impl Inputs for Files {
             [metrics.files(), tally.files(), statements.files(), trade.files(), ladder.files()]
                 .concat();
         let compared = self.compared.iter().flat_map(|found| {
-            let Comparison { metrics, means, contrasts, sessions, notes, .. } = found;
+            let Comparison {
+                metrics, means, contrasts, sessions, learning, redrawn, notes, ..
+            } = found;
             let told = self.are_sessions_told.then(|| sessions.files());
-            let all = [metrics.files(), means.files(), contrasts.files(), notes.files()];
+            let all = [
+                metrics.files(),
+                means.files(),
+                contrasts.files(),
+                redrawn.files(),
+                learning.files(),
+                notes.files(),
+            ];
             all.into_iter().chain(told).flatten()
         });
         let compared: Vec<PathBuf> = compared.collect();
@@ -169,9 +178,8 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     summary.care.extend(listed(care));
     let listed = |(file, caption): (&PathBuf, &Caption)| match file.exists() {
         true => Ok(Listed {
-            path: relative(file, folder),
-            caption: caption.text().into(),
             kind: caption.kind.shows.to_owned(),
+            ..Listed::new(relative(file, folder), caption.text())
         }),
         false => Err(could_not_be_made(file)),
     };
@@ -196,6 +204,8 @@ pub(crate) fn gather(page: &Page, files: &Files, making: &Making) -> Result<Gath
     }
     let mut sentences = zwidth_report::contrasts(&page.planned, &of_compared);
     if let Some(primary) = of_compared.first() {
+        let of_primary = |row: &Learning| row.metric == primary.metric.metric;
+        sentences.extend(learned(&page.planned, primary, own(&compared.learning, of_primary)));
         sentences.extend(changes(&page.planned, primary, compared.sessions_of(primary)));
     }
     summary.shown = list_findings(page, files, metrics.as_ref(), sentences, &summary)?;
@@ -225,7 +235,11 @@ fn list_findings(
         (None, None) => Vec::new(),
     };
     let all = of_comparison.into_iter().chain(found);
-    Ok(all.map(|f| Listed::new(page.shown_by(&f.shown, made), f.text)).collect())
+    let listed = all.map(|finding| Listed {
+        question: finding.shown.question(),
+        ..Listed::new(page.shown_by(&finding.shown, made), finding.text)
+    });
+    Ok(listed.collect())
 }
 
 /// What runs of the model show: the cheapest that could not be told from the right one, and the
@@ -290,6 +304,8 @@ pub(crate) struct ReadComparison {
     means: Vec<Mean>,
     contrasts: Vec<ModeDifference>,
     sessions: Vec<SessionChange>,
+    learning: Vec<Learning>,
+    redrawn: Vec<RedrawnDifference>,
     notes: Vec<MetricNote>,
 }
 
@@ -303,6 +319,8 @@ impl ReadComparison {
             means: found.means.read()?,
             contrasts: found.contrasts.read()?,
             sessions,
+            learning: found.learning.read_if_made()?.unwrap_or_default(),
+            redrawn: found.redrawn.read_if_made()?.unwrap_or_default(),
             notes: found.notes.read()?,
         })
     }
@@ -314,6 +332,7 @@ impl ReadComparison {
             is_primary_by_default,
             means: own(&self.means, |row| row.metric == metric.metric),
             contrasts: own(&self.contrasts, |row| row.metric == metric.metric),
+            redrawn: own(&self.redrawn, |row| row.metric == metric.metric),
         };
         self.metrics.iter().map(of).collect()
     }

@@ -133,7 +133,7 @@ fn row(
     let error = contrast.difference_std_error.map(|error| error * shown.factor);
     let rounded = |value: f64| number(value * shown.factor, error);
     let interval = ends.map(|(low, high)| format!(" ({} to {})", rounded(low), rounded(high)));
-    let best = best(found.metric.better, contrast).map(|id| {
+    let best = contrast.best(found.metric.better).map(|id| {
         let mode = about.modes.iter().find(|mode| mode.id == *id);
         mode.map_or_else(|| id.to_string(), |mode| in_a_sentence(&mode.label))
     });
@@ -161,19 +161,6 @@ fn row(
         better: found.metric.better,
         best,
     })
-}
-
-/// The mode that is better, where a difference was shown and one way is better. Lower is nearer to zero: of
-/// means of two signs, whose magnitudes were not tested, neither is better.
-fn best(better: Better, contrast: &ModeDifference) -> Option<&ModeId> {
-    let (first, second) = (contrast.mean_first, contrast.mean_second);
-    let is_first = match better {
-        _ if !contrast.verdict.is_different() => return None,
-        Better::Lower if first * second >= 0.0 => first.abs() < second.abs(),
-        Better::Higher => first > second,
-        Better::Lower | Better::Neither => return None,
-    };
-    Some(if is_first { &contrast.contrast.mode } else { &contrast.contrast.against })
 }
 
 /// s_av: the root mean of the variances of both modes (Cumming, Understanding the New Statistics, 2012); none

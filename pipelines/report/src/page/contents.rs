@@ -2,13 +2,14 @@
 //! and each trial's row.
 
 use super::TURNED;
-use super::estimates::Estimate;
+use super::estimates::{DifferenceOf, MeanOf};
 use crate::compared::ComparedMetric;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use zwidth_results::{GivenAnswer, TrialKey};
+use zwidth_results::{Compared, GivenAnswer, Role, Size, TrialKey};
 use zwidth_study::{
-    AnswerValue, Coordinate, EnvironmentId, ModeId, ParticipantId, Question, SessionId, Setup,
+    AnswerValue, Coordinate, EnvironmentId, Families, ModeId, ParticipantId, Perception, Question,
+    SessionId, Setup,
 };
 use zwidth_tables::{Column, Measured, Values, shown_unit};
 
@@ -30,6 +31,10 @@ pub struct Contents {
     /// The trials whose model can be turned.
     #[serde(skip_serializing_if = "Option::is_none")]
     turned: Option<TurnedOf>,
+    /// How the differences were estimated.
+    level: f64,
+    alpha: f64,
+    families: Families,
     single_file: bool,
 }
 
@@ -64,8 +69,26 @@ struct MetricOf {
     label: String,
     unit: String,
     scale: f64,
-    means: Vec<Estimate>,
-    differences: Vec<Estimate>,
+    is_primary: bool,
+    /// Which values are better: `lower`, `higher`, `neither`.
+    better: &'static str,
+    /// The share of a value that is just noticed, and the least difference that is, in SI.
+    noticed: Option<[f64; 2]>,
+    means: Vec<MeanOf>,
+    differences: Vec<DifferenceOf>,
+}
+
+/// How the differences of the study were estimated, to do it again.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Estimating {
+    /// Level of every interval, as a fraction.
+    pub level: f64,
+    /// A claim needs an adjusted p value below this.
+    pub alpha: f64,
+    /// Which contrasts are adjusted together.
+    pub families: Families,
+    /// What is just noticed.
+    pub perception: Perception,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -113,6 +136,34 @@ impl Contents {
         Self { force_unit: "N·m", ..self }
     }
 
+    /// Of how many differences it was shown that there is one, and how many of them are felt.
+    pub(super) fn verdicts_in_words(&self) -> Option<String> {
+        let all = || self.metrics.iter().flat_map(|metric| &metric.differences);
+        let shown = || all().filter(|difference| difference.verdict.is_different());
+        let sized = |size| shown().filter(|difference| difference.size == Some(size)).count();
+        let unknown = shown().filter(|difference| difference.jnd.is_none()).count();
+        let parts = [
+            (sized(Size::Felt), "felt"),
+            (sized(Size::MayBeFelt), "may be felt"),
+            (sized(Size::BelowWhatIsFelt), "below what is felt"),
+            (unknown, "of metrics of which it is not known what is felt"),
+        ];
+        let parts: Vec<String> = parts
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, words)| format!("{count} {words}"))
+            .collect();
+        let sizes =
+            if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) };
+        (all().count() > 0).then(|| {
+            format!(
+                "Of {} differences in all metrics, {} were shown{sizes}.",
+                all().count(),
+                shown().count()
+            )
+        })
+    }
+
     /// Whether there are sliders.
     pub(super) fn has_turned(&self) -> bool {
         self.turned.is_some()
@@ -124,6 +175,7 @@ impl Contents {
         study: &str,
         title: &str,
         planned: &Setup,
+        estimating: &Estimating,
         metrics: &Measured,
         compared: &[ComparedMetric],
         answers: &[GivenAnswer],
@@ -143,10 +195,16 @@ impl Contents {
             force_unit: "N",
             environments: planned.environments.iter().map(EnvironmentOf::of).collect(),
             modes: planned.modes.iter().map(Labelled::of).collect(),
-            metrics: columns.iter().map(|(metric, _)| MetricOf::of(metric, coordinate)).collect(),
+            metrics: columns
+                .iter()
+                .map(|(metric, _)| MetricOf::of(metric, planned, &estimating.perception))
+                .collect(),
             questions: ratings(planned).map(QuestionOf::of).collect(),
             trials: trials(metrics, &columns, &answered(planned, answers)),
             turned: None,
+            level: estimating.level,
+            alpha: estimating.alpha,
+            families: estimating.families,
             single_file: false,
         }
     }
@@ -174,15 +232,21 @@ impl Labelled {
 }
 
 impl MetricOf {
-    fn of(metric: &ComparedMetric, coordinate: Coordinate) -> Self {
-        let (unit, scale) = shown_unit(&metric.metric.unit, coordinate);
+    fn of(metric: &ComparedMetric, planned: &Setup, perception: &Perception) -> Self {
+        let ComparedMetric { metric: Compared { unit: si, .. }, means, contrasts, redrawn, .. } =
+            metric;
+        let (unit, scale) = shown_unit(si, planned.coordinate);
+        let lever_m = planned.device.lever_m.unwrap_or(0.0);
         Self {
             name: metric.metric.metric.to_string(),
-            label: metric.metric.words.clone(),
+            label: metric.words(planned.coordinate),
             unit: if unit == "1" { String::new() } else { unit },
             scale,
-            means: metric.means.iter().map(Estimate::of_mean).collect(),
-            differences: metric.contrasts.iter().map(Estimate::of_difference).collect(),
+            is_primary: metric.metric.role == Role::Primary,
+            better: metric.metric.better.as_str(),
+            noticed: perception.share_and_floor(si, lever_m),
+            means: means.iter().map(MeanOf::new).collect(),
+            differences: contrasts.iter().map(|row| DifferenceOf::new(row, redrawn)).collect(),
         }
     }
 }

@@ -1,46 +1,103 @@
 //! What the stage `compare` estimated of a metric, as the page's script draws it: means and
-//! differences with their intervals.
+//! differences with their intervals, and what it needs to estimate a difference again.
 
-use serde::Serialize;
-use zwidth_results::{Mean, ModeDifference};
+use serde::{Serialize, Serializer};
+use zwidth_results::{Mean, ModeDifference, RedrawnDifference, Size, Verdict};
 
-/// A mean in one condition, or a difference between two, in the metric's unit.
+/// A mean in one condition, in the metric's unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Estimate {
+pub(super) struct MeanOf {
     environment: String,
-    /// The mode, or the contrast as the tables write it.
+    /// The mode.
     of: String,
     value: f64,
     /// Ends of the interval, where there is one.
     low: Option<f64>,
     high: Option<f64>,
+    sd: Option<f64>,
     /// Units of analysis, and what they are.
     n: usize,
     unit_of_analysis: String,
 }
 
-impl Estimate {
-    pub(super) fn of_mean(row: &Mean) -> Self {
+impl MeanOf {
+    pub(super) fn new(row: &Mean) -> Self {
         Self {
             environment: row.environment.to_string(),
             of: row.mode.to_string(),
             value: row.mean,
             low: row.ci_low,
             high: row.ci_high,
+            sd: row.sd,
             n: row.n,
             unit_of_analysis: row.unit_of_analysis.to_string(),
         }
     }
+}
 
-    pub(super) fn of_difference(row: &ModeDifference) -> Self {
+fn verdict_in_words<S: Serializer>(verdict: &Verdict, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(verdict.as_str())
+}
+
+#[allow(clippy::ref_option)] // serde gives the field
+fn size_in_words<S: Serializer>(size: &Option<Size>, to: S) -> Result<S::Ok, S::Error> {
+    size.map(Size::as_str).serialize(to)
+}
+
+/// A difference between two modes, in the metric's unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct DifferenceOf {
+    environment: String,
+    /// The contrast as the tables write it, and its two modes.
+    of: String,
+    mode: String,
+    against: String,
+    value: f64,
+    error: Option<f64>,
+    /// Ends of the interval, where there is one.
+    low: Option<f64>,
+    high: Option<f64>,
+    n: usize,
+    unit_of_analysis: String,
+    /// The means of both modes, of those who have both.
+    means: [f64; 2],
+    #[serde(serialize_with = "verdict_in_words")]
+    pub(super) verdict: Verdict,
+    #[serde(serialize_with = "size_in_words")]
+    pub(super) size: Option<Size>,
+    p_adjusted: Option<f64>,
+    bound: Option<f64>,
+    /// The just noticeable difference, where it is known, and whether it is that of a commanded value.
+    pub(super) jnd: Option<f64>,
+    is_commanded: bool,
+    /// The differences in other orders of the trials, had none depended on mode.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    redrawn: Vec<f64>,
+}
+
+impl DifferenceOf {
+    pub(super) fn new(row: &ModeDifference, redrawn: &[RedrawnDifference]) -> Self {
+        let key = (&row.environment, &row.contrast);
+        let own = redrawn.iter().filter(|other| (&other.environment, &other.contrast) == key);
         Self {
             environment: row.environment.to_string(),
             of: row.contrast.to_string(),
+            mode: row.contrast.mode.to_string(),
+            against: row.contrast.against.to_string(),
             value: row.difference,
+            error: row.difference_std_error,
             low: row.difference_ci_low,
             high: row.difference_ci_high,
             n: row.n,
             unit_of_analysis: row.unit_of_analysis.to_string(),
+            means: [row.mean_first, row.mean_second],
+            verdict: row.verdict,
+            size: row.size,
+            p_adjusted: row.p_adjusted,
+            bound: row.bound,
+            jnd: row.jnd,
+            is_commanded: row.commanded.is_some(),
+            redrawn: own.map(|other| other.difference).collect(),
         }
     }
 }

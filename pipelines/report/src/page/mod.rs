@@ -17,7 +17,7 @@ mod quality;
 mod single;
 mod turned;
 
-pub use contents::Contents;
+pub use contents::{Contents, Estimating};
 pub use course::{Columns, Course, Event, condition_script};
 pub use given::Page;
 pub use single::single_file;

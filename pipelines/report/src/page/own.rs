@@ -46,6 +46,8 @@ const PARTS: &str = concat!(
     include_str!("script/cursor.js"),
     include_str!("script/exports.js"),
     include_str!("script/dots.js"),
+    include_str!("script/estimates.js"),
+    include_str!("script/verdicts.js"),
     include_str!("script/answers.js"),
     include_str!("script/sliders.js"),
     include_str!("script/page.js"),

@@ -3,8 +3,9 @@
 use super::given::Page;
 use super::quality;
 use crate::people::{participants, sources};
-use crate::{Made, NO_MEAN, Summary, on_demand, what_it_is};
+use crate::{Asked, Made, NO_MEAN, Summary, on_demand, what_it_is};
 use maud::{Markup, html};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// More figures than this stand in groups that are closed at first.
 const MOST_OPEN: usize = 60;
@@ -26,17 +27,20 @@ pub(super) fn all(page: &Page) -> Vec<Part> {
     let part = |id, title, is_there: bool, body: fn(&Page) -> Markup| {
         is_there.then(|| Part { id, title, body: body(page) })
     };
+    let is_told = |question| about(summary, question).next().is_some();
+    let said = trials && asked || is_told(Asked::Answers);
     let parts = [
         part("verdicts", VERDICTS, verdicts_of(summary).is_some(), verdicts),
-        part("matrix", "The modes compared", !summary.matrix.rows.is_empty(), matrix),
-        part("findings", "What the trials show", !summary.shown.is_empty(), findings),
+        part("matrix", "How large is it?", !summary.matrix.rows.is_empty(), matrix),
+        part("dots", "Does everybody show it?", trials, dots),
+        part("practice", "Does it change with practice?", is_told(Asked::Practice), practice),
+        part("answers", "What did people say?", said, answers),
+        part("findings", "What else the trials show", is_told(Asked::Else), findings),
         part("trials", "Every trial", trials, trial_browser),
-        part("dots", "Trials, participants, means", trials, dots),
-        part("answers", "Answers beside a metric", trials && asked, answers),
         part("model", "The model, turned by hand", turned, model),
         part("statements", "The thesis’ statements", !summary.statements.is_empty(), statements),
-        part("plan", crate::PLAN, !summary.plan.is_empty(), plan),
         part("quality", "Quality of the data", true, quality::body),
+        part("plan", crate::PLAN, !summary.plan.is_empty(), plan),
         part("runs", crate::RUNS, !summary.runs.is_empty(), runs),
         part("figures", "Figures", !summary.figures.is_empty(), figures),
         part("tables", "Tables", !summary.tables.is_empty(), tables),
@@ -70,7 +74,7 @@ pub(super) fn header(page: &Page) -> Markup {
 }
 
 /// What the first part is called.
-const VERDICTS: &str = "Do the modes differ, and can it be felt?";
+const VERDICTS: &str = "Does it differ, and can it be felt?";
 
 /// The figure of every difference between modes, where it was made.
 fn verdicts_of(summary: &Summary) -> Option<&Made> {
@@ -79,14 +83,9 @@ fn verdicts_of(summary: &Summary) -> Option<&Made> {
 
 fn verdicts(page: &Page) -> Markup {
     html! {
-        @if let Some(made) = verdicts_of(page.summary) {
-            figure {
-                a href=(with_extension(&made.path, "pdf")) {
-                    img src=(with_extension(&made.path, "svg")) alt=(made.caption);
-                }
-                figcaption { (made.caption) ". " a href={ "#" (anchor(&made.path)) } { "All its forms" } }
-            }
-        }
+        @if let Some(told) = page.contents.and_then(super::Contents::verdicts_in_words) { p.lead { (told) } }
+        div #verdict-matrix {}
+        @if let Some(made) = verdicts_of(page.summary) { (picture(made)) }
     }
 }
 
@@ -130,6 +129,10 @@ fn matrix(page: &Page) -> Markup {
                 }
             }
         }
+        details {
+            summary { "Each difference in words " span.count { (about(page.summary, Asked::Difference).count()) } }
+            (sentences(page.summary, Asked::Difference))
+        }
         p.caption { (matrix.caption) @if page.contents.is_some() { " Each number opens its trials." } }
     }
 }
@@ -143,8 +146,47 @@ fn sentence(text: &str, path: &str) -> Markup {
     html! { (text) " (" a href=(target) { (words) } ")" }
 }
 
+/// The sentences that answer a question.
+fn about(summary: &Summary, question: Asked) -> impl Iterator<Item = &Made> {
+    summary.shown.iter().filter(move |made| made.question == question)
+}
+
+fn sentences(summary: &Summary, question: Asked) -> Markup {
+    html! {
+        ul.told { @for made in about(summary, question) { li { (sentence(&made.caption.to_string(), &made.path)) } } }
+    }
+}
+
 fn findings(page: &Page) -> Markup {
-    html! { ol { @for made in &page.summary.shown { li { (sentence(&made.caption.to_string(), &made.path)) } } } }
+    sentences(page.summary, Asked::Else)
+}
+
+/// The figures of a kind, each with its caption.
+fn pictures<'a>(summary: &'a Summary, stem: &'a str) -> impl Iterator<Item = &'a Made> {
+    let is_one =
+        move |made: &&Made| made.path.rsplit('/').next().is_some_and(|name| name.starts_with(stem));
+    summary.figures.iter().filter(is_one)
+}
+
+fn practice(page: &Page) -> Markup {
+    html! {
+        (sentences(page.summary, Asked::Practice))
+        @for made in ["learning.", "sessions."].into_iter().filter_map(|stem| pictures(page.summary, stem).next()) {
+            (picture(made))
+        }
+    }
+}
+
+/// A figure of the gallery, shown here too.
+fn picture(made: &Made) -> Markup {
+    html! {
+        figure {
+            a href=(with_extension(&made.path, "pdf")) {
+                img src=(with_extension(&made.path, "svg")) alt=(made.caption) loading="lazy";
+            }
+            figcaption { (made.caption) ". " a href={ "#" (anchor(&made.path)) } { "All its forms" } }
+        }
+    }
 }
 
 fn plan(page: &Page) -> Markup {
@@ -200,12 +242,21 @@ fn model(_: &Page) -> Markup {
     }
 }
 
-fn answers(_: &Page) -> Markup {
-    html! { div #answer-plot { noscript { p { (NEEDS_SCRIPT) } } } }
+fn answers(page: &Page) -> Markup {
+    html! {
+        (sentences(page.summary, Asked::Answers))
+        @for made in ["likert", "ratings"].into_iter().filter_map(|stem| pictures(page.summary, stem).next()) {
+            (picture(made))
+        }
+        @if page.contents.is_some() {
+            h3 { "Answers beside a metric" }
+            div #answer-plot { noscript { p { (NEEDS_SCRIPT) } } }
+        }
+    }
 }
 
 /// The groups of figures: kind and those of it, in their order.
-fn groups(figures: &[Made]) -> Vec<(&str, Vec<&Made>)> {
+fn groups<'a>(figures: &[&'a Made]) -> Vec<(&'a str, Vec<&'a Made>)> {
     let mut groups: Vec<(&str, Vec<&Made>)> = Vec::new();
     for made in figures {
         match groups.iter_mut().find(|(kind, _)| *kind == made.kind) {
@@ -217,10 +268,35 @@ fn groups(figures: &[Made]) -> Vec<(&str, Vec<&Made>)> {
 }
 
 fn figures(page: &Page) -> Markup {
-    let open = page.summary.figures.len() <= MOST_OPEN;
+    let trials = page.contents.iter().flat_map(|contents| contents.trials());
+    let codes: BTreeSet<&str> = trials.map(|trial| trial.participant.as_str()).collect();
+    let mut of_all: Vec<&Made> = Vec::new();
+    let mut people: BTreeMap<&str, Vec<&Made>> = BTreeMap::new();
+    for made in &page.summary.figures {
+        // One session's figure has its person in its name: `modes.P01.S01.spring`.
+        let name = made.path.rsplit('/').next().unwrap_or_default();
+        match name.split('.').nth(1).filter(|code| codes.contains(code)) {
+            Some(person) => people.entry(person).or_default().push(made),
+            None => of_all.push(made),
+        }
+    }
     html! {
         @if let Some(told) = on_demand(page.summary.undrawn) { p.caption { (told.replace('`', "")) } }
-        @for (kind, group) in groups(&page.summary.figures) {
+        (grouped(&of_all))
+        @if !people.is_empty() { h3 { "Person by person" } }
+        @for (person, own) in people {
+            details {
+                summary { (person) " " span.count { (own.len()) } }
+                (grouped(&own))
+            }
+        }
+    }
+}
+
+fn grouped(all: &[&Made]) -> Markup {
+    let open = all.len() <= MOST_OPEN;
+    html! {
+        @for (kind, group) in groups(all) {
             details open[open] {
                 summary { (kind) " " span.count { (group.len()) } }
                 @for made in group {

@@ -24,8 +24,8 @@ pub(super) fn policy(form: Form) -> String {
     let (loads, images) = match form {
         // `strict-dynamic`: what the page's own script loads is samples; a tag of another script
         // loads nothing. A page from a disk has no origin, so that not every browser takes files
-        // beside it for its own (`'self'`).
-        Form::Folder => (" 'strict-dynamic'", "'self' file:"),
+        // beside it for its own (`'self'`). A picture of the page's own making is in its address.
+        Form::Folder => (" 'strict-dynamic'", "'self' file: data:"),
         Form::OneFile => ("", "data:"),
     };
     format!(

@@ -3,14 +3,20 @@
 use super::policy::{Form, policy};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use std::collections::BTreeSet;
-use std::io;
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write as _};
 
 /// Where the page says that samples lie beside it, and what one file says instead.
 const BESIDE: [&str; 2] = ["\"single_file\":false", "\"single_file\":true"];
 /// How the page names a picture: all that it shows of another file. No text of a study can have this
 /// quotation mark.
 const SOURCE: &str = " src=\"";
+/// How one file names it instead, where it is packed.
+const PACKED: &str = " data-packed=\"";
+/// What stands before the page's own script, where it knows nothing of a study.
+const SCRIPT: &str = "<script>";
 /// What stands before what the page's script knows of the study: samples are brought in before it, too.
 pub(super) const DATA: &str = "<script id=\"study-data\" type=\"application/json\">";
 /// How a trial names the script that holds its samples.
@@ -35,6 +41,8 @@ pub fn single_file(
     let mut one = String::with_capacity(2 * html.len());
     one += head;
     one += &policy(Form::OneFile);
+    let mut figures: BTreeMap<&str, String> = BTreeMap::new();
+    let mut is_first = true;
     while let Some((before, rest)) = shown.split_once(SOURCE) {
         let (path, after) = rest.split_once('"').unwrap_or((rest, ""));
         if !path.starts_with("figures/") || !path.ends_with(".svg") {
@@ -42,11 +50,31 @@ pub fn single_file(
                 "it shows '{path}', which is no figure of the study; make it again with `zwidth run STUDY`"
             )));
         }
-        let picture = STANDARD.encode(read(path)?);
-        one += &format!("{before}{SOURCE}data:image/svg+xml;base64,{picture}\"");
+        one += before;
+        if std::mem::take(&mut is_first) {
+            // The answer is there without the script, too.
+            let picture = STANDARD.encode(read(path)?);
+            one += &format!("{SOURCE}data:image/svg+xml;base64,{picture}\"");
+        } else {
+            if !figures.contains_key(path) {
+                figures.insert(path, deflated(&read(path)?)?);
+            }
+            one += &format!("{PACKED}{path}\"");
+        }
         shown = after;
     }
+    // The page's script unpacks a figure when it is about to be seen: drawings are most of the file.
+    let (shown, end) = shown.rsplit_once(SCRIPT).unwrap_or((shown, ""));
     one += shown;
+    for (path, figure) in figures {
+        one += &format!(
+            "<script type=\"text/plain\" class=\"figure-data\" data-key=\"{path}\">{figure}</script>"
+        );
+    }
+    if !end.is_empty() {
+        one += SCRIPT;
+        one += end;
+    }
     if data.is_empty() {
         return Ok(one);
     }
@@ -60,6 +88,12 @@ pub fn single_file(
         );
     }
     Ok(one + DATA + &data.replacen(BESIDE[0], BESIDE[1], 1))
+}
+
+fn deflated(bytes: &[u8]) -> io::Result<String> {
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(bytes)?;
+    Ok(STANDARD.encode(encoder.finish()?))
 }
 
 /// What a script of samples calls with.

@@ -86,6 +86,13 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         is_primary_by_default: false,
         means: &[active],
         contrasts: &[contrast],
+        redrawn: &[],
+    };
+    let estimating = Estimating {
+        level: 0.95,
+        alpha: 0.05,
+        families: zwidth_study::Families::Metric,
+        perception: zwidth_study::Perception::default(),
     };
     let given = GivenAnswer {
         participant: "P01".parse().unwrap(),
@@ -99,7 +106,7 @@ fn with_answer(planned: &Setup, title: &str, answer: AnswerValue) -> Contents {
         counts: true,
         why_not: None,
     };
-    Contents::of("s", title, planned, &metrics(), &[compared], &[given])
+    Contents::of("s", title, planned, &estimating, &metrics(), &[compared], &[given])
 }
 
 fn page(summary: &Summary) -> String {
@@ -150,10 +157,10 @@ fn the_parts_stand_in_their_order_and_the_simulated_are_marked() {
         "id=\"top\"",
         "class=\"synthetic\"",
         "id=\"matrix\"",
-        "id=\"findings\"",
-        "id=\"trials\"",
         "id=\"dots\"",
         "id=\"answers\"",
+        "id=\"findings\"",
+        "id=\"trials\"",
         "id=\"quality\"",
         "id=\"figures\"",
         "id=\"tables\"",
@@ -311,12 +318,17 @@ fn the_policy_stands_before_all_that_it_is_about_and_names_the_page_s_own_script
 #[test]
 fn the_script_gets_means_and_differences_with_their_intervals_as_the_tables_have_them() {
     let data = data_of(&page(&summary()));
-    let expected = |of: &str| {
-        serde_json::json!([{
-            "environment": "spring", "of": of, "value": 0.5, "low": 0.25, "high": null,
-            "n": 6, "unit_of_analysis": "trials of P01",
-        }])
-    };
-    assert_eq!(data["metrics"][0]["means"], expected("active"));
-    assert_eq!(data["metrics"][0]["differences"], expected("hybrid − active"));
+    let mean = serde_json::json!([{
+        "environment": "spring", "of": "active", "value": 0.5, "low": 0.25, "high": null, "sd": null,
+        "n": 6, "unit_of_analysis": "trials of P01",
+    }]);
+    let difference = serde_json::json!([{
+        "environment": "spring", "of": "hybrid − active", "mode": "hybrid", "against": "active",
+        "value": 0.5, "error": 0.02, "low": 0.25, "high": null, "n": 6,
+        "unit_of_analysis": "trials of P01", "means": [0.1, 0.2], "verdict": "undecided",
+        "size": null, "p_adjusted": 0.0123, "bound": null, "jnd": null, "is_commanded": false,
+    }]);
+    assert_eq!(data["metrics"][0]["means"], mean);
+    assert_eq!(data["metrics"][0]["differences"], difference);
+    assert_eq!((&data["level"], &data["families"]), (&0.95.into(), &"metric".into()));
 }

@@ -31,6 +31,7 @@ function buildBrowser(host) {
   const [session, pickSession] = field("Session", "pick-session", (s) => change({ s }));
   const [environment, pickEnvironment] = field("Environment", "pick-environment", (e) => change({ e, zoom: null, brush: [null, null] }));
   const [repeat, pickRepeat] = field("Repeats", "pick-repeat", (r) => change({ r: Number(r) || "all" }));
+  const [beside, pickBeside] = field("Beside it", "pick-beside", (key) => change({ beside: key || null }));
   const [align, pickAlign] = field("Time from", "pick-align", (a) => change({ a, zoom: null, brush: [null, null] }));
   const modes = make("fieldset", { class: "ticks", id: "pick-modes" }, make("legend", {}, "Modes"));
   const show = make("fieldset", { class: "ticks", id: "pick-show" }, make("legend", {}, "Show"));
@@ -41,9 +42,9 @@ function buildBrowser(host) {
   const panels = PANELS.map(buildPanel);
   const surface = make("div", { class: "surface", id: "surface", tabindex: "0", role: "application", "aria-roledescription": "plot", "aria-label": "Plots of the chosen trials", "aria-describedby": "surface-keys", "aria-details": "trial-table", onkeydown: onKey, onfocus: () => browser.index === null && moveTo(0) }, ...panels);
   const keys = make("p", { class: "caption", id: "surface-keys" }, "In the plots: ", make("kbd", {}, "←"), make("kbd", {}, "→"), " sample by sample, ", make("kbd", {}, "Page"), " ten at a time, ", make("kbd", {}, "Home"), make("kbd", {}, "End"), " ends, ", make("kbd", {}, "↑"), make("kbd", {}, "↓"), " another curve, ", make("kbd", {}, "["), make("kbd", {}, "]"), " mark a span, ", make("kbd", {}, "Z"), " zoom to it, ", make("kbd", {}, "W"), " at the wall, ", make("kbd", {}, "Esc"), " reset.");
-  Object.assign(parts, { pickParticipant, pickSession, pickEnvironment, pickRepeat, pickAlign, modes, show, surface, session,
+  Object.assign(parts, { pickParticipant, pickSession, pickEnvironment, pickRepeat, pickAlign, pickBeside, beside, modes, show, surface, session,
     status: make("p", { class: "status", role: "status" }), note: make("p", { class: "caption" }), readout: make("dl", { class: "readout", id: "readout" }), live: make("p", { class: "unseen", "aria-live": "polite", id: "live" }), table: buildTable() });
-  host.replaceChildren(make("div", { class: "controls", role: "group", "aria-label": "Trials to show" }, participant, session, environment, repeat, align, modes, show), tools, parts.status, surface, parts.readout, parts.live, parts.note, keys, parts.table, buildExports());
+  host.replaceChildren(make("div", { class: "controls", role: "group", "aria-label": "Trials to show" }, participant, session, environment, beside, repeat, align, modes, show), tools, parts.status, surface, parts.readout, parts.live, parts.note, keys, parts.table, buildExports());
   host.dataset.ready = "true";
 }
 
@@ -78,6 +79,9 @@ function writeControls() {
   parts.session.hidden = sessions.length < 2;
   const there = study.environments.filter(({ id }) => study.modes.some((mode) => hasTrials(id, mode.id)));
   parts.pickEnvironment.replaceChildren(...there.map(({ id, label }) => option(id, label, id === view.e)));
+  const others = besides();
+  parts.pickBeside.replaceChildren(option("", "nothing", !view.beside), ...others.map(({ key, label }) => option(key, label, key === view.beside)));
+  parts.beside.hidden = !others.length;
   const repeats = distinct(shownTrials().map((trial) => trial.repeat)).sort((a, b) => a - b);
   parts.pickRepeat.replaceChildren(option("all", "all", view.r === "all"), ...repeats.map((r) => option(r, `only ${r}`, view.r === r)));
   parts.pickAlign.replaceChildren(...Object.entries(ALIGN).map(([id, label]) => option(id, label, id === view.a)));
@@ -107,7 +111,9 @@ let refreshes = 0;
 /** Loads what the view names, and draws it. A newer wish wins over an older one. */
 async function refresh() {
   const mine = ++refreshes;
-  const wanted = view.m.flatMap((mode) => trialsIn(view.e, mode).map(([{ data: key, participant: p, session: s }]) => ({ mode, key, who: { p, s } }))).filter(({ key }) => key);
+  const wanted = view.m.flatMap((mode) => trialsIn(view.e, mode).map(([{ data: key, participant: p, session: s }]) => ({ mode, key, who: { p, s, e: view.e } }))).filter(({ key }) => key);
+  const other = besides().find(({ key }) => key === view.beside);
+  if (other) for (const mode of view.m) for (const [{ data: key }] of [trialsBy.get(pathOf(other.p, other.s, other.e, mode))].filter(Boolean)) wanted.push({ mode, key, who: { ...other, isBeside: true } });
   const waiting = setTimeout(() => mine === refreshes && say("Loading …"), 200);
   const found = await Promise.allSettled(wanted.map(({ key }) => condition(key)));
   clearTimeout(waiting);
@@ -136,7 +142,8 @@ function writeNote() {
   const notes = [], { marks } = screen.seen;
   const sessions = distinct(browser.curves.map(({ who }) => `${who.p} ${who.s}`)).length, all = [...sessionsOf.values()].reduce((sum, some) => sum + some.size, 0);
   if (view.p === EVERY && all > MOST_TOGETHER) notes.push(`The first ${MOST_TOGETHER} of ${all} sessions are shown.`);
-  else if (sessions > 1) notes.push(`${sessions} sessions are shown together; a curve says whose it is at the cursor.`);
+  else if (sessions > 1 && !view.beside) notes.push(`${sessions} sessions are shown together; a curve says whose it is at the cursor.`);
+  if (view.beside) notes.push(`Dotted: ${besides().find(({ key }) => key === view.beside)?.label ?? ""}, beside ${view.p} ${view.s}, ${labelOf(study.environments, view.e)}.`);
   if (!browser.curves.length) notes.push("No curve is shown: choose repeats or the mean under “Show”.");
   if (marks.has("mean") && view.a === "onset" && browser.curves.some((curve) => curve.kind === "mean" && !curve.overTime)) notes.push("Thick: mean of the repeats, over time from their onsets, over the angle by landmarks (start, contact, reversal and end meet).");
   else if (marks.has("mean")) notes.push(`Thick: mean of the repeats, ${view.a === "landmarks" ? "by landmarks" : "from their onsets"}.`);

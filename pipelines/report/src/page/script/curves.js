@@ -18,7 +18,8 @@ const onsetOf = (trial) => trial?.events?.find((event) => event.kind === "onset"
 /** The curves of one mode of one session: its repeats, its mean as the alignment allows, its replay. */
 function curvesOfMode({ mode, key, who }, data) {
   const shift = (trial) => (view.a === "onset" ? onsetOf(trial) ?? 0 : 0);
-  const name = whose().length > 1 ? `${who.p} ${who.s}, ${short(labelOf(study.modes, mode))}` : short(labelOf(study.modes, mode));
+  const place = who.e === view.e ? "" : `${short(labelOf(study.environments, who.e))}, `;
+  const name = whose().length > 1 || view.beside ? `${who.p} ${who.s}, ${place}${short(labelOf(study.modes, mode))}` : short(labelOf(study.modes, mode));
   const one = view.r !== "all";
   const landmarks = view.a === "landmarks" && data.means.landmarks;
   const curves = [];
@@ -47,6 +48,7 @@ function styleOf(curve, curves, theme) {
   const colour = theme.modes[modeIndex(curve.mode)];
   const dash = DASHES[modeIndex(curve.mode) % DASHES.length];
   if (curve.kind === "replay") return { colour: theme.ink, width: 1.5, dash: curve.model === "fitted" ? [2, 2] : [7, 3, 1, 3], opacity: 0.85 };
+  if (curve.who.isBeside) return { colour, width: curve.kind === "mean" ? 2.5 : 1.25, dash: [1.5, 3], opacity: 0.9 };
   const means = curves.filter((other) => other.mode === curve.mode && other.kind === "mean" && other.overTime === curve.overTime).length;
   if (curve.kind === "mean") return { colour, width: means > 1 ? 1.5 : 2.5, dash };
   const alone = curves.filter((other) => other.mode === curve.mode && other.kind === "trial").length === 1;

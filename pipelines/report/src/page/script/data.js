@@ -22,14 +22,31 @@ function fetchCondition(key) {
   });
 }
 
-/** Columns of n numbers, one after the other: base64, deflate, bytes in planes, each value XORed with the one before. Little-endian, as every browser's machine is. */
-async function decodeColumns(text, n, count) {
+const blocks = (name) => new Map([...document.querySelectorAll(`script.${name}`)].map((element) => [element.dataset.key, element]));
+
+function unpacked(text) {
   const binary = atob(text), packed = new Uint8Array(binary.length);
   for (let i = 0; i < packed.length; i++) packed[i] = binary.charCodeAt(i);
   // Not by a Blob's stream: it goes through another process, some milliseconds each.
   const inflate = new DecompressionStream("deflate-raw"), input = inflate.writable.getWriter();
   const written = input.write(packed).then(() => input.close());
-  const [buffer] = await Promise.all([new Response(inflate.readable).arrayBuffer(), written]);
+  return Promise.all([new Response(inflate.readable).arrayBuffer(), written]).then(([buffer]) => buffer);
+}
+
+let figureBlocks = null;
+/** Gives a figure of a page in one file its picture. */
+async function show(image) {
+  const { packed } = image.dataset;
+  if (!packed) return;
+  delete image.dataset.packed;
+  figureBlocks ??= blocks("figure-data");
+  const text = new TextDecoder().decode(await unpacked(figureBlocks.get(packed).textContent));
+  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
+}
+
+/** Columns of n numbers, one after the other: base64, deflate, bytes in planes, each value XORed with the one before. Little-endian, as every browser's machine is. */
+async function decodeColumns(text, n, count) {
+  const buffer = await unpacked(text);
   if (buffer.byteLength !== 8 * n * count) throw new Error(`${count} columns hold ${buffer.byteLength} bytes where ${n} samples take ${8 * n * count}`);
   return Array.from({ length: count }, (_, column) => numbersOf(new Uint8Array(buffer, 8 * n * column, 8 * n), n));
 }

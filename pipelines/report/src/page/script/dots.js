@@ -125,8 +125,14 @@ function differenceGroups(environment, index, single) {
       return [{ value, words: `${unit}, ${short(to.label)} minus ${short(from.label)}: ${significant(value)} ${metric.unit}`, open: () => openTrials({ p, s, e: environment.id, m: [from.id, to.id], r: single ? repeat : "all" }) }];
     });
     const summary = summaryOf(metric, metric.differences, environment.id, `${to.id} − ${from.id}`, points.map((one) => one.value));
-    return { label: `${short(to.label, 12)} − ${short(from.label, 12)}`, mode: study.modes.indexOf(to), points, summary };
+    return { label: `${short(to.label, 12)} − ${short(from.label, 12)}`, names: [short(to.label), short(from.label)], mode: study.modes.indexOf(to), points, summary };
   }).filter((group) => group.points.length);
+}
+
+/** How many of the people, or of the only one's repeats, have a difference of the more frequent sign. */
+function everybodyWords(environment, { points, names: [mode, against] }, isSingle) {
+  const higher = points.filter(({ value }) => value > 0).length, lower = points.filter(({ value }) => value < 0).length;
+  return `${short(environment.label, 30)}: ${higher >= lower ? "higher" : "lower"} with ${mode} than with ${against} in ${Math.max(higher, lower)} of ${points.length} ${isSingle ? "repeats" : points.length === 1 ? "person" : "people"}.`;
 }
 
 function rangeOfGroups(groups, withZero = false) {
@@ -141,9 +147,9 @@ function buildDots(host) {
   const participants = sessionsOf.size;
   const [pick, select] = field("Metric", "dots-metric", draw);
   select.replaceChildren(...usable.map((i) => option(i, metricTitle(study.metrics[i]), false)));
-  const charts = make("div", { class: "charts" }), tip = make("p", { class: "tip" }), note = make("p", { class: "caption" });
+  const charts = make("div", { class: "charts" }), tip = make("p", { class: "tip" }), note = make("p", { class: "caption" }), lead = make("p", { class: "lead" });
   const tell = (words) => { tip.textContent = words; };
-  host.replaceChildren(make("div", { class: "controls" }, pick), charts, tip, note);
+  host.replaceChildren(make("div", { class: "controls" }, pick), lead, charts, tip, note);
   function draw() {
     const index = Number(select.value), metric = study.metrics[index], many = participants > MANY, single = participants === 1;
     const facets = study.environments.map((environment) => ({ environment, groups: dotGroups(environment, index, many), differences: differenceGroups(environment, index, single) })).filter(({ groups }) => groups.length);
@@ -156,6 +162,7 @@ function buildDots(host) {
     charts.querySelectorAll("svg").forEach(rove);
     const all = facets.flatMap(({ groups, differences }) => [...groups, ...differences]);
     const bars = all.every(({ summary }) => summary.given) ? "Bars: mean and interval as in the tables." : all.some(({ summary }) => summary.given) ? "Bars: mean and interval as in the tables, else mean ± SD of the dots drawn." : "Bars: mean ± SD of the dots drawn.";
+    lead.textContent = facets.flatMap(({ environment, differences }) => differences.map((group) => everybodyWords(environment, group, single))).join(" ");
     tip.textContent = "Point at a dot for its trial; Enter or a click opens it.";
     note.textContent = [`${many ? "Dots: means of participants." : "Dots: trials."}`, bars, facets.every(({ differences }) => !differences.length) ? "" : single ? `Dots of differences: by repeat, within ${[...sessionsOf.keys()][0]}; nothing is said of anybody else.` : "Dots of differences: by participant, from each one's means."].join(" ");
   }

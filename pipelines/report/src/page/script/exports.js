@@ -41,7 +41,7 @@ function csv() {
   const columns = distinct(browser.curves.flatMap((curve) => Object.keys(curve.stored)));
   const lines = [["participant", "session", "environment", "mode", "curve", "trial", "repeat", "origin", ...columns].join(",")];
   for (const curve of browser.curves) {
-    const head = [curve.who.p, curve.who.s, browser.of.e, curve.mode, curve.kind === "trial" ? "trial" : curve.label, curve.trial ?? "", curve.repeat ?? "", study.simulated ? "simulated" : "recorded"].map(quoted).join(",");
+    const head = [curve.who.p, curve.who.s, curve.who.e, curve.mode, curve.kind === "trial" ? "trial" : curve.label, curve.trial ?? "", curve.repeat ?? "", study.simulated ? "simulated" : "recorded"].map(quoted).join(",");
     for (let i = 0; i < curve.n; i++) lines.push(`${head},${columns.map((column) => (Number.isFinite(curve.stored[column]?.[i]) ? exact(curve.stored[column][i]) : "")).join(",")}`);
   }
   return `${lines.join("\n")}\n`;
@@ -80,16 +80,29 @@ function buildExports() {
   return make("details", { id: "saves" }, make("summary", {}, "Save plots and samples"), make("ul", { class: "saves" }, ...rows, data));
 }
 
-/** Opens trials in the browser from elsewhere on the page, and takes the focus there. */
-function openTrials(patch) {
+/** Brings the browser of trials back from where it was opened. */
+function bringBack() {
+  const browserHost = byId("browser"), home = byId("trials");
+  if (!home || !browserHost || home.contains(browserHost)) return;
+  home.querySelector(".elsewhere")?.remove();
+  home.append(browserHost);
+}
+
+/** Opens trials in the browser from elsewhere on the page, or there with `host`, and takes the focus to them. */
+function openTrials(patch, host = null) {
   if (!parts.surface) return;
+  bringBack();
+  if (host) {
+    byId("trials").append(make("p", { class: "elsewhere" }, "The plots are open in the matrix. ", make("button", { type: "button", onclick: closeRow }, "Bring them back")));
+    host.append(byId("browser"));
+  }
   touched = true;
   Object.assign(view, { zoom: null, wall: false, brush: [null, null], r: "all" }, patch);
   browser.index = null;
   settle();
   writeControls();
   const done = refresh();
-  byId("trials").scrollIntoView({ behavior: calm.matches ? "auto" : "smooth", block: "start" });
+  (host ?? byId("trials")).scrollIntoView({ behavior: calm.matches ? "auto" : "smooth", block: host ? "nearest" : "start" });
   parts.surface.focus({ preventScroll: true });
   return done;
 }

@@ -15,15 +15,15 @@ function linkCopies() {
   }
 }
 
-/** Paper is light, and shows every figure and statement. */
+/** Paper is light. */
 function preparePrint() {
   const opened = [];
   addEventListener("beforeprint", () => {
     printing = true;
     for (const build of unbuilt) build();
     for (const redraw of redraws) redraw();
-    for (const image of document.querySelectorAll("img[loading=lazy]")) image.loading = "eager";
-    for (const details of document.querySelectorAll("#figures details, #statements details, #tables details, #quality details")) if (!details.open) { details.open = true; opened.push(details); }
+    for (const image of document.querySelectorAll("#practice img, #answers img")) { image.loading = "eager"; show(image); }
+    for (const details of document.querySelectorAll("#quality details")) if (!details.open) { details.open = true; opened.push(details); }
     if (parts.surface) paperPanels();
   });
   addEventListener("afterprint", () => {
@@ -86,11 +86,22 @@ function startBrowser(host) {
   linkMatrix();
 }
 
+/** Pictures of a page in one file, when they are about to be seen. */
+function showPictures() {
+  const images = document.querySelectorAll("img[data-packed]");
+  const watcher = new IntersectionObserver((entries) => {
+    for (const { isIntersecting, target } of entries) if (isIntersecting) { watcher.unobserve(target); show(target); }
+  }, { rootMargin: "1200px" });
+  for (const image of images) watcher.observe(image);
+}
+
 preparePrint();
+showPictures();
 linkCopies();
 followReading();
 if (study.trials.length) {
   if (byId("browser")) startBrowser(byId("browser"));
+  if (byId("verdict-matrix")) buildMatrix(byId("verdict-matrix"));
   whenNear(byId("dot-plot"), buildDots);
   whenNear(byId("answer-plot"), buildAnswers);
   whenNear(byId("model-plot"), buildModel);

@@ -12,7 +12,7 @@ for (const trial of study.trials) {
 const sessionsOf = new Map();
 for (const { participant, session } of study.trials) sessionsOf.set(participant, (sessionsOf.get(participant) ?? new Set()).add(session));
 
-const view = { p: null, s: null, e: null, m: [], r: "all", a: "onset", show: new Set(["repeats", "mean", "states"]), zoom: null, wall: false, brush: [null, null] };
+const view = { p: null, s: null, e: null, m: [], r: "all", a: "onset", beside: null, show: new Set(["repeats", "mean", "states"]), zoom: null, wall: false, brush: [null, null] };
 
 const EVERY = "*"; // everybody, or every session: no name has a star
 const MOST_TOGETHER = 60; // sessions that are shown together
@@ -30,6 +30,16 @@ const hasTrials = (environment, mode) => trialsIn(environment, mode).length > 0;
 const wallOf = (id) => environmentOf(id)?.wall_rad ?? null;
 const shownTrials = () => view.m.flatMap((mode) => trialsIn(view.e, mode).flat());
 
+/** What else could be shown beside the view: the same of another person, session or environment. */
+function besides() {
+  if (view.p === EVERY || view.s === EVERY) return [];
+  const sessionOf = (p) => (sessionsOf.get(p).has(view.s) ? view.s : [...sessionsOf.get(p)][0]);
+  const people = [...sessionsOf.keys()].filter((p) => p !== view.p).map((p) => ({ key: `p:${p}`, label: p, p, s: sessionOf(p), e: view.e }));
+  const sessions = [...sessionsOf.get(view.p)].filter((s) => s !== view.s).map((s) => ({ key: `s:${s}`, label: `session ${s}`, p: view.p, s, e: view.e }));
+  const environments = study.environments.filter(({ id }) => id !== view.e).map(({ id, label }) => ({ key: `e:${id}`, label, p: view.p, s: view.s, e: id }));
+  return [...environments, ...sessions, ...people].filter(({ p, s, e }) => study.modes.some((mode) => trialsBy.has(pathOf(p, s, e, mode.id))));
+}
+
 /** Chooses something that is there wherever the wish is not. */
 function settle() {
   if (view.p === EVERY && sessionsOf.size > 1) view.s = EVERY;
@@ -42,12 +52,14 @@ function settle() {
   if (!shownTrials().length) view.m = study.modes.map((mode) => mode.id).filter((mode) => hasTrials(view.e, mode));
   if (!shownTrials().some((trial) => trial.repeat === view.r)) view.r = "all";
   if (view.wall && wallOf(view.e) === null) view.wall = false;
+  if (!besides().some(({ key }) => key === view.beside)) view.beside = null;
 }
 
 function writeHash() {
   const query = new URLSearchParams({ p: view.p, s: view.s, e: view.e, m: view.m.join(","), r: view.r, a: view.a, show: [...view.show].join(",") });
   if (view.zoom) query.set("t", view.zoom.map(exact).join(","));
   if (view.wall) query.set("wall", "1");
+  if (view.beside) query.set("beside", view.beside);
   if (view.brush.every(Number.isFinite)) query.set("b", view.brush.map(exact).join(","));
   return `#trials?${query}`;
 }
@@ -63,7 +75,7 @@ function readHash() {
   const query = new URLSearchParams(location.hash.slice("#trials?".length));
   Object.assign(view, { p: query.get("p"), s: query.get("s"), e: query.get("e"), m: (query.get("m") ?? "").split(","), r: Number(query.get("r")) || "all", a: Object.hasOwn(ALIGN, query.get("a")) ? query.get("a") : "onset" });
   if (query.has("show")) view.show = new Set(query.get("show").split(",").filter((name) => Object.hasOwn(SHOW, name)));
-  Object.assign(view, { zoom: span(query.get("t")), wall: query.get("wall") === "1", brush: span(query.get("b")) ?? [null, null] });
+  Object.assign(view, { zoom: span(query.get("t")), wall: query.get("wall") === "1", beside: query.get("beside"), brush: span(query.get("b")) ?? [null, null] });
   settle();
   return true;
 }

@@ -39,7 +39,10 @@ const significant = (value) => (Number.isFinite(value) ? minus(String(Number(val
 const exact = (value) => (Object.is(value, -0) ? "-0" : String(value));
 const finite = (values) => values.filter(Number.isFinite);
 const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
-const deviation = (values) => (values.length < 2 ? NaN : Math.sqrt(values.reduce((sum, value) => sum + (value - mean(values)) ** 2, 0) / (values.length - 1)));
+const deviation = (values) => {
+  const middle = mean(values);
+  return values.length < 2 ? NaN : Math.sqrt(values.reduce((sum, value) => sum + (value - middle) ** 2, 0) / (values.length - 1));
+};
 const distinct = (values) => [...new Set(values)];
 const environmentOf = (id) => study.environments.find((environment) => environment.id === id);
 const modeIndex = (id) => study.modes.findIndex((mode) => mode.id === id);
