@@ -185,6 +185,7 @@ function toDigits(value, error) {
   const digits = Math.max(0, powerOf(value) - place + 1), power = digits ? powerOf(value, digits) : place;
   let [mantissa, exponent] = [null, null];
   if (place >= -7 && power < 6) mantissa = place <= 0 ? fixed(value, -place) : fixed(Math.round(value / 10 ** place) * 10 ** place, 0);
+  else if (!digits && Math.abs(value) > 0.5 * 10 ** place) [mantissa, exponent] = [value < 0 ? "-1" : "1", place];
   else if (!digits || value === 0) mantissa = "0";
   else [mantissa, exponent] = value.toExponential(Math.abs(power - place)).split("e");
   if (!isKnown && mantissa.includes(".") && Number(`${mantissa}e${exponent ?? 0}`) === value) mantissa = mantissa.replace(/\.?0+$/, "");
