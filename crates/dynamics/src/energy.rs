@@ -66,6 +66,7 @@ impl System {
             Motion::Rest => Row::ZERO,
             _ => Row::entry(OMEGA, self.scene.plant.lever_m),
         };
+        // A finger on its rigid stop moves with the lever: it has no velocity of its own.
         let soft = self.layout.finger.filter(|_| region.contact == Contact::Free);
         let finger = soft.map_or(Row::ZERO, |at| Row::entry(at + 1, 1.0));
         let damping = self.scene.finger.map_or(0.0, |finger| finger.damping_ns_per_m);

@@ -62,7 +62,7 @@ pub enum DynamicsError {
     },
 }
 
-/// Shorthand.
+/// What the functions of this crate return.
 pub(crate) type Result<T> = std::result::Result<T, DynamicsError>;
 
 /// No parameter is larger, in SI units, and none that divides is smaller than its inverse. No

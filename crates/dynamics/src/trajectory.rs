@@ -11,7 +11,7 @@ use crate::system::{Layout, OMEGA, System, THETA};
 pub struct Forces {
     /// The user's force F_ex.
     pub external_n: f64,
-    /// What arrives at the lever of it: through the finger, or the user's force itself.
+    /// The part of it that arrives at the lever: through the finger, or all of it without one.
     pub tip_n: f64,
     /// The share of the finger's tissue, K_F x2 + B_F ẋ2.
     pub tissue_n: f64,
@@ -173,8 +173,8 @@ impl Trajectory {
 
     /// Number of a region, which is added if new.
     pub(crate) fn region_number(&mut self, region: &Region) -> u16 {
-        let found = self.regions.iter().position(|known| known.resembles(region));
-        found.unwrap_or_else(|| {
+        let number = self.regions.iter().position(|existing| existing.resembles(region));
+        number.unwrap_or_else(|| {
             self.regions.push(*region);
             self.regions.len() - 1
         }) as u16
@@ -189,6 +189,7 @@ impl Trajectory {
         region: u16,
     ) {
         self.t_s.extend_from_slice(t_s);
+        // States of full length lie side by side and are copied as one block.
         if N == self.layout.n {
             self.states.extend_from_slice(states.as_flattened());
         } else {

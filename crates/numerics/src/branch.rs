@@ -50,27 +50,24 @@ pub fn branches(command: &[f64]) -> Vec<Branch> {
     let highest = command.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let lowest = command.iter().copied().fold(f64::INFINITY, f64::min);
     let threshold = TURN * (highest - lowest);
-    let moved = |x: &f64| (x - command[0]).abs() > threshold;
-    let mut branch =
-        command.iter().find(|x| moved(x)).map_or(Branch::Up, |x| first(command[0], *x));
-    let mut found = Vec::with_capacity(command.len());
+    let departure = command.iter().find(|x| (*x - command[0]).abs() > threshold);
+    let is_down = departure.is_some_and(|x| *x <= command[0]);
+    let mut branch = if is_down { Branch::Down } else { Branch::Up };
+    let mut branches = Vec::with_capacity(command.len());
     let mut furthest = 0;
     for (i, &x) in command.iter().enumerate() {
-        found.push(branch);
+        branches.push(branch);
         let lost = branch.fallback(command[furthest], x);
         if lost <= 0.0 {
             furthest = i;
         } else if lost > threshold {
             branch = branch.turned();
-            found[furthest + 1..].fill(branch);
+            // The turn shows only now, but the way back began right after the furthest command.
+            branches[furthest + 1..].fill(branch);
             furthest = i;
         }
     }
-    found
-}
-
-fn first(from: f64, to: f64) -> Branch {
-    if to > from { Branch::Up } else { Branch::Down }
+    branches
 }
 
 #[cfg(test)]

@@ -15,13 +15,12 @@ pub fn value(t: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let first = t.partition_point(|t| *t < at).saturating_sub(2).min(last);
     let t = &t[first..first + SAMPLES];
     let y = &y[first..first + SAMPLES];
-    Some((0..SAMPLES).map(|i| weight(t, i, at) * y[i]).sum())
-}
-
-/// What the value at tᵢ counts at `at`: ∏ⱼ≠ᵢ (at − tⱼ) / (tᵢ − tⱼ).
-fn weight(t: &[f64], i: usize, at: f64) -> f64 {
-    let others = (0..SAMPLES).filter(|j| *j != i);
-    others.map(|j| (at - t[j]) / (t[i] - t[j])).product()
+    let terms = (0..SAMPLES).map(|i| {
+        let others = (0..SAMPLES).filter(|j| *j != i);
+        let weight: f64 = others.map(|j| (at - t[j]) / (t[i] - t[j])).product();
+        weight * y[i]
+    });
+    Some(terms.sum())
 }
 
 /// ∫ y dt over each interval between samples: the trapezoid less h³/12 times the mean of the second
@@ -29,19 +28,20 @@ fn weight(t: &[f64], i: usize, at: f64) -> f64 {
 /// samples. At the outermost samples the second derivative counts as 0. `t` is strictly increasing
 /// and as long as `y`.
 pub fn integrals(t: &[f64], y: &[f64]) -> Vec<f64> {
-    let bend = |i: usize| {
-        if i == 0 || i + 1 == t.len() {
-            return 0.0;
-        }
-        2.0 * (slope(t, y, i) - slope(t, y, i - 1)) / (t[i + 1] - t[i - 1])
-    };
-    let intervals = 0..t.len().saturating_sub(1);
-    intervals
-        .map(|i| {
-            let h = t[i + 1] - t[i];
-            h * (y[i] + y[i + 1]) / 2.0 - h * h * h / 12.0 * (bend(i) + bend(i + 1)) / 2.0
-        })
-        .collect()
+    let intervals = (0..t.len().saturating_sub(1)).map(|i| {
+        let h = t[i + 1] - t[i];
+        let bends = bend(t, y, i) + bend(t, y, i + 1);
+        h * (y[i] + y[i + 1]) / 2.0 - h * h * h / 12.0 * bends / 2.0
+    });
+    intervals.collect()
+}
+
+/// The second derivative at sample `i`, by divided differences; 0 at either end.
+fn bend(t: &[f64], y: &[f64], i: usize) -> f64 {
+    if i == 0 || i + 1 == t.len() {
+        return 0.0;
+    }
+    2.0 * (slope(t, y, i) - slope(t, y, i - 1)) / (t[i + 1] - t[i - 1])
 }
 
 #[cfg(test)]

@@ -276,8 +276,8 @@ pub fn solve_symmetric<const P: usize>(
 /// the last unknown on.
 pub(crate) fn back_substitute(u: impl Fn(usize, usize) -> f64, x: &mut [f64]) {
     for i in (0..x.len()).rev() {
-        let known: f64 = (i + 1..x.len()).map(|j| u(i, j) * x[j]).sum();
-        x[i] = (x[i] - known) / u(i, i);
+        let solved: f64 = (i + 1..x.len()).map(|j| u(i, j) * x[j]).sum();
+        x[i] = (x[i] - solved) / u(i, i);
     }
 }
 

@@ -47,16 +47,16 @@ pub enum NumericsError {
     },
 }
 
-/// Checks that `found` equals `expected`, naming the input `what` otherwise.
+/// Checks that `length` equals `expected`, naming the input `what` otherwise.
 pub(crate) fn same_length(
     what: &'static str,
     expected: usize,
-    found: usize,
+    length: usize,
 ) -> Result<(), NumericsError> {
-    if expected == found {
+    if expected == length {
         return Ok(());
     }
-    Err(NumericsError::LengthMismatch { what, expected, found })
+    Err(NumericsError::LengthMismatch { what, expected, found: length })
 }
 
 /// Checks that every value is finite, naming the input `what` and the first bad row otherwise.

@@ -22,8 +22,8 @@ const LANES: usize = 4;
 const CELLS: usize = 2 * REACH;
 /// Samples whose exponentials are worked out side by side.
 const AT_ONCE: usize = 256;
-/// Cells a period of the highest frequency, at least: half of that is by how much finer the grid is
-/// than it must be.
+/// Cells per period of the highest frequency, at least: half of that is by how much finer the grid
+/// is than it must be.
 const FINENESS: usize = 4;
 /// The frequencies are those of so many transforms, at most, of a sixteenth of the grid's length: a
 /// signal that fills no more than a sixteenth of it, as one that is padded with zeros 16 times, then
@@ -43,16 +43,16 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// `t` in s, increasing; `of` makes y of `values`, of which there are as many.
-    pub(crate) fn of(
+    /// `t` in s, increasing; `signal` makes y of `values`, of which there are as many.
+    pub(crate) fn new(
         t: &[f64],
         values: &[f64],
-        of: impl Fn(f64) -> f64,
+        signal: impl Fn(f64) -> f64,
         step_hz: f64,
         count: usize,
     ) -> Self {
         let gaussian = Gaussian::new(count);
-        let grid = gaussian.spread(t, values, of, step_hz);
+        let grid = gaussian.spread(t, values, signal, step_hz);
         Self { gaussian, grid }
     }
 
@@ -62,15 +62,14 @@ impl Spread {
         let parts = (length / self.grid.len()).next_power_of_two().min(PARTS);
         let turns = turns(length / parts);
         let mut power = vec![0.0; count];
-        let set = |power: &mut f64, &[re, im]: &[f64; 2]| *power = re * re + im * im;
         // A real signal has |Y(f)| = |Y(−f)|: the frequencies of one part are those of another one below 0.
         for part in 0..=parts / 2 {
             let spectrum = transform(folded(&self.grid, part, length, parts), &turns);
             let own = power.iter_mut().skip(part).step_by(parts);
-            own.zip(&spectrum).for_each(|(power, y)| set(power, y));
+            own.zip(&spectrum).for_each(|(power, y)| *power = squared(*y));
             if part > 0 {
                 let others = power.iter_mut().skip(parts - part).step_by(parts);
-                others.zip(spectrum.iter().rev()).for_each(|(power, y)| set(power, y));
+                others.zip(spectrum.iter().rev()).for_each(|(power, y)| *power = squared(*y));
             }
         }
         self.gaussian.undo(&mut power);
@@ -97,9 +96,8 @@ pub(crate) fn summed_squares<'a>(
             cells.for_each(|(i, cell)| both[i][part] += cell);
         }
         let spectrum = transform(both, &turns);
-        let square = |[re, im]: [f64; 2]| re * re + im * im;
         for (k, power) in power.iter_mut().enumerate() {
-            *power += (square(spectrum[k]) + square(spectrum[(length - k) % length])) / 2.0;
+            *power += (squared(spectrum[k]) + squared(spectrum[(length - k) % length])) / 2.0;
         }
     }
     gaussian.undo(&mut power);
@@ -116,7 +114,7 @@ struct Gaussian {
     at_cells: [[f64; LANES]; CELLS / LANES],
     /// Cells of the whole grid.
     length: usize,
-    /// How many frequencies are asked for.
+    /// How many frequencies are requested.
     count: usize,
 }
 
@@ -137,23 +135,39 @@ impl Gaussian {
         let a = PI * (finer - 0.5) / (finer * REACH as f64);
         // The same to either side.
         let side: [f64; REACH] = std::array::from_fn(|i| libm::exp(-a * square_of(i as f64 + 0.5)));
-        let at = |i: usize| side[if i < REACH { REACH - 1 - i } else { i - REACH }];
-        let at_cells = std::array::from_fn(|i| std::array::from_fn(|lane| at(LANES * i + lane)));
+        let at_cells = std::array::from_fn(|i| {
+            std::array::from_fn(|lane| {
+                let cell = LANES * i + lane;
+                side[if cell < REACH { REACH - 1 - cell } else { cell - REACH }]
+            })
+        });
         Self { a, at_cells, length, count }
     }
 
     /// Σ yⱼ wⱼ e^(−a (l − uⱼ)²) at each cell l, from as far before the first sample as it reaches
-    /// to as far after the last; uⱼ the sample's time in cells and wⱼ its trapezoidal weight; `of`
-    /// makes yⱼ of the values given.
-    fn spread(&self, t: &[f64], y: &[f64], of: impl Fn(f64) -> f64, step_hz: f64) -> Vec<f64> {
+    /// to as far after the last; uⱼ the sample's time in cells and wⱼ its trapezoidal weight;
+    /// `signal` makes yⱼ of each of `values`.
+    fn spread(
+        &self,
+        t: &[f64],
+        values: &[f64],
+        signal: impl Fn(f64) -> f64,
+        step_hz: f64,
+    ) -> Vec<f64> {
         widest(
             #[inline(always)]
-            || self.spread_by(t, y, of, step_hz),
+            || self.spread_by(t, values, signal, step_hz),
         )
     }
 
     #[inline(always)]
-    fn spread_by(&self, t: &[f64], y: &[f64], of: impl Fn(f64) -> f64, step_hz: f64) -> Vec<f64> {
+    fn spread_by(
+        &self,
+        t: &[f64],
+        values: &[f64],
+        signal: impl Fn(f64) -> f64,
+        step_hz: f64,
+    ) -> Vec<f64> {
         let cells_a_s = step_hz * self.length as f64;
         let start = t.first().copied().unwrap_or(0.0);
         let last = t.last().map_or(0.0, |last| (last - start) * cells_a_s);
@@ -166,8 +180,8 @@ impl Gaussian {
             let samples = from..t.len().min(from + AT_ONCE);
             let some = samples.len();
             trapezoidal_weights(t, samples.clone(), &mut placed.first);
-            let weighted = placed.first.iter_mut().zip(&y[samples.clone()]);
-            weighted.for_each(|(first, y)| *first *= of(*y));
+            let weighted = placed.first.iter_mut().zip(&values[samples.clone()]);
+            weighted.for_each(|(first, value)| *first *= signal(*value));
             self.place(t[samples].iter().map(|t| (t - start) * cells_a_s), &mut placed);
             let samples = placed.cells.iter().zip(&placed.first).zip(&placed.ratio);
             for ((cell, first), ratio) in samples.take(some) {
@@ -241,15 +255,16 @@ impl Gaussian {
 fn folded(grid: &[f64], part: usize, length: usize, parts: usize) -> Vec<[f64; 2]> {
     let folded_length = length / parts;
     let half = if length <= KEPT { turns(length) } else { Cow::Borrowed(&[][..]) };
-    let turn = |at: usize| match (half.get(at), half.get(at.wrapping_sub(length / 2))) {
-        (Some(turn), _) => *turn,
-        (_, Some([cos, sin])) => [-cos, -sin],
-        _ => turn(at, length),
-    };
     let mut folded = vec![[0.0; 2]; folded_length];
     for (round, cells) in grid.chunks(folded_length).enumerate() {
         for (i, (sum, cell)) in folded.iter_mut().zip(cells).enumerate() {
-            let [cos, sin] = turn((round * folded_length + i) * part % length);
+            let at = (round * folded_length + i) * part % length;
+            // The second half of a turn is the first one with both signs changed.
+            let [cos, sin] = match (half.get(at), half.get(at.wrapping_sub(length / 2))) {
+                (Some(turn), _) => *turn,
+                (_, Some([cos, sin])) => [-cos, -sin],
+                _ => turn(at, length),
+            };
             sum[0] += cell * cos;
             sum[1] += cell * sin;
         }
@@ -265,10 +280,10 @@ pub(crate) fn turns(n: usize) -> Cow<'static, [[f64; 2]]> {
     type Turns = OnceLock<Vec<[f64; 2]>>;
     static TABLES: [Turns; KEPT.ilog2() as usize + 1] =
         [const { OnceLock::new() }; KEPT.ilog2() as usize + 1];
-    let made = || (0..n / 2).map(|j| turn(j, n)).collect();
+    let half_turn = || (0..n / 2).map(|j| turn(j, n)).collect();
     match n.checked_ilog2().and_then(|power| TABLES.get(power as usize)) {
-        Some(table) => Cow::Borrowed(table.get_or_init(made)),
-        None => Cow::Owned(made()),
+        Some(table) => Cow::Borrowed(table.get_or_init(half_turn)),
+        None => Cow::Owned(half_turn()),
     }
 }
 
@@ -308,6 +323,11 @@ pub(crate) fn transform(mut z: Vec<[f64; 2]>, turns: &[[f64; 2]]) -> Vec<[f64; 2
         half *= 2;
     }
     z
+}
+
+/// |z|².
+pub(crate) fn squared([re, im]: [f64; 2]) -> f64 {
+    re * re + im * im
 }
 
 fn sum_and_difference([a, b]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
@@ -389,7 +409,7 @@ mod tests {
     use super::*;
 
     fn squared_fourier_from_zero(t: &[f64], y: &[f64], step_hz: f64, count: usize) -> Vec<f64> {
-        Spread::of(t, y, |y| y, step_hz, count).squared()
+        Spread::new(t, y, |y| y, step_hz, count).squared()
     }
 
     /// Uneven times about 1/200 s apart, and a signal with slow, fast and random parts.

@@ -59,14 +59,14 @@ pub struct Derivator<'a> {
     /// How many samples of the last neighbourhood came before its middle, and how many not: those of
     /// the next are about as many.
     reach: (usize, usize),
-    /// What was found last, and of which sample.
-    found: [(usize, (f64, f64)); KEPT],
+    /// The derivatives computed last, each after its sample; a sample's place is `i % KEPT`.
+    recent: [(usize, (f64, f64)); KEPT],
 }
 
 /// Samples whose neighbourhoods share their sums: about as long as one of these of 1 kHz.
 const STRETCH: usize = 48;
 
-/// Samples whose derivatives are kept: who asks for some often asks for a neighbour's next.
+/// Samples whose derivatives are kept: a caller often needs a sample's again for its neighbour.
 const KEPT: usize = 4;
 
 /// No sample.
@@ -87,25 +87,25 @@ impl<'a> Derivator<'a> {
     /// Of `y` at the times `t`, of one length.
     pub fn new(t: &'a [f64], y: &'a [f64], half: f64) -> Self {
         let stretch = Stretch { number: NONE, origin: (0.0, 0.0), first: 0, sums: Vec::new() };
-        let found = [(NONE, (0.0, 0.0)); KEPT];
-        Self { t, y, half, scale: half.recip(), stretch, reach: (0, 0), found }
+        let recent = [(NONE, (0.0, 0.0)); KEPT];
+        Self { t, y, half, scale: half.recip(), stretch, reach: (0, 0), recent }
     }
 
     /// dy/dt and d²y/dt² at sample `i`, one of those that are there.
     pub fn at(&mut self, i: usize) -> (f64, f64) {
-        let (sample, found) = self.found[i % KEPT];
+        let (sample, recent) = self.recent[i % KEPT];
         if sample == i {
-            return found;
+            return recent;
         }
         if self.stretch.number != i / STRETCH {
             self.begin(i / STRETCH);
         }
-        let found = match self.stretch.sums.is_empty() {
+        let derivatives = match self.stretch.sums.is_empty() {
             true => derivatives_at(self.t, self.y, self.half, i),
             false => self.by_sums(i),
         };
-        self.found[i % KEPT] = (i, found);
-        found
+        self.recent[i % KEPT] = (i, derivatives);
+        derivatives
     }
 
     fn begin(&mut self, number: usize) {
@@ -116,6 +116,8 @@ impl<'a> Derivator<'a> {
         self.stretch.number = number;
         self.stretch.origin = origin;
         self.stretch.sums.clear();
+        // Sums that reach far beyond one neighbourhood are large, and their differences would lose
+        // digits.
         let is_dense = self.t[to - 1] - self.t[from] <= 2.0 * self.half && to - from > 1;
         if is_dense {
             // Each neighbourhood's ends lie at or after those of the one before.
@@ -154,9 +156,8 @@ impl<'a> Derivator<'a> {
     fn by_sums(&mut self, i: usize) -> (f64, f64) {
         let (low, high) = self.window(i);
         let Stretch { origin, first, sums, .. } = &self.stretch;
-        let at = |sample: usize| sums[sample.saturating_sub(*first).min(sums.len() - 1)];
-        let before = at(low);
-        let until = at(high);
+        let [before, until] =
+            [low, high].map(|end| sums[end.saturating_sub(*first).min(sums.len() - 1)]);
         let [n, s1, s2, s3, s4, m0, m1, m2] = std::array::from_fn(|k| until[k] - before[k]);
         let scale = self.scale;
         // The parabola about the origin, and its derivatives where the sample lies.
@@ -188,7 +189,8 @@ fn parabola(t: &[f64], y: &[f64], middle: usize) -> [f64; 2] {
     if t.len() < 3 || !scale.is_finite() {
         return [0.0; 2];
     }
-    // x, x², x³, x⁴, then y, x y, x² y.
+    // x, x², x³, x⁴, then y, x y, x² y. Times are divided by the reach: powers of milliseconds
+    // would make the determinant vanish.
     let mut sums = [[0.0; LANES]; 7];
     let mut add = |t: &[f64; LANES], y: &[f64; LANES]| {
         for lane in 0..LANES {

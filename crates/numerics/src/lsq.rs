@@ -53,34 +53,39 @@ impl LinearFit {
 /// Unequal lengths, a NaN or infinity (with its row), no more rows than columns, linearly dependent
 /// columns.
 pub fn fit(columns: &[&[f64]], y: &[f64]) -> Result<LinearFit, NumericsError> {
-    check_input(columns, y)?;
-    let mut q: Vec<Vec<f64>> = columns.iter().map(|c| c.to_vec()).collect();
-    let mut qty = y.to_vec();
-    let r = triangularise(&mut q, &mut qty)?;
-    let r_inverse = invert_upper(&r);
-    let coefficients: Vec<f64> = r_inverse.iter().map(|row| dot(row, &qty[..row.len()])).collect();
-    let residuals = residuals(columns, y, &coefficients);
-    let rss = dot(&residuals, &residuals);
-    Ok(LinearFit {
-        xtx_inverse: times_own_transpose(&r_inverse),
-        coefficients,
-        rss,
-        df: y.len() - columns.len(),
-        r2: r_squared(y, rss),
-        residuals,
-    })
-}
-
-fn check_input(columns: &[&[f64]], y: &[f64]) -> Result<(), NumericsError> {
     for (j, column) in columns.iter().enumerate() {
         same_length("a column", y.len(), column.len())?;
         all_finite(|| format!("column {j}"), column)?;
     }
     all_finite(|| "y".to_owned(), y)?;
+    // Without a degree of freedom left there is no residual variance.
     if y.len() <= columns.len() {
         return Err(NumericsError::TooFewRows { rows: y.len(), parameters: columns.len() });
     }
-    Ok(())
+    let mut q: Vec<Vec<f64>> = columns.iter().map(|c| c.to_vec()).collect();
+    let mut qty = y.to_vec();
+    let r = triangularise(&mut q, &mut qty)?;
+    let r_inverse = invert_upper(&r);
+    let coefficients: Vec<f64> = r_inverse.iter().map(|row| dot(row, &qty[..row.len()])).collect();
+    let mut residuals = y.to_vec();
+    for (column, b) in columns.iter().zip(&coefficients) {
+        residuals.iter_mut().zip(*column).for_each(|(r, x)| *r -= b * x);
+    }
+    let rss = dot(&residuals, &residuals);
+    let total = Moments::of(y).squares;
+    // (XᵀX)⁻¹ = R⁻¹ R⁻ᵀ: XᵀX itself, with its squared condition number, is never formed.
+    let xtx_inverse = r_inverse
+        .iter()
+        .map(|row| r_inverse.iter().map(|other| dot(row, other)).collect())
+        .collect();
+    Ok(LinearFit {
+        xtx_inverse,
+        coefficients,
+        rss,
+        df: y.len() - columns.len(),
+        r2: (total > 0.0).then(|| 1.0 - rss / total),
+        residuals,
+    })
 }
 
 /// Overwrites the columns with Householder vectors and `y` with Qᵀy; returns the upper triangle R.
@@ -129,23 +134,6 @@ fn invert_upper(r: &[Vec<f64>]) -> Vec<Vec<f64>> {
         }
     }
     inverse
-}
-
-fn times_own_transpose(a: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    a.iter().map(|row| a.iter().map(|other| dot(row, other)).collect()).collect()
-}
-
-fn residuals(columns: &[&[f64]], y: &[f64], coefficients: &[f64]) -> Vec<f64> {
-    let mut residuals = y.to_vec();
-    for (column, b) in columns.iter().zip(coefficients) {
-        residuals.iter_mut().zip(*column).for_each(|(r, x)| *r -= b * x);
-    }
-    residuals
-}
-
-fn r_squared(y: &[f64], rss: f64) -> Option<f64> {
-    let total = Moments::of(y).squares;
-    (total > 0.0).then(|| 1.0 - rss / total)
 }
 
 #[cfg(test)]

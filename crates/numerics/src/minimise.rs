@@ -77,11 +77,7 @@ pub fn minimise(
     start: &[f64],
     slope: f64,
 ) -> Result<Minimum, NumericsError> {
-    let mut look = |point: Vec<f64>| {
-        let (value, gradient) = function(&point);
-        Place { point, value, gradient }
-    };
-    let mut here = look(start.to_vec());
+    let mut here = evaluate(&mut function, start.to_vec());
     if !is_finite(&here) {
         return Err(NumericsError::BadStart { value: here.value });
     }
@@ -95,19 +91,24 @@ pub fn minimise(
             break Ended::Exhausted;
         }
         let direction = downhill(inverse_hessian.as_deref(), &here.gradient);
-        match step(&mut look, &here, &direction) {
-            Some(there) => {
-                inverse_hessian = update(inverse_hessian, &here, &there);
-                here = there;
+        match step(&mut function, &here, &direction) {
+            Some(next) => {
+                inverse_hessian = update(inverse_hessian, &here, &next);
+                here = next;
                 iterations += 1;
             }
-            // what is known of the curvature may be wrong: forget it once
+            // The collected curvature may be wrong: start once more from the steepest descent.
             None if inverse_hessian.is_some() => inverse_hessian = None,
             None => break Ended::Stuck,
         }
     };
     let Place { point, value, gradient } = here;
     Ok(Minimum { point, value, gradient, iterations, ended })
+}
+
+fn evaluate(function: &mut impl FnMut(&[f64]) -> (f64, Vec<f64>), point: Vec<f64>) -> Place {
+    let (value, gradient) = function(&point);
+    Place { point, value, gradient }
 }
 
 /// −H⁻¹ g; without knowledge of H the steepest descent, of a length that is safe.
@@ -124,7 +125,7 @@ fn downhill(inverse_hessian: Option<&[Vec<f64>]>, gradient: &[f64]) -> Vec<f64> 
 /// A place along `direction` that satisfies the Wolfe conditions; `None` if there is none to
 /// rounding.
 fn step(
-    look: &mut impl FnMut(Vec<f64>) -> Place,
+    function: &mut impl FnMut(&[f64]) -> (f64, Vec<f64>),
     here: &Place,
     direction: &[f64],
 ) -> Option<Place> {
@@ -142,17 +143,18 @@ fn step(
             // The step is below the spacing of the numbers.
             return None;
         }
-        let there = look(point);
-        let slope_there = dot(direction, &there.gradient);
+        let trial = evaluate(function, point);
+        let trial_slope = dot(direction, &trial.gradient);
         let promise = here.value + KEPT_PROMISE * length * slope;
-        let level = there.value <= here.value + ROUNDING * here.value.abs()
-            && slope_there <= (2.0 * KEPT_PROMISE - 1.0) * slope;
-        if !is_finite(&there) || (there.value > promise && !level) {
+        // Where the function is flat to rounding its values cannot show a fall, but its slope can.
+        let level = trial.value <= here.value + ROUNDING * here.value.abs()
+            && trial_slope <= (2.0 * KEPT_PROMISE - 1.0) * slope;
+        if !is_finite(&trial) || (trial.value > promise && !level) {
             high = length;
-        } else if slope_there < SLOPE_LEFT * slope {
+        } else if trial_slope < SLOPE_LEFT * slope {
             low = length;
         } else {
-            return Some(there);
+            return Some(trial);
         }
         length = if high.is_finite() { low + (high - low) / 2.0 } else { 2.0 * length };
     }
@@ -164,17 +166,21 @@ fn step(
 fn update(
     inverse_hessian: Option<Vec<Vec<f64>>>,
     here: &Place,
-    there: &Place,
+    next: &Place,
 ) -> Option<Vec<Vec<f64>>> {
-    let difference =
-        |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-    let s = difference(&there.point, &here.point);
-    let y = difference(&there.gradient, &here.gradient);
+    let s: Vec<f64> = next.point.iter().zip(&here.point).map(|(a, b)| a - b).collect();
+    let y: Vec<f64> = next.gradient.iter().zip(&here.gradient).map(|(a, b)| a - b).collect();
     let curvature = dot(&s, &y);
     if curvature <= 0.0 {
         return inverse_hessian; // only rounding makes it so: the line search asks for more
     }
-    let mut h = inverse_hessian.unwrap_or_else(|| scaled_unit(s.len(), curvature / dot(&y, &y)));
+    let mut h = inverse_hessian.unwrap_or_else(|| {
+        let scale = curvature / dot(&y, &y);
+        let size = 0..s.len();
+        let rows =
+            size.clone().map(|j| size.clone().map(|k| if j == k { scale } else { 0.0 }).collect());
+        rows.collect()
+    });
     let hy: Vec<f64> = h.iter().map(|row| dot(row, &y)).collect();
     let along = (1.0 + dot(&y, &hy) / curvature) / curvature;
     for (j, row) in h.iter_mut().enumerate() {
@@ -183,10 +189,6 @@ fn update(
         }
     }
     Some(h)
-}
-
-fn scaled_unit(size: usize, scale: f64) -> Vec<Vec<f64>> {
-    (0..size).map(|j| (0..size).map(|k| if j == k { scale } else { 0.0 }).collect()).collect()
 }
 
 fn is_finite(place: &Place) -> bool {

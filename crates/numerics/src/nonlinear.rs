@@ -50,12 +50,6 @@ impl<const P: usize> Bounds<P> {
     fn project(&self, parameters: [f64; P]) -> [f64; P] {
         core::array::from_fn(|j| parameters[j].max(self.lower[j]).min(self.upper[j]))
     }
-
-    /// Whether parameter `j` sits on a bound and the cost falls only beyond it.
-    fn holds(&self, parameters: &[f64; P], gradient: &[f64; P], j: usize) -> bool {
-        (parameters[j] <= self.lower[j] && gradient[j] > 0.0)
-            || (parameters[j] >= self.upper[j] && gradient[j] < 0.0)
-    }
 }
 
 /// Σ r², Jᵀr and JᵀJ at one point.
@@ -89,16 +83,23 @@ pub fn least_squares<const P: usize>(
     for iterations in 0..MAX_ITERATIONS {
         let trial = bounds.project(step(&parameters, &sums, damping, bounds));
         let promised = predicted_reduction(&parameters, &trial, &sums);
-        if promised <= REDUCTION_TOLERANCE * sums.rss || nearly_equal(&parameters, &trial) {
+        let is_tiny = parameters
+            .iter()
+            .zip(&trial)
+            .all(|(old, new)| (old - new).abs() <= STEP_TOLERANCE * old.abs());
+        if promised <= REDUCTION_TOLERANCE * sums.rss || is_tiny {
             return Ok(Minimum { parameters, rss: sums.rss, iterations, converged: true });
         }
-        let there = sum_up(samples, &residual, &trial);
-        if there.rss < sums.rss {
-            let gain = (sums.rss - there.rss) / promised;
-            damping *= (1.0 - cube(2.0 * gain - 1.0)).max(SMALLEST_SHRINK);
+        let trial_sums = sum_up(samples, &residual, &trial);
+        if trial_sums.rss < sums.rss {
+            let gain = (sums.rss - trial_sums.rss) / promised;
+            // Not `powi`, whose order of products, and so its last bit, is not specified.
+            let x = 2.0 * gain - 1.0;
+            damping *= (1.0 - x * x * x).max(SMALLEST_SHRINK);
             growth = 2.0;
-            (parameters, sums) = (trial, there);
+            (parameters, sums) = (trial, trial_sums);
         } else {
+            // Nielsen: each failure in a row raises the damping twice as much as the one before.
             damping *= growth;
             growth *= 2.0;
         }
@@ -138,7 +139,10 @@ fn step<const P: usize>(
     bounds: &Bounds<P>,
 ) -> [f64; P] {
     let free: [bool; P] = core::array::from_fn(|j| {
-        sums.hessian[j][j] > 0.0 && !bounds.holds(parameters, &sums.gradient, j)
+        // A parameter on a bound is held while the cost falls only beyond it.
+        let is_held = (parameters[j] <= bounds.lower[j] && sums.gradient[j] > 0.0)
+            || (parameters[j] >= bounds.upper[j] && sums.gradient[j] < 0.0);
+        sums.hessian[j][j] > 0.0 && !is_held
     });
     // One that is held has a row of the identity: the matrix stays regular, and its step is 0.
     let matrix: [[f64; P]; P] = core::array::from_fn(|j| {
@@ -161,14 +165,6 @@ fn predicted_reduction<const P: usize>(from: &[f64; P], to: &[f64; P], sums: &Su
         -delta[j] * (2.0 * sums.gradient[j] + curvature)
     });
     terms.sum()
-}
-
-fn nearly_equal<const P: usize>(a: &[f64; P], b: &[f64; P]) -> bool {
-    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= STEP_TOLERANCE * a.abs())
-}
-
-fn cube(x: f64) -> f64 {
-    x * x * x
 }
 
 #[cfg(test)]

@@ -11,13 +11,18 @@ pub fn polynomial(c: &[f64], t: f64) -> f64 {
 /// No dip is missed that lasts longer than `resolution`: an interval is passed over only where
 /// its end values exceed `max|p''| width² / 8`, the most a curve can sag below its chord.
 /// `Some(0)` if `p(0) < 0` already, or if `p` is not finite; `None` if `p` stays at or above zero.
-/// A polynomial that cannot be told from zero over a whole stretch counts as falling where the
-/// search gives up.
+/// A polynomial that cannot be distinguished from zero over a whole stretch counts as falling where
+/// the search gives up.
 pub fn first_descent(c: &[f64], span: f64, resolution: f64) -> Option<f64> {
     /// Intervals looked at: forty halvings for a crossing, and many near misses.
     const MOST_INTERVALS: u32 = 4_000;
     let start = c.first().copied().unwrap_or(0.0);
-    let sag = sag_bound(c, span);
+    // Bound of |p''| / 8 over the whole span, by Horner's rule with every coefficient positive.
+    let mut bend = 0.0;
+    for (k, x) in c.iter().enumerate().skip(2).rev() {
+        bend = bend * span + x.abs() * (k * (k - 1)) as f64;
+    }
+    let sag = bend / 8.0;
     let end = polynomial(c, span);
     if start < 0.0 || !(sag + end).is_finite() {
         return Some(0.0);
@@ -30,15 +35,6 @@ struct Search<'a> {
     c: &'a [f64],
     sag: f64,
     resolution: f64,
-}
-
-/// Bound of `|p''| / 8` over `[0, span]`.
-fn sag_bound(c: &[f64], span: f64) -> f64 {
-    let mut sum = 0.0;
-    for (k, x) in c.iter().enumerate().skip(2).rev() {
-        sum = sum * span + x.abs() * (k * (k - 1)) as f64;
-    }
-    sum / 8.0
 }
 
 /// `first_descent` between two points `[t, p(t)]`, the left one not below zero.
@@ -68,6 +64,8 @@ fn descend(search: &Search, left_over: &mut u32, left: [f64; 2], right: [f64; 2]
     if centre[1] < 0.0 {
         return descend(search, left_over, left, centre);
     }
+    // The left half first, and the right one only if nothing falls there: the first crossing
+    // counts.
     let first = descend(search, left_over, left, centre);
     first.or_else(|| descend(search, left_over, centre, right))
 }
@@ -75,13 +73,12 @@ fn descend(search: &Search, left_over: &mut u32, left: [f64; 2], right: [f64; 2]
 /// The single crossing between two points: the root, moved on by some units in the last place until
 /// the polynomial is below zero there. `None` if it hardly falls; then halving has to find it.
 fn just_below(search: &Search, left: [f64; 2], right: [f64; 2]) -> Option<f64> {
-    let p = |t: f64| polynomial(search.c, t);
-    let root = bracketed(p, left[0], right[0], search.resolution);
+    let root = bracketed(|t| polynomial(search.c, t), left[0], right[0], search.resolution);
     let ulp = root.abs().max(search.resolution) * f64::EPSILON;
     [0.0, 1.0, 4.0, 16.0, 64.0]
         .iter()
         .map(|k| root + k * ulp)
-        .find(|&t| t <= right[0] && p(t) < 0.0)
+        .find(|&t| t <= right[0] && polynomial(search.c, t) < 0.0)
 }
 
 /// Root of `f` in `[left, right]` by the Illinois variant of regula falsi (Dowell & Jarratt 1971),

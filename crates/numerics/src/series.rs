@@ -1,6 +1,6 @@
 //! Sampled signals: interpolation, integrals, derivatives, threshold crossings, loop area.
 //!
-//! `t` (or `x`) is strictly increasing unless said otherwise; its unit and that of `y` are the
+//! `t` (or `x`) is strictly increasing unless stated otherwise; its unit and that of `y` are the
 //! caller's.
 
 use crate::error::{NumericsError, same_length};
@@ -52,11 +52,14 @@ fn interpolated(
 /// [`interpolate`] at every point of `grid`, in its order; it is faster if fewer samples lie
 /// between successive points.
 pub fn interpolate_all(t: &[f64], y: &[f64], grid: &[f64]) -> Vec<Option<f64>> {
-    // From a point to the next, this far.
+    // Samples that are compared one by one before halving, which pays only where points are far
+    // apart.
     const STEPS: usize = 8;
     let samples = t.len().min(y.len());
     let mut after = 0;
-    let value = |&at: &f64| {
+    let mut values = Vec::with_capacity(grid.len());
+    for &at in grid {
+        // A point before the one of the last round lies behind: search from the first sample again.
         let is_ahead = after == 0 || t[after - 1] < at;
         after = if is_ahead { after } else { 0 };
         // The first sample that is not before the point: nearby, or by halving what is left.
@@ -65,9 +68,10 @@ pub fn interpolate_all(t: &[f64], y: &[f64], grid: &[f64]) -> Vec<Option<f64>> {
         if near == STEPS {
             after += t[after..samples].partition_point(|t| *t < at);
         }
-        (after < samples).then(|| interpolated(|i| t[i], |i| y[i], at, after)).flatten()
-    };
-    grid.iter().map(value).collect()
+        let is_within = after < samples;
+        values.push(is_within.then(|| interpolated(|i| t[i], |i| y[i], at, after)).flatten());
+    }
+    values
 }
 
 /// ∫ y dt by the trapezoidal rule, unit of `y` times unit of `t`; 0 for fewer than two samples.
@@ -164,6 +168,8 @@ fn ends_by(values: &[f64]) -> (f64, f64) {
     let mut low = [f64::INFINITY; 4];
     let mut high = [f64::NEG_INFINITY; 4];
     let (whole, rest) = values.as_chunks::<4>();
+    // Comparisons rather than `f64::min` and `max`, whose care for NaN costs instructions; a NaN is
+    // skipped here too, since it is neither below nor above.
     let mut take = |lane: usize, v: f64| {
         low[lane] = if v < low[lane] { v } else { low[lane] };
         high[lane] = if v > high[lane] { v } else { high[lane] };

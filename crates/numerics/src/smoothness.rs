@@ -51,7 +51,7 @@ impl Smoothness {
         }
         let step_hz = rate_hz / (PADDING * n.next_power_of_two()) as f64;
         let count = (CUTOFF_HZ / step_hz) as usize + 1;
-        Some(Self(Spread::of(&t[..n], &velocity[..n], f64::abs, step_hz, count)))
+        Some(Self(Spread::new(&t[..n], &velocity[..n], f64::abs, step_hz, count)))
     }
 
     /// As [`spectral_arc_length`].

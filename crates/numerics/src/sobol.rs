@@ -42,27 +42,27 @@ pub fn sobol_points(dimensions: usize, points: usize) -> Option<Vec<Vec<f64>>> {
     (dimensions <= MOST_SOBOL_DIMENSIONS).then_some(())?;
     let directions: Vec<[u32; BITS]> = (0..dimensions).map(directions).collect();
     let mut at = vec![0_u32; dimensions];
-    let next = |k: usize| {
+    let sequence = (0..points).map(|k| {
+        // The one bit in which the Gray codes of k and k + 1 differ.
         let bit = (k.trailing_ones() as usize).min(BITS - 1);
         for (x, v) in at.iter_mut().zip(&directions) {
             *x ^= v[bit];
         }
         at.iter().map(|x| f64::from(*x) / (1_u64 << BITS) as f64).collect()
-    };
-    Some((0..points).map(next).collect())
+    });
+    Some(sequence.collect())
 }
 
 /// The direction numbers of a coordinate: v_k = m_k 2^(32−k), by the polynomial's recurrence after
-/// the given ones.
+/// the initial ones.
 fn directions(coordinate: usize) -> [u32; BITS] {
-    let shifted = |k: usize, m: u32| m << (BITS - 1 - k);
-    let Some((degree, inner, given)) = coordinate.checked_sub(1).map(|i| DIRECTIONS[i]) else {
-        return std::array::from_fn(|k| shifted(k, 1));
+    let Some((degree, inner, initial)) = coordinate.checked_sub(1).map(|i| DIRECTIONS[i]) else {
+        return std::array::from_fn(|k| 1 << (BITS - 1 - k));
     };
     let mut v = [0; BITS];
     for k in 0..BITS {
-        v[k] = match given.get(k) {
-            Some(m) => shifted(k, *m),
+        v[k] = match initial.get(k) {
+            Some(m) => m << (BITS - 1 - k),
             None => (1..degree).fold(v[k - degree] ^ (v[k - degree] >> degree), |sum, i| {
                 if inner >> (degree - 1 - i) & 1 == 1 { sum ^ v[k - i] } else { sum }
             }),

@@ -7,7 +7,6 @@ use crate::fourier::summed_squares;
 use crate::wide::widest;
 use core::f64::consts::PI;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Length of a segment of [`band_power`], s: its bins are 1 Hz wide.
 const SEGMENT_S: f64 = 1.0;
@@ -60,6 +59,7 @@ pub fn band_power(
     let in_band = &power[1..bins - 1];
     let sum: f64 = in_band.iter().sum();
     let highest = (1..bins - 1).fold(1, |best, k| if power[k] > power[best] { k } else { best });
+    // A spectrum that falls from the edge on has no peak of its own in the band.
     let is_peak = power[highest] > power[highest - 1];
     let peak_hz = (below + highest) as f64 + offset(&power, highest);
     (sum > 0.0).then(|| BandPower {
@@ -69,7 +69,7 @@ pub fn band_power(
     })
 }
 
-/// Power a bin, mean over the segments, from bin `first` on.
+/// Power per bin, mean over the segments, from bin `first` on.
 fn mean_periodogram(t: &[f64], y: &[f64], first: usize, count: usize) -> Option<Vec<f64>> {
     let start = *t.first()?;
     let length = t.last()? - t.first()?;
@@ -78,22 +78,20 @@ fn mean_periodogram(t: &[f64], y: &[f64], first: usize, count: usize) -> Option<
     }
     let hops = ((length - SEGMENT_S) / LARGEST_HOP_S).ceil();
     let hop = if hops > 0.0 { (length - SEGMENT_S) / hops } else { 0.0 };
-    let windowed = |segment: usize| {
-        let from = start + segment as f64 * hop;
-        let begin = t.partition_point(|t| *t < from);
-        let end = t.partition_point(|t| *t <= from + SEGMENT_S);
-        (&t[begin..end], windowed(&t[begin..end], &y[begin..end], from))
-    };
-    let summed = |segments: Range<usize>| {
-        summed_squares(segments.map(windowed), SEGMENT_S.recip(), first + count)
-    };
     let scale = 2.0 / (HANN_POWER_S * SEGMENT_S * (hops + 1.0));
     let mut mean = vec![0.0; count];
     let segments = hops as usize + 1;
     // Side by side, and added up in the order of time: the same bits on any number of cores.
-    let some = (0..segments.div_ceil(TOGETHER)).into_par_iter();
-    let some = some.map(|i| summed(i * TOGETHER..segments.min((i + 1) * TOGETHER)));
-    for squares in some.collect::<Vec<_>>() {
+    let groups = (0..segments.div_ceil(TOGETHER)).into_par_iter().map(|i| {
+        let group = (i * TOGETHER..segments.min((i + 1) * TOGETHER)).map(|segment| {
+            let from = start + segment as f64 * hop;
+            let begin = t.partition_point(|t| *t < from);
+            let end = t.partition_point(|t| *t <= from + SEGMENT_S);
+            (&t[begin..end], windowed(&t[begin..end], &y[begin..end], from))
+        });
+        summed_squares(group, SEGMENT_S.recip(), first + count)
+    });
+    for squares in groups.collect::<Vec<_>>() {
         let squares = mean.iter_mut().zip(&squares[first..]);
         squares.for_each(|(mean, square)| *mean += scale * square);
     }

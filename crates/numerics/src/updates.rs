@@ -13,22 +13,22 @@ pub struct Updates {
 /// value comes. A value of age a at time t was taken at t − a. All three are equally long; times in
 /// s.
 pub fn updates(t: &[f64], values: &[f64], age: &[f64]) -> Updates {
-    let mut found = Updates { t: Vec::new(), values: Vec::new() };
+    let mut updates = Updates { t: Vec::new(), values: Vec::new() };
     for i in (0..t.len()).filter(|i| is_new(t, age, *i)) {
         let taken = t[i] - age[i];
         // Rounded ages can put a value before the last one, and interpolation needs rising times.
-        if found.t.last().is_none_or(|last| taken > *last) {
-            found.t.push(taken);
-            found.values.push(values[i]);
+        if updates.t.last().is_none_or(|last| taken > *last) {
+            updates.t.push(taken);
+            updates.values.push(values[i]);
         }
     }
-    found
+    updates
 }
 
 /// Whether a new value came with sample `i`: the age did not grow as the clock did.
 fn is_new(t: &[f64], age: &[f64], i: usize) -> bool {
     match i.checked_sub(1) {
-        // half of the interval: the age is stored in single precision
+        // Half of the interval as margin: the age is stored in single precision.
         Some(before) => age[i] < age[before] + (t[i] - t[before]) / 2.0,
         None => true,
     }
@@ -41,22 +41,23 @@ impl Updates {
     /// gets.
     pub fn at(&self, t: &[f64]) -> Vec<f64> {
         let last = self.values.last().copied().unwrap_or(0.0);
-        let mut found = Vec::with_capacity(t.len());
+        let mut interpolated = Vec::with_capacity(t.len());
         let mut before: Option<(f64, f64)> = None;
         for (taken, value) in self.t.iter().copied().zip(self.values.iter().copied()) {
             // The times on the line that ends here.
-            let here = t[found.len()..].iter().take_while(|at| **at < taken);
+            let here = t[interpolated.len()..].iter().take_while(|at| **at < taken);
             let slope = before.map(|(t0, y0)| (value - y0) / (taken - t0));
-            found.extend(here.map(|at| match before.zip(slope) {
+            interpolated.extend(here.map(|at| match before.zip(slope) {
                 Some(((t0, y0), slope)) => y0 + (at - t0) * slope,
                 None => last,
             }));
             // An update's own time: arithmetic would blur its value.
-            found.extend(t.get(found.len()).filter(|at| **at <= taken).map(|_| value));
+            let own = t.get(interpolated.len()).filter(|at| **at <= taken);
+            interpolated.extend(own.map(|_| value));
             before = Some((taken, value));
         }
-        found.resize(t.len(), last);
-        found
+        interpolated.resize(t.len(), last);
+        interpolated
     }
 }
 

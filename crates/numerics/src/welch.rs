@@ -1,7 +1,7 @@
 //! Cross spectra of two signals over even samples, by Welch's method (1967, IEEE Trans. Audio
 //! Electroacoust. 15:70).
 
-use crate::fourier::{transform, turns};
+use crate::fourier::{squared, transform, turns};
 use core::f64::consts::TAU;
 
 /// ρ²: squared correlation of the periodograms of two segments that overlap by half under a Hann
@@ -52,10 +52,10 @@ impl CrossSpectra {
         const LEAST: usize = 8;
         let bins = length / 2 + 1;
         // Periodic: the sample after the last would be the first again.
-        let hann = |i: usize| 0.5 - 0.5 * libm::cos(TAU * (i as f64 / length as f64));
+        let window = (0..length).map(|i| 0.5 - 0.5 * libm::cos(TAU * (i as f64 / length as f64)));
         (length.is_power_of_two() && length >= LEAST && rate_hz > 0.0).then(|| Self {
             rate_hz,
-            window: (0..length).map(hann).collect(),
+            window: window.collect(),
             turns: turns(length).into_owned(),
             segments: 0,
             spread: 0.0,
@@ -77,7 +77,11 @@ impl CrossSpectra {
         let pairs = x.windows(length).zip(y.windows(length)).step_by(length / 2);
         let mut n = 0;
         for (x, y) in pairs {
-            let [x, y] = [x, y].map(|signal| self.transformed(signal));
+            let [x, y] = [x, y].map(|signal| {
+                let mean = signal.iter().sum::<f64>() / signal.len() as f64;
+                let windowed = signal.iter().zip(&self.window).map(|(y, w)| [(y - mean) * w, 0.0]);
+                transform(windowed.collect(), &self.turns)
+            });
             for (k, (x, y)) in x.iter().zip(&y).enumerate().take(self.xx.len()) {
                 self.xx[k] += squared(*x);
                 self.yy[k] += squared(*y);
@@ -90,12 +94,6 @@ impl CrossSpectra {
         if n > 0 {
             self.spread += n as f64 + 2.0 * (n - 1) as f64 * OVERLAP;
         }
-    }
-
-    fn transformed(&self, signal: &[f64]) -> Vec<[f64; 2]> {
-        let mean = signal.iter().sum::<f64>() / signal.len() as f64;
-        let windowed = signal.iter().zip(&self.window).map(|(y, w)| [(y - mean) * w, 0.0]);
-        transform(windowed.collect(), &self.turns)
     }
 
     /// Segments so far.
@@ -115,7 +113,8 @@ impl CrossSpectra {
         let power: f64 = self.window.iter().map(|w| w * w).sum();
         let whole = 1.0 / (self.rate_hz * power * self.segments.max(1) as f64);
         let last = self.xx.len() - 1;
-        let point = |k: usize| {
+        let points = (0..=last).map(|k| {
+            // One-sided: every frequency but 0 and the highest has its negative twin's power too.
             let scale = if k == 0 || k == last { whole } else { 2.0 * whole };
             CrossPoint {
                 frequency_hz: self.rate_hz * k as f64 / self.length() as f64,
@@ -123,13 +122,9 @@ impl CrossSpectra {
                 yy: scale * self.yy[k],
                 xy: self.xy[k].map(|part| scale * part),
             }
-        };
-        (0..=last).map(point).collect()
+        });
+        points.collect()
     }
-}
-
-fn squared([re, im]: [f64; 2]) -> f64 {
-    re * re + im * im
 }
 
 #[cfg(test)]

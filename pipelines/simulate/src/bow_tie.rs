@@ -22,24 +22,27 @@ pub fn bow_tie(scene: &ModelScene) -> Result<Vec<BowTieSample>, SimulateError> {
     let system = System::new(scene.clone())?;
     let [low, high] = scene.plant.stops_rad.ok_or(SimulateError::NoStops)?;
     let half_s = scene.duration_s / 2.0;
-    let sample = |way: f64, i: usize| {
-        let done = i as f64 / STEPS as f64;
+    let mut samples = Vec::with_capacity(2 * (STEPS + 1));
+    for way in [1.0, -1.0] {
         let (from, start_s) = if way > 0.0 { (low, 0.0) } else { (high, half_s) };
-        let theta_rad = from + way * done * (high - low);
         let theta_dot_rad_s = way * (high - low) / half_s;
-        let forces = system.prescribed(theta_rad, theta_dot_rad_s, 0.0);
-        BowTieSample {
-            t_s: start_s + done * half_s,
-            theta_rad,
-            theta_dot_rad_s,
-            force_ex_n: forces.external_n,
-            force_total_n: forces.brake_n + forces.motor_n,
-            force_brake_n: forces.brake_n,
-            force_motor_n: forces.motor_n,
+        for i in 0..=STEPS {
+            let done = i as f64 / STEPS as f64;
+            let theta_rad = from + way * done * (high - low);
+            // Without acceleration: what turning at the ends would take is left out.
+            let forces = system.prescribed(theta_rad, theta_dot_rad_s, 0.0);
+            samples.push(BowTieSample {
+                t_s: start_s + done * half_s,
+                theta_rad,
+                theta_dot_rad_s,
+                force_ex_n: forces.external_n,
+                force_total_n: forces.brake_n + forces.motor_n,
+                force_brake_n: forces.brake_n,
+                force_motor_n: forces.motor_n,
+            });
         }
-    };
-    let ways = [1.0, -1.0].into_iter().flat_map(|way| (0..=STEPS).map(move |i| (way, i)));
-    Ok(ways.map(|(way, i)| sample(way, i)).collect())
+    }
+    Ok(samples)
 }
 
 /// The note below a bow tie.

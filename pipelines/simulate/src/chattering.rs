@@ -33,6 +33,7 @@ pub fn chattering(
     for name in solvers {
         let solver = solver(name, DEFAULT_TOLERANCE)?;
         for &step_s in steps_s {
+            // A failure is a row of its own: `judge` runs the scene again, and says that it failed.
             let run = solver.run(&system, &grid(&system, step_s)?).ok();
             let judgement = reference.judge(solver.as_ref(), step_s);
             rows.push(row(solver.name(), step_s, run.as_ref(), &judgement, reference_rad));

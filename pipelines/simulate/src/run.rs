@@ -45,8 +45,8 @@ pub(crate) fn grid(system: &System, step_s: f64) -> Result<Grid, SimulateError> 
 pub(crate) fn highest(run: &Trajectory) -> (f64, f64) {
     let samples = run.theta_rad().zip(run.t_s.iter().copied());
     let all = samples.chain(run.events.iter().map(|event| (event.theta_rad, event.t_s)));
-    let earlier = |a: f64, b: f64| b.total_cmp(&a);
-    let highest = all.max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| earlier(a.1, b.1)));
+    // Times the other way round: of equal angles the earliest counts.
+    let highest = all.max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| b.1.total_cmp(&a.1)));
     highest.unwrap_or_default() // a run has at least its first sample
 }
 

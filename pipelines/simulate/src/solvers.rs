@@ -5,6 +5,7 @@ use zwidth_dynamics::{NAMED_SOLVERS, Solver};
 
 /// Every solver by name.
 pub const SOLVERS: [&str; NAMED_SOLVERS.len()] = {
+    // A `while`, since neither `for` nor `map` can run in a constant.
     let mut names = [""; NAMED_SOLVERS.len()];
     let mut i = 0;
     while i < names.len() {
@@ -21,8 +22,8 @@ pub const DEFAULT_SOLVER: &str = SOLVERS[0];
 /// what a figure shows.
 pub const DEFAULT_TOLERANCE: f64 = 1e-9;
 
-/// The solver of that name. `tolerance` (relative, a step) matters to the adaptive ones; the exact
-/// one accounts for the energy too.
+/// The solver of that name. `tolerance` (relative, per step) matters to the adaptive ones; the
+/// exact one accounts for the energy too.
 ///
 /// # Errors
 /// A name that is not one of [`SOLVERS`].

@@ -5,7 +5,7 @@ use crate::run::highest;
 use serde::Serialize;
 use zwidth_dynamics::{FingerLaw, Motions, RunVerdict};
 
-/// What a person wants to know of a run first. SI units and radians.
+/// The numbers that a person wants to know first about a run. SI units and radians.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// The scene's name.
@@ -41,7 +41,7 @@ pub struct Summary {
     pub shows_the_reference: bool,
     /// The longest distance that the lever creeps while the known motion stands still, rad.
     pub creep_rad: f64,
-    /// Largest growth a step in the regions met, over the exact flow's; above 1 the step is
+    /// Largest growth per step in the regions met, over the exact flow's; above 1 the step is
     /// unstable.
     pub amplification: f64,
     /// The law of the finger, if there is one: thesis or consistent.
@@ -117,29 +117,41 @@ impl Summary {
     /// The summary of a run.
     pub fn of(run: &Run) -> Self {
         let scene = run.system.scene();
-        let of = &run.trajectory;
-        let (theta_max_rad, theta_max_s) = highest(of);
-        let work = of.work;
+        let trajectory = &run.trajectory;
+        let (theta_max_rad, theta_max_s) = highest(trajectory);
+        let work = trajectory.work;
+        // A judged run is repeated with half and a quarter of its step.
+        let shares = [1.0, 0.5, 0.25];
+        let swings = std::array::from_fn(|i| {
+            let swings = run.judgement.swings[i];
+            let step_s = shares[i] * scene.step_s;
+            StepSwings { step_s, count: swings.count, amplitude_rad: swings.amplitude_rad }
+        });
+        let rule_matters = run.judgement.verdict == RunVerdict::DependsOnRestRule;
+        let other_rest_rule = run.judgement.other_rest_rule.as_ref().filter(|_| rule_matters);
         Self {
             scene: scene.name.clone(),
             environment: scene.environment.name.clone(),
             mode: scene.mode.as_str(),
             solver: run.solver.clone(),
             step_s: scene.step_s,
-            samples: of.len(),
+            samples: trajectory.len(),
             theta_max_rad,
             theta_max_s,
-            motion_changes: (!of.events.is_empty()).then(|| of.motion_changes()),
-            reversals: of.reversals(),
+            motion_changes: (!trajectory.events.is_empty()).then(|| trajectory.motion_changes()),
+            reversals: trajectory.reversals(),
             verdict: verdict_word(run.judgement.verdict),
-            swings: step_swings(run),
+            swings,
             reference: run.judgement.reference.as_ref().map(KnownMotion::of),
-            other_rest_rule: other_rest_rule(run),
+            other_rest_rule: other_rest_rule.map(KnownMotion::of),
             shows_the_reference: run.judgement.shows_the_reference,
             creep_rad: run.judgement.creep_rad,
             amplification: run.judgement.amplification,
-            finger: scene.finger.map(|finger| finger_word(finger.law)),
-            energy: of
+            finger: scene.finger.map(|finger| match finger.law {
+                FingerLaw::Thesis => "thesis",
+                FingerLaw::Consistent => "consistent",
+            }),
+            energy: trajectory
                 .energy
                 .map(|e| Energy { residual_j: e.residual_j(), summed_j: e.summed_j() }),
             work: Work {
@@ -149,28 +161,6 @@ impl Summary {
                 factorisations: work.factorisations,
             },
         }
-    }
-}
-
-fn other_rest_rule(run: &Run) -> Option<KnownMotion> {
-    let matters = run.judgement.verdict == RunVerdict::DependsOnRestRule;
-    let other = run.judgement.other_rest_rule.as_ref().filter(|_| matters);
-    other.map(KnownMotion::of)
-}
-
-fn step_swings(run: &Run) -> [StepSwings; 3] {
-    let at = |i: usize, share: f64| {
-        let swings = run.judgement.swings[i];
-        let step_s = share * run.system.scene().step_s;
-        StepSwings { step_s, count: swings.count, amplitude_rad: swings.amplitude_rad }
-    };
-    [at(0, 1.0), at(1, 0.5), at(2, 0.25)]
-}
-
-fn finger_word(law: FingerLaw) -> &'static str {
-    match law {
-        FingerLaw::Thesis => "thesis",
-        FingerLaw::Consistent => "consistent",
     }
 }
 

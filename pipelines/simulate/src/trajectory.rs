@@ -2,21 +2,21 @@
 
 use crate::Run;
 use crate::summary::verdict_meaning;
-use zwidth_dynamics::{Contact, Event, EventKind, Motion, Term};
+use zwidth_dynamics::{Contact, EventKind, Motion};
 use zwidth_results::{LeverMotion, ModelEvent, ModelRun, ModelSample, TermForce};
 
 /// The samples of a run: time, state, forces by part, and how the lever moves.
 pub fn model_run(run: &Run) -> ModelRun {
-    let of = &run.trajectory;
+    let trajectory = &run.trajectory;
     let scene = run.system.scene();
     let has_finger = scene.finger.is_some();
     let has_stops = scene.plant.stops_rad.is_some();
-    let finger_m: Vec<f64> = of.finger_m().collect();
-    let state = of.theta_rad().zip(of.theta_dot_rad_s()).enumerate();
+    let finger_m: Vec<f64> = trajectory.finger_m().collect();
+    let state = trajectory.theta_rad().zip(trajectory.theta_dot_rad_s()).enumerate();
     let samples = state.map(|(i, (theta_rad, theta_dot_rad_s))| {
-        let forces = of.forces(&run.system, i);
+        let forces = trajectory.forces(&run.system, i);
         ModelSample {
-            t_s: of.t_s[i],
+            t_s: trajectory.t_s[i],
             theta_rad,
             theta_dot_rad_s,
             finger_m: finger_m.get(i).copied().filter(|_| has_finger),
@@ -27,7 +27,7 @@ pub fn model_run(run: &Run) -> ModelRun {
             force_brake_n: forces.brake_n,
             force_friction_n: scene.friction.as_ref().map(|_| forces.friction_n),
             force_stop_n: has_stops.then_some(forces.stop_n),
-            motion: lever_motion(of.regions[usize::from(of.region[i])].motion),
+            motion: lever_motion(trajectory.regions[usize::from(trajectory.region[i])].motion),
         }
     });
     ModelRun {
@@ -40,16 +40,20 @@ pub fn model_run(run: &Run) -> ModelRun {
 
 /// The force of each of the scene's terms.
 fn term_forces(run: &Run) -> Vec<TermForce> {
-    let of = &run.trajectory;
-    let rows: Vec<Vec<f64>> =
-        (0..of.len()).map(|i| run.system.term_forces_n(of.state(i)).collect()).collect();
-    let force = |(k, term): (usize, &dyn Term)| {
+    let trajectory = &run.trajectory;
+    // Sample by sample, since a state gives the forces of all terms at once; then a column per
+    // term.
+    let rows: Vec<Vec<f64>> = (0..trajectory.len())
+        .map(|i| run.system.term_forces_n(trajectory.state(i)).collect())
+        .collect();
+    let terms = run.system.scene().terms.iter().enumerate();
+    let forces = terms.map(|(k, term)| {
         TermForce::new(term.name(), term.about(), rows.iter().map(|row| row[k]).collect())
-    };
-    run.system.scene().terms.iter().enumerate().map(force).collect()
+    });
+    forces.collect()
 }
 
-/// What is to be read with a run's numbers.
+/// The notes that belong to a run's numbers.
 fn notes(run: &Run) -> [String; 2] {
     let step_ms = run.system.scene().step_s * 1e3;
     [
@@ -65,14 +69,14 @@ fn notes(run: &Run) -> [String; 2] {
 /// The events of a run, in order of time. None of solvers that do not look for events.
 pub fn model_events(run: &Run) -> Vec<ModelEvent> {
     let has_finger = run.system.scene().finger.is_some();
-    let event = |event: &Event| ModelEvent {
+    let events = run.trajectory.events.iter().map(|event| ModelEvent {
         t_s: event.t_s,
         event: event_word(event.kind).to_owned(),
         theta_rad: event.theta_rad,
         motion: lever_motion(event.region.motion),
         tissue: has_finger.then(|| contact_word(event.region.contact).to_owned()),
-    };
-    run.trajectory.events.iter().map(event).collect()
+    });
+    events.collect()
 }
 
 fn lever_motion(motion: Motion) -> LeverMotion {

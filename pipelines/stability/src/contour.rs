@@ -45,12 +45,9 @@ impl Field<'_> {
 
     /// The pairs of edges of a cell that a line joins.
     fn crossed(&self, i: usize, j: usize) -> Vec<[Edge; 2]> {
-        let corner = |di: usize, dj: usize| (self.above)(i + di, j + dj);
-        let (Some(a), Some(b), Some(c), Some(d)) =
-            (corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1))
-        else {
-            return Vec::new();
-        };
+        let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(di, dj)| (self.above)(i + di, j + dj));
+        // No line crosses a cell with a corner without a value: a gap in the map is no limit.
+        let [Some(a), Some(b), Some(c), Some(d)] = corners else { return Vec::new() };
         let low = (i, j, false);
         let high = (i, j + 1, false);
         let left = (i, j, true);
@@ -61,6 +58,7 @@ impl Field<'_> {
             .collect();
         match edges[..] {
             [one, other] => vec![[one, other]],
+            // A saddle: the values at the corners do not tell which pairs belong together.
             [..] if edges.len() == 4 => vec![[low, right], [high, left]],
             [..] => Vec::new(),
         }
@@ -69,11 +67,10 @@ impl Field<'_> {
     /// Where the level is passed on an edge, to a thousandth of a cell.
     fn crossing(&self, (i, j, upward): Edge) -> Place {
         const HALVINGS: u32 = 10;
-        let place = |i: usize, j: usize| {
+        let ends = [(i, j), (i + usize::from(!upward), j + usize::from(upward))];
+        let [mut a, mut b] = ends.map(|(i, j)| {
             [i as f64 / (self.columns - 1) as f64, j as f64 / (self.rows - 1) as f64]
-        };
-        let mut a = place(i, j);
-        let mut b = place(i + usize::from(!upward), j + usize::from(upward));
+        });
         let first = (self.above)(i, j).unwrap_or_default();
         for _ in 0..HALVINGS {
             let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];

@@ -20,8 +20,8 @@ pub struct Curve {
     pub pieces: Vec<Vec<[f64; 2]>>,
 }
 
-/// The limit that a formula is.
-pub(crate) fn of_textbook(formula: Textbook) -> WallLimit {
+/// The limit of a map that a formula gives.
+pub(crate) fn textbook_limit(formula: Textbook) -> WallLimit {
     match formula {
         Textbook::ColgateSchenkel => WallLimit::ColgateSchenkel,
         Textbook::Delay => WallLimit::Hulin,
@@ -31,8 +31,8 @@ pub(crate) fn of_textbook(formula: Textbook) -> WallLimit {
 }
 
 /// The limits of a cell, in the order of [`Cell::values`].
-fn of_cell() -> [(WallLimit, LimitKind); 8] {
-    let [a, b, c, d] = Textbook::ALL.map(|formula| (of_textbook(formula), LimitKind::Textbook));
+fn cell_limits() -> [(WallLimit, LimitKind); 8] {
+    let [a, b, c, d] = Textbook::ALL.map(|formula| (textbook_limit(formula), LimitKind::Textbook));
     [
         (WallLimit::LiftedMap, LimitKind::Exact),
         (WallLimit::Passivity, LimitKind::Passivity),
@@ -47,33 +47,35 @@ fn of_cell() -> [(WallLimit, LimitKind); 8] {
 
 /// Whether a limit is passed in a cell.
 pub(crate) fn passes(cell: &Cell, limit: usize) -> Option<bool> {
+    // The two solvers' growths are quotients of estimated radii, whose rounding is no growth.
     let bound = if limit == 2 || limit == 3 { ONE } else { 1.0 };
     cell.values()[limit].map(|value| value >= bound)
 }
 
 /// The limits of a map that cross it.
 pub fn curves(map: &Map) -> Vec<Curve> {
-    let made: Vec<Curve> = of_cell()
+    let curves: Vec<Curve> = cell_limits()
         .into_par_iter()
         .enumerate()
         .map(|(limit, (computed, kind))| {
             let methods = Methods::new();
             let spans = [map.x, map.y];
-            let above = |i: usize, j: usize| passes(&map.cells[j * map.x.cells + i], limit);
-            let above_at = |share| {
-                let cell = methods.cell(&placed(&map.point, spans, share));
-                passes(&cell, limit).unwrap_or(true)
-            };
             let field = Field {
                 columns: map.x.cells,
                 rows: map.y.cells,
-                above: &above,
-                above_at: &above_at,
+                above: &|i, j| passes(&map.cells[j * map.x.cells + i], limit),
+                above_at: &|share| {
+                    let cell = methods.cell(&placed(&map.point, spans, share));
+                    passes(&cell, limit).unwrap_or(true)
+                },
             };
-            let si = |share: &[f64; 2]| [map.x.at(share[0]), map.y.at(share[1])];
-            let pieces = field.lines().iter().map(|line| line.iter().map(si).collect()).collect();
+            let lines = field.lines();
+            let pieces = lines
+                .iter()
+                .map(|line| line.iter().map(|[x, y]| [map.x.at(*x), map.y.at(*y)]).collect())
+                .collect();
             Curve { limit: LimitName::Computed(computed), kind, pieces }
         })
         .collect();
-    made.into_iter().filter(|curve| !curve.pieces.is_empty()).collect()
+    curves.into_iter().filter(|curve| !curve.pieces.is_empty()).collect()
 }

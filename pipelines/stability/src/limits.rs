@@ -1,6 +1,6 @@
 //! The stiffest wall at one point, by every limit.
 
-use crate::curves::of_textbook;
+use crate::curves::textbook_limit;
 use crate::error::StabilityError;
 use crate::measured::TICKS;
 use crate::quantity::Point;
@@ -17,7 +17,32 @@ const ROUNDING: f64 = 1e-6;
 pub fn limits(point: &Point) -> Result<Vec<StiffestWall>, StabilityError> {
     let wall = &point.wall;
     let exact = wall.stiffest_stable()?;
-    let of = |limit, kind, equation: &str, source: &str, stiffness: Option<f64>| {
+    let lifted = "the lifted map x' = A x over a period: ρ(A) = 1";
+    let passive = "b = max (T/2) Re{(1 − e^(−jωT)) H}/(1 − cos ωT)";
+    let simulated = "the loop simulated: swings neither grow nor die";
+    let mut limits = vec![
+        (WallLimit::LiftedMap, LimitKind::Exact, lifted, "this software", exact),
+        (
+            WallLimit::Measured,
+            LimitKind::Measured,
+            simulated,
+            "this software",
+            wall.stiffest_measured(TICKS, 1e-3)?,
+        ),
+        (
+            WallLimit::Passivity,
+            LimitKind::Passivity,
+            passive,
+            Textbook::ColgateSchenkel.citation(),
+            wall.stiffest_passive(),
+        ),
+    ];
+    limits.extend(Textbook::ALL.map(|formula| {
+        let stiffest = formula.stiffest(wall, point.dry);
+        let limit = textbook_limit(formula);
+        (limit, LimitKind::Textbook, formula.formula(), formula.citation(), stiffest)
+    }));
+    let rows = limits.into_iter().map(|(limit, kind, equation, source, stiffness)| {
         let error_share = exact
             .zip(stiffness)
             .filter(|(exact, _)| *exact > 0.0)
@@ -33,31 +58,6 @@ pub fn limits(point: &Point) -> Result<Vec<StiffestWall>, StabilityError> {
             error_share,
             is_unsafe: claimed.map(|error| error > ROUNDING),
         }
-    };
-    let lifted = "the lifted map x' = A x over a period: ρ(A) = 1";
-    let passive = "b = max (T/2) Re{(1 − e^(−jωT)) H}/(1 − cos ωT)";
-    let simulated = "the loop simulated: swings neither grow nor die";
-    let mut limits = vec![
-        of(WallLimit::LiftedMap, LimitKind::Exact, lifted, "this software", exact),
-        of(
-            WallLimit::Measured,
-            LimitKind::Measured,
-            simulated,
-            "this software",
-            wall.stiffest_measured(TICKS, 1e-3)?,
-        ),
-        of(
-            WallLimit::Passivity,
-            LimitKind::Passivity,
-            passive,
-            Textbook::ColgateSchenkel.citation(),
-            wall.stiffest_passive(),
-        ),
-    ];
-    limits.extend(Textbook::ALL.map(|formula| {
-        let stiffest = formula.stiffest(wall, point.dry);
-        let limit = of_textbook(formula);
-        of(limit, LimitKind::Textbook, formula.formula(), formula.citation(), stiffest)
-    }));
-    Ok(limits)
+    });
+    Ok(rows.collect())
 }

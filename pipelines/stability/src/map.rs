@@ -8,7 +8,7 @@ use zwidth_results::WallQuantity;
 
 /// The solvers whose step has a limit on the wall, one of those that share it.
 pub const METHODS: [&str; 2] = ["rk4_per_step", "symplectic_euler"];
-/// Most cells a side.
+/// Most cells per side.
 const MOST: usize = 2000;
 
 /// An axis of a map.
@@ -61,7 +61,7 @@ impl Span {
 pub struct Cell {
     /// ρ(A) of the lifted map.
     pub radius: Option<f64>,
-    /// Damping that passivity asks for, over what the device has.
+    /// Damping that passivity needs, over what the device has.
     pub passivity: Option<f64>,
     /// |R(hλ)| of each of [`METHODS`] over the exact flow's growth.
     pub growth: [Option<f64>; 2],
@@ -108,15 +108,13 @@ impl Map {
     pub fn stable(&self) -> Vec<Area> {
         let mut areas: Vec<Area> = Vec::new();
         for i in 0..self.x.cells {
-            let is_stable = |j: usize| {
-                let radius = self.cells[j * self.x.cells + i].radius;
-                radius.is_some_and(|radius| radius < 1.0)
-            };
+            let column: Vec<Option<f64>> =
+                (0..self.y.cells).map(|j| self.cells[j * self.x.cells + i].radius).collect();
             let mut run = 0;
             let mut j = 0;
             while j < self.y.cells {
                 let from = j;
-                while j < self.y.cells && is_stable(j) {
+                while j < self.y.cells && column[j].is_some_and(|radius| radius < 1.0) {
                     j += 1;
                 }
                 if j == from {
@@ -152,17 +150,17 @@ pub fn map(point: &Point, x: Span, y: Span) -> Result<Map, StabilityError> {
     }
     point.wall.check()?;
     let methods = Methods::new();
-    let cell = |number: usize| {
+    let cells = (0..x.cells * y.cells).into_par_iter().map(|number| {
         let i = number % x.cells;
         let j = number / x.cells;
         methods.cell(&placed(point, [x, y], [x.share(i), y.share(j)]))
-    };
-    let cells = (0..x.cells * y.cells).into_par_iter().map(cell).collect();
-    Ok(Map { point: *point, x, y, cells })
+    });
+    Ok(Map { point: *point, x, y, cells: cells.collect() })
 }
 
 /// The point at shares of both axes.
 pub(crate) fn placed(point: &Point, [x, y]: [Span; 2], share: [f64; 2]) -> Point {
+    // x before y: another lever length changes stiffnesses and dampings that are put in before it.
     let point = point.with(x.quantity, x.at(share[0]));
     point.with(y.quantity, y.at(share[1]))
 }
@@ -174,11 +172,11 @@ impl Methods {
     pub(crate) fn new() -> Self {
         /// For solvers that are given a step, which do not look at it.
         const UNUSED_TOLERANCE: f64 = 1e-9;
-        let made = |name: &&str| {
+        let solvers = METHODS.iter().filter_map(|name| {
             let named = NAMED_SOLVERS.into_iter().find(|solver| solver.name == *name)?;
             Some((named.make)(UNUSED_TOLERANCE))
-        };
-        Self(METHODS.iter().filter_map(made).collect())
+        });
+        Self(solvers.collect())
     }
 
     pub(crate) fn cell(&self, point: &Point) -> Cell {
@@ -187,14 +185,14 @@ impl Methods {
             return Cell { radius: None, passivity: None, growth: [None; 2], textbook: [None; 4] };
         }
         let b = wall.damping_ns_per_m;
-        let growth = |i: usize| {
-            let solver = self.0.get(i)?;
-            wall.step_growth(solver.as_ref(), point.step_s).filter(|x| x.is_finite())
-        };
         Cell {
             radius: Some(wall.spectral_radius()).filter(|radius| radius.is_finite()),
+            // Not infinite for a device without damping: tables refuse what is not finite.
             passivity: wall.damping_for_passivity().map(|needed| (needed / b).min(f64::MAX)),
-            growth: [growth(0), growth(1)],
+            growth: [0, 1].map(|i| {
+                let solver = self.0.get(i)?;
+                wall.step_growth(solver.as_ref(), point.step_s).filter(|x| x.is_finite())
+            }),
             textbook: Textbook::ALL.map(|formula| {
                 let stiffest = formula.stiffest(wall, point.dry)?;
                 Some((wall.stiffness_n_per_m / stiffest).min(f64::MAX))

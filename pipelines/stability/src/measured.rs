@@ -29,18 +29,19 @@ pub fn measured(map: &Map) -> Option<Curve> {
 
 /// The rows between which the exact limit is passed in a column.
 fn crossings(map: &Map, i: usize) -> Vec<usize> {
-    let passed = |j: usize| passes(&map.cells[j * map.x.cells + i], 0);
-    (0..map.y.cells - 1)
-        .filter(|j| passed(*j).zip(passed(*j + 1)).is_some_and(|(a, b)| a != b))
-        .collect()
+    let rows = (0..map.y.cells - 1).filter(|j| {
+        let [a, b] = [*j, j + 1].map(|j| passes(&map.cells[j * map.x.cells + i], 0));
+        a.zip(b).is_some_and(|(a, b)| a != b)
+    });
+    rows.collect()
 }
 
 fn point(map: &Map, i: usize, j: usize) -> Option<[f64; 2]> {
     /// Halvings of three cells: a thousandth of one.
     const HALVINGS: u32 = 11;
-    let share = |j: usize| map.y.share(j.min(map.y.cells - 1));
-    let mut a = share(j.saturating_sub(1));
-    let mut b = share(j + 2);
+    // A cell more on either side: the loop's own limit may lie beside the cell that the map's
+    // crosses.
+    let [mut a, mut b] = [j.saturating_sub(1), j + 2].map(|j| map.y.share(j.min(map.y.cells - 1)));
     let x = map.x.share(i);
     let grows = |y: f64| {
         let wall = placed(&map.point, [map.x, map.y], [x, y]).wall;

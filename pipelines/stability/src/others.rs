@@ -49,19 +49,24 @@ impl Boundary {
     /// # Errors
     /// A number that is negative or not finite; fewer than two; one damping twice.
     pub fn new(mut points: Vec<[f64; 2]>) -> Result<Self, StabilityError> {
-        let wrong = |line: usize, what: String| Err(StabilityError::Boundary { line, what });
         for (i, [b, k]) in points.iter().enumerate() {
             if !(*b >= 0.0 && *k >= 0.0 && b.is_finite() && k.is_finite()) {
-                return wrong(i + 2, format!("K = {k}, B = {b}"));
+                // Lines of a file count from 1, and the first is its head.
+                return Err(wrong(i + 2, format!("K = {k}, B = {b}")));
+            }
+        }
+        if points.len() < 2 {
+            return Err(wrong(points.len() + 1, "fewer than two points".to_owned()));
+        }
+        for (i, [b, _]) in points.iter().enumerate() {
+            if points[..i]
+                .iter()
+                .any(|[before, _]| before.partial_cmp(b).is_some_and(std::cmp::Ordering::is_eq))
+            {
+                return Err(wrong(i + 2, format!("B = {b} stands there twice")));
             }
         }
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        if points.len() < 2 {
-            return wrong(points.len() + 1, "fewer than two points".to_owned());
-        }
-        if let Some(i) = points.windows(2).position(|pair| pair[0][0] >= pair[1][0]) {
-            return wrong(i + 3, format!("B = {} stands there twice", points[i][0]));
-        }
         Ok(Self { points, is_si: false })
     }
 
@@ -72,24 +77,24 @@ impl Boundary {
     /// # Errors
     /// A column that is missing, or as [`Boundary::new`].
     pub fn from_csv(text: &str, lever_m: f64) -> Result<Self, StabilityError> {
+        // Spreadsheets put a byte order mark before the first column's name.
         let text = text.trim_start_matches('\u{feff}');
         let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
         let head = lines.next().map_or("", |(_, line)| line);
-        let column = |name: &str| head.split(',').position(|head| head.trim() == name);
-        let found = HEADS.map(|[k, b]| column(k).zip(column(b)));
-        let Some((form, (k, b))) = found.iter().enumerate().find_map(|(i, at)| Some((i, (*at)?)))
-        else {
-            return Err(StabilityError::Boundary { line: 1, what: format!("{head:?}") });
-        };
-        let read = |(i, line): (usize, &str)| {
-            let number = |at: usize| line.split(',').nth(at)?.trim().parse::<f64>().ok();
-            number(b)
-                .zip(number(k))
-                .map(|(b, k)| [b, k])
-                .ok_or_else(|| StabilityError::Boundary { line: i + 1, what: format!("{line:?}") })
+        let columns = HEADS
+            .map(|names| names.map(|name| head.split(',').position(|head| head.trim() == name)));
+        let Some((form, [k, b])) = columns.into_iter().enumerate().find_map(|(form, columns)| {
+            let [k, b] = columns;
+            Some((form, [k?, b?]))
+        }) else {
+            return Err(wrong(1, format!("{head:?}")));
         };
         let per_m = if form == 2 { 1.0 / (lever_m * lever_m) } else { 1.0 };
-        let points: Vec<[f64; 2]> = lines.map(read).collect::<Result<_, _>>()?;
+        let points = lines.map(|(i, line)| {
+            let [b, k] = [b, k].map(|at| line.split(',').nth(at)?.trim().parse::<f64>().ok());
+            b.zip(k).map(|(b, k)| [b, k]).ok_or_else(|| wrong(i + 1, format!("{line:?}")))
+        });
+        let points: Vec<[f64; 2]> = points.collect::<Result<_, _>>()?;
         let read = Self::new(points.iter().map(|p| p.map(|value| per_m * value)).collect())?;
         Ok(Self { is_si: form > 0, ..read })
     }
@@ -105,15 +110,12 @@ impl Boundary {
         const HALVINGS: u32 = 40;
         /// A wall of this share of the undamped one counts as no wall.
         const NONE: f64 = 1e-3;
-        let at = |b: f64| SampledWall { wall_damping_ns_per_m: b, ..*wall }.stiffest_stable();
-        let Some(undamped) = at(0.0)?.filter(|k| *k > 0.0) else { return Ok(None) };
-        let bears = |b: f64| -> Result<bool, StabilityError> {
-            Ok(at(b)?.is_none_or(|k| k > NONE * undamped))
-        };
+        let stiffest = |b: f64| SampledWall { wall_damping_ns_per_m: b, ..*wall }.stiffest_stable();
+        let Some(undamped) = stiffest(0.0)?.filter(|k| *k > 0.0) else { return Ok(None) };
         // What a period's damping of the mass would take away.
         let mut high = wall.mass_kg / wall.period_s;
         let mut low = 0.0;
-        while bears(high)? {
+        while stiffest(high)?.is_none_or(|k| k > NONE * undamped) {
             (low, high) = (high, 2.0 * high);
             if !high.is_finite() {
                 return Ok(None);
@@ -121,7 +123,7 @@ impl Boundary {
         }
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            if bears(middle)? {
+            if stiffest(middle)?.is_none_or(|k| k > NONE * undamped) {
                 low = middle;
             } else {
                 high = middle;
@@ -130,7 +132,7 @@ impl Boundary {
         let mut points = Vec::new();
         for i in 0..POINTS {
             let b = low * i as f64 / POINTS as f64;
-            points.extend(at(b)?.map(|k| [b, k]));
+            points.extend(stiffest(b)?.map(|k| [b, k]));
         }
         points.push([high, 0.0]);
         Ok(Some(Self { is_si: true, ..Self::new(points)? }))
@@ -149,7 +151,8 @@ impl Boundary {
     pub fn extent(&self) -> Extent {
         let points = &self.points;
         let best = points.iter().fold([0.0, 0.0], |best, p| if p[1] > best[1] { *p } else { best });
-        let part = |pair: &[[f64; 2]]| 0.5 * (pair[1][0] - pair[0][0]) * (pair[0][1] + pair[1][1]);
+        let pairs = points.windows(2);
+        let parts = pairs.map(|pair| 0.5 * (pair[1][0] - pair[0][0]) * (pair[0][1] + pair[1][1]));
         let first = points.first();
         let last = points.last();
         Extent {
@@ -157,9 +160,13 @@ impl Boundary {
             largest: best[1],
             largest_at: best[0],
             damping: [first.map_or(0.0, |p| p[0]), last.map_or(0.0, |p| p[0])],
-            area: points.windows(2).map(part).sum(),
+            area: parts.sum(),
         }
     }
+}
+
+fn wrong(line: usize, what: String) -> StabilityError {
+    StabilityError::Boundary { line, what }
 }
 
 #[cfg(test)]

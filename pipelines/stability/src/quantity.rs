@@ -48,6 +48,7 @@ impl Point {
             WallQuantity::WallDamping => wall.wall_damping_ns_per_m = value,
             WallQuantity::Stiffness => wall.stiffness_n_per_m = value,
             WallQuantity::Lever => {
+                // Stiffness and damping about the axis stay: per metre at the end they fall with L.
                 let share = point.lever_m / value;
                 wall.stiffness_n_per_m *= share;
                 wall.wall_damping_ns_per_m *= share;

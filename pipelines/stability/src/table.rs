@@ -12,7 +12,7 @@ const MODEL: &str = "Model runs, not measurements.";
 pub fn cells(map: &Map) -> Vec<WallCell> {
     let x = map.x;
     let y = map.y;
-    let row = |(number, cell): (usize, &crate::map::Cell)| {
+    let rows = map.cells.iter().enumerate().map(|(number, cell)| {
         let [colgate_schenkel, hulin, abbott_okamura, diolaiti] = cell.textbook;
         let [rk4_per_step, symplectic_euler] = cell.growth;
         WallCell {
@@ -27,8 +27,8 @@ pub fn cells(map: &Map) -> Vec<WallCell> {
             abbott_okamura,
             diolaiti,
         }
-    };
-    map.cells.iter().enumerate().map(row).collect()
+    });
+    rows.collect()
 }
 
 /// The table of [`cells`]: the places are called after the quantities that run along the axes.

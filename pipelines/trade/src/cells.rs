@@ -19,16 +19,20 @@ fn gate(judgement: &Judgement, errors: Option<&Errors>) -> Gate {
     let Some(felt) = errors.map(|errors| errors.felt).filter(|_| is_sound(judgement)) else {
         return Gate::Verdict;
     };
-    let above = |share: f64| share > 1.0 || share.is_nan();
-    if above(felt.force_share) {
+    if is_above(felt.force_share) {
         Gate::Force
-    } else if above(felt.angle_share) {
+    } else if is_above(felt.angle_share) {
         Gate::Angle
-    } else if felt.vibration_share.is_none_or(above) {
+    } else if felt.vibration_share.is_none_or(is_above) {
         Gate::Vibration
     } else {
         Gate::Passed
     }
+}
+
+/// Whether a person feels it; what could not be compared counts as felt.
+fn is_above(share: f64) -> bool {
+    share > 1.0 || share.is_nan()
 }
 
 fn is_sound(judgement: &Judgement) -> bool {
@@ -52,7 +56,7 @@ pub struct Cell {
     pub judgement: Judgement,
     /// How far it is from the right answer; `None` for a run that failed.
     pub errors: Option<Errors>,
-    /// Work counts of the run, sampled as the scene asks.
+    /// Work counts of the run, sampled with the scene's own step.
     pub work: WorkCounts,
     /// The same as one number ([`WorkCounts::in_evaluations`]).
     pub evaluations: u64,
@@ -82,26 +86,28 @@ pub(crate) fn cells(
     metrics: Option<&Metrics<'_>>,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<Cell>, TradeError> {
-    let mut known: Vec<(f64, ExistingSwings)> = Vec::new();
+    let mut earlier: Vec<(f64, ExistingSwings)> = Vec::new();
     let mut cells = Vec::new();
     for setting in settings {
-        cells.push(cell(scene, yardstick, reference, *setting, metrics, &mut known)?);
+        cells.push(cell(scene, yardstick, reference, *setting, metrics, &mut earlier)?);
         progress();
     }
     Ok(cells)
 }
 
-/// A setting. `known` holds the swings of the runs with finer steps, to which this one's are added.
+/// Runs and judges a setting. `earlier` holds the swings of the runs with finer steps, each after
+/// its step (s), to which this one's are added.
 pub(crate) fn cell(
     scene: &ModelScene,
     yardstick: &Yardstick,
     reference: &Reference,
     setting: Setting,
     metrics: Option<&Metrics<'_>>,
-    known: &mut Vec<(f64, ExistingSwings)>,
+    earlier: &mut Vec<(f64, ExistingSwings)>,
 ) -> Result<Cell, TradeError> {
     let solver = setting.solver();
     let system = &yardstick.system;
+    // A solver without a step is sampled finely enough for its errors, whatever the scene's step.
     let step_s = setting.step_s().unwrap_or(scene.step_s.min(SAMPLE_S));
     let judged_s = setting.step_s().unwrap_or(scene.step_s);
     let run = match solver.run(system, &grid(scene, step_s)?) {
@@ -109,10 +115,10 @@ pub(crate) fn cell(
         Err(_) => return Ok(failed(setting, reference.judge(solver.as_ref(), judged_s))),
     };
     let own = reference.swings(&run);
-    let finer = finer(system, reference, setting, &own, known, solver.as_ref());
+    let finer = finer(system, reference, setting, &own, earlier, solver.as_ref());
     let judgement = reference.judge_with(solver.as_ref(), step_s, &run, [&finer[0], &finer[1]]);
     if let Some(step_s) = setting.step_s() {
-        known.push((step_s, own));
+        earlier.push((step_s, own));
     }
     let mut errors = errors(yardstick, &run)?;
     let is_yardstick = setting.solver == EXACT && yardstick.by == EXACT;
@@ -150,7 +156,7 @@ fn failed(setting: Setting, judgement: Judgement) -> Cell {
     }
 }
 
-/// The work of a run that is sampled as the scene asks; the exact solver's depends on it.
+/// The work of a run that is sampled with the scene's own step; the exact solver's depends on it.
 fn work(
     setting: Setting,
     scene: &ModelScene,
@@ -158,10 +164,13 @@ fn work(
     run: &Trajectory,
     solver: &dyn Solver,
 ) -> WorkCounts {
-    let again = || solver.run(system, &Grid::filling(scene.duration_s, scene.step_s)).ok();
     match setting.fineness {
         Fineness::StepS(_) => run.work,
-        _ => again().map_or(run.work, |run| run.work),
+        // The run at hand may be sampled more finely than the scene, so that its errors are known.
+        Fineness::None | Fineness::Tolerance(_) => {
+            let again = solver.run(system, &Grid::filling(scene.duration_s, scene.step_s));
+            again.map_or(run.work, |run| run.work)
+        }
     }
 }
 
@@ -172,19 +181,20 @@ fn finer(
     reference: &Reference,
     setting: Setting,
     own: &ExistingSwings,
-    known: &[(f64, ExistingSwings)],
+    earlier: &[(f64, ExistingSwings)],
     solver: &dyn Solver,
 ) -> [ExistingSwings; 2] {
     let Some(step_s) = setting.step_s() else { return [own.clone(), own.clone()] };
     [0.5, 0.25].map(|share| {
         let wanted = share * step_s;
-        if let Some((_, swings)) = known.iter().find(|(step, _)| (step / wanted - 1.0).abs() < 1e-9)
-        {
+        // A step that was halved is its half but for rounding.
+        let same = earlier.iter().find(|(step, _)| (step / wanted - 1.0).abs() < 1e-9);
+        if let Some((_, swings)) = same {
             return swings.clone();
         }
         // Below the finest step of the fan nothing is run: what it would show shows with this one.
-        let finest = known.first().is_none_or(|(finest, _)| wanted < *finest);
-        let run = (!finest || known.is_empty()).then(|| {
+        let is_run = earlier.first().is_none_or(|(finest, _)| wanted >= *finest);
+        let run = is_run.then(|| {
             grid(system.scene(), wanted).ok().and_then(|grid| solver.run(system, &grid).ok())
         });
         run.flatten().map_or_else(|| own.clone(), |run| reference.swings(&run))

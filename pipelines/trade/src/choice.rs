@@ -49,6 +49,8 @@ pub(crate) fn choose(
                 next_cheaper: next_cheaper(solvers, cell, &refuted),
             });
         }
+        // The solver's next finer setting takes part instead, which may now be dearer than
+        // another's.
         refuted.push((cell.setting, passed));
         accepted[s] -= 1;
     }
@@ -66,14 +68,14 @@ fn passed_neighbours(
     perception: &Perception,
     neighbours: usize,
 ) -> usize {
-    let passes = |number: u64| {
-        let near = neighbour(scene, number);
+    let passed = (0..neighbours as u64).into_par_iter().filter(|number| {
+        let near = neighbour(scene, *number);
         let Ok(yardstick) = Yardstick::alone(&near, perception) else { return false };
         let reference = Reference::of(&yardstick.system);
         let cell = cell(&near, &yardstick, &reference, setting, None, &mut Vec::new());
         cell.is_ok_and(|cell| cell.gate == Gate::Passed)
-    };
-    (0..neighbours as u64).into_par_iter().filter(|number| passes(*number)).count()
+    });
+    passed.count()
 }
 
 /// Of all that cost less the one that costs most.

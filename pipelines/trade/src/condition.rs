@@ -4,7 +4,7 @@ use zwidth_dynamics::{
     Brake, BrakeLaw, DriveMode, Environment, Friction, Input, ModelScene, Motor, Plant, Start,
     Terms,
 };
-use zwidth_study::{ActuatorKind, Calibration, ForceLaw, Mode, Scene, Study};
+use zwidth_study::{ActuatorKind, Calibration, Mode, Scene, Study};
 
 /// Mass at the lever's end, kg, and its viscous damping, N s/rad: the thesis' choice for its
 /// prototype (Fig. 24).
@@ -12,7 +12,7 @@ const MASS_KG: f64 = 0.1;
 const DAMPING_NS_PER_RAD: f64 = 1.0;
 /// Length of a run, s, and ω of the push, rad/s: the thesis' (7).
 const DURATION_S: f64 = 4.0;
-/// The push goes up to this share of what the environment asks for at the upper end of the work
+/// The push goes up to this share of what the environment demands at the upper end of the work
 /// space: past the wall of the thesis, and short of the stop.
 const PUSH: f64 = 0.9;
 
@@ -28,7 +28,8 @@ pub fn condition_scene(
     let device = &study.device;
     let stops_rad = [device.theta_min_rad?, device.theta_max_rad?];
     let law = environment.scene.law().filter(|_| environment.scene != Scene::Free)?;
-    let drive = drive_mode(mode)?;
+    let by_motor = mode.law()?.drives().map(|drive| drive == ActuatorKind::Motor);
+    let drive = DriveMode::ALL.into_iter().find(|drive| drive.by_motor() == by_motor)?;
     let spring = Environment::spring(law.stiffness_n_per_rad, law.damping_ns_per_rad, law.rest_rad);
     let peak_n = PUSH * law.stiffness_n_per_rad * (stops_rad[1] - law.rest_rad);
     (peak_n > 0.0)
@@ -54,6 +55,7 @@ pub fn condition_scene(
                 lag_on_off_s: None,
                 let_go_n: Some(study.control.let_go_n),
             },
+            // a + a sin: its peak is twice its magnitude.
             input: Input::sine(0.5 * peak_n),
             start: Start { theta_rad: stops_rad[0], theta_dot_rad_s: 0.0 },
             finger: None,
@@ -64,17 +66,7 @@ pub fn condition_scene(
             }),
             terms: Terms::default(),
         })
-        .filter(|scene| scene.plant.lever_m > 0.0 && is_rendered(&law))
-}
-
-fn is_rendered(law: &ForceLaw) -> bool {
-    law.stiffness_n_per_rad > 0.0
-}
-
-/// The drive that has the mode's actuators in charge as its law has them.
-fn drive_mode(mode: &Mode) -> Option<DriveMode> {
-    let by_motor = mode.law()?.drives().map(|drive| drive == ActuatorKind::Motor);
-    DriveMode::ALL.into_iter().find(|drive| drive.by_motor() == by_motor)
+        .filter(|scene| scene.plant.lever_m > 0.0 && law.stiffness_n_per_rad > 0.0)
 }
 
 #[cfg(test)]

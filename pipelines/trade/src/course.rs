@@ -5,6 +5,7 @@ use crate::cells::grid;
 use crate::setting::Setting;
 use crate::story::Story;
 use crate::table::MODEL;
+use std::iter::repeat_n;
 use zwidth_dynamics::{ModelScene, System};
 use zwidth_results::TradeRun;
 use zwidth_tables::{Column, Table, TableError};
@@ -17,6 +18,7 @@ pub fn courses(scene: &ModelScene, settings: &[Setting]) -> Result<Vec<TradeRun>
     let system = System::new(scene.clone())?;
     let mut runs = Vec::new();
     for setting in settings {
+        // A solver without a step of its own is drawn from a sample every millisecond.
         let grid = grid(scene, setting.step_s().unwrap_or(1e-3))?;
         let Ok(run) = setting.solver().run(&system, &grid) else { continue };
         runs.push(TradeRun {
@@ -35,15 +37,12 @@ pub fn courses(scene: &ModelScene, settings: &[Setting]) -> Result<Vec<TradeRun>
 /// # Errors
 /// None that finished runs can cause.
 pub fn courses_table(scene: &ModelScene, runs: &[TradeRun]) -> Result<Table, TableError> {
-    let each = |run: &TradeRun| run.t_s.len();
-    let steps = runs.iter().flat_map(|run| std::iter::repeat_n(run.step_s, each(run)));
-    let changes = |run: &TradeRun| std::iter::repeat_n(Some(run.motion_changes as i64), each(run));
+    let solvers = runs.iter().flat_map(|run| repeat_n(Some(run.solver.clone()), run.t_s.len()));
+    let steps = runs.iter().flat_map(|run| repeat_n(run.step_s, run.t_s.len()));
+    let changes =
+        runs.iter().flat_map(|run| repeat_n(Some(run.motion_changes as i64), run.t_s.len()));
     let columns = vec![
-        Column::text(
-            "solver",
-            "the solver",
-            runs.iter().flat_map(|run| std::iter::repeat_n(Some(run.solver.clone()), each(run))),
-        ),
+        Column::text("solver", "the solver", solvers),
         Column::float("step_s", "s", "its step; none for one that finds events", steps),
         Column::float("t_s", "s", "time", runs.iter().flat_map(|run| &run.t_s).copied().map(Some)),
         Column::float(
@@ -52,12 +51,7 @@ pub fn courses_table(scene: &ModelScene, runs: &[TradeRun]) -> Result<Table, Tab
             "lever angle",
             runs.iter().flat_map(|run| &run.theta_rad).copied().map(Some),
         ),
-        Column::integer(
-            "motion_changes",
-            "1",
-            "changes of the way of moving in the run",
-            runs.iter().flat_map(changes),
-        ),
+        Column::integer("motion_changes", "1", "changes of the way of moving in the run", changes),
     ];
     let table = Table::new("courses", &format!("{}: courses", scene.name), columns)?;
     Ok(table.with_note(MODEL))

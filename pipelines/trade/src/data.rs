@@ -7,7 +7,7 @@ use zwidth_results::{LessKind, MetricShift, Row};
 use zwidth_study::{Perception, is_felt};
 use zwidth_tables::{Table, TableError};
 
-/// What a table of shifts is called, and what stands below it.
+/// Name and title of a table of shifts, and the note below it.
 pub(crate) struct About {
     name: &'static str,
     title: &'static str,
@@ -34,14 +34,6 @@ pub struct Bounds<'a> {
     pub lever_m: f64,
 }
 
-impl Bounds<'_> {
-    /// The change of a metric that is just felt.
-    fn of(&self, metric: &str, unit: &str, mean: f64) -> Option<f64> {
-        let bound = self.perception.bound(mean, unit, self.lever_m);
-        bound.filter(|bound| *bound > 0.0 && is_felt(metric))
-    }
-}
-
 /// For each degradation of the recordings and each metric: its mean with the full recordings, the
 /// spread of its changes over the trials, how many trials lose it, and the change that a person
 /// would feel, if this is known for its unit. `whole` and each of `lessened` have one row per
@@ -52,11 +44,11 @@ pub fn less_shifts(
     lessened: &[(Less, Table)],
     bounds: &Bounds<'_>,
 ) -> Vec<MetricShift> {
-    let of = |(less, table): &(Less, Table)| {
+    let shifts = lessened.iter().flat_map(|(less, table)| {
         let taken = Taken { condition, kind: less.kind(), less: &less.words() };
         shifts(&taken, whole, table, bounds)
-    };
-    lessened.iter().flat_map(of).collect()
+    });
+    shifts.collect()
 }
 
 /// The same for other setups of the simulated device, each beside the study's own.
@@ -65,14 +57,14 @@ pub fn setup_shifts(
     rehearsed: &[Rehearsed],
     bounds: &Bounds<'_>,
 ) -> Vec<MetricShift> {
-    let of = |Rehearsed { setup, own, changed }: &Rehearsed| {
+    let shifts = rehearsed.iter().flat_map(|Rehearsed { setup, own, changed }| {
         let taken = Taken { condition, kind: setup.kind(), less: &setup.words() };
         shifts(&taken, own, changed, bounds)
-    };
-    rehearsed.iter().flat_map(of).collect()
+    });
+    shifts.collect()
 }
 
-/// Where something is taken away or set otherwise, and what.
+/// What is taken away or set otherwise, and in which condition.
 struct Taken<'a> {
     condition: &'a str,
     kind: LessKind,
@@ -85,6 +77,7 @@ fn shifts(taken: &Taken, whole: &Table, table: &Table, bounds: &Bounds<'_>) -> V
         let (Ok(a), Ok(b)) = (whole.floats(&field.name), table.floats(&field.name)) else {
             continue;
         };
+        // A trial without the metric to begin with cannot lose it.
         let pairs = a.into_iter().zip(b).filter_map(|(a, b)| Some((a?, b)));
         let pairs: Vec<(f64, Option<f64>)> = pairs.collect();
         let changes: Vec<f64> = pairs.iter().filter_map(|(a, b)| Some((*b)? - a)).collect();
@@ -95,7 +88,9 @@ fn shifts(taken: &Taken, whole: &Table, table: &Table, bounds: &Bounds<'_>) -> V
         else {
             continue;
         };
-        let bound = bounds.of(&field.name, &field.unit, mean);
+        // The change that is just felt; a metric that is none of a sensation's has no such bound.
+        let bound = bounds.perception.bound(mean, &field.unit, bounds.lever_m);
+        let bound = bound.filter(|bound| *bound > 0.0 && is_felt(&field.name));
         rows.push(MetricShift {
             condition: taken.condition.into(),
             kind: taken.kind,

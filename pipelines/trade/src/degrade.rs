@@ -45,7 +45,7 @@ impl Less {
         Self::VelocityDifference,
     ];
 
-    /// What it is a degree of.
+    /// The kind of degradation that it is a degree of.
     pub fn kind(self) -> LessKind {
         match self {
             Self::OneSampleOf(_) => LessKind::Samples,
@@ -110,8 +110,9 @@ fn hold_force(samples: &mut Samples, rate_hz: f64) {
     let mut ages = Vec::new();
     let mut at = 0;
     for i in 0..t.len() {
-        let update = |i: usize| (t[i] * rate_hz * (1.0 + 1e-12)).floor();
-        if update(i) > update(at) {
+        // A time that is a whole number of periods but for rounding is one: a new value comes then.
+        let [now, last] = [i, at].map(|i| (t[i] * rate_hz * (1.0 + 1e-12)).floor());
+        if now > last {
             at = i;
         }
         held.push(force[at]);
@@ -128,20 +129,22 @@ fn velocity(samples: &mut Samples, cutoff_hz: Option<f64>) {
         return;
     };
     let mut poles = [0.0; 2];
-    let mut found = vec![0.0];
+    let mut velocity = vec![0.0];
     for i in 1..t.len() {
         let step_s = t[i] - t[i - 1];
         let raw = if step_s > 0.0 { (theta[i] - theta[i - 1]) / step_s } else { 0.0 };
+        // Exact for an input that is held over the step, so that uneven steps do no harm.
         let follow = cutoff_hz.map_or(1.0, |f| 1.0 - libm::exp(-TAU * f * step_s));
         let mut input = raw;
         for pole in &mut poles {
             *pole += follow * (input - *pole);
             input = *pole;
         }
-        found.push(input);
+        velocity.push(input);
     }
-    found.truncate(t.len());
-    samples.set(Signal::ThetaDot, found);
+    // A recording without samples has no first velocity either.
+    velocity.truncate(t.len());
+    samples.set(Signal::ThetaDot, velocity);
 }
 
 #[cfg(test)]

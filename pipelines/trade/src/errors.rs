@@ -49,7 +49,7 @@ pub struct Errors {
     pub event_s: Option<f64>,
     /// Of the largest θ of the samples, rad.
     pub peak_rad: f64,
-    /// What a person has of it.
+    /// What a person feels of it.
     pub felt: FeltDifference,
 }
 
@@ -61,20 +61,24 @@ pub(crate) fn places(run: &Trajectory, most: usize) -> Vec<usize> {
 /// The errors of a run, at its samples.
 pub(crate) fn errors(yardstick: &Yardstick, run: &Trajectory) -> Result<Errors, TradeError> {
     let places = places(run, MOST_COMPARED);
+    // Run again at the same times rather than interpolated: the comparison itself then adds no
+    // error.
     let right = yardstick.at(places.iter().map(|i| run.t_s[*i]).collect())?;
     let system = &yardstick.system;
-    let apart = |of: fn(&Trajectory) -> Vec<f64>| {
-        let found = of(run);
-        let right = of(&right);
-        Size::of(places.iter().zip(right).map(|(i, right)| found[*i] - right))
-    };
+    let signals: [fn(&Trajectory) -> Vec<f64>; 2] =
+        [|run| run.theta_rad().collect(), |run| run.theta_dot_rad_s().collect()];
+    let [theta_rad, theta_dot_rad_s] = signals.map(|signal| {
+        let own = signal(run);
+        Size::of(places.iter().zip(signal(&right)).map(|(i, right)| own[*i] - right))
+    });
     let calm = places.iter().copied().enumerate();
     let calm = calm.filter(|(_, i)| !yardstick.felt.is_disturbed(run.t_s[*i]));
     let motion = FeltMotion::of(system, run);
-    let peak = |run: &Trajectory| run.theta_rad().fold(f64::NEG_INFINITY, f64::max);
+    let [peak, right_peak] =
+        [run, &yardstick.run].map(|run| run.theta_rad().fold(f64::NEG_INFINITY, f64::max));
     Ok(Errors {
-        theta_rad: apart(|run| run.theta_rad().collect()),
-        theta_dot_rad_s: apart(|run| run.theta_dot_rad_s().collect()),
+        theta_rad,
+        theta_dot_rad_s,
         force_n: Size::of(
             calm.map(|(k, i)| {
                 run.forces(system, i).device_n() - right.forces(system, k).device_n()
@@ -82,7 +86,7 @@ pub(crate) fn errors(yardstick: &Yardstick, run: &Trajectory) -> Result<Errors, 
         ),
         impulse_ns: (motion.impulse_ns() - yardstick.impulse_ns).abs(),
         event_s: yardstick.story.apart_s(&Story::of(system, run)),
-        peak_rad: (peak(run) - peak(&yardstick.run)).abs(),
+        peak_rad: (peak - right_peak).abs(),
         felt: yardstick.felt.compare(&motion),
     })
 }

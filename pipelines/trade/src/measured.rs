@@ -70,8 +70,8 @@ impl MetricChange {
     }
 }
 
-/// Every metric of a run that says what somebody could feel, beside the right run's at the same
-/// times.
+/// Every metric of a run that describes something that can be felt, beside the right run's at the
+/// same times.
 pub(crate) fn changes(
     yardstick: &Yardstick,
     run: &Trajectory,
@@ -82,15 +82,15 @@ pub(crate) fn changes(
     let system = &yardstick.system;
     let lever_m = system.scene().plant.lever_m;
     let all: Vec<usize> = (0..right.len()).collect();
-    let [found, right] = [(run, &places), (&right, &all)]
+    let [own, right] = [(run, &places), (&right, &all)]
         .map(|(run, at)| (metrics.measure)(&course(system, run, at)));
-    let pairs = found.into_iter().zip(right).filter(|(found, _)| is_felt(&found.name));
+    let pairs = own.into_iter().zip(right).filter(|(own, _)| is_felt(&own.name));
     Ok(pairs
-        .map(|(found, right)| {
-            let off = metrics.bounds.off(found.value, right.value, &found.unit, lever_m);
-            let is_in_both = found.value.is_some() && right.value.is_some();
+        .map(|(own, right)| {
+            let off = metrics.bounds.off(own.value, right.value, &own.unit, lever_m);
+            let is_in_both = own.value.is_some() && right.value.is_some();
             let felt_share = off.filter(|off| off.is_finite() && is_in_both);
-            let Measured { name, unit, value } = found;
+            let Measured { name, unit, value } = own;
             MetricChange { name, unit, right: right.value, found: value, felt_share }
         })
         .collect())

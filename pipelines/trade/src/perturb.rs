@@ -14,6 +14,7 @@ const SEED: u64 = 0x0074_7261_6465;
 pub fn neighbour(scene: &ModelScene, number: u64) -> ModelScene {
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     rng.set_stream(number);
+    // In a fixed order: each value takes the stream's next number, so a new one belongs at the end.
     let mut by = |value: &mut f64| {
         let unit = (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
         *value *= 1.0 + SHARE * (2.0 * unit - 1.0);
@@ -34,7 +35,8 @@ pub fn neighbour(scene: &ModelScene, number: u64) -> ModelScene {
     if let Some(friction) = &mut near.friction {
         let mut both = 1.0;
         by(&mut both);
-        friction.static_n *= both; // never below the kinetic level
+        // By one number: the static level may not fall below the kinetic one.
+        friction.static_n *= both;
         friction.kinetic_n *= both;
         by(&mut friction.viscous_ns_per_rad);
     }

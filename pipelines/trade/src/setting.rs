@@ -18,7 +18,7 @@ pub enum Fineness {
     None,
     /// A step, s.
     StepS(f64),
-    /// A relative error a step.
+    /// A relative error per step.
     Tolerance(f64),
 }
 
@@ -41,7 +41,7 @@ impl Setting {
         (named(self.solver).make)(tolerance)
     }
 
-    /// The number: smaller is finer. 0 if it has no number.
+    /// Its step or tolerance: smaller is finer. 0 if it has no number.
     pub fn size(&self) -> f64 {
         match self.fineness {
             Fineness::None => 0.0,
@@ -78,6 +78,7 @@ pub(crate) fn step_words(step_s: f64) -> String {
 
 fn named(name: &str) -> NamedSolver {
     let [exact, ..] = NAMED_SOLVERS;
+    // Names of settings are those of this list: another one does not occur.
     NAMED_SOLVERS.into_iter().find(|solver| solver.name == name).unwrap_or(exact)
 }
 
@@ -98,7 +99,7 @@ impl Fan {
     pub fn full(scene_step_s: f64) -> Self {
         let doubled_s: Vec<f64> = (0..17).map(|k| 1e-6 * f64::from(1_u32 << k)).collect();
         let tolerances = (3..=11).map(|k| libm::pow(10.0, -f64::from(k))).collect();
-        Self { doubled_s, further_s: own_and(scene_step_s, 0.1), tolerances }
+        Self { doubled_s, further_s: vec![scene_step_s, 0.1], tolerances }
     }
 
     /// 0.5 ms to 33 ms, the scene's own step, and three tolerances: for every run of a study.
@@ -109,27 +110,25 @@ impl Fan {
 
     /// The solvers, each with its settings from the finest to the coarsest.
     pub fn settings(&self) -> Vec<Vec<Setting>> {
-        NAMED_SOLVERS.into_iter().map(|solver| self.of(solver.name)).collect()
+        NAMED_SOLVERS.into_iter().map(|solver| self.settings_of(solver.name)).collect()
     }
 
-    fn of(&self, solver: &'static str) -> Vec<Setting> {
+    fn settings_of(&self, solver: &'static str) -> Vec<Setting> {
         if solver == EXACT {
             return vec![Setting { solver, fineness: Fineness::None }];
         }
-        let mut list: Vec<Fineness> = if ADAPTIVE.contains(&solver) {
+        let list: Vec<Fineness> = if ADAPTIVE.contains(&solver) {
             self.tolerances.iter().map(|t| Fineness::Tolerance(*t)).collect()
         } else {
             self.doubled_s.iter().chain(&self.further_s).map(|h| Fineness::StepS(*h)).collect()
         };
-        let size = |fineness: Fineness| Setting { solver, fineness }.size();
-        list.sort_by(|a, b| size(*a).total_cmp(&size(*b)));
-        list.dedup_by(|a, b| size(*a).to_bits() == size(*b).to_bits());
-        list.into_iter().map(|fineness| Setting { solver, fineness }).collect()
+        let settings = list.into_iter().map(|fineness| Setting { solver, fineness });
+        let mut settings: Vec<Setting> = settings.collect();
+        settings.sort_by(|a, b| a.size().total_cmp(&b.size()));
+        // The scene's own step may be one of the doubled ones.
+        settings.dedup_by(|a, b| a.size().to_bits() == b.size().to_bits());
+        settings
     }
-}
-
-fn own_and(scene_step_s: f64, other_s: f64) -> Vec<f64> {
-    vec![scene_step_s, other_s]
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ impl Setup {
         Self::VelocityDifference,
     ];
 
-    /// What it is a degree of.
+    /// The kind of change that it is a degree of.
     pub fn kind(self) -> LessKind {
         match self {
             Self::Own => LessKind::AsItIs,
@@ -96,13 +96,9 @@ impl Setup {
     pub fn others(study: &Study) -> Vec<Self> {
         Self::ALL
             .into_iter()
-            .filter(|setup| setup.of(study) != *study || setup.is_sensor())
+            // The bits of an angle are the device's alone: no study states them.
+            .filter(|setup| setup.of(study) != *study || matches!(setup, Self::AngleBits(_)))
             .collect()
-    }
-
-    /// Whether it is of the device alone, and no study says so.
-    fn is_sensor(self) -> bool {
-        matches!(self, Self::AngleBits(_))
     }
 }
 
@@ -151,14 +147,20 @@ pub fn rehearse(
     let plan = TrialPlan::new(&study, environment, trial, &capabilities)?;
     let mut controller = Controller::new(&study.control, environment, mode, calibration);
     let mut rows: Vec<Sample> = Vec::new();
-    let mut sink = |sample: &Sample| {
-        rows.push(*sample);
-        ControlFlow::Continue(())
-    };
     let mut clock = SimulatedClock::new(u64::from(trial));
     let stop = AtomicBool::new(false);
-    let run =
-        run_trial(&mut device, &mut clock, &mut controller, &mut guard, &plan, &stop, &mut sink);
+    let run = run_trial(
+        &mut device,
+        &mut clock,
+        &mut controller,
+        &mut guard,
+        &plan,
+        &stop,
+        &mut |sample: &Sample| {
+            rows.push(*sample);
+            ControlFlow::Continue(())
+        },
+    );
     match run.end {
         TrialEnd::Tripped(trip) => Err(trip.into()),
         TrialEnd::Limit | TrialEnd::LetGo | TrialEnd::Stopped => Ok(Samples::from_rows(&rows)),
@@ -172,9 +174,17 @@ struct Coarse {
     /// Bits of a count that are not there.
     missing_bits: u32,
     force_rate_hz: Option<f64>,
-    /// When the trial began, s, and the value that is held: since when, s, and what, N.
+    /// When the trial began, s.
     begun_s: f64,
-    held: Option<(f64, f64)>,
+    held: Option<HeldForce>,
+}
+
+/// The force that the coarser sensor shows.
+#[derive(Clone, Copy)]
+struct HeldForce {
+    /// When it was taken, s.
+    since_s: f64,
+    force_n: f64,
 }
 
 impl Coarse {
@@ -182,6 +192,7 @@ impl Coarse {
         let mut capabilities = twin.capabilities().clone();
         let mut missing_bits = 0;
         if let (Setup::AngleBits(bits), Some(counts)) = (setup, capabilities.counts_per_turn) {
+            // Shifted out of a count, as a coarser sensor would give it, not rounded.
             missing_bits = counts.ilog2().saturating_sub(bits);
             capabilities.counts_per_turn = Some(counts >> missing_bits);
         }
@@ -204,10 +215,11 @@ impl Coarse {
         };
         let taken_s = now_s - age_s;
         let periods = |t_s: f64| ((t_s - self.begun_s) * rate_hz).floor();
-        if self.held.is_none_or(|(since_s, _)| periods(taken_s) > periods(since_s)) {
-            self.held = Some((taken_s, reading.force_n));
+        let fresh = HeldForce { since_s: taken_s, force_n: reading.force_n };
+        if self.held.is_none_or(|held| periods(taken_s) > periods(held.since_s)) {
+            self.held = Some(fresh);
         }
-        let (since_s, force_n) = self.held.unwrap_or((taken_s, reading.force_n));
+        let HeldForce { since_s, force_n } = self.held.unwrap_or(fresh);
         Reading { angle, force_n, force_age_s: Some(now_s - since_s), ..reading }
     }
 }

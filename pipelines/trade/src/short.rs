@@ -34,24 +34,26 @@ pub fn twin_summary(shifts: &[MetricShift], stops: &[Stops]) -> Vec<SetupSummary
 }
 
 fn summary(setup: Arc<str>, shifts: &[MetricShift], stops: &[Stops]) -> SetupSummary {
-    let own = || shifts.iter().filter(|shift| shift.less == setup);
-    let known = || own().filter_map(|shift| Some((shift, shift.median_share?)));
-    let names = |least: f64| {
-        let shares = known().filter(|(_, share)| *share > least);
-        shares.map(|(shift, _)| &shift.metric).collect::<BTreeSet<_>>().len()
-    };
+    let own: Vec<&MetricShift> = shifts.iter().filter(|shift| shift.less == setup).collect();
+    let shares: Vec<(&MetricShift, f64)> =
+        own.iter().filter_map(|shift| Some((*shift, shift.median_share?))).collect();
+    // By name: a metric that changes in several conditions counts once.
+    let [metrics, felt] = [f64::NEG_INFINITY, 1.0].map(|least| {
+        let above = shares.iter().filter(|(_, share)| *share > least);
+        above.map(|(shift, _)| &shift.metric).collect::<BTreeSet<_>>().len()
+    });
     // Of equal ones the first.
-    let worst = known().reduce(|most, next| if next.1 > most.1 { next } else { most });
-    let worst = worst.map(|(shift, _)| shift);
+    let worst = shares.iter().reduce(|most, next| if next.1 > most.1 { next } else { most });
+    let worst = worst.map(|(shift, _)| *shift);
     let stopped = stops.iter().filter(|stop| stop.setup.words() == *setup);
     SetupSummary {
-        metrics: names(f64::NEG_INFINITY),
-        felt: names(1.0),
+        metrics,
+        felt,
         metric: worst.map(|shift| shift.metric.clone()),
         condition: worst.map(|shift| shift.condition.clone()),
         median_share: worst.and_then(|shift| shift.median_share),
         p90_share: worst.and_then(|shift| shift.p90_share),
-        lost: own().map(|shift| shift.lost).sum(),
+        lost: own.iter().map(|shift| shift.lost).sum(),
         stopped: stopped.map(|stop| stop.trials).sum(),
         setup,
     }

@@ -4,7 +4,7 @@
 
 use zwidth_dynamics::{EventKind, Motion, System, Trajectory};
 
-/// Something that a person would tell of a run.
+/// Something that happens in a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum What {
     /// From then on the lever moves so.
@@ -20,6 +20,7 @@ pub(crate) struct Story(Vec<(f64, What)>);
 impl Story {
     pub(crate) fn of(system: &System, run: &Trajectory) -> Self {
         let mut moves = if run.events.is_empty() { sampled(run) } else { events(run) };
+        // Saturation and zones change the region, not the way of moving. The first is the start's.
         moves.dedup_by_key(|(_, motion)| *motion);
         let moves = moves.into_iter().skip(1).map(|(t, motion)| (t, What::Moves(motion)));
         let mut all: Vec<_> = moves.chain(passes(system, run)).collect();
@@ -48,14 +49,14 @@ fn events(run: &Trajectory) -> Vec<(f64, Motion)> {
 /// Way of moving at the samples; the change from forward to backward lies where the straight line
 /// through the velocities passes zero.
 fn sampled(run: &Trajectory) -> Vec<(f64, Motion)> {
-    let motion = |i: usize| run.regions[usize::from(run.region[i])].motion;
     let omega: Vec<f64> = run.theta_dot_rad_s().collect();
-    let at = |i: usize| {
+    let moves = (0..run.len()).map(|i| {
         let between = i > 0 && omega[i - 1] * omega[i] < 0.0;
         let share = if between { omega[i] / (omega[i] - omega[i - 1]) } else { 0.0 };
-        run.t_s[i] - share * (run.t_s[i] - run.t_s[i.saturating_sub(1)])
-    };
-    (0..run.len()).map(|i| (at(i), motion(i))).collect()
+        let t_s = run.t_s[i] - share * (run.t_s[i] - run.t_s[i.saturating_sub(1)]);
+        (t_s, run.regions[usize::from(run.region[i])].motion)
+    });
+    moves.collect()
 }
 
 /// When each edge of the environment is passed.
@@ -63,24 +64,26 @@ fn passes(system: &System, run: &Trajectory) -> Vec<(f64, What)> {
     let edges = system.scene().environment.zones.iter().map(|zone| zone.from_rad).enumerate();
     let edges: Vec<(usize, f64)> = edges.skip(1).collect();
     if !run.events.is_empty() {
-        let nearest = |theta: f64| {
-            let near = |edge: &f64| (theta - edge).abs();
-            edges.iter().min_by(|a, b| near(&a.1).total_cmp(&near(&b.1))).map_or(0, |edge| edge.0)
-        };
-        let what =
-            |event: &zwidth_dynamics::Event| (event.t_s, What::Passes(nearest(event.theta_rad)));
-        return run.events.iter().filter(|event| event.kind == EventKind::Zone).map(what).collect();
+        let zones = run.events.iter().filter(|event| event.kind == EventKind::Zone);
+        let passes = zones.map(|event| {
+            // An event does not name its edge, but stands on it.
+            let theta = event.theta_rad;
+            let nearest =
+                edges.iter().min_by(|a, b| (theta - a.1).abs().total_cmp(&(theta - b.1).abs()));
+            (event.t_s, What::Passes(nearest.map_or(0, |edge| edge.0)))
+        });
+        return passes.collect();
     }
     let theta: Vec<f64> = run.theta_rad().collect();
-    let mut found = Vec::new();
+    let mut passes = Vec::new();
     for (i, pair) in theta.windows(2).enumerate() {
         for (number, edge) in &edges {
             if (pair[0] < *edge) != (pair[1] < *edge) {
                 let share = (edge - pair[0]) / (pair[1] - pair[0]);
                 let t = run.t_s[i] + share * (run.t_s[i + 1] - run.t_s[i]);
-                found.push((t, What::Passes(*number)));
+                passes.push((t, What::Passes(*number)));
             }
         }
     }
-    found
+    passes
 }

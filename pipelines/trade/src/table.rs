@@ -7,7 +7,7 @@ use zwidth_dynamics::{FingerLaw, ModelScene};
 use zwidth_results::{Gate, Row, TradeChoice, TradeSetting};
 use zwidth_tables::{Table, TableError};
 
-/// What each number of the table of settings is; it stands with every table.
+/// The definitions of the numbers in the table of settings; they stand with every table.
 const DEFINITIONS: [&str; 5] = [
     "Errors are those of the run's own samples (at most 8,000, evenly chosen) against the yardstick at the same times.",
     "The force is the device's on the lever's end: motor, brake, friction, terms and stops; within 50 ms of its jumps nothing is compared.",
@@ -19,17 +19,18 @@ pub(crate) const MODEL: &str = "Model runs, not measurements.";
 
 /// Every setting of every trade.
 pub fn settings(trades: &[Trade]) -> Vec<TradeSetting> {
-    trades.iter().flat_map(settings_of).collect()
-}
-
-fn settings_of(trade: &Trade) -> Vec<TradeSetting> {
-    let pair = |cell: &Cell| {
-        let error = cell.errors.as_ref().map_or(f64::NAN, |errors| errors.theta_rad.largest);
-        (cell.evaluations as f64, error)
-    };
-    let front = pareto_front(&trade.cells.iter().map(pair).collect::<Vec<_>>());
-    let cells = trade.cells.iter().enumerate();
-    cells.map(|(place, cell)| setting(trade, cell, front.contains(&place))).collect()
+    let mut rows = Vec::new();
+    for trade in trades {
+        let pairs = trade.cells.iter().map(|cell| {
+            // NaN keeps a run that failed off the front.
+            let error = cell.errors.as_ref().map_or(f64::NAN, |errors| errors.theta_rad.largest);
+            (cell.evaluations as f64, error)
+        });
+        let front = pareto_front(&pairs.collect::<Vec<_>>());
+        let cells = trade.cells.iter().enumerate();
+        rows.extend(cells.map(|(place, cell)| setting(trade, cell, front.contains(&place))));
+    }
+    rows
 }
 
 fn setting(trade: &Trade, cell: &Cell, on_front: bool) -> TradeSetting {
@@ -40,8 +41,8 @@ fn setting(trade: &Trade, cell: &Cell, on_front: bool) -> TradeSetting {
     let swings = &cell.judgement.swings[0];
     let furthest = cell.furthest_metric();
     let has_metrics = !cell.metrics.is_empty();
-    let is_felt = |share: Option<f64>| share.is_some_and(|share| share > 1.0);
-    let metrics_felt = cell.metrics.iter().filter(|metric| is_felt(metric.felt_share)).count();
+    let shares = cell.metrics.iter().filter_map(|metric| metric.felt_share);
+    let metrics_felt = shares.filter(|share| *share > 1.0).count();
     let metrics_lost = cell.metrics.iter().filter(|metric| metric.is_lost()).count();
     TradeSetting {
         scene: trade.scene.name.as_str().into(),

@@ -80,6 +80,7 @@ pub fn trade(
 ) -> Result<Trade, TradeError> {
     let yardstick = Yardstick::of(scene, &parameters.perception)?;
     let reference = Reference::of(&yardstick.system);
+    // A task per solver: within one, each setting's judgement needs the runs of the finer ones.
     let solvers: Vec<Vec<Cell>> = parameters
         .fan
         .settings()
@@ -107,13 +108,13 @@ pub fn trade(
 /// The settings that a scene of its length has room for: no step is longer than a tenth of it, and
 /// none so short that the run would fill the memory.
 fn possible(scene: &ModelScene, settings: &[Setting]) -> Vec<Setting> {
-    let fits = |setting: &Setting| match setting.fineness {
+    let fitting = settings.iter().filter(|setting| match setting.fineness {
         Fineness::StepS(step_s) => {
             step_s <= 0.1 * scene.duration_s && crate::cells::grid(scene, step_s).is_ok()
         }
         _ => true,
-    };
-    settings.iter().filter(|setting| fits(setting)).copied().collect()
+    });
+    fitting.copied().collect()
 }
 
 /// The models that a scene can be run with: as it is, and, if it has a finger, without the finger

@@ -65,7 +65,7 @@ impl Yardstick {
         if is_curved {
             let fine = DormandPrince { tolerances: Tolerances::of(FINE) };
             let other = TrBdf2 { tolerances: Tolerances::of(OTHER) };
-            return Self::by(
+            return Self::compared(
                 system,
                 Box::new(fine),
                 &other,
@@ -75,7 +75,7 @@ impl Yardstick {
             );
         }
         let other = DormandPrince { tolerances: Tolerances::of(FINE) };
-        Self::by(system, Box::new(exact), &other, "exact", "dormand_prince", perception)
+        Self::compared(system, Box::new(exact), &other, "exact", "dormand_prince", perception)
     }
 
     /// The same without a second solver, for many neighbours of a scene that is proven.
@@ -84,14 +84,15 @@ impl Yardstick {
         let exact = Exact::default();
         if exact.prepare(&system, &grid(scene)).is_ok() {
             let run = exact.run(&system, &grid(scene))?;
-            return Ok(Self::made(system, Box::new(exact), run, ["exact", ""], perception));
+            return Ok(Self::new(system, Box::new(exact), run, ["exact", ""], perception));
         }
         let fine = DormandPrince { tolerances: Tolerances::of(OTHER) };
         let run = fine.run(&system, &grid(scene))?;
-        Ok(Self::made(system, Box::new(fine), run, ["dormand_prince", ""], perception))
+        Ok(Self::new(system, Box::new(fine), run, ["dormand_prince", ""], perception))
     }
 
-    fn by(
+    /// By one solver, and compared with another.
+    fn compared(
         system: System,
         solver: Box<dyn Solver>,
         other: &dyn Solver,
@@ -100,18 +101,20 @@ impl Yardstick {
         perception: &Perception,
     ) -> Result<Self, TradeError> {
         let run = solver.run(&system, &grid(system.scene()))?;
-        let mut found = Self::made(system, solver, run, [by, against], perception);
-        if let Ok(second) = other.run(&found.system, &grid(found.system.scene())) {
-            let apart = found.run.theta_rad().zip(second.theta_rad()).map(|(a, b)| (a - b).abs());
-            let apart_rad = apart.fold(0.0, f64::max);
-            found.apart_rad = Some(apart_rad);
-            found.apart_s = found.story.apart_s(&Story::of(&found.system, &second));
-            found.proof = proof(apart_rad, found.apart_s);
+        let mut yardstick = Self::new(system, solver, run, [by, against], perception);
+        // A second solver that fails leaves the answer unproven, but there.
+        if let Ok(second) = other.run(&yardstick.system, &grid(yardstick.system.scene())) {
+            let pairs = yardstick.run.theta_rad().zip(second.theta_rad());
+            let apart_rad = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            yardstick.apart_rad = Some(apart_rad);
+            yardstick.apart_s = yardstick.story.apart_s(&Story::of(&yardstick.system, &second));
+            yardstick.proof = proof(apart_rad, yardstick.apart_s);
         }
-        Ok(found)
+        Ok(yardstick)
     }
 
-    fn made(
+    /// An answer that is not proven yet.
+    fn new(
         system: System,
         solver: Box<dyn Solver>,
         run: Trajectory,
@@ -122,14 +125,11 @@ impl Yardstick {
         let felt = FeltReference::new(&motion, system.scene().plant.lever_m, perception);
         let story = Story::of(&system, &run);
         let impulse_ns = motion.impulse_ns();
-        let proof = Proof::Unproven;
-        let apart_rad = None;
-        let apart_s = None;
         Self {
             system,
-            proof,
-            apart_rad,
-            apart_s,
+            proof: Proof::Unproven,
+            apart_rad: None,
+            apart_s: None,
             by,
             against,
             solver,

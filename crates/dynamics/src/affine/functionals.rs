@@ -118,6 +118,7 @@ pub(crate) fn all_above<const G: usize>(
     after: &[f64; G],
     sag: &[f64; G],
 ) -> bool {
+    // No early end: without branches the guards are compared several at a time.
     let mut safe = true;
     for i in 0..G {
         safe &= before[i].min(after[i]) >= sag[i];

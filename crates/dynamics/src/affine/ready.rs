@@ -110,8 +110,9 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
         // Where a guard was seen below zero, from here on: no piece that reaches it is free.
         let mut below = f64::INFINITY;
         while rest > 0.0 && *pieces <= most_pieces && in_bounds(z) {
-            let longest = |level: usize| self.ladder.rungs[level].span;
-            while level > 0 && (longest(level) > rest || longest(level) >= below) {
+            while level > 0
+                && (self.ladder.rungs[level].span > rest || self.ladder.rungs[level].span >= below)
+            {
                 level -= 1;
             }
             *pieces += 1;
@@ -138,6 +139,7 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
             elapsed += piece;
             rest -= piece;
             below = if below > piece { below - piece } else { f64::INFINITY };
+            // A piece twice as long may be free again, now that this one is passed.
             level = (level + 1).min(top);
         }
         None
@@ -162,7 +164,10 @@ impl<const N: usize, const G: usize> ReadyFlow<N, G> {
         for guard in (0..self.count).filter(|guard| doubtful[*guard]) {
             let w = self.guards.row(guard);
             let mut p: [f64; ORDER + 1] = series.map(|c| expm::dot(&w, &c));
+            // A guard that is zero but for rounding has not fallen: it is lifted by as much.
             p[0] += ROUNDING * expm::dot(&w.map(f64::abs), &size);
+            // Only an earlier fall takes its place: of guards that fall at one instant the first
+            // counts.
             let until = first.map_or(piece, |fall| fall.after_s);
             if let Some(after_s) = roots::first_descent(&p, until, piece * RESOLUTION)
                 && (first.is_none() || after_s < until)

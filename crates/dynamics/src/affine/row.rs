@@ -21,9 +21,9 @@ pub(crate) struct Row<const N: usize, T = f64>(pub(crate) [T; N]);
 impl<const N: usize> Row<N> {
     pub(crate) const ZERO: Self = Row([0.0; N]);
 
-    /// The functional's value.
+    /// The functional's value at a state.
     #[inline]
-    pub(crate) fn of(&self, z: &[f64]) -> f64 {
+    pub(crate) fn dot(&self, z: &[f64]) -> f64 {
         self.0.iter().zip(z).map(|(w, x)| w * x).sum()
     }
 

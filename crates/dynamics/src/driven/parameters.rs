@@ -57,7 +57,7 @@ pub struct Tissue {
 /// A rate (1/s) up to which flows are made: time constants from 0.1 µs on.
 const FASTEST_PER_S: f64 = 1e7;
 
-/// What [`FASTEST_PER_S`] asks of a parameter, in words.
+/// What [`FASTEST_PER_S`] requires of a parameter, in words.
 const TOO_FAST: &str =
     "such that no time constant is below 0.1 µs: larger masses and lags, or less stiffness";
 
@@ -89,12 +89,13 @@ impl DrivenParameters {
             ("aims (as force)", intent, 10.0),
         ];
         list.extend(self.hand.map(|hand| ("hand.mass_kg", hand.mass_kg, 0.1)));
-        let distance = |value: f64, usual: f64| {
-            if value == 0.0 { 0.0 } else { libm::log10(value.abs() / usual).abs() }
-        };
-        let furthest =
-            list.into_iter().max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
-        furthest.map_or_else(String::new, |(name, value, _)| format!("{name} = {value}"))
+        let distances = list.into_iter().map(|(name, value, usual)| {
+            let is_zero = value == 0.0;
+            let distance = if is_zero { 0.0 } else { libm::log10(value.abs() / usual).abs() };
+            (distance, name, value)
+        });
+        let furthest = distances.max_by(|a, b| a.0.total_cmp(&b.0));
+        furthest.map_or_else(String::new, |(_, name, value)| format!("{name} = {value}"))
     }
 
     /// Every parameter checked; the first that makes no sense is named.
@@ -130,6 +131,7 @@ impl Hand {
         let Tissue { stiffness_n_per_m, damping_ns_per_m } = self.tissue;
         not_negative("hand.tissue.stiffness_n_per_m", stiffness_n_per_m)?;
         positive("hand.tissue.damping_ns_per_m", damping_ns_per_m)?;
+        // The tissue lies between the two masses: the lighter one swings the faster on it.
         let lightest = self.mass_kg.min(lever_kg);
         slow(
             "hand.stiffness_n_per_m",

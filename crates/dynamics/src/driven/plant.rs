@@ -111,7 +111,7 @@ impl Driven {
     /// What can be seen of it now.
     pub fn state(&self) -> DrivenState {
         let z = &self.z;
-        let force = region::contact_force(&self.parameters, self.region.contact).of(z);
+        let force = region::contact_force(&self.parameters, self.region.contact).dot(z);
         let hand = self.parameters.hand.map_or(0.0, |_| self.hand_m());
         DrivenState {
             theta_rad: z[THETA],
@@ -141,18 +141,12 @@ impl Driven {
         not_negative("dt_s", dt_s)?;
         finite("command.motor_n", command.motor_n)?;
         not_negative("command.brake_n", command.brake_n)?;
-        if dt_s > 0.0 {
-            self.hold(command);
-            self.follow(dt_s, aims)?;
-            self.run(dt_s)?;
+        if dt_s <= 0.0 {
+            return Ok(());
         }
-        Ok(())
-    }
-
-    /// Takes the commands in; an actuator without lag follows at once.
-    fn hold(&mut self, command: Command) {
         self.z[MOTOR_COMMAND] = command.motor_n;
         self.z[BRAKE_COMMAND] = command.brake_n;
+        // An actuator without lag follows at once.
         if self.parameters.motor_lag_s.is_none() {
             self.z[MOTOR] = command.motor_n;
         }
@@ -161,23 +155,22 @@ impl Driven {
         }
         let lags = self.parameters.brake_lag_on_off_s.is_some();
         self.region.letting_go = lags && command.brake_n < self.z[BRAKE];
-    }
-
-    /// Takes the intent in as a force K p + B ṗ, linear in time.
-    fn follow(&mut self, dt_s: f64, aims: [Aim; 2]) -> Result<()> {
-        let Some(hand) = self.parameters.hand else { return Ok(()) };
-        let [from, to] = aims.map(|aim| {
-            hand.stiffness_n_per_m * aim.position_m + hand.damping_ns_per_m * aim.velocity_m_s
-        });
-        finite("aims[0]", from)?;
-        finite("aims[1]", to)?;
-        (self.z[INTENT], self.z[INTENT_RATE]) = (from, (to - from) / dt_s);
-        Ok(())
+        if let Some(hand) = self.parameters.hand {
+            // The intent as a force K p + B ṗ, linear in time.
+            let [from, to] = aims.map(|aim| {
+                hand.stiffness_n_per_m * aim.position_m + hand.damping_ns_per_m * aim.velocity_m_s
+            });
+            finite("aims[0]", from)?;
+            finite("aims[1]", to)?;
+            (self.z[INTENT], self.z[INTENT_RATE]) = (from, (to - from) / dt_s);
+        }
+        self.run(dt_s)
     }
 
     /// From event to event.
     pub(super) fn run(&mut self, dt_s: f64) -> Result<()> {
         let mut rest_s = dt_s;
+        // Counted over one advance: real events are few within a tick of a controller.
         let mut events = 0;
         while rest_s > 0.0 {
             let propped = self.propped();
@@ -206,20 +199,18 @@ impl Driven {
             (_, CONTACT) => self.region.contact = !self.region.contact,
             (Motion::Rest, FIRST) => self.region.motion = Motion::Forward,
             (Motion::Rest, _) => self.region.motion = Motion::Backward,
-            (moving, SECOND) => self.stop_at(moving),
+            (moving, SECOND) => {
+                // An inelastic impact: the lever stands on the stop, exactly.
+                if let Some([low, high]) = self.parameters.stops_rad {
+                    self.z[THETA] = if moving == Motion::Forward { high } else { low };
+                }
+                self.come_to_rest();
+            }
             _ => self.come_to_rest(),
         }
         if guard == CONTACT {
             self.z[GAP] = 0.0; // a touch closes it, and a lift-off starts from nothing
         }
-    }
-
-    /// An inelastic impact: the lever stands on the stop, exactly.
-    fn stop_at(&mut self, moving: Motion) {
-        if let Some([low, high]) = self.parameters.stops_rad {
-            self.z[THETA] = if moving == Motion::Forward { high } else { low };
-        }
-        self.come_to_rest();
     }
 
     /// A lever whose velocity has reached zero; whether it stays is for the guards of rest to say.

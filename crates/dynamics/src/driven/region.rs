@@ -3,7 +3,7 @@
 
 use zwidth_numerics::expm::{Ladder, Matrix};
 
-use super::parameters::{DrivenParameters, Hand};
+use super::parameters::DrivenParameters;
 use crate::affine;
 use crate::system::region::Motion;
 
@@ -70,6 +70,7 @@ impl Region {
 
     /// Its place among all regions.
     pub(super) fn index(self) -> usize {
+        // `Region::all` repeats the order of the motions by hand.
         4 * (self.motion as usize) + 2 * usize::from(self.contact) + usize::from(self.letting_go)
     }
 
@@ -107,11 +108,6 @@ fn drive(parameters: &DrivenParameters, contact: bool) -> Row {
     Row::entry(MOTOR, 1.0).plus(contact_force(parameters, contact))
 }
 
-/// b + F_s, and the margin: what can hold it.
-fn holding(parameters: &DrivenParameters) -> Row {
-    row([(BRAKE, 1.0), (ONE, parameters.dry().static_n + MARGIN_N)])
-}
-
 /// A region made ready for steps of up to `reach_s`.
 pub(super) fn flow(parameters: &DrivenParameters, region: Region, reach_s: f64) -> ReadyFlow {
     ReadyFlow::new(Ladder::new(matrix(parameters, region), reach_s), guards(parameters, region))
@@ -122,7 +118,14 @@ fn matrix(parameters: &DrivenParameters, region: Region) -> Matrix<N> {
     let mut rows = [Row::ZERO; N];
     if region.motion != Motion::Rest {
         rows[THETA] = Row::entry(OMEGA, 1.0);
-        rows[OMEGA] = acceleration(parameters, region);
+        let sign = region.motion.sign();
+        let resisting = row([
+            (OMEGA, -parameters.viscous_ns_per_rad()),
+            (BRAKE, -sign),
+            (ONE, -sign * parameters.dry().kinetic_n),
+        ]);
+        let net = drive(parameters, region.contact).plus(resisting);
+        rows[OMEGA] = net.times(1.0 / parameters.mass_kg_m());
     }
     if let Some(lag) = parameters.motor_lag_s {
         rows[MOTOR] = row([(MOTOR_COMMAND, 1.0 / lag), (MOTOR, -1.0 / lag)]);
@@ -132,38 +135,24 @@ fn matrix(parameters: &DrivenParameters, region: Region) -> Matrix<N> {
         rows[BRAKE] = row([(BRAKE_COMMAND, 1.0 / lag), (BRAKE, -1.0 / lag)]);
     }
     if let Some(hand) = &parameters.hand {
-        hand_rows(parameters, hand, region, &mut rows);
+        let k = hand.stiffness_n_per_m;
+        let b = hand.damping_ns_per_m;
+        let l = parameters.lever_m;
+        let pull = row([(INTENT, 1.0), (THETA, -k * l), (DEPTH, -k), (GAP, k), (HAND_V, -b)]);
+        let push = contact_force(parameters, region.contact);
+        rows[HAND_V] = pull.plus(push.times(-1.0)).times(1.0 / hand.mass_kg);
+        rows[INTENT] = Row::entry(INTENT_RATE, 1.0);
+        let lever_v = if region.motion == Motion::Rest { 0.0 } else { l };
+        if region.contact {
+            rows[DEPTH] = row([(HAND_V, 1.0), (OMEGA, -lever_v)]);
+        } else {
+            // A free tissue has no force: K_F δ + B_F δ̇ = 0, whatever the hand does.
+            let relaxing = hand.tissue.stiffness_n_per_m / hand.tissue.damping_ns_per_m;
+            rows[DEPTH] = Row::entry(DEPTH, -relaxing);
+            rows[GAP] = row([(OMEGA, lever_v), (DEPTH, -relaxing), (HAND_V, -1.0)]);
+        }
     }
     Matrix::from_fn(|i, j| rows[i].0[j])
-}
-
-/// θ̈ of a lever in motion.
-fn acceleration(parameters: &DrivenParameters, region: Region) -> Row {
-    let sign = region.motion.sign();
-    let resisting = row([
-        (OMEGA, -parameters.viscous_ns_per_rad()),
-        (BRAKE, -sign),
-        (ONE, -sign * parameters.dry().kinetic_n),
-    ]);
-    drive(parameters, region.contact).plus(resisting).times(1.0 / parameters.mass_kg_m())
-}
-
-fn hand_rows(parameters: &DrivenParameters, hand: &Hand, region: Region, rows: &mut [Row; N]) {
-    let k = hand.stiffness_n_per_m;
-    let b = hand.damping_ns_per_m;
-    let l = parameters.lever_m;
-    let meant = row([(INTENT, 1.0), (THETA, -k * l), (DEPTH, -k), (GAP, k), (HAND_V, -b)]);
-    let push = contact_force(parameters, region.contact);
-    rows[HAND_V] = meant.plus(push.times(-1.0)).times(1.0 / hand.mass_kg);
-    rows[INTENT] = Row::entry(INTENT_RATE, 1.0);
-    let lever_v = if region.motion == Motion::Rest { 0.0 } else { l };
-    if region.contact {
-        rows[DEPTH] = row([(HAND_V, 1.0), (OMEGA, -lever_v)]);
-    } else {
-        let relaxing = hand.tissue.stiffness_n_per_m / hand.tissue.damping_ns_per_m;
-        rows[DEPTH] = Row::entry(DEPTH, -relaxing);
-        rows[GAP] = row([(OMEGA, lever_v), (DEPTH, -relaxing), (HAND_V, -1.0)]);
-    }
 }
 
 /// The guards of a region; one that cannot end it holds the constant 1.
@@ -172,7 +161,8 @@ fn guards(parameters: &DrivenParameters, region: Region) -> [[f64; N]; GUARDS] {
     let sign = region.motion.sign();
     let (first, second) = match (region.motion, parameters.stops_rad) {
         (Motion::Rest, _) => {
-            let holding = holding(parameters);
+            // b + F_s, and the margin: what can hold the lever.
+            let holding = row([(BRAKE, 1.0), (ONE, parameters.dry().static_n + MARGIN_N)]);
             let drive = drive(parameters, region.contact);
             (holding.plus(drive.times(-1.0)), holding.plus(drive))
         }

@@ -1,5 +1,5 @@
-//! Virtual environments: zones of angle, each with the resisting force u(θ, θ̇) that the actuators
-//! are asked for.
+//! Virtual environments: zones of angle, each with the resisting force u(θ, θ̇) that is demanded
+//! of the actuators.
 //!
 //! A new environment is a new value: spring, damper, sponge, detent, free space, one wall or two.
 
@@ -34,7 +34,7 @@ pub struct Zone {
     /// Where it begins, rad; the first zone extends down without end, whatever this value is.
     #[serde(default)]
     pub from_rad: f64,
-    /// The force asked for.
+    /// The force that is commanded.
     pub demand: Demand,
 }
 
@@ -90,8 +90,17 @@ impl Environment {
             return Err(DynamicsError::Combination { what, remedy });
         }
         for (i, zone) in self.zones.iter().enumerate() {
-            check_zone(i, zone)?;
+            let name = format!("environment.zones[{i}]");
+            finite(&format!("{name}.from_rad"), zone.from_rad)?;
+            if let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } =
+                zone.demand
+            {
+                not_negative(&format!("{name}.stiffness_n_per_rad"), stiffness_n_per_rad)?;
+                not_negative(&format!("{name}.damping_ns_per_rad"), damping_ns_per_rad)?;
+                finite(&format!("{name}.rest_rad"), rest_rad)?;
+            }
         }
+        // The first zone's angle is not used: it extends down without end.
         for (i, pair) in self.zones.windows(2).enumerate().skip(1) {
             let ordered = pair[0].from_rad < pair[1].from_rad;
             let name = format!("environment.zones[{}].from_rad", i + 1);
@@ -99,15 +108,4 @@ impl Environment {
         }
         Ok(())
     }
-}
-
-fn check_zone(i: usize, zone: &Zone) -> Result<()> {
-    let name = |field: &str| format!("environment.zones[{i}].{field}");
-    finite(&name("from_rad"), zone.from_rad)?;
-    if let Demand::Spring { stiffness_n_per_rad, damping_ns_per_rad, rest_rad } = zone.demand {
-        not_negative(&name("stiffness_n_per_rad"), stiffness_n_per_rad)?;
-        not_negative(&name("damping_ns_per_rad"), damping_ns_per_rad)?;
-        finite(&name("rest_rad"), rest_rad)?;
-    }
-    Ok(())
 }

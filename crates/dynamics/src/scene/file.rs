@@ -56,8 +56,8 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Fields<'_, A> {
         loop {
             match self.map.next_key_seed(key)? {
                 None => return Ok(None),
-                Some(Found::Field(field)) => return Ok(Some(field)),
-                Some(Found::Term(number, seed)) => {
+                Some(MapKey::Field(field)) => return Ok(Some(field)),
+                Some(MapKey::Term(number, seed)) => {
                     self.map.next_value_seed(self.terms.reader(number))?;
                     key = Key(seed);
                 }
@@ -73,22 +73,26 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Fields<'_, A> {
 /// Reads a key; fields by a seed of their own.
 struct Key<K>(K);
 
-enum Found<V, K> {
+/// A key of the map.
+enum MapKey<V, K> {
+    /// A field of the scene's own.
     Field(V),
     /// A term's number, and the seed for the next key.
     Term(usize, K),
 }
 
 impl<'de, K: DeserializeSeed<'de>> DeserializeSeed<'de> for Key<K> {
-    type Value = Found<K::Value, K>;
+    type Value = MapKey<K::Value, K>;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
         let key = String::deserialize(deserializer)?;
         if let Some(number) = terms::names().position(|name| name == key) {
-            return Ok(Found::Term(number, self.0));
+            return Ok(MapKey::Term(number, self.0));
         }
+        // Only the field's own seed can tell which names it takes: its error lists them, without
+        // the terms, which are added.
         let field: Result<_, D::Error> = self.0.deserialize(key.into_deserializer());
-        field.map(Found::Field).map_err(|e| {
+        field.map(MapKey::Field).map_err(|e| {
             let names: Vec<_> = terms::names().map(|name| format!("`{name}`")).collect();
             Error::custom(format_args!(
                 "{}, or a term: {}",

@@ -154,7 +154,6 @@ impl Input {
 
     /// Span number `i`; beyond the last one the last is repeated.
     pub(crate) fn span(&self, i: usize) -> Span {
-        let endless = |value, rate| Span { start_s: 0.0, end_s: f64::INFINITY, value, rate };
         match self {
             Self::Line { value, rate } => endless(*value, *rate),
             Self::Sine { magnitude, omega_rad_s } => endless(*magnitude, magnitude * omega_rad_s),
@@ -174,6 +173,7 @@ impl Input {
     pub(crate) fn number_near(&self, t: f64, number: usize) -> usize {
         match self {
             Self::Step { period_s, .. } | Self::Ramp { period_s, .. } => {
+                // One less, since rounding may put the quotient a span too far.
                 number.max(((4.0 * t / period_s) as usize).saturating_sub(1))
             }
             _ => number,
@@ -197,33 +197,39 @@ impl Input {
     }
 
     pub(crate) fn check(&self, name: &str, duration_s: f64) -> Result<()> {
-        /// More periods than this in a run could not be told apart in time.
+        /// More periods than this in a run could not be distinguished in time.
         const MOST_PERIODS: f64 = 1e9;
-        let of = |field: &str| format!("{name}.{field}");
         match self {
             Self::Line { value, rate } => {
-                finite(&of("value"), *value)?;
-                finite(&of("rate"), *rate)
+                finite(&format!("{name}.value"), *value)?;
+                finite(&format!("{name}.rate"), *rate)
             }
             Self::Step { magnitude, period_s } | Self::Ramp { magnitude, period_s } => {
-                not_negative(&of("magnitude"), *magnitude)?;
+                not_negative(&format!("{name}.magnitude"), *magnitude)?;
                 let slow = *period_s * MOST_PERIODS >= duration_s;
                 let allowed = "finite and at least a billionth of duration_s";
-                check(&of("period_s"), *period_s, slow && period_s.is_finite(), allowed)
+                let ok = slow && period_s.is_finite();
+                check(&format!("{name}.period_s"), *period_s, ok, allowed)
             }
             Self::Sine { magnitude, omega_rad_s } => {
-                not_negative(&of("magnitude"), *magnitude)?;
-                positive(&of("omega_rad_s"), *omega_rad_s)
+                not_negative(&format!("{name}.magnitude"), *magnitude)?;
+                positive(&format!("{name}.omega_rad_s"), *omega_rad_s)
             }
             Self::Series(series) => series.check(name),
         }
     }
 }
 
+/// The only span of a signal that has one.
+fn endless(value: f64, rate: f64) -> Span {
+    Span { start_s: 0.0, end_s: f64::INFINITY, value, rate }
+}
+
 /// Quarter `i` of a period: even quarters start at the first of the pairs, odd ones at the second.
 fn quarter(i: usize, period_s: f64, values: [f64; 2], rates: [f64; 2]) -> Span {
-    let edge = |k: usize| k as f64 * period_s / 4.0;
-    Span { start_s: edge(i), end_s: edge(i + 1), value: values[i % 2], rate: rates[i % 2] }
+    // Both from the number, not one from the other: sums of quarters would drift.
+    let [start_s, end_s] = [i, i + 1].map(|k| k as f64 * period_s / 4.0);
+    Span { start_s, end_s, value: values[i % 2], rate: rates[i % 2] }
 }
 
 impl Series {
@@ -237,6 +243,7 @@ impl Series {
         let start_s = self.t_s[i];
         let end_s = self.t_s[i + 1];
         let step = end_s - start_s;
+        // Two equal times are a jump: nothing lies in the span between them, and it needs no rate.
         let rate = if step > 0.0 { (self.value[i + 1] - self.value[i]) / step } else { 0.0 };
         Span { start_s, end_s, value: self.value[i], rate }
     }
@@ -246,15 +253,15 @@ impl Series {
         check(&format!("{name}.series.t_s.len()"), counts.0, counts.0 > 0.0, "at least 1")?;
         let same = self.t_s.len() == self.value.len();
         check(&format!("{name}.series.value.len()"), counts.1, same, "the number of times")?;
-        let of = |field: &str, i: usize| format!("{name}.series.{field}[{i}]");
         for (i, (&t, &value)) in self.t_s.iter().zip(&self.value).enumerate() {
             let in_order = if i == 0 { t <= 0.0 } else { t >= self.t_s[i - 1] };
             if in_order && t.is_finite() && value.is_finite() {
                 continue; // a fit checks a recorded series at every run: names are made for what is wrong alone
             }
-            finite(&of("t_s", i), t)?;
-            finite(&of("value", i), value)?;
-            check(&of("t_s", i), t, in_order, "0 at first, then never running backwards")?;
+            let time = format!("{name}.series.t_s[{i}]");
+            finite(&time, t)?;
+            finite(&format!("{name}.series.value[{i}]"), value)?;
+            check(&time, t, in_order, "0 at first, then never running backwards")?;
         }
         Ok(())
     }

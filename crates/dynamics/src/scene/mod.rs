@@ -103,13 +103,13 @@ impl ModelScene {
             list.into_iter().map(|(name, value, usual)| (name.to_owned(), value, usual)).collect();
         self.input.list("input", numbers::FORCE_N, &mut list);
         list.extend(self.terms.list());
-        let distance = |value: f64, usual: f64| {
+        let distances = list.into_iter().map(|(name, value, usual)| {
+            // A part that is 0 is left out rather than infinitely small.
             let share = (value / usual).abs();
-            if share > 0.0 { libm::log10(share).abs() } else { 0.0 }
-        };
-        let furthest =
-            list.into_iter().max_by(|a, b| distance(a.1, a.2).total_cmp(&distance(b.1, b.2)));
-        furthest.map_or_else(String::new, |(name, value, _)| format!("{name} = {value}"))
+            (if share > 0.0 { libm::log10(share).abs() } else { 0.0 }, name, value)
+        });
+        let furthest = distances.max_by(|a, b| a.0.total_cmp(&b.0));
+        furthest.map_or_else(String::new, |(_, name, value)| format!("{name} = {value}"))
     }
 
     /// Every parameter checked; the first that makes no sense is named.

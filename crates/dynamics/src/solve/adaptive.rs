@@ -4,7 +4,7 @@
 use zwidth_numerics::expm::dot;
 use zwidth_numerics::roots;
 
-use super::embedded::{Attempt, Embedded, Field, dense};
+use super::embedded::{Embedded, Field, dense};
 use super::{Grid, shorten};
 use crate::error::{DynamicsError, Result, in_bounds, positive};
 use crate::system::flow::Flow;
@@ -16,9 +16,9 @@ use crate::trajectory::{Event, Trajectory};
 /// What an adaptive method aims for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerances {
-    /// Relative error a step.
+    /// Relative error per step.
     pub rtol: f64,
-    /// Absolute error a step, in each quantity's own unit.
+    /// Absolute error per step, in each quantity's own unit.
     pub atol: f64,
     /// More steps than this end the run in an error.
     pub most_steps: u64,
@@ -52,11 +52,16 @@ pub(crate) fn run<const N: usize>(
     while state.t < end {
         let limit = end.min(state.cursor.end_s);
         state.step(method, grid, limit)?;
-        if state.t >= state.cursor.end_s && state.t < end {
-            state.pass_input();
+        let is_over = state.t >= state.cursor.end_s && state.t < end;
+        if is_over && system.pass(&mut state.cursor, state.t, &mut state.z) {
+            state.happen(EventKind::Input);
         }
     }
-    state.sample_rest(grid);
+    // The samples that are left stand at the end.
+    while state.next_sample < grid.samples() {
+        let z = state.z;
+        state.record(grid.time(state.next_sample), &z);
+    }
     Ok(state.out)
 }
 
@@ -84,6 +89,7 @@ impl<'a, const N: usize> State<'a, N> {
         let field = Field::new(system, &flow);
         let out = Trajectory::new(system.layout, grid.samples());
         let z = shorten(&full);
+        // Chosen below, from the slope of the finished state.
         let h = f64::NAN;
         let mut state =
             Self { system, tolerances, cursor, region, flow, field, t, h, z, next_sample: 0, out };
@@ -97,10 +103,10 @@ impl<'a, const N: usize> State<'a, N> {
     fn choose_first_step(&mut self) {
         /// Hairer's cautious share.
         const SHARE: f64 = 0.01;
-        let rate = self.norm(&self.field.slope(&self.z), &self.z);
-        let size = self.norm(&self.z, &self.z);
         /// Where a size is too small to say anything, s.
         const FALLBACK_S: f64 = 1e-6;
+        let rate = self.norm(&self.field.slope(&self.z), &self.z);
+        let size = self.norm(&self.z, &self.z);
         self.h = if rate > 1e-5 && size > 1e-5 { SHARE * size / rate } else { FALLBACK_S };
     }
 
@@ -108,12 +114,12 @@ impl<'a, const N: usize> State<'a, N> {
     /// nothing else moves, and the end of the rest is read off them.
     fn norm(&self, v: &[f64; N], z: &[f64; N]) -> f64 {
         let controlled = self.system.layout.one();
-        let square = |i: usize| {
+        let squares = (0..controlled).map(|i| {
             let scale =
                 self.tolerances.atol + self.tolerances.rtol * self.z[i].abs().max(z[i].abs());
             (v[i] / scale) * (v[i] / scale)
-        };
-        ((0..controlled).map(square).sum::<f64>() / controlled as f64).sqrt()
+        });
+        (squares.sum::<f64>() / controlled as f64).sqrt()
     }
 
     /// One accepted step, or up to the first event inside it.
@@ -130,8 +136,13 @@ impl<'a, const N: usize> State<'a, N> {
             self.out.work.evaluations += attempt.evaluations;
             self.out.work.factorisations += attempt.factorisations;
             let error = self.norm(&attempt.error, &attempt.z);
-            let factor = SAFETY * libm::pow(error.max(f64::MIN_POSITIVE), -1.0 / method.power());
+            // Without a number for its error a step is tried again much shorter.
+            let factor = match error.is_nan() {
+                true => SHRINK,
+                false => SAFETY * libm::pow(error.max(f64::MIN_POSITIVE), -1.0 / method.power()),
+            };
             if error <= 1.0 {
+                // A step that the limit cut short says little of the length that the next may have.
                 self.h = if whole {
                     self.h.max(h * factor.clamp(SHRINK, GROW))
                 } else {
@@ -144,7 +155,18 @@ impl<'a, const N: usize> State<'a, N> {
                         suspect: self.system.suspect(),
                     });
                 }
-                self.accept(grid, &attempt, h, end);
+                let event = self.first_event(&attempt.dense, h);
+                let (t, z) = match event {
+                    Some((share, _)) => (self.t + share * h, dense(&attempt.dense, share)),
+                    None => (end, attempt.z),
+                };
+                self.sample(grid, &attempt.dense, h, t);
+                (self.t, self.z) = (t, z);
+                // From their closed forms: the method would let its error in the inputs pile up.
+                self.system.write_inputs(&self.cursor, self.t, &mut self.z);
+                if let Some((_, kind)) = event {
+                    self.happen(kind);
+                }
                 return Ok(());
             }
             self.out.work.rejected += 1;
@@ -169,42 +191,11 @@ impl<'a, const N: usize> State<'a, N> {
         Ok(())
     }
 
-    fn accept(&mut self, grid: &Grid, attempt: &Attempt<N>, h: f64, end: f64) {
-        match self.first_event(&attempt.dense, h) {
-            Some((share, kind)) => {
-                let t = self.t + share * h;
-                self.sample(grid, &attempt.dense, h, t);
-                self.z = dense(&attempt.dense, share);
-                self.t = t;
-                self.fresh_inputs();
-                self.happen(kind);
-            }
-            None => {
-                self.sample(grid, &attempt.dense, h, end);
-                self.z = attempt.z;
-                self.t = end;
-                self.fresh_inputs();
-            }
-        }
-    }
-
-    fn fresh_inputs(&mut self) {
-        self.system.write_inputs(&self.cursor, self.t, &mut self.z);
-    }
-
     /// Records the samples before `until`.
     fn sample(&mut self, grid: &Grid, coefficients: &[[f64; N]; 5], h: f64, until: f64) {
         while self.next_sample < grid.samples() && grid.time(self.next_sample) < until {
             let t = grid.time(self.next_sample);
             self.record(t, &dense(coefficients, (t - self.t) / h));
-        }
-    }
-
-    /// The samples that are left stand at the end.
-    fn sample_rest(&mut self, grid: &Grid) {
-        while self.next_sample < grid.samples() {
-            let z = self.z;
-            self.record(grid.time(self.next_sample), &z);
         }
     }
 
@@ -227,8 +218,16 @@ impl<'a, const N: usize> State<'a, N> {
             let row = shorten::<N>(&guard.value.row.0);
             let mut p = coefficients.map(|c| dot(&row, &c));
             if self.system.curved {
-                self.add_curve(&mut p, coefficients, guard.value.curved);
+                // The terms' curved force as the quadratic through its values at 0, 1/2 and 1.
+                let [a, b, c] = [0.0, 0.5, 1.0].map(|share| {
+                    let curve = self.system.curve(&dense(coefficients, share)).unwrap_or_default();
+                    guard.value.curved * curve.force_n
+                });
+                p[0] += a;
+                p[1] += 4.0 * b - 3.0 * a - c;
+                p[2] += 2.0 * (a + c) - 4.0 * b;
             }
+            // A guard that is zero but for rounding has not fallen.
             p[0] += slack * dot(&row.map(f64::abs), &sizes);
             let until = first.map_or(1.0, |(share, _)| share);
             if let Some(share) = roots::first_descent(&p, until, RESOLUTION) {
@@ -236,17 +235,6 @@ impl<'a, const N: usize> State<'a, N> {
             }
         }
         first
-    }
-
-    /// Adds the terms' curved force `factor` times, as the quadratic through its values at 0, 1/2
-    /// and 1.
-    fn add_curve(&self, p: &mut [f64; 5], coefficients: &[[f64; N]; 5], factor: f64) {
-        let force =
-            |share: f64| self.system.curve(&dense(coefficients, share)).unwrap_or_default().force_n;
-        let [a, b, c] = [0.0, 0.5, 1.0].map(|share| factor * force(share));
-        p[0] += a;
-        p[1] += 4.0 * b - 3.0 * a - c;
-        p[2] += 2.0 * (a + c) - 4.0 * b;
     }
 
     /// Size of each entry of the state and of its change over a step: what a guard's zero is
@@ -262,6 +250,7 @@ impl<'a, const N: usize> State<'a, N> {
         self.flow = self.system.flow(&self.region);
         self.field = Field::new(self.system, &self.flow);
         self.note(kind);
+        // The slope jumps at an event: the length of the last step means nothing after it.
         self.choose_first_step();
     }
 
@@ -272,11 +261,5 @@ impl<'a, const N: usize> State<'a, N> {
             theta_rad: self.z[THETA],
             region: self.region,
         });
-    }
-
-    fn pass_input(&mut self) {
-        if self.system.pass(&mut self.cursor, self.t, &mut self.z) {
-            self.happen(EventKind::Input);
-        }
     }
 }

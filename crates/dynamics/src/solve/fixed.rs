@@ -27,6 +27,7 @@ impl Reader<'_> {
     #[inline]
     pub(crate) fn read(&mut self, t: f64, z: &mut [f64]) {
         if t >= self.cursor.end_s {
+            // Just before the last sample at most: a span that begins there is not entered.
             self.system.pass(&mut self.cursor, t.min(self.last_s.next_down()), z);
         }
         self.system.write_inputs(&self.cursor, t, z);

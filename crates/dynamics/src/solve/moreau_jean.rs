@@ -66,12 +66,13 @@ struct Map<const N: usize> {
 
 impl<const N: usize> Map<N> {
     /// (1 − θ h A) z' = (1 + (1 − θ) h A) z, with the inputs of z' given.
-    fn make(system: &System, region: &Region, h: f64, theta: f64) -> Self {
+    fn new(system: &System, region: &Region, h: f64, theta: f64) -> Self {
         let flow = system.flow(region);
         let dynamic = system.layout.dynamic;
         let a = Matrix::<N>::from_fn(|i, j| if i < dynamic { flow.rows[i].0[j] } else { 0.0 });
         let inner = Matrix::<N>::from_fn(|i, j| if j < dynamic { a.at(i, j) } else { 0.0 });
         let implicit = Matrix::<N>::identity().zip(&inner, |unit, x| unit - theta * h * x);
+        // A singular matrix makes the state NaN, which ends the run in an error.
         let inverse = implicit.inverse().unwrap_or(Matrix::<N>::ZERO.map(|_| f64::NAN));
         let explicit = Matrix::<N>::from_fn(|i, j| {
             let unit = if i == j && i < dynamic { 1.0 } else { 0.0 };
@@ -100,7 +101,7 @@ fn step<const N: usize>(
     theta: f64,
 ) -> [f64; N] {
     let dynamic = system.layout.dynamic;
-    let given: [f64; N] = std::array::from_fn(|i| if i < dynamic { 0.0 } else { inputs[i] });
+    let new_inputs: [f64; N] = std::array::from_fn(|i| if i < dynamic { 0.0 } else { inputs[i] });
     let mut attempt = |region: &Region| {
         let at =
             maps.iter().position(|map| map.region == *region && map.h.to_bits() == h.to_bits());
@@ -108,52 +109,41 @@ fn step<const N: usize>(
             if maps.len() == MOST_MAPS {
                 maps.clear();
             }
-            maps.push(Map::make(system, region, h, theta));
+            maps.push(Map::new(system, region, h, theta));
             maps.len() - 1
         });
         let old = maps[at].old.apply(z);
-        let new = maps[at].new.apply(&given);
+        let new = maps[at].new.apply(&new_inputs);
         std::array::from_fn(|i| old[i] + new[i])
     };
-    let ahead = ahead(system, z, inputs);
+    // The region the old state would be in with the new inputs.
+    let state: [f64; N] = std::array::from_fn(|i| if i < dynamic { z[i] } else { inputs[i] });
+    let ahead = system.settle(&state, system.direct_region(z).contact, None);
     for &side in sides(system, z, &ahead) {
         let end = settle(system, side, ahead.contact, z, &mut attempt);
         let turns = z[OMEGA] * side.sign() < 0.0;
-        if end[OMEGA] * side.sign() > 0.0 && !(turns && is_held(system, z, inputs, &ahead)) {
+        if end[OMEGA] * side.sign() > 0.0 && !(turns && is_held(system, &state, ahead.contact)) {
             return end;
         }
     }
-    let contact = ahead.contact;
+    // No side agrees with the motion at its own end: the set-valued forces bring the lever to rest.
     let mut held = *z;
     held[OMEGA] = 0.0;
-    let rest = Region { motion: Motion::Rest, ..system.rest_region(contact, None, &held) };
+    let rest = Region { motion: Motion::Rest, ..system.rest_region(ahead.contact, None, &held) };
     let mut end: [f64; N] = attempt(&rest);
     end[OMEGA] = 0.0;
     end
 }
 
-/// The region the old state would be in with the new inputs.
-fn ahead<const N: usize>(system: &System, z: &[f64; N], inputs: &[f64; N]) -> Region {
-    let ahead: [f64; N] =
-        std::array::from_fn(|i| if i < system.layout.dynamic { z[i] } else { inputs[i] });
-    system.settle(&ahead, system.direct_region(z).contact, None)
-}
-
 /// Whether static friction above the kinetic one holds a lever that is about to turn: for an
 /// instant it is at rest.
-fn is_held<const N: usize>(
-    system: &System,
-    z: &[f64; N],
-    inputs: &[f64; N],
-    ahead: &Region,
-) -> bool {
+fn is_held<const N: usize>(system: &System, state: &[f64; N], contact: Contact) -> bool {
     if system.scene.friction.is_none_or(|friction| friction.static_n <= friction.kinetic_n) {
         return false;
     }
-    let dynamic = system.layout.dynamic;
-    let mut still: [f64; N] = std::array::from_fn(|i| if i < dynamic { z[i] } else { inputs[i] });
+    let mut still = *state;
     still[OMEGA] = 0.0;
-    system.settle(&still, ahead.contact, None).motion == Motion::Rest
+    system.settle(&still, contact, None).motion == Motion::Rest
 }
 
 /// The sides to which the lever may move: on as it moves, or back unless the let-go rule keeps the

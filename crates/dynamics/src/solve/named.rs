@@ -15,7 +15,7 @@ pub struct NamedSolver {
     pub name: &'static str,
     /// Its name in figures.
     pub label: &'static str,
-    /// Makes it. The relative error a step matters to the adaptive ones alone; the exact one
+    /// Makes it. The relative error per step matters to the adaptive ones alone; the exact one
     /// accounts for the energy too.
     pub make: fn(f64) -> Box<dyn Solver>,
 }

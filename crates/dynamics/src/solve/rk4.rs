@@ -67,12 +67,11 @@ fn step<const N: usize>(
     for i in 0..4 {
         let mut stage = combined(z, &slopes, &RK4.a[i], h);
         reader.read(t + RK4.c[i] * h, &mut stage);
-        let held = switching == Switching::PerStep;
-        system.slope(
-            &stage,
-            if held { at_start } else { reader.law(stage[OMEGA]) },
-            &mut slopes[i],
-        );
+        let law = match switching {
+            Switching::PerStep => at_start,
+            Switching::PerStage => reader.law(stage[OMEGA]),
+        };
+        system.slope(&stage, law, &mut slopes[i]);
     }
     *z = combined(z, &slopes, &RK4.b, h);
 }

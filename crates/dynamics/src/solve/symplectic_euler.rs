@@ -32,13 +32,12 @@ impl Solver for SymplecticEuler {
     /// (1 + h P) (1 + h V) with the rows of positions P and of velocities V.
     fn amplification(&self, linear: &LinearPart, h: f64) -> Option<Matrix<MOST>> {
         let identity = Matrix::<MOST>::identity();
-        let rows = |velocities: bool| {
-            Matrix::<MOST>::from_fn(|i, j| {
+        let [first, second] = [true, false].map(|velocities| {
+            let rows = Matrix::<MOST>::from_fn(|i, j| {
                 if linear.velocities[i] == velocities { h * linear.a.at(i, j) } else { 0.0 }
-            })
-        };
-        let first = identity.zip(&rows(true), |unit, x| unit + x);
-        let second = identity.zip(&rows(false), |unit, x| unit + x);
+            });
+            identity.zip(&rows, |unit, x| unit + x)
+        });
         Some(second.product(&first))
     }
 

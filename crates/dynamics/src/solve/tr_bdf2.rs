@@ -44,25 +44,38 @@ impl Solver for TrBdf2 {
     }
 }
 
-/// The last iteration matrix (1 − d h J)⁻¹ with what it was made of.
 struct Step<const N: usize> {
-    factored: Option<(Matrix<N>, f64, Matrix<N>)>,
+    factored: Option<Factored<N>>,
+}
+
+/// The last iteration matrix (1 − d h J)⁻¹, its Jacobian J and step h.
+struct Factored<const N: usize> {
+    jacobian: Matrix<N>,
+    h: f64,
+    inverse: Matrix<N>,
+}
+
+/// The solution of an implicit stage.
+struct Stage<const N: usize> {
+    z: [f64; N],
+    slope: [f64; N],
+    evaluations: u64,
 }
 
 impl<const N: usize> Step<N> {
     /// (1 − d h J)⁻¹, kept while h and J stay the same; true if it had to be made.
     fn iteration(&mut self, jacobian: &Matrix<N>, h: f64) -> (Matrix<N>, bool) {
-        if let Some((known, step, inverse)) = &self.factored
-            && known == jacobian
-            && step.to_bits() == h.to_bits()
+        if let Some(last) = &self.factored
+            && last.jacobian == *jacobian
+            && last.h.to_bits() == h.to_bits()
         {
-            return (*inverse, false);
+            return (last.inverse, false);
         }
         let system = Matrix::<N>::identity().zip(jacobian, |unit, j| unit - DIAGONAL * h * j);
         // Where the matrix is singular the step's error is not a number, and a shorter step is
         // tried.
         let inverse = system.inverse().unwrap_or(Matrix::<N>::ZERO.map(|_| f64::NAN));
-        self.factored = Some((*jacobian, h, inverse));
+        self.factored = Some(Factored { jacobian: *jacobian, h, inverse });
         (inverse, true)
     }
 }
@@ -77,36 +90,37 @@ impl<const N: usize> Embedded<N> for Step<N> {
         let first = field.slope(z);
         let start = along(z, &[(DIAGONAL * h, &first)]);
         let guess = along(z, &[(2.0 * DIAGONAL * h, &first)]);
-        let (middle, second, n1) = solve(field, &inverse, &start, guess, h);
-        let start = along(z, &[(WEIGHT * h, &first), (WEIGHT * h, &second)]);
-        let (end, third, n2) = solve(field, &inverse, &start, middle, h);
+        let middle = solve(field, &inverse, &start, guess, h);
+        let start = along(z, &[(WEIGHT * h, &first), (WEIGHT * h, &middle.slope)]);
+        let end = solve(field, &inverse, &start, middle.z, h);
         let raw = along(
             &[0.0; N],
             &[
                 (h * (WEIGHT - (1.0 - WEIGHT) / 3.0), &first),
-                (h * (WEIGHT - (3.0 * WEIGHT + 1.0) / 3.0), &second),
-                (h * (DIAGONAL - DIAGONAL / 3.0), &third),
+                (h * (WEIGHT - (3.0 * WEIGHT + 1.0) / 3.0), &middle.slope),
+                (h * (DIAGONAL - DIAGONAL / 3.0), &end.slope),
             ],
         );
         Attempt {
-            z: end,
+            z: end.z,
+            // Through the iteration matrix: the raw estimate is far too large for stiff parts
+            // (Hosea & Shampine 1996).
             error: inverse.apply(&raw),
-            dense: hermite(z, &first, &end, &third, h),
-            evaluations: 1 + n1 + n2,
+            dense: hermite(z, &first, &end.z, &end.slope, h),
+            evaluations: 1 + middle.evaluations + end.evaluations,
             factorisations: u64::from(fresh),
         }
     }
 }
 
-/// Solves z = start + d h f(z) by Newton's method with a fixed matrix; returns z, f(z),
-/// evaluations.
+/// Solves z = start + d h f(z) by Newton's method with a fixed matrix.
 fn solve<const N: usize>(
     field: &Field<N>,
     inverse: &Matrix<N>,
     start: &[f64; N],
     guess: [f64; N],
     h: f64,
-) -> ([f64; N], [f64; N], u64) {
+) -> Stage<N> {
     /// Affine fields need one; the weight's sine a few.
     const MOST: u64 = 8;
     let mut z = guess;
@@ -120,10 +134,10 @@ fn solve<const N: usize>(
         slope = field.slope(&z);
         let small = change.iter().zip(&z).all(|(d, x)| d.abs() <= 1e-13 * x.abs());
         if small {
-            return (z, slope, count + 1);
+            return Stage { z, slope, evaluations: count + 1 };
         }
     }
-    (z, slope, MOST + 1)
+    Stage { z, slope, evaluations: MOST + 1 }
 }
 
 /// z + Σ factor · v.

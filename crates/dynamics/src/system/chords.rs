@@ -9,7 +9,6 @@ use super::{System, THETA};
 use crate::error::{DynamicsError, positive};
 use crate::scene::ModelScene;
 use crate::scene::environment::Zone;
-use crate::scene::terms::Term;
 
 impl System {
     /// The system with the curved parts of its terms replaced by chords, each at most `width_rad`
@@ -27,7 +26,7 @@ impl System {
         Self::new(scene)?.straightened(width_rad)
     }
 
-    /// The same of a system that is laid out.
+    /// The same for a system that is already laid out.
     pub(crate) fn straightened(mut self, width_rad: f64) -> Result<Self, DynamicsError> {
         if !self.curved {
             return Ok(self);
@@ -38,18 +37,18 @@ impl System {
         let lows = std::iter::once(ends[0]).chain(edges[1..].iter().copied());
         let highs = edges[1..].iter().copied().chain([ends[1]]);
         self.chords = lows.zip(highs).map(|(low, high)| self.line(low, high)).collect();
+        // The chords stand for the curved parts, which nothing may add a second time.
         self.curved = false;
         Ok(self)
     }
 
     /// The line through the curved force at two angles.
     fn line(&self, low_rad: f64, high_rad: f64) -> Row {
-        let force_n = |theta_rad: f64| {
-            let curve = |term: &dyn Term| term.curve(&self.scene.plant, theta_rad, 0.0);
-            self.scene.terms.iter().filter_map(curve).map(|c| c.force_n).sum::<f64>()
-        };
-        let a = force_n(low_rad);
-        let b = force_n(high_rad);
+        let [a, b] = [low_rad, high_rad].map(|theta_rad| {
+            let terms = self.scene.terms.iter();
+            let curves = terms.filter_map(|term| term.curve(&self.scene.plant, theta_rad, 0.0));
+            curves.map(|curve| curve.force_n).sum::<f64>()
+        });
         let slope = if high_rad > low_rad { (b - a) / (high_rad - low_rad) } else { 0.0 };
         Row::entry(THETA, slope).plus(self.constant(a - slope * low_rad))
     }
@@ -70,6 +69,7 @@ fn cut(zones: &[Zone], [low, high]: [f64; 2], width_rad: f64) -> Vec<Zone> {
     let own = zones[1..].iter().map(|zone| zone.from_rad);
     let mut edges: Vec<f64> = inner.chain(own).collect();
     edges.sort_by(f64::total_cmp);
+    // A zone may begin where a chord does.
     edges.dedup();
     std::iter::once(zones[0])
         .chain(edges.iter().map(|edge| {

@@ -9,7 +9,7 @@ use crate::scene::environment::Demand;
 /// Which force a command goes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Actuator {
-    /// Nobody acts.
+    /// None: no force.
     Nobody,
     /// The motor, with the force −value.
     Motor,
@@ -31,7 +31,7 @@ pub(crate) struct Command {
 impl Command {
     /// The line the clamped value is on.
     pub(crate) fn branch(&self, z: &[f64]) -> Branch {
-        let value = self.row.of(z);
+        let value = self.row.dot(z);
         if value < self.low {
             Branch::Low
         } else if value > self.high {
@@ -51,7 +51,7 @@ impl Command {
     }
 }
 
-/// Who acts in a mode on a side (the table of the modes, [`DriveMode::by_motor`]).
+/// The actuator that acts in a mode on a side (the table of the modes, [`DriveMode::by_motor`]).
 pub(crate) fn actuator(mode: DriveMode, law: BrakeLaw, side: Side) -> Actuator {
     let [up, down] = mode.by_motor();
     match (side, law) {
@@ -68,6 +68,7 @@ impl System {
     pub(crate) fn command(&self, side: Side, zone: u16) -> Command {
         let scene = &self.scene;
         let actuator = actuator(scene.mode, scene.brake.law, side);
+        // A held command is an entry of the state, without limits: its controller has clamped it.
         if let Some(at) = self.layout.held {
             return Command { row: Row::entry(at, 1.0), ..self.fixed(actuator, 0.0) };
         }

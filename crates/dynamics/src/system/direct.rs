@@ -53,6 +53,7 @@ impl System {
     #[inline]
     fn force(&self, z: &[f64], law: Law) -> Direct {
         let direction = law.direction;
+        // While the let-go rule keeps the brake on, the lever is commanded as one that compresses.
         let (actuator, value) =
             self.commanded_value(z, if law.held { Side::Up } else { side(direction) });
         let motor_command = if actuator == Actuator::Motor { -value } else { 0.0 };
@@ -65,14 +66,11 @@ impl System {
             lever -= direction * friction.kinetic_n + friction.viscous_ns_per_rad * z[OMEGA];
         }
         lever += self.terms_n(z);
-        let tip = match (&self.scene.finger, self.layout.finger) {
-            (Some(f), Some(at)) => f.stiffness_n_per_m * z[at] + f.damping_ns_per_m * z[at + 1],
-            _ => z[self.layout.force],
-        };
+        let tip = self.tissue_n(z);
         Direct { lever, tip, motor_command, level_command, engaged: actuator == Actuator::Brake }
     }
 
-    /// Who acts on a side, and the clamped value it is asked for.
+    /// The actuator that acts on a side, and its clamped command.
     #[inline]
     pub(crate) fn commanded_value(&self, z: &[f64], side: Side) -> (Actuator, f64) {
         let scene = &self.scene;
@@ -85,20 +83,16 @@ impl System {
             Actuator::Brake => (0.0, scene.brake.max_n, scene.brake.dead_zone_n),
         };
         let damped = actuator != Actuator::Brake || side == Side::Up;
-        let asked = match scene.environment.zones[usize::from(zone)].demand {
+        let commanded = match scene.environment.zones[usize::from(zone)].demand {
             Demand::Spring { stiffness_n_per_rad: k, damping_ns_per_rad: b, rest_rad } => {
                 k * (z[THETA] - rest_rad) + if damped { b * z[OMEGA] } else { 0.0 } - offset
             }
             Demand::Full => high,
-            Demand::FullUp => {
-                if actuator == Actuator::Brake {
-                    high
-                } else {
-                    low
-                }
-            }
+            // A brake cannot push: resisting with all it has is the most it can do.
+            Demand::FullUp if actuator == Actuator::Brake => high,
+            Demand::FullUp => low,
         };
-        (actuator, asked.max(low).min(high))
+        (actuator, commanded.max(low).min(high))
     }
 
     /// Whether the brake is kept on after a step: it engages while θ̇ > 0 and lets go once θ̇ ≤ 0
@@ -178,7 +172,7 @@ fn side(direction: f64) -> Side {
     if direction > 0.0 { Side::Up } else { Side::Down }
 }
 
-/// Forces on the lever, N: all but the tip's, the tip's, and what lagging actuators are asked for.
+/// Forces on the lever, N: all but the tip's, the tip's, and the commands of lagging actuators.
 struct Direct {
     lever: f64,
     tip: f64,

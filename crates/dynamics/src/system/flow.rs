@@ -6,7 +6,8 @@ use super::region::{Branch, Contact, Motion, Region, Side};
 use super::row::{Functional, MOST, Row};
 use super::{OMEGA, RestRule, System, THETA};
 use crate::affine::Number;
-use crate::scene::finger::{Finger, FingerLaw};
+use crate::scene::finger::FingerLaw;
+use crate::scene::input::Input;
 use zwidth_numerics::expm::Pair;
 
 /// ż = A z, and in some rows the terms' curved force so many times; the region's guards.
@@ -47,19 +48,29 @@ impl System {
     pub(crate) fn lever_forces(&self, region: &Region, side: Side) -> LeverForces {
         let (command, branch) = self.commanded(region, side);
         let value = command.on(branch, self);
-        let to = |actuator, factor| {
-            if command.actuator == actuator { value.times(factor) } else { Row::ZERO }
-        };
-        let lagged = |at: Option<usize>, row: Row| at.map_or(row, |i| Row::entry(i, 1.0));
         let viscous = self.scene.friction.map_or(0.0, |friction| friction.viscous_ns_per_rad);
-        LeverForces {
+        let mut forces = LeverForces {
             tip: self.tip(region.contact),
-            motor: lagged(self.layout.motor, to(Actuator::Motor, -1.0)),
-            signed_brake: to(Actuator::SignedBrake, -1.0),
-            level: lagged(self.layout.brake, to(Actuator::Brake, 1.0)),
+            motor: Row::ZERO,
+            signed_brake: Row::ZERO,
+            level: Row::ZERO,
             viscous: Row::entry(OMEGA, -viscous),
             chords: self.chord(region, side),
+        };
+        match command.actuator {
+            Actuator::Nobody => {}
+            Actuator::Motor => forces.motor = value.times(-1.0),
+            Actuator::SignedBrake => forces.signed_brake = value.times(-1.0),
+            Actuator::Brake => forces.level = value,
         }
+        // A lagging actuator gives what its entry of the state says, whatever it is commanded.
+        if let Some(at) = self.layout.motor {
+            forces.motor = Row::entry(at, 1.0);
+        }
+        if let Some(at) = self.layout.brake {
+            forces.level = Row::entry(at, 1.0);
+        }
+        forces
     }
 
     /// Force on the lever's end: the user's, or the tissue's K_F x2 + B_F ẋ2 (9).
@@ -135,10 +146,27 @@ impl System {
             && region.contact == Contact::Free
         {
             rows[at] = Row::entry(at + 1, T::from(1.0));
-            rows[at + 1] = self.finger_row(finger, acceleration);
+            // M_F ẍ2 = F_F + F_ex (11), and in the consistent law − M_F L θ̈.
+            let net = Row::entry(self.layout.force, 1.0).minus(self.tip(Contact::Free));
+            let row = net.lifted().over(T::from(finger.mass_kg));
+            rows[at + 1] = match finger.law {
+                FingerLaw::Consistent => {
+                    row.minus(acceleration.times(T::from(self.scene.plant.lever_m)))
+                }
+                FingerLaw::Thesis => row,
+            };
         }
         self.lag_rows(region, &mut rows);
-        self.input_rows(&mut rows);
+        // x¨ = −ω² (x − mean) for each input.
+        let force = (self.layout.force, self.scene.input.swing());
+        let term = self.layout.term.zip(self.scene.terms.input().map(Input::swing));
+        for (at, (omega, mean)) in std::iter::once(force).chain(term) {
+            rows[at] = Row::entry(at + 1, T::from(1.0));
+            // Squared as `T`: the product of two doubles would be rounded before it is lifted.
+            let square = T::from(omega) * T::from(omega);
+            let pulled = self.constant(mean).minus(Row::entry(at, 1.0));
+            rows[at + 1] = pulled.lifted().times(square);
+        }
         rows
     }
 
@@ -161,18 +189,6 @@ impl System {
         curved
     }
 
-    /// M_F ẍ2 = F_F + F_ex (11), and in the consistent law − M_F L θ̈.
-    fn finger_row<T: Number>(&self, finger: &Finger, acceleration: Row<T>) -> Row<T> {
-        let net = Row::entry(self.layout.force, 1.0).minus(self.tip(Contact::Free));
-        let row = net.lifted().over(T::from(finger.mass_kg));
-        match finger.law {
-            FingerLaw::Consistent => {
-                row.minus(acceleration.times(T::from(self.scene.plant.lever_m)))
-            }
-            FingerLaw::Thesis => row,
-        }
-    }
-
     /// τ ẋ = command − x for the motor's force and the brake's level. A lever at rest is commanded
     /// as one that holds or releases, unless the let-go rule keeps the brake on; where the
     /// brake does part of the holding by fast switching, a lagging motor is off for its share
@@ -193,20 +209,6 @@ impl System {
             let engaged = command.actuator == Actuator::Brake;
             let (target, lag) = if engaged { (value, on) } else { (Row::ZERO, off) };
             rows[at] = target.minus(Row::entry(at, 1.0)).lifted().over(T::from(lag));
-        }
-    }
-
-    /// x¨ = −ω² (x − mean) for each input.
-    fn input_rows<T: Number>(&self, rows: &mut [Row<T>; MOST]) {
-        let mut write = |at: usize, (omega, mean): (f64, f64)| {
-            rows[at] = Row::entry(at + 1, T::from(1.0));
-            let square = T::from(omega) * T::from(omega);
-            let pulled = self.constant(mean).minus(Row::entry(at, 1.0));
-            rows[at + 1] = pulled.lifted().times(square);
-        };
-        write(self.layout.force, self.scene.input.swing());
-        if let (Some(at), Some(input)) = (self.layout.term, self.scene.terms.input()) {
-            write(at, input.swing());
         }
     }
 }

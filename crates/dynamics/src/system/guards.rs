@@ -52,9 +52,11 @@ impl System {
         };
         let stop =
             self.scene.plant.stops_rad.map(|[low, high]| if side == Side::Up { high } else { low });
-        let nearer = |a: f64, b: f64| (a - b) * side.sign() < 0.0;
         match (edge, stop) {
-            (Some(edge), Some(stop)) if nearer(edge, stop) => Some((edge, EventKind::Zone)),
+            (Some(edge), Some(stop)) if (edge - stop) * side.sign() < 0.0 => {
+                Some((edge, EventKind::Zone))
+            }
+            // A zone's edge on the stop or beyond it is never crossed.
             (_, Some(stop)) => Some((stop, EventKind::Stop)),
             (Some(edge), None) => Some((edge, EventKind::Zone)),
             (None, None) => None,

@@ -54,14 +54,12 @@ pub struct Layout {
 impl Layout {
     fn of(scene: &ModelScene, is_held: bool) -> Self {
         let mut n = 2;
-        let mut take = |wanted: bool, entries: usize| {
-            let at = n;
-            n += if wanted { entries } else { 0 };
-            wanted.then_some(at)
-        };
-        let finger = take(scene.finger.is_some(), 2);
-        let motor = take(scene.motor.lag_s.is_some(), 1);
-        let brake = take(scene.brake.lag_on_off_s.is_some(), 1);
+        let finger = scene.finger.map(|_| n);
+        n += if finger.is_some() { 2 } else { 0 };
+        let motor = scene.motor.lag_s.map(|_| n);
+        n += usize::from(motor.is_some());
+        let brake = scene.brake.lag_on_off_s.map(|_| n);
+        n += usize::from(brake.is_some());
         let dynamic = n;
         let force = dynamic;
         n += 2;
@@ -129,6 +127,7 @@ pub(crate) struct Cursor {
 
 /// The span of an input that holds from `t` on, searched from the one that held before.
 fn forward(input: &Input, (mut number, mut span): (usize, Span), t: f64) -> (usize, Span) {
+    // A guess close to `t` first: over many short periods span by span would take too long.
     if span.end_s <= t {
         number = input.number_near(t, number);
         span = input.span(number);
@@ -198,6 +197,8 @@ impl System {
     /// True if an input jumps there.
     #[inline]
     pub(crate) fn pass(&self, cursor: &mut Cursor, t: f64, z: &mut [f64]) -> bool {
+        /// Relative size of a step in a signal that counts as a jump.
+        const JUMP: f64 = 1e-12;
         let old = self.inputs(z);
         cursor.force = forward(&self.scene.input, cursor.force, t);
         cursor.end_s = cursor.force.1.end_s;
@@ -208,7 +209,8 @@ impl System {
             cursor.end_s = cursor.end_s.min(at.1.end_s);
         }
         self.write_inputs(cursor, t, z);
-        jumped(old, self.inputs(z))
+        // More than the rounding between the end of one span and the start of the next.
+        old.iter().zip(self.inputs(z)).any(|(a, b)| (a - b).abs() > JUMP * (a.abs() + b.abs()))
     }
 
     /// The inputs at `t`, within the cursor's spans, from their closed forms.
@@ -247,11 +249,4 @@ impl System {
     pub(crate) fn inertia(&self) -> f64 {
         self.scene.plant.mass_kg * self.scene.plant.lever_m
     }
-}
-
-/// More than the rounding between the end of one span and the start of the next.
-fn jumped(old: [f64; 2], new: [f64; 2]) -> bool {
-    /// Relative size of a step in a signal that counts as a jump.
-    const JUMP: f64 = 1e-12;
-    old.iter().zip(new).any(|(a, b)| (a - b).abs() > JUMP * (a.abs() + b.abs()))
 }

@@ -9,10 +9,10 @@ impl System {
     /// The force of each of the scene's terms at a state, N, in the order of
     /// [`crate::Terms::iter`].
     pub fn term_forces_n(&self, z: &[f64]) -> impl Iterator<Item = f64> {
-        let curve = |term: &dyn Term| term.curve(&self.scene.plant, z[THETA], z[OMEGA]);
-        let curved =
-            self.scene.terms.iter().map(move |term| curve(term).map_or(0.0, |curve| curve.force_n));
-        self.terms.iter().zip(curved).map(|(row, curved_n)| row.of(z) + curved_n)
+        self.terms.iter().zip(self.scene.terms.iter()).map(|(row, term)| {
+            let curve = term.curve(&self.scene.plant, z[THETA], z[OMEGA]);
+            row.dot(z) + curve.map_or(0.0, |curve| curve.force_n)
+        })
     }
 
     /// The forces of all terms together, N.
@@ -31,11 +31,13 @@ impl System {
         if !self.chords.is_empty() {
             return None;
         }
+        // A term has a curved part at every state or at none, so the start stands for all.
         let start = &self.scene.start;
-        let curve = |term: &&dyn Term| {
-            term.curve(&self.scene.plant, start.theta_rad, start.theta_dot_rad_s)
-        };
-        self.scene.terms.iter().find(|term| curve(term).is_some()).map(Term::name)
+        let mut terms = self.scene.terms.iter();
+        let nonlinear = terms.find(|term| {
+            term.curve(&self.scene.plant, start.theta_rad, start.theta_dot_rad_s).is_some()
+        });
+        nonlinear.map(Term::name)
     }
 
     /// The terms' curved force with its derivatives; `None` if no term has one.
@@ -58,6 +60,6 @@ impl System {
     #[inline]
     pub(crate) fn value(&self, functional: &Functional, z: &[f64]) -> f64 {
         let curved = self.curve(z).map_or(0.0, |curve| functional.curved * curve.force_n);
-        functional.row.of(z) + curved
+        functional.row.dot(z) + curved
     }
 }

@@ -50,15 +50,33 @@ impl System {
                 self.settle(z, region.contact, None)
             }
             EventKind::Zone => self.enter_zone(region, moving, z),
-            EventKind::Stop => self.hit_stop(region, moving, z),
+            EventKind::Stop => {
+                // The lever stops dead; a finger on soft tissue keeps its own velocity.
+                if let Some([low, high]) = self.scene.plant.stops_rad {
+                    z[THETA] = if moving == Side::Up { high } else { low };
+                }
+                let contact = self.stop_lever(region.contact, z);
+                self.settle(z, contact, None)
+            }
             EventKind::SaturatedLow => on_branch(region, moving, Branch::Low),
             EventKind::SaturatedHigh => on_branch(region, moving, Branch::High),
             EventKind::Unsaturated => on_branch(region, moving, Branch::Linear),
             EventKind::DepartUp => self.moving_region(Side::Up, region.contact, z),
             EventKind::DepartDown => self.moving_region(Side::Down, region.contact, z),
             EventKind::LetGo => self.settle(z, region.contact, Some(!region.held)),
-            EventKind::Bottomed => self.bottom(region, z),
-            EventKind::LiftedOff => self.lift_off(region, z),
+            EventKind::Bottomed => {
+                let contact = self.press_finger(z);
+                // A stop that the lever leans on takes what the finger would push into it.
+                if region.stop.is_some_and(|side| z[OMEGA] * side.sign() > 0.0) {
+                    z[OMEGA] = 0.0;
+                }
+                self.settle(z, contact, None)
+            }
+            // The tissue springs back; the lever goes on as it did.
+            EventKind::LiftedOff => match region.motion {
+                Motion::Rest => self.region_with(z, Contact::Free, Some(region.held)),
+                _ => Region { contact: Contact::Free, ..*region },
+            },
             EventKind::Input => self.settle(z, region.contact, None),
         }
     }
@@ -88,10 +106,12 @@ impl System {
             return self.moving_region(Side::Down, contact, z);
         }
         let rest = self.rest_region(contact, held, z);
-        let may = |side| rest.stop != Some(side);
-        if may(Side::Down) && !rest.held && self.departing_n(&rest, Side::Down, z) < 0.0 {
+        let departs_down = rest.stop != Some(Side::Down)
+            && !rest.held
+            && self.departing_n(&rest, Side::Down, z) < 0.0;
+        if departs_down {
             self.moving_region(Side::Down, contact, z)
-        } else if may(Side::Up) && self.departing_n(&rest, Side::Up, z) > 0.0 {
+        } else if rest.stop != Some(Side::Up) && self.departing_n(&rest, Side::Up, z) > 0.0 {
             self.moving_region(Side::Up, contact, z)
         } else {
             rest
@@ -150,18 +170,19 @@ impl System {
             return rest;
         }
         let (command, branch) = self.commanded(&rest, Side::Down);
-        let asked = command.on(branch, self).of(z);
-        let rest = Region { motor_holds: asked > 0.0, ..rest };
-        Region { motor_share: self.motor_share(&rest, asked, z), ..rest }
+        let command_n = command.on(branch, self).dot(z);
+        // Known before the share: it decides which forces the cone is made of.
+        let rest = Region { motor_holds: command_n > 0.0, ..rest };
+        Region { motor_share: self.motor_share(&rest, command_n, z), ..rest }
     }
 
     /// Motor command over the width of the cone of forces that hold the lever at rest.
-    fn motor_share(&self, rest: &Region, asked: f64, z: &[f64]) -> f64 {
+    fn motor_share(&self, rest: &Region, command_n: f64, z: &[f64]) -> f64 {
         if self.layout.motor.is_none() || self.layout.brake.is_some() {
             return 0.0;
         }
         let cone = self.departing_n(rest, Side::Down, z) - self.departing_n(rest, Side::Up, z);
-        if cone > 0.0 && asked > 0.0 { asked / cone } else { 0.0 }
+        if cone > 0.0 && command_n > 0.0 { command_n / cone } else { 0.0 }
     }
 
     /// Across an edge of the environment. Where the forces on both sides push back to the edge,
@@ -176,21 +197,13 @@ impl System {
         let rest = self.rest_region(region.contact, None, z);
         let up = self.departing_n(&rest, Side::Up, z);
         let down = self.departing_n(&rest, Side::Down, z);
+        // ½ M_O L θ̇² = F × bounce gives the bounce's length; the 2 stands on the other side.
         let bounce = z[OMEGA] * z[OMEGA] * self.inertia();
         if up < 0.0 && down > 0.0 && bounce < 2.0 * NO_BOUNCE_RAD * down.min(-up) {
             z[OMEGA] = 0.0;
             return rest;
         }
         self.moving_region(side, region.contact, z)
-    }
-
-    /// The lever stops dead; a finger on soft tissue keeps its own velocity.
-    fn hit_stop(&self, region: &Region, side: Side, z: &mut [f64]) -> Region {
-        if let Some([low, high]) = self.scene.plant.stops_rad {
-            z[THETA] = if side == Side::Up { high } else { low };
-        }
-        let contact = self.stop_lever(region.contact, z);
-        self.settle(z, contact, None)
     }
 
     /// θ̇ becomes 0; ẋ2, which is measured from the lever, changes by as much where the finger is
@@ -208,6 +221,7 @@ impl System {
         };
         if pressed_on {
             let contact = self.press_finger(z);
+            // The stop takes the finger's momentum too.
             z[OMEGA] = 0.0;
             return contact;
         }
@@ -224,18 +238,8 @@ impl System {
         length.is_some_and(|length| x2 * velocity.signum() >= length * (1.0 - NEAR))
     }
 
-    /// The tissue bottoms: inelastic, momentum kept (consistent law), or the finger just stops
-    /// (thesis).
-    fn bottom(&self, region: &Region, z: &mut [f64]) -> Region {
-        let contact = self.press_finger(z);
-        let against = region.stop.is_some_and(|side| z[OMEGA] * side.sign() > 0.0);
-        if against {
-            z[OMEGA] = 0.0;
-        }
-        self.settle(z, contact, None)
-    }
-
-    /// Sets the finger on its rigid stop and shares its momentum with the lever.
+    /// Sets the finger on its rigid stop, inelastically: its momentum is shared with the lever
+    /// (consistent law), or lost (thesis).
     pub(crate) fn press_finger(&self, z: &mut [f64]) -> Contact {
         let (Some(finger), Some(at)) = (self.scene.finger, self.layout.finger) else {
             return Contact::Free;
@@ -249,14 +253,6 @@ impl System {
         }
         z[at + 1] = 0.0;
         contact
-    }
-
-    /// The tissue springs back; the lever goes on as it did.
-    fn lift_off(&self, region: &Region, z: &[f64]) -> Region {
-        match region.motion {
-            Motion::Rest => self.region_with(z, Contact::Free, Some(region.held)),
-            _ => Region { contact: Contact::Free, ..*region },
-        }
     }
 }
 

@@ -22,9 +22,10 @@ pub(super) struct Band {
 impl Band {
     pub(super) fn all() -> impl Iterator<Item = Self> {
         EXPONENTS.map(|n| {
-            let at = |n: f64| libm::pow(10.0, n / 10.0);
             let n = f64::from(n);
-            Self { centre_hz: at(n), from_hz: at(n - 0.5), to_hz: at(n + 0.5) }
+            let [from_hz, centre_hz, to_hz] =
+                [n - 0.5, n, n + 0.5].map(|n| libm::pow(10.0, n / 10.0));
+            Self { centre_hz, from_hz, to_hz }
         })
     }
 
@@ -52,8 +53,9 @@ impl Levels {
         let cosine: Vec<f64> = (0..n).map(|i| libm::cos(TAU * i as f64 / n as f64)).collect();
         // The mean square of (1 − cos)/2 over a period is 3/8.
         let hann = cosine.iter().map(|c| 0.5 * (1.0 - c) / libm::sqrt(3.0 / 8.0)).collect();
-        let line = |hz: f64| ((hz * n as f64 * step_s).ceil() as usize).min(n.div_ceil(2));
-        Self { step_s, hann, cosine, lines: (line(band.from_hz).max(1), line(band.to_hz)) }
+        let [from, to] = [band.from_hz, band.to_hz]
+            .map(|hz| ((hz * n as f64 * step_s).ceil() as usize).min(n.div_ceil(2)));
+        Self { step_s, hann, cosine, lines: (from.max(1), to) }
     }
 
     /// Amplitude (zero to peak of a sine of the same power) of the position in the window that
@@ -62,7 +64,17 @@ impl Levels {
     /// The lines are those of the differences, of which one of a sine of amplitude a at f is
     /// 2 a sin(π f h): a slow motion leaks less of itself into them.
     pub(super) fn amplitude(&self, position: &[f64]) -> f64 {
-        let steps = without_line(position.windows(2).map(|pair| pair[1] - pair[0]).collect());
+        let mut steps: Vec<f64> = position.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        // Less the straight line that fits best, whose ends would leak into every band.
+        let n = steps.len() as f64;
+        let middle = 0.5 * (n - 1.0);
+        let mean = steps.iter().sum::<f64>() / n;
+        let square = n * (n * n - 1.0) / 12.0;
+        let slope = steps.iter().enumerate().map(|(i, x)| (i as f64 - middle) * x).sum::<f64>()
+            / square.max(1.0);
+        for (i, x) in steps.iter_mut().enumerate() {
+            *x -= mean + slope * (i as f64 - middle);
+        }
         let windowed: Vec<f64> = steps.iter().zip(&self.hann).map(|(x, w)| x * w).collect();
         let power: f64 = (self.lines.0..self.lines.1).map(|k| self.line(&windowed, k)).sum();
         SQRT_2 * libm::sqrt(power)
@@ -84,20 +96,6 @@ impl Levels {
         let per_step = 2.0 * libm::sin(0.5 * TAU * frequency_hz * self.step_s);
         2.0 * (re * re + im * im) / (n as f64 * n as f64 * per_step * per_step)
     }
-}
-
-/// Without the straight line that fits best.
-fn without_line(mut values: Vec<f64>) -> Vec<f64> {
-    let n = values.len() as f64;
-    let middle = 0.5 * (n - 1.0);
-    let mean = values.iter().sum::<f64>() / n;
-    let square = n * (n * n - 1.0) / 12.0;
-    let slope = values.iter().enumerate().map(|(i, x)| (i as f64 - middle) * x).sum::<f64>()
-        / square.max(1.0);
-    for (i, x) in values.iter_mut().enumerate() {
-        *x -= mean + slope * (i as f64 - middle);
-    }
-    values
 }
 
 #[cfg(test)]

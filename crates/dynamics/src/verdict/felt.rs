@@ -42,10 +42,6 @@ impl VibrationThreshold {
             (None, None) => f64::INFINITY,
         }
     }
-
-    fn lowest_m(&self) -> f64 {
-        self.points.iter().map(|(_, a)| *a).fold(f64::INFINITY, f64::min)
-    }
 }
 
 /// Whether swings can be felt at the end of a lever. `bound_rad` is half the peak-to-peak angle
@@ -53,7 +49,9 @@ impl VibrationThreshold {
 /// in a recording.
 pub fn felt(swings: &Swings, bound_rad: f64, lever_m: f64, threshold: &VibrationThreshold) -> Felt {
     if swings.count == 0 {
-        let hidden = bound_rad * lever_m > threshold.lowest_m();
+        // At which frequency a swing would hide is not known: the most sensitive one decides.
+        let lowest_m = threshold.points.iter().map(|(_, a)| *a).fold(f64::INFINITY, f64::min);
+        let hidden = bound_rad * lever_m > lowest_m;
         return if hidden { Felt::BelowResolution } else { Felt::No };
     }
     let above = swings.amplitude_rad * lever_m > threshold.at_m(swings.frequency_hz);

@@ -50,7 +50,7 @@ pub use swings::{FEW as FEWEST_SWINGS, Swings};
 pub use ticked::{HeldForces, TickController, TickedLoop};
 
 use path::Path;
-use reference::Known;
+use reference::KnownMotion;
 pub(crate) use stability::Growth;
 use swings::{FEW, Swing, existing, has_its_own};
 
@@ -115,7 +115,7 @@ impl Reference<'_> {
             Err(error) => Judgement {
                 verdict: RunVerdict::Failed,
                 swings: Default::default(),
-                reference: self.known.as_ref().map(motions),
+                reference: self.motion.as_ref().map(motions),
                 other_rest_rule: self.other_rule.as_ref().map(motions),
                 shows_the_reference: false,
                 bound_rad: self.bound_rad(),
@@ -144,7 +144,7 @@ impl Reference<'_> {
     }
 
     fn bound_rad(&self) -> f64 {
-        self.known.as_ref().map_or(0.0, |known| known.bound_rad)
+        self.motion.as_ref().map_or(0.0, |motion| motion.bound_rad)
     }
 
     fn judge_run(&self, solver: &dyn Solver, step_s: f64, run: &Trajectory) -> Judgement {
@@ -165,15 +165,15 @@ impl Reference<'_> {
         let h = self.model.method_step_s(step_s);
         let growth = stability::worst(solver, self.model.plant(), run, h);
         let swings = [existing(run, self.bound_rad()), half, quarter];
-        let theirs = self.known.as_ref().map_or(0, |known| known.swings.len());
+        let reference_swings = self.motion.as_ref().map_or(0, |motion| motion.swings.len());
         let creep_rad =
-            self.known.as_ref().map_or(0.0, |known| creep::creep_rad(&Path::of(run), known, h));
+            self.motion.as_ref().map_or(0.0, |motion| creep::creep_rad(&Path::of(run), motion, h));
         Judgement {
             verdict: self.verdict(run, &swings, growth, creep_rad),
             swings: swings.each_ref().map(|swings| Swings::of(swings)),
-            reference: self.known.as_ref().map(motions),
+            reference: self.motion.as_ref().map(motions),
             other_rest_rule: self.other_rule.as_ref().map(motions),
-            shows_the_reference: swings[0].len() >= FEW || theirs < FEW,
+            shows_the_reference: swings[0].len() >= FEW || reference_swings < FEW,
             bound_rad: self.bound_rad(),
             creep_rad,
             amplification: growth.map_or(1.0, Growth::excess).max(1.0),
@@ -190,22 +190,25 @@ impl Reference<'_> {
         creep_rad: f64,
     ) -> RunVerdict {
         let unstable = growth.is_some_and(Growth::is_unstable);
-        let Some(known) = &self.known else {
+        let Some(reference) = &self.motion else {
             return if unstable { RunVerdict::UnstableStep } else { RunVerdict::CannotTell };
         };
-        let oscillates = swings.iter().chain([&known.swings]).any(|swings| swings.len() >= FEW);
-        if unstable && (oscillates || runs_away(run, known)) {
+        let oscillates = swings.iter().chain([&reference.swings]).any(|swings| swings.len() >= FEW);
+        // An unstable step counts only where the run shows it: it may never have been excited.
+        if unstable && (oscillates || runs_away(run, reference)) {
             RunVerdict::UnstableStep
         } else if oscillates && self.depends_on_rest_rule() {
             RunVerdict::DependsOnRestRule
         } else if oscillates
-            && swings.iter().any(|swings| has_its_own(swings, &known.swings, known.path.end_s()))
+            && swings
+                .iter()
+                .any(|swings| has_its_own(swings, &reference.swings, reference.path.end_s()))
         {
             RunVerdict::NumericalChattering
         } else if creep_rad > 0.0 {
             RunVerdict::NumericalCreep
         } else {
-            known.nature
+            reference.nature
         }
     }
 
@@ -213,7 +216,7 @@ impl Reference<'_> {
     /// a hundredth of the range.
     fn depends_on_rest_rule(&self) -> bool {
         const SHARE: f64 = 0.01;
-        let (Some(a), Some(b)) = (&self.known, &self.other_rule) else { return false };
+        let (Some(a), Some(b)) = (&self.motion, &self.other_rule) else { return false };
         let apart = (a.path.highest_rad() - b.path.highest_rad()).abs();
         a.nature != b.nature || apart > a.bound_rad.max(SHARE * a.path.range_rad())
     }
@@ -221,15 +224,16 @@ impl Reference<'_> {
 
 /// Whether a run without swings leaves the reference by more than half its range: growth without a
 /// turn.
-fn runs_away(run: &Trajectory, known: &Known) -> bool {
-    known.path.distance_rad(&Path::of(run)) > 0.5 * known.path.range_rad() + known.bound_rad
+fn runs_away(run: &Trajectory, reference: &KnownMotion) -> bool {
+    let apart_rad = reference.path.distance_rad(&Path::of(run));
+    apart_rad > 0.5 * reference.path.range_rad() + reference.bound_rad
 }
 
-fn motions(known: &Known) -> Motions {
+fn motions(motion: &KnownMotion) -> Motions {
     Motions {
-        method: known.method.clone(),
-        nature: known.nature,
-        swings: known.summary(),
-        theta_max_rad: known.path.highest_rad(),
+        method: motion.method.clone(),
+        nature: motion.nature,
+        swings: motion.summary(),
+        theta_max_rad: motion.path.highest_rad(),
     }
 }

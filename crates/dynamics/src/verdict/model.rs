@@ -91,15 +91,14 @@ impl System {
     fn ignores_velocity(&self, z: &[f64]) -> bool {
         /// Relative size of a difference that is rounding.
         const ROUNDING: f64 = 1e-9;
-        let moving = |direction: f64| {
+        let [up, down] = [1.0, -1.0].map(|direction| {
             let mut z = z.to_vec();
+            // At 1 rad/s at least: damping would not show on a state at rest.
             z[OMEGA] = direction * z[OMEGA].abs().max(1.0);
             let mut slope = [0.0; MOST];
             self.slope(&z, Law { direction, held: false }, &mut slope);
             slope[OMEGA]
-        };
-        let up = moving(1.0);
-        let down = moving(-1.0);
+        });
         (up - down).abs() <= ROUNDING * (up.abs() + down.abs())
     }
 }

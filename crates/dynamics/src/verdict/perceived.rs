@@ -29,7 +29,7 @@ const AROUND_A_JUMP_S: f64 = 0.05;
 /// A force jumps within so many steps: a millisecond.
 const JUMP_STEPS: usize = 2;
 
-/// What a hand has of a motion: position and force every half millisecond.
+/// What a hand feels of a motion: position and force every half millisecond.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeltMotion {
     /// θ at the edges of the steps, rad: one more than steps.
@@ -41,17 +41,19 @@ pub struct FeltMotion {
 }
 
 impl FeltMotion {
-    /// What a run has for a hand, by the system that was run. Between samples θ is the cubic
+    /// What a hand feels of a run, by the system that was run. Between samples θ is the cubic
     /// through both ends and their velocities, and the force a straight line.
     pub fn of(system: &System, run: &Trajectory) -> Self {
         let path = Path::of(run);
+        // An end that is a whole number of steps but for rounding is one.
         let steps = (path.end_s() / STEP_S * (1.0 + 1e-12)) as usize;
-        let edges = || (0..=steps).map(|i| i as f64 * STEP_S);
-        let impulses: Vec<f64> = Impulse::of(system, run).at(edges()).collect();
-        let input = |kind: EventKind| kind == EventKind::Input;
-        let jumps = run.events.iter().filter(|event| event.t_s > 0.0 && input(event.kind));
+        let edges = (0..=steps).map(|i| i as f64 * STEP_S);
+        let impulses: Vec<f64> = Impulse::of(system, run).at(edges.clone()).collect();
+        // The one at 0 is the start of every run, not a jump.
+        let events = run.events.iter();
+        let jumps = events.filter(|event| event.t_s > 0.0 && event.kind == EventKind::Input);
         Self {
-            theta_rad: path.along(edges()),
+            theta_rad: path.along(edges),
             force_n: impulses.windows(2).map(|pair| (pair[1] - pair[0]) / STEP_S).collect(),
             jumps_s: jumps.map(|event| event.t_s).collect(),
         }
@@ -67,18 +69,18 @@ impl FeltMotion {
         let around = (AROUND_A_JUMP_S / STEP_S).round() as usize;
         let steps = self.force_n.len();
         let mut free = vec![true; steps];
-        let mut leave_out = |at: usize| {
-            let to = (at + around).min(steps);
-            free[at.saturating_sub(around).min(to)..to].fill(false);
-        };
-        for (i, pair) in self.force_n.windows(JUMP_STEPS + 1).enumerate() {
+        let pairs = self.force_n.windows(JUMP_STEPS + 1).enumerate();
+        let force_jumps = pairs.filter_map(|(i, pair)| {
             let before = pair[0];
             let after = pair[JUMP_STEPS];
-            if (after - before).abs() > perception.force_bound_n(before.abs().min(after.abs())) {
-                leave_out(i + 1);
-            }
+            let bound_n = perception.force_bound_n(before.abs().min(after.abs()));
+            ((after - before).abs() > bound_n).then_some(i + 1)
+        });
+        let input_jumps = self.jumps_s.iter().map(|t| (t / STEP_S) as usize);
+        for at in force_jumps.chain(input_jumps) {
+            let to = (at + around).min(steps);
+            free[at.saturating_sub(around).min(to)..to].fill(false);
         }
-        self.jumps_s.iter().for_each(|t| leave_out((t / STEP_S) as usize));
         spans(&free)
     }
 }
@@ -162,6 +164,7 @@ impl Slow {
 /// The mean over 100 ms about each value, over what there is of them at the ends.
 fn mean(values: &[f64]) -> Vec<f64> {
     let half = (0.5 * SHORTEST_S / STEP_S).round() as usize;
+    // By differences of sums from the beginning: one addition per value, however many a mean is of.
     let mut sums = vec![0.0];
     sums.extend(values.iter().scan(0.0, |sum, x| {
         *sum += x;
@@ -208,10 +211,9 @@ impl FeltDifference {
     /// Whether a person could tell the two motions apart. What could not be compared counts as
     /// felt.
     pub fn is_felt(&self) -> bool {
-        let within = |share: f64| share <= 1.0; // not a number is not within
-        !(within(self.force_share)
-            && within(self.angle_share)
-            && self.vibration_share.is_some_and(within))
+        let shares = [Some(self.force_share), Some(self.angle_share), self.vibration_share];
+        // All must be within, rather than none above: a share that is not a number is felt.
+        !shares.iter().all(|share| share.is_some_and(|share| share <= 1.0))
     }
 }
 
@@ -243,11 +245,11 @@ impl FeltReference {
 
     fn slow(&self, motion: &FeltMotion) -> FeltDifference {
         let right = &self.slow;
-        let found = Slow::of(motion);
+        let slow = Slow::of(motion);
         let mut worst = FeltDifference::default();
         for i in self.spans.iter().flat_map(|(from, to)| *from..*to) {
-            let Some((force_n, theta_rad)) = found.force_n.get(i).zip(found.theta_rad.get(i))
-            else {
+            // A motion that ended early has nothing to compare from then on.
+            let Some((force_n, theta_rad)) = slow.force_n.get(i).zip(slow.theta_rad.get(i)) else {
                 continue;
             };
             let apart_n = (force_n - right.force_n[i]).abs();
@@ -265,14 +267,14 @@ impl FeltReference {
         for band in &self.bands {
             let least_m = self.threshold.at_m(band.centre_hz);
             for &(from, right_m) in &band.windows {
-                let Some(found_m) = band.amplitude_m(motion, from, self.lever_m) else { continue };
+                let Some(level_m) = band.amplitude_m(motion, from, self.lever_m) else { continue };
                 let allowed_m = least_m.max(right_m * (1.0 + self.perception.excess_share));
                 // Over the right level, not over nothing: a motion without error has no share.
-                let share = ((found_m - right_m) / (allowed_m - right_m)).max(0.0);
+                let share = ((level_m - right_m) / (allowed_m - right_m)).max(0.0);
                 if worst.vibration_share.is_none_or(|most| share > most) {
                     worst.vibration_share = Some(share);
                     worst.frequency_hz = band.centre_hz;
-                    (worst.amplitude_m, worst.right_m) = (found_m, right_m);
+                    (worst.amplitude_m, worst.right_m) = (level_m, right_m);
                 }
             }
         }
@@ -285,11 +287,11 @@ impl BandLevels {
         let length = band.window(STEP_S);
         let levels = Levels::new(band, STEP_S);
         let centre_hz = band.centre_hz;
-        let mut of = Self { centre_hz, levels, windows: Vec::new(), length };
+        let mut right = Self { centre_hz, levels, windows: Vec::new(), length };
         let begins = spans.iter().flat_map(|span| windows(*span, length));
-        let windows = begins.map(|from| (from, of.amplitude_m(motion, from, lever_m)));
-        of.windows = windows.filter_map(|(from, level)| Some((from, level?))).collect();
-        of
+        let windows = begins.map(|from| (from, right.amplitude_m(motion, from, lever_m)));
+        right.windows = windows.filter_map(|(from, level)| Some((from, level?))).collect();
+        right
     }
 
     fn amplitude_m(&self, motion: &FeltMotion, from: usize, lever_m: f64) -> Option<f64> {

@@ -26,13 +26,13 @@ const SAMPLES: f64 = 4000.0;
 pub struct Reference<'a> {
     pub(super) model: &'a dyn Model,
     /// None if the motion is not known.
-    pub(super) known: Option<Known>,
+    pub(super) motion: Option<KnownMotion>,
     /// The same with the other rule for the command at rest, where there is one.
-    pub(super) other_rule: Option<Known>,
+    pub(super) other_rule: Option<KnownMotion>,
 }
 
 /// A motion that is known.
-pub(super) struct Known {
+pub(super) struct KnownMotion {
     pub(super) method: String,
     pub(super) path: Path,
     pub(super) swings: Vec<Swing>,
@@ -46,12 +46,12 @@ impl<'a> Reference<'a> {
     /// Finds the motion of a model.
     pub fn of(model: &'a dyn Model) -> Self {
         let other = model.with_other_rest_rule();
-        let other_rule = other.and_then(|other| Known::of(other.as_ref()));
-        Self { model, known: Known::of(model), other_rule }
+        let other_rule = other.and_then(|other| KnownMotion::of(other.as_ref()));
+        Self { model, motion: KnownMotion::of(model), other_rule }
     }
 }
 
-impl Known {
+impl KnownMotion {
     fn of(model: &dyn Model) -> Option<Self> {
         let step_s = step_s(model);
         let exact = Exact::default();
@@ -59,13 +59,13 @@ impl Known {
             Ok(run) => {
                 let path = Path::of(&run);
                 let error_rad = EXACT * path.largest_rad();
-                Some(Self::made(model, &run, path, error_rad, exact.name()))
+                Some(Self::new(model, &run, path, error_rad, exact.name()))
             }
             Err(_) => Self::by_two_methods(model, step_s),
         }
     }
 
-    fn made(
+    fn new(
         model: &dyn Model,
         run: &Trajectory,
         path: Path,
@@ -78,8 +78,8 @@ impl Known {
         Self { method, path, swings, bound_rad, nature }
     }
 
-    /// Dormand–Prince and TR-BDF2, each with its step and half of it (by its tolerance). What they
-    /// say must agree.
+    /// Dormand–Prince and TR-BDF2, each with its step and half of it (by its tolerance). Their
+    /// motions must agree.
     fn by_two_methods(model: &dyn Model, step_s: f64) -> Option<Self> {
         /// Tolerances of a step and of half a step: errors per step fall with h⁵ and with h³.
         const DORMAND_PRINCE: [f64; 2] = [3.2e-10, 1e-11];
@@ -93,21 +93,27 @@ impl Known {
         let [coarse, fine] =
             DORMAND_PRINCE.map(|tolerance| DormandPrince { tolerances: tolerances(tolerance) });
         let [coarse_2, fine_2] = TR_BDF2.map(|t| TrBdf2 { tolerances: tolerances(t) });
-        let known = |coarse: &dyn Solver, fine: &dyn Solver| {
-            let a = model.run(coarse, step_s).ok()?;
-            let b = model.run(fine, step_s).ok()?;
-            let a = Path::of(&a);
-            let path = Path::of(&b);
-            let error_rad = path.distance_rad(&a).max(EXACT * path.largest_rad());
-            Some(Self::made(model, &b, path, error_rad, fine.name()))
-        };
-        let first = known(&coarse, &fine)?;
-        let second = known(&coarse_2, &fine_2)?;
+        let first = Self::by_halving(model, step_s, &coarse, &fine)?;
+        let second = Self::by_halving(model, step_s, &coarse_2, &fine_2)?;
         let largest = first.swings.iter().map(|swing| swing.amplitude_rad).fold(0.0, f64::max);
         let size = if largest > 0.0 { largest } else { first.path.range_rad() };
         let apart = first.path.distance_rad(&second.path);
         let agree = first.nature == second.nature && apart <= AGREE * size + second.bound_rad;
         agree.then(|| Self { method: format!("{} and {}", first.method, second.method), ..first })
+    }
+
+    /// The motion by a method with the finer of two steps; their difference is its error.
+    fn by_halving(
+        model: &dyn Model,
+        step_s: f64,
+        coarse: &dyn Solver,
+        fine: &dyn Solver,
+    ) -> Option<Self> {
+        let coarse_path = Path::of(&model.run(coarse, step_s).ok()?);
+        let run = model.run(fine, step_s).ok()?;
+        let path = Path::of(&run);
+        let error_rad = path.distance_rad(&coarse_path).max(EXACT * path.largest_rad());
+        Some(Self::new(model, &run, path, error_rad, fine.name()))
     }
 
     /// The swings in numbers.
@@ -182,11 +188,12 @@ fn undisturbed(run: &Trajectory, swings: &[Swing]) -> Vec<Swing> {
     let mut edges: Vec<f64> = jumps.map(|event| event.t_s).collect();
     edges.insert(0, f64::NEG_INFINITY);
     edges.push(f64::INFINITY);
-    let between = |edge: &[f64]| -> Vec<Swing> {
-        let inside = |swing: &&Swing| edge[0] <= swing.from_s && swing.to_s <= edge[1];
-        swings.iter().filter(inside).copied().collect()
-    };
-    edges.windows(2).map(between).max_by_key(Vec::len).unwrap_or_default()
+    let series = edges.windows(2).map(|edge| -> Vec<Swing> {
+        let swings = swings.iter();
+        let inside = swings.filter(|swing| edge[0] <= swing.from_s && swing.to_s <= edge[1]);
+        inside.copied().collect()
+    });
+    series.max_by_key(Vec::len).unwrap_or_default()
 }
 
 /// Mean amplitude, weighted by duration, of the swings in each third of the time they take; `None`
@@ -214,7 +221,7 @@ fn has_settled([first, middle, last]: [f64; 3]) -> bool {
     /// The later change, in its logarithm, is below this share of the earlier one, which an
     /// exponential keeps and a Coulomb decay exceeds.
     const SHARE: f64 = 0.25;
-    let early = (middle / first).ln().abs();
-    let late = (last / middle).ln().abs();
+    let early = libm::log(middle / first).abs();
+    let late = libm::log(last / middle).abs();
     late < SHARE * early
 }

@@ -42,7 +42,7 @@ impl Controller {
         not_negative("controller.max_n", self.max_n)
     }
 
-    /// The force that a measurement asks for, N.
+    /// The force that follows from a measurement, N.
     fn force_n(&self, theta: f64, before: f64) -> f64 {
         let pressed = theta - self.rest_rad;
         let rate = (theta - before) / self.period_s;
@@ -133,6 +133,7 @@ impl Model for SampledLoop {
 pub(super) fn inside(from_s: f64, to_s: f64, step_s: f64) -> Vec<f64> {
     let steps = Grid::filling(to_s - from_s, step_s);
     let mut times: Vec<f64> = (0..steps.samples()).map(|i| from_s + steps.time(i)).collect();
+    // The next tick itself, which a sum of steps may miss by its rounding.
     times.pop();
     times.push(to_s);
     times
@@ -147,6 +148,7 @@ pub(super) fn append(out: &mut Trajectory, run: &Trajectory, whole: bool) {
         out.states.extend_from_slice(run.state(i));
         out.region.push(number);
     }
+    // Each tick's run begins with an event of its input; only the first is one of the whole run.
     let first = out.events.is_empty();
     let ticks = run.events.iter().filter(|event| first || event.kind != EventKind::Input);
     out.events.extend(ticks);

@@ -60,6 +60,8 @@ pub(super) fn worst(
         })
     });
     let growths: Vec<Growth> = parts.filter_map(|part| Growth::of(solver, &part, h)).collect();
+    // An unstable step is worse than any excess: where the flow itself grows, a large one may be
+    // right.
     growths.into_iter().reduce(|a, b| match (a.is_unstable(), b.is_unstable()) {
         (true, false) => a,
         (false, true) => b,
@@ -75,20 +77,21 @@ fn slopes(system: &System, run: &Trajectory) -> Vec<Curve> {
     const STEPS: usize = 8;
     let states = run.states.chunks_exact(run.layout.n);
     let along: Vec<Curve> = states.filter_map(|z| system.curve(z)).collect();
-    let range = |get: fn(&Curve) -> f64| {
-        let values = along.iter().map(get);
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
-    };
     if along.is_empty() {
         return vec![Curve::default()];
     }
-    let ([k0, k1], [b0, b1]) = (range(|c| c.per_rad_n), range(|c| c.per_rad_s_n));
-    let share = |i: usize| i as f64 / STEPS as f64;
-    let grid = (0..=STEPS).flat_map(|i| [0.0, 1.0].map(|other| (share(i), other)));
-    grid.map(|(i, other)| Curve {
-        force_n: 0.0,
-        per_rad_n: k0 + i * (k1 - k0),
-        per_rad_s_n: b0 + other * (b1 - b0),
-    })
-    .collect()
+    let slopes: [fn(&Curve) -> f64; 2] = [|c| c.per_rad_n, |c| c.per_rad_s_n];
+    let [[k0, k1], [b0, b1]] = slopes.map(|slope| {
+        let values = along.iter().map(slope);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+    });
+    let grid = (0..=STEPS).flat_map(|i| {
+        let share = i as f64 / STEPS as f64;
+        [0.0, 1.0].map(|other| Curve {
+            force_n: 0.0,
+            per_rad_n: k0 + share * (k1 - k0),
+            per_rad_s_n: b0 + other * (b1 - b0),
+        })
+    });
+    grid.collect()
 }

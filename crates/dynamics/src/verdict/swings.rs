@@ -6,7 +6,7 @@ use zwidth_numerics::order::{sorted, upper_median};
 use crate::system::region::Motion;
 use crate::system::transition::EventKind;
 use crate::system::{OMEGA, THETA};
-use crate::trajectory::{Event, Trajectory};
+use crate::trajectory::Trajectory;
 
 /// Fewer swings are an impact, or a movement there and back, and no oscillation: three cycles.
 pub const FEW: usize = 6;
@@ -26,6 +26,11 @@ pub(super) struct Swing {
 impl Swing {
     pub(super) fn duration_s(&self) -> f64 {
         self.to_s - self.from_s
+    }
+
+    /// Whether it is at least so large and at most so long.
+    fn is_within(&self, amplitude_rad: f64, duration_s: f64) -> bool {
+        self.amplitude_rad >= amplitude_rad && self.duration_s() <= duration_s
     }
 }
 
@@ -68,17 +73,18 @@ pub(super) fn existing(run: &Trajectory, bound_rad: f64) -> Vec<Swing> {
 
 /// Time and angle at the events that end a motion: a reversal, a stop, coming to rest on an edge.
 fn event_turns(run: &Trajectory) -> Vec<(f64, f64)> {
-    let ends = |event: &&Event| match event.kind {
+    let ends = run.events.iter().filter(|event| match event.kind {
         EventKind::Reversal | EventKind::Stop => true,
         EventKind::Zone => event.region.motion == Motion::Rest,
         _ => false,
-    };
-    run.events.iter().filter(ends).map(|event| (event.t_s, event.theta_rad)).collect()
+    });
+    ends.map(|event| (event.t_s, event.theta_rad)).collect()
 }
 
 /// Time and angle of the samples at which a motion has ended: the velocity changed its sign or
 /// became zero.
 fn sampled_turns(run: &Trajectory) -> Vec<(f64, f64)> {
+    // As if at rest before the first sample: where a run begins to move is no turn.
     let mut last = Some(Ordering::Equal);
     let mut turns = Vec::new();
     for (t, z) in run.t_s.iter().zip(run.states.chunks_exact(run.layout.n)) {
@@ -108,13 +114,10 @@ pub(super) fn has_its_own(run: &[Swing], reference: &[Swing], duration_s: f64) -
     let durations = tenths(&sorted(run.iter().map(Swing::duration_s)));
     sizes.iter().any(|&size| {
         durations.iter().any(|&duration| {
-            let within = |swing: &&Swing, size: f64, duration: f64| {
-                swing.amplitude_rad >= size && swing.duration_s() <= duration
-            };
-            let own: Vec<&Swing> = run.iter().filter(|s| within(s, size, duration)).collect();
+            let own: Vec<&Swing> = run.iter().filter(|s| s.is_within(size, duration)).collect();
             let small = SIZE * size.min(largest);
             let slow = SLOWER * duration;
-            let alike = reference.iter().filter(|s| within(s, small, slow)).count();
+            let alike = reference.iter().filter(|s| s.is_within(small, slow)).count();
             own.len() >= FEW + TIMES * alike
                 && own.iter().map(|swing| swing.duration_s()).sum::<f64>() >= least_s
         })

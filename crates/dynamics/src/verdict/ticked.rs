@@ -64,6 +64,7 @@ impl<C: TickController> TickedLoop<C> {
         check("forces", force_n.len() as f64, same, "as many as ticks")?;
         Grid::Times(ticks_s.clone()).check()?;
         let duration_s = ticks_s[ticks_s.len() - 1];
+        // Friction even where the scene has none: the brake's level is added to it at each tick.
         let none = Friction { static_n: 0.0, kinetic_n: 0.0, viscous_ns_per_rad: 0.0 };
         let friction = Some(scene.friction.unwrap_or(none));
         let input = Input::constant(0.0);
@@ -78,15 +79,18 @@ impl<C: TickController> TickedLoop<C> {
         let from_s = self.ticks_s[k];
         let to_s = self.ticks_s[k + 1];
         let rate = (self.force_n[k + 1] - self.force_n[k]) / (to_s - from_s);
+        // A line's value is that at t = 0, from which a tick is far.
         scene.input = Input::Line { value: self.force_n[k] - rate * from_s, rate };
+        // The brake's level joins the dry friction, which is set-valued in the same way.
         if let Some(friction) = &mut scene.friction {
             friction.static_n += forces.brake_n;
             friction.kinetic_n += forces.brake_n;
         }
         // A stop that was met to rounding is not passed.
-        let within = |[low, high]: [f64; 2]| start.theta_rad.clamp(low, high);
-        let theta_rad = scene.plant.stops_rad.map_or(start.theta_rad, within);
-        scene.start = Start { theta_rad, ..start };
+        scene.start = start;
+        if let Some([low, high]) = scene.plant.stops_rad {
+            scene.start.theta_rad = start.theta_rad.clamp(low, high);
+        }
         System::new(scene)
     }
 }

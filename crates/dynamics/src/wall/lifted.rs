@@ -4,7 +4,7 @@
 //! have not acted yet). With d whole periods of delay and a rest δ, the plant feels u_{k−d−1} for δ
 //! and u_{k−d} for T − δ. Stable if ρ(A) < 1 (Colgate & Schenkel 1997 lift the same loop).
 
-use super::plant::{ENTRIES, U, X, flow};
+use super::plant::{U, X, flow};
 use super::{MOST_DELAY, SampledWall};
 use crate::error::{DynamicsError, LARGEST};
 use zwidth_numerics::expm::{Matrix, spectral_radius};
@@ -32,6 +32,7 @@ impl Places {
         let (whole, rest_s) = wall.delay();
         let plant = wall.entries();
         let before = plant.len();
+        // Without damping the controller takes no difference, and remembers no position.
         let differs = wall.wall_damping_ns_per_m.abs() > 0.0;
         let filtered = before + usize::from(differs);
         let waiting = filtered + usize::from(differs && wall.velocity_lag_s.is_some());
@@ -85,18 +86,22 @@ impl Lifted {
         let early = flow(plant, rest_s);
         let whole_flow = late.product(&early);
         let mut rows = vec![vec![0.0; n]; n];
-        let mut feel = |gains: &dyn Fn(usize) -> f64, back: usize| {
-            for (i, entry) in places.plant.iter().enumerate() {
-                let gain = gains(*entry);
+        // Each command that acts within the period: how many ticks old it is, and what it does to
+        // each entry of the plant by the period's end.
+        let mut acting = vec![(whole, late.columns[U])];
+        if rest_s > 0.0 {
+            // Held during the early part, and carried on by the late one under another command.
+            let gains =
+                std::array::from_fn(|i| (0..U).map(|j| late.at(i, j) * early.at(j, U)).sum());
+            acting.push((whole + 1, gains));
+        }
+        for (back, gains) in acting {
+            for (row, entry) in rows.iter_mut().zip(&places.plant) {
                 match back {
-                    0 => rows[i].iter_mut().zip(&command).for_each(|(x, c)| *x += gain * c),
-                    _ => rows[i][places.waiting + back - 1] += gain,
+                    0 => row.iter_mut().zip(&command).for_each(|(x, c)| *x += gains[*entry] * c),
+                    _ => row[places.waiting + back - 1] += gains[*entry],
                 }
             }
-        };
-        feel(&|i| late.at(i, U), whole);
-        if rest_s > 0.0 {
-            feel(&|i| carried(&late, &early, i), whole + 1);
         }
         for (i, row) in places.plant.iter().enumerate() {
             for (j, column) in places.plant.iter().enumerate() {
@@ -108,6 +113,7 @@ impl Lifted {
     }
 
     fn radius(&self) -> f64 {
+        // A few lengths that others are filled up to: each is compiled on its own.
         match self.rows.len() {
             0..=3 => self.radius_of::<3>(),
             4 => self.radius_of::<4>(),
@@ -119,18 +125,14 @@ impl Lifted {
     }
 
     fn radius_of<const N: usize>(&self) -> f64 {
-        let at = |i: usize, j: usize| self.rows.get(i).and_then(|row| row.get(j));
-        spectral_radius(&Matrix::<N>::from_fn(|i, j| at(i, j).copied().unwrap_or(0.0)))
+        // Rows and columns of zeros beyond the map's own add eigenvalues of 0 alone.
+        spectral_radius(&Matrix::<N>::from_fn(|i, j| {
+            self.rows.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0)
+        }))
     }
 }
 
-/// What a command that is held during the early part does to entry `i` by the end of the late one,
-/// during which another is.
-fn carried(late: &Matrix<ENTRIES>, early: &Matrix<ENTRIES>, i: usize) -> f64 {
-    (0..U).map(|j| late.at(i, j) * early.at(j, U)).sum()
-}
-
-/// What the controller takes along to the next tick.
+/// The rows of what the controller takes along to the next tick.
 fn remember(rows: &mut [Vec<f64>], wall: &SampledWall, places: &Places, command: &[f64]) {
     let alpha = wall.filter();
     if places.filtered > places.before {
@@ -157,18 +159,18 @@ pub(super) fn stiffest(
     holds: impl Fn(&SampledWall) -> bool,
 ) -> Option<f64> {
     /// The softest wall tried, as a share of (b + m/T)/T: slower than any tick, and stiff enough
-    /// that a radius can be told from 1.
+    /// that a radius can be distinguished from 1.
     const SOFT: f64 = 1e-5;
     /// From one stiffness to the next on the way up.
     const RAISE: f64 = 1.5;
-    let holds_at = |stiffness| holds(&wall.with_stiffness(stiffness));
     let speed = wall.damping_ns_per_m + wall.mass_kg / wall.period_s;
     let mut low = SOFT * speed / wall.period_s;
-    if !holds_at(low) {
+    if !holds(&wall.with_stiffness(low)) {
         return Some(0.0);
     }
+    // In small steps: large ones could pass over a gap and end in a second range that holds.
     let mut high = RAISE * low;
-    while holds_at(high) {
+    while holds(&wall.with_stiffness(high)) {
         if high > LARGEST {
             return None;
         }
@@ -176,7 +178,7 @@ pub(super) fn stiffest(
     }
     while high - low > share * high {
         let middle = 0.5 * (low + high);
-        if holds_at(middle) {
+        if holds(&wall.with_stiffness(middle)) {
             low = middle;
         } else {
             high = middle;

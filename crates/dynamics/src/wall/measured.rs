@@ -29,6 +29,7 @@ impl SampledWall {
         ticks: usize,
         share: f64,
     ) -> std::result::Result<Option<f64>, DynamicsError> {
+        // One tick shows what is wrong with the wall itself, which below would pass for growth.
         self.simulated_growth(1)?;
         // A run that fails does so because it grew beyond all bounds.
         Ok(stiffest(*self, share, |wall| {
@@ -49,6 +50,7 @@ impl SampledWall {
 
     /// The lever alone, its finger and the motor's lag; nothing commanded.
     pub(super) fn scene(&self) -> ModelScene {
+        /// A force that no command reaches, N: the wall is linear.
         const ENDLESS: f64 = 1e30;
         let friction =
             Friction { static_n: 0.0, kinetic_n: 0.0, viscous_ns_per_rad: self.damping_ns_per_m };
@@ -83,6 +85,7 @@ impl SampledWall {
     }
 
     fn swings(&self, scene: &HeldScene, ticks: usize) -> Result<f64, DynamicsError> {
+        /// Times the start: a swing that has grown so far grows for ever.
         const FAR: f64 = 1e6;
         let mut run = scene.start(self.period_s)?;
         let mut loops = Loop::new(self, START_M);
@@ -100,6 +103,7 @@ impl SampledWall {
             }
             loops.tick(&mut run, k)?;
         }
+        // Swings that have died out in the middle are no divisor.
         Ok(last / middle.max(START_M / FAR / FAR))
     }
 }
@@ -120,9 +124,10 @@ impl<'a> Loop<'a> {
         Self { wall, before_m: x_m, filtered_m_s: 0.0, later }
     }
 
-    /// Measures and asks, holds what is due, and moves the lever by a period.
+    /// Measures, takes the new command in, holds the one that is due, and moves the lever by a
+    /// period.
     fn tick(&mut self, run: &mut HeldRun<'_>, k: usize) -> Result<(), DynamicsError> {
-        let force_n = self.ask(run.theta_rad());
+        let force_n = self.demand_n(run.theta_rad());
         self.later.push_back(HeldCommand { by_motor: true, force_n });
         self.go_on(run, k)
     }
@@ -141,7 +146,7 @@ impl<'a> Loop<'a> {
     }
 
     /// u = K x + B ẋ of a position that was measured.
-    pub(super) fn ask(&mut self, x_m: f64) -> f64 {
+    pub(super) fn demand_n(&mut self, x_m: f64) -> f64 {
         let (wall, alpha) = (self.wall, self.wall.filter());
         let rate = (x_m - self.before_m) / wall.period_s;
         self.before_m = x_m;

@@ -33,11 +33,12 @@ impl SampledWall {
         }
         let places = PLACES * (whole + 2);
         let width = (PI - SLOWEST) / places as f64;
-        let at = |i: usize| self.damping_at(SLOWEST + i as f64 * width);
-        let best = (0..=places).max_by(|a, b| at(*a).total_cmp(&at(*b)))?;
+        let values = (0..=places).map(|i| (i, self.damping_at(SLOWEST + i as f64 * width)));
+        let (best, highest) = values.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let from = SLOWEST + best.saturating_sub(1) as f64 * width;
         let to = SLOWEST + (best + 1).min(places) as f64 * width;
-        Some(self.highest_between(from, to).max(at(best)))
+        // The place itself too: the highest value may stand at an end, which the search only nears.
+        Some(self.highest_between(from, to).max(highest))
     }
 
     /// The stiffness K, N/m, up to which the wall is passive; 0 if it never is, none where the
@@ -45,19 +46,19 @@ impl SampledWall {
     pub fn stiffest_passive(&self) -> Option<f64> {
         self.damping_for_passivity()?;
         let b = self.damping_ns_per_m;
-        let needs = |wall: &SampledWall| wall.damping_for_passivity().unwrap_or(f64::INFINITY);
+        let needed = |wall: &SampledWall| wall.damping_for_passivity().unwrap_or(f64::INFINITY);
         // What is needed is convex in K, and at K = 0 the least: it is closed in on from above.
-        if needs(&self.with_stiffness(0.0)) >= b {
+        if needed(&self.with_stiffness(0.0)) >= b {
             return Some(0.0);
         }
         let mut high = 2.0 * b / self.period_s;
-        while needs(&self.with_stiffness(high)) < b {
+        while needed(&self.with_stiffness(high)) < b {
             high *= 2.0;
         }
         let mut low = 0.0;
         while high - low > 1e-10 * high {
             let middle = 0.5 * (low + high);
-            let passes = needs(&self.with_stiffness(middle)) < b;
+            let passes = needed(&self.with_stiffness(middle)) < b;
             (low, high) = if passes { (middle, high) } else { (low, middle) };
         }
         Some(0.5 * (low + high))

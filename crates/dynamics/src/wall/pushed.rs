@@ -40,7 +40,7 @@ pub struct PushedWall {
     pub push_m: f64,
 }
 
-/// What a push came to.
+/// The outcome of a push.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pushed {
     /// Half of the peak-to-peak motion in the run's last sixth, m.
@@ -90,9 +90,10 @@ impl PushedWall {
             if 6 * k >= 5 * ticks {
                 (low, high) = (low.min(x), high.max(x));
             }
-            let asked = loops.ask(self.seen_m(x));
-            let command = self.command(asked, loops.filtered_m_s);
-            saturates |= self.limit_n(command) < asked.abs();
+            let demand_n = loops.demand_n(self.seen_m(x));
+            let command = self.command(demand_n, loops.filtered_m_s);
+            let limit_n = if command.by_motor { self.motor_n } else { self.brake_n };
+            saturates |= limit_n < demand_n.abs();
             loops.later.push_back(command);
             loops.go_on(&mut run, k)?;
         }
@@ -122,36 +123,34 @@ impl PushedWall {
     pub fn by_describing_function(&self) -> f64 {
         const ROUNDS: u32 = 200;
         let (wall, half_s) = (&self.wall, 0.5 * self.wall.period_s);
-        let next = |k: f64| {
-            let omega = (k / wall.mass_kg).sqrt();
-            (wall.damping_ns_per_m + 4.0 * self.kinetic_n / (PI * omega * self.push_m)) / half_s
-        };
         // The right side falls as K rises: the mean of both sides closes in.
-        (0..ROUNDS).fold(1.0 / half_s, |k, _| 0.5 * (k + next(k)))
+        (0..ROUNDS).fold(1.0 / half_s, |k, _| {
+            let omega = (k / wall.mass_kg).sqrt();
+            let friction = 4.0 * self.kinetic_n / (PI * omega * self.push_m);
+            0.5 * (k + (wall.damping_ns_per_m + friction) / half_s)
+        })
     }
 
-    /// What the angle's counts say of a position.
+    /// A position as the angle's counts show it.
     fn seen_m(&self, x_m: f64) -> f64 {
         if self.count_m <= 0.0 {
             return x_m;
         }
+        // The middle of the count that the position lies in.
         ((x_m / self.count_m + self.count_zero).floor() + 0.5 - self.count_zero) * self.count_m
     }
 
-    fn limit_n(&self, command: HeldCommand) -> f64 {
-        if command.by_motor { self.motor_n } else { self.brake_n }
-    }
-
-    /// Who gives what of a force that is asked for, while the lever moves at a velocity.
-    fn command(&self, asked_n: f64, rate_m_s: f64) -> HeldCommand {
-        let deeper = asked_n * rate_m_s > 0.0;
-        let braked = || HeldCommand { by_motor: false, force_n: asked_n.abs().min(self.brake_n) };
+    /// The actuator that gives a demanded force while the lever moves at a velocity, and how much
+    /// of it.
+    fn command(&self, demand_n: f64, rate_m_s: f64) -> HeldCommand {
+        let deeper = demand_n * rate_m_s > 0.0;
         match self.mode {
-            DriveMode::Passive if deeper => braked(),
+            DriveMode::Passive | DriveMode::Hybrid if deeper => {
+                HeldCommand { by_motor: false, force_n: demand_n.abs().min(self.brake_n) }
+            }
             DriveMode::Passive => HeldCommand { by_motor: false, force_n: 0.0 },
-            DriveMode::Hybrid if deeper => braked(),
-            _ => {
-                let force_n = asked_n.clamp(-self.motor_n, self.motor_n);
+            DriveMode::Active | DriveMode::Hybrid => {
+                let force_n = demand_n.clamp(-self.motor_n, self.motor_n);
                 HeldCommand { by_motor: true, force_n }
             }
         }

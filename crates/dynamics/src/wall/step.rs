@@ -21,13 +21,12 @@ impl SampledWall {
         let kept = ENTRIES - 1;
         let stiffness = self.stiffness_n_per_m;
         let damping = self.wall_damping_ns_per_m;
-        let entry = |i: usize, j: usize| match j {
+        let a = Matrix::<MOST>::from_fn(|i, j| match j {
+            _ if i >= kept || j >= kept => 0.0,
             X => plant.at(i, X) + stiffness * plant.at(i, U),
             V => plant.at(i, V) + damping * plant.at(i, U),
             _ => plant.at(i, j),
-        };
-        let a =
-            Matrix::<MOST>::from_fn(|i, j| if i < kept && j < kept { entry(i, j) } else { 0.0 });
+        });
         let velocities = std::array::from_fn(|i| i < kept && i != X && i != X2);
         debug_assert!(velocities[V] && velocities[V2]);
         LinearPart { a, velocities }

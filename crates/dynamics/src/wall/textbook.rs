@@ -81,16 +81,16 @@ impl Textbook {
         let wall_b = wall.wall_damping_ns_per_m;
         let half_s = 0.5 * wall.period_s;
         let delay_s = wall.delay_s;
-        let counts = |dry: DryLimits| 2.0 * dry.friction_n / dry.count_m;
+        let by_counts = dry.map(|dry| 2.0 * dry.friction_n / dry.count_m);
         let late = delay_s > 0.0;
         let damped = wall_b.abs() > 0.0;
         let stiffness = match self {
             Self::ColgateSchenkel => (!late).then(|| (b - wall_b.abs()) / half_s),
             Self::Delay => Some((b + wall_b) / (half_s + delay_s)),
             Self::AbbottOkamura if late || damped => None,
-            Self::AbbottOkamura => dry.map(|dry| (b / half_s).min(counts(dry))),
+            Self::AbbottOkamura => by_counts.map(|counts| (b / half_s).min(counts)),
             Self::Diolaiti if damped => None,
-            Self::Diolaiti => dry.map(|dry| (b / (half_s + delay_s)).min(counts(dry))),
+            Self::Diolaiti => by_counts.map(|counts| (b / (half_s + delay_s)).min(counts)),
         };
         stiffness.map(|stiffness| stiffness.max(0.0))
     }

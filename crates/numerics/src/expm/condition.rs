@@ -68,22 +68,22 @@ impl<const N: usize> Halved<N> {
     }
 
     fn transposed(&self) -> Self {
-        let flip = |m: &Matrix<N>| Matrix::from_fn(|i, j| m.at(j, i));
-        Self { lowest: flip(&self.lowest), flows: self.flows.iter().map(flip).collect() }
+        let flows = self.flows.iter().map(Matrix::transposed).collect();
+        Self { lowest: self.lowest.transposed(), flows }
     }
 
     /// `L(A, E)`. Below, the series `E + (XE + EX)/2 + (X²E + XEX + EX²)/6`: the next term is below
     /// 2e-6.
     fn derivative(&self, e: &Matrix<N>) -> Matrix<N> {
         let x = &self.lowest;
+        // One flow more than halvings: `E` is halved as often as the matrix was.
         let scale = libm::ldexp(1.0, 1 - self.flows.len() as i32);
         let e = e.map(|entry| entry * scale);
-        let add = |a: Matrix<N>, b: Matrix<N>| a.zip(&b, |p, q| p + q);
-        let first = add(x.product(&e), e.product(x));
-        let second = add(x.product(&first), e.product(&x.product(x)));
-        let mut out = add(e, add(first.map(|p| p / 2.0), second.map(|p| p / 6.0)));
+        let first = x.product(&e).plus(&e.product(x));
+        let second = x.product(&first).plus(&e.product(&x.product(x)));
+        let mut out = e.plus(&first.map(|p| p / 2.0).plus(&second.map(|p| p / 6.0)));
         for flow in &self.flows[..self.flows.len() - 1] {
-            out = add(flow.product(&out), out.product(flow));
+            out = flow.product(&out).plus(&out.product(flow));
         }
         out
     }

@@ -122,6 +122,16 @@ impl<const N: usize> Matrix<N> {
         Some(Self::from_fn(|i, j| inverse[i][j]))
     }
 
+    /// `Aᵀ`.
+    pub(crate) fn transposed(&self) -> Self {
+        Self::from_fn(|i, j| self.at(j, i))
+    }
+
+    /// `A + B`.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+
     /// True if every entry is finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.columns.iter().flatten().all(|x| x.is_finite())

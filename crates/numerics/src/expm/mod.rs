@@ -162,7 +162,13 @@ impl<const N: usize> Ladder<N> {
         let mut rungs = Vec::new();
         while rung.span < top && rungs.len() < MOST_RUNGS {
             change = change.zip(&change.product(&change), |x, square| 2.0 * x + square);
-            let next = double(&rung, &change);
+            // |Φ(s + t)| ≤ |Φ(s)| |Φ(t)| entry by entry carries the envelope over.
+            let second = rung.flow.map(f64::abs).product(&rung.envelope);
+            let next = Rung {
+                span: 2.0 * rung.span,
+                flow: plus_identity(&change),
+                envelope: rung.envelope.zip(&second, f64::max),
+            };
             rungs.push(rung);
             rung = next;
         }
@@ -170,20 +176,15 @@ impl<const N: usize> Ladder<N> {
         let mut ladder = Self { a, rate, rungs, rest: Matrix::ZERO };
         if ladder.is_long(reach) {
             ladder.rest = rest();
-            ladder.refine();
-        }
-        ladder
-    }
-
-    /// Puts precise flows in the place of those of a long ladder, where they are finite.
-    fn refine(&mut self) {
-        let flows = precise::doublings(&self.a, &self.rest, self.rungs[0].span, self.rungs.len());
-        for (rung, flow) in self.rungs.iter_mut().zip(flows) {
-            // Splitting a number in halves overflows a little before the number itself does.
-            if flow.is_finite() {
-                rung.flow = flow;
+            let flows = precise::doublings(&a, &ladder.rest, span, ladder.rungs.len());
+            for (rung, flow) in ladder.rungs.iter_mut().zip(flows) {
+                // Splitting a number in halves overflows a little before the number itself does.
+                if flow.is_finite() {
+                    rung.flow = flow;
+                }
             }
         }
+        ladder
     }
 
     /// True if flows over `t` seconds are computed in twice the precision.
@@ -227,14 +228,13 @@ impl<const N: usize> Ladder<N> {
             long.then(|| precise_flows(&self.a, &self.rest, t)).flatten();
         std::array::from_fn(|k| {
             let precise = precise.map(|flows| flows[k]).filter(Matrix::is_finite);
-            precise.unwrap_or_else(|| self.plain_flow((k + 1) as f64 * t))
+            // In the working precision: each unit vector advanced along the ladder.
+            precise.unwrap_or_else(|| {
+                let t = (k + 1) as f64 * t;
+                let identity = Matrix::<N>::identity();
+                Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) }
+            })
         })
-    }
-
-    /// `exp(A t)` in the working precision: each unit vector advanced along the ladder.
-    fn plain_flow(&self, t: f64) -> Matrix<N> {
-        let identity = Matrix::<N>::identity();
-        Matrix { columns: identity.columns.map(|unit| self.advance(&unit, t)) }
     }
 
     /// Index of the shortest rung whose span is at least `t` (the longest if none is).
@@ -272,17 +272,6 @@ fn series<const N: usize>(a: &Matrix<N>, t: f64, order: usize) -> Matrix<N> {
 
 fn plus_identity<const N: usize>(change: &Matrix<N>) -> Matrix<N> {
     change.zip(&Matrix::identity(), |x, unit| x + unit)
-}
-
-/// The next rung, given its change; `|Φ(s + t)| ≤ |Φ(s)| |Φ(t)|` entry by entry carries the
-/// envelope over.
-fn double<const N: usize>(rung: &Rung<N>, change: &Matrix<N>) -> Rung<N> {
-    let second = rung.flow.map(f64::abs).product(&rung.envelope);
-    Rung {
-        span: 2.0 * rung.span,
-        flow: plus_identity(change),
-        envelope: rung.envelope.zip(&second, f64::max),
-    }
 }
 
 #[cfg(test)]

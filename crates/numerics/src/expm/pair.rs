@@ -32,14 +32,12 @@ impl Pair {
     pub(super) fn product(a: f64, b: f64) -> Self {
         /// 2^27 + 1 splits 53 digits in two halves (Veltkamp).
         const SPLITTER: f64 = 134_217_729.0;
-        let split = |x: f64| {
+        let [[ah, al], [bh, bl]] = [a, b].map(|x| {
             let c = SPLITTER * x;
             let high = c - (c - x);
             [high, x - high]
-        };
+        });
         let high = a * b;
-        let [ah, al] = split(a);
-        let [bh, bl] = split(b);
         Self { high, low: ((ah * bh - high) + ah * bl + al * bh) + al * bl }
     }
 }

@@ -57,7 +57,7 @@ pub(super) fn multiples<const N: usize, const M: usize>(
 /// `exp((A + rest) t) - 1` over a short span.
 fn short<const N: usize>(a: &Matrix<N>, rest: &Matrix<N>, t: f64) -> Pairs<N> {
     let whole = Pairs { high: *a, low: *rest };
-    series(&Pairs::of(|i, j| whole.at(i, j) * Pair::from(t)))
+    series(&Pairs::from_fn(|i, j| whole.at(i, j) * Pair::from(t)))
 }
 
 /// `exp(X) - 1` by Horner's rule.
@@ -65,13 +65,13 @@ fn series<const N: usize>(x: &Pairs<N>) -> Pairs<N> {
     let mut total = Pairs { high: Matrix::ZERO, low: Matrix::ZERO };
     for k in (1..=POWERS).rev() {
         let next = x.times(&total.plus_identity());
-        total = Pairs::of(|i, j| next.at(i, j) / Pair::from(k as f64));
+        total = Pairs::from_fn(|i, j| next.at(i, j) / Pair::from(k as f64));
     }
     total
 }
 
 impl<const N: usize> Pairs<N> {
-    fn of(entry: impl Fn(usize, usize) -> Pair) -> Self {
+    fn from_fn(entry: impl Fn(usize, usize) -> Pair) -> Self {
         let mut pairs = Self { high: Matrix::ZERO, low: Matrix::ZERO };
         for j in 0..N {
             for i in 0..N {
@@ -90,15 +90,17 @@ impl<const N: usize> Pairs<N> {
     /// 1`, which commute.
     fn followed_by(&self, other: &Self) -> Self {
         let product = self.times(other);
-        Self::of(|i, j| self.at(i, j) + other.at(i, j) + product.at(i, j))
+        Self::from_fn(|i, j| self.at(i, j) + other.at(i, j) + product.at(i, j))
     }
 
     fn plus_identity(&self) -> Self {
-        Self::of(|i, j| if i == j { self.at(i, j) + Pair::from(1.0) } else { self.at(i, j) })
+        Self::from_fn(|i, j| if i == j { self.at(i, j) + Pair::from(1.0) } else { self.at(i, j) })
     }
 
     fn times(&self, other: &Self) -> Self {
-        Self::of(|i, j| (0..N).fold(Pair::ZERO, |total, k| total + self.at(i, k) * other.at(k, j)))
+        Self::from_fn(|i, j| {
+            (0..N).fold(Pair::ZERO, |total, k| total + self.at(i, k) * other.at(k, j))
+        })
     }
 }
 

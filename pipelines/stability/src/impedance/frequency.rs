@@ -100,11 +100,18 @@ pub fn response(
     lever_m: f64,
     level: f64,
 ) -> Result<Option<Response>, StatsError> {
-    let taken: Vec<Updates> = recordings.iter().map(taken).collect();
-    let Some(rate_hz) = rate_hz(&taken) else { return Ok(None) };
+    // The force where it was new.
+    let forces: Vec<Updates> = recordings
+        .iter()
+        .map(|recording| match recording.force_age_s {
+            Some(age) => updates(recording.t_s, recording.force_n, age),
+            None => Updates { t: recording.t_s.to_vec(), values: recording.force_n.to_vec() },
+        })
+        .collect();
+    let Some(rate_hz) = rate_hz(&forces) else { return Ok(None) };
     let Some(mut spectra) = CrossSpectra::new(rate_hz, length(rate_hz)) else { return Ok(None) };
-    for (recording, force) in recordings.iter().zip(&taken) {
-        let (theta, force) = even(recording, force, rate_hz);
+    for (recording, force) in recordings.iter().zip(&forces) {
+        let [theta, force] = even(recording, force, rate_hz);
         spectra.add(&theta, &force);
     }
     let averages = spectra.averages();
@@ -129,12 +136,14 @@ pub fn response(
 fn point(at: &CrossPoint, lever_m: f64, averages: f64, t: f64) -> ResponsePoint {
     let omega_m = core::f64::consts::TAU * at.frequency_hz * lever_m;
     let scale = omega_m * at.xx;
-    let part = |value: f64| if scale > 0.0 { value / scale } else { 0.0 };
+    // Divided by j, real and imaginary part change places, and one its sign.
+    let impedance_ns_per_m =
+        [at.xy[1], -at.xy[0]].map(|part| if scale > 0.0 { part / scale } else { 0.0 });
     let coherence = at.coherence();
     let error = ((1.0 - coherence) / (2.0 * (averages - 1.0) * coherence)).sqrt();
     ResponsePoint {
         frequency_hz: at.frequency_hz,
-        impedance_ns_per_m: [part(at.xy[1]), part(-at.xy[0])],
+        impedance_ns_per_m,
         half_interval: (coherence > 0.0).then_some(t * error),
         coherence,
         velocity_density: omega_m * omega_m * at.xx,
@@ -142,17 +151,9 @@ fn point(at: &CrossPoint, lever_m: f64, averages: f64, t: f64) -> ResponsePoint 
     }
 }
 
-/// The force where it was new.
-fn taken(recording: &Recording<'_>) -> Updates {
-    match recording.force_age_s {
-        Some(age) => updates(recording.t_s, recording.force_n, age),
-        None => Updates { t: recording.t_s.to_vec(), values: recording.force_n.to_vec() },
-    }
-}
-
 /// 1 / the median time between new values, Hz.
-fn rate_hz(taken: &[Updates]) -> Option<f64> {
-    let steps = taken.iter().flat_map(|force| force.t.windows(2).map(|pair| pair[1] - pair[0]));
+fn rate_hz(forces: &[Updates]) -> Option<f64> {
+    let steps = forces.iter().flat_map(|force| force.t.windows(2).map(|pair| pair[1] - pair[0]));
     upper_median(steps.filter(|step| *step > 0.0)).map(|step| 1.0 / step)
 }
 
@@ -164,19 +165,19 @@ fn length(rate_hz: f64) -> usize {
 }
 
 /// θ and force at even times from the first new value on that the angle was known at.
-fn even(recording: &Recording<'_>, force: &Updates, rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
+fn even(recording: &Recording<'_>, force: &Updates, rate_hz: f64) -> [Vec<f64>; 2] {
     let t_s = recording.t_s;
     let theta_rad = recording.theta_rad;
     let (Some(began), Some(ended)) = (t_s.first(), t_s.last()) else { return Default::default() };
     let first = force.t.iter().find(|t| *t >= began);
     let last = force.t.last().map(|last| last.min(*ended));
     let (Some(first), Some(last)) = (first, last) else { return Default::default() };
+    // A last sample that falls on the end but for rounding counts, and is not put beyond it below.
     let samples = ((last - first) * rate_hz * (1.0 + 1e-9)).max(0.0) as usize + 1;
     let times: Vec<f64> = (0..samples).map(|i| (first + i as f64 / rate_hz).min(last)).collect();
-    let at = |t: &[f64], y: &[f64]| -> Vec<f64> {
+    [(t_s, theta_rad), (&force.t[..], &force.values[..])].map(|(t, y)| {
         interpolate_all(t, y, &times).into_iter().map(Option::unwrap_or_default).collect()
-    };
-    (at(t_s, theta_rad), at(&force.t, &force.values))
+    })
 }
 
 #[cfg(test)]

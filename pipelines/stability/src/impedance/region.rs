@@ -38,8 +38,7 @@ impl Region {
 
     /// The damping with the stiffest wall.
     pub fn stiffest(&self) -> Option<&Bound> {
-        let stiffness = |bound: &&Bound| bound.stiffness_n_per_m;
-        self.bounds.iter().max_by(|a, b| stiffness(a).total_cmp(&stiffness(b)))
+        self.bounds.iter().max_by(|a, b| a.stiffness_n_per_m.total_cmp(&b.stiffness_n_per_m))
     }
 
     /// Whether any bound is censored: the area is then at least what it is.
@@ -49,18 +48,18 @@ impl Region {
 
     /// ∫ K_max dB over the dampings, by trapezia, with the ends of its interval, N² s/m².
     pub fn area(&self) -> [f64; 3] {
-        let by = |get: fn(&Bound) -> f64| {
-            let part = |pair: &[Bound]| {
+        let stiffnesses: [fn(&Bound) -> f64; 3] = [
+            |bound| bound.stiffness_n_per_m,
+            |bound| bound.interval_n_per_m[0],
+            |bound| bound.interval_n_per_m[1],
+        ];
+        stiffnesses.map(|stiffness| {
+            let parts = self.bounds.windows(2).map(|pair| {
                 let width = pair[1].damping_ns_per_m - pair[0].damping_ns_per_m;
-                0.5 * width * (get(&pair[0]) + get(&pair[1]))
-            };
-            self.bounds.windows(2).map(part).sum()
-        };
-        [
-            by(|bound| bound.stiffness_n_per_m),
-            by(|bound| bound.interval_n_per_m[0]),
-            by(|bound| bound.interval_n_per_m[1]),
-        ]
+                0.5 * width * (stiffness(&pair[0]) + stiffness(&pair[1]))
+            });
+            parts.sum()
+        })
     }
 
     /// B_end, N s/m.
@@ -69,48 +68,52 @@ impl Region {
     }
 }
 
-/// What was found at each damping of a region, N s/m.
+/// The searches at each damping of a region, N s/m.
 type Dampings<'a> = Vec<(f64, Vec<&'a Found>)>;
 
 /// Joins searches to regions, in the order of the first of each.
 pub fn regions(searches: &[(Probe, Found)]) -> Vec<Region> {
     let mut regions: Vec<(Region, Dampings)> = Vec::new();
-    for (probe, found) in searches {
-        let is = |region: &Region| region.mode == probe.mode && same(region.push_m, probe.push_m);
-        let at = regions.iter().position(|(region, _)| is(region)).unwrap_or_else(|| {
+    for (probe, search) in searches {
+        let existing = regions
+            .iter()
+            .position(|(region, _)| region.mode == probe.mode && same(region.push_m, probe.push_m));
+        let at = existing.unwrap_or_else(|| {
             let region = Region { mode: probe.mode, push_m: probe.push_m, bounds: Vec::new() };
             regions.push((region, Vec::new()));
             regions.len() - 1
         });
         let dampings = &mut regions[at].1;
         match dampings.iter_mut().find(|(b, _)| same(*b, probe.damping_ns_per_m)) {
-            Some((_, all)) => all.push(found),
-            None => dampings.push((probe.damping_ns_per_m, vec![found])),
+            Some((_, repeats)) => repeats.push(search),
+            None => dampings.push((probe.damping_ns_per_m, vec![search])),
         }
     }
-    let finished = |(mut region, mut dampings): (Region, Dampings)| {
+    let finished = regions.into_iter().map(|(mut region, mut dampings)| {
         dampings.sort_by(|a, b| a.0.total_cmp(&b.0));
-        region.bounds = dampings.iter().map(|(b, all)| bound(*b, all)).collect();
+        region.bounds = dampings.iter().map(|(b, repeats)| bound(*b, repeats)).collect();
         region
-    };
-    regions.into_iter().map(finished).collect()
+    });
+    finished.collect()
 }
 
+/// Whether two numbers are one: they are copies of what the test lists, not results.
 fn same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits()
 }
 
-fn bound(damping_ns_per_m: f64, all: &[&Found]) -> Bound {
-    let brackets: Vec<(f64, Option<f64>)> = all.iter().map(|found| found.bracket()).collect();
-    let is_censored = all.iter().any(|found| found.ending != Ending::Boundary);
+fn bound(damping_ns_per_m: f64, repeats: &[&Found]) -> Bound {
+    let brackets: Vec<(f64, Option<f64>)> = repeats.iter().map(|search| search.bracket()).collect();
+    let is_censored = repeats.iter().any(|search| search.ending != Ending::Boundary);
     let low = brackets.iter().map(|b| b.0).fold(f64::INFINITY, f64::min);
     let high = brackets.iter().map(|b| b.1.unwrap_or(b.0)).fold(0.0, f64::max);
+    // A wall that saturated without swinging bounds from below alone: there is no middle.
     let middle = if is_censored { low } else { 0.5 * (low + high) };
     Bound {
         damping_ns_per_m,
         stiffness_n_per_m: middle,
         interval_n_per_m: [low, high],
         is_censored,
-        repeats: all.len(),
+        repeats: repeats.len(),
     }
 }

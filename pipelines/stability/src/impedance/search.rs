@@ -26,6 +26,12 @@ pub struct Tried {
     pub goes_on: bool,
 }
 
+impl Tried {
+    fn new(stiffness_n_per_m: f64, pushed: Pushed) -> Self {
+        Self { stiffness_n_per_m, swing_m: pushed.swing_m, goes_on: pushed.goes_on }
+    }
+}
+
 /// Why a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
@@ -52,7 +58,7 @@ impl Ending {
     }
 }
 
-/// What a search found.
+/// The result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     /// What was tried, in order.
@@ -65,11 +71,13 @@ impl Found {
     /// The stiffest wall that came to rest below every one that did not, and the softest that did
     /// not, N/m; none where no wall swung.
     pub fn bracket(&self) -> (f64, Option<f64>) {
-        let stiffness = |t: &Tried| t.stiffness_n_per_m;
-        let high = self.tried.iter().filter(|t| t.goes_on).map(stiffness).reduce(f64::min);
-        let below = |t: &&Tried| high.is_none_or(|high| t.stiffness_n_per_m < high);
-        let low = self.tried.iter().filter(below).map(stiffness).fold(0.0, f64::max);
-        (low, high)
+        let swinging = self.tried.iter().filter(|t| t.goes_on);
+        let high = swinging.map(|t| t.stiffness_n_per_m).reduce(f64::min);
+        // A wall that came to rest above a softer one that swung does not count: the boundary is
+        // below it.
+        let stiffnesses = self.tried.iter().map(|t| t.stiffness_n_per_m);
+        let below = stiffnesses.filter(|k| high.is_none_or(|high| *k < high));
+        (below.fold(0.0, f64::max), high)
     }
 }
 
@@ -106,28 +114,25 @@ pub fn search(
     /// Width of the bracket, as a share of it.
     const CLOSE: f64 = 0.02;
     let mut tried = Vec::new();
-    let mut attempt = |stiffness_n_per_m: f64, tried: &mut Vec<Tried>| {
-        let pushed = push(stiffness_n_per_m)?;
-        let Pushed { swing_m, goes_on, saturates } = pushed;
-        tried.push(Tried { stiffness_n_per_m, swing_m, goes_on });
-        Ok((goes_on, saturates))
-    };
     let mut low = 0.0;
     let mut high = STIFFNESS[0];
     loop {
-        let (goes_on, saturates) = attempt(high, &mut tried)?;
-        if goes_on {
+        let pushed = push(high)?;
+        tried.push(Tried::new(high, pushed));
+        if pushed.goes_on {
             break;
         }
-        if saturates || high >= STIFFNESS[1] {
-            let ending = if saturates { Ending::Saturated } else { Ending::Stiffest };
+        if pushed.saturates || high >= STIFFNESS[1] {
+            let ending = if pushed.saturates { Ending::Saturated } else { Ending::Stiffest };
             return Ok(Found { tried, ending });
         }
         (low, high) = (high, (RAISE * high).min(STIFFNESS[1]));
     }
     while high - low > CLOSE * high {
         let middle = 0.5 * (low + high);
-        if attempt(middle, &mut tried)?.0 {
+        let pushed = push(middle)?;
+        tried.push(Tried::new(middle, pushed));
+        if pushed.goes_on {
             high = middle;
         } else {
             low = middle;

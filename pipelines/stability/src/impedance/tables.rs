@@ -28,7 +28,7 @@ pub fn bounds(regions: &[Region]) -> Vec<WallBound> {
 
 /// One row per mode and push: area, K_max(0), the largest K.
 pub fn z_widths(regions: &[Region]) -> Vec<ZWidth> {
-    let row = |region: &Region| {
+    let rows = regions.iter().map(|region| {
         let [area, area_low, area_high] = region.area();
         ZWidth {
             mode: region.mode.as_str().into(),
@@ -42,8 +42,8 @@ pub fn z_widths(regions: &[Region]) -> Vec<ZWidth> {
             area_high_n2_s_per_m2: area_high,
             is_censored: region.is_censored(),
         }
-    };
-    regions.iter().map(row).collect()
+    });
+    rows.collect()
 }
 
 /// The table of [`z_widths`].

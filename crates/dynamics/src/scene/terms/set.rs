@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize, Serializer};
 use toml::Value;
 
 use super::READERS;
-use super::term::{Affine, Parameter, Read, Term, Written};
+use super::term::{Affine, Read, Term, Written};
 use crate::error::{DynamicsError, LARGEST, Result, check};
 use crate::scene::input::Input;
 use crate::scene::numbers;
 use crate::scene::plant::Plant;
 
-/// The terms of a scene, one of a name, in order of their names.
+/// The terms of a scene, at most one of each name, in order of their names.
 #[derive(Debug, Clone, Default)]
 pub struct Terms(Vec<Arc<dyn Written>>);
 
@@ -25,7 +25,7 @@ impl Terms {
     }
 
     fn put(&mut self, term: Arc<dyn Written>) {
-        match self.0.binary_search_by(|known| known.name().cmp(term.name())) {
+        match self.0.binary_search_by(|existing| existing.name().cmp(term.name())) {
             Ok(at) => self.0[at] = term,
             Err(at) => self.0.insert(at, term),
         }
@@ -52,8 +52,9 @@ impl Terms {
         const USUAL_RAD: f64 = numbers::HALF_STROKE_RAD;
         let mut list = Vec::new();
         for term in self.iter() {
-            let named = |p: Parameter| (format!("{}.{}", term.name(), p.name), p.value, p.usual);
-            list.extend(term.parameters().into_iter().map(named));
+            for p in term.parameters() {
+                list.push((format!("{}.{}", term.name(), p.name), p.value, p.usual));
+            }
             if let Some((field, input)) = term.input() {
                 input.list(&format!("{}.{field}", term.name()), USUAL_RAD, &mut list);
             }
@@ -69,7 +70,16 @@ impl Terms {
             if let Some((field, input)) = term.input() {
                 input.check(&format!("{}.{field}", term.name()), duration_s)?;
             }
-            check_coefficients(term, plant)?;
+            let Affine { constant_n, per_rad_n, per_rad_s_n, per_input_n } = term.affine(plant);
+            let coefficients = [constant_n, per_rad_n, per_rad_s_n, per_input_n];
+            // A coefficient may be a product of parameters; what can be named is the largest of
+            // these.
+            let parameters = term.parameters().into_iter();
+            if let Some(p) = parameters.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())) {
+                let ok = coefficients.iter().all(|x| x.abs() <= LARGEST);
+                let allowed = "such that the term's forces are at most 1e30 N per unit";
+                check(&format!("{}.{}", term.name(), p.name), p.value, ok, allowed)?;
+            }
         }
         if self.iter().filter(|term| term.input().is_some()).count() > 1 {
             let what = "two terms have an input of their own";
@@ -79,24 +89,13 @@ impl Terms {
         Ok(())
     }
 
-    /// Adds the term that a file has under one of the [`names`], which is given by its number.
+    /// Adds the term that a file has under one of the [`names`], by its number.
     pub(crate) fn reader(
         &mut self,
         number: usize,
     ) -> impl for<'de> DeserializeSeed<'de, Value = ()> {
         Reader { terms: self, read: READERS[number].1 }
     }
-}
-
-/// No coefficient of a term is larger than a parameter may be; where one is, the term's largest
-/// number is named.
-fn check_coefficients(term: &dyn Term, plant: &Plant) -> Result<()> {
-    let Affine { constant_n, per_rad_n, per_rad_s_n, per_input_n } = term.affine(plant);
-    let ok = [constant_n, per_rad_n, per_rad_s_n, per_input_n].iter().all(|x| x.abs() <= LARGEST);
-    let largest =
-        term.parameters().into_iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
-    let allowed = "such that the term's forces are at most 1e30 N per unit";
-    largest.map_or(Ok(()), |p| check(&format!("{}.{}", term.name(), p.name), p.value, ok, allowed))
 }
 
 /// The keys a file can name a term by.

@@ -72,9 +72,8 @@ impl<const N: usize, const G: usize> Block<N, G> {
 /// leading digits: `X(s + t) = X(s) + X(t) + X(s) X(t)`.
 pub(super) fn power<const N: usize>(flows: &[Matrix<N>]) -> Matrix<N> {
     let half = flows.len().div_ceil(2);
-    let change = |k: usize| flows[k - 1].zip(&Matrix::identity(), |x, unit| x - unit);
-    let a = change(half);
-    let b = change(flows.len() + 1 - half);
+    let [a, b] = [half, flows.len() + 1 - half]
+        .map(|k| flows[k - 1].zip(&Matrix::identity(), |x, unit| x - unit));
     let sum = a.zip(&b, |x, y| x + y).zip(&a.product(&b), |sum, product| sum + product);
     sum.zip(&Matrix::identity(), |x, unit| x + unit)
 }

@@ -18,7 +18,7 @@ use crate::system::row::MOST;
 use crate::system::{OMEGA, System, THETA};
 use crate::trajectory::{Forces, WorkCounts};
 
-/// What a digital controller asks for until it asks for something else.
+/// The command of a digital controller, held until the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldCommand {
     /// Whether the motor is in charge, not the brake.
@@ -52,16 +52,12 @@ impl HeldScene {
             let what = "a scene with held commands has no room for a term with an input of its own";
             return Err(DynamicsError::Combination { what, remedy: "leave the moved spring out" });
         }
-        let held = |mode| {
+        let [motor, brake] = [DriveMode::Active, DriveMode::Passive].map(|mode| {
             let environment = Environment::free();
             let scene = ModelScene { mode, environment, ..scene.clone() };
             System::laid_out(scene, true)?.straightened(chord_rad)
-        };
-        Ok(Self {
-            law: System::new(scene.clone())?,
-            motor: held(DriveMode::Active)?,
-            brake: held(DriveMode::Passive)?,
-        })
+        });
+        Ok(Self { law: System::new(scene.clone())?, motor: motor?, brake: brake? })
     }
 
     /// Entries of the augmented state.
@@ -69,8 +65,9 @@ impl HeldScene {
         self.motor.layout.n
     }
 
-    /// What the scene's environment and mode ask for at an angle (rad) and a velocity (rad/s):
-    /// clamped as the actuators are. `compressing` says which of the mode's actuators is in charge.
+    /// The command of the scene's environment and mode at an angle (rad) and a velocity (rad/s),
+    /// clamped as the actuators are. `compressing` decides which of the mode's actuators is in
+    /// charge.
     pub fn asked(&self, theta_rad: f64, theta_dot_rad_s: f64, compressing: bool) -> HeldCommand {
         let mut z = [0.0; MOST];
         (z[THETA], z[OMEGA]) = (theta_rad, theta_dot_rad_s);
@@ -85,6 +82,8 @@ impl HeldScene {
     /// # Errors
     /// A state that is not finite.
     pub fn start(&self, longest_s: f64) -> std::result::Result<HeldRun<'_>, DynamicsError> {
+        // A controller's moves have one length: pieces are then halves of it, and leave nothing
+        // over.
         let reach = Reach { longest_s, even: true };
         let [motor, brake] = [&self.motor, &self.brake]
             .map(|system| with_length!(system.layout.n, system.stepped(reach)));
@@ -135,7 +134,7 @@ impl HeldRun<'_> {
         self.system().forces(stepped.region(), stepped.state())
     }
 
-    /// From now on this is commanded.
+    /// Commands this from now on.
     ///
     /// # Errors
     /// A command that is not finite; a state that is not.
@@ -151,6 +150,7 @@ impl HeldRun<'_> {
         if let Some(at) = self.system().layout.held {
             z[at] = command.force_n;
         }
+        // Read before and taken up after the change: another command may be another actuator's run.
         self.held = command;
         let t_s = self.t_s;
         self.now_mut().take_up(t_s, &z, contact)

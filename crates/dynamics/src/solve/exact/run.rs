@@ -54,7 +54,7 @@ impl<const N: usize> Record<N> for Keep<'_> {
     }
 }
 
-/// Shows them to somebody.
+/// Shows each of them to a function.
 struct Show<'a>(&'a mut dyn FnMut(f64, &[f64]));
 
 impl<const N: usize> Record<N> for Show<'_> {
@@ -112,19 +112,6 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         }
     }
 
-    fn restart(&mut self, t: f64) -> Result<()> {
-        let (mut full, mut cursor) = self.system.start();
-        self.system.pass(&mut cursor, t, &mut full);
-        let region = self.system.first_region(&full);
-        (self.z, self.cursor) = (shorten(&full), cursor);
-        self.events.clear();
-        (self.pieces, self.compiled) = (0, 0);
-        (self.sums, self.impacts_j) = (Sums::default(), 0.0);
-        self.enter(&region, t)?;
-        self.note(t, EventKind::Input);
-        Ok(())
-    }
-
     /// Goes on from a state at a moment not before the last one, with the finger in a contact.
     pub(super) fn resume(&mut self, t: f64, z: &[f64], contact: Contact) -> Result<()> {
         let mut full = [0.0; MOST];
@@ -151,10 +138,21 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         &self.regions[self.current].region
     }
 
+    /// From the system's start along a grid.
     fn along(&mut self, grid: &Grid, out: &mut impl Record<N>) -> Result<()> {
-        self.restart(grid.time(0))?;
+        let start = grid.time(0);
+        let (mut full, mut cursor) = self.system.start();
+        self.system.pass(&mut cursor, start, &mut full);
+        let region = self.system.first_region(&full);
+        (self.z, self.cursor) = (shorten(&full), cursor);
+        // Regions stay as they are: they are what a prepared system saves.
+        self.events.clear();
+        (self.pieces, self.compiled) = (0, 0);
+        (self.sums, self.impacts_j) = (Sums::default(), 0.0);
+        self.enter(&region, start)?;
+        self.note(start, EventKind::Input);
         let swings = self.system.swings();
-        out.record(&[grid.time(0)], &[self.z], self.current);
+        out.record(&[start], &[self.z], self.current);
         let even = grid.even_part().map_or(0, |(_, steps)| steps);
         let mut i = 0;
         while i + 1 < grid.samples() {
@@ -182,8 +180,8 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
         Ok(())
     }
 
-    /// A block of even steps from sample `i` on, one product a sample; false, with nothing done, if
-    /// an event or the end of an input's span may lie inside.
+    /// A block of even steps from sample `i` on, one product per sample; false, with nothing done,
+    /// if an event or the end of an input's span may lie inside.
     #[inline]
     fn cross_block(
         &mut self,
@@ -316,14 +314,14 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
             let compiled = &self.regions[self.current];
             let before = self.z;
             let limit = self.limits.most_pieces;
-            let found = compiled.scan(&mut self.z, rest, &mut self.pieces, limit);
+            let event = compiled.scan(&mut self.z, rest, &mut self.pieces, limit);
             if let Some(work) = &compiled.work {
-                work.add(&before, found.map_or(rest, |(after, _)| after), &mut self.sums);
+                work.add(&before, event.map_or(rest, |(after, _)| after), &mut self.sums);
             }
             if self.pieces > limit {
                 return Err(self.too_much(limit, "pieces", t));
             }
-            let Some((after, kind)) = found else {
+            let Some((after, kind)) = event else {
                 if compiled.flow.ladder.is_long(rest) {
                     // The many short pieces that proved it free of events were rounded as often;
                     // some long ones are not.
@@ -375,26 +373,24 @@ impl<'a, const N: usize, const G: usize> Run<'a, N, G> {
     }
 
     fn enter(&mut self, region: &Region, t: f64) -> Result<()> {
-        let known = self.regions.iter().position(|compiled| compiled.region.resembles(region));
-        self.current = known.unwrap_or(self.regions.len());
-        if known.is_none_or(|at| self.regions[at].region != *region) {
-            self.compile(region);
+        let existing = self.regions.iter().position(|compiled| compiled.region.resembles(region));
+        self.current = existing.unwrap_or(self.regions.len());
+        if existing.is_none_or(|at| self.regions[at].region != *region) {
+            self.compiled += 1;
+            let compiled = Compiled::new(self.system, region, self.reach, self.limits.energy);
+            match self.regions.get_mut(self.current) {
+                // In place of the one that it differs from in numbers only: a lever may rest
+                // anywhere.
+                Some(slot) => *slot = compiled,
+                None => self.regions.push(compiled),
+            }
         }
+        // A flow that is not finite would show as NaN in the states, long after its reason.
         if !self.regions[self.current].flow.ladder.reaches(self.reach.longest_s) {
             return Err(DynamicsError::NotFinite { t_s: t, suspect: self.system.suspect() });
         }
         self.refresh();
         Ok(())
-    }
-
-    /// Makes a region ready, in place of the one it differs from in numbers only.
-    fn compile(&mut self, region: &Region) {
-        self.compiled += 1;
-        let compiled = Compiled::new(self.system, region, self.reach, self.limits.energy);
-        match self.regions.get_mut(self.current) {
-            Some(slot) => *slot = compiled,
-            None => self.regions.push(compiled),
-        }
     }
 
     /// Rate and guard values of a state that does not come from a base.

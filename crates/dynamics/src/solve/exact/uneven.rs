@@ -8,7 +8,7 @@ use zwidth_numerics::expm::{Ladder, Matrix};
 
 /// Multiples 1 to 7 of a level's span: three binary digits.
 const MULTIPLES: usize = 7;
-/// Binary digits a level.
+/// Binary digits per level.
 const BITS: i32 = 3;
 /// Levels below the ladder's lowest rung: two divide it by 64, which leaves five powers of the
 /// series.
@@ -49,6 +49,7 @@ impl<const N: usize> Table<N> {
         let mut z = *z;
         let mut rest = t;
         for level in &self.levels {
+            // Rounding can make the digit 8, one more than the level has.
             let digit = (rest * level.per_span) as usize;
             if digit > 0 {
                 z = level.flows[digit.min(MULTIPLES) - 1].apply_affine(&z);

@@ -45,20 +45,18 @@ pub(super) type Sums = [f64; PARTS];
 impl<const N: usize> Work<N> {
     pub(super) fn new(system: &System, region: &Region, a: &Matrix<N>, reach_s: f64) -> Self {
         let rest_rad = system.rest_rad(region);
-        // w · z = w · (z with θ − rest) + w_θ rest, which joins the constant entry.
-        let shifted = |row: [f64; N]| {
-            std::array::from_fn(
-                |j| if j == N - 1 { row[j] + row[THETA] * rest_rad } else { row[j] },
-            )
-        };
         let rows: [[f64; N]; N] =
-            std::array::from_fn(|i| shifted(std::array::from_fn(|j| a.at(i, j))));
+            std::array::from_fn(|i| shifted(std::array::from_fn(|j| a.at(i, j)), rest_rad));
         let ladder = Ladder::new(Matrix::from_fn(|i, j| rows[i][j]), reach_s);
-        let powers =
-            system.powers(region).map(|(f, v)| (shifted(shorten(&f.0)), shifted(shorten(&v.0))));
-        let moves = |row: &[f64; N]| row.iter().any(|&x| x != 0.0);
-        let parts = powers.iter().enumerate().filter(|(_, (f, v))| moves(f) && moves(v));
-        let parts = parts.map(|(place, (f, v))| Part::new(place, *f, *v, &ladder)).collect();
+        let mut parts = Vec::new();
+        for (place, (force, velocity)) in system.powers(region).into_iter().enumerate() {
+            let [force, velocity] =
+                [force, velocity].map(|row| shifted(shorten::<N>(&row.0), rest_rad));
+            // A part without force or velocity does no work, and its forms would cost as much.
+            if [force, velocity].iter().all(|row| row.iter().any(|&x| x != 0.0)) {
+                parts.push(Part::new(place, force, velocity, &ladder));
+            }
+        }
         Self { rest_rad, ladder, parts }
     }
 
@@ -76,22 +74,24 @@ impl<const N: usize> Work<N> {
                 rest -= rung.span;
             }
         }
+        // Less than the lowest rung is left: by quadrature along the Taylor series.
         if rest > 0.0 {
-            self.add_short(&z, rest, sums);
-        }
-    }
-
-    /// Less than the lowest rung: by quadrature along the Taylor series.
-    fn add_short(&self, z: &[f64; N], span: f64, sums: &mut Sums) {
-        let series = expm::taylor(&self.ladder.a, z);
-        for (node, weight) in GAUSS {
-            let state = expm::evaluate(&series, node * span);
-            for part in &self.parts {
-                let power = dot(&part.force, &state) * dot(&part.velocity, &state);
-                sums[part.place] += weight * span * power;
+            let series = expm::taylor(&self.ladder.a, &z);
+            for (node, weight) in GAUSS {
+                let state = expm::evaluate(&series, node * rest);
+                for part in &self.parts {
+                    let power = dot(&part.force, &state) * dot(&part.velocity, &state);
+                    sums[part.place] += weight * rest * power;
+                }
             }
         }
     }
+}
+
+/// A row for states whose angle is measured from `rest_rad`: w · z = w · (z with θ − rest) + w_θ
+/// rest, which joins the constant entry.
+fn shifted<const N: usize>(row: [f64; N], rest_rad: f64) -> [f64; N] {
+    std::array::from_fn(|j| if j == N - 1 { row[j] + row[THETA] * rest_rad } else { row[j] })
 }
 
 impl<const N: usize> Part<N> {
