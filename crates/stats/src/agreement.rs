@@ -6,7 +6,7 @@
 //! brackets are those of Shrout & Fleiss (1979), Psychol. Bull. 86:420.
 
 use crate::anova::{ROUNDING, check_table, two_way};
-use crate::error::check_level;
+use crate::error::{all_finite, check_level};
 use crate::f_distribution::quantile;
 use crate::interval::{Estimate, t_interval};
 use crate::tested::Unestimable;
@@ -57,9 +57,17 @@ pub struct Agreement {
 /// sessions without any scatter, `level` outside (0, 1).
 pub fn agreement(table: &[Vec<f64>], level: f64) -> Result<Agreement, Unestimable> {
     check_level(level)?;
-    check_table(table, (2, 2), ("participants", "sessions"))?;
-    let squares = mean_squares(table)?;
-    let Squares { n, k, rows, columns, error } = squares;
+    check_table(table, "participants", "sessions")?;
+    let n = table.len() as f64;
+    let k = table[0].len() as f64;
+    let sums = two_way(table);
+    if sums.error <= ROUNDING * sums.total || sums.total <= 0.0 {
+        return Err(Unestimable::Constant { units: "differences of sessions" });
+    }
+    let rows = sums.rows / (n - 1.0);
+    let columns = sums.columns / (k - 1.0);
+    let error = sums.error / ((n - 1.0) * (k - 1.0));
+    let squares = Squares { n, k, rows, columns, error };
     let c1 = consistency(&squares, level)?;
     let a1 = absolute(&squares, level)?;
     let session_variance = ((columns - error) / n).max(0.0);
@@ -86,35 +94,18 @@ struct Squares {
     error: f64,
 }
 
-fn mean_squares(table: &[Vec<f64>]) -> Result<Squares, Unestimable> {
-    let n = table.len() as f64;
-    let k = table[0].len() as f64;
-    let sums = two_way(table);
-    if sums.error <= ROUNDING * sums.total || sums.total <= 0.0 {
-        return Err(Unestimable::Constant { units: "differences of sessions" });
-    }
-    Ok(Squares {
-        n,
-        k,
-        rows: sums.rows / (n - 1.0),
-        columns: sums.columns / (k - 1.0),
-        error: sums.error / ((n - 1.0) * (k - 1.0)),
-    })
-}
-
 /// ICC(C,1) = (MSR − MSE) / (MSR + (k − 1) MSE), exact interval from MSR / MSE.
 fn consistency(squares: &Squares, level: f64) -> Result<Correlation, Unestimable> {
     let Squares { n, k, rows, error, .. } = squares;
-    let of = |f: f64| (f - 1.0) / (f + k - 1.0);
     let df_rows = n - 1.0;
     let df_error = (n - 1.0) * (k - 1.0);
     let f = rows / error;
     let end = (1.0 + level) / 2.0;
-    Ok(Correlation {
-        estimate: of(f),
-        ci_low: of(f / quantile(end, df_rows, df_error)?),
-        ci_high: of(f * quantile(end, df_error, df_rows)?),
-    })
+    let low = f / quantile(end, df_rows, df_error)?;
+    // The reciprocal of an F has its degrees of freedom the other way round.
+    let high = f * quantile(end, df_error, df_rows)?;
+    let [estimate, ci_low, ci_high] = [f, low, high].map(|f| (f - 1.0) / (f + k - 1.0));
+    Ok(Correlation { estimate, ci_low, ci_high })
 }
 
 /// ICC(A,1) = (MSR − MSE) / (MSR + (k − 1) MSE + k (MSC − MSE) / n); its interval takes
@@ -122,7 +113,7 @@ fn consistency(squares: &Squares, level: f64) -> Result<Correlation, Unestimable
 fn absolute(squares: &Squares, level: f64) -> Result<Correlation, Unestimable> {
     let Squares { n, k, rows, columns, error } = *squares;
     let estimate = (rows - error) / (rows + (k - 1.0) * error + k * (columns - error) / n);
-    // a and b, both times 1 − ICC: their ratio is all that counts
+    // a and b, both times 1 − ICC: their ratio is all that counts.
     let a = k * estimate / n * columns;
     let b = (1.0 - estimate + k * estimate * (n - 1.0) / n) * error;
     let v = (a + b) * (a + b) / (a * a / (k - 1.0) + b * b / ((n - 1.0) * (k - 1.0)));
@@ -140,12 +131,9 @@ fn absolute(squares: &Squares, level: f64) -> Result<Correlation, Unestimable> {
 /// The correlation of means over k sessions, k ρ / (1 + (k − 1) ρ) (Spearman & Brown), which turns
 /// the ends of an interval into those of the mean's, too.
 pub(crate) fn averaged(single: Correlation, k: f64) -> Correlation {
-    let of = |rho: f64| k * rho / (1.0 + (k - 1.0) * rho);
-    Correlation {
-        estimate: of(single.estimate),
-        ci_low: of(single.ci_low),
-        ci_high: of(single.ci_high),
-    }
+    let [estimate, ci_low, ci_high] = [single.estimate, single.ci_low, single.ci_high]
+        .map(|rho| k * rho / (1.0 + (k - 1.0) * rho));
+    Correlation { estimate, ci_low, ci_high }
 }
 
 /// Limits of agreement of two measurements of the same participants. Unit of the values.
@@ -171,25 +159,25 @@ pub struct BlandAltman {
 /// Fewer than two differences, differences that are all equal, a value that is not finite, `level`
 /// outside (0, 1).
 pub fn bland_altman(differences: &[f64], level: f64) -> Result<BlandAltman, Unestimable> {
-    crate::error::all_finite(differences)?;
+    all_finite(differences)?;
     let n = differences.len();
-    let found = Moments::of(differences);
-    let Some(sd) = found.sd() else {
+    let moments = Moments::of(differences);
+    let Some(sd) = moments.sd() else {
         return Err(Unestimable::TooFew { units: "participants", found: n, needed: 2 });
     };
+    // Not by the SD: of equal values it may be rounding instead of 0.
     if differences.iter().all(|d| d.total_cmp(&differences[0]).is_eq()) {
         return Err(Unestimable::Constant { units: "differences" });
     }
     let count = n as f64;
     let limit_error = sd * (1.0 / count + LIMIT * LIMIT / (2.0 * (count - 1.0))).sqrt();
-    let interval = |centre: f64, error: f64| t_interval(centre, error, count - 1.0, level);
-    Ok(BlandAltman {
-        n,
-        bias: interval(found.mean, sd / count.sqrt())?,
-        sd,
-        lower: interval(found.mean - LIMIT * sd, limit_error)?,
-        upper: interval(found.mean + LIMIT * sd, limit_error)?,
-    })
+    let [bias, lower, upper] = [
+        (moments.mean, sd / count.sqrt()),
+        (moments.mean - LIMIT * sd, limit_error),
+        (moments.mean + LIMIT * sd, limit_error),
+    ]
+    .map(|(centre, error)| t_interval(centre, error, count - 1.0, level));
+    Ok(BlandAltman { n, bias: bias?, sd, lower: lower?, upper: upper? })
 }
 
 #[cfg(test)]

@@ -30,6 +30,7 @@ pub struct OneWay {
 pub fn one_way(groups: &[&[f64]]) -> Result<OneWay, Unestimable> {
     let k = groups.len();
     let n = groups.iter().map(|g| g.len()).sum::<usize>();
+    // An empty group has no mean, though the others might be compared.
     let filled = groups.iter().filter(|group| !group.is_empty()).count();
     if filled < 2 || filled < k {
         return Err(Unestimable::TooFew {
@@ -48,7 +49,6 @@ pub fn one_way(groups: &[&[f64]]) -> Result<OneWay, Unestimable> {
     let means: Vec<f64> =
         shifted.iter().map(|group| group.iter().sum::<f64>() / group.len() as f64).collect();
     let total = shifted.iter().flatten().sum::<f64>() / n as f64;
-    let square = |x: f64| x * x;
     let between: f64 =
         shifted.iter().zip(&means).map(|(g, mean)| g.len() as f64 * square(mean - total)).sum();
     let within: f64 = shifted
@@ -72,26 +72,29 @@ pub fn one_way(groups: &[&[f64]]) -> Result<OneWay, Unestimable> {
     })
 }
 
-/// A table of `rows` with one number of columns, at least `rows` × `columns`, all finite.
+fn square(x: f64) -> f64 {
+    x * x
+}
+
+/// Checks that a table has at least two rows and two columns, all rows of one length, all values
+/// finite. `row_units` and `column_units` say in messages what rows and columns are.
 pub(crate) fn check_table(
-    rows: &[Vec<f64>],
-    needed: (usize, usize),
-    units: (&'static str, &'static str),
+    table: &[Vec<f64>],
+    row_units: &'static str,
+    column_units: &'static str,
 ) -> Result<(), Unestimable> {
-    if rows.len() < needed.0 {
-        let found = rows.len();
-        return Err(Unestimable::TooFew { units: units.0, found, needed: needed.0 });
+    if table.len() < 2 {
+        return Err(Unestimable::TooFew { units: row_units, found: table.len(), needed: 2 });
     }
-    let expected = rows[0].len();
-    for (row, values) in rows.iter().enumerate() {
-        let found = values.len();
-        if found != expected {
-            return Err(StatsError::Ragged { row, expected, found }.into());
+    let expected = table[0].len();
+    for (row, values) in table.iter().enumerate() {
+        if values.len() != expected {
+            return Err(StatsError::Ragged { row, expected, found: values.len() }.into());
         }
         all_finite(values)?;
     }
-    if expected < needed.1 {
-        return Err(Unestimable::TooFew { units: units.1, found: expected, needed: needed.1 });
+    if expected < 2 {
+        return Err(Unestimable::TooFew { units: column_units, found: expected, needed: 2 });
     }
     Ok(())
 }
@@ -102,7 +105,7 @@ pub(crate) struct TwoWay {
     pub(crate) rows: f64,
     /// Sum of squares between columns, times rows.
     pub(crate) columns: f64,
-    /// What is left.
+    /// The remaining sum of squares.
     pub(crate) error: f64,
     /// Σ (y − ȳ)², which tells what of `error` is rounding.
     pub(crate) total: f64,
@@ -122,7 +125,6 @@ pub(crate) fn two_way(table: &[Vec<f64>]) -> TwoWay {
     let of_column: Vec<f64> =
         (0..k).map(|j| table.iter().map(|row| row[j] - origin).sum::<f64>() / n as f64).collect();
     let mean = of_row.iter().sum::<f64>() / n as f64;
-    let square = |x: f64| x * x;
     let mut sums = TwoWay {
         rows: k as f64 * of_row.iter().map(|m| square(m - mean)).sum::<f64>(),
         columns: n as f64 * of_column.iter().map(|m| square(m - mean)).sum::<f64>(),

@@ -2,7 +2,7 @@
 //! are there two different answers, can the columns be told apart, has the likelihood a maximum at
 //! all?
 
-use crate::error::{StatsError, all_finite};
+use crate::error::{StatsError, all_finite, same_length};
 use crate::separation::{self, Pattern};
 use crate::tested::Unestimable;
 use std::collections::BTreeMap;
@@ -44,12 +44,11 @@ impl Answers {
     /// Answers from 1 to `points` with their columns.
     pub(crate) fn new(answers: &[u8], points: u8, columns: &[Column]) -> Result<Self, Unestimable> {
         if let Some(index) = answers.iter().position(|&a| a < 1 || a > points) {
-            let found = answers[index];
-            return Err(StatsError::Answer { index, found, points }.into());
+            return Err(StatsError::Answer { index, found: answers[index], points }.into());
         }
         for column in columns {
             all_finite(&column.values)?;
-            same_length(answers.len(), column.values.len())?;
+            same_length("a column", answers.len(), column.values.len())?;
         }
         let (used, unused): (Vec<u8>, Vec<u8>) = (1..=points).partition(|c| answers.contains(c));
         match used.len() {
@@ -61,7 +60,7 @@ impl Answers {
         Ok(Self { scale: Scale { used, unused }, codes, columns: columns.to_vec() })
     }
 
-    /// How many categories are used.
+    /// Number of categories used.
     pub(crate) fn categories(&self) -> usize {
         self.scale.used.len()
     }
@@ -85,6 +84,7 @@ impl Answers {
 
     fn independent(&self) -> Result<(), Unestimable> {
         let rows = self.codes.len();
+        // The thresholds stand for an intercept: the columns must be independent of ones, too.
         let ones = vec![1.0; rows];
         let mut all: Vec<&[f64]> = vec![&ones];
         all.extend(self.columns.iter().map(|c| c.values.as_slice()));
@@ -95,7 +95,7 @@ impl Answers {
                 needed: all.len() + 1,
             });
         }
-        // Whatever is fitted: what is asked for is the rank of the columns.
+        // Whatever is fitted, the fit tests the rank of the columns.
         match lsq::fit(&all, &ones) {
             Err(NumericsError::RankDeficient { column }) => {
                 let what = match column {
@@ -113,6 +113,7 @@ impl Answers {
     pub(crate) fn names(&self, direction: &[f64]) -> String {
         let largest = direction.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
         let pairs = self.columns.iter().zip(direction);
+        // By their share of the largest: a direction has any length.
         let moved = pairs.filter(|(_, d)| d.abs() > DIRECTION_ROUNDING * largest);
         moved.map(|(column, _)| column.name.as_str()).collect::<Vec<_>>().join(" and ")
     }
@@ -134,13 +135,4 @@ impl Answers {
         }
         patterns
     }
-}
-
-/// Checks that there is one value per answer.
-pub(crate) fn same_length(answers: usize, found: usize) -> Result<(), StatsError> {
-    if found == answers {
-        return Ok(());
-    }
-    let what = "a column";
-    Err(NumericsError::LengthMismatch { what, expected: answers, found }.into())
 }

@@ -4,7 +4,7 @@ use crate::error::{StatsError, all_finite, check_level};
 use crate::student_t::critical_value;
 use zwidth_numerics::moments::Moments;
 
-/// Mean, SD and pointwise t band of repeats, one entry a grid point. Units as the values.
+/// Mean, SD and pointwise t band of repeats, one entry per grid point. Units as the values.
 ///
 /// Where fewer than half of the repeats have a value all four are `None`: the average ends there.
 /// Where only one has (of one or two repeats) there is a mean without SD or band.
@@ -34,47 +34,36 @@ pub fn band(rows: &[Vec<Option<f64>>], level: f64) -> Result<Band, StatsError> {
     if let Some(row) = rows.iter().position(|r| r.len() != points) {
         return Err(StatsError::Ragged { row, expected: points, found: rows[row].len() });
     }
-    let critical = critical_values(rows.len(), level)?;
+    check_level(level)?;
+    // t(level, n − 1) / √n for each n, once for all points; `None` below two values.
+    let critical: Vec<Option<f64>> = (0..=rows.len())
+        .map(|n| match n {
+            0 | 1 => Ok(None),
+            _ => Ok(Some(critical_value(level, (n - 1) as f64)? / (n as f64).sqrt())),
+        })
+        .collect::<Result<_, StatsError>>()?;
     let mut band = Band::default();
     let mut here = Vec::with_capacity(rows.len());
     for point in 0..points {
         here.clear();
         here.extend(rows.iter().filter_map(|row| row[point]));
-        all_finite(&here).map_err(|e| at_point(e, point))?;
-        push(&mut band, &here, rows.len(), &critical);
+        // The index of the grid point, not that among the values here.
+        all_finite(&here).map_err(|error| match error {
+            StatsError::NonFinite { value, .. } => StatsError::NonFinite { index: point, value },
+            other => other,
+        })?;
+        let n = here.len();
+        let moments = (n > 0 && 2 * n >= rows.len()).then(|| Moments::of(&here));
+        let mean = moments.map(|moments| moments.mean);
+        let sd = moments.and_then(|moments| moments.sd());
+        let half = sd.zip(critical[n]).map(|(sd, factor)| sd * factor);
+        band.n.push(n);
+        band.mean.push(mean);
+        band.sd.push(sd);
+        band.ci_low.push(mean.zip(half).map(|(m, h)| m - h));
+        band.ci_high.push(mean.zip(half).map(|(m, h)| m + h));
     }
     Ok(band)
-}
-
-/// t(level, n − 1) / √n for n = 0 … `most`; `None` below two values.
-fn critical_values(most: usize, level: f64) -> Result<Vec<Option<f64>>, StatsError> {
-    check_level(level)?;
-    (0..=most)
-        .map(|n| match n {
-            0 | 1 => Ok(None),
-            _ => Ok(Some(critical_value(level, (n - 1) as f64)? / (n as f64).sqrt())),
-        })
-        .collect()
-}
-
-fn push(band: &mut Band, here: &[f64], repeats: usize, critical: &[Option<f64>]) {
-    let n = here.len();
-    let found = (n > 0 && 2 * n >= repeats).then(|| Moments::of(here));
-    let mean = found.map(|found| found.mean);
-    let sd = found.and_then(|found| found.sd());
-    let half = sd.zip(critical[n]).map(|(sd, factor)| sd * factor);
-    band.n.push(n);
-    band.mean.push(mean);
-    band.sd.push(sd);
-    band.ci_low.push(mean.zip(half).map(|(m, h)| m - h));
-    band.ci_high.push(mean.zip(half).map(|(m, h)| m + h));
-}
-
-fn at_point(error: StatsError, point: usize) -> StatsError {
-    match error {
-        StatsError::NonFinite { value, .. } => StatsError::NonFinite { index: point, value },
-        other => other,
-    }
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub struct Bootstrapped {
     pub ci_low: f64,
     /// Upper end of the interval.
     pub ci_high: f64,
-    /// What the ends are.
+    /// How the ends were found.
     pub kind: Kind,
 }
 
@@ -102,8 +102,7 @@ pub fn of_resamples(
 ) -> Result<Bootstrapped, Unestimable> {
     check_level(level)?;
     all_finite(&[estimate])?;
-    let plain = percentile_interval(resampled, level)?;
-    let Some(plain) = plain else {
+    let Some(plain) = percentile_interval(resampled, level)? else {
         return Err(Unestimable::TooFew { units: "resamples", found: 0, needed: 1 });
     };
     let sorted = sorted(resampled.iter().copied());
@@ -129,14 +128,17 @@ fn correction(estimate: f64, sorted: &[f64], jackknife: &[f64]) -> Result<(f64, 
     Ok((bias, acceleration(jackknife)?))
 }
 
+/// The bias z₀; `None` where all resamples lie on one side of the estimate.
 fn bias(estimate: f64, sorted: &[f64]) -> Option<f64> {
     let rounding = SAME * (sorted.last()? - sorted.first()?);
     let below = sorted.partition_point(|v| *v < estimate - rounding);
     let to = sorted.partition_point(|v| *v <= estimate + rounding);
+    // Half of those that equal the estimate: a statistic of few values has many such resamples.
     let share = (below + to) as f64 / (2 * sorted.len()) as f64;
     (share > 0.0 && share < 1.0).then(|| normal_quantile(share))
 }
 
+/// The acceleration a.
 fn acceleration(jackknife: &[f64]) -> Result<f64, Uncorrected> {
     /// Jackknife values closer together than this share of their size differ by rounding.
     const ROUNDING: f64 = 1e-12;
@@ -145,30 +147,27 @@ fn acceleration(jackknife: &[f64]) -> Result<f64, Uncorrected> {
     }
     let mean = jackknife.iter().sum::<f64>() / jackknife.len() as f64;
     let distances: Vec<f64> = jackknife.iter().map(|v| mean - v).collect();
-    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |l, v| l.max(v.abs()));
-    let unit = largest(&distances);
-    if unit <= ROUNDING * largest(jackknife) {
+    let [unit, size] = [distances.as_slice(), jackknife]
+        .map(|values| values.iter().fold(0.0_f64, |l, v| l.max(v.abs())));
+    if unit <= ROUNDING * size {
         return Err(Uncorrected::NoVariance);
     }
     // In units of the largest: a power of a tiny distance would be 0.
-    let sum = |power| distances.iter().map(|u| (u / unit).powi(power)).sum::<f64>();
-    let squares = sum(2);
-    Ok(sum(3) / (6.0 * squares * squares.sqrt()))
+    let [squares, cubes] =
+        [2, 3].map(|power| distances.iter().map(|u| (u / unit).powi(power)).sum::<f64>());
+    Ok(cubes / (6.0 * squares * squares.sqrt()))
 }
 
 /// The shares of resamples below the two ends.
 fn shares(bias: f64, acceleration: f64, level: f64) -> Result<(f64, f64), Uncorrected> {
     let z = normal_quantile((1.0 + level) / 2.0);
-    let share = |z: f64| {
+    let [low, high] = [-z, z].map(|z| {
         let room = 1.0 - acceleration * (bias + z);
-        (room > 0.0).then(|| normal_share(bias + (bias + z) / room))
-    };
-    share(-z).zip(share(z)).ok_or(Uncorrected::TooAccelerated)
-}
-
-/// Φ(z).
-fn normal_share(z: f64) -> f64 {
-    0.5 * libm::erfc(-z / core::f64::consts::SQRT_2)
+        // Φ of the corrected quantile.
+        let corrected = bias + (bias + z) / room;
+        (room > 0.0).then(|| 0.5 * libm::erfc(-corrected / core::f64::consts::SQRT_2))
+    });
+    low.zip(high).ok_or(Uncorrected::TooAccelerated)
 }
 
 /// Φ⁻¹(share), to nine significant digits.

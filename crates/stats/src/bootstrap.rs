@@ -79,6 +79,7 @@ pub(crate) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
     let mut key = [0; KEY_BYTES];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
+    // A stream per draw: threads may take draws in any order.
     rng.set_stream(number);
     rng
 }

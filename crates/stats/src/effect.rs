@@ -57,6 +57,7 @@ pub fn d_av(pairs: &[[f64; 2]], level: f64) -> Result<Effect, Unestimable> {
     let d = (of_a.mean - of_b.mean) / scatter;
 
     let spare = (pairs.len() - 1) as f64;
+    // In units of 2 s²_av: fourth powers of small values would be 0.
     let [share_a, share_b] = [sd_a / scatter, sd_b / scatter].map(|share| share * share / 2.0);
     let products =
         pairs.iter().map(|[a, b]| (a - of_a.mean) / scatter * ((b - of_b.mean) / scatter));
@@ -64,17 +65,21 @@ pub fn d_av(pairs: &[[f64; 2]], level: f64) -> Result<Effect, Unestimable> {
     let squares = share_a * share_a + share_b * share_b + 2.0 * covariance * covariance;
     let df = spare * (share_a + share_b).powi(2) / squares;
 
+    // Differences that are all equal have no t, and d_av has a value nevertheless.
     let tested = paired::mean_difference(&paired::differences(pairs), level).ok();
     let interval = tested
         .map(|tested| noncentrality(&tested, level).map(|end| end * tested.std_error / scatter));
     Ok(Effect { d, g: unbiased(d, df), interval })
 }
 
+/// Hedges' g of `d`; see [`Effect::g`].
 fn unbiased(d: f64, df: f64) -> Option<f64> {
     /// Of two people ν is 1, and their covariance leaves its rounding.
     const MORE_THAN_ONE: f64 = 1.0 + 1e-9;
-    let log_ratio = |df: f64| libm::lgamma(df / 2.0) - libm::lgamma((df - 1.0) / 2.0);
-    (df > MORE_THAN_ONE).then(|| d * libm::exp(log_ratio(df)) / (df / 2.0).sqrt())
+    (df > MORE_THAN_ONE).then(|| {
+        let log_ratio = libm::lgamma(df / 2.0) - libm::lgamma((df - 1.0) / 2.0);
+        d * libm::exp(log_ratio) / (df / 2.0).sqrt()
+    })
 }
 
 /// The noncentralities λ between which the observed t lies within the middle `level` of the
@@ -114,21 +119,30 @@ impl NoncentralT {
         /// Density, against its largest, that no longer counts: exp of this.
         const NOTHING: f64 = -40.0;
         let step = (0.1 / df.max(1.0).sqrt()).min(0.2 / t.abs().max(1.0));
-        let log_density = |u: f64| df * (u - (libm::exp(2.0 * u) - 1.0) / 2.0);
-        let node = |u: f64| [t * libm::exp(u), libm::exp(log_density(u))];
-        let side = |sign: f64| {
-            let places = (0_u32..).map(move |i| sign * f64::from(i) * step);
-            places.take_while(|u| log_density(*u) > NOTHING)
-        };
-        let mut nodes: Vec<[f64; 2]> = side(1.0).chain(side(-1.0).skip(1)).map(node).collect();
+        let mut nodes = Vec::new();
+        // 0 is on the right side alone.
+        for (sign, first) in [(1.0, 0_u32), (-1.0, 1)] {
+            for i in first.. {
+                let u = sign * f64::from(i) * step;
+                let log_density = df * (u - (libm::exp(2.0 * u) - 1.0) / 2.0);
+                if log_density.is_nan() || log_density <= NOTHING {
+                    break;
+                }
+                nodes.push([t * libm::exp(u), libm::exp(log_density)]);
+            }
+        }
         let all: f64 = nodes.iter().map(|[_, share]| share).sum();
         nodes.iter_mut().for_each(|[_, share]| *share /= all);
         Self { nodes }
     }
 
+    /// P(T ≤ t) at a noncentrality λ.
     fn below(&self, noncentrality: f64) -> f64 {
-        let normal = |x: f64| libm::erfc(-x / SQRT_2) / 2.0;
-        self.nodes.iter().map(|[x, share]| share * normal(x - noncentrality)).sum()
+        let shares = self.nodes.iter().map(|[x, share]| {
+            let x = x - noncentrality;
+            share * (libm::erfc(-x / SQRT_2) / 2.0)
+        });
+        shares.sum()
     }
 }
 

@@ -18,13 +18,13 @@ pub enum StatsError {
         "a confidence level of {level} makes no interval: give a share between 0 and 1, such as 0.95"
     )]
     Level {
-        /// The level asked for.
+        /// The requested level.
         level: f64,
     },
     /// Degrees of freedom that are not positive.
     #[error("{df} degrees of freedom leave nothing to estimate an error from: give more values")]
     DegreesOfFreedom {
-        /// Degrees of freedom asked for.
+        /// The requested degrees of freedom.
         df: f64,
     },
     /// An answer that is not on its scale.
@@ -56,7 +56,7 @@ pub enum StatsError {
         "an equivalence bound of {bound} bounds nothing: give a positive number in the unit of the difference"
     )]
     Bound {
-        /// The bound asked for.
+        /// The requested bound.
         bound: f64,
     },
     /// A level of significance outside (0, 0.5).
@@ -64,7 +64,7 @@ pub enum StatsError {
         "a level of significance of {alpha} tests nothing: give a share between 0 and 0.5, such as 0.05"
     )]
     Alpha {
-        /// The level asked for.
+        /// The requested level.
         alpha: f64,
     },
     /// A number given as a probability that is none.
@@ -128,6 +128,18 @@ pub(crate) fn all_finite(values: &[f64]) -> Result<(), StatsError> {
     match values.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
         Some(index) => Err(StatsError::NonFinite { index, value: values[index] }),
+    }
+}
+
+/// Checks that `what` has as many entries as expected.
+pub(crate) fn same_length(
+    what: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), StatsError> {
+    match found == expected {
+        true => Ok(()),
+        false => Err(NumericsError::LengthMismatch { what, expected, found }.into()),
     }
 }
 

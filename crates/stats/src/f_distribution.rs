@@ -29,10 +29,9 @@ pub fn quantile(level: f64, df_num: f64, df_den: f64) -> Result<f64, StatsError>
     check_level(level)?;
     check_df(df_num)?;
     check_df(df_den)?;
-    let above = |f: f64| Ok::<_, StatsError>(tail(f, df_num, df_den)? > 1.0 - level);
     let mut high = 1.0;
     // For few degrees of freedom the quantile may lie beyond all numbers.
-    while above(high)? && high < f64::MAX / 2.0 {
+    while tail(high, df_num, df_den)? > 1.0 - level && high < f64::MAX / 2.0 {
         high *= 2.0;
     }
     let mut low = 0.0;
@@ -41,7 +40,7 @@ pub fn quantile(level: f64, df_num: f64, df_den: f64) -> Result<f64, StatsError>
         if middle <= low || middle >= high {
             return Ok(rounded(high));
         }
-        if above(middle)? {
+        if tail(middle, df_num, df_den)? > 1.0 - level {
             low = middle;
         } else {
             high = middle;
@@ -49,6 +48,7 @@ pub fn quantile(level: f64, df_num: f64, df_den: f64) -> Result<f64, StatsError>
     }
 }
 
+/// P(F > f), not rounded.
 fn tail(f: f64, df_num: f64, df_den: f64) -> Result<f64, StatsError> {
     if f <= 0.0 {
         return Ok(1.0);

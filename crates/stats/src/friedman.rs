@@ -2,13 +2,12 @@
 
 use crate::Unestimable;
 use crate::bootstrap::index_below;
-use crate::error::all_finite;
+use crate::error::{all_finite, same_length};
 use crate::null::{Null, Sampling, doubled_midranks, sampled_p};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
-use zwidth_numerics::NumericsError;
 
-/// Exact as long as counting takes at most so many sums: about a second.
+/// The p value is exact as long as counting takes at most this many sums: about a second.
 const STEPS: usize = 5_000_000;
 
 /// Friedman's test of several modes on complete participants.
@@ -45,6 +44,7 @@ pub fn test(rows: &[&[f64]], sampling: Sampling) -> Result<Friedman, Unestimable
     // In twice the ranks: n rows sum to k (k + 1) each, so a mode's mean sum is n (k + 1).
     let centre = (rows.len() * (modes + 1)) as u64;
     let observed = spread(&sums, centre);
+    // The denominator of W; the ties of each row make it smaller.
     let largest =
         rows.len() as u64 * ranks.iter().map(|row| spread(row, modes as u64 + 1)).sum::<u64>();
     if largest == 0 {
@@ -64,22 +64,20 @@ pub fn test(rows: &[&[f64]], sampling: Sampling) -> Result<Friedman, Unestimable
 
 /// The number of modes of rows that can be tested.
 fn check(rows: &[&[f64]]) -> Result<usize, Unestimable> {
-    let few = |units, found, needed| Err(Unestimable::TooFew { units, found, needed });
-    let Some(first) = rows.first() else { return few("participants", 0, 1) };
+    let Some(first) = rows.first() else {
+        return Err(Unestimable::TooFew { units: "participants", found: 0, needed: 1 });
+    };
     if first.len() < 2 {
-        return few("modes", first.len(), 2);
+        return Err(Unestimable::TooFew { units: "modes", found: first.len(), needed: 2 });
     }
     for row in rows {
         all_finite(row)?;
-        if row.len() != first.len() {
-            let (what, expected, found) = ("a participant's row", first.len(), row.len());
-            let mismatch = NumericsError::LengthMismatch { what, expected, found };
-            return Err(Unestimable::Refused(mismatch.into()));
-        }
+        same_length("a participant's row", first.len(), row.len())?;
     }
     Ok(first.len())
 }
 
+/// Sums of ranks with one more row.
 fn added(sums: &[u64], row: &[u64]) -> Vec<u64> {
     sums.iter().zip(row).map(|(sum, rank)| sum + rank).collect()
 }
@@ -109,8 +107,9 @@ fn drawn(ranks: &[Vec<u64>], rng: &mut ChaCha8Rng) -> Vec<u64> {
 /// k! of them as one.
 fn exact_p(ranks: &[Vec<u64>], centre: u64, observed: u64) -> Option<f64> {
     let modes = ranks[0].len();
-    let places = (1..=modes).try_fold(1_usize, |orders, k| orders.checked_mul(k));
-    places.filter(|orders| *orders <= STEPS)?;
+    // A single row with more orders would take too long, and their list too much memory.
+    let orders = (1..=modes).try_fold(1_usize, |orders, k| orders.checked_mul(k));
+    orders.filter(|orders| *orders <= STEPS)?;
     let mut shares = BTreeMap::from([(vec![0_u64; modes], 1.0)]);
     let mut left = STEPS;
     for row in ranks {
@@ -128,6 +127,7 @@ fn exact_p(ranks: &[Vec<u64>], centre: u64, observed: u64) -> Option<f64> {
         shares = next;
     }
     let extreme = shares.iter().filter(|(sums, _)| spread(sums, centre) >= observed);
+    // Rounding may leave the sum of all shares above 1.
     Some(extreme.map(|(_, share)| share).sum::<f64>().min(1.0))
 }
 
@@ -136,19 +136,14 @@ fn distinct_orders(row: &[u64]) -> Vec<Vec<u64>> {
     let mut order = row.to_vec();
     order.sort_unstable();
     let mut orders = vec![order.clone()];
-    while next_order(&mut order) {
+    // The next in lexicographic order, until nothing rises: so equal ranks are not exchanged.
+    while let Some(rises) = order.windows(2).rposition(|pair| pair[0] < pair[1]) {
+        let larger = order.iter().rposition(|v| *v > order[rises]).unwrap_or(rises);
+        order.swap(rises, larger);
+        order[rises + 1..].reverse();
         orders.push(order.clone());
     }
     orders
-}
-
-/// Makes `order` the next in lexicographic order; false after the last.
-fn next_order(order: &mut [u64]) -> bool {
-    let Some(rises) = order.windows(2).rposition(|pair| pair[0] < pair[1]) else { return false };
-    let larger = order.iter().rposition(|v| *v > order[rises]).unwrap_or(rises);
-    order.swap(rises, larger);
-    order[rises + 1..].reverse();
-    true
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! Standard errors for fits to recordings, whose samples are neither independent nor of equal
 //! variance.
 
-use crate::error::StatsError;
-use zwidth_numerics::NumericsError;
+use crate::error::{StatsError, same_length};
 use zwidth_numerics::lsq::LinearFit;
 
 /// Covariance of the coefficients of a linear fit that holds under autocorrelation and unequal
@@ -21,30 +20,24 @@ pub fn newey_west(
     fit: &LinearFit,
     lags: usize,
 ) -> Result<Vec<Vec<f64>>, StatsError> {
-    check_columns(columns, fit)?;
-    // Two columns at a time.
-    let entry = |a: &[f64], b: &[f64]| {
-        let score = |row: usize| [a, b].map(|column| column[row] * fit.residuals[row]);
-        long_run_sum(fit.residuals.len(), score, lags)[0][1]
-    };
-    let meat: Vec<Vec<f64>> =
-        columns.iter().map(|a| columns.iter().map(|b| entry(a, b)).collect()).collect();
+    let rows = fit.residuals.len();
+    same_length("the list of columns", fit.coefficients.len(), columns.len())?;
+    columns.iter().try_for_each(|column| same_length("a column", rows, column.len()))?;
+    let mut meat = vec![Vec::new(); columns.len()];
+    for (a, entries) in columns.iter().zip(&mut meat) {
+        for b in columns {
+            // Two columns at a time, whose number is known when this is compiled.
+            let scores = |row: usize| [a, b].map(|column| column[row] * fit.residuals[row]);
+            entries.push(long_run_sum(rows, scores, lags)[0][1]);
+        }
+    }
     Ok(product(&product(&fit.xtx_inverse, &meat), &fit.xtx_inverse))
 }
 
-fn check_columns(columns: &[&[f64]], fit: &LinearFit) -> Result<(), NumericsError> {
-    let expect = |what, expected, found| match expected == found {
-        true => Ok(()),
-        false => Err(NumericsError::LengthMismatch { what, expected, found }),
-    };
-    expect("the list of columns", fit.coefficients.len(), columns.len())?;
-    columns.iter().try_for_each(|c| expect("a column", fit.residuals.len(), c.len()))
-}
-
-/// S of the scores of so many rows, as Σᵢ Wᵢ Wᵢᵀ / (L + 1), Wᵢ the sum of the scores from i − L to i,
-/// those before and after the recording being 0: a pair of scores l apart is in L + 1 − l of these
-/// windows, which is Bartlett's weight. As many sums as samples, whatever L; none of a variance that is
-/// below 0; and no memory but for the sums.
+/// S of the scores of `rows` samples, as Σᵢ Wᵢ Wᵢᵀ / (L + 1), Wᵢ the sum of the scores from i − L
+/// to i, those before and after the recording being 0: a pair of scores l apart is in L + 1 − l of
+/// these windows, which is Bartlett's weight. As many sums as samples, whatever L; none of a
+/// variance that is below 0; and no memory but for the sums.
 pub(crate) fn long_run_sum<const N: usize>(
     rows: usize,
     score: impl Fn(usize) -> [f64; N],
@@ -54,15 +47,12 @@ pub(crate) fn long_run_sum<const N: usize>(
     let mut until = [0.0; N];
     let mut before = [0.0; N];
     let mut sums = [[0.0; N]; N];
-    let add = |row: usize, sum: &mut [f64; N]| {
-        sum.iter_mut().zip(score(row)).for_each(|(sum, score)| *sum += score);
-    };
     for i in 0..rows + lags {
         if i < rows {
-            add(i, &mut until);
+            until.iter_mut().zip(score(i)).for_each(|(sum, score)| *sum += score);
         }
         if let Some(gone) = i.checked_sub(lags + 1) {
-            add(gone, &mut before);
+            before.iter_mut().zip(score(gone)).for_each(|(sum, score)| *sum += score);
         }
         let window: [f64; N] = std::array::from_fn(|a| until[a] - before[a]);
         for (a, row) in sums.iter_mut().enumerate() {
@@ -73,13 +63,15 @@ pub(crate) fn long_run_sum<const N: usize>(
     sums.map(|row| row.map(|sum| sum / length))
 }
 
+/// The product of two square matrices.
 fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    a.iter().map(|row| (0..b.len()).map(|k| times_column(row, b, k)).collect()).collect()
-}
-
-/// A row times column `k` of a square matrix.
-fn times_column(row: &[f64], matrix: &[Vec<f64>], k: usize) -> f64 {
-    row.iter().zip(matrix).map(|(x, other)| x * other[k]).sum()
+    let mut product = Vec::with_capacity(a.len());
+    for row in a {
+        let entries =
+            (0..b.len()).map(|k| row.iter().zip(b).map(|(x, other)| x * other[k]).sum::<f64>());
+        product.push(entries.collect());
+    }
+    product
 }
 
 #[cfg(test)]

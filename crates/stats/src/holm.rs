@@ -17,6 +17,7 @@ pub fn adjusted(p_values: &[f64]) -> Result<Vec<f64>, StatsError> {
     let mut largest = 0.0_f64;
     for (rank, index) in order.iter().enumerate() {
         let remaining = (p_values.len() - rank) as f64;
+        // Never below that of a smaller p: the order of the claims stays.
         largest = largest.max((remaining * p_values[*index]).min(1.0));
         adjusted[*index] = largest;
     }

@@ -13,7 +13,7 @@
 
 use crate::agreement::{Agreement, Correlation, LIMIT, averaged};
 use crate::bootstrap::stream;
-use crate::error::{all_finite, check_level};
+use crate::error::{StatsError, all_finite, check_level};
 use crate::null::Sampling;
 use crate::tested::Unestimable;
 use rand_chacha::ChaCha8Rng;
@@ -33,7 +33,7 @@ const FEWEST: usize = 99;
 /// Agreement of the sessions of an incomplete table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IncompleteAgreement {
-    /// As of a complete table; the intervals are those of the bootstrap.
+    /// The same quantities as of a complete table; the intervals are those of the bootstrap.
     pub agreement: Agreement,
     /// Values in the table.
     pub values: usize,
@@ -64,29 +64,32 @@ pub fn incomplete_agreement(
 ) -> Result<IncompleteAgreement, Unestimable> {
     check_level(level)?;
     if sampling.draws < FEWEST {
-        let units = "draws";
-        let found = sampling.draws;
-        return Err(Unestimable::TooFew { units, found, needed: FEWEST });
+        return Err(Unestimable::TooFew { units: "draws", found: sampling.draws, needed: FEWEST });
     }
     let study = Study::new(table)?;
     let fit = study.fit()?;
-    let truth = fit.possible();
-    let found = (0..sampling.draws).into_par_iter().map(|number| {
-        let mut rng = stream(sampling.seed, number as u64);
-        study.drawn(&truth, &mut rng).fit().map(|fit| fit.correlations())
-    });
-    let drawn: Vec<[f64; 2]> = found.filter_map(Result::ok).collect();
+    // Values can be drawn with variances of 0 or more only.
+    let truth = Fit {
+        participant: fit.participant.max(0.0),
+        session: fit.session.max(0.0),
+        error: fit.error,
+    };
+    let drawn: Vec<[f64; 2]> = (0..sampling.draws)
+        .into_par_iter()
+        .filter_map(|number| {
+            let mut rng = stream(sampling.seed, number as u64);
+            study.drawn(&truth, &mut rng).fit().map(|fit| fit.correlations()).ok()
+        })
+        .collect();
     if drawn.is_empty() {
         let what = "intervals of the correlations";
         return Err(Unestimable::NotConverged { what, slope: f64::INFINITY });
     }
     let k = study.sessions as f64;
-    let interval = |which: usize| {
+    let [a1, c1] = [0, 1].map(|which| {
         let drawn = drawn.iter().map(|rho| rho[which]).collect();
         basic(fit.correlations()[which], truth.correlations()[which], drawn, k, level)
-    };
-    let a1 = interval(0);
-    let c1 = interval(1);
+    });
     let sem = (fit.session.max(0.0) + fit.error).sqrt();
     Ok(IncompleteAgreement {
         agreement: Agreement {
@@ -111,16 +114,16 @@ pub fn incomplete_agreement(
 fn basic(estimate: f64, truth: f64, drawn: Vec<f64>, k: f64, level: f64) -> Correlation {
     let mut drawn: Vec<f64> = drawn.into_iter().map(|rho| log_ratio(rho, k)).collect();
     drawn.sort_unstable_by(f64::total_cmp);
-    // Of R draws the (R + 1) share-th, as bootstraps count them, and one of them: a quantile between
-    // two draws would move every interval that is stored.
-    let end = |share: f64| {
+    // What lies above the estimate in the draws is taken from it: the upper quantile makes the
+    // lower end.
+    let [ci_low, ci_high] = [(1.0 + level) / 2.0, (1.0 - level) / 2.0].map(|share| {
+        // Of R draws the (R + 1) share-th, as bootstraps count them, and one of them: a quantile
+        // between two draws would move every interval that is stored.
         let place = (share * (drawn.len() + 1) as f64).round() as usize;
         let quantile = drawn[place.clamp(1, drawn.len()) - 1];
         from_log_ratio(log_ratio(estimate, k) - (quantile - log_ratio(truth, k)), k)
-    };
-    // What lies above the estimate in the draws is taken from it: the upper quantile makes the
-    // lower end.
-    Correlation { estimate, ci_low: end((1.0 + level) / 2.0), ci_high: end((1.0 - level) / 2.0) }
+    });
+    Correlation { estimate, ci_low, ci_high }
 }
 
 /// T(ρ) of [`incomplete_agreement`].
@@ -163,12 +166,6 @@ impl Fit {
         let consistent = self.participant + self.error;
         [self.participant / (consistent + self.session), self.participant / consistent]
     }
-
-    /// Variances that values can be drawn from.
-    fn possible(&self) -> Self {
-        let Self { participant, session, error } = *self;
-        Self { participant: participant.max(0.0), session: session.max(0.0), error }
-    }
 }
 
 impl Study {
@@ -176,9 +173,8 @@ impl Study {
     fn new(table: &[Vec<Option<f64>>]) -> Result<Self, Unestimable> {
         let expected = table.first().map_or(0, Vec::len);
         for (row, values) in table.iter().enumerate() {
-            let found = values.len();
-            if found != expected {
-                return Err(crate::StatsError::Ragged { row, expected, found }.into());
+            if values.len() != expected {
+                return Err(StatsError::Ragged { row, expected, found: values.len() }.into());
             }
             all_finite(&values.iter().copied().flatten().collect::<Vec<_>>())?;
         }
@@ -223,7 +219,7 @@ impl Study {
         self.values.len() + part.len() - self.participants - self.sessions
     }
 
-    /// Other values in the same places.
+    /// Values drawn from `truth`, in the same places.
     fn drawn(&self, truth: &Fit, rng: &mut ChaCha8Rng) -> Self {
         let mut normal = |variance: f64| variance.sqrt() * crate::bootstrap::normal(rng);
         let people: Vec<f64> = (0..self.participants).map(|_| normal(truth.participant)).collect();
@@ -243,28 +239,31 @@ impl Study {
             .map(|counts| -1.0 / counts.iter().fold(1.0, |most: f64, n| most.max(*n)));
         // As logarithms above their floors they have no bound that a search would have to watch.
         let ratios = |x: &[f64]| [libm::exp(x[0]) + floors[0], libm::exp(x[1]) + floors[1]];
-        let cost = |x: &[f64]| {
-            let (value, slopes, _) = totals.criterion(ratios(x));
-            (value, vec![slopes[0] * libm::exp(x[0]), slopes[1] * libm::exp(x[1])])
-        };
         let what = "the variances of participants and sessions";
         let start = floors.map(|floor| libm::log(0.5 - floor));
-        let found = minimise(cost, &start, FLAT)
-            .map_err(|_| Unestimable::NotConverged { what, slope: f64::INFINITY })?;
-        let theta = ratios(&found.point);
+        let minimum = minimise(
+            |x: &[f64]| {
+                let (value, slopes, _) = totals.criterion(ratios(x));
+                (value, vec![slopes[0] * libm::exp(x[0]), slopes[1] * libm::exp(x[1])])
+            },
+            &start,
+            FLAT,
+        )
+        .map_err(|_| Unestimable::NotConverged { what, slope: f64::INFINITY })?;
+        let theta = ratios(&minimum.point);
         let error = totals.criterion(theta).2;
         let all = error * (1.0 + theta[0].max(0.0) + theta[1].max(0.0));
         if error.is_nan() || error <= NO_ERROR * all {
             return Err(Unestimable::Constant { units: "differences of sessions" });
         }
-        if found.slope() > NEARLY_FLAT {
-            return Err(Unestimable::NotConverged { what, slope: found.slope() });
+        if minimum.slope() > NEARLY_FLAT {
+            return Err(Unestimable::NotConverged { what, slope: minimum.slope() });
         }
         Ok(Fit { participant: theta[0] * error, session: theta[1] * error, error })
     }
 }
 
-/// What the criterion takes of the values.
+/// The sums of the values that the criterion needs.
 struct Totals {
     /// Sessions of each participant.
     sessions: Vec<Vec<usize>>,
@@ -341,10 +340,11 @@ impl Totals {
             self.sessions.iter().zip(&self.sums).zip(&self.of_participant)
         {
             let grown = 1.0 + people * count;
-            let of = |v: &[f64]| sessions.iter().map(|&j| v[j]).sum::<f64>();
+            let [rest_sum, one_sum] =
+                [&by_rest, &by_one].map(|v| sessions.iter().map(|&j| v[j]).sum::<f64>());
             // ZᵀV⁻¹(y − μ), ZᵀV⁻¹1 and the diagonal of ZᵀV⁻¹Z
-            let value = (sum - mean * count - times * of(&by_rest)) / grown;
-            let one = (count - times * of(&by_one)) / grown;
+            let value = (sum - mean * count - times * rest_sum) / grown;
+            let one = (count - times * one_sum) / grown;
             let indicator: Vec<f64> =
                 (0..k).map(|j| f64::from(u8::from(sessions.contains(&j)))).collect();
             let diagonal =
@@ -377,7 +377,7 @@ impl Inverse {
         self.vectors.transposed_times_vector(&turned)
     }
 
-    /// How many eigenvalues of I + θ M are negative.
+    /// Number of negative eigenvalues of I + θ M.
     fn negative(&self) -> usize {
         self.values.iter().filter(|value| 1.0 + self.theta * **value < 0.0).count()
     }

@@ -1,10 +1,10 @@
 //! Means and estimates with Student-t intervals.
 
-use crate::error::{StatsError, all_finite};
+use crate::error::{StatsError, all_finite, check_level};
 use crate::student_t::critical_value;
 use zwidth_numerics::moments::Moments;
 
-/// The mean of n independent values, with what can be said about its error. Units as the values.
+/// The mean of n independent values, with its error. Units as the values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
     /// Number of values.
@@ -53,17 +53,17 @@ pub fn t_interval(
 /// A value that is not finite, `level` outside (0, 1).
 pub fn mean(values: &[f64], level: f64) -> Result<Mean, StatsError> {
     all_finite(values)?;
-    crate::error::check_level(level)?;
+    check_level(level)?;
     let n = values.len();
     if n == 0 {
         return Ok(Mean { n, estimate: None, sd: None, interval: None });
     }
-    let found = Moments::of(values);
-    let interval = found
+    let moments = Moments::of(values);
+    let interval = moments
         .sd()
-        .map(|sd| t_interval(found.mean, sd / (n as f64).sqrt(), (n - 1) as f64, level))
+        .map(|sd| t_interval(moments.mean, sd / (n as f64).sqrt(), (n - 1) as f64, level))
         .transpose()?;
-    Ok(Mean { n, estimate: Some(found.mean), sd: found.sd(), interval })
+    Ok(Mean { n, estimate: Some(moments.mean), sd: moments.sd(), interval })
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ pub fn slope(strata: &[Vec<[f64; 2]>]) -> Option<f64> {
     (xx > 0.0).then(|| xy / xx)
 }
 
-/// That slope with its standard error and its test against zero: s² = RSS / (n − S − 1) over n
+/// [`slope`] with its standard error and its test against zero: s² = RSS / (n − S − 1) over n
 /// points in S strata, SE = s / √Σ (x − x̄ₛ)². Independent, equally scattered errors are assumed.
 ///
 /// # Errors
@@ -21,6 +21,7 @@ pub fn slope(strata: &[Vec<[f64; 2]>]) -> Option<f64> {
 pub fn common_slope(strata: &[Vec<[f64; 2]>], level: f64) -> Result<Tested, Unestimable> {
     check_level(level)?;
     let points: usize = strata.iter().map(Vec::len).sum();
+    // A level per stratum with points, and the slope.
     let used = strata.iter().filter(|stratum| !stratum.is_empty()).count() + 1;
     let [xx, xy, yy] = within(strata);
     if points <= used {

@@ -11,6 +11,7 @@
 
 /// ln(1 + e^z) and F(z), exact to rounding for any z.
 pub(crate) fn softplus_and_share(z: f64) -> (f64, f64) {
+    // Of −|z|: of z it would overflow.
     let e = libm::exp(-z.abs());
     let share = if z >= 0.0 { 1.0 / (1.0 + e) } else { e / (1.0 + e) };
     (z.max(0.0) + libm::log1p(e), share)
@@ -30,6 +31,7 @@ pub(crate) fn by_threshold(counts: &[f64]) -> (Vec<f64>, Vec<f64>) {
 
 /// n ln(1 − e^(−width)) of an inner category, with its first two derivatives by the width.
 pub(crate) fn inner(count: f64, width: f64) -> [f64; 3] {
+    // expm1, because neighbouring thresholds may be close.
     let odds = 1.0 / libm::expm1(width);
     [count * libm::log(-libm::expm1(-width)), count * odds, -count * odds * (1.0 + odds)]
 }

@@ -40,8 +40,8 @@ pub(crate) fn sampled_p(
     extreme: impl Fn(&mut ChaCha8Rng) -> bool + Sync,
 ) -> f64 {
     let draws = (0..sampling.draws as u64).into_par_iter();
-    let found = draws.filter(|number| extreme(&mut stream(sampling.seed, *number))).count();
-    (1 + found) as f64 / (1 + sampling.draws) as f64
+    let extreme = draws.filter(|number| extreme(&mut stream(sampling.seed, *number))).count();
+    (1 + extreme) as f64 / (1 + sampling.draws) as f64
 }
 
 /// Twice the ranks of `values` from 1, those of one value being the mean of their places: whole
@@ -55,7 +55,7 @@ pub(crate) fn doubled_midranks(values: &[f64]) -> Vec<u64> {
     let mut first = 0;
     // Neighbour by neighbour: the first and the last of many near ones may lie further apart.
     for group in order.chunk_by(|i, j| values[*j] - values[*i] <= SAME * scale) {
-        // places first + 1 … first + len: their mean, twice
+        // Places first + 1 … first + len: their mean, twice.
         let doubled = (2 * first + group.len() + 1) as u64;
         group.iter().for_each(|index| ranks[*index] = doubled);
         first += group.len();

@@ -25,12 +25,13 @@ pub(crate) const ROUNDINGS: f64 = 10.0;
 /// count as equal however they were computed.
 pub fn differences(pairs: &[[f64; 2]]) -> Vec<f64> {
     let bound = rounding(pairs);
-    let is_rounding = |value: f64| value.abs() <= bound;
     let plain = pairs.iter().map(|[a, b]| a - b);
-    let found: Vec<f64> = plain.map(|d| if is_rounding(d) { 0.0 } else { d }).collect();
-    match found.first() {
-        Some(first) if found.iter().all(|d| is_rounding(d - first)) => vec![*first; found.len()],
-        _ => found,
+    let differences: Vec<f64> = plain.map(|d| if d.abs() <= bound { 0.0 } else { d }).collect();
+    match differences.first() {
+        Some(first) if differences.iter().all(|d| (d - first).abs() <= bound) => {
+            vec![*first; differences.len()]
+        }
+        _ => differences,
     }
 }
 
@@ -61,8 +62,8 @@ pub(crate) fn difference(a: f64, b: f64) -> f64 {
 pub fn mean_difference(differences: &[f64], level: f64) -> Result<Tested, Unestimable> {
     all_finite(differences)?;
     let n = differences.len();
-    let found = Moments::of(differences);
-    let Some(sd) = found.sd() else {
+    let moments = Moments::of(differences);
+    let Some(sd) = moments.sd() else {
         return Err(Unestimable::TooFew { units: "participants", found: n, needed: 2 });
     };
     let largest = differences.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -70,7 +71,7 @@ pub fn mean_difference(differences: &[f64], level: f64) -> Result<Tested, Unesti
         return Err(Unestimable::NoDifference);
     }
     // Differences that cancel leave the rounding of their sum.
-    let mean = if found.mean.abs() <= ROUNDING * largest { 0.0 } else { found.mean };
+    let mean = if moments.mean.abs() <= ROUNDING * largest { 0.0 } else { moments.mean };
     let std_error = sd / (n as f64).sqrt();
     if std_error <= ROUNDINGS * f64::EPSILON * mean.abs() {
         return Err(Unestimable::Constant { units: "differences" });
@@ -90,11 +91,11 @@ pub fn mean_difference(differences: &[f64], level: f64) -> Result<Tested, Unesti
 
 /// The differences that are not zero: there must be one at least.
 pub(crate) fn nonzero(differences: &[f64]) -> Result<Vec<f64>, Unestimable> {
-    let found: Vec<f64> = differences.iter().copied().filter(|d| d.abs() > 0.0).collect();
-    let units = match (differences.is_empty(), found.is_empty()) {
+    let nonzero: Vec<f64> = differences.iter().copied().filter(|d| d.abs() > 0.0).collect();
+    let units = match (differences.is_empty(), nonzero.is_empty()) {
         (true, _) => "participants",
         (false, true) => "differences other than zero",
-        (false, false) => return Ok(found),
+        (false, false) => return Ok(nonzero),
     };
     Err(Unestimable::TooFew { units, found: 0, needed: 1 })
 }
@@ -149,11 +150,12 @@ pub fn equivalence(tested: &Tested, bound: f64, alpha: f64) -> Result<Equivalenc
 
 /// P(T ≥ t).
 fn upper_tail(t: f64, df: f64) -> Result<f64, StatsError> {
+    // From the two-sided p, which keeps the digits of a small tail.
     let one_tail = two_sided_p(t, df)? / 2.0;
     Ok(if t > 0.0 { one_tail } else { 1.0 - one_tail })
 }
 
-/// What a test of difference and a test of equivalence say together.
+/// The joint verdict of a test of difference and a test of equivalence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// There is a difference, and nothing says that it is too small to matter.
@@ -168,7 +170,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// The verdict of two p values at `alpha`: that of "no difference" (adjusted where several
-    /// claims are made) and that of [`equivalence`], if a bound was given. Each rejects its null
+    /// claims are made) and that of [`equivalence`], if there is a bound. Each rejects its null
     /// hypothesis if it is below `alpha`.
     pub fn new(p_no_difference: f64, p_not_equivalent: Option<f64>, alpha: f64) -> Verdict {
         let equivalent = p_not_equivalent.is_some_and(|p| p < alpha);

@@ -6,19 +6,18 @@
 //! study draws from its own stream of the ChaCha8 cipher, keyed with the seed, so the result is the
 //! same with any number of threads; the same seed draws the same people at any difference.
 
+use crate::bootstrap::stream;
 use crate::error::{StatsError, all_finite, check_level};
 use crate::lmm::trials::{Trials, fit_trials};
 use crate::rounded::rounded;
 use crate::student_t::two_sided_p;
 use crate::tested::Unestimable;
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::rand_core::Rng;
 use rayon::prelude::*;
 use statrs::function::beta::checked_beta_reg;
 use zwidth_numerics::moments::Moments;
 
-/// Number of bytes of the cipher's key.
-const KEY_BYTES: usize = 32;
 /// A search for participants ends here: no study of the kind has more.
 const MOST_PARTICIPANTS: usize = 10_000;
 /// Halvings of a searched difference: to a millionth of where it began.
@@ -80,7 +79,7 @@ pub struct Power {
     pub ci_high: f64,
 }
 
-/// Level of the interval that power is given with.
+/// Level of the interval of power.
 const POWER_LEVEL: f64 = 0.95;
 
 /// The share of simulated studies in which the test claims a difference.
@@ -94,7 +93,12 @@ pub fn power(plan: &Plan, simulation: &Simulation) -> Result<Power, Unestimable>
         .into_par_iter()
         .map(|study| {
             let values = simulate(plan, simulation.seed, study as u64);
-            p_value(plan, simulation.test, &values).is_ok_and(|p| p < simulation.alpha)
+            let p_value = match simulation.test {
+                PlannedTest::PairedT => paired_t(plan, &values),
+                PlannedTest::KenwardRoger => kenward_roger(plan, &values),
+            };
+            // A study without a test claims nothing.
+            p_value.is_ok_and(|p| p < simulation.alpha)
         })
         .collect();
     let claimed = claims.iter().filter(|claim| **claim).count();
@@ -108,8 +112,8 @@ pub fn power(plan: &Plan, simulation: &Simulation) -> Result<Power, Unestimable>
     })
 }
 
-/// How far a search is. It counts participants, because a simulated study takes as long as it has
-/// participants.
+/// The progress of a search. It counts participants, because a simulated study takes as long as it
+/// has participants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Searched {
     /// Participants simulated until now, of all simulated studies.
@@ -143,27 +147,27 @@ pub fn participants_for(
     };
     let mut low = 1;
     let mut high = 2;
-    let mut found = at(high)?;
+    let mut at_high = at(high)?;
     searched(high, low, high);
-    while found.estimate < target {
+    while at_high.estimate < target {
         if high >= MOST_PARTICIPANTS {
             return Ok(None);
         }
         (low, high) = (high, (2 * high).min(MOST_PARTICIPANTS));
-        found = at(high)?;
+        at_high = at(high)?;
         searched(high, low, high);
     }
     while high - low > 1 {
         let middle = low + (high - low) / 2;
-        let there = at(middle)?;
-        if there.estimate < target {
+        let at_middle = at(middle)?;
+        if at_middle.estimate < target {
             low = middle;
         } else {
-            (high, found) = (middle, there);
+            (high, at_high) = (middle, at_middle);
         }
         searched(middle, low, high);
     }
-    Ok(Some((high, found)))
+    Ok(Some((high, at_high)))
 }
 
 /// The smallest difference that the planned participants find with power `target`, in the unit of
@@ -181,12 +185,15 @@ pub fn smallest_difference(
     let participants = plan.participants * simulation.studies;
     let mut simulated = 0;
     let mut at = |difference: f64, halvings: usize| {
-        let found = power(&Plan { difference, ..*plan }, simulation)?;
+        let power = power(&Plan { difference, ..*plan }, simulation)?;
         simulated += participants;
         progress(Searched { simulated, to_come: halvings * participants });
-        Ok::<_, Unestimable>(found)
+        Ok::<_, Unestimable>(power)
     };
-    let mut high = contrast_sd(plan) / (plan.participants as f64).sqrt();
+    // SD of a participant's difference of mode means: √(2 (σ²_mode + σ² / repeats)).
+    let [interaction, residual] = [plan.interaction_sd, plan.residual_sd].map(|sd| sd * sd);
+    let contrast_sd = (2.0 * (interaction + residual / plan.repeats as f64)).sqrt();
+    let mut high = contrast_sd / (plan.participants as f64).sqrt();
     if high <= 0.0 {
         return Err(Unestimable::Constant { units: "planned values" });
     }
@@ -206,12 +213,6 @@ pub fn smallest_difference(
         }
     }
     Ok(high)
-}
-
-/// SD of a participant's difference of mode means: √(2 (σ²_mode + σ² / repeats)).
-fn contrast_sd(plan: &Plan) -> f64 {
-    let square = |x: f64| x * x;
-    (2.0 * (square(plan.interaction_sd) + square(plan.residual_sd) / plan.repeats as f64)).sqrt()
 }
 
 fn check(plan: &Plan, simulation: &Simulation) -> Result<(), Unestimable> {
@@ -237,10 +238,9 @@ fn check(plan: &Plan, simulation: &Simulation) -> Result<(), Unestimable> {
 
 /// The values of one study, by participant, mode and repeat.
 fn simulate(plan: &Plan, seed: u64, study: u64) -> Vec<f64> {
-    let mut key = [0; KEY_BYTES];
-    key[..8].copy_from_slice(&seed.to_le_bytes());
-    let mut rng = ChaCha8Rng::from_seed(key);
-    rng.set_stream(study);
+    let mut rng = stream(seed, study);
+    // No parameter but the counts changes which numbers are drawn: a search over the difference
+    // compares the same people.
     let mut values = Vec::with_capacity(plan.participants * plan.modes * plan.repeats);
     for _ in 0..plan.participants {
         let own = plan.participant_sd * normal(&mut rng);
@@ -258,35 +258,31 @@ fn simulate(plan: &Plan, seed: u64, study: u64) -> Vec<f64> {
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
     /// 2⁻⁵³, so that 53 bits make a number in [0, 1).
     const UNIT: f64 = 1.0 / (1_u64 << 53) as f64;
-    let mut uniform = || (rng.next_u64() >> 11) as f64 * UNIT;
+    // Not `bootstrap::normal`: its numbers lie half a step further, and power is stored.
+    let [first, second] = [(); 2].map(|()| (rng.next_u64() >> 11) as f64 * UNIT);
     // 1 − u, for u may be 0, which has no logarithm.
-    let radius = (-2.0 * libm::log(1.0 - uniform())).sqrt();
-    radius * libm::cos(2.0 * core::f64::consts::PI * uniform())
+    let radius = (-2.0 * libm::log(1.0 - first)).sqrt();
+    radius * libm::cos(2.0 * core::f64::consts::PI * second)
 }
 
-/// p of the difference of the last and the first mode in one study.
-fn p_value(plan: &Plan, test: PlannedTest, values: &[f64]) -> Result<f64, Unestimable> {
-    match test {
-        PlannedTest::PairedT => paired_t(plan, values),
-        PlannedTest::KenwardRoger => kenward_roger(plan, values),
-    }
-}
-
+/// p of the difference of the last and the first mode in one study, by the paired t test.
 fn paired_t(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
-    let mean = |cell: &[f64]| cell.iter().sum::<f64>() / plan.repeats as f64;
     let size = plan.modes * plan.repeats;
-    let people = values.chunks(size);
-    let differences: Vec<f64> = people
-        .map(|person| mean(&person[size - plan.repeats..]) - mean(&person[..plan.repeats]))
-        .collect();
+    let mut differences = Vec::with_capacity(plan.participants);
+    for person in values.chunks(size) {
+        let [last, first] = [&person[size - plan.repeats..], &person[..plan.repeats]]
+            .map(|cell| cell.iter().sum::<f64>() / plan.repeats as f64);
+        differences.push(last - first);
+    }
     let n = differences.len() as f64;
-    let found = Moments::of(&differences);
-    match found.sd() {
-        Some(sd) if sd > 0.0 => Ok(two_sided_p(found.mean / (sd / n.sqrt()), n - 1.0)?),
+    let moments = Moments::of(&differences);
+    match moments.sd() {
+        Some(sd) if sd > 0.0 => Ok(two_sided_p(moments.mean / (sd / n.sqrt()), n - 1.0)?),
         _ => Err(Unestimable::Constant { units: "differences" }),
     }
 }
 
+/// The same by the mixed model.
 fn kenward_roger(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
     let rows = 0..values.len();
     let participant: Vec<usize> =
@@ -295,9 +291,9 @@ fn kenward_roger(plan: &Plan, values: &[f64]) -> Result<f64, Unestimable> {
     let session = vec![0; values.len()];
     let trials =
         Trials { participant: &participant, session: &session, mode: &mode, value: values };
-    let found = fit_trials(trials)?;
-    let weights = found.difference(plan.modes - 1, 0)?;
-    Ok(found.fit.kenward_roger()?.test(&weights, POWER_LEVEL)?.p_value)
+    let fitted = fit_trials(trials)?;
+    let weights = fitted.difference(plan.modes - 1, 0)?;
+    Ok(fitted.fit.kenward_roger()?.test(&weights, POWER_LEVEL)?.p_value)
 }
 
 /// The exact interval of a share, `count` of `n` (Clopper & Pearson 1934, Biometrika 26:404): each

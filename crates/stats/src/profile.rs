@@ -12,7 +12,7 @@ const RESOLUTION: f64 = 1e-7;
 /// up to the `farthest` distance.
 ///
 /// # Errors
-/// What `fall` ends with.
+/// The error of a `fall`.
 pub(crate) fn end(
     mut fall: impl FnMut(f64) -> Result<f64, Unestimable>,
     critical: f64,
@@ -33,11 +33,12 @@ pub(crate) fn end(
     }
     let mut failure = None;
     let left = |distance: f64| match distance {
-        // The ends of the bracket are known.
+        // A fall costs a search, and the ends of the bracket are known.
         d if d <= inner[0] => inner[1],
         d if d >= outer[0] => outer[1],
         d => fall(d).map_or_else(
             |error| {
+                // A root function has no errors: 0 ends the search, and the error comes after it.
                 failure = Some(error);
                 0.0
             },

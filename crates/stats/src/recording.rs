@@ -96,7 +96,8 @@ pub fn recording_line(
     let mut xx = 0.0;
     let mut xy = 0.0;
     let mut yy = 0.0;
-    let mut whole = 0.0_f64;
+    let mut whole = 0.0_f64; // about `at`, the size against which a spread of x is rounding
+    // A second pass, about the means: Σ x² − n x̄² would lose the digits of a spread.
     for (x, y) in (0..n).map(&sample) {
         let dx = x - x_mean;
         let dy = y - y_mean;
@@ -112,21 +113,22 @@ pub fn recording_line(
         (x - x_mean, (y - y_mean) - slope * (x - x_mean))
     };
     let rss: f64 = (0..n).map(|i| deviation(i).1).map(|e| e * e).sum();
-    let score = |i: usize| {
+    let scores = |i: usize| {
         let (dx, e) = deviation(i);
         [e, dx * e]
     };
-    let s = long_run_sum(n, score, n / SHARE_OF_RECORDING);
+    let s = long_run_sum(n, scores, n / SHARE_OF_RECORDING);
     let of_mean = 1.0 / n as f64;
     let of_slope = (at - x_mean) / xx;
     let variance = of_mean * of_mean * s[0][0]
         + 2.0 * of_mean * of_slope * s[0][1]
         + of_slope * of_slope * s[1][1];
-    // Rounding may leave the variance of an all but perfect fit below 0.
-    let estimate = |b: f64, variance: f64| t_interval(b, variance.max(0.0).sqrt(), DF, level);
+    let [value, slope] = [(y_mean + slope * (at - x_mean), variance), (slope, s[1][1] / (xx * xx))]
+        // Rounding may leave the variance of an all but perfect fit below 0.
+        .map(|(b, variance)| t_interval(b, variance.max(0.0).sqrt(), DF, level));
     Ok(Some(RecordingLine {
-        value: estimate(y_mean + slope * (at - x_mean), variance)?,
-        slope: estimate(slope, s[1][1] / (xx * xx))?,
+        value: value?,
+        slope: slope?,
         rss,
         r2: (yy > 0.0).then(|| 1.0 - rss / yy),
     }))
@@ -151,6 +153,7 @@ pub fn recording_mean(
     Ok(Some(t_interval(mean, s[0][0].max(0.0).sqrt() / n as f64, DF, level)?))
 }
 
+/// Checks that all samples are finite, before any sum of them is NaN.
 fn check_samples(n: usize, sample: impl Fn(usize) -> (f64, f64)) -> Result<(), StatsError> {
     for index in 0..n {
         let (x, y) = sample(index);

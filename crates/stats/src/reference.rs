@@ -39,6 +39,7 @@ pub(crate) fn normal_critical(level: f64) -> Result<f64, StatsError> {
 
 /// P(|Z| ≥ |z|).
 pub(crate) fn normal_two_sided(z: f64) -> f64 {
+    // erfc, because 1 − erf has no digits left far out.
     libm::erfc(z.abs() / core::f64::consts::SQRT_2)
 }
 

@@ -32,7 +32,7 @@ pub struct RmAnova {
 /// Fewer than two participants or modes, rows of different lengths, a value that is not finite,
 /// modes that differ alike in all participants.
 pub fn rm_anova(table: &[Vec<f64>]) -> Result<RmAnova, Unestimable> {
-    check_table(table, (2, 2), ("participants", "modes"))?;
+    check_table(table, "participants", "modes")?;
     let n = table.len() as f64;
     let k = table[0].len() as f64;
     let sums = two_way(table);
@@ -44,13 +44,14 @@ pub fn rm_anova(table: &[Vec<f64>]) -> Result<RmAnova, Unestimable> {
     let statistic = sums.columns / df_num / (sums.error / df_den);
     let greenhouse_geisser = greenhouse_geisser(table);
     let huynh_feldt = huynh_feldt(greenhouse_geisser, n, k);
-    let p = |epsilon: f64| upper_p(statistic, epsilon * df_num, epsilon * df_den);
+    let [p_value, p_greenhouse_geisser, p_huynh_feldt] = [1.0, greenhouse_geisser, huynh_feldt]
+        .map(|epsilon| upper_p(statistic, epsilon * df_num, epsilon * df_den));
     Ok(RmAnova {
-        test: FTest { statistic, df_num, df_den, p_value: p(1.0)? },
+        test: FTest { statistic, df_num, df_den, p_value: p_value? },
         greenhouse_geisser,
         huynh_feldt,
-        p_greenhouse_geisser: p(greenhouse_geisser)?,
-        p_huynh_feldt: p(huynh_feldt)?,
+        p_greenhouse_geisser: p_greenhouse_geisser?,
+        p_huynh_feldt: p_huynh_feldt?,
     })
 }
 
@@ -59,7 +60,8 @@ fn greenhouse_geisser(table: &[Vec<f64>]) -> f64 {
     let n = table.len();
     let k = table[0].len();
     let origin = &table[0];
-    // rows without their participant's level, columns without their mode's
+    // Rows without their participant's level. The first row is subtracted from all before, because
+    // far from zero digits would be lost.
     let centred: Vec<Vec<f64>> = table
         .iter()
         .map(|row| {
@@ -75,6 +77,7 @@ fn greenhouse_geisser(table: &[Vec<f64>]) -> f64 {
         covariance.add_outer(1.0, &rest, &rest);
     }
     let trace: f64 = covariance.diagonal().iter().sum();
+    // Above 1 by rounding alone.
     (trace * trace / ((k - 1) as f64 * covariance.dot(&covariance))).min(1.0)
 }
 

@@ -8,7 +8,7 @@
 
 use zwidth_numerics::moments::Moments;
 
-/// Indices of an output, one number an input.
+/// Indices of an output, one number per input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Indices {
     /// S_i.
@@ -28,29 +28,25 @@ pub fn jansen(f: impl Fn(&[f64]) -> f64, a: &[Vec<f64>], b: &[Vec<f64>]) -> Opti
     let inputs = a.first()?.len();
     let alike = a.len() == b.len() && a.iter().chain(b).all(|x| x.len() == inputs);
     (a.len() >= 2 && alike).then_some(())?;
-    let of = |points: &[Vec<f64>]| points.iter().map(|x| f(x)).collect::<Vec<f64>>();
-    let at_a = of(a);
-    let at_b = of(b);
+    let [at_a, at_b] = [a, b].map(|points| points.iter().map(|x| f(x)).collect::<Vec<f64>>());
     let spread =
         2.0 * a.len() as f64 * Moments::of(&[at_a.as_slice(), &at_b].concat()).mean_square();
     (spread > 0.0).then_some(())?;
-    let swapped = |i: usize| {
-        let one = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+    let mut indices = Indices { first: Vec::new(), total: Vec::new() };
+    for i in 0..inputs {
+        let mut at_ab = Vec::with_capacity(a.len());
+        for (a, b) in a.iter().zip(b) {
             let mut x = a.clone();
             x[i] = b[i];
-            f(&x)
-        };
-        a.iter().zip(b).map(one).collect::<Vec<f64>>()
-    };
-    let (first, total) = (0..inputs)
-        .map(|i| {
-            let at_ab = swapped(i);
-            (1.0 - squares(&at_b, &at_ab) / spread, squares(&at_a, &at_ab) / spread)
-        })
-        .unzip();
-    Some(Indices { first, total })
+            at_ab.push(f(&x));
+        }
+        indices.first.push(1.0 - squares(&at_b, &at_ab) / spread);
+        indices.total.push(squares(&at_a, &at_ab) / spread);
+    }
+    Some(indices)
 }
 
+/// Σ (x − y)².
 fn squares(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| (x - y) * (x - y)).sum()
 }
@@ -84,6 +80,7 @@ impl SwitchVariance {
         let mut beta = values.to_vec();
         transform(&mut beta);
         let settings = values.len() as f64;
+        // The part of the empty set is the mean.
         for (part, beta) in self.parts.iter_mut().zip(&beta).skip(1) {
             *part += (beta / settings) * (beta / settings);
         }
@@ -121,12 +118,11 @@ impl SwitchVariance {
         self.switches
     }
 
+    /// The share of the sets that count in V; `None` where nothing varies.
     fn share(&self, counts: impl Fn(usize) -> bool) -> Option<f64> {
         let all = self.variance();
-        let of = || {
-            (0..self.parts.len()).filter(|set| counts(*set)).map(|set| self.parts[set]).sum::<f64>()
-        };
-        (all > 0.0).then(|| of() / all)
+        let sets = (0..self.parts.len()).filter(|set| counts(*set));
+        (all > 0.0).then(|| sets.map(|set| self.parts[set]).sum::<f64>() / all)
     }
 }
 

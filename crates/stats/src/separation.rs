@@ -21,7 +21,7 @@ use zwidth_numerics::dense::{Matrix, dot};
 pub(crate) struct Pattern {
     /// The values, one per column.
     pub(crate) x: Vec<f64>,
-    /// How many answers there are, by category.
+    /// Number of answers by category.
     pub(crate) counts: Vec<f64>,
 }
 
@@ -35,6 +35,7 @@ const ROUNDS_PER_ROW: usize = 10;
 /// estimates are finite. Each of the categories must occur, and the columns be independent of each
 /// other and of a column of ones.
 pub(crate) fn direction(patterns: &[Pattern], categories: usize) -> Option<Vec<f64>> {
+    // Columns of size 1, so that one measure of rounding serves all; the direction is scaled back.
     let scales = scales(patterns);
     let rows = conditions(patterns, categories, &scales);
     let residual = least_combination(&rows)?;
@@ -59,9 +60,8 @@ fn conditions(patterns: &[Pattern], categories: usize, scales: &[f64]) -> Vec<Ve
         rows.push(row);
     }
     for pattern in patterns {
-        let given = |count: &f64| *count > 0.0;
-        let lowest = pattern.counts.iter().position(given);
-        let highest = pattern.counts.iter().rposition(given);
+        let lowest = pattern.counts.iter().position(|count| *count > 0.0);
+        let highest = pattern.counts.iter().rposition(|count| *count > 0.0);
         let above = lowest.filter(|&k| k < thresholds).map(|k| (k, 1.0));
         let below = highest.filter(|&k| k > 0).map(|k| (k - 1, -1.0));
         for (threshold, sign) in above.into_iter().chain(below) {
@@ -92,12 +92,12 @@ fn least_combination(rows: &[Vec<f64>]) -> Option<Vec<f64>> {
         if length <= ROUNDING * y.iter().sum::<f64>() {
             return None;
         }
-        let slope = |i: usize| dot(&rows[i], &residual) / length;
         let held = (0..rows.len()).filter(|i| !free.contains(i));
-        let steepest = held.min_by(|&i, &j| slope(i).total_cmp(&slope(j)));
-        match steepest.filter(|&i| slope(i) < -ROUNDING) {
+        let slopes = held.map(|i| (i, dot(&rows[i], &residual) / length));
+        let steepest = slopes.min_by(|(_, a), (_, b)| a.total_cmp(b));
+        match steepest.filter(|(_, slope)| *slope < -ROUNDING) {
             None => return Some(residual),
-            Some(entering) => free.push(entering),
+            Some((entering, _)) => free.push(entering),
         }
         if !settle(rows, &mut y, &mut free) {
             return None;

@@ -21,7 +21,7 @@ pub struct SignFlip {
     pub nonzero: usize,
     /// Two-sided p value of "each difference is as likely to have the other sign".
     pub p_value: f64,
-    /// The smallest p that so many differences other than zero reach: each zero doubles it.
+    /// The smallest p that as many differences other than zero can reach: each zero doubles it.
     pub smallest_p: f64,
     /// How the p value was found.
     pub null: Null,
@@ -49,6 +49,7 @@ pub fn test(differences: &[f64], sampling: Sampling) -> Result<SignFlip, Unestim
     let nonzero = nonzero(differences)?;
     let observed = sum(&nonzero).abs();
     let total = nonzero.iter().map(|d| d.abs()).sum::<f64>();
+    // Finite values may have an infinite sum, against which every flip would count as equal.
     if !total.is_finite() {
         return Err(StatsError::NonFinite { index: 0, value: total }.into());
     }
@@ -77,6 +78,7 @@ fn sum(values: &[f64]) -> f64 {
 /// The sum of `values`, each with a sign at random.
 fn flipped(values: &[f64], rng: &mut ChaCha8Rng) -> f64 {
     let sums = values.chunks(u64::BITS as usize).map(|chunk| {
+        // One draw of 64 bits for 64 signs.
         let bits = rng.next_u64();
         let numbered = chunk.iter().enumerate();
         numbered.map(|(i, v)| if bits >> i & 1 == 1 { -v } else { *v }).sum::<f64>()
@@ -96,7 +98,7 @@ fn exact_p(values: &[f64], threshold: f64) -> f64 {
     // Flips come in pairs of opposite sums: those of at least the threshold are half of all.
     let mut enough = right.len();
     let mut count: u64 = 0;
-    // As the left sums rise, ever more of the right ones are enough: none is looked at twice.
+    // As the left sums rise, ever more of the right ones are enough: none is visited twice.
     for sum in &left {
         while enough > 0 && sum + right[enough - 1] >= threshold {
             enough -= 1;

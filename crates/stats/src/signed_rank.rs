@@ -21,7 +21,7 @@ pub struct SignedRank {
     pub nonzero: usize,
     /// Two-sided p value of "the differences are symmetric about zero".
     pub p_value: f64,
-    /// The smallest p that so many differences other than zero reach: each zero doubles it.
+    /// The smallest p that as many differences other than zero can reach: each zero doubles it.
     pub smallest_p: f64,
     /// How the p value was found.
     pub null: Null,
@@ -42,13 +42,17 @@ pub fn test(differences: &[f64]) -> Result<SignedRank, Unestimable> {
     all_finite(differences)?;
     let n = nonzero(differences)?.len();
     let magnitudes: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
+    // Ranked with the zeros, which take the lowest ranks (Pratt).
     let ranks = doubled_midranks(&magnitudes);
-    let of = |keep: fn(&f64) -> bool| {
-        let pairs = differences.iter().zip(&ranks).filter(move |(d, _)| keep(d));
-        pairs.map(|(_, rank)| *rank).collect::<Vec<u64>>()
-    };
-    let above = of(|d| *d > 0.0);
-    let below = of(|d| *d < 0.0);
+    let mut above = Vec::new();
+    let mut below = Vec::new();
+    for (difference, rank) in differences.iter().zip(&ranks) {
+        if *difference > 0.0 {
+            above.push(*rank);
+        } else if *difference < 0.0 {
+            below.push(*rank);
+        }
+    }
     let plus = above.iter().sum::<u64>();
     let minus = below.iter().sum::<u64>();
     let ranks = [above, below].concat();
@@ -74,7 +78,7 @@ fn exact_p(ranks: &[u64], smaller: u64) -> f64 {
     if 2 * smaller >= total {
         return 1.0;
     }
-    // counts[s]: choices of positive ranks so far with sum s; at most 2^50 in all
+    // counts[s]: choices of positive ranks so far with sum s; at most 2^50 in all.
     let mut counts = vec![0_u64; smaller as usize + 1];
     counts[0] = 1;
     for rank in ranks.iter().map(|rank| *rank as usize) {

@@ -34,34 +34,43 @@ pub fn two_sided_p(t: f64, df: f64) -> Result<f64, StatsError> {
 /// `level` outside (0, 1), `df` not positive.
 pub fn critical_value(level: f64, df: f64) -> Result<f64, StatsError> {
     /// Values that are kept.
-    const KEPT: usize = 4;
-    type Known = (f64, f64, f64);
+    const MOST: usize = 4;
+    #[derive(Clone, Copy)]
+    struct Kept {
+        level: f64,
+        df: f64,
+        value: f64,
+    }
+    /// NaN equals nothing, so that it is never taken for a request.
+    const EMPTY: Kept = Kept { level: f64::NAN, df: f64::NAN, value: f64::NAN };
     thread_local! {
         // The search takes fifty values of the distribution, and all intervals of a trial but a few
         // ask for the same.
-        static KNOWN: Cell<[Known; KEPT]> = const { Cell::new([(f64::NAN, f64::NAN, f64::NAN); KEPT]) };
+        static KEPT: Cell<[Kept; MOST]> = const { Cell::new([EMPTY; MOST]) };
     }
-    let mut known = KNOWN.get();
-    if let Some(at) = known.iter().position(|known| (known.0, known.1) == (level, df)) {
-        known[..=at].rotate_right(1);
-        KNOWN.set(known);
-        return Ok(known[0].2);
+    let mut kept = KEPT.get();
+    if let Some(at) = kept.iter().position(|kept| (kept.level, kept.df) == (level, df)) {
+        // The one used last goes to the front, the one that was not used longest is dropped.
+        kept[..=at].rotate_right(1);
+        KEPT.set(kept);
+        return Ok(kept[0].value);
     }
     check_level(level)?;
     let distribution = distribution(df)?;
-    let found =
+    let value =
         rounded(if df < MANY { searched(level, &distribution) } else { corrected(level, df) });
-    known.rotate_right(1);
-    known[0] = (level, df, found);
-    KNOWN.set(known);
-    Ok(found)
+    kept.rotate_right(1);
+    kept[0] = Kept { level, df, value };
+    KEPT.set(kept);
+    Ok(value)
 }
 
 fn distribution(df: f64) -> Result<StudentsT, StatsError> {
-    let found = StudentsT::new(0.0, 1.0, df).ok().filter(|_| df.is_finite());
-    found.ok_or(StatsError::DegreesOfFreedom { df })
+    let distribution = StudentsT::new(0.0, 1.0, df).ok().filter(|_| df.is_finite());
+    distribution.ok_or(StatsError::DegreesOfFreedom { df })
 }
 
+/// P(|T| ≥ t) for t ≥ 0, not rounded.
 fn tails(t: f64, distribution: &StudentsT) -> f64 {
     2.0 * distribution.sf(t)
 }
@@ -76,7 +85,7 @@ fn searched(level: f64, distribution: &StudentsT) -> f64 {
     let alpha = 1.0 - level;
     let over = |t: f64| tails(t, distribution) - alpha;
     let mut low = 0.0;
-    let mut at_low = level;
+    let mut at_low = level; // at 0 the tails are 1, and 1 − alpha is the level
     let mut high = 1.0;
     let mut at_high = over(1.0);
     while at_high > 0.0 {

@@ -5,8 +5,9 @@
 //! of a scale and no model. Participants are the units: their probabilities are averaged with equal
 //! weight, however many repeats there are.
 
-use crate::student_t::{critical_value, two_sided_p};
+use crate::error::check_level;
 use crate::tested::{Tested, Unestimable};
+use crate::welch;
 use zwidth_numerics::moments::Moments;
 
 /// One participant's answers in two modes.
@@ -41,15 +42,15 @@ pub fn superiority<T: Ord>(
     participants: &[Repeats<T>],
     level: f64,
 ) -> Result<Superiority, Unestimable> {
-    crate::error::check_level(level)?;
+    check_level(level)?;
     let shares: Vec<Option<f64>> = participants.iter().map(share).collect();
     let present: Vec<f64> = shares.iter().copied().flatten().collect();
     if present.is_empty() {
         return Err(Unestimable::TooFew { units: "participants", found: 0, needed: 1 });
     }
-    let found = Moments::of(&present);
-    let probability = found.mean;
-    let sd_of_delta = found.sd().map(|sd| 2.0 * sd);
+    let moments = Moments::of(&present);
+    let probability = moments.mean;
+    let sd_of_delta = moments.sd().map(|sd| 2.0 * sd);
     let cliff_delta = tested(present.len(), 2.0 * probability - 1.0, sd_of_delta, level);
     let interval =
         cliff_delta.clone().map(|delta| ((1.0 + delta.ci_low) / 2.0, (1.0 + delta.ci_high) / 2.0));
@@ -63,6 +64,7 @@ fn share<T: Ord>(repeats: &Repeats<T>) -> Option<f64> {
         .a
         .iter()
         .flat_map(|a| repeats.b.iter().map(move |b| a.cmp(b)))
+        // Lower, equal and higher as 0, 1 and 2: whole numbers, whose sum is exact.
         .map(|order| (order as i8 + 1) as usize)
         .sum();
     (pairs > 0).then(|| doubled as f64 / (2 * pairs) as f64)
@@ -70,25 +72,13 @@ fn share<T: Ord>(repeats: &Repeats<T>) -> Option<f64> {
 
 /// The t test of a mean of `n` values of δ.
 fn tested(n: usize, estimate: f64, sd: Option<f64>, level: f64) -> Result<Tested, Unestimable> {
-    let units = "participants";
-    let sd = sd.ok_or(Unestimable::TooFew { units, found: n, needed: 2 })?;
+    let sd = sd.ok_or(Unestimable::TooFew { units: "participants", found: n, needed: 2 })?;
     // Shares are fractions of few pairs: what is left of equal ones is rounding.
     if sd <= 1e-14 {
         return Err(Unestimable::Constant { units: "participants' shares" });
     }
-    let df = n as f64 - 1.0;
-    let std_error = sd / (n as f64).sqrt();
-    let half = critical_value(level, df)? * std_error;
-    let statistic = estimate / std_error;
-    Ok(Tested {
-        estimate,
-        std_error,
-        ci_low: (estimate - half).max(-1.0),
-        ci_high: (estimate + half).min(1.0),
-        statistic,
-        df,
-        p_value: two_sided_p(statistic, df)?,
-    })
+    let tested = welch::tested(estimate, sd / (n as f64).sqrt(), n as f64 - 1.0, level)?;
+    Ok(Tested { ci_low: tested.ci_low.max(-1.0), ci_high: tested.ci_high.min(1.0), ..tested })
 }
 
 #[cfg(test)]

@@ -49,9 +49,9 @@ pub enum Unestimable {
     TooFew {
         /// What is counted, in the plural: `participants`, `pairs`.
         units: &'static str,
-        /// How many there are.
+        /// Number of units that there are.
         found: usize,
-        /// How many the statistic takes at least.
+        /// The least number that the statistic takes.
         needed: usize,
     },
     /// Values that are equal up to their rounding.
@@ -66,7 +66,7 @@ pub enum Unestimable {
     /// Answers that one side always gives and the other never, so that the estimate is infinite.
     #[error("the answers separate {what} completely, so the estimate has no end")]
     Separated {
-        /// What is told apart.
+        /// What the answers separate.
         what: String,
     },
     /// Columns of a model that the data cannot tell apart.

@@ -27,6 +27,7 @@ pub struct Group {
 /// No stratum, a group of fewer than two values, groups without any scatter; `level` outside
 /// (0, 1).
 pub fn difference(strata: &[[Group; 2]], level: f64) -> Result<Tested, Unestimable> {
+    // Without strata `combined` refuses: the weight is only to be finite.
     let weight = 1.0 / strata.len().max(1) as f64;
     let terms: Vec<_> = strata.iter().flat_map(|[a, b]| [(weight, *a), (-weight, *b)]).collect();
     combined(&terms, level)
@@ -51,13 +52,16 @@ fn combined(terms: &[(f64, Group)], level: f64) -> Result<Tested, Unestimable> {
         return Err(Unestimable::TooFew { units, found: fewest, needed: 2 });
     }
     let estimate: f64 = terms.iter().map(|(weight, group)| weight * group.mean).sum();
-    let share =
-        |(weight, group): &(f64, Group)| weight * weight * group.sd * group.sd / group.n as f64;
-    let variance: f64 = terms.iter().map(share).sum();
+    let shares: Vec<f64> = terms
+        .iter()
+        .map(|(weight, group)| weight * weight * group.sd * group.sd / group.n as f64)
+        .collect();
+    let variance: f64 = shares.iter().sum();
     if variance <= 0.0 {
         return Err(Unestimable::Constant { units: "repeats of a condition" });
     }
-    let spent = terms.iter().map(|term| share(term) * share(term) / (term.1.n - 1) as f64);
+    let groups = shares.iter().zip(terms);
+    let spent = groups.map(|(share, (_, group))| share * share / (group.n - 1) as f64);
     let df = variance * variance / spent.sum::<f64>();
     Ok(tested(estimate, variance.sqrt(), df, level)?)
 }

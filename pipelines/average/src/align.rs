@@ -12,14 +12,14 @@ use zwidth_study::{Alignment, Analysis, TrialMeta};
 pub(crate) struct Aligned<'a> {
     trial: Recorded<'a>,
     pub(crate) onset_s: f64,
-    /// When it passes its landmarks, s since its onset.
+    /// Times at which it passes its landmarks, s since its onset.
     pub(crate) landmarks: Times,
-    /// Where its ways lie, and the sample at which the way back begins.
+    /// Its phases, and the sample at which the way back begins.
     pub(crate) phases: (Phases, Option<usize>),
     /// Its last sample, s since its onset.
     last_s: f64,
-    /// Its own landmarks and those of the common scale that they meet, s; none where the onset alone
-    /// does.
+    /// Its own landmarks and those of the common scale that they meet, s; empty if it is aligned at
+    /// onset alone.
     warped: (Vec<f64>, Vec<f64>),
 }
 
@@ -31,25 +31,26 @@ impl<'a> Aligned<'a> {
         wall_rad: Option<f64>,
     ) -> Result<Self, WhyNot> {
         let columns = trial.columns;
+        let Analysis { onset_rad_s, offset_rad_s, .. } = *analysis;
+        // Columns are read from the file when they are requested, and forgotten when they are
+        // dropped: the velocity alone shows whether there is a movement for the others to place.
         let moving = {
             if !columns.has(Signal::Theta) {
                 return Err(WhyNot::NoAngle);
             }
             let velocity = columns.column(Signal::ThetaDot).ok_or(WhyNot::NoVelocity)?;
-            activity(&velocity, analysis.onset_rad_s, analysis.offset_rad_s)
+            activity(&velocity, onset_rad_s, offset_rad_s).ok_or(WhyNot::NoMovement)?
         };
-        let moving = moving.ok_or(WhyNot::NoMovement)?;
         let theta = columns.column(Signal::Theta).ok_or(WhyNot::NoAngle)?;
-        let found = phases(&theta, moving.onset, moving.end.unwrap_or(columns.rows() - 1));
-        let Analysis { onset_rad_s, offset_rad_s, .. } = *analysis;
+        let phases = phases(&theta, moving.onset, moving.end.unwrap_or(columns.rows() - 1));
         let velocity = columns.column(Signal::ThetaDot).ok_or(WhyNot::NoVelocity)?;
-        let returns = return_begins(&velocity, found, onset_rad_s, offset_rad_s);
+        let returns = return_begins(&velocity, phases, onset_rad_s, offset_rad_s);
         let t = columns.column(Signal::Time).ok_or(WhyNot::NoMovement)?;
         let wall_s = wall_rad.and_then(|wall| first_passing(&t, &theta, wall));
         let landmarks = [
-            Some(t[found.onset]),
+            Some(t[phases.onset]),
             wall_s,
-            Some(t[found.reversal]),
+            Some(t[phases.reversal]),
             returns.map(|returns| t[returns]),
             moving.end.map(|end| t[end]),
         ];
@@ -58,13 +59,13 @@ impl<'a> Aligned<'a> {
             trial,
             onset_s,
             landmarks: landmarks.map(|l| l.map(|t| t - onset_s)),
-            phases: (found, returns),
+            phases: (phases, returns),
             last_s: t.last().copied().unwrap_or(onset_s) - onset_s,
             warped: Default::default(),
         })
     }
 
-    /// Itself, unless it lacks what `alignment` needs.
+    /// The repeat itself, unless it lacks what `alignment` needs.
     pub(crate) fn fit_for(self, alignment: Alignment) -> Result<Self, WhyNot> {
         let has_end = self.landmarks[Landmark::End as usize].is_some();
         if has_end || alignment == Alignment::Onset { Ok(self) } else { Err(WhyNot::NoEnd) }
@@ -85,7 +86,7 @@ impl<'a> Aligned<'a> {
         if own.is_empty() { since_onset_s } else { warp(since_onset_s, own, common) }
     }
 
-    /// When each sample comes on the common scale, s; negative before the onset.
+    /// The time of each sample on the common scale, s; negative before the onset.
     pub(crate) fn times_s(&self) -> Vec<f64> {
         let t = self.trial.columns.column(Signal::Time);
         t.iter().flat_map(|t| t.iter()).map(|t| self.common_s(t - self.onset_s)).collect()
@@ -109,11 +110,12 @@ impl<'a> Aligned<'a> {
 /// The landmarks that all repeats share, with their mean times.
 pub(crate) fn mean_landmarks(aligned: &[Aligned]) -> Vec<(Landmark, f64)> {
     let times: Vec<_> = aligned.iter().map(|a| a.landmarks).collect();
-    let mean = |landmark: Landmark| {
-        let of_all: Vec<f64> = times.iter().filter_map(|times| times[landmark as usize]).collect();
-        (landmark, of_all.iter().sum::<f64>() / of_all.len() as f64)
-    };
-    shared(&times).into_iter().map(mean).collect()
+    let mut means = Vec::new();
+    for landmark in shared(&times) {
+        let passed: Vec<f64> = times.iter().filter_map(|times| times[landmark as usize]).collect();
+        means.push((landmark, passed.iter().sum::<f64>() / passed.len() as f64));
+    }
+    means
 }
 
 /// The repeat with its own landmarks at the times of `landmarks`; unchanged where there are none.
@@ -126,23 +128,25 @@ pub(crate) fn warped<'a>(repeat: Aligned<'a>, landmarks: &[(Landmark, f64)]) -> 
 pub(crate) fn check_lengths(trial: &Recorded) -> Result<(), AverageError> {
     match trial.columns.ragged() {
         None => Ok(()),
-        Some((column, found)) => {
-            let (trial, expected) = (trial.meta.trial, trial.columns.rows());
-            Err(AverageError::Ragged { trial, column, expected, found })
-        }
+        Some((column, found)) => Err(AverageError::Ragged {
+            trial: trial.meta.trial,
+            column,
+            expected: trial.columns.rows(),
+            found,
+        }),
     }
 }
 
 /// Repeats of one length differ by no more than this share of it after their onset is taken off.
 const ROUNDING: f64 = 1e-9;
 
-/// How long the average lasts, s: as long as at least half of the repeats do (with `lengths_s` not
-/// empty).
+/// The length of the average, s: that which at least half of the repeats reach (with `lengths_s`
+/// not empty).
 pub(crate) fn average_length_s(mut lengths_s: Vec<f64>) -> f64 {
     lengths_s.sort_by(|a, b| b.total_cmp(a));
     let half = lengths_s[lengths_s.len().div_ceil(2) - 1];
-    // the shortest of those that last as long but for rounding: none is to drop out at the last
-    // point
+    // The shortest of those that last as long but for rounding: none must drop out at the last
+    // point.
     lengths_s.into_iter().filter(|l| *l >= half * (1.0 - ROUNDING)).fold(half, f64::min)
 }
 

@@ -19,7 +19,7 @@ pub const SIGNALS: [Signal; 5] =
 pub struct Repeat {
     /// Its trial's number.
     pub trial: u32,
-    /// Which repeat of the condition it is.
+    /// Its number among the repeats of the condition.
     pub repeat: u32,
     /// Its onset on its own clock, s: the average's t = 0.
     pub onset_s: f64,
@@ -32,14 +32,14 @@ pub struct Repeat {
 pub struct LeftOut {
     /// Its trial's number.
     pub trial: u32,
-    /// Why.
+    /// The reason.
     pub why: WhyNot,
 }
 
 /// A signal over the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
-    /// Which signal.
+    /// The signal.
     pub signal: Signal,
     /// Mean, SD and band of the repeats at each time of the grid.
     pub band: Band,
@@ -50,22 +50,22 @@ pub struct Course {
 pub struct Parameters {
     /// Thresholds, grid and confidence level.
     pub analysis: Analysis,
-    /// What is rendered.
+    /// The rendered scene.
     pub scene: Scene,
 }
 
 /// The mean course of one condition's repeats by one participant in one session.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Average {
-    /// Who.
+    /// The participant.
     pub participant: ParticipantId,
-    /// In which session.
+    /// The session.
     pub session: SessionId,
     /// The condition.
     pub condition: Condition,
-    /// Where the numbers come from: simulated if any repeat is, else as the first.
+    /// The source of the numbers: simulated if any repeat is, else that of the first.
     pub source: Source,
-    /// How the repeats were made to meet.
+    /// How the repeats were aligned.
     pub alignment: Alignment,
     /// Landmarks and their mean times since onset, s, in order; empty where repeats are aligned at
     /// onset alone.
@@ -126,9 +126,18 @@ where
         session: first.meta.session.clone(),
         condition: first.meta.condition(),
         source: source_of(&trials),
+        // Not from the bands: a signal that some repeat lacks has none.
         n: t_s.iter().map(|t| aligned.iter().filter(|a| a.length_s() >= *t).count()).collect(),
         courses: courses(&aligned, &t_s, parameters.analysis.confidence)?,
-        repeats: aligned.iter().map(repeat).collect(),
+        repeats: aligned
+            .iter()
+            .map(|repeat| Repeat {
+                trial: repeat.meta().trial,
+                repeat: repeat.meta().repeat,
+                onset_s: repeat.onset_s,
+                length_s: repeat.length_s(),
+            })
+            .collect(),
         left_out,
         alignment,
         landmarks,
@@ -136,7 +145,7 @@ where
     })
 }
 
-/// When each sample of each of the trials comes on the scale of their average, s; `None` for a
+/// The time of each sample of each trial on the scale of their average, s; `None` for a
 /// repeat that is not in it.
 ///
 /// # Errors
@@ -148,11 +157,16 @@ pub fn times_s(
 ) -> Result<Vec<Option<Vec<f64>>>, AverageError> {
     let recorded: Vec<Recorded> = trials.iter().map(Into::into).collect();
     let placed = place(&recorded, parameters, alignment)?;
-    let of = |trial: &Trial| placed.aligned.iter().find(|a| std::ptr::eq(a.meta(), &trial.meta));
-    Ok(trials.iter().map(|trial| of(trial).map(Aligned::times_s)).collect())
+    let mut times_s = Vec::new();
+    for trial in trials {
+        // The repeats borrow their trials: the address tells which is whose.
+        let aligned = placed.aligned.iter().find(|a| std::ptr::eq(a.meta(), &trial.meta));
+        times_s.push(aligned.map(Aligned::times_s));
+    }
+    Ok(times_s)
 }
 
-/// Simulated if any of the trials is, else as the first; of no trial nothing is said.
+/// Simulated if any of the trials is, else as the first; `Recorded` without trials.
 pub(crate) fn source_of(trials: &[Recorded]) -> Source {
     let mut sources = trials.iter().map(|trial| trial.meta.source);
     let first = trials.first().map(|trial| trial.meta.source);
@@ -166,14 +180,31 @@ pub(crate) struct Placed<'a> {
     landmarks: Vec<(Landmark, f64)>,
 }
 
+/// Places every repeat that can be placed, and lists the others. If none can: the first one's
+/// reason.
 pub(crate) fn place<'a>(
     trials: &[Recorded<'a>],
     parameters: &Parameters,
     alignment: Alignment,
 ) -> Result<Placed<'a>, AverageError> {
     check_together(trials)?;
-    let wall_rad = wall(parameters.scene)?;
-    let (aligned, left_out) = align(trials, &parameters.analysis, wall_rad, alignment)?;
+    let wall_rad = match parameters.scene.kind() {
+        SceneKind::Free => return Err(WhyNot::FreeMotion.into()),
+        SceneKind::None => return Err(WhyNot::NothingRendered.into()),
+        _ => parameters.scene.wall_rad(),
+    };
+    let mut aligned = Vec::new();
+    let mut left_out = Vec::new();
+    for trial in trials {
+        let repeat = Aligned::new(*trial, &parameters.analysis, wall_rad);
+        match repeat.and_then(|repeat| repeat.fit_for(alignment)) {
+            Ok(repeat) => aligned.push(repeat),
+            Err(why) => left_out.push(LeftOut { trial: trial.meta.trial, why }),
+        }
+    }
+    if let (true, Some(first)) = (aligned.is_empty(), left_out.first()) {
+        return Err(first.why.clone().into());
+    }
     let landmarks = match alignment {
         Alignment::Onset => Vec::new(),
         Alignment::Landmarks => mean_landmarks(&aligned),
@@ -183,59 +214,22 @@ pub(crate) fn place<'a>(
 }
 
 fn check_together(trials: &[Recorded]) -> Result<(), AverageError> {
-    let key =
-        |t: &Recorded| (t.meta.participant.clone(), t.meta.session.clone(), t.meta.condition());
-    match trials.iter().find(|t| key(t) != key(&trials[0])) {
-        Some(other) => Err(AverageError::Mixed { trial: other.meta.trial }),
-        None if trials.is_empty() => Err(AverageError::Empty),
-        None => trials.iter().try_for_each(check_lengths),
-    }
-}
-
-/// Where the scene's wall begins, if it has one; a reason where nothing is rendered to average.
-fn wall(scene: Scene) -> Result<Option<f64>, WhyNot> {
-    match scene.kind() {
-        SceneKind::Free => Err(WhyNot::FreeMotion),
-        SceneKind::None => Err(WhyNot::NothingRendered),
-        _ => Ok(scene.wall_rad()),
-    }
-}
-
-/// The repeats that can be placed, and those that cannot. If none can: the first one's reason.
-fn align<'a>(
-    trials: &[Recorded<'a>],
-    analysis: &Analysis,
-    wall_rad: Option<f64>,
-    alignment: Alignment,
-) -> Result<(Vec<Aligned<'a>>, Vec<LeftOut>), WhyNot> {
-    let mut aligned = Vec::new();
-    let mut left_out = Vec::new();
-    for trial in trials {
-        match Aligned::new(*trial, analysis, wall_rad).and_then(|a| a.fit_for(alignment)) {
-            Ok(repeat) => aligned.push(repeat),
-            Err(why) => left_out.push(LeftOut { trial: trial.meta.trial, why }),
+    let first = trials.first().ok_or(AverageError::Empty)?.meta;
+    for Recorded { meta, .. } in trials {
+        if (&meta.participant, &meta.session) != (&first.participant, &first.session)
+            || meta.condition() != first.condition()
+        {
+            return Err(AverageError::Mixed { trial: meta.trial });
         }
     }
-    match (aligned.is_empty(), left_out.first()) {
-        (true, Some(first)) => Err(first.why.clone()),
-        _ => Ok((aligned, left_out)),
-    }
-}
-
-fn repeat(aligned: &Aligned) -> Repeat {
-    let meta = aligned.meta();
-    Repeat {
-        trial: meta.trial,
-        repeat: meta.repeat,
-        onset_s: aligned.onset_s,
-        length_s: aligned.length_s(),
-    }
+    trials.iter().try_for_each(check_lengths)
 }
 
 fn courses(aligned: &[Aligned], t_s: &[f64], level: f64) -> Result<Vec<Course>, AverageError> {
     let mut courses = Vec::new();
     for signal in SIGNALS {
         let rows: Option<Vec<_>> = aligned.iter().map(|a| a.on_grid(signal, t_s)).collect();
+        // The mean of those that have a signal would be of other repeats than the other means.
         let Some(repeats) = rows else { continue };
         courses.push(Course { signal, band: band(&repeats, level)? });
     }

@@ -35,8 +35,8 @@ impl fmt::Display for Landmark {
     }
 }
 
-/// When a repeat passes each landmark, s since its onset, in the order of [`Landmark::ALL`]; `None`
-/// where it does not.
+/// The time at which a repeat passes each landmark, s since its onset, in the order of
+/// [`Landmark::ALL`]; `None` where it does not.
 pub(crate) type Times = [Option<f64>; 5];
 
 /// The landmarks that every repeat passes, each after the one before; start and end always (they

@@ -15,13 +15,13 @@ use zwidth_study::{Alignment, Condition, ParticipantId, SessionId, Source};
 /// Angles at which a branch is averaged.
 pub(crate) const NODES: usize = 101;
 
-/// What stands against the angle.
+/// The signals that are averaged at each angle.
 pub(crate) const LOADS: [Signal; 3] = [Signal::ForceEx, Signal::TorqueEx, Signal::ForceCmd];
 
 /// One branch of a mean loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeanBranch {
-    /// Which.
+    /// The branch.
     pub branch: Branch,
     /// The angles, in the order of the movement, rad.
     pub theta_rad: Vec<f64>,
@@ -32,19 +32,19 @@ pub struct MeanBranch {
 /// The mean of force against position of one condition's repeats by one participant in one session.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeanLoop {
-    /// Who.
+    /// The participant.
     pub participant: ParticipantId,
-    /// In which session.
+    /// The session.
     pub session: SessionId,
     /// The condition.
     pub condition: Condition,
-    /// Where the numbers come from: simulated if any repeat is, else as the first.
+    /// The source of the numbers: simulated if any repeat is, else that of the first.
     pub source: Source,
-    /// How many repeats are averaged, at every angle.
+    /// Number of repeats averaged, at every angle.
     pub n: usize,
-    /// How many of them return.
+    /// Number of them that return.
     pub returning: usize,
-    /// The repeats that could not be.
+    /// The repeats that are left out.
     pub left_out: Vec<LeftOut>,
     /// The branches that all repeats have.
     pub branches: Vec<MeanBranch>,
@@ -59,13 +59,13 @@ pub(crate) struct Course {
 
 impl Course {
     fn load(&self, signal: Signal) -> Option<&[f64]> {
-        self.loads.iter().find(|(of, _)| *of == signal).map(|(_, values)| values.as_slice())
+        self.loads.iter().find(|(load, _)| *load == signal).map(|(_, values)| values.as_slice())
     }
 }
 
 impl MeanBranch {
-    /// The same of groups of courses that follow each other, so many in each: within a group the plain
-    /// mean, then mean and band over groups.
+    /// The same branch averaged over groups of courses, `counts` of which follow each other: within
+    /// a group the plain mean, then mean and band over groups.
     pub(crate) fn of_groups(
         &self,
         courses: &[Course],
@@ -77,20 +77,23 @@ impl MeanBranch {
             angles.reverse();
         }
         let on_grid = match self.branch {
-            Branch::Held => courses.to_vec(),
+            Branch::Held => courses.to_vec(), // no angles: the same two points in each
             _ => at(courses, &angles),
         };
         let mut rest = on_grid.as_slice();
         let mut groups = Vec::new();
         for count in counts {
             let (group, others) = rest.split_at(*count);
-            let load = |signal: Signal| {
-                let all: Vec<&[f64]> =
-                    group.iter().map(|course| course.load(signal)).collect::<Option<_>>()?;
-                let mean = |i: usize| all.iter().map(|v| v[i]).sum::<f64>() / all.len() as f64;
-                Some((signal, (0..all.first()?.len()).map(mean).collect()))
-            };
-            let loads = LOADS.into_iter().filter_map(load).collect();
+            let mut loads = Vec::new();
+            for signal in LOADS {
+                // A load that one of the courses lacks has no mean.
+                let all: Option<Vec<&[f64]>> = group.iter().map(|c| c.load(signal)).collect();
+                let all = all.unwrap_or_default();
+                let Some(first) = all.first() else { continue };
+                let means = (0..first.len())
+                    .map(|i| all.iter().map(|v| v[i]).sum::<f64>() / all.len() as f64);
+                loads.push((signal, means.collect()));
+            }
             groups.push(Course { theta_rad: angles.clone(), loads });
             rest = others;
         }
@@ -127,25 +130,36 @@ where
     for repeat in &aligned {
         let Some(theta) = repeat.column(Signal::Theta) else { continue };
         let (phases, returns) = repeat.phases;
-        let farther: Vec<usize> = farther(&theta, phases.onset..=phases.reversal, 1.0);
-        let back = returns.map(|returns| farther_back(&theta, returns..=phases.end));
+        let forth = farther(&theta, phases.onset..=phases.reversal, 1.0);
+        let back = returns.map(|returns| {
+            let mut rows = farther(&theta, returns..=phases.end, -1.0);
+            // Angles of a course rise, and on the way back they fall.
+            rows.reverse();
+            rows
+        });
         let last = returns.unwrap_or(theta.len() - 1);
-        let mut loads: [Vec<(Signal, Vec<f64>)>; 3] = Default::default();
+        let mut way_in = Course { theta_rad: at_rows(&theta, &forth), loads: Vec::new() };
+        let mut turn = Course::default();
+        let mut way_out = back
+            .as_deref()
+            .map(|back| Course { theta_rad: at_rows(&theta, back), loads: Vec::new() });
         for signal in LOADS {
             let Some(load) = repeat.column(signal) else { continue };
-            let at = |rows: &[usize]| rows.iter().map(|row| load[*row]).collect::<Vec<f64>>();
-            loads[0].push((signal, at(&farther)));
+            way_in.loads.push((signal, at_rows(&load, &forth)));
+            // While the lever is held its angle stays and its force falls: the branch is the two
+            // ends of a vertical line.
             let (low, high) = zwidth_numerics::series::ends(&load[phases.reversal..=last]);
-            loads[1].push((signal, vec![high, low]));
-            loads[2].extend(back.as_deref().map(|back| (signal, at(back))));
+            turn.loads.push((signal, vec![high, low]));
+            if let (Some(way_out), Some(back)) = (&mut way_out, &back) {
+                way_out.loads.push((signal, at_rows(&load, back)));
+            }
         }
-        let angles = |rows: &[usize]| rows.iter().map(|row| theta[*row]).collect::<Vec<f64>>();
-        let [of_in, of_held, of_out] = loads;
-        ways_in.push(Course { theta_rad: angles(&farther), loads: of_in });
-        held.push(Course { theta_rad: Vec::new(), loads: of_held });
-        ways_out.extend(back.map(|back| Course { theta_rad: angles(&back), loads: of_out }));
+        ways_in.push(way_in);
+        held.push(turn);
+        ways_out.extend(way_out);
     }
     let level = parameters.analysis.confidence;
+    // A mean of those that return alone would be of other repeats than the way in.
     let returning = ways_out.len();
     let n = ways_in.len();
     let out = if returning == n { ways_out.as_slice() } else { &[] };
@@ -166,41 +180,47 @@ pub(crate) fn branches(
     [ways_in, held, ways_out]: [&[Course]; 3],
     level: f64,
 ) -> Result<Vec<MeanBranch>, AverageError> {
-    let mut found = Vec::new();
+    let mut branches = Vec::new();
     if let Some(angles) = shared(ways_in) {
         let turn = angles[NODES - 1];
-        found.push(mean(Branch::In, angles.clone(), &at(ways_in, &angles), level)?);
-        found.push(mean(Branch::Held, vec![turn; 2], held, level)?);
+        branches.push(mean(Branch::In, angles.clone(), &at(ways_in, &angles), level)?);
+        branches.push(mean(Branch::Held, vec![turn; 2], held, level)?);
     }
     if let Some(angles) = shared(ways_out) {
         let out = mean(Branch::Out, angles.clone(), &at(ways_out, &angles), level)?;
-        found.push(out.in_order());
+        branches.push(out.in_order());
     }
-    Ok(found)
+    Ok(branches)
 }
 
 /// Even angles over all that every course covers, rising; `None` if that is nothing.
 fn shared(courses: &[Course]) -> Option<Vec<f64>> {
-    let ends = |of: fn(&[f64]) -> Option<&f64>| {
-        courses.iter().map(|c| of(&c.theta_rad).copied()).collect::<Option<Vec<f64>>>()
-    };
-    let low = ends(<[f64]>::first)?.into_iter().fold(f64::NEG_INFINITY, f64::max);
-    let high = ends(<[f64]>::last)?.into_iter().fold(f64::INFINITY, f64::min);
-    let at = |i: usize| low + (high - low) * (i as f64 / (NODES - 1) as f64);
-    (low < high && low.is_finite()).then(|| (0..NODES).map(|i| at(i).min(high)).collect())
+    let mut low = f64::NEG_INFINITY;
+    let mut high = f64::INFINITY;
+    for course in courses {
+        low = low.max(*course.theta_rad.first()?);
+        high = high.min(*course.theta_rad.last()?);
+    }
+    // Rounding must not put the last angle beyond the shortest course, where its force is missing.
+    (low < high && low.is_finite()).then(|| {
+        (0..NODES)
+            .map(|i| (low + (high - low) * (i as f64 / (NODES - 1) as f64)).min(high))
+            .collect()
+    })
 }
 
 /// The courses at these angles.
 fn at(courses: &[Course], angles: &[f64]) -> Vec<Course> {
-    let of = |course: &Course| {
-        let on_grid = |values: &Vec<f64>| {
-            let found = interpolate_all(&course.theta_rad, values, angles);
-            found.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect()
-        };
-        let loads = course.loads.iter().map(|(signal, values)| (*signal, on_grid(values)));
-        Course { theta_rad: angles.to_vec(), loads: loads.collect() }
-    };
-    courses.iter().map(of).collect()
+    let mut on_grid = Vec::new();
+    for course in courses {
+        let mut loads = Vec::new();
+        for (signal, values) in &course.loads {
+            let values = interpolate_all(&course.theta_rad, values, angles);
+            loads.push((*signal, values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()));
+        }
+        on_grid.push(Course { theta_rad: angles.to_vec(), loads });
+    }
+    on_grid
 }
 
 fn mean(
@@ -211,13 +231,19 @@ fn mean(
 ) -> Result<MeanBranch, AverageError> {
     let mut loads = Vec::new();
     for signal in LOADS {
-        let row = |course: &Course| Some(course.load(signal)?.iter().copied().map(Some).collect());
-        let rows: Option<Vec<Vec<Option<f64>>>> = courses.iter().map(row).collect();
+        let rows: Option<Vec<Vec<Option<f64>>>> = courses
+            .iter()
+            .map(|course| Some(course.load(signal)?.iter().copied().map(Some).collect()))
+            .collect();
         if let Some(rows) = rows.filter(|rows| !rows.is_empty()) {
             loads.push((signal, band(&rows, level)?));
         }
     }
     Ok(MeanBranch { branch, theta_rad, loads })
+}
+
+fn at_rows(values: &[f64], rows: &[usize]) -> Vec<f64> {
+    rows.iter().map(|row| values[*row]).collect()
 }
 
 /// The samples that are farther along than all before, in their order.
@@ -229,13 +255,6 @@ fn farther(theta: &[f64], rows: std::ops::RangeInclusive<usize>, sign: f64) -> V
         is_farther
     })
     .collect()
-}
-
-/// The samples that are farther back than all before, so that their angles rise.
-fn farther_back(theta: &[f64], rows: std::ops::RangeInclusive<usize>) -> Vec<usize> {
-    let mut back = farther(theta, rows, -1.0);
-    back.reverse();
-    back
 }
 
 #[cfg(test)]

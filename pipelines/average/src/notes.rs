@@ -16,15 +16,25 @@ impl Average {
             "{} {} {} {}",
             self.participant, self.session, self.condition.environment, self.condition.mode
         );
+        let mut notes = Vec::new();
+        notes.extend(self.end_note(&name).map(|note| (NoteKind::Extent, note)));
+        if !self.landmarks.is_empty() {
+            let times: Vec<_> =
+                self.landmarks.iter().map(|(l, t)| format!("{l} {t:.3} s")).collect();
+            let note = format!(
+                "{name}: aligned by the landmarks that all of its repeats pass: {}.",
+                times.join(", ")
+            );
+            notes.push((NoteKind::Alignment, note));
+        }
         let left_out = not_averaged(&name, &self.left_out);
-        let end = self.end_note(&name).map(|note| (NoteKind::Extent, note));
-        let landmarks = self.landmark_note(&name).map(|note| (NoteKind::Alignment, note));
-        let left_out = left_out.map(|note| (NoteKind::General, note));
-        end.into_iter().chain(landmarks).chain(left_out).collect()
+        notes.extend(left_out.map(|note| (NoteKind::General, note)));
+        notes
     }
 
     fn end_note(&self, name: &str) -> Option<String> {
         let end = self.t_s.last().copied().unwrap_or(0.0);
+        // Even if the longest repeat is in it to its end, others may drop out before.
         let longest = self.repeats.iter().map(|r| r.length_s).fold(0.0, f64::max);
         let drops = self.drops();
         if end >= longest && drops.is_empty() {
@@ -50,16 +60,5 @@ impl Average {
     pub fn drops(&self) -> Vec<(f64, usize)> {
         let pairs = self.n.windows(2).zip(self.t_s.iter().skip(1));
         pairs.filter(|(n, _)| n[1] < n[0]).map(|(n, t)| (*t, n[1])).collect()
-    }
-
-    fn landmark_note(&self, name: &str) -> Option<String> {
-        if self.landmarks.is_empty() {
-            return None;
-        }
-        let times: Vec<_> = self.landmarks.iter().map(|(l, t)| format!("{l} {t:.3} s")).collect();
-        Some(format!(
-            "{name}: aligned by the landmarks that all of its repeats pass: {}.",
-            times.join(", ")
-        ))
     }
 }

@@ -1,14 +1,14 @@
 //! The mean of force against position over participants.
 
 use crate::AverageError;
-use crate::loops::{Course, LOADS, MeanBranch, branches};
+use crate::loops::{Course, LOADS, branches};
 use crate::table::{angles, column_name, loads, of_loop};
 use std::collections::BTreeMap;
 use zwidth_results::{LoopBranch as Branch, LoopPoint, ParticipantsLoopPoint, Row as _};
 use zwidth_study::ParticipantId;
 use zwidth_tables::{Table, TableError};
 
-/// The columns at which [`SessionLoop::of`] looks.
+/// The columns that [`SessionLoop::of`] reads.
 pub fn looked_at() -> Vec<String> {
     let means = LOADS.into_iter().map(|signal| column_name(signal, "mean"));
     LoopPoint::fields().into_iter().map(|field| field.name.into_owned()).chain(means).collect()
@@ -22,7 +22,7 @@ pub struct SessionLoop {
 }
 
 impl SessionLoop {
-    /// That of a table of this stage; `None` without a loop.
+    /// Reads the loop of a table of this stage; `None` without a loop.
     ///
     /// # Errors
     /// A table that is not of this stage.
@@ -75,22 +75,20 @@ pub fn over_participants(
     }
     let sessions: usize = people.values().map(Vec::len).sum();
     let all = [Branch::In, Branch::Held, Branch::Out].map(|branch| {
-        let of = people.values().flatten().map(|courses| courses.get(&branch).cloned());
-        of.collect::<Option<Vec<Course>>>().unwrap_or_default()
+        let courses = people.values().flatten().map(|courses| courses.get(&branch).cloned());
+        courses.collect::<Option<Vec<Course>>>().unwrap_or_default()
     });
     // At the angles of all sessions; then each participant's sessions are one.
-    let found = branches([&all[0], &all[1], &all[2]], level)?;
     let counts: Vec<usize> = people.values().map(Vec::len).collect();
-    let of_people = |branch: &MeanBranch| {
-        let courses = &all[branch.branch as usize];
-        branch.of_groups(courses, &counts, level)
-    };
-    let found = found.iter().map(of_people).collect::<Result<Vec<MeanBranch>, _>>()?;
+    let mut means = Vec::new();
+    for branch in branches([&all[0], &all[1], &all[2]], level)? {
+        means.push(branch.of_groups(&all[branch.branch as usize], &counts, level)?);
+    }
     let n = people.len();
-    let points: Vec<ParticipantsLoopPoint> = angles(&found)
+    let points: Vec<ParticipantsLoopPoint> = angles(&means)
         .map(|(branch, theta_rad)| ParticipantsLoopPoint { n, sessions, branch, theta_rad })
         .collect();
-    let table = of_loop(&points, loads(&found, "participants"))?;
+    let table = of_loop(&points, loads(&means, "participants"))?;
     Ok(Some(table.with_note(
         "n counts participants: each one's repeats are averaged, then their sessions with equal weight, at each angle that \
          all of them reach on the same way.",

@@ -1,38 +1,46 @@
 //! Averages as tables: SI units, one row per point of the grid.
 
 use crate::WhyNot;
-use crate::average::{Average, Course, SIGNALS};
+use crate::average::{Average, SIGNALS};
 use crate::loops::{LOADS, MeanBranch, MeanLoop};
 use crate::notes::not_averaged;
 use std::borrow::Cow;
 use zwidth_results::{AveragePoint, LoopBranch, LoopPoint, Row};
 use zwidth_stats::band::Band;
 use zwidth_store::Signal;
+use zwidth_study::Condition;
 use zwidth_tables::{Column, NoteKind, Table, TableError};
 
 /// A column of a signal: what stands between stem and unit in its name, its meaning, its values.
 struct Statistic {
     part: &'static str,
     meaning: String,
-    of: fn(&Band) -> &[Option<f64>],
+    values: fn(&Band) -> &[Option<f64>],
 }
 
 /// The four columns of a signal, averaged over `whose`: repeats, or participants.
 fn statistics(whose: &str) -> [Statistic; 4] {
-    let end = |which| format!("{which} end of the mean's pointwise t interval");
     [
-        Statistic { part: "mean", meaning: format!("mean of the {whose}"), of: |b| &b.mean },
+        Statistic { part: "mean", meaning: format!("mean of the {whose}"), values: |b| &b.mean },
         Statistic {
             part: "sd",
             meaning: format!("standard deviation of the {whose}"),
-            of: |b| &b.sd,
+            values: |b| &b.sd,
         },
-        Statistic { part: "ci_low", meaning: end("lower"), of: |b| &b.ci_low },
-        Statistic { part: "ci_high", meaning: end("upper"), of: |b| &b.ci_high },
+        Statistic {
+            part: "ci_low",
+            meaning: "lower end of the mean's pointwise t interval".to_owned(),
+            values: |b| &b.ci_low,
+        },
+        Statistic {
+            part: "ci_high",
+            meaning: "upper end of the mean's pointwise t interval".to_owned(),
+            values: |b| &b.ci_high,
+        },
     ]
 }
 
-/// One row a point of time of each average: participant, session, environment, mode, source,
+/// One row per point of time of each average: participant, session, environment, mode, source,
 /// `alignment` (`onset` or `landmarks`), `t_s` since onset, `phase` by landmarks, `n` repeats, and mean, SD and band of
 /// each signal (null where not every repeat has it). Notes say where an average ends and where
 /// repeats drop out of it, its landmarks, and which trials are not in it.
@@ -40,25 +48,32 @@ fn statistics(whose: &str) -> [Statistic; 4] {
 /// # Errors
 /// A number that is not finite.
 pub fn table(averages: &[Average]) -> Result<Table, TableError> {
-    let rows = || averages.iter().flat_map(|a| (0..a.t_s.len()).map(move |i| (a, i)));
-    let point = |(a, i): (&Average, usize)| AveragePoint {
-        participant: a.participant.clone(),
-        session: a.session.clone(),
-        environment: a.condition.environment.clone(),
-        mode: a.condition.mode.clone(),
-        source: a.source,
-        alignment: a.alignment,
-        t_s: a.t_s[i],
-        phase: a.phase(a.t_s[i]),
-        n: a.n[i],
-    };
-    let mut columns = AveragePoint::columns(&rows().map(point).collect::<Vec<_>>());
+    let mut points = Vec::new();
+    for a in averages {
+        points.extend((0..a.t_s.len()).map(|i| AveragePoint {
+            participant: a.participant.clone(),
+            session: a.session.clone(),
+            environment: a.condition.environment.clone(),
+            mode: a.condition.mode.clone(),
+            source: a.source,
+            alignment: a.alignment,
+            t_s: a.t_s[i],
+            phase: a.phase(a.t_s[i]),
+            n: a.n[i],
+        }));
+    }
+    let mut columns = AveragePoint::columns(&points);
     for signal in SIGNALS {
-        for Statistic { part, meaning, of } in statistics("repeats") {
-            let value = |(a, i): (&Average, usize)| of(&course(a, signal)?.band)[i];
+        for Statistic { part, meaning, values } in statistics("repeats") {
+            let mut column = Vec::with_capacity(points.len());
+            for a in averages {
+                let course = a.courses.iter().find(|course| course.signal == signal);
+                let band = course.map(|course| values(&course.band));
+                column.extend((0..a.t_s.len()).map(|i| band?[i]));
+            }
             let name = column_name(signal, part);
             let description = format!("{}: {meaning}", signal.column().description);
-            columns.push(renamed(signal, name, description, rows().map(value).collect()));
+            columns.push(renamed(signal, name, description, column));
         }
     }
     let table = Table::new(AveragePoint::NAME, AveragePoint::TITLE, columns)?;
@@ -73,27 +88,26 @@ pub fn table(averages: &[Average]) -> Result<Table, TableError> {
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn loop_table(of: &MeanLoop) -> Result<Table, TableError> {
-    let point = |(branch, theta_rad)| LoopPoint {
-        participant: of.participant.clone(),
-        session: of.session.clone(),
-        environment: of.condition.environment.clone(),
-        mode: of.condition.mode.clone(),
-        source: of.source,
-        n: of.n,
-        branch,
-        theta_rad,
-    };
-    let points: Vec<LoopPoint> = angles(&of.branches).map(point).collect();
-    let table = of_loop(&points, loads(&of.branches, "repeats"))?;
-    let name = format!(
-        "{} {} {} {}",
-        of.participant, of.session, of.condition.environment, of.condition.mode
-    );
-    let left_out = not_averaged(&name, &of.left_out);
-    let some_stay = (0 < of.returning && of.returning < of.n).then(|| {
-        format!("{name}: {} of {} repeats return; their way back has no mean.", of.returning, of.n)
-    });
+pub fn loop_table(mean: &MeanLoop) -> Result<Table, TableError> {
+    let MeanLoop { participant, session, source, n, returning, .. } = mean;
+    let Condition { environment, mode } = &mean.condition;
+    let points: Vec<LoopPoint> = angles(&mean.branches)
+        .map(|(branch, theta_rad)| LoopPoint {
+            participant: participant.clone(),
+            session: session.clone(),
+            environment: environment.clone(),
+            mode: mode.clone(),
+            source: *source,
+            n: *n,
+            branch,
+            theta_rad,
+        })
+        .collect();
+    let table = of_loop(&points, loads(&mean.branches, "repeats"))?;
+    let name = format!("{participant} {session} {environment} {mode}");
+    let left_out = not_averaged(&name, &mean.left_out);
+    let some_stay = (0 < *returning && returning < n)
+        .then(|| format!("{name}: {returning} of {n} repeats return; their way back has no mean."));
     let notes = left_out.chain(some_stay);
     Ok(notes.fold(table, |table, note| table.with_note_of(NoteKind::General, note)))
 }
@@ -103,18 +117,20 @@ pub(crate) fn angles(branches: &[MeanBranch]) -> impl Iterator<Item = (LoopBranc
     branches.iter().flat_map(|b| b.theta_rad.iter().map(|theta_rad| (b.branch, *theta_rad)))
 }
 
-/// What stands against the angles, load by load.
+/// The columns of the loads, one row per angle of [`angles`].
 pub(crate) fn loads(branches: &[MeanBranch], whose: &str) -> Vec<Column> {
-    let rows = || branches.iter().flat_map(|b| (0..b.theta_rad.len()).map(move |i| (b, i)));
     let mut columns = Vec::new();
     for signal in LOADS {
-        for Statistic { part, meaning, of } in statistics(whose) {
-            let value = |(b, i): (&MeanBranch, usize)| {
-                of(&b.loads.iter().find(|(load, _)| *load == signal)?.1)[i]
-            };
+        for Statistic { part, meaning, values } in statistics(whose) {
+            let mut column = Vec::new();
+            for b in branches {
+                let band = b.loads.iter().find(|(load, _)| *load == signal);
+                let band = band.map(|(_, band)| values(band));
+                column.extend((0..b.theta_rad.len()).map(|i| band?[i]));
+            }
             let description = format!("{}: {meaning}", signal.column().description);
             let name = column_name(signal, part);
-            columns.push(renamed(signal, name, description, rows().map(value).collect()));
+            columns.push(renamed(signal, name, description, column));
         }
     }
     columns
@@ -149,10 +165,6 @@ fn sentence(reason: &str) -> String {
     format!("{first}{}.", letters.as_str().trim_end_matches('.'))
 }
 
-fn course(average: &Average, signal: Signal) -> Option<&Course> {
-    average.courses.iter().find(|c| c.signal == signal)
-}
-
 /// The name of a column of a signal: `theta_mean_rad`.
 pub(crate) fn column_name(signal: Signal, part: &str) -> String {
     format!("{}_{part}_{}", signal.stem(), signal.suffix())
@@ -165,6 +177,7 @@ pub(crate) fn renamed(
     description: String,
     values: Vec<Option<f64>>,
 ) -> Column {
+    // `Column::float` takes words that live as long as the program.
     let mut column = Column::float("", signal.column().unit, "", values);
     column.field.name = Cow::Owned(name);
     column.field.description = Cow::Owned(description);

@@ -4,10 +4,9 @@ use crate::error::CharacteriseError;
 use crate::models::Model;
 use crate::shape::Quantity;
 use zwidth_numerics::branch::Branch;
-use zwidth_results::CurveSymbol;
 use zwidth_study::Characteristic;
 
-/// Places at which a curve is looked at, evenly over its voltages; breaks and plateaus come on top.
+/// Places at which a curve is evaluated, evenly over its voltages; breaks and plateaus come on top.
 const PLACES: usize = 1024;
 /// Straight lines between knots stay this close to the curve, as a share of the largest force: 7 mN
 /// of the brake's 13 N, less than any load cell here resolves.
@@ -52,6 +51,7 @@ pub fn calibrated(
     actuator: &'static str,
     chosen: &Chosen,
 ) -> Result<Characteristic, CharacteriseError> {
+    // Forces of negative voltages are those of positive ones with the other sign.
     let low = chosen.voltage_v.0.max(0.0);
     let high = chosen.voltage_v.1;
     let refuse = |problem: String| Err(CharacteriseError::Calibration { actuator, problem });
@@ -69,7 +69,12 @@ pub fn calibrated(
              turn its sign where it is recorded or imported"
         ));
     }
-    let places = chosen.places(low, high, met.corners(chosen));
+    // Where the tangents reach floor and cap.
+    let corners = [
+        met.from + (met.floor - chosen.response(met.from)) / met.slopes[0],
+        met.to + (met.cap - chosen.response(met.to)) / met.slopes[1],
+    ];
+    let places = chosen.places(low, high, corners);
     let curve = places.into_iter().map(|v| (v, met.response(chosen, v) - first)).collect();
     let curve = rising(curve);
     let tolerance = CLOSENESS * curve.last().map_or(0.0, |(_, force)| *force);
@@ -84,7 +89,7 @@ struct Met {
     /// Highest voltage at which neither is flat yet, V.
     to: f64,
     /// Slopes of the mean there, N/V.
-    slopes: (f64, f64),
+    slopes: [f64; 2],
     /// The response that the mean does not fall below: that of a dead zone.
     floor: f64,
     /// The response that it does not exceed: that of an actuator that can give no more.
@@ -92,38 +97,33 @@ struct Met {
 }
 
 impl Met {
+    /// The mean response: within the common part the curve's, beyond it on the tangents.
     fn response(&self, chosen: &Chosen, voltage_v: f64) -> f64 {
         let mean = chosen.response(voltage_v.clamp(self.from, self.to));
-        let below = self.slopes.0 * (voltage_v - self.from).min(0.0);
-        let above = self.slopes.1 * (voltage_v - self.to).max(0.0);
+        let below = self.slopes[0] * (voltage_v - self.from).min(0.0);
+        let above = self.slopes[1] * (voltage_v - self.to).max(0.0);
         (mean + below + above).max(self.floor).min(self.cap)
-    }
-
-    /// Where the tangents reach floor and cap.
-    fn corners(&self, chosen: &Chosen) -> [f64; 2] {
-        [
-            self.from + (self.floor - chosen.response(self.from)) / self.slopes.0,
-            self.to + (self.cap - chosen.response(self.to)) / self.slopes.1,
-        ]
     }
 }
 
 impl Chosen {
+    /// The common part of both branches between `low` and `high`.
     fn met(&self, low: f64, high: f64) -> Met {
+        // A break at the very beginning is no dead zone, a plateau at the very end no saturation.
         let end = AT_END * (high - low);
         let breaks = self.of_branches(Quantity::Break);
         let plateaus = self.of_branches(Quantity::Plateau);
         let from = breaks.iter().copied().fold(low, f64::max);
         let to = plateaus.iter().copied().fold(high, f64::min);
+        // Branches that never rise together have no common part whose tangents could go on.
         let (from, to) = if from < to { (from, to) } else { (low, high) };
         let h = (to - from) / PLACES as f64;
-        let slope = |left: f64| (self.response(left + h) - self.response(left)) / h;
         let is_dead = !breaks.is_empty() && breaks.iter().all(|x0| *x0 > low + end);
         let is_full = !plateaus.is_empty() && plateaus.iter().all(|x1| *x1 < high - end);
         Met {
             from,
             to,
-            slopes: (slope(from), slope(to - h)),
+            slopes: [from, to - h].map(|left| (self.response(left + h) - self.response(left)) / h),
             floor: if is_dead { self.response(low) } else { f64::NEG_INFINITY },
             cap: if is_full { self.response(high) } else { f64::INFINITY },
         }
@@ -131,11 +131,8 @@ impl Chosen {
 
     /// A parameter of each branch, where the branches have their own.
     fn of_branches(&self, quantity: Quantity) -> Vec<f64> {
-        let about = self.model.parameters();
-        let own = about
-            .iter()
-            .zip(&self.parameters)
-            .filter(|((branch, _, q), _)| branch.is_some() && *q == quantity);
+        let parameters = self.model.parameters().into_iter().zip(&self.parameters);
+        let own = parameters.filter(|((branch, _, q), _)| branch.is_some() && *q == quantity);
         own.map(|(_, value)| *value).collect()
     }
 
@@ -148,14 +145,9 @@ impl Chosen {
 
     /// Voltages to look at, rising: an even grid with the curve's own kinks and other `corners`.
     fn places(&self, low: f64, high: f64, corners: [f64; 2]) -> Vec<f64> {
-        let is_kink = |(_, _, q): &(Option<Branch>, CurveSymbol, Quantity)| {
-            matches!(q, Quantity::Break | Quantity::Plateau)
-        };
-        let parameters = self.model.parameters();
+        let parameters = self.model.parameters().into_iter().zip(&self.parameters);
         let kinks = parameters
-            .iter()
-            .zip(&self.parameters)
-            .filter(|(about, _)| is_kink(about))
+            .filter(|((_, _, q), _)| matches!(q, Quantity::Break | Quantity::Plateau))
             .map(|(_, x)| *x);
         let step = (high - low) / PLACES as f64;
         let even = (0..PLACES).map(|i| low + step * i as f64).chain([high]);
@@ -171,6 +163,7 @@ impl Chosen {
 fn rising(curve: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let largest = curve.iter().map(|(_, force)| *force).fold(0.0, f64::max);
     let mut kept: Vec<(f64, f64)> = Vec::with_capacity(curve.len());
+    // The `0.0` of the second arm is the one that the last arm pushes: no force so far.
     for (voltage, force) in curve {
         match kept.last_mut() {
             Some((_, last)) if force > *last + RISE * largest => kept.push((voltage, force)),
@@ -192,7 +185,7 @@ fn knots(curve: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     match inner.max_by(|&i, &j| distance(i).total_cmp(&distance(j))) {
         Some(farthest) if distance(farthest) > tolerance => {
             let mut all = knots(&curve[..=farthest], tolerance);
-            all.pop();
+            all.pop(); // the point where both parts meet
             all.extend(knots(&curve[farthest..], tolerance));
             all
         }

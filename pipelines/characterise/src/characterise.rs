@@ -34,6 +34,7 @@ pub fn characterise(
     let noise = noise(&samples);
     let grouping = if samples.sweeps.len() > 1 { Grouping::Sweep } else { Grouping::Block };
     let folds = folds(&samples);
+    // If the command goes one way only, the other way's curve cannot be fitted.
     let both = samples.has_both_branches();
     let models: Vec<Model> = models::all().filter(|model| both || !model.hysteresis).collect();
     let fitted = models.par_iter().map(|model| candidate(model, &samples, &folds, noise, settings));
@@ -101,6 +102,7 @@ fn quality(
     let mean = samples.response.iter().sum::<f64>() / n;
     let rss: f64 = residuals.iter().map(|r| r * r).sum();
     let total: f64 = samples.response.iter().map(|y| (y - mean) * (y - mean)).sum();
+    // Neighbours across two sweeps were not recorded one after the other.
     let by_sweep: Vec<&[f64]> = samples.sweeps.iter().map(|s| &residuals[s.clone()]).collect();
     let rms = (rss / n).sqrt();
     Quality {
@@ -122,6 +124,7 @@ fn binned_aicc(samples: &Samples, residuals: &[f64], parameters: usize) -> Optio
     let mut sums = vec![(0.0, 0.0); bins];
     for (x, r) in samples.command.iter().zip(residuals) {
         let bin = ((x - low) / (high - low) * bins as f64) as usize;
+        // The highest command belongs to the last bin.
         let (n, sum) = &mut sums[bin.min(bins - 1)];
         (*n, *sum) = (*n + 1.0, *sum + r);
     }
@@ -129,6 +132,7 @@ fn binned_aicc(samples: &Samples, residuals: &[f64], parameters: usize) -> Optio
     aicc(means.len(), means.iter().map(|m| m * m).sum(), parameters)
 }
 
+/// The parameters of a fit, with their intervals from the candidate's resamples.
 fn parameters(
     model: &Model,
     samples: &Samples,
@@ -143,6 +147,7 @@ fn parameters(
             candidate.resampled.iter().map(|p| p[j]).filter(|_| !is_set).collect();
         let interval = candidate
             .interval(&values, settings.level)?
+            // A parameter at the edge of the data may have all resamples to one side.
             .map(|(low, high)| (low.min(fitted[j]), high.max(fitted[j])));
         let unit = quantity.unit(&settings.command_unit, &settings.response_unit);
         let note = note(quantity, &samples.steps.levels, fitted[j], interval, &unit);
@@ -162,7 +167,7 @@ fn parameters(
     Ok(parameters)
 }
 
-/// What a parameter must not be taken for.
+/// The caution about a parameter that the data set or bound, if one is due.
 fn note(
     quantity: Quantity,
     levels: &[f64],
@@ -170,35 +175,23 @@ fn note(
     interval: Option<(f64, f64)>,
     unit: &str,
 ) -> Option<String> {
-    let n = levels.len();
-    match quantity {
-        Quantity::Break => edge_note(levels[1], break_range(levels)?.1, at, interval, unit),
-        Quantity::Plateau => edge_note(levels[2], levels[n - 2], at, interval, unit),
-        Quantity::Knot => Some("set by the range of the data".to_owned()),
-        _ => None,
-    }
-}
-
-/// What to say of a break or plateau with one command or none to one side of it, or whose interval
-/// reaches there: it is known to lie beyond the first or last place where the data could show it.
-fn edge_note(
-    low: f64,
-    high: f64,
-    at: f64,
-    interval: Option<(f64, f64)>,
-    unit: &str,
-) -> Option<String> {
-    let outside = |(a, b): (f64, f64)| a < low || b >= high;
-    let edge = |sign: &str, place: f64| {
-        format!("{sign} {} {unit} (edge of the data): not identifiable", significant(place))
+    // The first and the last place where the data could show a break or plateau: beyond, one
+    // command or none lies to one side of it.
+    let (low, high) = match quantity {
+        Quantity::Break => (levels[1], break_range(levels)?.1),
+        Quantity::Plateau => (levels[2], levels[levels.len() - 2]),
+        Quantity::Knot => return Some("set by the range of the data".to_owned()),
+        _ => return None,
     };
-    match at {
-        _ if at < low => Some(edge("≤", low)),
-        _ if at >= high => Some(edge("≥", high)),
-        _ => interval
-            .filter(|i| outside(*i))
-            .map(|_| "its interval reaches the edge of the data".to_owned()),
-    }
+    let (sign, edge) = match at {
+        _ if at < low => ("≤", low),
+        _ if at >= high => ("≥", high),
+        _ => {
+            let is_at_edge = interval.is_some_and(|(from, to)| from < low || to >= high);
+            return is_at_edge.then(|| "its interval reaches the edge of the data".to_owned());
+        }
+    };
+    Some(format!("{sign} {} {unit} (edge of the data): not identifiable", significant(edge)))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use zwidth_results::{CandidateVerdict, CurveModel, CurveSymbol};
 use zwidth_stats::StatsError;
 use zwidth_stats::bootstrap::{expanded_level, percentile_interval};
 
-/// How to characterise.
+/// The settings of a characterisation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Bootstrap resamples; 0 gives no intervals.
@@ -40,7 +40,7 @@ impl Grouping {
     }
 }
 
-/// What an actuator or sensor does with its command.
+/// The response of an actuator or sensor to its command.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Characteristic {
     /// Sweeps with samples in them.
@@ -57,7 +57,7 @@ pub struct Characteristic {
     pub noise: Option<f64>,
     /// Whether sweeps or blocks were left out and drawn.
     pub grouping: Grouping,
-    /// How many of them were left out in turn.
+    /// Number of them that were left out in turn.
     pub folds: usize,
     /// Every candidate, by number of free parameters; those with hysteresis only if the command
     /// went both ways.
@@ -88,7 +88,8 @@ pub struct Candidate {
     /// Mean squared error on each part left out of the fit, unit of the response squared; empty if
     /// it could not be fitted.
     pub left_out: Vec<f64>,
-    /// How many independent parts the resamples drew: the sweeps; `None` for blocks of residuals.
+    /// Number of independent parts that the resamples drew: the sweeps; `None` for blocks of
+    /// residuals.
     pub independent: Option<usize>,
     /// The parameters on each resample that could be fitted, in the model's order: what bands are
     /// drawn from.
@@ -128,7 +129,7 @@ pub struct Parameter {
     pub ci_low: Option<f64>,
     /// Upper end, likewise.
     pub ci_high: Option<f64>,
-    /// What the number must not be taken for, such as `≤ 0 V (edge of the data): not
+    /// A caution about the number, such as `≤ 0 V (edge of the data): not
     /// identifiable`.
     pub note: Option<String>,
 }

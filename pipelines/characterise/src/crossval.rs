@@ -22,8 +22,8 @@ pub(crate) struct LeftOut {
     pub(crate) std_error: f64,
 }
 
-/// What is left out, one at a time: each sweep, or of a single sweep ten contiguous blocks of two
-/// samples or more.
+/// The parts that are left out, one at a time: each sweep, or of a single sweep ten contiguous
+/// blocks of two samples or more.
 pub(crate) fn folds(samples: &Samples) -> Vec<Range<usize>> {
     match samples.sweeps.as_slice() {
         [only] => split(only, (only.len() / MIN_BLOCK).clamp(1, BLOCKS)),
@@ -39,17 +39,30 @@ pub(crate) fn cross_validate(
     samples: &Samples,
     folds: &[Range<usize>],
 ) -> Option<LeftOut> {
+    // Gathered once: leaving a fold out is then to count it 0 times.
     let cells: Vec<_> = folds.iter().map(|fold| samples.cells(fold.clone())).collect();
-    let error = |out: usize| {
-        let kept =
-            cells.iter().enumerate().map(|(k, cells)| (cells.as_slice(), u32::from(k != out)));
-        let parameters = model.fit(&samples.steps.gather(kept), None)?;
-        Some(mean_square(model, samples, &parameters, &folds[out]))
-    };
-    let squares: Option<Vec<f64>> = (0..folds.len()).into_par_iter().map(error).collect();
+    let squares: Option<Vec<f64>> = (0..folds.len())
+        .into_par_iter()
+        .map(|out| {
+            let kept =
+                cells.iter().enumerate().map(|(k, cells)| (cells.as_slice(), u32::from(k != out)));
+            let parameters = model.fit(&samples.steps.gather(kept), None)?;
+            // The error on the samples themselves, not on the steps that fits are made on.
+            let squares: f64 = folds[out]
+                .clone()
+                .map(|i| {
+                    let (command, branch) = (samples.command[i], samples.branch[i]);
+                    samples.response[i] - model.predict(&parameters, command, branch)
+                })
+                .map(|error| error * error)
+                .sum();
+            Some(squares / folds[out].len() as f64)
+        })
+        .collect();
     let squares = squares?;
     let (mean, std_error) = mean_and_error(&squares);
     let rms = mean.sqrt();
+    // √x has the slope 1 / (2 √x).
     let std_error = if rms > 0.0 { std_error / (2.0 * rms) } else { 0.0 };
     Some(LeftOut { squares, rms, std_error })
 }
@@ -57,16 +70,8 @@ pub(crate) fn cross_validate(
 /// Mean over folds and its standard error, SD / √K.
 pub(crate) fn mean_and_error(folds: &[f64]) -> (f64, f64) {
     let k = folds.len() as f64;
-    let found = Moments::of(folds);
-    (found.mean, found.variance().map_or(f64::NAN, |variance| (variance / k).sqrt()))
-}
-
-/// Mean squared error on the samples of `fold`.
-fn mean_square(model: &Model, samples: &Samples, parameters: &[f64], fold: &Range<usize>) -> f64 {
-    let error = |i: usize| {
-        samples.response[i] - model.predict(parameters, samples.command[i], samples.branch[i])
-    };
-    fold.clone().map(error).map(|r| r * r).sum::<f64>() / fold.len() as f64
+    let moments = Moments::of(folds);
+    (moments.mean, moments.variance().map_or(f64::NAN, |variance| (variance / k).sqrt()))
 }
 
 #[cfg(test)]

@@ -26,13 +26,14 @@ pub struct Curve {
 }
 
 impl Curve {
-    pub(crate) fn push(&mut self, x: f64, fit: f64, mean: (f64, f64), new: (f64, f64)) {
+    /// Adds a point with the bands of its mean and of a new response, each from low to high.
+    pub(crate) fn push(&mut self, x: f64, fit: f64, mean: [f64; 2], new: [f64; 2]) {
         self.command.push(x);
         self.fit.push(fit);
-        self.ci_low.push(mean.0);
-        self.ci_high.push(mean.1);
-        self.prediction_low.push(new.0);
-        self.prediction_high.push(new.1);
+        self.ci_low.push(mean[0]);
+        self.ci_high.push(mean[1]);
+        self.prediction_low.push(new[0]);
+        self.prediction_high.push(new[1]);
     }
 }
 
@@ -55,6 +56,7 @@ pub fn curve(
         return Ok(None);
     };
     let model = Model::of(candidate.name);
+    // `rms` divides by n, s² by the degrees of freedom.
     let (df, n) = (quality.df as f64, (quality.df + candidate.complexity) as f64);
     let spread = critical_value(level, df)? * quality.rms * (n / df).sqrt();
     let fitted: Vec<f64> = candidate.parameters.iter().map(|p| p.estimate).collect();
@@ -66,10 +68,10 @@ pub fn curve(
         let Some((low, high)) = candidate.interval(&resampled, level)? else {
             return Ok(None);
         };
-        let mean = (low.min(fit), high.max(fit));
-        let new =
-            (fit - libm::hypot(fit - mean.0, spread), fit + libm::hypot(mean.1 - fit, spread));
-        curve.push(x, fit, mean, new);
+        let low = low.min(fit);
+        let high = high.max(fit);
+        let new = [fit - libm::hypot(fit - low, spread), fit + libm::hypot(high - fit, spread)];
+        curve.push(x, fit, [low, high], new);
     }
     Ok(Some(curve))
 }

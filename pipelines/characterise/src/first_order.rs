@@ -66,7 +66,7 @@ impl FirstOrder {
             let leverage = v00 + x * (v01 + v10 + x * v11);
             let mean = half * leverage.sqrt();
             let new = half * (1.0 + leverage).sqrt();
-            curve.push(x, fit, (fit - mean, fit + mean), (fit - new, fit + new));
+            curve.push(x, fit, [fit - mean, fit + mean], [fit - new, fit + new]);
         }
         curve
     }

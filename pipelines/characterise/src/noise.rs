@@ -2,7 +2,6 @@
 
 use crate::samples::{Samples, split};
 use crate::shape::weighted_line;
-use core::ops::Range;
 
 /// Neighbouring samples that share one local line: short enough that any smooth curve is straight
 /// over it, long enough that the line leaves three of five degrees of freedom.
@@ -13,24 +12,20 @@ const WINDOW: usize = 5;
 /// sweep, a remainder shared out among them: √(Σ rss / Σ df), in the unit of the response. `None`
 /// without a degree of freedom.
 pub(crate) fn noise(samples: &Samples) -> Option<f64> {
-    let windows =
-        samples.sweeps.iter().flat_map(|sweep| split(sweep, (sweep.len() / WINDOW).max(1)));
-    let (rss, df) = windows.fold((0.0, 0), |(rss, df), window| {
-        let (more, free) = about_local_line(samples, window);
-        (rss + more, df + free)
-    });
+    let mut rss = 0.0;
+    let mut df = 0;
+    let sweeps = samples.sweeps.iter();
+    for window in sweeps.flat_map(|sweep| split(sweep, (sweep.len() / WINDOW).max(1))) {
+        let x = &samples.command[window.clone()];
+        let y = &samples.response[window];
+        let mean = y.iter().sum::<f64>() / y.len() as f64;
+        let line = weighted_line(x.iter().zip(y).map(|(&x, &y)| (x, y, 1.0)));
+        let (a, b) = line.unwrap_or((mean, 0.0));
+        // Summed window by window: in one go the rounding would be another.
+        rss += x.iter().zip(y).map(|(x, y)| y - a - b * x).map(|r| r * r).sum::<f64>();
+        df += y.len().saturating_sub(if line.is_some() { 2 } else { 1 });
+    }
     (df > 0).then(|| (rss / df as f64).sqrt())
-}
-
-/// Sum of squares about the local line and its degrees of freedom.
-fn about_local_line(samples: &Samples, window: Range<usize>) -> (f64, usize) {
-    let x = &samples.command[window.clone()];
-    let y = &samples.response[window];
-    let mean = y.iter().sum::<f64>() / y.len() as f64;
-    let line = weighted_line(x.iter().zip(y).map(|(&x, &y)| (x, y, 1.0)));
-    let (a, b) = line.unwrap_or((mean, 0.0));
-    let rss = x.iter().zip(y).map(|(x, y)| y - a - b * x).map(|r| r * r).sum();
-    (rss, y.len().saturating_sub(if line.is_some() { 2 } else { 1 }))
 }
 
 #[cfg(test)]

@@ -9,9 +9,9 @@ use zwidth_numerics::branch::{Branch, branches};
 /// caller's.
 #[derive(Debug, Clone, Copy)]
 pub struct Sweep<'a> {
-    /// What was set: volts, counts, newtons, …
+    /// The values that were set: volts, counts, newtons, …
     pub command: &'a [f64],
-    /// What was measured, one per command. A held value belongs here once, at its own update:
+    /// The measured values, one per command. A held value belongs here once, at its own update:
     /// repeated, it would hide the noise. The recorder leaves out samples that cannot show the
     /// response: a brake gives no force of its own unless the lever slips.
     pub response: &'a [f64],
@@ -21,9 +21,9 @@ pub struct Sweep<'a> {
 pub(crate) struct Samples {
     pub(crate) command: Vec<f64>,
     pub(crate) response: Vec<f64>,
-    /// Which way the command was going.
+    /// The way the command was going.
     pub(crate) branch: Vec<Branch>,
-    /// Where each sweep lies.
+    /// The range of each sweep.
     pub(crate) sweeps: Vec<Range<usize>>,
     /// The steps of the command that fits are made on.
     pub(crate) steps: Steps,
@@ -32,6 +32,16 @@ pub(crate) struct Samples {
 impl Samples {
     pub(crate) fn new(sweeps: &[Sweep]) -> Result<Self, CharacteriseError> {
         sweeps.iter().enumerate().try_for_each(|(number, sweep)| check(number, sweep))?;
+        let mut end = 0;
+        let mut ranges = Vec::new();
+        for sweep in sweeps {
+            let start = end;
+            end += sweep.command.len();
+            // A sweep without samples would be an empty fold.
+            if start < end {
+                ranges.push(start..end);
+            }
+        }
         let command: Vec<f64> = sweeps.iter().flat_map(|s| s.command).copied().collect();
         let response: Vec<f64> = sweeps.iter().flat_map(|s| s.response).copied().collect();
         let branch = sweeps.iter().flat_map(|s| branches(s.command)).collect();
@@ -42,7 +52,7 @@ impl Samples {
                 commands: steps.levels.len(),
             });
         }
-        Ok(Self { sweeps: ranges(sweeps), command, response, branch, steps })
+        Ok(Self { sweeps: ranges, command, response, branch, steps })
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -51,9 +61,8 @@ impl Samples {
 
     /// Lowest and highest command.
     pub(crate) fn command_range(&self) -> (f64, f64) {
-        let fold =
-            |start, pick: fn(f64, f64) -> f64| self.command.iter().copied().fold(start, pick);
-        (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max))
+        let commands = self.command.iter().copied();
+        (commands.clone().fold(f64::INFINITY, f64::min), commands.fold(f64::NEG_INFINITY, f64::max))
     }
 
     /// Whether the command went both up and down.
@@ -78,6 +87,7 @@ impl Samples {
     }
 }
 
+/// Checks that both columns of a sweep are equally long and finite.
 fn check(number: usize, sweep: &Sweep) -> Result<(), CharacteriseError> {
     let commands = sweep.command.len();
     let responses = sweep.response.len();
@@ -97,21 +107,16 @@ fn check(number: usize, sweep: &Sweep) -> Result<(), CharacteriseError> {
     Ok(())
 }
 
-/// Where each sweep that is not empty lies in the whole.
-fn ranges(sweeps: &[Sweep]) -> Vec<Range<usize>> {
-    let mut end = 0;
-    let all = sweeps.iter().map(|s| {
-        let start = end;
-        end += s.command.len();
-        start..end
-    });
-    all.filter(|r| !r.is_empty()).collect()
-}
-
 /// `range` in `parts` contiguous pieces whose lengths differ by one at most; `parts` ≥ 1.
 pub(crate) fn split(range: &Range<usize>, parts: usize) -> Vec<Range<usize>> {
-    let edge = |part: usize| range.start + part * range.len() / parts;
-    (0..parts).map(|part| edge(part)..edge(part + 1)).collect()
+    let mut start = range.start;
+    let mut pieces = Vec::with_capacity(parts);
+    for part in 1..=parts {
+        let end = range.start + part * range.len() / parts;
+        pieces.push(start..end);
+        start = end;
+    }
+    pieces
 }
 
 #[cfg(test)]

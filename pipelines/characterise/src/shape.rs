@@ -69,16 +69,16 @@ pub struct Point {
     pub command: f64,
     /// Their mean response.
     pub response: f64,
-    /// How much they count: their number, those drawn twice twice.
+    /// Their weight: their number, with those drawn twice counted twice.
     pub weight: f64,
 }
 
-/// What a curve is fitted to.
+/// The points to which a curve is fitted.
 #[derive(Debug, Clone, Copy)]
 pub struct Points<'a> {
     /// Points of positive weight by rising command.
     pub at: &'a [Point],
-    /// How many samples they stand for, each counted once.
+    /// Number of samples that they stand for, each counted once.
     pub samples: usize,
     /// The commands of all points there are, rising, left out or not.
     pub levels: &'a [f64],

@@ -10,10 +10,10 @@ use zwidth_numerics::branch::Branch;
 /// average: for a parabola over the whole span, 1/(12 · 256²) ≈ 10⁻⁶ of its rise.
 pub(crate) const MOST_STEPS: usize = 256;
 
-/// Which step each sample belongs to.
+/// The step of each sample, and the steps.
 pub(crate) struct Steps {
     /// Step of each sample, from 0.
-    of: Vec<usize>,
+    steps: Vec<usize>,
     /// Mean command of each step, rising: the command itself where a step is one command.
     pub(crate) levels: Vec<f64>,
     /// Whether each step is one command. A sum of squares then depends on the samples through the
@@ -42,26 +42,30 @@ impl Steps {
     pub(crate) fn new(command: &[f64]) -> Self {
         let mut levels = command.to_vec();
         levels.sort_by(f64::total_cmp);
+        // By ≤, because −0 sorts before 0 and is the same command.
         levels.dedup_by(|a, b| *a <= *b);
         if levels.len() <= MOST_STEPS {
-            let of = command.iter().map(|x| levels.partition_point(|level| level < x)).collect();
-            return Self { of, levels, exact: true };
+            let steps = command.iter().map(|x| levels.partition_point(|level| level < x)).collect();
+            return Self { steps, levels, exact: true };
         }
-        Self::wide(command, levels[0], levels[levels.len() - 1])
-    }
-
-    /// Steps of equal width from `low` to `high`, those without a sample left out.
-    fn wide(command: &[f64], low: f64, high: f64) -> Self {
-        let step =
-            |x: f64| (((x - low) / (high - low) * MOST_STEPS as f64) as usize).min(MOST_STEPS - 1);
+        // Steps of equal width, those without a sample left out.
+        let low = levels[0];
+        let high = levels[levels.len() - 1];
+        let mut steps = Vec::with_capacity(command.len());
         let mut sums = vec![(0.0, 0.0); MOST_STEPS];
         for &x in command {
-            let (n, sum) = &mut sums[step(x)];
+            let step = ((x - low) / (high - low) * MOST_STEPS as f64) as usize;
+            let step = step.min(MOST_STEPS - 1);
+            steps.push(step);
+            let (n, sum) = &mut sums[step];
             (*n, *sum) = (*n + 1.0, *sum + x);
         }
         let used: Vec<usize> = (0..MOST_STEPS).filter(|&s| sums[s].0 > 0.0).collect();
-        let of = command.iter().map(|&x| used.partition_point(|&s| s < step(x))).collect();
-        Self { of, levels: used.iter().map(|&s| sums[s].1 / sums[s].0).collect(), exact: false }
+        for step in &mut steps {
+            *step = used.partition_point(|s| s < step);
+        }
+        let levels = used.iter().map(|&s| sums[s].1 / sums[s].0).collect();
+        Self { steps, levels, exact: false }
     }
 
     /// The cells of the samples in `range`: those on the way up by step, then those on the way
@@ -75,7 +79,7 @@ impl Steps {
     ) -> Vec<Cell> {
         let mut cells = vec![Cell::default(); 2 * self.levels.len()];
         for i in range {
-            let cell = &mut cells[branch[i] as usize * self.levels.len() + self.of[i]];
+            let cell = &mut cells[branch[i] as usize * self.levels.len() + self.steps[i]];
             cell.samples += 1;
             cell.weight += 1.0;
             cell.command += command[i];
@@ -90,19 +94,19 @@ impl Steps {
         groups: impl Iterator<Item = (&'a [Cell], u32)>,
     ) -> Gathered<'_> {
         let mut total = vec![Cell::default(); 2 * self.levels.len()];
+        // One drawn 0 times would still add its samples.
         for (cells, times) in groups.filter(|(_, times)| *times > 0) {
             for (sum, cell) in total.iter_mut().zip(cells) {
                 sum.add(cell, f64::from(times));
             }
         }
         let (up, down) = total.split_at(self.levels.len());
-        let count = |cells: &[Cell]| cells.iter().map(|cell| cell.samples).sum();
         let mut both = up.to_vec();
         both.iter_mut().zip(down).for_each(|(sum, cell)| sum.add(cell, 1.0));
         Gathered {
             points: [self.points(up), self.points(down)],
             both: self.points(&both),
-            samples: [count(up), count(down)],
+            samples: [up, down].map(|cells| cells.iter().map(|cell| cell.samples).sum()),
             levels: &self.levels,
         }
     }
@@ -120,6 +124,7 @@ impl Steps {
 
 impl Cell {
     fn add(&mut self, other: &Self, times: f64) {
+        // A sample drawn twice weighs twice, but adds no degree of freedom.
         self.samples += other.samples;
         self.weight += times * other.weight;
         self.command += times * other.command;

@@ -1,4 +1,4 @@
-//! What the stage finds as rows: models, parameters, curve.
+//! The results of the stage as rows: models, parameters, curve.
 
 use crate::curve::mean_response;
 use crate::models::Model;
@@ -9,7 +9,7 @@ use zwidth_results::{
 };
 use zwidth_tables::{Table, TableError};
 
-/// What was characterised: names and units for the tables.
+/// The subject of the characterisation: names and units for the tables.
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
     /// The actuator or sensor.
@@ -21,23 +21,23 @@ pub struct Subject<'a> {
 }
 
 impl Subject<'_> {
-    /// The table of its candidate models, with the reason of the choice, what it rests on and the
-    /// noise below.
+    /// The table of its candidate models; notes below give the reason of the choice, the amount of
+    /// data and the noise.
     ///
     /// # Errors
     /// A number that is not finite.
-    pub fn models_table(&self, found: &Characteristic) -> Result<Table, TableError> {
-        let table = self.table(&fitted_models(found), "candidate models")?;
-        let sweeps = found.sweeps;
-        let points = found.points;
-        let folds = found.folds;
+    pub fn models_table(&self, characteristic: &Characteristic) -> Result<Table, TableError> {
+        let table = self.table(&fitted_models(characteristic), "candidate models")?;
+        let sweeps = characteristic.sweeps;
+        let points = characteristic.points;
+        let folds = characteristic.folds;
         let plural = if sweeps == 1 { "" } else { "s" };
-        let grouping = found.grouping.name();
+        let grouping = characteristic.grouping.name();
         let data = format!(
             "{sweeps} sweep{plural}, {points} points; left out in turn: {folds} {grouping}s."
         );
-        let table = table.with_note(found.reason.clone()).with_note(data);
-        Ok(match found.noise {
+        let table = table.with_note(characteristic.reason.clone()).with_note(data);
+        Ok(match characteristic.noise {
             Some(noise) => table.with_note(format!(
                 "Scatter that no curve explains: {noise:.3} {}.",
                 self.response_unit
@@ -50,8 +50,8 @@ impl Subject<'_> {
     ///
     /// # Errors
     /// A number that is not finite.
-    pub fn parameters_table(&self, found: &Characteristic) -> Result<Table, TableError> {
-        self.table(&fitted_parameters(found), "parameters")
+    pub fn parameters_table(&self, characteristic: &Characteristic) -> Result<Table, TableError> {
+        self.table(&fitted_parameters(characteristic), "parameters")
     }
 
     /// The table of the chosen curve.
@@ -74,9 +74,9 @@ impl Subject<'_> {
 }
 
 /// The candidate models: their errors, and why each was chosen or rejected.
-pub fn fitted_models(found: &Characteristic) -> Vec<FittedModel> {
+pub fn fitted_models(characteristic: &Characteristic) -> Vec<FittedModel> {
     let mut rows = Vec::new();
-    for candidate in &found.candidates {
+    for candidate in &characteristic.candidates {
         let quality = candidate.quality.as_ref();
         rows.push(FittedModel {
             model: candidate.name,
@@ -95,9 +95,9 @@ pub fn fitted_models(found: &Characteristic) -> Vec<FittedModel> {
 }
 
 /// The parameters of every candidate model, with their bootstrap intervals.
-pub fn fitted_parameters(found: &Characteristic) -> Vec<FittedParameter> {
+pub fn fitted_parameters(characteristic: &Characteristic) -> Vec<FittedParameter> {
     let mut rows = Vec::new();
-    for candidate in &found.candidates {
+    for candidate in &characteristic.candidates {
         for parameter in &candidate.parameters {
             rows.push(FittedParameter {
                 model: candidate.name,
@@ -115,7 +115,7 @@ pub fn fitted_parameters(found: &Characteristic) -> Vec<FittedParameter> {
     rows
 }
 
-/// The way of the command that a curve of a branch is of; that of none is of both.
+/// The way of the command to which a branch's curve belongs; without a branch, both.
 fn way(branch: Option<Branch>) -> CommandWay {
     match branch {
         None => CommandWay::Both,
@@ -134,13 +134,14 @@ const GRID_POINTS: usize = 201;
 /// A confidence level outside (0, 1); sweeps that no line can be fitted to.
 pub fn curve_points(
     sweeps: &[Sweep],
-    found: &Characteristic,
+    characteristic: &Characteristic,
     level: f64,
 ) -> Result<Vec<CurvePoint>, CharacteriseError> {
-    let step = (found.command_max - found.command_min) / (GRID_POINTS - 1) as f64;
-    let grid: Vec<f64> = (0..GRID_POINTS).map(|i| found.command_min + step * i as f64).collect();
+    let step = (characteristic.command_max - characteristic.command_min) / (GRID_POINTS - 1) as f64;
+    let grid: Vec<f64> =
+        (0..GRID_POINTS).map(|i| characteristic.command_min + step * i as f64).collect();
     let line = first_order(sweeps, level)?.curve(&grid);
-    let chosen = &found.candidates[found.chosen];
+    let chosen = &characteristic.candidates[characteristic.chosen];
     let mut points = Vec::new();
     for branch in Model::of(chosen.name).branches() {
         let own = curve(chosen, &grid, branch.unwrap_or(Branch::Up), level)?;
@@ -193,21 +194,19 @@ impl Fit {
             );
             return Err(CharacteriseError::Calibration { actuator, problem });
         }
-        let none = || {
-            let problem = "its tables do not hold a chosen model; make them again".to_owned();
-            CharacteriseError::Calibration { actuator, problem }
-        };
-        let is_chosen = |row: &&FittedModel| row.verdict == CandidateVerdict::Chosen;
-        let name = self.models.iter().find(is_chosen).ok_or_else(none)?.model;
-        let own = self.parameters.iter().filter(|row| row.model == name);
-        let parameters: Vec<f64> = own.map(|row| row.estimate).collect();
-        let model = Model::of(name);
-        let ends = self.curve.first().zip(self.curve.last());
-        let (first, last) = ends.ok_or_else(none)?;
-        if parameters.len() != model.parameters().len() {
-            return Err(none());
+        let chosen = self.models.iter().find(|row| row.verdict == CandidateVerdict::Chosen);
+        if let (Some(row), Some(first), Some(last)) =
+            (chosen, self.curve.first(), self.curve.last())
+        {
+            let model = Model::of(row.model);
+            let own = self.parameters.iter().filter(|parameter| parameter.model == row.model);
+            let parameters: Vec<f64> = own.map(|parameter| parameter.estimate).collect();
+            if parameters.len() == model.parameters().len() {
+                return Ok(Chosen { model, parameters, voltage_v: (first.command, last.command) });
+            }
         }
-        Ok(Chosen { model, parameters, voltage_v: (first.command, last.command) })
+        let problem = "its tables do not hold a chosen model; make them again".to_owned();
+        Err(CharacteriseError::Calibration { actuator, problem })
     }
 }
 

@@ -64,6 +64,7 @@ fn by_block(
         samples.response.iter().zip(&curve).map(|(y, f)| enlarge * (y - f)).collect();
     let length = n.div_ceil(BLOCK_SHARE).max(MIN_BLOCK);
     let blocks: Vec<Range<usize>> = (0..=n - length).map(|start| start..start + length).collect();
+    // Blocks enough for n samples; the last one is cut where the sweep ends.
     resample(&blocks, n.div_ceil(length), settings.resamples, settings.seed, |drawn| {
         let errors = drawn.iter().flat_map(|block| &residuals[(*block).clone()]);
         let response: Vec<f64> = curve.iter().zip(errors).map(|(f, e)| f + e).collect();

@@ -25,7 +25,7 @@ pub(crate) fn judge(
 ) -> Option<(usize, String)> {
     let (best, chosen) = choose(candidates)?;
     let reason = reason(candidates, best, chosen, left_out, unit);
-    let winner = candidates[chosen].clone();
+    let winner = candidates[chosen].clone(); // the others are judged against it while all change
     for (index, candidate) in candidates.iter_mut().enumerate() {
         candidate.verdict = verdict(candidate, &winner, index == chosen);
         candidate.reason = words(candidate, &winner, unit);
@@ -33,9 +33,9 @@ pub(crate) fn judge(
     Some((chosen, reason))
 }
 
-/// The candidate with the smallest cross-validated RMS (the simplest of equals), and the simplest
-/// that is as good for all that can be told. A curve that is not a law takes part only if every law
-/// lacks fit.
+/// The indices of the candidate with the smallest cross-validated RMS (the simplest of equals), and
+/// of the simplest that is as good within the standard errors. A curve that is not a law takes part
+/// only if every law lacks fit.
 fn choose(candidates: &[Candidate]) -> Option<(usize, usize)> {
     let laws_fail =
         candidates.iter().filter(|c| is_law(c)).filter_map(|c| c.quality).all(|q| lacks_fit(&q));
@@ -44,12 +44,13 @@ fn choose(candidates: &[Candidate]) -> Option<(usize, usize)> {
         .collect();
     let error = |i: usize| candidates[i].quality.map_or(f64::INFINITY, |q| q.cv_rms);
     let smallest = fitted.iter().map(|&i| error(i)).min_by(f64::total_cmp)?;
+    // Candidates come by complexity: the first within rounding is the simplest of equals.
     let best = *fitted.iter().find(|&&i| error(i) <= smallest * (1.0 + SAME))?;
     let good = fitted.into_iter().filter(|&i| is_as_good(&candidates[i], &candidates[best]));
-    let simpler = |&i: &usize, &j: &usize| {
+    let chosen = good.min_by(|&i, &j| {
         candidates[i].complexity.cmp(&candidates[j].complexity).then(error(i).total_cmp(&error(j)))
-    };
-    Some((best, good.min_by(simpler)?))
+    })?;
+    Some((best, chosen))
 }
 
 /// Whether the error on what was left out is within one standard error of that of `best`, and the
@@ -74,6 +75,7 @@ fn is_law(candidate: &Candidate) -> bool {
     Model::of(candidate.name).shape.is_law()
 }
 
+/// The reason of the choice, in a sentence.
 fn reason(
     candidates: &[Candidate],
     best: usize,
@@ -110,6 +112,7 @@ fn verdict(candidate: &Candidate, winner: &Candidate, chosen: bool) -> Candidate
     }
 }
 
+/// The reason of a candidate's verdict.
 fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
     let Some((q, best)) = candidate.quality.zip(winner.quality) else {
         return format!(
@@ -117,23 +120,20 @@ fn words(candidate: &Candidate, winner: &Candidate, unit: &str) -> String {
             candidate.complexity
         );
     };
-    let against =
-        || format!("{} against {}", left_out_error(&q, unit), left_out_error(&best, unit));
+    let against = format!("{} against {}", left_out_error(&q, unit), left_out_error(&best, unit));
     let name = winner.name.as_str();
     match candidate.verdict {
-        CandidateVerdict::Chosen => format!("{}{}", residuals(&q, unit), warning(&q)),
+        CandidateVerdict::Chosen if lacks_fit(&q) => format!(
+            "{}; lack of fit: the best of these curves, yet not the whole story",
+            residuals(&q, unit)
+        ),
+        CandidateVerdict::Chosen => residuals(&q, unit),
         CandidateVerdict::NotNeeded if !is_law(candidate) && is_law(winner) => {
-            format!(
-                "{name} is a law and {} (RMS on data left out {})",
-                if lacks_fit(&best) { "fits as well" } else { "leaves the noise alone" },
-                against()
-            )
+            let fit = if lacks_fit(&best) { "fits as well" } else { "leaves the noise alone" };
+            format!("{name} is a law and {fit} (RMS on data left out {against})")
         }
-        CandidateVerdict::NotNeeded => {
-            format!("RMS on data left out {} for {name}", against())
-        }
-        _ if fits_worse(&q, Some(best)) => residuals(&q, unit),
-        _ => format!("RMS on data left out {} for {name}", against()),
+        CandidateVerdict::Rejected if fits_worse(&q, Some(best)) => residuals(&q, unit),
+        _ => format!("RMS on data left out {against} for {name}"),
     }
 }
 
@@ -154,19 +154,11 @@ fn lacks_fit(q: &Quality) -> bool {
     q.rms_over_noise.is_some_and(|ratio| ratio > LACK_OF_FIT)
 }
 
-/// Lack of fit that the chosen curve does not share.
+/// Whether a candidate lacks fit where the chosen curve does not, or lacks less.
 fn fits_worse(q: &Quality, winner: Option<Quality>) -> bool {
     /// Residuals that differ by less are alike.
     const WORSE: f64 = 1.05;
     lacks_fit(q) && winner.is_none_or(|best| q.rms > WORSE * best.rms)
-}
-
-fn warning(q: &Quality) -> &'static str {
-    if lacks_fit(q) {
-        "; lack of fit: the best of these curves, yet not the whole story"
-    } else {
-        ""
-    }
 }
 
 /// Three significant digits.

@@ -33,6 +33,7 @@ pub(crate) fn stretch(t: &[f64], centre: usize) -> Option<Stretch> {
     let at = t[centre];
     let first = t.partition_point(|t| *t <= at - HALF_S * INSIDE);
     let end = t.partition_point(|t| *t < at + HALF_S * INSIDE);
+    // The interval of a sample reaches to its neighbours on both sides.
     if first == 0 || end == t.len() {
         return None;
     }

@@ -105,7 +105,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Those of a study.
+    /// The parameters that a study sets.
     pub fn of(study: &Study) -> Self {
         let Analysis { onset_rad_s, confidence, .. } = study.analysis;
         let lever_m = study.device.lever_m;
@@ -125,8 +125,8 @@ impl FreeMotionError {
         Self::NoSlip { needed_s, least, key }
     }
 
-    /// What a fit of these terms was refused for: a column that is a combination of those before it
-    /// is said in their words.
+    /// Why a fit of these terms was refused: a column that is a combination of those before it is
+    /// named by its term.
     pub(crate) fn of_terms(error: NumericsError, terms: &[&'static str]) -> Self {
         match error {
             NumericsError::RankDeficient { column } if column < terms.len() => {
@@ -147,13 +147,18 @@ impl FreeMotionError {
 /// A signal that is not recorded; too few samples; an acceleration or velocity that does not vary,
 /// or that are proportional to each other.
 pub fn plane_fit(trial: &Trial, parameters: &Parameters) -> Result<PlaneFit, FreeMotionError> {
-    let column = |signal: Signal| recorded(&trial.samples, signal, NEEDS);
     let torque = torque(&trial.samples, parameters.lever_m)?;
     let ones = vec![1.0; torque.len()];
-    let columns = [&ones[..], column(Signal::ThetaDdot)?, column(Signal::ThetaDot)?];
+    // In the order of the names below: a column that depends on those before it is named by its place.
+    let columns = [
+        &ones[..],
+        recorded(&trial.samples, Signal::ThetaDdot, NEEDS)?,
+        recorded(&trial.samples, Signal::ThetaDot, NEEDS)?,
+    ];
     let fit = lsq::fit(&columns, &torque)
         .map_err(|e| FreeMotionError::of_terms(e, &["the offset", "inertia", "damping"]))?;
     let intervals = recording_fit(&columns, &fit, parameters.confidence)?;
+    let t = recorded(&trial.samples, Signal::Time, NEEDS)?;
     Ok(PlaneFit {
         meta: trial.meta.clone(),
         offset_nm: intervals.estimates[0],
@@ -163,7 +168,7 @@ pub fn plane_fit(trial: &Trial, parameters: &Parameters) -> Result<PlaneFit, Fre
         rms_nm: (fit.rss / torque.len() as f64).sqrt(),
         samples: torque.len(),
         lags: intervals.lags,
-        bandwidth_s: intervals.lags as f64 * sample_interval_s(column(Signal::Time)?),
+        bandwidth_s: intervals.lags as f64 * sample_interval_s(t),
     })
 }
 

@@ -54,10 +54,9 @@ pub struct PlantFit {
 /// A signal that is not recorded; no stretch that slips, or too few; movements too alike to tell
 /// the five apart.
 pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, FreeMotionError> {
-    let column = |signal: Signal| recorded(&trial.samples, signal, NEEDS);
-    let t = column(Signal::Time)?;
-    let theta = column(Signal::Theta)?;
-    let velocity = column(Signal::ThetaDot)?;
+    let t = recorded(&trial.samples, Signal::Time, NEEDS)?;
+    let theta = recorded(&trial.samples, Signal::Theta, NEEDS)?;
+    let velocity = recorded(&trial.samples, Signal::ThetaDot, NEEDS)?;
     let torque = torque(&trial.samples, parameters.lever_m)?;
     let least_rad_s = parameters.onset_rad_s;
     let rows: Vec<StretchMeans> = (0..t.len())
@@ -66,17 +65,13 @@ pub fn plant_fit(trial: &Trial, parameters: &Parameters) -> Result<PlantFit, Fre
     if rows.is_empty() {
         return Err(FreeMotionError::no_slip(2.0 * HALF_S, parameters));
     }
-    let of = |get: fn(&StretchMeans) -> f64| rows.iter().map(get).collect::<Vec<f64>>();
-    let columns = [
-        vec![1.0; rows.len()],
-        of(|r| r.acceleration),
-        of(|r| r.velocity),
-        of(|r| r.sign),
-        of(|r| r.angle),
-    ];
+    // In the order of `TERMS`.
+    let terms: [fn(&StretchMeans) -> f64; 5] =
+        [|_| 1.0, |r| r.acceleration, |r| r.velocity, |r| r.sign, |r| r.angle];
+    let columns = terms.map(|term| rows.iter().map(term).collect::<Vec<f64>>());
     let columns: [&[f64]; 5] = columns.each_ref().map(Vec::as_slice);
-    let fit =
-        lsq::fit(&columns, &of(|r| r.torque)).map_err(|e| FreeMotionError::of_terms(e, &TERMS))?;
+    let torque: Vec<f64> = rows.iter().map(|r| r.torque).collect();
+    let fit = lsq::fit(&columns, &torque).map_err(|e| FreeMotionError::of_terms(e, &TERMS))?;
     let intervals = recording_fit(&columns, &fit, parameters.confidence)?;
     Ok(PlantFit {
         meta: trial.meta.clone(),
@@ -114,6 +109,7 @@ fn row(
     let inside = stretch.first..stretch.first + stretch.weights.len();
     let [theta, velocity, torque] = [theta, velocity, torque].map(|y| &y[inside.clone()]);
     let sign = velocity[0].signum();
+    // Dry friction turns with the velocity: over a change of sign it has no one value.
     let slips = velocity.iter().all(|v| sign * v >= least_rad_s);
     slips.then(|| StretchMeans {
         torque: average(&stretch.weights, torque),

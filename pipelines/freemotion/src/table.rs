@@ -101,18 +101,21 @@ const LEAST_R2: f64 = 0.1;
 fn doubts(fits: &[PlaneFit]) -> Vec<String> {
     let signals = "sign, delay or filter of the recorded acceleration and torque do not go together. Compare the coefficients; \
                    do not read them as";
-    let negative = |what: &str, get: fn(&PlaneFit) -> Estimate, read_as: &str| {
-        let count = fits.iter().filter(|f| get(f).ci_high < 0.0).count();
-        (count > 0).then(|| {
-            format!(
+    // The whole interval is below 0: an estimate alone may be there by chance.
+    let inertia = fits.iter().filter(|f| f.inertia_kg_m2.ci_high < 0.0).count();
+    let damping = fits.iter().filter(|f| f.damping_nm_s_per_rad.ci_high < 0.0).count();
+    let mut notes = Vec::new();
+    for (what, count, read_as) in [("inertia", inertia, "masses"), ("damping", damping, "friction")]
+    {
+        if count > 0 {
+            notes.push(format!(
                 "The {what} is negative in {count} of {} fits, which no mechanism has: {signals} {read_as}.",
                 fits.len()
-            )
-        })
-    };
-    let inertia = negative("inertia", |f| f.inertia_kg_m2, "masses");
-    let damping = negative("damping", |f| f.damping_nm_s_per_rad, "friction");
-    [inertia, damping, unexplained(fits.iter().map(|f| f.r2))].into_iter().flatten().collect()
+            ));
+        }
+    }
+    notes.extend(unexplained(fits.iter().map(|f| f.r2)));
+    notes
 }
 
 /// Fits that explain next to nothing of the torque.
@@ -129,21 +132,20 @@ fn unexplained(r2: impl ExactSizeIterator<Item = Option<f64>>) -> Option<String>
 
 /// The same of plants, whose inertia and damping no body has below 0.
 fn impossible(fits: &[PlantFit]) -> Vec<String> {
-    let negative = |what: &str, get: fn(&PlantFit) -> Estimate| {
+    let coefficients: [(&str, Coefficient); 2] =
+        [("inertia", |f| f.inertia_kg_m2), ("damping", |f| f.damping_nm_s_per_rad)];
+    let mut notes = Vec::new();
+    for (what, get) in coefficients {
         let count = fits.iter().filter(|f| get(f).ci_high < 0.0).count();
-        (count > 0).then(|| {
-            format!(
+        if count > 0 {
+            notes.push(format!(
                 "The {what} is negative in {count} of {} fits, which no mechanism has: check the signs of torque and angle.",
                 fits.len()
-            )
-        })
-    };
-    let found = [
-        negative("inertia", |f| f.inertia_kg_m2),
-        negative("damping", |f| f.damping_nm_s_per_rad),
-        unexplained(fits.iter().map(|f| f.r2)),
-    ];
-    found.into_iter().flatten().collect()
+            ));
+        }
+    }
+    notes.extend(unexplained(fits.iter().map(|f| f.r2)));
+    notes
 }
 
 /// One coefficient of a plant.

@@ -35,7 +35,20 @@ impl Bracket {
     pub fn of<'a>(trials: impl IntoIterator<Item = Switching<'a>>) -> Self {
         let mut bracket = Self::default();
         for trial in trials {
-            bracket.narrow(&trial);
+            for i in 1..trial.force_n.len() {
+                let force_n = trial.force_n[i];
+                if trial.brake_v[i - 1] <= 0.0 {
+                    continue;
+                }
+                if trial.brake_v[i] > 0.0 && trial.theta_dot_rad_s[i] <= 0.0 {
+                    bracket.high_n = Some(bracket.high_n.map_or(force_n, |n| n.min(force_n)));
+                }
+                // The motor tells letting go from a brake that is only switched off.
+                if trial.brake_v[i] <= 0.0 && trial.motor_v[i] != 0.0 {
+                    bracket.low_n = Some(bracket.low_n.map_or(force_n, |n| n.max(force_n)));
+                    bracket.releases += 1;
+                }
+            }
         }
         bracket
     }
@@ -47,22 +60,6 @@ impl Bracket {
             low_n: self.low_n.into_iter().chain(other.low_n).reduce(f64::max),
             high_n: self.high_n.into_iter().chain(other.high_n).reduce(f64::min),
             releases: self.releases + other.releases,
-        }
-    }
-
-    fn narrow(&mut self, of: &Switching) {
-        for i in 1..of.force_n.len() {
-            let force_n = of.force_n[i];
-            if of.brake_v[i - 1] <= 0.0 {
-                continue;
-            }
-            if of.brake_v[i] > 0.0 && of.theta_dot_rad_s[i] <= 0.0 {
-                self.high_n = Some(self.high_n.map_or(force_n, |high| high.min(force_n)));
-            }
-            if of.brake_v[i] <= 0.0 && of.motor_v[i] != 0.0 {
-                self.low_n = Some(self.low_n.map_or(force_n, |low| low.max(force_n)));
-                self.releases += 1;
-            }
         }
     }
 }

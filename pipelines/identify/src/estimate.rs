@@ -37,7 +37,7 @@ pub struct Estimate {
 /// nothing to profile.
 const NOISELESS: f64 = 1e-6;
 
-/// How far an estimate scatters.
+/// The scatter of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Spread {
     pub(crate) std_error: f64,
@@ -58,12 +58,18 @@ pub(crate) fn spread<const P: usize>(
     let inverse_all = inverse(&all.curvature, free)?;
     let moved = moved(blocks, free)?;
     let variance = jackknife(&moved, j, j);
-    let share = |block: &Block<P>| {
-        let row = |k: usize| (0..P).map(|l| block.curvature[k][l] * inverse_all[l][j]).sum::<f64>();
-        (0..P).map(|k| inverse_all[j][k] * row(k)).sum::<f64>()
-    };
-    let (total, squares) =
-        blocks.iter().map(share).fold((0.0, 0.0), |(s, q), h| (s + h, q + h * h));
+    let mut total = 0.0;
+    let mut squares = 0.0;
+    for Block { curvature, .. } in blocks {
+        let share: f64 = (0..P)
+            .map(|k| {
+                let row: f64 = (0..P).map(|l| curvature[k][l] * inverse_all[l][j]).sum();
+                inverse_all[j][k] * row
+            })
+            .sum();
+        total += share;
+        squares += share * share;
+    }
     Some(Spread { std_error: variance.sqrt(), df: total * total / squares })
         .filter(|s| s.std_error.is_finite() && s.df > 0.0)
 }
@@ -96,13 +102,12 @@ fn moved<const P: usize>(blocks: &[Block<P>], free: &[bool; P]) -> Option<Vec<[f
 /// (G − 1)/G times the sum of products of two parameters' departures from their means.
 fn jackknife<const P: usize>(moved: &[[f64; P]], j: usize, k: usize) -> f64 {
     let n = moved.len() as f64;
-    let mean = |j: usize| moved.iter().map(|m| m[j]).sum::<f64>() / n;
-    let mean_j = mean(j);
-    let mean_k = mean(k);
+    let [mean_j, mean_k] = [j, k].map(|j| moved.iter().map(|m| m[j]).sum::<f64>() / n);
     (n - 1.0) / n * moved.iter().map(|m| (m[j] - mean_j) * (m[k] - mean_k)).sum::<f64>()
 }
 
-/// Which parameters are free to move: those that are on no bound and that the recordings feel.
+/// Which parameters are free to move: those that are on no bound and on which the recordings
+/// depend.
 pub(crate) fn free<const P: usize>(
     parameters: &[Parameter; P],
     at: &[f64; P],
@@ -122,13 +127,15 @@ pub(crate) fn stepped<const P: usize>(
     parameters: &[Parameter; P],
     at: &[f64; P],
     free: &[bool; P],
-    of: &Block<P>,
+    block: &Block<P>,
 ) -> Option<[f64; P]> {
-    let inverse = inverse(&of.curvature, free)?;
-    let step = |j: usize| (0..P).map(|k| inverse[j][k] * of.gradient[k]).sum::<f64>();
-    Some(core::array::from_fn(|j| match free[j] {
-        true => (at[j] - step(j)).clamp(parameters[j].lower, parameters[j].upper),
-        false => at[j],
+    let inverse = inverse(&block.curvature, free)?;
+    Some(core::array::from_fn(|j| {
+        if !free[j] {
+            return at[j];
+        }
+        let step = (0..P).map(|k| inverse[j][k] * block.gradient[k]).sum::<f64>();
+        (at[j] - step).clamp(parameters[j].lower, parameters[j].upper)
     }))
 }
 
@@ -139,8 +146,7 @@ pub(crate) fn inverse<const P: usize>(
     free: &[bool; P],
 ) -> Option<[[f64; P]; P]> {
     let scale: [f64; P] = core::array::from_fn(|j| matrix[j][j].sqrt());
-    let both = |j: usize, k: usize| free[j] && free[k];
-    let scaled = Matrix::<P>::from_fn(|j, k| match both(j, k) {
+    let scaled = Matrix::<P>::from_fn(|j, k| match free[j] && free[k] {
         true => matrix[j][k] / (scale[j] * scale[k]),
         false => f64::from(u8::from(j == k)),
     });
@@ -148,15 +154,15 @@ pub(crate) fn inverse<const P: usize>(
     // one that is not.
     let inverse = scaled.inverse_by(|rows, k| (rows[k][k] > f64::EPSILON).then_some(k))?;
     Some(core::array::from_fn(|j| {
-        core::array::from_fn(|k| match both(j, k) {
+        core::array::from_fn(|k| match free[j] && free[k] {
             true => inverse.at(j, k) / (scale[j] * scale[k]),
             false => 0.0,
         })
     }))
 }
 
-/// What the trials' parts of the normal equations, and the fits with one parameter held, say of
-/// each parameter.
+/// The estimate of each parameter, from the trials' parts of the normal equations and from fits
+/// with the parameter held.
 pub(crate) fn estimates<const P: usize>(
     problem: &Problem<P>,
     minimum: &Minimum<P>,
@@ -167,10 +173,12 @@ pub(crate) fn estimates<const P: usize>(
     let all = sum(blocks);
     let free = free(problem.parameters, &minimum.parameters, &all);
     let inflation = inflation(&all, &free);
-    let one = |j: usize| {
-        // one on its bound may leave it, to tell how far: the bracket that is left of its interval
+    let mut estimates = Vec::with_capacity(P);
+    for j in 0..P {
+        // One on its bound may leave it, to tell how far: the bracket that is left of its interval.
         let mut free = free;
         free[j] = all.curvature[j][j] > 0.0;
+        // On `free` as it is now, so that one on its bound has a spread to profile with.
         let spread = spread(blocks, &free, j).filter(|_| free[j]);
         let fitted = minimum.parameters[j];
         let noisy = spread.filter(|spread| spread.std_error > NOISELESS * fitted.abs());
@@ -192,9 +200,9 @@ pub(crate) fn estimates<const P: usize>(
             verdict: Identifiability::OnBound,
         };
         estimate.verdict = verdict(&estimate, all.curvature[j][j]);
-        Ok(estimate)
-    };
-    (0..P).map(one).collect()
+        estimates.push(estimate);
+    }
+    Ok(estimates)
 }
 
 #[cfg(test)]

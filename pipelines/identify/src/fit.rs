@@ -19,7 +19,8 @@ pub(crate) struct Block<const P: usize> {
 pub(crate) type Predict<'a, const P: usize> =
     &'a (dyn Fn(usize, &[[f64; P]]) -> Vec<Option<Vec<f64>>> + Sync);
 
-/// What is fitted: the trials by their numbers, what was recorded of each, and the model.
+/// A problem of least squares: the trials by their numbers, the observations of each, and the
+/// model.
 pub(crate) struct Problem<'a, const P: usize> {
     pub(crate) trials: &'a [usize],
     pub(crate) observed: &'a [&'a [f64]],
@@ -30,7 +31,8 @@ pub(crate) struct Problem<'a, const P: usize> {
 impl<const P: usize> Problem<'_, P> {
     /// The best of the minima that are reached from `starts`.
     pub(crate) fn fit(&self, starts: &[[f64; P]]) -> Result<Minimum<P>, IdentifyError> {
-        let minima = starts.iter().filter_map(|start| self.from(*start).ok());
+        let minima = starts.iter().filter_map(|start| self.minimum(*start).ok());
+        // A start from which the model does not run is no loss while another does.
         let best = minima.min_by(|a, b| a.rss.total_cmp(&b.rss));
         best.ok_or(IdentifyError::NoStart { starts: starts.len() })
     }
@@ -41,7 +43,7 @@ impl<const P: usize> Problem<'_, P> {
         let mut start = start;
         (parameters[j].lower, parameters[j].upper, start[j]) = (value, value, value);
         let held = Problem { parameters: &parameters, ..*self };
-        held.from(start).ok().map(|minimum| minimum.rss)
+        held.minimum(start).ok().map(|minimum| minimum.rss)
     }
 
     /// Σ r² at a point, and Jᵀr with slopes from elsewhere.
@@ -51,35 +53,35 @@ impl<const P: usize> Problem<'_, P> {
         (errors.iter().flatten().map(|e| e * e).sum(), all.gradient)
     }
 
-    /// Samples of all trials.
-    fn samples(&self) -> usize {
-        self.trials.iter().map(|i| self.observed[*i].len()).sum()
-    }
-
-    /// The minimiser asks for residuals one by one: all of a point are made at once, in parallel,
-    /// and kept.
-    fn from(&self, start: [f64; P]) -> Result<Minimum<P>, IdentifyError> {
-        let kept: RefCell<Kept<P>> = RefCell::new(Kept::new());
-        let residual = |i: usize, at: &[f64; P]| kept.borrow_mut().at(self, at, i);
+    /// The minimum that is reached from `start`.
+    fn minimum(&self, start: [f64; P]) -> Result<Minimum<P>, IdentifyError> {
+        let samples = self.trials.iter().map(|i| self.observed[*i].len()).sum();
         let bounds = Bounds {
             lower: self.parameters.map(|p| p.lower),
             upper: self.parameters.map(|p| p.upper),
         };
-        Ok(least_squares(self.samples(), residual, start, &bounds)?)
+        // The minimiser asks for residuals one by one: all of a point are made at once, in
+        // parallel, and kept.
+        let kept: RefCell<Kept<P>> = RefCell::new(Kept::new());
+        Ok(least_squares(samples, |i, at| kept.borrow_mut().at(self, at, i), start, &bounds)?)
     }
 
     /// Errors of every trial, in order.
     fn errors(&self, at: &[f64; P]) -> Vec<Vec<f64>> {
-        let one = |i: &usize| errors(|p| (self.predict)(*i, p), self.observed[*i], at);
-        self.trials.par_iter().map(one).collect()
+        self.trials
+            .par_iter()
+            .map(|i| errors(|p| (self.predict)(*i, p), self.observed[*i], at))
+            .collect()
     }
 
-    /// Their slopes.
+    /// Slopes of these errors.
     pub(crate) fn slopes(&self, at: &[f64; P]) -> Vec<Vec<[f64; P]>> {
-        let one = |i: &usize| {
-            slopes(|p| (self.predict)(*i, p), self.observed[*i].len(), self.parameters, at)
-        };
-        self.trials.par_iter().map(one).collect()
+        self.trials
+            .par_iter()
+            .map(|i| {
+                slopes(|p| (self.predict)(*i, p), self.observed[*i].len(), self.parameters, at)
+            })
+            .collect()
     }
 
     /// Every trial's part of the normal equations at a point, with its slopes there.
@@ -88,39 +90,38 @@ impl<const P: usize> Problem<'_, P> {
     }
 }
 
-/// The last point the minimiser asked for.
+/// The last point at which the minimiser asked for residuals.
 struct Kept<const P: usize> {
-    of: Option<[u64; P]>,
+    /// The bits of its parameters; `None` before the first.
+    point: Option<[u64; P]>,
     errors: Vec<f64>,
     slopes: Vec<[f64; P]>,
+    /// The least Σ r² so far.
     least: f64,
 }
 
 impl<const P: usize> Kept<P> {
     fn new() -> Self {
-        Self { of: None, errors: Vec::new(), slopes: Vec::new(), least: f64::INFINITY }
+        Self { point: None, errors: Vec::new(), slopes: Vec::new(), least: f64::INFINITY }
     }
 
     /// Residual `i` at a point, with its slopes.
     fn at(&mut self, problem: &Problem<P>, at: &[f64; P], i: usize) -> (f64, [f64; P]) {
+        // By bits: any other point, however near, has other errors.
         let bits = at.map(f64::to_bits);
-        if self.of != Some(bits) {
-            self.make(problem, at);
-            self.of = Some(bits);
+        if self.point != Some(bits) {
+            self.errors = problem.errors(at).concat();
+            let rss: f64 = self.errors.iter().map(|e| e * e).sum();
+            // The minimiser steps back from a point that is not better, and never looks at its
+            // slopes: they are not made, which spares six runs of seven.
+            self.slopes = match rss < self.least {
+                true => problem.slopes(at).concat(),
+                false => vec![[0.0; P]; self.errors.len()],
+            };
+            self.least = self.least.min(rss);
+            self.point = Some(bits);
         }
         (self.errors[i], self.slopes[i])
-    }
-
-    /// A minimiser steps back from a point that is not better, and never looks at its slopes: they
-    /// are not made, which spares six runs of seven.
-    fn make(&mut self, problem: &Problem<P>, at: &[f64; P]) {
-        self.errors = problem.errors(at).concat();
-        let rss: f64 = self.errors.iter().map(|e| e * e).sum();
-        self.slopes = match rss < self.least {
-            true => problem.slopes(at).concat(),
-            false => vec![[0.0; P]; self.errors.len()],
-        };
-        self.least = self.least.min(rss);
     }
 }
 

@@ -11,18 +11,18 @@ use zwidth_study::TrialMeta;
 /// A trial to be explained.
 #[derive(Debug, Clone, Copy)]
 pub struct Recording<'a> {
-    /// Which trial.
+    /// The trial.
     pub meta: &'a TrialMeta,
     /// The observations to be explained, with all of their noise.
     pub observed: &'a [f64],
 }
 
-/// What is to be fitted, and from which starts.
+/// The parameters to be fitted, and the starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Task<'a, const P: usize> {
     /// The parameters.
     pub parameters: &'a [Parameter; P],
-    /// Where the fit begins, besides the choice by eye.
+    /// Points at which the fit begins, besides the choice by eye.
     pub starts: &'a [[f64; P]],
     /// Level of the intervals, such as 0.95.
     pub level: f64,
@@ -57,7 +57,13 @@ pub fn identify<const P: usize>(
     explain: impl Fn(usize, &[[f64; P]]) -> Vec<Option<Vec<f64>>> + Sync,
     judge: impl Fn(usize, &[f64; P]) -> Option<f64> + Sync,
 ) -> Result<Identified, IdentifyError> {
-    let parts = parts(recordings);
+    let parts: Vec<FitPart> = (0..recordings.len())
+        .map(|i| {
+            let meta = recordings[i].meta;
+            let earlier = recordings[..i].iter().filter(|r| is_repeat(r.meta, meta)).count();
+            if earlier.is_multiple_of(2) { FitPart::Fitted } else { FitPart::HeldOut }
+        })
+        .collect();
     let fitted: Vec<usize> = (0..parts.len()).filter(|i| parts[*i] == FitPart::Fitted).collect();
     if fitted.len() < 2 {
         return Err(IdentifyError::TooFew { trials: fitted.len() });
@@ -71,8 +77,9 @@ pub fn identify<const P: usize>(
     let slopes = problem.slopes(&minimum.parameters);
     let blocks = problem.blocks(&minimum.parameters, &slopes);
     let left_out = without_each(parameters, &minimum.parameters, &blocks);
-    let one = |(i, recording): (usize, &Recording)| {
+    let errors = recordings.par_iter().enumerate().map(|(i, recording)| {
         let error = |p: &[f64; P]| judge(i, p).filter(|error| error.is_finite());
+        // Blocks are of the fitted trials alone, in the order of their numbers.
         let place = fitted.binary_search(&i).ok();
         let meta = recording.meta;
         PlantTrialError {
@@ -88,26 +95,19 @@ pub fn identify<const P: usize>(
             rmse_fitted_rad: error(&minimum.parameters),
             rmse_left_out_rad: place.and_then(|k| left_out[k]).and_then(|p| error(&p)),
         }
-    };
+    });
     Ok(Identified {
         estimates: estimates(&problem, &minimum, &blocks, &slopes, task.level)?,
-        trials: recordings.par_iter().enumerate().map(one).collect(),
+        trials: errors.collect(),
         covariance: covariance(&blocks, &free(parameters, &minimum.parameters, &sum(&blocks)))
             .map(|rows| rows.iter().map(|row| row.to_vec()).collect()),
         converged: minimum.converged,
     })
 }
 
-/// Every other repeat of a condition is held out, by participant and session.
-fn parts(recordings: &[Recording]) -> Vec<FitPart> {
-    let same = |a: &TrialMeta, b: &TrialMeta| {
-        a.participant == b.participant && a.session == b.session && a.condition() == b.condition()
-    };
-    let part = |i: usize| {
-        let before = recordings[..i].iter().filter(|r| same(r.meta, recordings[i].meta)).count();
-        if before.is_multiple_of(2) { FitPart::Fitted } else { FitPart::HeldOut }
-    };
-    (0..recordings.len()).map(part).collect()
+/// Whether two trials repeat a condition, by one participant in one session.
+fn is_repeat(a: &TrialMeta, b: &TrialMeta) -> bool {
+    a.participant == b.participant && a.session == b.session && a.condition() == b.condition()
 }
 
 /// The parameters that the other trials give, for each; `None` where they do not determine them.

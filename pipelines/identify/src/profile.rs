@@ -6,7 +6,7 @@ use crate::estimate::{Spread, inverse};
 use crate::fit::{Block, Problem};
 use zwidth_numerics::nonlinear::Minimum;
 
-/// The curve is drawn to so many standard errors to either side, in steps of half of one.
+/// The curve is drawn to `REACH` standard errors to either side, `STEPS` points per standard error.
 const REACH: i32 = 3;
 const STEPS: i32 = 2;
 /// Where the curve meets a level is found to this share of the level.
@@ -49,7 +49,7 @@ pub(crate) struct Curve<'p, 'd, const P: usize> {
     others: [[f64; P]; P],
     /// (A⁻¹)_jj / V.
     scale: f64,
-    /// Where the others go when this one moves by 1, to first order.
+    /// By how much the others move when this one moves by 1, to first order.
     along: [f64; P],
 }
 
@@ -85,10 +85,12 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
 
     /// The likelihood ratio's curve, by rising value, within the bounds.
     pub(crate) fn points(&self) -> Vec<Point> {
-        let value = |step: i32| {
-            self.inside(self.fitted() + f64::from(step) / f64::from(STEPS) * self.std_error)
-        };
-        let mut values: Vec<f64> = (-REACH * STEPS..=REACH * STEPS).map(value).collect();
+        let mut values: Vec<f64> = (-REACH * STEPS..=REACH * STEPS)
+            .map(|step| {
+                self.inside(self.fitted() + f64::from(step) / f64::from(STEPS) * self.std_error)
+            })
+            .collect();
+        // Steps beyond a bound all end on it.
         values.dedup();
         values.into_iter().filter_map(|value| self.at(value)).collect()
     }
@@ -99,11 +101,12 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
         Some((self.crossing(critical, -1.0)?, self.crossing(critical, 1.0)?))
     }
 
-    /// Where the root of the curve meets the level on one side, or the bound before.
+    /// The value at which the root of the curve meets the level on one side, or the bound before.
     fn crossing(&self, critical: f64, side: f64) -> Option<f64> {
         let Parameter { lower, upper, .. } = self.problem.parameters[self.j];
         let bound = if side < 0.0 { lower } else { upper };
         let furthest = (bound - self.fitted()).abs();
+        // The root, because it is nearly straight where the ratio is nearly a parabola.
         let distance = meet(critical, critical * self.std_error, furthest, |distance| {
             let value = self.inside(self.fitted() + side * distance);
             Some(self.at(value)?.likelihood_ratio.sqrt())
@@ -114,6 +117,7 @@ impl<'p, 'd, const P: usize> Curve<'p, 'd, P> {
     fn at(&self, value: f64) -> Option<Point> {
         let minimum = self.minimum;
         let away = value - self.fitted();
+        // From where the others go to first order, which is where they end in a linear model.
         let start =
             self.within(core::array::from_fn(|k| minimum.parameters[k] + away * self.along[k]));
         let rss = match away == 0.0 {

@@ -6,12 +6,12 @@ use zwidth_results::PlantParameter;
 /// A parameter of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Parameter {
-    /// Which one it is.
+    /// Its name.
     #[serde(serialize_with = "word")]
     pub name: PlantParameter,
     /// Its unit.
     pub unit: &'static str,
-    /// What was chosen by eye.
+    /// The value chosen by eye.
     pub by_eye: f64,
     /// Smallest value allowed.
     pub lower: f64,
@@ -27,7 +27,7 @@ fn word<S: Serializer>(name: &PlantParameter, serializer: S) -> Result<S::Ok, S:
 /// Share of a parameter's size by which it is changed to see a slope: its square is lost to
 /// curvature.
 const SHARE: f64 = 1e-4;
-/// The same as a share of its bounds' distance, for a parameter that is 0.
+/// The change as a share of the distance between its bounds, for a parameter that is 0.
 const SHARE_OF_RANGE: f64 = 1e-7;
 
 /// Prediction less recording; infinite where the model does not run, which a fit steps back from.
@@ -50,22 +50,24 @@ pub(crate) fn slopes<const P: usize>(
     parameters: &[Parameter; P],
     at: &[f64; P],
 ) -> Vec<[f64; P]> {
-    let ends = |j: usize| {
-        let parameter = &parameters[j];
+    let mut moving = Vec::new();
+    let mut points = Vec::new();
+    for (j, parameter) in parameters.iter().enumerate() {
         let step = SHARE * at[j].abs() + SHARE_OF_RANGE * (parameter.upper - parameter.lower);
-        [(at[j] - step).max(parameter.lower), (at[j] + step).min(parameter.upper)]
-    };
-    // One that is held at one value does not move.
-    let moving: Vec<(usize, [f64; 2])> =
-        (0..P).map(|j| (j, ends(j))).filter(|(_, [low, high])| low < high).collect();
-    let moved = |j: usize, value: f64| {
-        let mut moved = *at;
-        moved[j] = value;
-        moved
-    };
-    let points: Vec<_> =
-        moving.iter().flat_map(|(j, ends)| ends.map(|value| moved(*j, value))).collect();
+        let low = (at[j] - step).max(parameter.lower);
+        let high = (at[j] + step).min(parameter.upper);
+        // One that is held at one value does not move.
+        if low < high {
+            moving.push((j, [low, high]));
+            for value in [low, high] {
+                let mut point = *at;
+                point[j] = value;
+                points.push(point);
+            }
+        }
+    }
     let mut slopes = vec![[0.0; P]; samples];
+    // All at once, so that a model may share work between points.
     let predicted = predict(&points);
     for ((j, [low, high]), sides) in moving.into_iter().zip(predicted.chunks(2)) {
         let [Some(below), Some(above)] = sides else { continue };

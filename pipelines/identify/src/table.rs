@@ -1,6 +1,7 @@
-//! What the stage finds as rows.
+//! The results of the stage as rows.
 
 use crate::{Bracket, Estimate, Identified};
+use std::collections::BTreeMap;
 use zwidth_results::{
     FitPart, HeldOutError, OneOrAll, PlantCovariance, PlantEstimate, PlantProfile, PlantTrialError,
     Threshold, ThresholdBracket, UnitProduct,
@@ -12,19 +13,19 @@ use zwidth_tables::{Table, TableError};
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn estimates_table(found: &Identified) -> Result<Table, TableError> {
-    let rows: Vec<PlantEstimate> = found.estimates.iter().map(PlantEstimate::from).collect();
-    let fitted = found.trials.iter().filter(|t| t.part == FitPart::Fitted).count();
-    let held_out = found.trials.len() - fitted;
+pub fn estimates_table(identified: &Identified) -> Result<Table, TableError> {
+    let rows: Vec<PlantEstimate> = identified.estimates.iter().map(PlantEstimate::from).collect();
+    let fitted = identified.trials.iter().filter(|t| t.part == FitPart::Fitted).count();
+    let held_out = identified.trials.len() - fitted;
     let note = format!("Fitted to {fitted} trials; {held_out} others were held out.");
     let table = Table::of_rows(&rows)?.with_note(note);
-    Ok(match found.converged {
+    Ok(match identified.converged {
         true => table,
         false => table.with_note("The fit used up its steps before it met its stopping rule."),
     })
 }
 
-/// The same table without rows, and why.
+/// The table of the parameters without rows, with the reason.
 ///
 /// # Errors
 /// None.
@@ -55,11 +56,12 @@ impl From<&Estimate> for PlantEstimate {
 
 /// The covariance of the parameters, each pair once and each with itself; none if there is no
 /// covariance.
-pub fn covariances(found: &Identified) -> Vec<PlantCovariance> {
-    let Some(v) = &found.covariance else { return Vec::new() };
+pub fn covariances(identified: &Identified) -> Vec<PlantCovariance> {
+    let Some(v) = &identified.covariance else { return Vec::new() };
     let mut rows = Vec::new();
-    for (j, one) in found.estimates.iter().enumerate() {
-        for (k, other) in found.estimates.iter().enumerate().skip(j) {
+    for (j, one) in identified.estimates.iter().enumerate() {
+        for (k, other) in identified.estimates.iter().enumerate().skip(j) {
+            // 0 with a parameter on its bound, which has no correlation.
             let most = (v[j][j] * v[k][k]).sqrt();
             rows.push(PlantCovariance {
                 parameter: one.parameter.name,
@@ -91,8 +93,8 @@ pub fn profiles(estimates: &[Estimate]) -> Vec<PlantProfile> {
 
 /// The forces between which the brake's let-go threshold lies, beside the one that was set; none
 /// without a trial that could show it.
-pub fn threshold(found: &Bracket, set_n: f64) -> Option<ThresholdBracket> {
-    let Bracket { low_n, high_n, releases } = *found;
+pub fn threshold(bracket: &Bracket, set_n: f64) -> Option<ThresholdBracket> {
+    let Bracket { low_n, high_n, releases } = *bracket;
     let is_shown = low_n.is_some() || high_n.is_some();
     let threshold = Threshold::LetGo;
     is_shown.then_some(ThresholdBracket { threshold, low_n, high_n, releases, set_n })
@@ -101,20 +103,16 @@ pub fn threshold(found: &Bracket, set_n: f64) -> Option<ThresholdBracket> {
 /// By eye against fitted on the trials held out, by condition and over all of them: root mean
 /// square over the trials.
 pub fn held_out(trials: &[PlantTrialError]) -> Vec<HeldOutError> {
-    let condition = |trial: &PlantTrialError| Condition {
-        environment: trial.environment.clone(),
-        mode: trial.mode.clone(),
-    };
     let held: Vec<&PlantTrialError> =
         trials.iter().filter(|trial| trial.part == FitPart::HeldOut).collect();
-    let mut conditions: Vec<Condition> = held.iter().map(|trial| condition(trial)).collect();
-    conditions.sort();
-    conditions.dedup();
+    let mut conditions: BTreeMap<Condition, Vec<&PlantTrialError>> = BTreeMap::new();
+    for &trial in &held {
+        let environment = trial.environment.clone();
+        let condition = Condition { environment, mode: trial.mode.clone() };
+        conditions.entry(condition).or_default().push(trial);
+    }
     let mut rows = Vec::new();
-    for one in conditions {
-        let own: Vec<&PlantTrialError> =
-            held.iter().copied().filter(|trial| condition(trial) == one).collect();
-        let Condition { environment, mode } = one;
+    for (Condition { environment, mode }, own) in conditions {
         rows.push(pooled(OneOrAll::One(environment), OneOrAll::One(mode), &own));
     }
     rows.push(pooled(OneOrAll::All, OneOrAll::All, &held));

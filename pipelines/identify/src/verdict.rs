@@ -5,7 +5,8 @@ use crate::estimate::{inverse, on_bound};
 use crate::fit::Block;
 use zwidth_results::Identifiability;
 
-/// Above this variance inflation the other parameters explain 99 % of what a parameter does.
+/// Above this variance inflation, 1/(1 − R²), the other parameters explain 99 % of what a parameter
+/// does.
 const MOST_INFLATION: f64 = 100.0;
 
 /// The verdict of an estimate; `curvature` is its entry in JᵀJ.
@@ -13,6 +14,7 @@ pub(crate) fn verdict(estimate: &Estimate, curvature: f64) -> Identifiability {
     if curvature.is_nan() || curvature <= 0.0 {
         return Identifiability::Insensitive;
     }
+    // Before the inflation, which is `None` for a parameter on its bound.
     if on_bound(&estimate.parameter, estimate.fitted) {
         return Identifiability::OnBound;
     }

@@ -7,7 +7,7 @@ use zwidth_results::{
 use zwidth_study::Perception;
 use zwidth_tables::{Table, TableError};
 
-/// What stands below the table of one condition, and below that of a study.
+/// The notes below the table of one condition, and below that of a study.
 const NOTES: [&str; 3] = [
     "Every second trial of a condition is fitted; the others are predicted from their recorded force, and their error is given.",
     "Without a term: the choice without it, fitted anew. The term is missed if that predicts worse.",
@@ -24,21 +24,23 @@ pub fn held_out_models(
     trials: usize,
     bounds: &Perception,
 ) -> Vec<HeldOutModel> {
-    let model = |Tried { role, held_out }: &Tried| HeldOutModel {
-        condition: condition.clone(),
-        model: *role,
-        terms: held_out.set,
-        trials,
-        inertia_factor: held_out.knobs.inertia,
-        dry_factor: held_out.knobs.dry,
-        viscous_factor: held_out.knobs.viscous,
-        brake_lag_factor: held_out.knobs.brake_lag,
-        weight_factor: held_out.knobs.weight,
-        fitted_rmse_rad: finite(held_out.fitted_rad),
-        held_out_rmse_rad: finite(held_out.held_out_rad),
-        felt_share: finite(held_out.held_out_rad / bounds.angle_rad),
-    };
-    tried.iter().map(model).collect()
+    tried
+        .iter()
+        .map(|Tried { role, held_out }| HeldOutModel {
+            condition: condition.clone(),
+            model: *role,
+            terms: held_out.set,
+            trials,
+            inertia_factor: held_out.knobs.inertia,
+            dry_factor: held_out.knobs.dry,
+            viscous_factor: held_out.knobs.viscous,
+            brake_lag_factor: held_out.knobs.brake_lag,
+            weight_factor: held_out.knobs.weight,
+            fitted_rmse_rad: finite(held_out.fitted_rad),
+            held_out_rmse_rad: finite(held_out.held_out_rad),
+            felt_share: finite(held_out.held_out_rad / bounds.angle_rad),
+        })
+        .collect()
 }
 
 /// The error of a model that does not run is infinite.
@@ -61,9 +63,8 @@ pub fn choices(conditions: &[Vec<HeldOutModel>]) -> Vec<LadderChoice> {
 }
 
 fn choice(models: &[HeldOutModel]) -> Option<LadderChoice> {
-    let is = |role: TriedModel| models.iter().find(move |tried| tried.model == role);
-    let own = is(TriedModel::Choice)?;
-    let fullest = is(TriedModel::Fullest);
+    let own = models.iter().find(|tried| tried.model == TriedModel::Choice)?;
+    let fullest = models.iter().find(|tried| tried.model == TriedModel::Fullest);
     let mut less: Vec<&HeldOutModel> =
         models.iter().filter(|tried| tried.model.lacks().is_some()).collect();
     // The best first.
@@ -86,21 +87,23 @@ fn choice(models: &[HeldOutModel]) -> Option<LadderChoice> {
     })
 }
 
-/// Where nothing was predicted, or it does not run, it is the last.
+/// The error on the trials held out; infinite where nothing was predicted or the model does not
+/// run, so that it comes last.
 fn error(tried: &HeldOutModel) -> f64 {
     tried.held_out_rmse_rad.unwrap_or(f64::INFINITY)
 }
 
-/// None where there was one trial, and nothing to predict.
+/// Whether the recordings confirm a choice; `None` where nothing was predicted, as with one trial.
 fn borne_out(
     choice: &HeldOutModel,
     least_missed: Option<&HeldOutModel>,
     fullest: Option<&HeldOutModel>,
 ) -> Option<BorneOut> {
     let own = choice.held_out_rmse_rad?;
-    let is_better = |tried: &&HeldOutModel| error(tried) < (1.0 - SMALLER) * own;
-    let without = least_missed.filter(is_better).and_then(|tried| tried.model.lacks());
-    Some(match (without, fullest.filter(is_better)) {
+    let [least_missed, fullest] = [least_missed, fullest]
+        .map(|tried| tried.filter(|tried| error(tried) < (1.0 - SMALLER) * own));
+    let without = least_missed.and_then(|tried| tried.model.lacks());
+    Some(match (without, fullest) {
         (Some(term), _) => BorneOut::BetterWithout(term),
         (None, Some(_)) => BorneOut::FullestIsBetter,
         (None, None) => BorneOut::Confirmed,

@@ -38,7 +38,7 @@ pub enum LadderError {
     /// A number of points that makes no sense.
     #[error("{points} points of the parameters; it must be from 1 to {most}")]
     Points {
-        /// How many were asked for.
+        /// The requested number.
         points: usize,
         /// The most.
         most: usize,

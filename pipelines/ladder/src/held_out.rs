@@ -20,24 +20,24 @@ pub struct Recorded {
     pub theta_rad: Vec<f64>,
 }
 
-/// What a fit may change, each as a factor of the twin's default or, if it has none, of the middle
-/// of the range: inertia, friction at rest and in motion, viscous friction, both lags of the brake,
-/// the weight of the lever.
+/// The numbers that a fit may change, each as a factor of the twin's default or, if it has none, of
+/// the middle of the range: inertia, friction at rest and in motion, viscous friction, both lags of
+/// the brake, the weight of the lever.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Knobs {
-    /// Of the moment of inertia.
+    /// Factor of the moment of inertia.
     pub inertia: f64,
-    /// Of dry friction.
+    /// Factor of dry friction.
     pub dry: f64,
-    /// Of viscous friction.
+    /// Factor of viscous friction.
     pub viscous: f64,
-    /// Of the brake's lags.
+    /// Factor of the brake's lags.
     pub brake_lag: f64,
-    /// Of the lever's weight.
+    /// Factor of the lever's weight.
     pub weight: f64,
 }
 
-/// How many numbers are fitted.
+/// Number of factors.
 const KNOBS: usize = 5;
 
 impl Knobs {
@@ -49,14 +49,7 @@ impl Knobs {
         Self { inertia, dry, viscous, brake_lag, weight }
     }
 
-    /// Those that a model with these terms has.
-    fn used(set: TermSet) -> [bool; KNOBS] {
-        let friction = set.has(LadderTerm::Friction);
-        let lag = set.has(LadderTerm::BrakeLag);
-        let weight = set.has(LadderTerm::Gravity);
-        [true, friction, friction, lag, weight]
-    }
-
+    /// The numbers with these factors.
     fn point(self) -> Point {
         let mut point = Point::usual();
         let twin = &mut point.twin;
@@ -90,16 +83,19 @@ pub fn predict(
 
 /// Root mean square error of θ over some trials, rad; infinite where a model does not run.
 pub fn rmse_rad(trials: &[&Recorded], set: TermSet, looped: &Loop, knobs: Knobs) -> f64 {
-    let squares = |trial: &&Recorded| {
-        let Ok(course) = predict(&trial.scene, set, looped, knobs) else {
-            return (f64::INFINITY, 1);
-        };
-        let seen = course.t_s.iter().map(|t| interpolate(&trial.t_s, &trial.theta_rad, *t));
-        let pairs = course.theta_rad.iter().zip(seen).filter_map(|(a, b)| Some(a - b?));
-        pairs.fold((0.0, 0), |(sum, n), off| (sum + off * off, n + 1))
-    };
-    let all: Vec<(f64, usize)> = trials.par_iter().map(squares).collect();
-    let (sum, n) = all.iter().fold((0.0, 0), |(sum, n), (s, m)| (sum + s, n + m));
+    let squares: Vec<(f64, usize)> = trials
+        .par_iter()
+        .map(|trial| {
+            let Ok(course) = predict(&trial.scene, set, looped, knobs) else {
+                return (f64::INFINITY, 1);
+            };
+            let seen = course.t_s.iter().map(|t| interpolate(&trial.t_s, &trial.theta_rad, *t));
+            let errors = course.theta_rad.iter().zip(seen).filter_map(|(a, b)| Some(a - b?));
+            errors.fold((0.0, 0), |(sum, n), off| (sum + off * off, n + 1))
+        })
+        .collect();
+    // In the order of the trials: rayon's own sum would depend on the number of threads.
+    let (sum, n) = squares.iter().fold((0.0, 0), |(sum, n), (s, m)| (sum + s, n + m));
     if n > 0 { (sum / n as f64).sqrt() } else { f64::INFINITY }
 }
 
@@ -109,7 +105,11 @@ pub fn rmse_rad(trials: &[&Recorded], set: TermSet, looped: &Loop, knobs: Knobs)
 pub fn fit(trials: &[&Recorded], set: TermSet, looped: &Loop) -> Knobs {
     /// First and last step, powers of two.
     const STEPS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
+    /// Largest power of two to either side: an eighth, and eight times.
     const MOST: f64 = 3.0;
+    let friction = set.has(LadderTerm::Friction);
+    let is_used =
+        [true, friction, friction, set.has(LadderTerm::BrakeLag), set.has(LadderTerm::Gravity)];
     let cost = |x: &[f64; KNOBS]| rmse_rad(trials, set, looped, Knobs::of(x.map(libm::exp2)));
     let mut best = [0.0; KNOBS];
     let mut least = cost(&best);
@@ -117,13 +117,13 @@ pub fn fit(trials: &[&Recorded], set: TermSet, looped: &Loop) -> Knobs {
         // A pass that finds nothing better ends a step; ten are more than a valley needs.
         for _ in 0..10 {
             let before = least;
-            for i in (0..KNOBS).filter(|i| Knobs::used(set)[*i]) {
+            for i in (0..KNOBS).filter(|i| is_used[*i]) {
                 for way in [step, -step] {
                     let mut next = best;
                     next[i] = (next[i] + way).clamp(-MOST, MOST);
-                    let found = cost(&next);
-                    if found < least {
-                        (best, least) = (next, found);
+                    let next_cost = cost(&next);
+                    if next_cost < least {
+                        (best, least) = (next, next_cost);
                         break;
                     }
                 }
@@ -141,7 +141,7 @@ pub fn fit(trials: &[&Recorded], set: TermSet, looped: &Loop) -> Knobs {
 pub struct HeldOut {
     /// Its terms.
     pub set: TermSet,
-    /// What was fitted.
+    /// The fitted factors.
     pub knobs: Knobs,
     /// Error on the trials it was fitted to, rad.
     pub fitted_rad: f64,
@@ -152,9 +152,8 @@ pub struct HeldOut {
 /// Fits a model to every second trial, from the first on, and judges it on the others, where
 /// the error of none is infinite; `None` without trials.
 pub fn held_out(trials: &[Recorded], set: TermSet, looped: &Loop) -> Option<HeldOut> {
-    let part = |rest: usize| trials.iter().skip(rest).step_by(2).collect::<Vec<_>>();
-    let own = part(0);
-    let others = part(1);
+    let [own, others] =
+        [0, 1].map(|first| trials.iter().skip(first).step_by(2).collect::<Vec<_>>());
     if own.is_empty() {
         return None;
     }
@@ -170,7 +169,7 @@ pub fn held_out(trials: &[Recorded], set: TermSet, looped: &Loop) -> Option<Held
 /// A model that was compared with recordings, and its relation to the choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tried {
-    /// What it is.
+    /// Its relation to the choice.
     pub role: TriedModel,
     /// How well it predicts.
     pub held_out: HeldOut,
@@ -179,9 +178,9 @@ pub struct Tried {
 /// The choice, the choice without each of its terms in turn, and the fullest model, each fitted
 /// again and judged on the other trials; none without trials.
 pub fn tried(trials: &[Recorded], choice: TermSet, fullest: TermSet, looped: &Loop) -> Vec<Tried> {
-    let less = choice.terms().map(|term| (TriedModel::Without(term), choice.without(term)));
-    let sets = std::iter::once((TriedModel::Choice, choice)).chain(less);
-    let sets: Vec<(TriedModel, TermSet)> = sets.chain([(TriedModel::Fullest, fullest)]).collect();
+    let mut sets = vec![(TriedModel::Choice, choice)];
+    sets.extend(choice.terms().map(|term| (TriedModel::Without(term), choice.without(term))));
+    sets.push((TriedModel::Fullest, fullest));
     sets.par_iter()
         .filter_map(|(role, set)| {
             Some(Tried { role: *role, held_out: held_out(trials, *set, looped)? })
@@ -209,6 +208,7 @@ pub fn plant(set: TermSet, knobs: Knobs) -> Plant {
     let twin = knobs.point().twin;
     let driven = twin.plant(None);
     let friction = driven.friction.filter(|_| set.has(LadderTerm::Friction));
+    // The family's friction includes what the closed winding damps (`model::friction`).
     let winding = driven.back_emf_ns_per_rad.unwrap_or(0.0);
     Plant {
         mass_kg: driven.inertia_kg_m2 / (driven.lever_m * driven.lever_m),

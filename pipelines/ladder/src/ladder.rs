@@ -26,7 +26,7 @@ pub struct Settings {
     pub looped: Loop,
     /// Number of points of the parameters.
     pub points: usize,
-    /// What a person can feel.
+    /// The bounds of what a person can feel.
     pub bounds: Perception,
     /// The terms that are offered; the fullest model has them all.
     pub offered: TermSet,
@@ -61,11 +61,14 @@ pub struct Rung {
 impl Rung {
     /// The quantity that is furthest off, by its place, and how far over its bound.
     pub fn furthest(&self) -> Option<(usize, f64)> {
-        let all = self.worst.iter().copied().enumerate();
-        all.fold(
-            None,
-            |most, at| if most.is_none_or(|m: (usize, f64)| at.1 > m.1) { Some(at) } else { most },
-        )
+        let mut furthest: Option<(usize, f64)> = None;
+        for (at, off) in self.worst.iter().copied().enumerate() {
+            // Of equal ones the first, which `max_by` would not give.
+            if furthest.is_none_or(|(_, most)| off > most) {
+                furthest = Some((at, off));
+            }
+        }
+        furthest
     }
 
     /// Whether nobody could feel the difference to the fullest model, at any point.
@@ -120,14 +123,22 @@ impl Ladder {
 
     /// The model with one term less than a set that is least far off.
     pub fn next_smaller(&self, set: TermSet) -> Option<&Rung> {
-        let off = |rung: &Rung| rung.furthest().map_or(0.0, |(_, off)| off);
         let smaller = set.terms().filter_map(|term| self.rung(set.without(term)));
-        smaller.min_by(|a, b| off(a).total_cmp(&off(b)))
+        smaller.min_by(|a, b| {
+            let [a, b] = [a, b].map(|rung| rung.furthest().map_or(0.0, |(_, off)| off));
+            a.total_cmp(&b)
+        })
+    }
+
+    /// The switch of a term in [`Quantity::variance`]; `None` for one that was not offered.
+    pub fn switch(&self, term: LadderTerm) -> Option<usize> {
+        self.offered.terms().position(|offered| offered == term)
     }
 }
 
-/// What one point gives.
+/// The comparison of all models at one point.
 struct AtPoint {
+    /// By rung.
     costs: Vec<Option<Cost>>,
     /// By rung, then by quantity.
     off: Vec<Vec<f64>>,
@@ -150,47 +161,55 @@ pub fn ladder(
     if !(1..=MOST_POINTS).contains(&points) {
         return Err(LadderError::Points { points, most: MOST_POINTS });
     }
-    let frame = frame(scene, settings.looped.period_s)?;
-    let sets = subsets(settings.offered);
-    let at = |(i, point): (usize, Point)| {
-        let found = at_point(scene, settings, &frame, &sets, &point, measure);
-        progress();
-        found.map_err(|error| LadderError::Fullest { scene: scene.name.clone(), point: i, error })
-    };
-    let found: Vec<Result<AtPoint, LadderError>> =
-        Point::sobol(points)?.into_par_iter().enumerate().map(at).collect();
-    let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let period_s = settings.looped.period_s;
+    let duration_s = scene.duration_s;
+    let fits = period_s > 0.0 && (1.0..=MOST_PERIODS as f64).contains(&(duration_s / period_s));
+    let frame = fits.then(|| Frame::of(duration_s, period_s)).filter(|frame| frame.steps > 0);
+    let frame = frame.ok_or(LadderError::Period { period_s, duration_s, most: MOST_PERIODS })?;
+    // In the order of their numbers, as `SwitchVariance` expects the values.
+    let sets = (0..TermSet::COUNT).map(TermSet::of_number);
+    let sets: Vec<TermSet> = sets.filter(|set| set.is_within(settings.offered)).collect();
+    let compared: Vec<Result<AtPoint, LadderError>> = Point::sobol(points)?
+        .into_par_iter()
+        .enumerate()
+        .map(|(i, point)| {
+            let compared = at_point(scene, settings, &frame, &sets, &point, measure);
+            progress();
+            let scene = scene.name.clone();
+            compared.map_err(|error| LadderError::Fullest { scene, point: i, error })
+        })
+        .collect();
+    // All points first, then the first error in their order: rayon would give any of several.
+    let compared = compared.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let rungs = sets.iter().enumerate().map(|(i, set)| rung(*set, i, &compared)).collect();
+    // The variances of all points together.
+    let mut of_points = compared.into_iter().map(|point| point.quantities);
+    let mut quantities = of_points.next().unwrap_or_default();
+    for others in of_points {
+        for (quantity, other) in quantities.iter_mut().zip(&others) {
+            quantity.variance.merge(&other.variance);
+        }
+    }
     Ok(Ladder {
         scene: scene.name.clone(),
         points,
         offered: settings.offered,
         in_scene: in_scene(scene),
-        rungs: sets.iter().enumerate().map(|(i, set)| rung(*set, i, &found)).collect(),
-        quantities: added_up(found),
+        quantities,
+        rungs,
     })
 }
 
-/// Every set of the offered terms, in the order of their numbers.
-fn subsets(offered: TermSet) -> Vec<TermSet> {
-    (0..TermSet::COUNT).map(TermSet::of_number).filter(|set| set.is_within(offered)).collect()
-}
-
-fn frame(scene: &ModelScene, period_s: f64) -> Result<Frame, LadderError> {
-    let duration_s = scene.duration_s;
-    let periods = duration_s / period_s;
-    let fits = period_s > 0.0 && (1.0..=MOST_PERIODS as f64).contains(&periods);
-    let frame = fits.then(|| Frame::of(duration_s, period_s)).filter(|frame| frame.steps > 0);
-    frame.ok_or(LadderError::Period { period_s, duration_s, most: MOST_PERIODS })
-}
-
-fn rung(set: TermSet, at: usize, found: &[AtPoint]) -> Rung {
-    let ran: Vec<Cost> = found.iter().filter_map(|point| point.costs[at]).collect();
-    let mean = |of: fn(&Cost) -> u64| {
-        ran.iter().map(|cost| of(cost) as f64).sum::<f64>() / ran.len().max(1) as f64
+/// The set with number `at` among those compared, over all points.
+fn rung(set: TermSet, at: usize, points: &[AtPoint]) -> Rung {
+    let costs: Vec<Cost> = points.iter().filter_map(|point| point.costs[at]).collect();
+    let mean = |count: fn(&Cost) -> u64| {
+        costs.iter().map(|cost| count(cost) as f64).sum::<f64>() / costs.len().max(1) as f64
     };
-    let quantities = found.first().map_or(0, |point| point.off[at].len());
-    let at_points = |q: usize| found.iter().filter_map(move |point| point.off[at].get(q).copied());
-    let worst = |q: usize| at_points(q).fold(0.0, f64::max);
+    let quantities = points.first().map_or(0, |point| point.off[at].len());
+    let worst = (0..quantities).map(|q| {
+        points.iter().filter_map(|point| point.off[at].get(q).copied()).fold(0.0, f64::max)
+    });
     Rung {
         set,
         evaluations: mean(Cost::in_evaluations),
@@ -200,24 +219,16 @@ fn rung(set: TermSet, at: usize, found: &[AtPoint]) -> Rung {
             mean(|c| c.work.factorisations),
             mean(|c| c.decisions),
         ],
-        worst: (0..quantities).map(worst).collect(),
+        worst: worst.collect(),
     }
 }
 
-/// The variances of all points together.
-fn added_up(found: Vec<AtPoint>) -> Vec<Quantity> {
-    let mut all = found.into_iter().map(|point| point.quantities);
-    let mut sum = all.next().unwrap_or_default();
-    for quantities in all {
-        for (sum, more) in sum.iter_mut().zip(&quantities) {
-            sum.variance.merge(&more.variance);
-        }
-    }
-    sum
+/// The run of a model.
+struct Ran {
+    course: Course,
+    numbers: Vec<Measured>,
+    cost: Cost,
 }
-
-/// A model that ran: its course, its numbers and what it took.
-type Ran = (Course, Vec<Measured>, Cost);
 
 fn at_point(
     scene: &ModelScene,
@@ -227,85 +238,70 @@ fn at_point(
     point: &Point,
     measure: &(dyn Fn(&Course) -> Vec<Measured> + Sync),
 ) -> Result<AtPoint, zwidth_dynamics::DynamicsError> {
-    let one = |set: TermSet| {
+    let ran = |set: TermSet| {
         let model = model(scene, set, point, settings.looped.period_s);
         let (course, cost) = run(&model, &settings.looped, frame)?;
         let numbers = measure(&course);
-        Ok((course, numbers, cost))
+        Ok(Ran { course, numbers, cost })
     };
-    let (course, numbers, _) = one(settings.offered)?;
+    let Ran { course, numbers, .. } = ran(settings.offered)?;
     let full = Full::new(course);
-    let runs: Vec<Option<Ran>> =
-        sets.iter().map(|set| one(*set).ok()).collect::<Vec<Option<Ran>>>();
-    let bounds = &settings.bounds;
-    let off = |ran: &Option<Ran>| match ran {
-        Some((course, found, _)) => off(course, found, &full, &numbers, bounds),
-        None => vec![f64::INFINITY; 2 + numbers.len()],
-    };
-    Ok(AtPoint {
-        costs: runs.iter().map(|ran| ran.as_ref().map(|(_, _, cost)| *cost)).collect(),
-        off: runs.iter().map(off).collect(),
-        quantities: quantities(&runs, &numbers, settings.offered),
-    })
+    let mut costs = Vec::with_capacity(sets.len());
+    let mut off = Vec::with_capacity(sets.len());
+    let mut runs = Vec::with_capacity(sets.len());
+    for set in sets {
+        // A model that does not run is infinitely far off, and no error: only the fullest must run.
+        let ran = ran(*set).ok();
+        costs.push(ran.as_ref().map(|ran| ran.cost));
+        off.push(match &ran {
+            Some(ran) => ran.off(&full, &numbers, &settings.bounds),
+            None => vec![f64::INFINITY; 2 + numbers.len()],
+        });
+        runs.push(ran);
+    }
+    Ok(AtPoint { costs, off, quantities: quantities(&runs, &numbers, settings.offered) })
 }
 
-/// θ, force, and the numbers; what no bound is known for is off by nothing.
-fn off(
-    course: &Course,
-    found: &[Measured],
-    full: &Full,
-    numbers: &[Measured],
-    bounds: &Perception,
-) -> Vec<f64> {
-    let numbers = numbers.iter().enumerate().map(|(i, full)| {
-        let value = found.get(i).and_then(|found| found.value);
-        bounds.off(value, full.value, &full.unit, course.lever_m).unwrap_or(0.0)
-    });
-    off_course(course, full, bounds).into_iter().chain(numbers).collect()
+impl Ran {
+    /// How far θ, the force and the numbers are off; what no bound is known for is off by nothing.
+    fn off(&self, full: &Full, full_numbers: &[Measured], bounds: &Perception) -> Vec<f64> {
+        let mut off = off_course(&self.course, full, bounds).to_vec();
+        for (i, full) in full_numbers.iter().enumerate() {
+            let value = self.numbers.get(i).and_then(|number| number.value);
+            let share = bounds.off(value, full.value, &full.unit, self.course.lever_m);
+            off.push(share.unwrap_or(0.0));
+        }
+        off
+    }
 }
 
+/// Each quantity, and how much the terms change it; by nothing where a model did not run.
 fn quantities(runs: &[Option<Ran>], numbers: &[Measured], offered: TermSet) -> Vec<Quantity> {
-    let course = |name: &str, of: fn(&Course) -> &[f64]| Quantity {
-        name: name.to_owned(),
-        is_judged: true,
-        variance: over_time(runs, of, offered),
-    };
-    let number = |(i, measured): (usize, &Measured)| {
-        let is_judged = Perception::default().bound(0.0, &measured.unit, 1.0).is_some();
-        let values =
-            runs.iter().map(|ran| ran.as_ref()?.1.get(i)?.value).collect::<Option<Vec<f64>>>();
+    let mut quantities = Vec::with_capacity(2 + numbers.len());
+    for name in ["theta_rad", "feedback_n"] {
         let mut variance = SwitchVariance::none(offered.len());
+        let signals = runs.iter().map(|ran| {
+            let course = &ran.as_ref()?.course;
+            Some(if name == "theta_rad" { &course.theta_rad[..] } else { &course.feedback_n })
+        });
+        let courses: Option<Vec<&[f64]>> = signals.collect();
+        let courses = courses.unwrap_or_default();
+        let samples = courses.iter().map(|course| course.len()).min().unwrap_or(0);
+        for i in 0..samples {
+            let values: Vec<f64> = courses.iter().map(|course| course[i]).collect();
+            variance.add(&values);
+        }
+        quantities.push(Quantity { name: name.to_owned(), is_judged: true, variance });
+    }
+    for (i, measured) in numbers.iter().enumerate() {
+        let mut variance = SwitchVariance::none(offered.len());
+        let values: Option<Vec<f64>> =
+            runs.iter().map(|ran| ran.as_ref()?.numbers.get(i)?.value).collect();
         if let Some(values) = values {
             variance.add(&values);
         }
-        Quantity { name: measured.name.clone(), is_judged, variance }
-    };
-    let courses = [
-        course("theta_rad", |course| &course.theta_rad),
-        course("feedback_n", |course| &course.feedback_n),
-    ];
-    courses.into_iter().chain(numbers.iter().enumerate().map(number)).collect()
-}
-
-/// Variances of a signal at each of its samples, added up; none where a model did not run.
-fn over_time(runs: &[Option<Ran>], of: fn(&Course) -> &[f64], offered: TermSet) -> SwitchVariance {
-    let mut variance = SwitchVariance::none(offered.len());
-    let Some(signals) =
-        runs.iter().map(|ran| ran.as_ref().map(|(c, _, _)| of(c))).collect::<Option<Vec<_>>>()
-    else {
-        return variance;
-    };
-    let samples = signals.iter().map(|signal| signal.len()).min().unwrap_or(0);
-    for i in 0..samples {
-        let values: Vec<f64> = signals.iter().map(|signal| signal[i]).collect();
-        variance.add(&values);
+        let is_judged = Perception::default().bound(0.0, &measured.unit, 1.0).is_some();
+        quantities.push(Quantity { name: measured.name.clone(), is_judged, variance });
     }
-    variance
-}
-
-impl Ladder {
-    /// The switch of a term in [`Quantity::variance`]; `None` for one that was not offered.
-    pub fn switch(&self, term: LadderTerm) -> Option<usize> {
-        self.offered.terms().position(|offered| offered == term)
-    }
+    quantities
 }

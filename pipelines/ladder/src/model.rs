@@ -6,7 +6,7 @@
 //! delay is shortened by half a tick, because the hold itself delays by that much.
 
 use crate::ranges::Point;
-use zwidth_device::{TwinParameters, Velocity};
+use zwidth_device::Velocity;
 use zwidth_dynamics::{Brake, Finger, FingerLaw, Friction, Gravity, ModelScene, Motor, Plant};
 use zwidth_results::{LadderTerm, TermSet};
 
@@ -29,7 +29,7 @@ pub struct Loop {
 pub(crate) struct Model {
     pub(crate) scene: ModelScene,
     pub(crate) set: TermSet,
-    /// How late a command acts, s; 0 without delay.
+    /// The delay of a command, s; 0 without the term.
     pub(crate) delay_s: f64,
     pub(crate) noise_n: f64,
     pub(crate) zero_counts: f64,
@@ -43,11 +43,20 @@ pub(crate) fn model(base: &ModelScene, set: TermSet, point: &Point, period_s: f6
     let mut scene = ModelScene { plant: plant(base, point, &usual), ..base.clone() };
     scene.friction = set.has(LadderTerm::Friction).then(|| friction(base, point, &usual));
     scene.finger = set.has(LadderTerm::Finger).then(|| finger(base, point, &usual));
-    let lag_s = set
-        .has(LadderTerm::MotorLag)
-        .then(|| scaled(base.motor.lag_s, motor_lag_s(&point.twin), motor_lag_s(&usual.twin)));
+    let lag_s = set.has(LadderTerm::MotorLag).then(|| {
+        let [value, default] =
+            [&point.twin, &usual.twin].map(|twin| twin.inductance_h / twin.resistance_ohm);
+        scaled(base.motor.lag_s, value, default)
+    });
     scene.motor = Motor { lag_s, ..base.motor };
-    let lag_on_off_s = set.has(LadderTerm::BrakeLag).then(|| brake_lag(base, point, &usual));
+    let lag_on_off_s = set.has(LadderTerm::BrakeLag).then(|| {
+        let own = base.brake.lag_on_off_s;
+        let (twin, usual) = (&point.twin, &usual.twin);
+        [
+            scaled(own.map(|[on, _]| on), twin.brake_on_s, usual.brake_on_s),
+            scaled(own.map(|[_, off]| off), twin.brake_off_s, usual.brake_off_s),
+        ]
+    });
     scene.brake = Brake { lag_on_off_s, ..base.brake };
     if !set.has(LadderTerm::Gravity) {
         scene.terms.remove("gravity");
@@ -65,20 +74,16 @@ pub(crate) fn model(base: &ModelScene, set: TermSet, point: &Point, period_s: f6
     }
 }
 
-/// What is given times how far a number is from its default, or the number itself.
-fn scaled(given: Option<f64>, value: f64, default: f64) -> f64 {
-    given.map_or(value, |given| given * value / default)
-}
-
-fn motor_lag_s(twin: &TwinParameters) -> f64 {
-    twin.inductance_h / twin.resistance_ohm
+/// The scene's own number scaled as the twin's is from its default; the twin's if the scene gives
+/// none.
+fn scaled(own: Option<f64>, value: f64, default: f64) -> f64 {
+    own.map_or(value, |own| own * value / default)
 }
 
 /// L scaled, and the mass so that the moment of inertia is scaled as the twin's.
 fn plant(base: &ModelScene, point: &Point, usual: &Point) -> Plant {
-    let inertia = |twin: &TwinParameters| twin.plant(None).inertia_kg_m2;
     let lever = point.twin.lever_m / usual.twin.lever_m;
-    let inertia = inertia(&point.twin) / inertia(&usual.twin);
+    let inertia = point.twin.plant(None).inertia_kg_m2 / usual.twin.plant(None).inertia_kg_m2;
     Plant {
         mass_kg: base.plant.mass_kg * inertia / (lever * lever),
         lever_m: base.plant.lever_m * lever,
@@ -90,7 +95,9 @@ fn friction(base: &ModelScene, point: &Point, usual: &Point) -> Friction {
     let (twin, usual) = (&point.twin, &usual.twin);
     let own = base.friction;
     let static_n = scaled(own.map(|f| f.static_n), twin.friction_static_n, usual.friction_static_n);
+    // Dry friction in motion is kept as a share of that at rest, as the twin has it.
     let share = own.filter(|f| f.static_n > 0.0).map(|f| f.kinetic_n / f.static_n);
+    // Scaled, the share may exceed 1, but dry friction in motion is never above that at rest.
     let share = scaled(share, twin.friction_kinetic_share, usual.friction_kinetic_share).min(1.0);
     let winding = twin.plant(None).back_emf_ns_per_rad.unwrap_or(0.0);
     let viscous = own.map(|f| f.viscous_ns_per_rad);
@@ -99,6 +106,7 @@ fn friction(base: &ModelScene, point: &Point, usual: &Point) -> Friction {
         kinetic_n: share * static_n,
         viscous_ns_per_rad: match viscous {
             Some(own) => own * twin.friction_viscous_ns_per_rad / usual.friction_viscous_ns_per_rad,
+            // The twin's closed winding damps besides; a scene's own number has it already.
             None => twin.friction_viscous_ns_per_rad + winding,
         },
     }
@@ -121,11 +129,4 @@ fn finger(base: &ModelScene, point: &Point, usual: &Point) -> Finger {
         ),
         length_m: own.map_or(Some(FINGER_LENGTH_M), |f| f.length_m),
     }
-}
-
-fn brake_lag(base: &ModelScene, point: &Point, usual: &Point) -> [f64; 2] {
-    let of = |twin: &TwinParameters| [twin.brake_on_s, twin.brake_off_s];
-    let value = of(&point.twin);
-    let default = of(&usual.twin);
-    std::array::from_fn(|i| scaled(base.brake.lag_on_off_s.map(|lag| lag[i]), value[i], default[i]))
 }

@@ -11,19 +11,21 @@ const JUMP: f64 = 0.25;
 
 /// The numbers of a course without a study: largest angle, angle at the end, largest force.
 pub fn own(course: &Course) -> Vec<Measured> {
-    let number = |name: &str, unit: &str, value: f64| Measured {
+    let slow = slow(&course.t_s, &course.feedback_n);
+    let [theta_max_rad, feedback_max_n] = [&course.theta_rad, &slow]
+        .map(|signal| signal.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+    let theta_end_rad = course.theta_rad.last().copied().unwrap_or(f64::NAN);
+    [
+        ("theta_max_rad", "rad", theta_max_rad),
+        ("theta_end_rad", "rad", theta_end_rad),
+        ("feedback_max_n", "N", feedback_max_n),
+    ]
+    .map(|(name, unit, value)| Measured {
         name: name.to_owned(),
         unit: unit.to_owned(),
         value: value.is_finite().then_some(value),
-    };
-    let largest = |x: &[f64]| x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let last = course.theta_rad.last().copied().unwrap_or(f64::NAN);
-    let slow = slow(&course.t_s, &course.feedback_n);
-    vec![
-        number("theta_max_rad", "rad", largest(&course.theta_rad)),
-        number("theta_end_rad", "rad", last),
-        number("feedback_max_n", "N", largest(&slow)),
-    ]
+    })
+    .into()
 }
 
 /// How far a course is off another, over what can be felt: above 1 it is another one. Angle by its
@@ -32,6 +34,7 @@ pub(crate) fn off_course(course: &Course, full: &Full, bounds: &Perception) -> [
     let angle = course.theta_rad.iter().zip(&full.course.theta_rad);
     let angle = angle.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / bounds.angle_rad;
     let slow = slow(&course.t_s, &course.feedback_n);
+    // At a jump, a command that acts a moment later is off by all of the jump for that moment.
     let force = slow.iter().zip(&full.slow_n).zip(&full.jumps).filter(|(_, jumps)| !**jumps);
     let force = force.map(|((a, b), _)| (a - b).abs() / bounds.force_bound_n(*b));
     [angle, force.fold(0.0, f64::max)]
@@ -41,7 +44,7 @@ pub(crate) fn off_course(course: &Course, full: &Full, bounds: &Perception) -> [
 pub(crate) struct Full {
     pub(crate) course: Course,
     slow_n: Vec<f64>,
-    /// Where the slow force jumps.
+    /// Whether the slow force jumps at each sample.
     jumps: Vec<bool>,
 }
 
@@ -55,6 +58,7 @@ impl Full {
 
 /// Means over windows of 100 ms, shorter at the ends: what is left is what a hand feels as force.
 fn slow(t_s: &[f64], force_n: &[f64]) -> Vec<f64> {
+    // Running sums: a window is the difference of two.
     let mut sums = vec![0.0];
     for force in force_n {
         sums.push(sums[sums.len() - 1] + force);
@@ -69,31 +73,32 @@ fn slow(t_s: &[f64], force_n: &[f64]) -> Vec<f64> {
 /// within its window: a jump that comes late is averaged over one window more.
 fn jumps(t_s: &[f64], slow_n: &[f64]) -> Vec<bool> {
     let largest = slow_n.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-    let jumps = |window: Range<usize>| {
-        let (low, high) = slow_n[window]
+    let windows = windows(t_s);
+    let mut jumps = Vec::with_capacity(windows.len());
+    for window in &windows {
+        let (low, high) = slow_n[window.clone()]
             .iter()
             .fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
-        high - low > JUMP * largest
-    };
-    let windows = windows(t_s);
-    let jump: Vec<bool> = windows.iter().cloned().map(jumps).collect();
-    windows.into_iter().map(|window| jump[window].contains(&true)).collect()
+        jumps.push(high - low > JUMP * largest);
+    }
+    windows.into_iter().map(|window| jumps[window].contains(&true)).collect()
 }
 
 /// The samples within 50 ms of each.
 fn windows(t_s: &[f64]) -> Vec<Range<usize>> {
+    let mut windows = Vec::with_capacity(t_s.len());
     let mut start = 0;
     let mut end = 0;
-    let window = |t: &f64| {
+    for t in t_s {
         while t_s[start] < t - HALF_WINDOW_S {
             start += 1;
         }
         while end < t_s.len() && t_s[end] <= t + HALF_WINDOW_S {
             end += 1;
         }
-        start..end
-    };
-    t_s.iter().map(window).collect()
+        windows.push(start..end);
+    }
+    windows
 }
 
 #[cfg(test)]

@@ -7,11 +7,11 @@ use zwidth_numerics::sobol::sobol_points;
 /// A number that is not known exactly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
-    /// What it is, with its unit.
+    /// Its name, with its unit.
     pub name: &'static str,
     /// Its lower end.
     pub low: f64,
-    /// Up to where.
+    /// Its upper end.
     pub high: f64,
     /// Its source, or that it is assumed.
     pub source: &'static str,
@@ -21,7 +21,7 @@ const fn range(name: &'static str, [low, high]: [f64; 2], source: &'static str) 
     Range { name, low, high, source }
 }
 
-/// What the twin's table (`docs/twin.md`) does not have.
+/// The ranges that the twin's table (`docs/twin.md`) does not have.
 const FURTHER: [Range; 6] = [
     range("finger_stiffness_n_per_m", HAND_RANGES[0], "hand and finger: Gurari 2017"),
     range("finger_damping_ns_per_m", HAND_RANGES[1], "hand and finger: assumed"),
@@ -33,17 +33,11 @@ const FURTHER: [Range; 6] = [
 
 /// Every range, those of the twin's table first, in its order.
 pub fn ranges() -> Vec<Range> {
-    let twin = TwinParameters::table();
-    let twin = twin.iter().map(|p| Range {
-        name: p.name,
-        low: p.range[0],
-        high: p.range[1],
-        source: p.source,
-    });
-    twin.chain(FURTHER).collect()
+    let twin = TwinParameters::table().map(|p| range(p.name, p.range, p.source));
+    twin.into_iter().chain(FURTHER).collect()
 }
 
-/// Where every number is at once.
+/// A value of every number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// The twin's numbers.
@@ -54,9 +48,9 @@ pub struct Point {
     pub(crate) weight_kg: f64,
     /// Delay as a share of the loop's period.
     pub(crate) delay_periods: f64,
-    /// Where between two counts the angle sensor's zero lies.
+    /// The place of the angle sensor's zero between two counts.
     pub(crate) angle_zero_counts: f64,
-    /// What the force sensor's noise is drawn from.
+    /// The seed of the force sensor's noise.
     pub(crate) seed: u64,
 }
 
@@ -67,13 +61,14 @@ impl Point {
     /// More ranges than the sequence has coordinates.
     pub fn sobol(points: usize) -> Result<Vec<Self>, LadderError> {
         let ranges = ranges();
-        let found = sobol_points(ranges.len(), points).ok_or(LadderError::TooManyRanges)?;
-        let one = |(seed, x): (usize, &Vec<f64>)| {
+        let shares = sobol_points(ranges.len(), points).ok_or(LadderError::TooManyRanges)?;
+        let mut points = Vec::with_capacity(shares.len());
+        for (seed, shares) in (0..).zip(shares) {
             let values: Vec<f64> =
-                ranges.iter().zip(x).map(|(r, x)| r.low + (r.high - r.low) * x).collect();
-            Self::of(&values, seed as u64)
-        };
-        Ok(found.iter().enumerate().map(one).collect())
+                ranges.iter().zip(shares).map(|(r, x)| r.low + (r.high - r.low) * x).collect();
+            points.push(Self::of(&values, seed));
+        }
+        Ok(points)
     }
 
     /// The twin's defaults, and the middle of what it does not have.

@@ -5,13 +5,28 @@ use zwidth_results::{LadderTerm, TermSet};
 
 /// Whether a term is in the choice, and why: one sentence.
 pub fn reason(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
-    if choice.set.has(term) { kept(ladder, choice, term) } else { left_out(ladder, choice, term) }
-}
-
-fn kept(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
-    let Some(without) = ladder.deciding(choice, term) else { return String::new() };
     let name = term.title();
-    let [be, it, make] = words(term);
+    // Sensors are spoken of in the plural.
+    let [be, it, make] = match term {
+        LadderTerm::Sensors => ["are", "them", "they make"],
+        _ => ["is", "it", "it makes"],
+    };
+    let deciding = ladder.deciding(choice, term);
+    if !choice.set.has(term) {
+        return match deciding {
+            Some(alone) if alone.set != choice.set => format!(
+                "{name} {be} left out: the fullest model without {it} {}",
+                off(ladder, alone)
+            ),
+            _ => format!(
+                "{name} {be} left out, together with the others: the model {}",
+                off(ladder, choice)
+            ),
+        };
+    }
+    let Some(without) = deciding else { return String::new() };
+    // The choice is the cheapest model that is enough, so one that is enough without a term costs
+    // more, or has more terms.
     if without.is_enough() {
         let more = without.evaluations;
         let less = choice.evaluations;
@@ -24,28 +39,6 @@ fn kept(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
         false => "; its numbers are the simulated device's, the scene gives none",
     };
     format!("{name} {be} kept: a model without {it} {}{whose}", off(ladder, without))
-}
-
-/// How one speaks of a term: of sensors in the plural.
-fn words(term: LadderTerm) -> [&'static str; 3] {
-    match term {
-        LadderTerm::Sensors => ["are", "them", "they make"],
-        _ => ["is", "it", "it makes"],
-    }
-}
-
-fn left_out(ladder: &Ladder, choice: &Rung, term: LadderTerm) -> String {
-    let name = term.title();
-    let [be, it, _] = words(term);
-    match ladder.deciding(choice, term) {
-        Some(alone) if alone.set != choice.set => {
-            format!("{name} {be} left out: the fullest model without {it} {}", off(ladder, alone))
-        }
-        _ => format!(
-            "{name} {be} left out, together with the others: the model {}",
-            off(ladder, choice)
-        ),
-    }
 }
 
 /// How far a model is off, at the quantity that is furthest off.
@@ -62,7 +55,7 @@ fn off(ladder: &Ladder, rung: &Rung) -> String {
     }
 }
 
-/// The choice in a sentence. What the scene does not give, it is not said to need.
+/// The choice in a sentence. It lists as needed only terms whose numbers the scene gives.
 pub fn told(ladder: &Ladder, choice: &Rung) -> String {
     let full = ladder.rung(ladder.offered).map_or(0.0, |rung| rung.evaluations);
     let share = if full > 0.0 { 100.0 * choice.evaluations / full } else { 100.0 };

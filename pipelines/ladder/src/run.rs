@@ -15,7 +15,7 @@ const CHORD_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Ticks of about this length, s, make a controller as good as continuous: no hand tells a command
 /// that is held so long from one that follows.
 const FINE_S: f64 = 0.0005;
-/// At least and at most so many of them are in a period.
+/// The least and the largest number of these ticks in a period.
 const FINE: (f64, f64) = (2.0, 8.0);
 
 /// Motion and force of a run against time: all as long as `t_s`.
@@ -29,18 +29,18 @@ pub struct Course {
     pub theta_dot_rad_s: Vec<f64>,
     /// F_ex, N: the user's force.
     pub force_ex_n: Vec<f64>,
-    /// What the actuators give against the user, N.
+    /// The actuators' force against the user, N.
     pub feedback_n: Vec<f64>,
     /// Lever length, m.
     pub lever_m: f64,
 }
 
-/// What a run took.
+/// The cost of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
     /// The solver's own counts.
     pub work: WorkCounts,
-    /// How often the controller measured and decided.
+    /// Number of times that the controller measured and decided.
     pub decisions: u64,
     /// Entries of the state.
     pub entries: u64,
@@ -91,7 +91,7 @@ pub(crate) fn run(
     }
 }
 
-/// The law acts at every instant.
+/// Runs a model whose law acts at every instant.
 fn continuous(model: &Model, frame: &Frame) -> Result<(Course, Cost), DynamicsError> {
     let system = System::by_chords(model.scene.clone(), CHORD_RAD)?;
     let grid = Grid::Even { step_s: frame.step_s(), steps: frame.steps };
@@ -109,16 +109,26 @@ fn continuous(model: &Model, frame: &Frame) -> Result<(Course, Cost), DynamicsEr
     Ok((course, Cost { work: run.work, decisions: 0, entries }))
 }
 
-/// A controller asks at ticks.
+/// Runs a model whose controller decides at ticks.
 fn ticked(model: &Model, looped: &Loop, frame: &Frame) -> Result<(Course, Cost), DynamicsError> {
-    let fine = if model.set.has(LadderTerm::Sampling) { 1 } else { fine(looped.period_s) };
+    let fine = match model.set.has(LadderTerm::Sampling) {
+        true => 1,
+        false => (looped.period_s / FINE_S).round().clamp(FINE.0, FINE.1) as usize,
+    };
     let tick_s = looped.period_s / fine as f64;
     // Half a fine tick is what the hold delays by itself.
     let own_s = if fine == 1 { 0.0 } else { 0.5 * tick_s };
     let delay_s = (model.delay_s - own_s).max(0.0);
     let scene = HeldScene::new(&model.scene, CHORD_RAD)?;
     let mut run = scene.start(tick_s)?;
-    let mut control = Control::new(model, looped);
+    let sees = model.set.has(LadderTerm::Sensors);
+    let mut control = Control {
+        sensors: sees.then(|| Sensors::new(model, &looped.velocity)),
+        takes_over: model.scene.mode == DriveMode::Hybrid,
+        let_go_n: model.scene.brake.let_go_n,
+        forward: false,
+        compressing: false,
+    };
     let mut course = Course { lever_m: model.scene.plant.lever_m, ..Course::default() };
     let mut waiting: VecDeque<(f64, HeldCommand)> = VecDeque::new();
     let per_sample = frame.every * fine;
@@ -129,8 +139,16 @@ fn ticked(model: &Model, looped: &Loop, frame: &Frame) -> Result<(Course, Cost),
         waiting.push_back((t_s + delay_s, control.decide(&scene, &run)));
         act(&mut run, &mut waiting, t_s)?;
         if k % per_sample == 0 {
-            keep(&mut course, &run, (k / per_sample) as f64 * frame.step_s());
+            let forces = run.forces();
+            // The times of a continuous run, to the bit: a tick's own time may be rounded
+            // otherwise.
+            course.t_s.push((k / per_sample) as f64 * frame.step_s());
+            course.theta_rad.push(run.theta_rad());
+            course.theta_dot_rad_s.push(run.theta_dot_rad_s());
+            course.force_ex_n.push(forces.external_n);
+            course.feedback_n.push(-(forces.motor_n + forces.brake_n));
         }
+        // A delayed command acts between ticks, when its time comes.
         let next_s = (k + 1) as f64 * tick_s;
         while k < ticks && waiting.front().is_some_and(|(at_s, _)| *at_s < next_s) {
             if let Some((at_s, _)) = waiting.front() {
@@ -143,11 +161,6 @@ fn ticked(model: &Model, looped: &Loop, frame: &Frame) -> Result<(Course, Cost),
     let decisions = ticks as u64 + 1;
     let entries = scene.entries() as u64;
     Ok((course, Cost { work: run.work(), decisions, entries }))
-}
-
-/// Ticks in a period without sampling.
-fn fine(period_s: f64) -> usize {
-    (period_s / FINE_S).round().clamp(FINE.0, FINE.1) as usize
 }
 
 /// Holds the last command whose time has come.
@@ -163,15 +176,6 @@ fn act(
     due.map_or(Ok(()), |(_, command)| run.hold(command))
 }
 
-fn keep(course: &mut Course, run: &HeldRun<'_>, t_s: f64) {
-    let forces = run.forces();
-    course.t_s.push(t_s);
-    course.theta_rad.push(run.theta_rad());
-    course.theta_dot_rad_s.push(run.theta_dot_rad_s());
-    course.force_ex_n.push(forces.external_n);
-    course.feedback_n.push(-(forces.motor_n + forces.brake_n));
-}
-
 /// The prototype's rule for which actuator is in charge (thesis §6.2.1).
 struct Control {
     sensors: Option<Sensors>,
@@ -182,17 +186,6 @@ struct Control {
 }
 
 impl Control {
-    fn new(model: &Model, looped: &Loop) -> Self {
-        let sees = model.set.has(LadderTerm::Sensors);
-        Self {
-            sensors: sees.then(|| Sensors::new(model, &looped.velocity)),
-            takes_over: model.scene.mode == DriveMode::Hybrid,
-            let_go_n: model.scene.brake.let_go_n,
-            forward: false,
-            compressing: false,
-        }
-    }
-
     fn decide(&mut self, scene: &HeldScene, run: &HeldRun<'_>) -> HeldCommand {
         let truth = Seen {
             theta_rad: run.theta_rad(),

@@ -42,11 +42,13 @@ impl Sensors {
         }
     }
 
-    /// What they show of the truth at a time.
+    /// The sensors' values at a time, for a true motion and force.
     pub(crate) fn see(&mut self, t_s: f64, truth: Seen) -> Seen {
         let count_rad = TAU / f64::from(COUNTS_PER_TURN) / SHAFT_PER_LEVER;
         let counts = (truth.theta_rad / count_rad + self.zero_counts).floor() - self.zero_counts;
         let theta_rad = counts * count_rad;
+        // From its number, not by adding periods, which would drift. The noise of values between
+        // two ticks is drawn, so that it does not depend on the ticks.
         while self.next as f64 / FORCE_RATE_HZ <= t_s {
             self.next += 1;
             self.force_n = truth.force_n + self.noise_n * self.normal();
@@ -57,9 +59,9 @@ impl Sensors {
 
     /// A normal variate (Box & Muller 1958).
     fn normal(&mut self) -> f64 {
-        let mut uniform = || ((self.noise.next_u64() >> 11) as f64 + 1.0) / (1_u64 << 53) as f64;
-        let a = uniform();
-        let b = uniform();
+        // 53 bits, as many as a number holds, and above 0, whose logarithm is infinite.
+        let [a, b] =
+            [(); 2].map(|()| ((self.noise.next_u64() >> 11) as f64 + 1.0) / (1_u64 << 53) as f64);
         (-2.0 * libm::log(a)).sqrt() * libm::cos(TAU * b)
     }
 }

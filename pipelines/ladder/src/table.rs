@@ -11,10 +11,11 @@ use zwidth_tables::{Table, TableError};
 pub fn models(ladder: &Ladder) -> Vec<LadderModel> {
     let scene = Arc::<str>::from(ladder.scene.as_str());
     let choice = ladder.choice().map(|rung| rung.set);
-    let model = |rung: &Rung| {
+    let mut models = Vec::with_capacity(ladder.rungs.len());
+    for rung in &ladder.rungs {
         let furthest = rung.furthest();
         let [steps, products, exponentials, decisions] = rung.counts;
-        LadderModel {
+        models.push(LadderModel {
             scene: scene.clone(),
             terms: rung.set,
             number_of_terms: rung.set.len(),
@@ -28,41 +29,39 @@ pub fn models(ladder: &Ladder) -> Vec<LadderModel> {
                 .and_then(|(at, _)| Some(ladder.quantities.get(at)?.name.as_str().into())),
             is_enough: rung.is_enough(),
             is_chosen: Some(rung.set) == choice,
-        }
-    };
-    ladder.rungs.iter().map(model).collect()
+        });
+    }
+    models
 }
 
-/// What each term does to each quantity, and why it is kept or not.
+/// The effect of each term on each quantity, and why the term is kept or not.
 pub fn effects(ladder: &Ladder) -> Vec<TermEffect> {
     let scene = Arc::<str>::from(ladder.scene.as_str());
     let choice = ladder.choice();
-    let effect = |at: usize, quantity: &Quantity, term: LadderTerm| {
-        let switch = ladder.switch(term);
-        let partner = strongest(ladder, quantity, term);
+    let mut effects = Vec::new();
+    for (at, quantity) in ladder.quantities.iter().enumerate() {
         // How far a model is off at this quantity.
         let off = |rung: &Rung| rung.worst.get(at).copied().filter(|off| off.is_finite());
-        TermEffect {
-            scene: scene.clone(),
-            quantity: quantity.name.as_str().into(),
-            is_judged: quantity.is_judged,
-            term,
-            total_effect: switch.and_then(|switch| quantity.variance.total(switch)),
-            first_order: switch.and_then(|switch| quantity.variance.first(switch)),
-            strongest_partner: partner.map(|(other, _)| other),
-            partner_second_order: partner.map(|(_, share)| share),
-            off_without: ladder.rung(ladder.offered.without(term)).and_then(off),
-            deciding_off: choice.and_then(|choice| ladder.deciding(choice, term)).and_then(off),
-            is_kept: choice.map(|choice| choice.set.has(term)),
-            reason: choice.map(|choice| reason(ladder, choice, term).into()),
+        for term in ladder.offered.terms() {
+            let switch = ladder.switch(term);
+            let partner = strongest(ladder, quantity, term);
+            effects.push(TermEffect {
+                scene: scene.clone(),
+                quantity: quantity.name.as_str().into(),
+                is_judged: quantity.is_judged,
+                term,
+                total_effect: switch.and_then(|switch| quantity.variance.total(switch)),
+                first_order: switch.and_then(|switch| quantity.variance.first(switch)),
+                strongest_partner: partner.map(|(other, _)| other),
+                partner_second_order: partner.map(|(_, share)| share),
+                off_without: ladder.rung(ladder.offered.without(term)).and_then(off),
+                deciding_off: choice.and_then(|c| ladder.deciding(c, term)).and_then(off),
+                is_kept: choice.map(|choice| choice.set.has(term)),
+                reason: choice.map(|choice| reason(ladder, choice, term).into()),
+            });
         }
-    };
-    let quantities = ladder.quantities.iter().enumerate();
-    quantities
-        .flat_map(|(at, quantity)| {
-            ladder.offered.terms().map(move |term| effect(at, quantity, term))
-        })
-        .collect()
+    }
+    effects
 }
 
 /// Second-order indices of every pair of terms.
@@ -92,8 +91,8 @@ pub fn interactions(ladder: &Ladder) -> Vec<TermPair> {
 /// A number that is not finite where one must be.
 pub fn models_table(ladder: &Ladder) -> Result<Table, TableError> {
     let table = of_scene(ladder, &models(ladder))?;
-    let told = ladder.choice().map(|choice| told(ladder, choice)).unwrap_or_default();
-    Ok(table.with_note(told).with_note(note(ladder)))
+    let choice = ladder.choice().map(|choice| told(ladder, choice)).unwrap_or_default();
+    Ok(table.with_note(choice).with_note(note(ladder)))
 }
 
 /// The table of [`effects`].
@@ -121,13 +120,20 @@ pub fn chosen(models: &[LadderModel]) -> Option<TermSet> {
     models.iter().find(|model| model.is_chosen).map(|model| model.terms)
 }
 
+/// The term with the largest second-order index together with `term`, and this index; of equal
+/// ones the first.
 fn strongest(ladder: &Ladder, q: &Quantity, term: LadderTerm) -> Option<(LadderTerm, f64)> {
     let own = ladder.switch(term)?;
-    let others = ladder.offered.terms().filter(|other| *other != term);
-    let shares = others.filter_map(|o| Some((o, q.variance.second(own, ladder.switch(o)?)?)));
-    shares.fold(None, |most, next| {
-        if most.is_none_or(|m: (LadderTerm, f64)| next.1 > m.1) { Some(next) } else { most }
-    })
+    let mut strongest: Option<(LadderTerm, f64)> = None;
+    for other in ladder.offered.terms().filter(|other| *other != term) {
+        let index = ladder.switch(other).and_then(|switch| q.variance.second(own, switch));
+        if let Some(index) = index
+            && strongest.is_none_or(|(_, most)| index > most)
+        {
+            strongest = Some((other, index));
+        }
+    }
+    strongest
 }
 
 fn note(ladder: &Ladder) -> String {

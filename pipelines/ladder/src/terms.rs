@@ -21,15 +21,15 @@ pub fn possible(scene: &ModelScene) -> TermSet {
 }
 
 /// The terms whose numbers a scene gives, and those of the digital loop, which has the period
-/// that was asked for. The numbers of the others are the simulated device's.
+/// that the settings give. The numbers of the others are the simulated device's.
 pub(crate) fn in_scene(scene: &ModelScene) -> TermSet {
-    let has = |term: &LadderTerm| match term {
+    let terms = TermSet::ALL.terms().filter(|term| match term {
         LadderTerm::Gravity => scene.terms.iter().any(|term| term.name() == "gravity"),
         LadderTerm::Finger => scene.finger.is_some(),
         LadderTerm::Friction => scene.friction.is_some(),
         LadderTerm::MotorLag => scene.motor.lag_s.is_some(),
         LadderTerm::BrakeLag => scene.brake.lag_on_off_s.is_some(),
         LadderTerm::Sampling | LadderTerm::Delay | LadderTerm::Sensors => true,
-    };
-    TermSet::ALL.terms().filter(has).fold(TermSet::NONE, TermSet::with)
+    });
+    terms.fold(TermSet::NONE, TermSet::with)
 }

@@ -16,27 +16,27 @@ use zwidth_tables::Table;
 /// Standard deviations between bias and limits: 95 % of normal differences lie between the limits.
 const LIMIT_SDS: f64 = 1.96;
 
-/// Up to where a difference does not matter.
+/// The bound below which a difference does not matter.
 #[derive(Clone, Copy)]
 enum Bound {
-    /// As large in every trial.
-    Given(f64),
+    /// One bound for every trial.
+    Fixed(f64),
     /// A share of the mean of a recorded number.
     ShareOf(fn(&ReplayedPeak) -> Option<f64>, f64),
 }
 
 /// The smallest change of a finger joint's angle that can be told: 2.5° (Tan, Srinivasan, Eberman &
 /// Cheng 1994, ASME DSC 55-1:353), taken for the lever's angle.
-const ANGLE: Bound = Bound::Given(2.5 * PI / 180.0);
+const ANGLE: Bound = Bound::Fixed(2.5 * PI / 180.0);
 /// The smallest change of a force that a finger can tell, between 2.5 and 10 N: 7 % (Pang, Tan &
 /// Durlach 1991, Percept. Psychophys. 49:531).
 const FORCE: Bound = Bound::ShareOf(|row| row.peak_recorded_n, 0.07);
 /// A tenth of a second: assumed.
-const TIME: Bound = Bound::Given(0.1);
+const TIME: Bound = Bound::Fixed(0.1);
 
-/// What is compared: its unit, the difference of each trial, and how large it may be.
+/// A quantity that is compared: its unit, the difference of each trial, and its bound.
 struct Quantity {
-    of: AgreementOf,
+    quantity: AgreementOf,
     unit: &'static str,
     difference: fn(&ReplayedPeak) -> Option<f64>,
     bound: Bound,
@@ -44,25 +44,25 @@ struct Quantity {
 
 const QUANTITIES: [Quantity; 4] = [
     Quantity {
-        of: AgreementOf::PeakAngle,
+        quantity: AgreementOf::PeakAngle,
         unit: "rad",
         difference: |row| row.peak_error_rad,
         bound: ANGLE,
     },
     Quantity {
-        of: AgreementOf::PeakForce,
+        quantity: AgreementOf::PeakForce,
         unit: "N",
         difference: |row| row.peak_error_n,
         bound: FORCE,
     },
     Quantity {
-        of: AgreementOf::PeakTime,
+        quantity: AgreementOf::PeakTime,
         unit: "s",
         difference: |row| row.peak_time_error_s,
         bound: TIME,
     },
     Quantity {
-        of: AgreementOf::ReversalTime,
+        quantity: AgreementOf::ReversalTime,
         unit: "s",
         difference: |row| row.reversal_error_s,
         bound: TIME,
@@ -76,7 +76,7 @@ const NOTES: [&str; 2] = [
      recorded peak force (Pang 1991), 0.1 s (assumed).",
 ];
 
-/// Of closed loop.
+/// The note on closed loop.
 const OPEN: &str = "Closed loop: given force and voltages, nothing in the model brings an error of the angle back, so \
     that what is wrong with its plant adds up along a trial.";
 
@@ -85,8 +85,8 @@ fn verdict([bias, low, high]: [Option<Estimate>; 3], bound: Option<f64>) -> Agre
     let (Some(bias), Some(low), Some(high), Some(bound)) = (bias, low, high, bound) else {
         return AgreementVerdict::TooFew;
     };
-    let within = |value: Estimate| value.estimate.abs() <= bound;
-    match (within(bias), within(low) && within(high)) {
+    let [bias, low, high] = [bias, low, high].map(|value| value.estimate.abs() <= bound);
+    match (bias, low && high) {
         (true, true) => AgreementVerdict::Alike,
         (false, _) => AgreementVerdict::Off,
         (true, false) => AgreementVerdict::Scattered,
@@ -104,29 +104,29 @@ pub fn agreement(
     replays: &[ReplayedPeak],
     level: f64,
 ) -> Result<Vec<ReplayAgreement>, ReplayError> {
-    let mut found = Vec::new();
+    let mut agreements = Vec::new();
     for group in groups(replays) {
         let values = |number: fn(&ReplayedPeak) -> Option<f64>| -> Vec<f64> {
             replays.iter().filter(|row| group.has(row)).filter_map(number).collect()
         };
-        for Quantity { of, unit, difference, bound } in QUANTITIES {
+        for Quantity { quantity, unit, difference, bound } in QUANTITIES {
             let differences = values(difference);
             if differences.is_empty() {
                 continue;
             }
             let all = limits(&differences, level)?;
             let bound = match bound {
-                Bound::Given(bound) => Some(bound),
+                Bound::Fixed(bound) => Some(bound),
                 Bound::ShareOf(number, share) => {
                     mean(&values(number), level)?.estimate.map(|mean| share * mean.abs())
                 }
             };
             let [bias, low, high] = all;
-            found.push(ReplayAgreement {
+            agreements.push(ReplayAgreement {
                 causality: group.causality,
                 mode: group.mode.clone(),
                 model: group.model,
-                quantity: of,
+                quantity,
                 unit: unit.into(),
                 n: differences.len(),
                 verdict: verdict(all, bound),
@@ -143,7 +143,7 @@ pub fn agreement(
             });
         }
     }
-    Ok(found)
+    Ok(agreements)
 }
 
 /// The agreement as a table, with notes on it and on its replays.
@@ -162,15 +162,16 @@ pub fn agreement_table(
 
 /// Bias, lower and upper limit. The variance of a limit is s² / n + z² s² / (2 (n − 1)).
 fn limits(differences: &[f64], level: f64) -> Result<[Option<Estimate>; 3], ReplayError> {
-    let found = mean(differences, level)?;
-    let Some((sd, bias)) = found.sd.zip(found.interval) else { return Ok([None; 3]) };
-    let (n, df) = (found.n as f64, found.n as f64 - 1.0);
+    let mean = mean(differences, level)?;
+    let Some((sd, bias)) = mean.sd.zip(mean.interval) else { return Ok([None; 3]) };
+    let (n, df) = (mean.n as f64, mean.n as f64 - 1.0);
     let std_error = sd * (1.0 / n + LIMIT_SDS * LIMIT_SDS / (2.0 * df)).sqrt();
-    let limit = |sds: f64| t_interval(bias.estimate + sds * sd, std_error, df, level);
-    Ok([Some(bias), Some(limit(-LIMIT_SDS)?), Some(limit(LIMIT_SDS)?)])
+    let [low, high] = [-LIMIT_SDS, LIMIT_SDS]
+        .map(|sds| t_interval(bias.estimate + sds * sd, std_error, df, level));
+    Ok([Some(bias), Some(low?), Some(high?)])
 }
 
-/// What tells the rows of one agreement from those of another.
+/// The key by which rows belong to one agreement.
 #[derive(PartialEq)]
 struct Group<'a> {
     causality: Causality,

@@ -55,12 +55,12 @@ pub struct Balance {
     measured_ns: Vec<f64>,
 }
 
-/// One hat, and what it makes of the recorded angle.
+/// One hat, and the terms of the recorded angle over it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Hat {
     /// Samples at its nodes.
     nodes: [usize; 3],
-    /// Which way the lever moves: 1 or −1.
+    /// The direction in which the lever moves: 1 or −1.
     direction: f64,
     /// [θ], rad/s.
     turned_rad_s: f64,
@@ -102,33 +102,37 @@ impl Balance {
         &self.measured_ns
     }
 
-    /// The same, as motion and commands need it from each of some plants. What takes long are the
-    /// actuators' forces: plants with the same lags share them.
+    /// ∫φ F_ex dt of every hat, N·s, as motion and commands need it, for each of some plants.
+    /// Plants with the same lags share the actuators' forces, which take long to compute.
     pub fn needed_ns(&self, plants: &[Parameters]) -> Vec<Vec<f64>> {
-        let motor = |plant: &Parameters| [plant.motor_lag_s; 2];
-        let brake = |plant: &Parameters| [plant.brake_on_s, plant.brake_off_s];
-        let motor = self.of_lags(&self.motor_n, plants.iter().map(motor));
-        let brake = self.of_lags(&self.brake_n, plants.iter().map(brake));
-        let needed = |((plant, motor), brake): ((&Parameters, Through), Through)| {
-            let of_hat = |(hat, (motor, brake)): (&Hat, (&f64, &f64))| {
+        let motor_lags = plants.iter().map(|plant| [plant.motor_lag_s; 2]);
+        let brake_lags = plants.iter().map(|plant| [plant.brake_on_s, plant.brake_off_s]);
+        let motors = self.of_lags(&self.motor_n, motor_lags);
+        let brakes = self.of_lags(&self.brake_n, brake_lags);
+        let mut needed_ns = Vec::with_capacity(plants.len());
+        for ((plant, motor), brake) in plants.iter().zip(motors).zip(brakes) {
+            let hats = self.hats.iter().zip(motor.iter().zip(brake.iter()));
+            let needed = hats.map(|(hat, (motor, brake))| {
                 let inertia = plant.mass_kg * self.lever_m * hat.turned_rad_s;
                 let viscous = plant.damping_ns_per_rad * hat.moved_rad;
                 let dry = plant.friction_n * hat.half_base_s + brake;
                 inertia + viscous + hat.direction * dry - motor
-            };
-            self.hats.iter().zip(motor.iter().zip(brake.iter())).map(of_hat).collect()
-        };
-        plants.iter().zip(motor).zip(brake).map(needed).collect()
+            });
+            needed_ns.push(needed.collect());
+        }
+        needed_ns
     }
 
-    /// ∫φ F dt of every hat, for each of some pairs of lags by which a force follows its commands; of
-    /// equal ones made once.
+    /// ∫φ F dt of every hat, for each pair of lags by which a force follows its commands; computed
+    /// once for equal pairs.
     fn of_lags(&self, commands: &[f64], lags: impl Iterator<Item = [f64; 2]>) -> Vec<Through> {
-        let mut made: Vec<([u64; 2], Through)> = Vec::new();
-        let of = |lags: [f64; 2]| {
+        let mut distinct: Vec<([u64; 2], Through)> = Vec::new();
+        let mut all = Vec::new();
+        for lags in lags {
             let bits = lags.map(f64::to_bits);
-            if let Some((_, known)) = made.iter().find(|(of, _)| *of == bits) {
-                return known.clone();
+            if let Some((_, through)) = distinct.iter().find(|(other, _)| *other == bits) {
+                all.push(through.clone());
+                continue;
             }
             let through: Through = match commands {
                 [] => self.hats.iter().map(|_| 0.0).collect(),
@@ -137,22 +141,22 @@ impl Balance {
                     self.hats.iter().map(|hat| impulse.through(hat, &self.clock.t_s)).collect()
                 }
             };
-            made.push((bits, through.clone()));
-            through
-        };
-        lags.map(of).collect()
+            distinct.push((bits, through.clone()));
+            all.push(through);
+        }
+        all
     }
 }
 
 /// ∫φ F dt of every hat, N·s.
 type Through = Rc<[f64]>;
 
-/// The commands of an actuator that has any.
+/// The commands of an actuator; none if all are 0, which spares the integrals.
 fn unless_idle(commands: Vec<f64>) -> Vec<f64> {
     if commands.iter().all(|command| *command == 0.0) { Vec::new() } else { commands }
 }
 
-/// When the samples were taken.
+/// The times of the samples.
 #[derive(Debug, Clone, PartialEq)]
 struct Clock {
     t_s: Vec<f64>,
@@ -163,7 +167,7 @@ struct Clock {
 }
 
 impl Clock {
-    /// Of two samples at least.
+    /// The clock of two samples at least.
     fn of(t_s: Vec<f64>) -> Self {
         let usual_s = (t_s[t_s.len() - 1] - t_s[0]) / (t_s.len() - 1) as f64;
         let jitter = t_s.windows(2).map(|t| (t[1] - t[0] - usual_s).abs());
@@ -202,11 +206,12 @@ impl Clock {
     }
 }
 
-/// After so many lags nothing is left that a number near 1 could show: e^−40 is 4e-18.
+/// After this many lags nothing is left that a number near 1 could show: e^−40 is 4e-18.
 const ALL_GONE: f64 = 40.0;
-/// Up to where [`near_expm1`] holds.
+/// [`near_expm1`] holds below this.
 const NEAR: f64 = 0.25;
-/// Each takes a digit's fraction: intervals that differ by more than 16 lags are taken one by one.
+/// Each halving costs a fraction of a digit: intervals that differ by more than 16 lags are taken
+/// one by one.
 const MOST_HALVINGS: i32 = 6;
 
 /// e^x − 1 for |x| < ¼: its series up to the term that is below 1e-17 of it.
@@ -238,6 +243,7 @@ fn hats(t: &[f64], theta: &[f64], force: &Updates) -> Vec<Hat> {
         return Vec::new();
     }
     let nodes = nodes(t);
+    // Samples come at the clock's pace, and nodes are seldom exactly `NODE_S` apart.
     let spacing_s = (t[nodes[nodes.len() - 1]] - t[0]) / (nodes.len() - 1) as f64;
     let quarter = ((HALF_S / 2.0 / spacing_s).round() as usize).max(1);
     let mut integral = vec![0.0];
@@ -245,27 +251,24 @@ fn hats(t: &[f64], theta: &[f64], force: &Updates) -> Vec<Hat> {
         *sum += part;
         Some(*sum)
     }));
-    let hat = |at: usize, direction: f64| {
-        let nodes = [0, 2, 4].map(|k| nodes[at + k * quarter]);
-        let times = nodes.map(|i| t[i]);
-        Hat {
-            nodes,
-            direction,
-            turned_rad_s: bent(times, nodes.map(|i| theta[i])),
-            moved_rad: bent(times, nodes.map(|i| integral[i])),
-            half_base_s: (times[2] - times[0]) / 2.0,
+    let mut hats = Vec::new();
+    for Run { from, to, direction } in runs(t, theta, &nodes) {
+        for at in (from..).step_by(quarter).take_while(|at| at + 4 * quarter <= to) {
+            let nodes = [0, 2, 4].map(|k| nodes[at + k * quarter]);
+            let times = nodes.map(|i| t[i]);
+            // Beyond its first and last value the force is not known.
+            if times[0] >= *first && times[2] <= *last {
+                hats.push(Hat {
+                    nodes,
+                    direction,
+                    turned_rad_s: bent(times, nodes.map(|i| theta[i])),
+                    moved_rad: bent(times, nodes.map(|i| integral[i])),
+                    half_base_s: (times[2] - times[0]) / 2.0,
+                });
+            }
         }
-    };
-    runs(t, theta, &nodes)
-        .into_iter()
-        .flat_map(|run| {
-            let starts =
-                (run.from..).step_by(quarter).take_while(move |at| at + 4 * quarter <= run.to);
-            starts.map(move |at| (at, run.direction))
-        })
-        .map(|(at, s)| hat(at, s))
-        .filter(|hat| t[hat.nodes[0]] >= *first && t[hat.nodes[2]] <= *last)
-        .collect()
+    }
+    hats
 }
 
 /// Samples that serve as nodes.
@@ -290,15 +293,18 @@ struct Run {
 /// The stretches of motion, less the spacing at either end: there the lever may still, or again,
 /// have been at rest.
 fn runs(t: &[f64], theta: &[f64], nodes: &[usize]) -> Vec<Run> {
-    let direction = |pair: &[usize]| {
-        let velocity = (theta[pair[1]] - theta[pair[0]]) / (t[pair[1]] - t[pair[0]]);
-        i8::from(velocity > MOVING_RAD_S) - i8::from(velocity < -MOVING_RAD_S)
-    };
-    let directions: Vec<i8> = nodes.windows(2).map(direction).collect();
+    let directions: Vec<i8> = nodes
+        .windows(2)
+        .map(|pair| {
+            let velocity = (theta[pair[1]] - theta[pair[0]]) / (t[pair[1]] - t[pair[0]]);
+            i8::from(velocity > MOVING_RAD_S) - i8::from(velocity < -MOVING_RAD_S)
+        })
+        .collect();
     let mut runs = Vec::new();
     let mut from = 0;
     for stretch in directions.chunk_by(|a, b| a == b) {
         let to = from + stretch.len();
+        // Without both ends, where the lever may be at rest, something must be left.
         if stretch[0] != 0 && stretch.len() > 2 {
             runs.push(Run { from: from + 1, to: to - 1, direction: f64::from(stretch[0]) });
         }
@@ -331,20 +337,21 @@ impl Impulse {
         Self { force_ns, moment_ns2 }
     }
 
-    /// Of a sensor's values, joined by cubics.
+    /// The impulse of a sensor's values, joined by cubics.
     fn of_force(t: &[f64], force: &Updates) -> Self {
-        let part = |pair: &[f64]| {
+        let parts = t.windows(2).map(|pair| {
             let h = pair[1] - pair[0];
             GAUSS.iter().fold([0.0; 2], |sum, (place, weight)| {
                 let value =
                     cubic::value(&force.t, &force.values, pair[0] + place * h).unwrap_or(0.0);
                 [sum[0] + weight * h * value, sum[1] + weight * h * place * h * value]
             })
-        };
-        Self::new(t, t.windows(2).map(part))
+        });
+        Self::new(t, parts)
     }
 
-    /// Of a force that follows held commands with a time constant each for rising and falling, from
+    /// The impulse of a force that follows held commands with a time constant each for rising and
+    /// falling, from
     /// 0 on; 0 s is at once.
     fn of_lagging(clock: &Clock, commands: &[f64], [rising_s, falling_s]: [f64; 2]) -> Self {
         let t = &clock.t_s;
@@ -353,7 +360,9 @@ impl Impulse {
         let falling = (!is_one).then(|| clock.gone(falling_s));
         let falling = falling.as_ref().unwrap_or(&rising);
         let mut level = 0.0;
-        let part = |((pair, command), (rising, falling)): ((&[f64], &f64), (&f64, &f64))| {
+        let gone = rising.iter().zip(falling);
+        let intervals = t.windows(2).zip(commands).zip(gone);
+        let parts = intervals.map(|((pair, command), (rising, falling))| {
             let h = pair[1] - pair[0];
             let off = level - command;
             level = *command;
@@ -365,19 +374,16 @@ impl Impulse {
             let left = 1.0 - gone;
             level += off * left;
             [held[0] + off * lag * gone, held[1] + off * lag * (lag * gone - h * left)]
-        };
-        let gone = rising.iter().zip(falling);
-        Self::new(t, t.windows(2).zip(commands).zip(gone).map(part))
+        });
+        Self::new(t, parts)
     }
 
     /// ∫φ F dt.
     fn through(&self, hat: &Hat, t: &[f64]) -> f64 {
         let [a, b, c] = hat.nodes;
-        let over = |from: usize, to: usize| {
+        let [[up, up_moment], [down, down_moment]] = [[a, b], [b, c]].map(|[from, to]| {
             [self.force_ns[to] - self.force_ns[from], self.moment_ns2[to] - self.moment_ns2[from]]
-        };
-        let [up, up_moment] = over(a, b);
-        let [down, down_moment] = over(b, c);
+        });
         (up_moment - t[a] * up) / (t[b] - t[a]) + (t[c] * down - down_moment) / (t[c] - t[b])
     }
 }

@@ -34,13 +34,17 @@ pub(crate) fn held(
 /// Mean of a series over each interval between `t`.
 fn means(t: &[f64], series: &Series) -> Vec<f64> {
     let impulse = cumulative_trapezoid(&series.t_s, &series.value).unwrap_or_default(); // equally long
-    let until = |at: f64| {
-        let after = series.t_s.partition_point(|t| *t <= at).max(1) - 1;
+    let mut until = Vec::with_capacity(t.len());
+    for &at in t {
+        let before = series.t_s.partition_point(|t| *t <= at).max(1) - 1;
         let last = series.value[series.value.len() - 1];
         let value = interpolate(&series.t_s, &series.value, at).unwrap_or(last);
-        impulse[after] + (at - series.t_s[after]) * (series.value[after] + value) / 2.0
-    };
-    t.windows(2).map(|w| (until(w[1]) - until(w[0])) / (w[1] - w[0])).collect()
+        until.push(
+            impulse[before] + (at - series.t_s[before]) * (series.value[before] + value) / 2.0,
+        );
+    }
+    let intervals = t.windows(2).zip(until.windows(2));
+    intervals.map(|(t, until)| (until[1] - until[0]) / (t[1] - t[0])).collect()
 }
 
 /// θ (rad) and θ̇ (rad/s) at every sample. The lever starts at rest.
@@ -63,14 +67,15 @@ pub(crate) fn run(
         hand: None,
     })?;
     plant.place(start.theta_rad, 0.0)?;
-    let mut found = (vec![plant.state().theta_rad], vec![0.0]);
+    let mut theta_rad = vec![plant.state().theta_rad];
+    let mut theta_dot_rad_s = vec![0.0];
     for (i, pair) in t.windows(2).enumerate() {
         let command = Command { motor_n: held.pushing_n[i], brake_n: held.brake_n[i] };
         plant.advance(pair[1] - pair[0], command, [Aim::default(); 2])?;
-        found.0.push(plant.state().theta_rad);
-        found.1.push(plant.state().theta_dot_rad_s);
+        theta_rad.push(plant.state().theta_rad);
+        theta_dot_rad_s.push(plant.state().theta_dot_rad_s);
     }
-    Ok(found)
+    Ok((theta_rad, theta_dot_rad_s))
 }
 
 #[cfg(test)]

@@ -9,12 +9,12 @@ use zwidth_numerics::moments::Moments;
 /// recording and model alike: what a controller's filter delays is not the model's error.
 const HALF_S: f64 = 0.025;
 
-/// How far the model's θ̇ departs.
+/// The departure of the model's θ̇.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityError {
     /// √mean (θ̇_model − θ̇)², rad/s.
     pub rmse_rad_s: f64,
-    /// That over the recording's range, max θ̇ − min θ̇; `None` for a lever that never moves.
+    /// The RMSE over the recording's range, max θ̇ − min θ̇; `None` for a lever that never moves.
     pub nrmse: Option<f64>,
     /// Standard deviation of the model's θ̇ over that of the recorded one: above 1 the model's
     /// velocity varies more (thesis §4.3). `None` for a lever that never moves.
@@ -46,7 +46,7 @@ pub(crate) fn compare_velocities(
 pub struct Comparison {
     /// √mean (ŷ − y)², unit of y.
     pub rmse: f64,
-    /// That over the recording's range, max y − min y; `None` for a constant recording.
+    /// The RMSE over the recording's range, max y − min y; `None` for a constant recording.
     pub nrmse: Option<f64>,
     /// Variance accounted for, 1 − var(ŷ − y) / var(y): 1 for a perfect model, and for one that is
     /// off by a constant; below 0 for one that is worse than the recording's mean. `None` for

@@ -4,7 +4,7 @@ use crate::table::OWN_MODEL;
 use crate::{Course, Drive, Parameters, Rendering, ReplayError};
 use zwidth_results::{Causality, CourseSample, CourseSeries, ReplayedTrial};
 use zwidth_store::Trial;
-use zwidth_study::{ModeId, Source, TrialMeta};
+use zwidth_study::{ModeId, Source};
 
 /// Of the replayed trials of one session and environment, in their order, the number of the mode's
 /// trial with the median error of the angle, driven by force (the lower of two); `None` where none
@@ -12,10 +12,10 @@ use zwidth_study::{ModeId, Source, TrialMeta};
 pub fn typical(replays: &[ReplayedTrial], mode: &ModeId) -> Option<u32> {
     let own =
         replays.iter().filter(|row| row.mode == *mode && row.causality == Causality::ForceDriven);
-    let mut known: Vec<(f64, u32)> = own.filter_map(|row| Some((row.nrmse?, row.trial))).collect();
-    known.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let middle = known.len().saturating_sub(1) / 2;
-    known.get(middle).map(|(_, trial)| *trial)
+    let mut errors: Vec<(f64, u32)> = own.filter_map(|row| Some((row.nrmse?, row.trial))).collect();
+    errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let middle = errors.len().saturating_sub(1) / 2;
+    errors.get(middle).map(|(_, trial)| *trial)
 }
 
 /// Motion and forces of trials as recorded, and of the models that were given their external force.
@@ -35,18 +35,32 @@ pub fn courses(
             Err(ReplayError::WhyNot(_)) => continue,
             other => other?,
         };
-        let run = |plant: &Parameters| drive.run(Causality::ForceDriven, plant);
-        let fitted = fitted.and_then(|plant| run(plant).ok()).filter(is_finite);
-        samples.extend(of_series(&trial.meta, CourseSeries::Recorded, drive.recorded()));
-        samples.extend(of_series(&trial.meta, CourseSeries::ByEye, &run(by_eye)?));
-        samples.extend(
-            fitted.iter().flat_map(|course| of_series(&trial.meta, CourseSeries::Fitted, course)),
-        );
+        let by_eye = drive.run(Causality::ForceDriven, by_eye)?;
+        let fitted = fitted.and_then(|plant| drive.run(Causality::ForceDriven, plant).ok());
+        let fitted = fitted.filter(is_finite);
+        for (series, course) in [
+            (CourseSeries::Recorded, Some(drive.recorded())),
+            (CourseSeries::ByEye, Some(&by_eye)),
+            (CourseSeries::Fitted, fitted.as_ref()),
+        ] {
+            let Some(course) = course else { continue };
+            samples.extend((0..course.t_s.len()).map(|i| CourseSample {
+                trial: trial.meta.trial,
+                mode: trial.meta.mode.clone(),
+                source: trial.meta.source,
+                series,
+                t_s: course.t_s[i],
+                theta_rad: course.theta_rad[i],
+                theta_dot_rad_s: course.theta_dot_rad_s[i],
+                force_ex_n: course.force_ex_n[i],
+                feedback_n: course.feedback_n.as_ref().map(|force| force[i]),
+            }));
+        }
     }
     Ok(samples)
 }
 
-/// What the models of courses are.
+/// Notes that describe the models of courses.
 pub fn course_notes(
     trials: &[(Trial, &Rendering)],
     by_eye: &Parameters,
@@ -67,25 +81,7 @@ fn is_finite(course: &Course) -> bool {
     all.copied().all(f64::is_finite)
 }
 
-fn of_series<'c>(
-    meta: &'c TrialMeta,
-    series: CourseSeries,
-    course: &'c Course,
-) -> impl Iterator<Item = CourseSample> + use<'c> {
-    (0..course.t_s.len()).map(move |i| CourseSample {
-        trial: meta.trial,
-        mode: meta.mode.clone(),
-        source: meta.source,
-        series,
-        t_s: course.t_s[i],
-        theta_rad: course.theta_rad[i],
-        theta_dot_rad_s: course.theta_dot_rad_s[i],
-        force_ex_n: course.force_ex_n[i],
-        feedback_n: course.feedback_n.as_ref().map(|force| force[i]),
-    })
-}
-
-/// What a model's plant is made of.
+/// The note on a model's plant.
 fn note(how: &str, plant: &Parameters) -> String {
     let Parameters {
         mass_kg,

@@ -4,7 +4,7 @@ use crate::closed_loop::{self, Held};
 use crate::scene::{Parameters, Rendering};
 use crate::updates::input;
 use crate::{ReplayError, WhyNot};
-use zwidth_dynamics::{DynamicsError, Exact, Grid, ModelScene, Series, Solver, Start, System};
+use zwidth_dynamics::{DynamicsError, Exact, Grid, ModelScene, Solver, Start, System};
 use zwidth_numerics::series::{central_differences, interpolate};
 use zwidth_results::Causality;
 use zwidth_store::{Signal, Trial};
@@ -57,9 +57,15 @@ impl Drive {
             None => central_differences(&t_s, theta)?,
         };
         let voltages = [column(Signal::VoltageMotor)?, column(Signal::VoltageBrake)?];
+        // Needed in closed loop alone: what is missing is an error there.
         let held = closed_loop::held(rendering, &t_s, voltages, &series);
         let start = Start { theta_rad: theta[0], theta_dot_rad_s: theta_dot[0] };
-        let force_ex_n = at_samples(&series, &t_s);
+        // After the last update of the sensor the force is held.
+        let last_n = series.value.last().copied().unwrap_or(0.0);
+        let force_ex_n = t_s
+            .iter()
+            .map(|t| interpolate(&series.t_s, &series.value, *t).unwrap_or(last_n))
+            .collect();
         let scene = rendering.scene(series, start, t_s[t_s.len() - 1])?;
         let feedback_n = column(Signal::ForceCmd)?.map(<[f64]>::to_vec);
         let theta_rad = theta.to_vec();
@@ -73,7 +79,7 @@ impl Drive {
         &self.scene
     }
 
-    /// What was recorded; the force between its sensor's updates.
+    /// The recorded course; its force is that between the sensor's updates.
     pub fn recorded(&self) -> &Course {
         &self.recorded
     }
@@ -90,7 +96,7 @@ impl Drive {
     ) -> Result<Course, ReplayError> {
         match causality {
             Causality::ForceDriven => Ok(self.force_driven(parameters.put(&self.scene))?),
-            // what a lag holds is a state, and a prescribed motion has none
+            // What a lag holds is a state, and a prescribed motion has none.
             Causality::PositionDriven => {
                 self.position_driven(parameters.without_lags().put(&self.scene))
             }
@@ -98,7 +104,7 @@ impl Drive {
         }
     }
 
-    /// θ (rad) of the model driven by force, at times of your own: from 0 on, increasing.
+    /// θ (rad) of the model driven by force, at any times: from 0 on, increasing.
     ///
     /// # Errors
     /// Times that do not increase; parameters that make no model, or a model that diverges.
@@ -113,16 +119,16 @@ impl Drive {
     fn force_driven(&self, scene: ModelScene) -> Result<Course, DynamicsError> {
         let system = System::new(scene)?;
         let run = Exact::default().run(&system, &Grid::Times(self.recorded.t_s.clone()))?;
-        let feedback = |i: usize| {
+        let feedback_n = (0..run.len()).map(|i| {
             let forces = run.forces(&system, i);
             -(forces.motor_n + forces.brake_n)
-        };
+        });
         Ok(Course {
             t_s: self.recorded.t_s.clone(),
             theta_rad: run.theta_rad().collect(),
             theta_dot_rad_s: run.theta_dot_rad_s().collect(),
             force_ex_n: self.recorded.force_ex_n.clone(),
-            feedback_n: Some((0..run.len()).map(feedback).collect()),
+            feedback_n: Some(feedback_n.collect()),
         })
     }
 
@@ -131,8 +137,9 @@ impl Drive {
         let Course { t_s, theta_rad, .. } = &self.recorded;
         let theta_dot = central_differences(t_s, theta_rad)?;
         let theta_ddot = central_differences(t_s, &theta_dot)?;
-        let forces = |i: usize| system.prescribed(theta_rad[i], theta_dot[i], theta_ddot[i]);
-        let forces: Vec<_> = (0..t_s.len()).map(forces).collect();
+        let forces: Vec<_> = (0..t_s.len())
+            .map(|i| system.prescribed(theta_rad[i], theta_dot[i], theta_ddot[i]))
+            .collect();
         Ok(Course {
             t_s: t_s.clone(),
             theta_rad: theta_rad.clone(),
@@ -203,6 +210,7 @@ impl Judged {
     }
 }
 
+/// A column of a trial, as long as its time; `None` if it was not recorded.
 pub(crate) fn column(
     trial: &Trial,
     signal: Signal,
@@ -214,12 +222,6 @@ pub(crate) fn column(
         }
         values => Ok(values),
     }
-}
-
-/// The input at the samples; after its last update it is held.
-fn at_samples(series: &Series, t: &[f64]) -> Vec<f64> {
-    let last = series.value.last().copied().unwrap_or(0.0);
-    t.iter().map(|t| interpolate(&series.t_s, &series.value, *t).unwrap_or(last)).collect()
 }
 
 #[cfg(test)]

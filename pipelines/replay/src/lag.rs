@@ -3,7 +3,7 @@
 use zwidth_numerics::NumericsError;
 use zwidth_numerics::series::interpolate_all;
 
-/// Lags up to this are looked for, s: longer than any delay of the device, shorter than a movement.
+/// Lags are searched up to this, s: longer than any delay of the device, shorter than a movement.
 const MOST_LAG_S: f64 = 0.5;
 
 /// Steps of the grid are at least this long, s: a movement of the hand is smooth over it.
@@ -26,31 +26,31 @@ pub(crate) fn lag_s(
     let even_steps = steps.min((span / LEAST_STEP_S) as usize).max(1);
     let step = span / even_steps as f64;
     let grid: Vec<f64> = (0..=even_steps).map(|i| (t[0] + i as f64 * step).min(t[steps])).collect();
-    let even = |y: &[f64]| {
+    let [recorded, model] = [recorded, model].map(|y| -> Vec<f64> {
         interpolate_all(t, y, &grid).into_iter().map(Option::unwrap_or_default).collect()
-    };
-    let (recorded, model): (Vec<f64>, Vec<f64>) = (even(recorded), even(model));
+    });
+    // At least half of both signals overlap at the largest shift.
     let most = ((MOST_LAG_S / step) as usize).min(even_steps / 2);
     Ok(best_shift(&recorded, &model, most).map(|shift| shift * step))
 }
 
 /// The shift of the highest correlation, in samples; the smallest of equals.
 fn best_shift(recorded: &[f64], model: &[f64], most: usize) -> Option<f64> {
-    let at = |shift: isize| correlation(recorded, model, shift);
-    let mut best = (at(0)?, 0);
+    let mut shift = 0;
+    let mut peak = correlation(recorded, model, shift)?;
     for size in 1..=most as isize {
-        for shift in [-size, size] {
-            if let Some(r) = at(shift).filter(|r| *r > best.0) {
-                best = (r, shift);
+        for other in [-size, size] {
+            if let Some(r) = correlation(recorded, model, other).filter(|r| *r > peak) {
+                (peak, shift) = (r, other);
             }
         }
     }
-    let (peak, shift) = best;
+    // Highest at the end of the search: it may be higher still beyond.
     if shift.unsigned_abs() >= most {
         return None;
     }
-    let before = at(shift - 1)?;
-    let after = at(shift + 1)?;
+    let before = correlation(recorded, model, shift - 1)?;
+    let after = correlation(recorded, model, shift + 1)?;
     let curvature = before - 2.0 * peak + after;
     let between = if curvature < 0.0 { (before - after) / (2.0 * curvature) } else { 0.0 };
     Some(shift as f64 + between)
@@ -64,9 +64,7 @@ fn correlation(recorded: &[f64], model: &[f64], shift: isize) -> Option<f64> {
     let n = recorded.len() - ahead.max(behind);
     let a = &recorded[behind..behind + n];
     let b = &model[ahead..ahead + n];
-    let mean = |y: &[f64]| y.iter().sum::<f64>() / n as f64;
-    let mean_a = mean(a);
-    let mean_b = mean(b);
+    let [mean_a, mean_b] = [a, b].map(|y| y.iter().sum::<f64>() / n as f64);
     let mut ab = 0.0;
     let mut aa = 0.0;
     let mut bb = 0.0;

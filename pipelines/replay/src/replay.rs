@@ -12,15 +12,15 @@ use zwidth_study::{Analysis, TrialMeta};
 /// One trial in one causality.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialReplay {
-    /// Which trial.
+    /// The trial.
     pub meta: TrialMeta,
-    /// What went in, and what came out.
+    /// The input and the output.
     pub causality: Causality,
-    /// Whose plant the model has.
+    /// The origin of the model's plant.
     pub which: ModelPlant,
     /// The model's plant.
     pub parameters: Parameters,
-    /// What came of it.
+    /// Whether it was replayed, or why not.
     pub outcome: ReplayOutcome,
     /// The signal that came out, θ (rad) or F_ex (N), against the recorded one; `None` unless it
     /// was replayed. Times are the trial's.
@@ -48,15 +48,16 @@ pub fn replay(
     which: ModelPlant,
     parameters: &Parameters,
 ) -> Result<Vec<TrialReplay>, ReplayError> {
-    let own = |drive: &Drive| drive.run(Causality::ForceDriven, parameters);
-    replay_with(trial, rendering, analysis, which, parameters, &own)
+    replay_with(trial, rendering, analysis, which, parameters, &|drive| {
+        drive.run(Causality::ForceDriven, parameters)
+    })
 }
 
-/// The same with another model where the force is given: what it gives must be at the recording's
-/// times.
+/// [`replay`] with another model for the causality that is driven by force: its course must be at
+/// the recording's times.
 ///
 /// # Errors
-/// As [`replay`], and what the model says.
+/// As [`replay`], and those of the model.
 pub fn replay_with(
     trial: &Trial,
     rendering: &Rendering,
@@ -69,7 +70,8 @@ pub fn replay_with(
         Err(ReplayError::WhyNot(why)) => Err(why),
         other => Ok(other?),
     };
-    let one = |causality| {
+    let mut replays = Vec::new();
+    for causality in Causality::ALL.iter().copied() {
         let empty = TrialReplay {
             meta: trial.meta.clone(),
             causality,
@@ -81,15 +83,16 @@ pub fn replay_with(
             reversal_recorded_s: None,
             reversal_error_s: None,
         };
-        match &drive {
-            Err(why) => Ok(TrialReplay { outcome: (*why).into(), ..empty }),
-            Ok(drive) => row(drive, analysis, empty, force_driven),
-        }
-    };
-    Causality::ALL.iter().copied().map(one).collect()
+        replays.push(match &drive {
+            Err(why) => TrialReplay { outcome: (*why).into(), ..empty },
+            Ok(drive) => replayed(drive, analysis, empty, force_driven)?,
+        });
+    }
+    Ok(replays)
 }
 
-fn row(
+/// Fills in one causality's replay of a trial.
+fn replayed(
     drive: &Drive,
     analysis: &Analysis,
     empty: TrialReplay,
@@ -104,6 +107,7 @@ fn row(
     };
     let model = match run {
         Ok(model) if has_diverged(&model) => return Ok(empty),
+        // A model that runs away may end in numbers that are not finite, or in ever shorter events.
         Err(ReplayError::Dynamics(
             DynamicsError::NotFinite { .. } | DynamicsError::TooMuchWork { .. },
         )) => {
@@ -114,12 +118,13 @@ fn row(
         }
         other => other?,
     };
+    // Where θ is given, the force comes out, and neither velocity nor reversal can depart.
     let moves = empty.causality != Causality::PositionDriven;
-    let signal =
-        |course: &Course| if moves { course.theta_rad.clone() } else { course.force_ex_n.clone() };
-    let found = compare(&recorded.t_s, &signal(recorded), &signal(&model))?;
-    let comparison =
-        Comparison { peak_time_recorded_s: found.peak_time_recorded_s + drive.began_s, ..found };
+    let [recorded_signal, model_signal] =
+        [recorded, &model].map(|course| if moves { &course.theta_rad } else { &course.force_ex_n });
+    let mut comparison = compare(&recorded.t_s, recorded_signal, model_signal)?;
+    // A drive counts from its first sample, the table by the trial's clock.
+    comparison.peak_time_recorded_s += drive.began_s;
     let velocity = match moves {
         true => Some(compare_velocities(&recorded.t_s, &recorded.theta_rad, &model.theta_rad)?),
         false => None,

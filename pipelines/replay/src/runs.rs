@@ -1,5 +1,5 @@
-//! What the page's sliders for the plant's parameters show: trials driven by their recorded force,
-//! through the model at every point of a grid.
+//! The runs that the page's sliders for the plant's parameters show: trials driven by their
+//! recorded force, through the model at every point of a grid.
 
 use crate::{Drive, Parameters, Rendering, ReplayError};
 use zwidth_results::PlantRun;
@@ -9,7 +9,7 @@ use zwidth_store::Trial;
 const MASSES_KG: [f64; 4] = [0.05, 0.1, 0.2, 0.5];
 const DAMPINGS_NS_PER_RAD: [f64; 5] = [0.0, 0.2, 0.5, 1.0, 2.0];
 const FRICTIONS_N: [f64; 3] = [0.0, 0.1, 0.3];
-/// Times at which a run is told; its error is over all samples.
+/// Times that a run keeps; its error is over all samples.
 const MOST_TIMES: usize = 60;
 
 /// The angle against time of trials as recorded, and of the model driven by their force with every
@@ -43,13 +43,13 @@ pub fn runs(
             t_s: recorded.t_s[i],
             theta_rad: theta[i],
         };
-        let times = told(recorded.t_s.len());
+        let times = kept_samples(recorded.t_s.len());
         runs.extend(times.iter().map(|i| row(*i, &recorded.theta_rad, None)));
         for plant in &plants {
             let Ok(theta) = drive.theta_at(&recorded.t_s, plant) else { continue };
-            let squares = theta.iter().zip(&recorded.theta_rad);
-            let squares = squares.map(|(model, is)| (model - is) * (model - is));
-            let error = (squares.sum::<f64>() / theta.len() as f64).sqrt();
+            let pairs = theta.iter().zip(&recorded.theta_rad);
+            let squares: f64 = pairs.map(|(model, seen)| (model - seen) * (model - seen)).sum();
+            let error = (squares / theta.len() as f64).sqrt();
             if error.is_finite() {
                 runs.extend(times.iter().map(|i| row(*i, &theta, Some((plant, error)))));
             }
@@ -60,16 +60,10 @@ pub fn runs(
 
 /// Every combination, masses slowest.
 fn grid(by_eye: &Parameters, fitted: Option<&Parameters>) -> Vec<Parameters> {
-    let given = || std::iter::once(by_eye).chain(fitted);
-    let values = |values: &[f64], of: fn(&Parameters) -> f64| {
-        let mut values: Vec<f64> = values.iter().copied().chain(given().map(of)).collect();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        values
-    };
-    let masses = values(&MASSES_KG, |plant| plant.mass_kg);
-    let dampings = values(&DAMPINGS_NS_PER_RAD, |plant| plant.damping_ns_per_rad);
-    let frictions = values(&FRICTIONS_N, |plant| plant.friction_n);
+    let own: Vec<&Parameters> = std::iter::once(by_eye).chain(fitted).collect();
+    let masses = values(&MASSES_KG, &own, |plant| plant.mass_kg);
+    let dampings = values(&DAMPINGS_NS_PER_RAD, &own, |plant| plant.damping_ns_per_rad);
+    let frictions = values(&FRICTIONS_N, &own, |plant| plant.friction_n);
     let lags = fitted.unwrap_or(by_eye);
     let mut plants = Vec::with_capacity(masses.len() * dampings.len() * frictions.len());
     for mass_kg in &masses {
@@ -85,8 +79,17 @@ fn grid(by_eye: &Parameters, fitted: Option<&Parameters>) -> Vec<Parameters> {
     plants
 }
 
-/// Which of so many samples are told: evenly chosen, the last among them.
-fn told(samples: usize) -> Vec<usize> {
+/// The values of a grid and those of the plants `own`, each once, rising.
+fn values(grid: &[f64], own: &[&Parameters], number: fn(&Parameters) -> f64) -> Vec<f64> {
+    let mut values: Vec<f64> =
+        grid.iter().copied().chain(own.iter().map(|plant| number(plant))).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
+}
+
+/// Which samples a run keeps: evenly chosen, the last among them.
+fn kept_samples(samples: usize) -> Vec<usize> {
     let times = samples.min(MOST_TIMES);
     (0..times).map(|k| k * (samples - 1) / (times - 1).max(1)).collect()
 }
@@ -113,8 +116,8 @@ mod tests {
 
     #[test]
     fn samples_are_chosen_evenly_to_the_last() {
-        assert_eq!(told(3), [0, 1, 2]);
-        let many = told(4001);
+        assert_eq!(kept_samples(3), [0, 1, 2]);
+        let many = kept_samples(4001);
         assert_eq!((many.len(), many[0], many[59]), (60, 0, 4000));
     }
 }

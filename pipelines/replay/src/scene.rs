@@ -23,9 +23,9 @@ pub struct Parameters {
     pub friction_n: f64,
     /// Time constant with which the motor's force follows its command, s; 0 is at once.
     pub motor_lag_s: f64,
-    /// That with which the brake's level rises, s.
+    /// Time constant with which the brake's level rises, s.
     pub brake_on_s: f64,
-    /// That with which it falls, s.
+    /// Time constant with which it falls, s.
     pub brake_off_s: f64,
 }
 
@@ -41,7 +41,7 @@ impl Parameters {
         brake_off_s: 0.0,
     };
 
-    /// The same plant, whose actuators follow at once.
+    /// This plant with actuators that follow at once.
     pub(crate) fn without_lags(&self) -> Self {
         Self { motor_lag_s: 0.0, brake_on_s: 0.0, brake_off_s: 0.0, ..*self }
     }
@@ -67,7 +67,7 @@ impl Parameters {
         lags.iter().any(|lag| *lag >= LEAST_LAG_S).then(|| lags.map(|lag| lag.max(LEAST_LAG_S)))
     }
 
-    /// The same plant in a scene.
+    /// The scene with this plant.
     pub(crate) fn put(&self, scene: &ModelScene) -> ModelScene {
         let plant = Plant { mass_kg: self.mass_kg, ..scene.plant };
         let motor = Motor { lag_s: self.motor_lag_s(), ..scene.motor };
@@ -80,13 +80,13 @@ impl Parameters {
 /// trials and the plant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rendering {
-    /// What was rendered.
+    /// The rendered scene.
     pub rendered: Scene,
     /// Highest motor voltage of the mode, V; 0 if it does not use one.
     pub motor_max_v: f64,
     /// Highest brake voltage of the mode, V; 0 if it does not use one.
     pub brake_max_v: f64,
-    /// Which of them is in charge when.
+    /// The law by which motor and brake are in charge.
     pub law: Option<ModeLaw>,
     /// Lever length L, m.
     pub lever_m: Option<f64>,
@@ -99,7 +99,7 @@ pub struct Rendering {
 }
 
 impl Rendering {
-    /// That of a condition of a study, with the session's calibration.
+    /// The rendering of a condition of a study, with the session's calibration.
     pub fn of(
         study: &Study,
         environment: &zwidth_study::Environment,
@@ -121,9 +121,10 @@ impl Rendering {
 
     /// Which actuators the mode uses; a mode without actuators has a motor that gives nothing.
     fn mode(&self) -> DriveMode {
-        let by_motor = |law: ModeLaw| law.drives().map(|drive| drive == ActuatorKind::Motor);
-        let of_law = |law| DriveMode::ALL.into_iter().find(|mode| mode.by_motor() == by_motor(law));
-        self.law.and_then(of_law).unwrap_or(DriveMode::Active)
+        let Some(law) = self.law else { return DriveMode::Active };
+        let by_motor = law.drives().map(|drive| drive == ActuatorKind::Motor);
+        let mut modes = DriveMode::ALL.into_iter();
+        modes.find(|mode| mode.by_motor() == by_motor).unwrap_or(DriveMode::Active)
     }
 
     fn environment(&self) -> Result<Environment, WhyNot> {
@@ -139,25 +140,14 @@ impl Rendering {
         })
     }
 
-    /// The most motor and brake give in this mode, N; in a free environment nothing is asked of
-    /// them.
-    fn limits_n(&self) -> Result<(f64, f64), WhyNot> {
-        match (self.rendered, &self.calibration) {
-            (Scene::Free, _) => Ok((0.0, 0.0)),
-            (_, None) => Err(WhyNot::NoCalibration),
-            (_, Some(c)) => {
-                Ok((c.motor.force_n(self.motor_max_v), c.brake.force_n(self.brake_max_v)))
-            }
-        }
-    }
-
-    /// What voltages stand for from each of so many samples on, by the calibration, N: the motor's
+    /// The forces that voltages command from each sample on, by the calibration, N: the motor's
     /// force (above 0 pushes to +θ) and the brake's level.
     pub(crate) fn commands_n(
         &self,
         samples: usize,
         [motor_v, brake_v]: [Option<&[f64]>; 2],
     ) -> Result<[Vec<f64>; 2], WhyNot> {
+        // An actuator that the mode does not use needs no voltages, and without any no calibration.
         let used = [self.motor_max_v > 0.0, self.brake_max_v > 0.0];
         if (used[0] && motor_v.is_none()) || (used[1] && brake_v.is_none()) {
             return Err(WhyNot::NoVoltages);
@@ -165,16 +155,15 @@ impl Rendering {
         if self.calibration.is_none() && (used[0] || used[1]) {
             return Err(WhyNot::NoCalibration);
         }
-        let force = |voltages: Option<&[f64]>, of: fn(&Calibration, f64) -> f64| {
-            self.calibration.as_ref().zip(voltages).map_or_else(
-                || vec![0.0; samples],
-                |(calibration, voltages)| voltages.iter().map(|v| of(calibration, *v)).collect(),
-            )
-        };
-        Ok([
-            force(motor_v, |c, v| c.motor.force_n(v)),
-            force(brake_v, |c, v| c.brake.force_n(v).abs()),
-        ])
+        let calibration = self.calibration.as_ref();
+        let motor_n: Option<Vec<f64>> = calibration
+            .zip(motor_v)
+            .map(|(c, voltages)| voltages.iter().map(|v| c.motor.force_n(*v)).collect());
+        // A brake resists whatever its voltage's sign.
+        let brake_n: Option<Vec<f64>> = calibration
+            .zip(brake_v)
+            .map(|(c, voltages)| voltages.iter().map(|v| c.brake.force_n(*v).abs()).collect());
+        Ok([motor_n, brake_n].map(|force_n| force_n.unwrap_or_else(|| vec![0.0; samples])))
     }
 
     /// The scene, from the recorded start on, with the user's force; the plant is the thesis' until
@@ -187,13 +176,19 @@ impl Rendering {
         duration_s: f64,
     ) -> Result<ModelScene, WhyNot> {
         let lever_m = self.lever_m.ok_or(WhyNot::NoLever)?;
-        let (motor_n, brake_n) = self.limits_n()?;
+        // The most that motor and brake give in this mode; a free environment asks nothing of them.
+        let (motor_n, brake_n) = match (self.rendered, &self.calibration) {
+            (Scene::Free, _) => (0.0, 0.0),
+            (_, None) => return Err(WhyNot::NoCalibration),
+            (_, Some(c)) => (c.motor.force_n(self.motor_max_v), c.brake.force_n(self.brake_max_v)),
+        };
         let theta_rad =
             self.stops_rad.map_or(start.theta_rad, |[low, high]| start.theta_rad.clamp(low, high));
         Ok(ModelScene {
             name: "replay".to_owned(),
             mode: self.mode(),
             duration_s,
+            // `exact`, which runs it, takes no steps: any positive one will do.
             step_s: duration_s,
             environment: self.environment()?,
             plant: Plant {

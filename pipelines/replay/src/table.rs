@@ -64,7 +64,7 @@ pub fn own_model(mut sources: impl Iterator<Item = Source>) -> Option<&'static s
     sources.any(|source| source == Source::Twin).then_some(OWN_MODEL)
 }
 
-/// Of simulated trials and this model.
+/// The note on simulated trials and this model.
 pub(crate) const OWN_MODEL: &str = "Simulated trials: the twin that made them and the model have the same \
     equations for lever, friction, actuators and lags (the twin has a hand, ticks and sensors besides). A fitted \
     model that lies on them says that identification works, not that the model is true to a prototype.";

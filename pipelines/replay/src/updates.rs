@@ -9,24 +9,17 @@ use zwidth_numerics::updates::{Updates, updates};
 pub(crate) fn input(t: &[f64], force: &[f64], age: Option<&[f64]>) -> Series {
     let Some(age) = age else { return Series { t_s: t.to_vec(), value: force.to_vec() } };
     let Updates { t, values } = updates(t, force, age);
-    from_zero(Series { t_s: t, value: values })
-}
-
-/// Cuts at 0; where the first update comes later its value holds before.
-fn from_zero(series: Series) -> Series {
-    let first = series.value.first().copied().unwrap_or(0.0);
-    let last = series.value.last().copied().unwrap_or(0.0);
-    let late = series.t_s.first().is_none_or(|t| *t > 0.0);
-    let outside = if late { first } else { last };
-    let at_zero = interpolate(&series.t_s, &series.value, 0.0).unwrap_or(outside);
-    let later = series.t_s.iter().zip(&series.value).filter(|(t, _)| **t > 0.0);
-    let mut t_s = vec![0.0];
-    let mut value = vec![at_zero];
-    for (t, v) in later {
-        t_s.push(*t);
-        value.push(*v);
+    // An age puts the first update before 0 or after it: before, the series is cut at 0; after, the
+    // first value holds until then.
+    let is_late = t.first().is_none_or(|t| *t > 0.0);
+    let outside = if is_late { values.first() } else { values.last() };
+    let at_zero = interpolate(&t, &values, 0.0).or(outside.copied()).unwrap_or(0.0);
+    let mut series = Series { t_s: vec![0.0], value: vec![at_zero] };
+    for (t, value) in t.iter().zip(&values).filter(|(t, _)| **t > 0.0) {
+        series.t_s.push(*t);
+        series.value.push(*value);
     }
-    Series { t_s, value }
+    series
 }
 
 #[cfg(test)]

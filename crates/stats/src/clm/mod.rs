@@ -22,7 +22,7 @@ use zwidth_numerics::dense::{Matrix, dot};
 const PROMISE: f64 = 1e-18;
 /// Where a step promises less than this, rounding hides whether it helped: it is taken.
 const TRUSTED: f64 = 1e-9;
-/// Standard errors from the estimate beyond which no end is looked for.
+/// Ends are searched up to this many standard errors from the estimate.
 const FARTHEST: f64 = 1000.0;
 /// More steps than a log-likelihood with a maximum takes.
 const MAX_STEPS: usize = 200;
@@ -153,22 +153,25 @@ pub fn profile_interval(
     let place = fit.thresholds.len() + column;
     let std_error = fit.covariance[place][place].sqrt();
     let peak: Vec<f64> = fit.thresholds.iter().chain(&fit.coefficients).copied().collect();
-    let end = |sign: f64| -> Result<f64, Unestimable> {
+    let mut ends = [-1.0, 1.0];
+    for end in &mut ends {
+        let sign = *end;
         let mut point = peak.clone();
         let fall = |distance: f64| {
             point[place] = peak[place] + sign * distance * std_error;
-            let (found, there) = maximise(model, point.clone(), Some(place))?;
-            point = found;
-            Ok((2.0 * (fit.log_likelihood - there.value).max(0.0)).sqrt())
+            let (best, surface) = maximise(model, point.clone(), Some(place))?;
+            // The next search is near by: it begins where this one ended.
+            point = best;
+            Ok((2.0 * (fit.log_likelihood - surface.value).max(0.0)).sqrt())
         };
         // Concave and bounded by its maximum, the profile falls below any level.
         let distance = profile::end(fall, z, FARTHEST)?.unwrap_or(f64::INFINITY);
-        Ok(peak[place] + sign * distance * std_error)
-    };
-    Ok((end(-1.0)?, end(1.0)?))
+        *end = peak[place] + sign * distance * std_error;
+    }
+    Ok(ends.into())
 }
 
-/// The maximum of the log-likelihood from `start`, with one parameter held if asked for.
+/// The maximum of the log-likelihood from `start`, with the parameter `held`, if any, at its value.
 fn maximise(
     model: &Model,
     start: Vec<f64>,
@@ -178,10 +181,17 @@ fn maximise(
     let mut here = surface(model, &point);
     for _ in 0..MAX_STEPS {
         if let Some(held) = held {
-            hold(&mut here, held);
+            // The step along this parameter becomes 0, and that of the others independent of it.
+            here.gradient[held] = 0.0;
+            for i in 0..here.information.rows {
+                here.information[(i, held)] = 0.0;
+            }
+            here.information.row_mut(held).fill(0.0);
+            here.information[(held, held)] = 1.0;
         }
         let l = here.information.cholesky(0.0).ok_or_else(|| not_converged(&here))?;
         let step = l.solve_by_triangle(&here.gradient);
+        // How far the parabola at this point rises to its top.
         let promise = dot(&step, &here.gradient) / 2.0;
         if promise <= PROMISE {
             return Ok((point, here));
@@ -190,9 +200,10 @@ fn maximise(
         loop {
             let trial: Vec<f64> = point.iter().zip(&step).map(|(p, s)| p + share * s).collect();
             // Where thresholds cross there is no likelihood.
-            let there = ascending(model, &trial).then(|| surface(model, &trial));
-            if let Some(there) = there.filter(|s| promise < TRUSTED || s.value > here.value) {
-                (point, here) = (trial, there);
+            let is_ascending = trial[..model.thresholds()].windows(2).all(|t| t[0] < t[1]);
+            let ahead = is_ascending.then(|| surface(model, &trial));
+            if let Some(ahead) = ahead.filter(|s| promise < TRUSTED || s.value > here.value) {
+                (point, here) = (trial, ahead);
                 break;
             }
             share /= 2.0;
@@ -204,23 +215,10 @@ fn maximise(
     Err(not_converged(&here))
 }
 
+/// The error of a search that ended at a point with this surface.
 fn not_converged(surface: &Surface) -> Unestimable {
     let slope = surface.gradient.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
     Unestimable::NotConverged { what: "the thresholds and coefficients", slope }
-}
-
-/// Makes the step along one parameter 0.
-fn hold(surface: &mut Surface, held: usize) {
-    surface.gradient[held] = 0.0;
-    for i in 0..surface.information.rows {
-        surface.information[(i, held)] = 0.0;
-    }
-    surface.information.row_mut(held).fill(0.0);
-    surface.information[(held, held)] = 1.0;
-}
-
-fn ascending(model: &Model, point: &[f64]) -> bool {
-    point[..model.thresholds()].windows(2).all(|t| t[0] < t[1])
 }
 
 /// The log-likelihood with its derivatives by (θ, β), summed over patterns in their order.
@@ -264,6 +262,7 @@ fn surface(model: &Model, point: &[f64]) -> Surface {
         sum.information[(k - 1, k - 1)] -= bend;
         sum.information[(k, k - 1)] += bend;
     }
+    // Until here the lower triangle alone was summed.
     for i in 0..point.len() {
         for j in i + 1..point.len() {
             sum.information[(i, j)] = sum.information[(j, i)];

@@ -74,13 +74,14 @@ impl Levels {
         for (odds, (below, beside)) in self.odds.iter().zip(counts) {
             let odds = lift * odds;
             let share = 1.0 / (1.0 + odds);
+            // Counts are whole numbers, and exact as such.
             product *= power(share, *below as u32) * power(odds * share, (beside - below) as u32);
             residuals.push(below - beside * share);
         }
         product
     }
 
-    /// The terms of one cell. Where they are asked for, nⱼ − Nⱼ F is pushed per threshold: the
+    /// The terms of one cell. If there are `residuals`, nⱼ − Nⱼ F is pushed per threshold: the
     /// derivatives by the thresholds.
     pub(super) fn slopes(
         &self,
@@ -96,6 +97,7 @@ impl Levels {
         for ((theta, odds), (below, beside)) in self.theta.iter().zip(&self.odds).zip(counts) {
             let odds = lift * odds;
             let share = 1.0 / (1.0 + odds);
+            // Most cells have answers next to few thresholds: this spares the other logarithms.
             if *beside > 0.0 {
                 let z = theta - eta;
                 sum.value += below * z - beside * (z + libm::log(1.0 + odds));
@@ -123,7 +125,7 @@ fn power(mut x: f64, mut n: u32) -> f64 {
     product
 }
 
-/// A logit no farther out than counts.
+/// A logit, moved to the farthest that counts.
 pub(super) fn near(logit: f64) -> f64 {
     logit.clamp(-FARTHEST, FARTHEST)
 }

@@ -29,11 +29,11 @@ pub struct ModeStudy<'a> {
     pub answers: &'a [u8],
     /// Points of the scale.
     pub points: u8,
-    /// Who answered: any numbers that tell participants apart.
+    /// The participant of each answer: any numbers that tell participants apart.
     pub participants: &'a [usize],
-    /// In which mode: numbers that are indices of names.
+    /// The mode of each answer: numbers that are indices of names.
     pub modes: &'a [usize],
-    /// In which session of the participant.
+    /// The participant's session of each answer.
     pub sessions: &'a [usize],
     /// The names of the modes, for messages; a mode without a name is given by its number.
     pub mode_names: &'a [&'a str],
@@ -115,6 +115,7 @@ pub fn compare_modes(
     level: f64,
     seed: u64,
 ) -> Result<ModeComparison, Unestimable> {
+    // The searches take long, and the level is needed after them.
     check_level(level)?;
     let modes = levels(study.modes);
     if modes.len() < 2 {
@@ -127,21 +128,24 @@ pub fn compare_modes(
         _ => Integral::Quadrature,
     };
     let (_, peak) = settled(model, integral)?;
+    // `coded` puts the columns of modes before those of sessions.
     let effects: Vec<usize> = (0..modes.len() - 1).collect();
-    let (_, none) = highest(&model.without(&effects), integral)?;
-    let test = compared(peak.log_likelihood, none.log_likelihood, effects.len(), model.mode_df())?;
-    // What it draws from the smaller model is searched with all coefficients free.
+    let (_, without) = highest(&model.without(&effects), integral)?;
+    let test =
+        compared(peak.log_likelihood, without.log_likelihood, effects.len(), model.mode_df())?;
+    // Answers that the bootstrap draws need not be separated: all coefficients are free.
     let free = model.with(model.answers.clone());
-    let drawn = (participants < FEW)
+    let bootstrap = (participants < FEW)
         .then(|| bootstrap(&free, Integral::Laplace, &effects, RESAMPLES, seed))
         .transpose()?;
     Ok(ModeComparison {
         log_likelihood: peak.log_likelihood,
+        // The search lets SDs have any sign.
         sd_participant: peak.coordinates[peak.coordinates.len() - 2].abs(),
         integral,
         participants,
         test,
-        bootstrap: drawn,
+        bootstrap,
         odds_ratios: pairs.iter().map(|pair| odds_ratio(study, *pair, integral, level)).collect(),
     })
 }
@@ -158,7 +162,7 @@ fn odds_ratio(
     }
     let model = coded(study, study.modes, pair)?;
     let df = model.mode_df();
-    let column = 0;
+    let column = 0; // `coded` puts the pair's own column first
     let Some(held) = model.held[column] else {
         let fit = fit(&model, integral)?;
         // The column says what the second mode adds to the first: the ratio is turned round.
@@ -220,8 +224,7 @@ fn coded(study: &ModeStudy, labels: &[usize], pair: [usize; 2]) -> Result<Model,
     let mut columns = Vec::new();
     let mut held = Vec::new();
     for (mode, step) in order.iter().zip(&steps).skip(1) {
-        let alike = |(_, other): &&(usize, f64)| (other - step).abs() <= rounding;
-        if leaders.iter().any(|leader| alike(&leader)) {
+        if leaders.iter().any(|(_, other)| (other - step).abs() <= rounding) {
             columns.extend(indicators(|mode| study.mode_name(mode), labels, &[*mode]));
             held.push(None);
             continue;
@@ -235,6 +238,7 @@ fn coded(study: &ModeStudy, labels: &[usize], pair: [usize; 2]) -> Result<Model,
         });
         held.push(Some(*step));
     }
+    // The direction says how the modes go to infinity, not how far: the nearest goes to the limit.
     let smallest = held.iter().flatten().fold(largest, |least, step| least.min(step.abs()));
     held.iter_mut().flatten().for_each(|step| *step *= LIMIT / smallest);
     held.resize(held.len() + sessions.len(), None);
@@ -246,6 +250,7 @@ fn coded(study: &ModeStudy, labels: &[usize], pair: [usize; 2]) -> Result<Model,
     Ok(model)
 }
 
+/// The study's answers with the columns of a model.
 fn ratings<'a>(study: &ModeStudy<'a>, columns: &'a [Column]) -> Ratings<'a> {
     Ratings {
         answers: study.answers,
@@ -263,15 +268,18 @@ fn terms(study: &ModeStudy) -> Terms {
     if cells.len() < study.answers.len() { Terms::ParticipantAndMode } else { Terms::Participant }
 }
 
+/// The different labels, rising.
 fn levels(labels: &[usize]) -> Vec<usize> {
     labels.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// A column per level: 1 where the label is the level.
 fn indicators(name: impl Fn(usize) -> String, labels: &[usize], levels: &[usize]) -> Vec<Column> {
-    let column = |level: &usize| Column {
-        name: name(*level),
-        values: labels.iter().map(|label| f64::from(u8::from(label == level))).collect(),
-    };
-    levels.iter().map(column).collect()
+    levels
+        .iter()
+        .map(|level| Column {
+            name: name(*level),
+            values: labels.iter().map(|label| f64::from(u8::from(label == level))).collect(),
+        })
+        .collect()
 }

@@ -43,7 +43,7 @@ pub struct Fit {
     pub log_likelihood: f64,
     /// Largest slope left at the maximum, per standard error of a parameter.
     pub slope: f64,
-    /// What a further search begins from.
+    /// The start of further searches.
     pub(super) start: Start,
 }
 
@@ -67,7 +67,28 @@ impl Fit {
 /// end; [`Unestimable::NotConverged`] if the search found no maximum.
 pub fn fit(model: &Model, integral: Integral) -> Result<Fit, Unestimable> {
     let (start, peak) = settled(model, integral)?;
-    finish(model, integral, start, peak)
+    let thresholds = model.thresholds();
+    let by_coordinates = covariance(model, integral, &start, &peak)?;
+    let Point { theta, beta, sd } = Point::at(&peak.coordinates, thresholds);
+    let held = &start.held[start.held.len() - 2..];
+    let both = model.terms == Terms::ParticipantAndMode;
+    Ok(Fit {
+        scale: model.answers.scale.clone(),
+        covariance: of_parameters(&by_coordinates, &peak.coordinates, thresholds),
+        thresholds: theta,
+        coefficients: beta,
+        // The search lets SDs have any sign.
+        sd_participant: sd[0].abs(),
+        sd_participant_mode: both.then_some(sd[1].abs()),
+        singular: held[0] || both && held[1],
+        log_likelihood: peak.log_likelihood,
+        slope: peak.slope,
+        start: Start {
+            coordinates: peak.coordinates,
+            covariance: by_coordinates,
+            held: start.held,
+        },
+    })
 }
 
 /// The maximum of the log-likelihood as [`highest`] finds it, at SDs that have an end.
@@ -100,30 +121,6 @@ pub(super) fn highest(model: &Model, integral: Integral) -> Result<(Start, Peak)
     Ok((start, peak))
 }
 
-fn finish(model: &Model, integral: Integral, start: Start, peak: Peak) -> Result<Fit, Unestimable> {
-    let thresholds = model.thresholds();
-    let by_coordinates = covariance(model, integral, &start, &peak)?;
-    let Point { theta, beta, sd } = Point::at(&peak.coordinates, thresholds);
-    let held = &start.held[start.held.len() - 2..];
-    let both = model.terms == Terms::ParticipantAndMode;
-    Ok(Fit {
-        scale: model.answers.scale.clone(),
-        covariance: of_parameters(&by_coordinates, &peak.coordinates, thresholds),
-        thresholds: theta,
-        coefficients: beta,
-        sd_participant: sd[0].abs(),
-        sd_participant_mode: both.then_some(sd[1].abs()),
-        singular: held[0] || both && held[1],
-        log_likelihood: peak.log_likelihood,
-        slope: peak.slope,
-        start: Start {
-            coordinates: peak.coordinates,
-            covariance: by_coordinates,
-            held: start.held,
-        },
-    })
-}
-
 /// The covariance of the coordinates: the inverse of the negative second derivatives, by central
 /// differences of the gradient; 0 for those held.
 fn covariance(
@@ -135,23 +132,19 @@ fn covariance(
     /// Step of the differences, as a share of what is known of a coordinate's standard error.
     const STEP: f64 = 1e-3;
     let mut likelihood = Likelihood::new(model, integral);
-    let mut slopes = |coordinates: &[f64]| {
-        let point = Point::at(coordinates, model.thresholds());
-        likelihood.at(&point).1.by_coordinates(coordinates)
-    };
-    let free: Vec<usize> = (0..start.held.len()).filter(|&i| !start.held[i]).collect();
+    let free = start.free();
     let mut information = Matrix::zeros(free.len(), free.len());
     for (a, &i) in free.iter().enumerate() {
         let step = STEP * start.covariance[i][i].sqrt();
-        let mut at = |sign: f64| {
+        let [low, high] = [-1.0, 1.0].map(|sign| {
             let mut moved = peak.coordinates.clone();
             moved[i] += sign * step;
-            slopes(&moved)
-        };
-        let low = at(-1.0);
-        let high = at(1.0);
+            let point = Point::at(&moved, model.thresholds());
+            likelihood.at(&point).1.by_coordinates(&moved)
+        });
         for (b, &j) in free.iter().enumerate() {
             let bend = (low[j] - high[j]) / (2.0 * step);
+            // By differences the two sides are not quite equal: half of each goes to both.
             information[(a, b)] += bend / 2.0;
             information[(b, a)] += bend / 2.0;
         }
@@ -169,23 +162,22 @@ fn covariance(
 /// The covariance of (θ, β) from that of the coordinates.
 fn of_parameters(covariance: &[Vec<f64>], coordinates: &[f64], thresholds: usize) -> Vec<Vec<f64>> {
     let width = coordinates.len() - 2;
-    // A row of the Jacobian: what a parameter gains from each coordinate.
-    let gains = |parameter: usize| -> Vec<f64> {
-        (0..width)
-            .map(|c| match (parameter < thresholds, c) {
-                (true, 0) => 1.0,
-                (true, c) if c <= parameter => libm::exp(coordinates[c]),
-                (false, c) if c == parameter => 1.0,
-                _ => 0.0,
-            })
-            .collect()
-    };
-    let gains: Vec<Vec<f64>> = (0..width).map(gains).collect();
-    let entry = |a: &Vec<f64>, b: &Vec<f64>| -> f64 {
-        a.iter()
-            .enumerate()
-            .map(|(i, x)| x * covariance[i].iter().zip(b).map(|(c, y)| c * y).sum::<f64>())
-            .sum()
-    };
-    gains.iter().map(|a| gains.iter().map(|b| entry(a, b)).collect()).collect()
+    // The Jacobian: what a parameter gains from each coordinate.
+    let jacobian = Matrix::from_fn(width, width, |parameter, c| match parameter < thresholds {
+        true if c == 0 => 1.0,
+        true if c <= parameter => libm::exp(coordinates[c]),
+        false if c == parameter => 1.0,
+        _ => 0.0,
+    });
+    let mut by_parameters = vec![vec![0.0; width]; width];
+    for (a, row) in by_parameters.iter_mut().enumerate() {
+        for (b, entry) in row.iter_mut().enumerate() {
+            let gains = jacobian.row(b);
+            let parts = jacobian.row(a).iter().zip(covariance);
+            *entry = parts
+                .map(|(x, row)| x * row.iter().zip(gains).map(|(c, y)| c * y).sum::<f64>())
+                .sum();
+        }
+    }
+    by_parameters
 }

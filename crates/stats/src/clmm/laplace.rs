@@ -35,11 +35,6 @@ impl Effects {
     pub(super) fn none(cells: &Cells) -> Self {
         Self { participant: 0.0, modes: vec![0.0; cells.groups.len()] }
     }
-
-    fn moved(&self, step: &Self, share: f64) -> Self {
-        let modes = self.modes.iter().zip(&step.modes).map(|(v, s)| v + share * s).collect();
-        Self { participant: self.participant + share * step.participant, modes }
-    }
 }
 
 /// The logarithm of the approximation (without the inner categories' widths, which are the same
@@ -50,7 +45,10 @@ pub(super) fn laplace(cells: &Cells, point: &Point, effects: &mut Effects) -> (f
     let fixed = fixed(cells, point);
     let person = Person { cells, point, levels, fixed };
     let arrow = person.settle(effects);
-    let value = -arrow.height - arrow.log_determinant() / 2.0;
+    // |H| = c Π A.
+    let log_determinant =
+        libm::log(arrow.hub) + arrow.spokes.iter().map(|a| libm::log(*a)).sum::<f64>();
+    let value = -arrow.height - log_determinant / 2.0;
     (value, person.gradient(effects, &arrow))
 }
 
@@ -89,27 +87,23 @@ impl Arrow {
         Self { height, slopes, spokes, hub: 1.0 + sd[0] * sd[0] * share, sd }
     }
 
-    fn log_determinant(&self) -> f64 {
-        libm::log(self.hub) + self.spokes.iter().map(|a| libm::log(*a)).sum::<f64>()
-    }
-
     /// Solves H x = b.
     fn solve(&self, b: &Effects) -> Effects {
         let product = self.sd[0] * self.sd[1];
-        let spokes = || self.slopes.iter().zip(&self.spokes);
-        let known: f64 = spokes().zip(&b.modes).map(|((s, a), b)| product * s.bend / a * b).sum();
-        let participant = (b.participant - known) / self.hub;
-        let mode = |((s, a), b): ((&Slopes, &f64), &f64)| (b - product * s.bend * participant) / a;
-        Effects { participant, modes: spokes().zip(&b.modes).map(mode).collect() }
+        let spokes = self.slopes.iter().zip(&self.spokes).zip(&b.modes);
+        let eliminated: f64 = spokes.clone().map(|((s, a), b)| product * s.bend / a * b).sum();
+        let participant = (b.participant - eliminated) / self.hub;
+        let modes = spokes.map(|((s, a), b)| (b - product * s.bend * participant) / a).collect();
+        Effects { participant, modes }
     }
 
     /// −∂h/∂v.
     fn descent(&self, effects: &Effects) -> Effects {
         let all: f64 = self.slopes.iter().map(|s| s.slope).sum();
-        let mode = |(s, v): (&Slopes, &f64)| self.sd[1] * s.slope - v;
+        let modes = self.slopes.iter().zip(&effects.modes);
         Effects {
             participant: self.sd[0] * all - effects.participant,
-            modes: self.slopes.iter().zip(&effects.modes).map(mode).collect(),
+            modes: modes.map(|(s, v)| self.sd[1] * s.slope - v).collect(),
         }
     }
 
@@ -127,6 +121,7 @@ impl Person<'_> {
         self.fixed[cell] + su * effects.participant + sw * effects.modes[mode]
     }
 
+    /// h and its second derivatives at `effects`.
     fn arrow(&self, effects: &Effects) -> Arrow {
         let mut height = effects.participant * effects.participant / 2.0;
         let mut slopes = Vec::with_capacity(self.cells.groups.len());
@@ -148,12 +143,17 @@ impl Person<'_> {
         for _ in 0..MAX_STEPS {
             let step = here.solve(&here.descent(effects));
             let longest = step.modes.iter().fold(step.participant.abs(), |m, s| m.max(s.abs()));
+            // Where the SD is some logits, whole steps may jump from side to side for ever.
             let mut share = 1.0;
             loop {
-                let trial = effects.moved(&step, share);
-                let there = self.arrow(&trial);
-                if longest < TRUSTED || there.height < here.height || share < f64::EPSILON {
-                    (*effects, here) = (trial, there);
+                let modes = effects.modes.iter().zip(&step.modes);
+                let trial = Effects {
+                    participant: effects.participant + share * step.participant,
+                    modes: modes.map(|(v, s)| v + share * s).collect(),
+                };
+                let ahead = self.arrow(&trial);
+                if longest < TRUSTED || ahead.height < here.height || share < f64::EPSILON {
+                    (*effects, here) = (trial, ahead);
                     break;
                 }
                 share /= 2.0;
@@ -193,11 +193,12 @@ impl Person<'_> {
     /// −½ ∂ ln|H| / ∂v.
     fn pull(&self, effects: &Effects, half_variances: &[f64]) -> Effects {
         let [su, sw] = self.point.sd;
-        let of = |(mode, half_variance): (usize, &f64)| {
+        let mut pulls = Vec::with_capacity(half_variances.len());
+        for (mode, half_variance) in half_variances.iter().enumerate() {
             let cells = self.cells.groups[mode].clone();
-            half_variance * cells.map(|c| self.twist(c, self.eta(c, mode, effects))).sum::<f64>()
-        };
-        let pulls: Vec<f64> = half_variances.iter().enumerate().map(of).collect();
+            let twist: f64 = cells.map(|c| self.twist(c, self.eta(c, mode, effects))).sum();
+            pulls.push(half_variance * twist);
+        }
         Effects {
             participant: su * pulls.iter().sum::<f64>(),
             modes: pulls.iter().map(|pull| sw * pull).collect(),

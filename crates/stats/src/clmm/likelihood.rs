@@ -53,7 +53,15 @@ impl<'a> Likelihood<'a> {
                 Integral::Quadrature => integrate(cells, point, effects),
             })
             .collect();
-        let (mut value, mut gradient) = self.widths(point);
+        // The inner categories' part, which no effect moves.
+        let mut value = 0.0;
+        let mut gradient = Point::zero(point.theta.len(), point.beta.len());
+        for k in 1..point.theta.len() {
+            let [part, slope, _] = inner(self.counts[k], point.theta[k] - point.theta[k - 1]);
+            value += part;
+            gradient.theta[k] += slope;
+            gradient.theta[k - 1] -= slope;
+        }
         for (part, by) in &parts {
             value += part;
             gradient.add(by);
@@ -63,18 +71,5 @@ impl<'a> Likelihood<'a> {
             self.effects = self.model.participants.iter().map(Effects::none).collect();
         }
         (value, gradient)
-    }
-
-    /// The inner categories' part, which no effect moves.
-    fn widths(&self, point: &Point) -> (f64, Point) {
-        let mut sum = 0.0;
-        let mut gradient = Point::zero(point.theta.len(), point.beta.len());
-        for k in 1..point.theta.len() {
-            let [value, slope, _] = inner(self.counts[k], point.theta[k] - point.theta[k - 1]);
-            sum += value;
-            gradient.theta[k] += slope;
-            gradient.theta[k - 1] -= slope;
-        }
-        (sum, gradient)
     }
 }

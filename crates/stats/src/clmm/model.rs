@@ -1,6 +1,7 @@
-//! What is fitted: answers grouped by participant and mode, and where the parameters lie.
+//! The model to be fitted: answers grouped by participant and mode.
 
-use crate::answers::{Answers, Column, same_length};
+use crate::answers::{Answers, Column};
+use crate::error::same_length;
 use crate::logistic::by_threshold;
 use crate::tested::Unestimable;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,9 +16,9 @@ pub struct Ratings<'a> {
     pub points: u8,
     /// The fixed effects.
     pub columns: &'a [Column],
-    /// Who answered: any numbers that tell participants apart.
+    /// The participant of each answer: any numbers that tell participants apart.
     pub participants: &'a [usize],
-    /// In which mode: any numbers that tell modes apart.
+    /// The mode of each answer: any numbers that tell modes apart.
     pub modes: &'a [usize],
 }
 
@@ -39,7 +40,7 @@ pub struct Model {
     pub(super) participants: Vec<Cells>,
     /// Participant and mode of each row, as indices of `participants` and of its groups.
     pub(super) places: Vec<(usize, usize)>,
-    /// How many modes there are.
+    /// Number of modes.
     modes: usize,
     /// The values at which coefficients are held, one per column; `None` for those that are
     /// estimated.
@@ -65,19 +66,20 @@ impl Model {
     ///
     /// # Errors
     /// As [`crate::clm::Model::new`]; besides, fewer than two participants, and participants who
-    /// answered in one mode each where both terms are asked for. What separates the answers of all
+    /// answered in one mode each if both terms are requested. What separates the answers of all
     /// together leaves no finite estimate here either: along such a direction the likelihood rises
     /// for any value of the random effects.
     pub fn new(ratings: &Ratings, terms: Terms) -> Result<Self, Unestimable> {
         let answers = Answers::new(ratings.answers, ratings.points, ratings.columns)?;
         for labels in [ratings.participants, ratings.modes] {
-            same_length(ratings.answers.len(), labels.len())?;
+            same_length("a column", ratings.answers.len(), labels.len())?;
         }
         answers.screen()?;
         Self::unscreened(ratings, answers, terms)
     }
 
-    /// The same of answers that may be separated along columns whose coefficients are then held.
+    /// [`Model::new`] for answers that may be separated along columns whose coefficients are then
+    /// held.
     pub(super) fn unscreened(
         ratings: &Ratings,
         answers: Answers,
@@ -86,10 +88,14 @@ impl Model {
         let places = places(ratings.participants, ratings.modes);
         let modes = ratings.modes.iter().collect::<BTreeSet<_>>().len();
         let model = Self::of(answers, places, terms, modes);
-        let found = model.participants.len();
-        if found < 2 {
-            return Err(Unestimable::TooFew { units: "participants", found, needed: 2 });
+        if model.participants.len() < 2 {
+            return Err(Unestimable::TooFew {
+                units: "participants",
+                found: model.participants.len(),
+                needed: 2,
+            });
         }
+        // With one mode each, both effects would be one: nothing tells their SDs apart.
         let alone = model.participants.iter().all(|cells| cells.groups.len() == 1);
         if alone && terms == Terms::ParticipantAndMode {
             let what = "participants and their modes".to_owned();
@@ -107,6 +113,7 @@ impl Model {
     ) -> Self {
         let mut rows: Vec<Vec<Vec<usize>>> = Vec::new();
         for (row, &(participant, group)) in places.iter().enumerate() {
+            // Rows come in any order: the lists grow up to the numbers that occur.
             rows.resize_with(rows.len().max(participant + 1), Vec::new);
             let groups = &mut rows[participant];
             groups.resize_with(groups.len().max(group + 1), Vec::new);
@@ -138,17 +145,17 @@ impl Model {
         (self.participants.len() as f64 - 1.0) * (self.modes as f64 - 1.0)
     }
 
-    /// How many people answered.
+    /// Number of participants.
     pub fn participants(&self) -> usize {
         self.participants.len()
     }
 
-    /// How many thresholds there are.
+    /// Number of thresholds.
     pub(super) fn thresholds(&self) -> usize {
         self.answers.categories() - 1
     }
 
-    /// How many columns there are.
+    /// Number of columns.
     pub(super) fn columns(&self) -> usize {
         self.answers.columns.len()
     }

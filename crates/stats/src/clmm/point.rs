@@ -55,12 +55,9 @@ impl Point {
 
     /// Adds another gradient.
     pub(super) fn add(&mut self, other: &Self) {
-        let add = |to: &mut [f64], from: &[f64]| {
-            to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
-        };
-        add(&mut self.theta, &other.theta);
-        add(&mut self.beta, &other.beta);
-        add(&mut self.sd, &other.sd);
+        let to = self.theta.iter_mut().chain(&mut self.beta).chain(&mut self.sd);
+        let from = other.theta.iter().chain(&other.beta).chain(&other.sd);
+        to.zip(from).for_each(|(to, from)| *to += from);
     }
 }
 

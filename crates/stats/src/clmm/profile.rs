@@ -9,8 +9,8 @@ use crate::profile::end;
 use crate::student_t::critical_value;
 use crate::tested::Unestimable;
 
-/// How far from its estimate an end is looked for, in logits: an odds ratio that is 7 · 10¹⁰ times
-/// as large or as small.
+/// Ends are searched up to this distance from the estimate, in logits: an odds ratio that is 7 ·
+/// 10¹⁰ times as large or as small.
 const FARTHEST: f64 = 25.0;
 
 /// The values of a coefficient that its likelihood-ratio test does not reject.
@@ -44,14 +44,6 @@ impl End {
         }
     }
 
-    /// The same end on another scale.
-    fn map(self, scale: impl Fn(f64) -> f64) -> Self {
-        match self {
-            Self::At(value) => Self::At(scale(value)),
-            other => other,
-        }
-    }
-
     /// Why there is no value of this end, called by its `name`.
     fn missing(&self, name: &str) -> Option<String> {
         match self {
@@ -66,23 +58,26 @@ impl ProfileInterval {
     /// In words, why an end has no value: that the answers set none, or that the search for it
     /// failed. `None` where both ends have one.
     pub fn remark(&self) -> Option<String> {
-        let one_side = |words: &str| Some(format!("the answers bound the effect {words}"));
-        match (&self.low, &self.high) {
-            (End::At(_), End::At(_)) => None,
-            (End::Open, End::At(_)) => one_side("from above only: no lower end"),
-            (End::At(_), End::Open) => one_side("from below only: no upper end"),
-            (End::Open, End::Open) => one_side("on neither side: no ends"),
+        let side = match (&self.low, &self.high) {
+            (End::At(_), End::At(_)) => return None,
+            (End::Open, End::At(_)) => "from above only: no lower end",
+            (End::At(_), End::Open) => "from below only: no upper end",
+            (End::Open, End::Open) => "on neither side: no ends",
             (low, high) => {
                 let missing = [low.missing("lower"), high.missing("upper")];
-                Some(missing.into_iter().flatten().collect::<Vec<_>>().join("; "))
+                return Some(missing.into_iter().flatten().collect::<Vec<_>>().join("; "));
             }
-        }
+        };
+        Some(format!("the answers bound the effect {side}"))
     }
 
     /// The interval of e^(−β) for the one of β: the odds ratio with the sides changed.
     pub(super) fn of_turned_odds(self) -> Self {
-        let turned = |end: End| end.map(|value| libm::exp(-value));
-        Self { low: turned(self.high), high: turned(self.low) }
+        let [low, high] = [self.high, self.low].map(|end| match end {
+            End::At(value) => End::At(libm::exp(-value)),
+            other => other,
+        });
+        Self { low, high }
     }
 }
 
@@ -105,24 +100,25 @@ pub fn profile_interval(
     let place = model.thresholds() + column;
     let peak = &fit.start.coordinates;
     let std_error = fit.start.covariance[place][place].sqrt();
-    let side = |sign: f64| {
+    let [low, high] = [-1.0, 1.0].map(|sign| {
         let mut start = Start::again(model, peak, &fit.start.covariance);
         let fall = |distance: f64| {
             start.hold_at(place, peak[place] + sign * distance * std_error);
-            let found = climb(model, integral, &start)?;
-            start.coordinates = found.coordinates;
-            Ok((2.0 * (fit.log_likelihood - found.log_likelihood).max(0.0)).sqrt())
+            let held = climb(model, integral, &start)?;
+            // The next search is near by: it begins where this one ended.
+            start.coordinates = held.coordinates;
+            Ok((2.0 * (fit.log_likelihood - held.log_likelihood).max(0.0)).sqrt())
         };
         match end(fall, critical, FARTHEST / std_error) {
             Ok(Some(distance)) => End::At(peak[place] + sign * distance * std_error),
             Ok(None) => End::Open,
             Err(why) => End::NotFound(why),
         }
-    };
-    Ok(ProfileInterval { low: side(-1.0), high: side(1.0) })
+    });
+    Ok(ProfileInterval { low, high })
 }
 
-/// The one end of the profile interval of a coefficient that `model` holds at its infinite limit,
+/// The only end of the profile interval of a coefficient that `model` holds at its infinite limit,
 /// because the answers are separated along its column: the value below which, in size, the test
 /// begins to reject. `peak` is the maximum at the limit.
 pub(super) fn bound_at_limit(
@@ -139,9 +135,9 @@ pub(super) fn bound_at_limit(
     // Of a distance from infinity no unit is natural: it is counted in logits.
     let fall = |distance: f64| {
         start.hold_at(place, held - distance * held.signum());
-        let found = climb(model, integral, &start)?;
-        start.coordinates = found.coordinates;
-        Ok((2.0 * (peak.log_likelihood - found.log_likelihood).max(0.0)).sqrt())
+        let reached = climb(model, integral, &start)?;
+        start.coordinates = reached.coordinates;
+        Ok((2.0 * (peak.log_likelihood - reached.log_likelihood).max(0.0)).sqrt())
     };
     match end(fall, critical, held.abs() + FARTHEST) {
         Ok(Some(distance)) => End::At(held - distance * held.signum()),

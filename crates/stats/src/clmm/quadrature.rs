@@ -54,11 +54,11 @@ pub(super) fn integrate(cells: &Cells, point: &Point, effects: &mut Effects) -> 
     let lattice = Lattice::new(cells, sd, effects);
     let modes: Vec<Mode> =
         (0..cells.groups.len()).map(|m| Mode::new(cells, m, &levels, &fixed, &lattice)).collect();
-    let height = |i: usize| {
+    let heights = (0..lattice.outer.places.len()).map(|i| {
         modes.iter().map(|mode| libm::log(mode.inner[i])).sum::<f64>()
             + libm::log(lattice.outer.weights[i])
-    };
-    let (log_sum, shares) = log_sum((0..lattice.outer.places.len()).map(height).collect());
+    });
+    let (log_sum, shares) = log_sum(heights.collect());
     let mut gradient = Point::zero(point.theta.len(), point.beta.len());
     gradient.sd[0] = shares.iter().zip(&lattice.outer.scores).map(|(s, score)| s * score).sum();
     for (m, mode) in modes.iter().enumerate() {
@@ -96,23 +96,24 @@ impl Axis {
         let size = sd.abs();
         let posterior_sd = 1.0 / (1.0 / (size * size) + information).sqrt();
         let largest = (size / STEPS_PER_SD).min(posterior_sd / STEPS_PER_POSTERIOR_SD);
-        let step = power_of_two(largest.min(LARGEST_STEP));
+        // The largest power of two that is not above it, so that one axis' step is a whole multiple
+        // of the other's.
+        let step = libm::ldexp(1.0, libm::frexp(largest.min(LARGEST_STEP)).1 - 1);
         let ends = centres.iter().map(|centre| sd * centre);
         let low = ends.clone().fold(f64::INFINITY, f64::min) - REACH * size;
         let high = ends.fold(f64::NEG_INFINITY, f64::max) + REACH * size;
         let numbers = (low / step).ceil() as i32..=(high / step).floor() as i32;
         let places: Vec<f64> = numbers.map(|k| f64::from(k) * step).collect();
-        let square = |place: &f64| place * place / (size * size);
         let height = step / (size * (2.0 * PI).sqrt());
-        let weights = places.iter().map(|p| height * libm::exp(-square(p) / 2.0)).collect();
-        let scores = places.iter().map(|p| (square(p) - 1.0) / sd).collect();
+        let mut weights = Vec::with_capacity(places.len());
+        let mut scores = Vec::with_capacity(places.len());
+        for place in &places {
+            let square = place * place / (size * size);
+            weights.push(height * libm::exp(-square / 2.0));
+            scores.push((square - 1.0) / sd);
+        }
         Self { places, weights, scores, step }
     }
-}
-
-/// The largest power of two that is not above x > 0.
-fn power_of_two(x: f64) -> f64 {
-    libm::ldexp(1.0, libm::frexp(x).1 - 1)
 }
 
 /// The nodes of the participant's effect and of the modes', and where their sums lie.
@@ -129,15 +130,16 @@ struct Lattice {
 
 impl Lattice {
     fn new(cells: &Cells, sd: [f64; 2], effects: &Effects) -> Self {
-        let answers = |m: usize| answers(cells, m);
-        let all = 0..cells.groups.len();
-        let most = all.clone().map(answers).fold(0.0, f64::max);
+        let answers: Vec<f64> = (0..cells.groups.len()).map(|m| answers(cells, m)).collect();
+        let most = answers.iter().copied().fold(0.0, f64::max);
         let inner = Axis::new(sd[1], INFORMATION * most, &effects.modes);
         // What a mode tells of the participant is blurred by the mode's own effect.
-        let blurred = |m: usize| 1.0 / (sd[1] * sd[1] + 1.0 / (INFORMATION * answers(m)));
-        let outer = Axis::new(sd[0], all.map(blurred).sum(), &[effects.participant]);
+        let blurred = answers.iter().map(|n| 1.0 / (sd[1] * sd[1] + 1.0 / (INFORMATION * n)));
+        let outer = Axis::new(sd[0], blurred.sum(), &[effects.participant]);
         let n = outer.places.len();
         let k = inner.places.len();
+        // Beyond the length of the finer axis no two sums share a slot, and a longer stride would
+        // only leave slots empty.
         let strides = if outer.step >= inner.step {
             [((outer.step / inner.step) as usize).min(k), 1]
         } else {
@@ -160,15 +162,16 @@ impl Lattice {
     }
 }
 
-/// Answers of one mode.
+/// How many answers one mode has.
 fn answers(cells: &Cells, m: usize) -> f64 {
-    let of_cell = |c: usize| {
-        let beside = &cells.beside[c];
-        let below = &cells.below[c];
-        let last = beside.iter().zip(below).next_back().map_or(0.0, |(b, n)| b - n);
-        below.iter().sum::<f64>() + last
-    };
-    cells.groups[m].clone().map(of_cell).sum()
+    cells.groups[m]
+        .clone()
+        .map(|c| {
+            let (below, beside) = (&cells.below[c], &cells.beside[c]);
+            let last = beside.iter().zip(below).next_back().map_or(0.0, |(b, n)| b - n);
+            below.iter().sum::<f64>() + last
+        })
+        .sum()
 }
 
 /// One mode's answers on the lattice.
@@ -188,14 +191,16 @@ impl Mode {
         let (shares, log_scale, residuals) = by_products(cells, m, levels, fixed, lattice)
             .unwrap_or_else(|| by_logarithms(cells, m, levels, fixed, lattice));
         let weights = &lattice.inner.weights;
-        let inner = |i| lattice.slots(i).zip(weights).map(|(slot, w)| w * shares[slot]).sum();
-        let inner = (0..lattice.outer.places.len()).map(inner).collect();
+        let inner = (0..lattice.outer.places.len())
+            .map(|i| lattice.slots(i).zip(weights).map(|(slot, w)| w * shares[slot]).sum())
+            .collect();
         Self { shares, log_scale, residuals, inner }
     }
 
     /// Adds the posterior mean of the gradient of ln P(answers | u + w) and of ln φ(w/σᵥ)/σᵥ, with
     /// the posterior `shares` of the outer nodes.
     fn add_to(&self, gradient: &mut Point, lattice: &Lattice, shares: &[f64], x: &[Vec<f64>]) {
+        // Slot by slot first: many pairs of nodes share one, and the residuals of its cells.
         let mut by_slot = vec![0.0; self.shares.len()];
         let nodes = lattice.inner.weights.iter().zip(&lattice.inner.scores);
         for (i, share) in shares.iter().enumerate().filter(|(_, share)| **share > NO_SHARE) {
@@ -224,7 +229,8 @@ impl Mode {
 /// the residuals.
 type Shares = (Vec<f64>, f64, Vec<f64>);
 
-/// Nothing where the answers are too many for a product of their probabilities.
+/// The shares by products of probabilities, which spares their logarithms; `None` where the answers
+/// are too many for such a product.
 fn by_products(
     cells: &Cells,
     m: usize,
@@ -235,11 +241,13 @@ fn by_products(
     let lifts: Vec<f64> = fixed.iter().map(|fixed| libm::exp(near(*fixed))).collect();
     let thresholds = levels.thresholds();
     let mut residuals = Vec::with_capacity(lattice.lifts.len() * thresholds);
-    let mut probability = |lift: &f64| -> f64 {
-        let of_cell = |c: usize| levels.probability(cells, c, lift * lifts[c], &mut residuals);
-        cells.groups[m].clone().map(of_cell).product()
-    };
-    let mut shares: Vec<f64> = lattice.lifts.iter().map(&mut probability).collect();
+    let mut shares = Vec::with_capacity(lattice.lifts.len());
+    for lift in &lattice.lifts {
+        let of_cells = cells.groups[m]
+            .clone()
+            .map(|c| levels.probability(cells, c, lift * lifts[c], &mut residuals));
+        shares.push(of_cells.product::<f64>());
+    }
     let most = shares.iter().fold(0.0, |most: f64, share| most.max(*share));
     if most < LEAST_PRODUCT {
         return None;
@@ -248,6 +256,7 @@ fn by_products(
     Some((shares, libm::log(most), residuals))
 }
 
+/// The shares by logarithms, for any number of answers.
 fn by_logarithms(
     cells: &Cells,
     m: usize,
@@ -256,13 +265,13 @@ fn by_logarithms(
     lattice: &Lattice,
 ) -> Shares {
     let mut residuals = Vec::new();
-    let mut log_probability = |sum: &f64| -> f64 {
-        cells.groups[m]
+    let mut logarithms: Vec<f64> = Vec::with_capacity(lattice.sums.len());
+    for sum in &lattice.sums {
+        let of_cells = cells.groups[m]
             .clone()
-            .map(|c| levels.slopes(cells, c, fixed[c] + sum, Some(&mut residuals)).value)
-            .sum()
-    };
-    let logarithms: Vec<f64> = lattice.sums.iter().map(&mut log_probability).collect();
+            .map(|c| levels.slopes(cells, c, fixed[c] + sum, Some(&mut residuals)).value);
+        logarithms.push(of_cells.sum());
+    }
     let log_scale = logarithms.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x));
     let shares = logarithms.iter().map(|x| libm::exp(x - log_scale)).collect();
     (shares, log_scale, residuals)
@@ -270,6 +279,7 @@ fn by_logarithms(
 
 /// ln Σ eˣ and each term's share of the sum.
 fn log_sum(logarithms: Vec<f64>) -> (f64, Vec<f64>) {
+    // Against the largest no exponential overflows, and the sum is 1 at least.
     let most = logarithms.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x));
     let mut shares: Vec<f64> = logarithms.iter().map(|x| libm::exp(x - most)).collect();
     let sum: f64 = shares.iter().sum();

@@ -35,6 +35,7 @@ pub fn test_columns(
     df: f64,
 ) -> Result<RatioTest, Unestimable> {
     let (_, smaller) = highest(&model.without(columns), integral)?;
+    // Nested models: a gain below 0 is what searches leave, or a maximum that one of them missed.
     let gain = fit.log_likelihood - smaller.log_likelihood;
     if gain < -MISSED {
         let what = "the larger of two models";

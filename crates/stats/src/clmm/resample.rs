@@ -52,28 +52,30 @@ pub fn bootstrap(
     let truth = Point::at(&peak.coordinates, smaller.thresholds());
     let (_, larger) = highest(model, integral)?;
     let statistic = 2.0 * (larger.log_likelihood - peak.log_likelihood).max(0.0);
-    let one = |number: usize| {
-        let mut rng = stream(seed, number as u64);
-        drawn(&smaller, &truth, &mut rng, model).map_or(Ok(0.0), |answers| {
-            let larger = model.with(answers);
-            ratio(&larger, &larger.without(columns), integral)
+    let ratios: Vec<Result<f64, Unestimable>> = (0..resamples)
+        .into_par_iter()
+        .map(|number| {
+            let mut rng = stream(seed, number as u64);
+            drawn(&smaller, &truth, &mut rng, model).map_or(Ok(0.0), |answers| {
+                let larger = model.with(answers);
+                ratio(&larger, &larger.without(columns), integral)
+            })
         })
-    };
-    let ratios: Vec<Result<f64, Unestimable>> = (0..resamples).into_par_iter().map(one).collect();
+        .collect();
     let unfitted = ratios.iter().filter(|ratio| ratio.is_err()).count();
-    let reach = |ratio: &&Result<f64, Unestimable>| {
-        ratio.as_ref().map_or(true, |ratio| *ratio >= statistic - TIE)
-    };
-    let as_large = ratios.iter().filter(reach).count();
+    let as_large = ratios
+        .iter()
+        .filter(|ratio| ratio.as_ref().map_or(true, |ratio| *ratio >= statistic - TIE))
+        .count();
     let p_value = (1 + as_large) as f64 / (1 + resamples) as f64;
     Ok(Bootstrap { statistic, p_value, resamples, as_large, unfitted })
 }
 
 /// Twice what the larger model gains.
 fn ratio(larger: &Model, smaller: &Model, integral: Integral) -> Result<f64, Unestimable> {
-    let top = |model: &Model| climb(model, integral, &Start::new(model));
-    let gain = top(larger)?.log_likelihood - top(smaller)?.log_likelihood;
-    Ok(2.0 * gain.max(0.0))
+    let larger = climb(larger, integral, &Start::new(larger))?;
+    let smaller = climb(smaller, integral, &Start::new(smaller))?;
+    Ok(2.0 * (larger.log_likelihood - smaller.log_likelihood).max(0.0))
 }
 
 /// New answers to the columns of `model`, drawn from `smaller` at `truth`; `None` if all are equal:
@@ -88,13 +90,14 @@ fn drawn(smaller: &Model, truth: &Point, rng: &mut ChaCha8Rng, model: &Model) ->
         })
         .collect();
     let columns = &smaller.answers.columns;
-    let answer = |(row, &(participant, group)): (usize, &(usize, usize))| {
+    let mut codes = Vec::with_capacity(smaller.places.len());
+    for (row, &(participant, group)) in smaller.places.iter().enumerate() {
         let x: Vec<f64> = columns.iter().map(|column| column.values[row]).collect();
         let eta = dot(&x, &truth.beta) + effects[participant][group];
         let latent = eta + logit(uniform(rng));
-        truth.theta.partition_point(|&theta| theta < latent)
-    };
-    let codes: Vec<usize> = smaller.places.iter().enumerate().map(answer).collect();
+        codes.push(truth.theta.partition_point(|&theta| theta < latent));
+    }
+    // A category that nobody chose is none of the model's: the others are numbered anew.
     let old = &smaller.answers.scale.used;
     let used: Vec<usize> = (0..old.len()).filter(|code| codes.contains(code)).collect();
     let scale = Scale { used: used.iter().map(|&code| old[code]).collect(), unused: Vec::new() };

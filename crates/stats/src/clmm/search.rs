@@ -21,7 +21,7 @@ const LEAST_SD: f64 = 0.3;
 /// Variance of the coordinates where nothing is known of it.
 const UNKNOWN: f64 = 0.25;
 
-/// Where a search begins, and how far its parameters may be expected to move.
+/// The start of a search, with how far its parameters may be expected to move.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Start {
     /// Coordinates.
@@ -32,7 +32,7 @@ pub(super) struct Start {
     pub(super) held: Vec<bool>,
 }
 
-/// Where a search ended.
+/// The end of a search.
 #[derive(Debug, Clone)]
 pub(super) struct Peak {
     pub(super) coordinates: Vec<f64>,
@@ -54,9 +54,9 @@ impl Start {
             }
             Err(_) => {
                 let theta = moved(plain.cumulated_logits(), model);
-                let unknown = |i: usize| one_entry(width - 2, i, UNKNOWN);
                 let beta = vec![0.0; model.columns()];
-                (Point { theta, beta, sd: FIRST_SD }, (0..width - 2).map(unknown).collect())
+                let covariance = (0..width - 2).map(|i| one_entry(width - 2, i, UNKNOWN)).collect();
+                (Point { theta, beta, sd: FIRST_SD }, covariance)
             }
         };
         covariance.iter_mut().for_each(|row| row.resize(width, 0.0));
@@ -69,7 +69,7 @@ impl Start {
         start
     }
 
-    /// Where a search begins that ended at `peak` before, with all SDs of the model free again.
+    /// The start of a search that ended at `peak` before, with all SDs of the model free again.
     pub(super) fn again(model: &Model, peak: &[f64], covariance: &[Vec<f64>]) -> Self {
         let mut start = Self {
             coordinates: peak.to_vec(),
@@ -78,6 +78,7 @@ impl Start {
         };
         for (sd, variance) in sd_variances(model).into_iter().enumerate() {
             let place = peak.len() - 2 + sd;
+            // An SD that was held at zero has no variance to go by.
             if start.covariance[place][place] <= 0.0 {
                 start.covariance[place][place] = variance;
             }
@@ -104,7 +105,8 @@ impl Start {
         self.held[coordinate] = true;
     }
 
-    fn free(&self) -> Vec<usize> {
+    /// The coordinates that are not held.
+    pub(super) fn free(&self) -> Vec<usize> {
         (0..self.held.len()).filter(|&i| !self.held[i]).collect()
     }
 
@@ -165,12 +167,18 @@ fn one_entry(width: usize, place: usize, entry: f64) -> Vec<f64> {
 
 /// Rows of a covariance of (θ, β) as one of the coordinates.
 fn by_coordinates(covariance: &[Vec<f64>], theta: &[f64]) -> Vec<Vec<f64>> {
-    let steps = |row: &[f64]| -> Vec<f64> {
-        let step = |k: usize| (row[k] - row[k - 1]) / (theta[k] - theta[k - 1]);
-        (0..row.len()).map(|k| if k == 0 || k >= theta.len() { row[k] } else { step(k) }).collect()
-    };
-    let half: Vec<Vec<f64>> = covariance.iter().map(|row| steps(row)).collect();
-    transpose(&transpose(&half).iter().map(|row| steps(row)).collect::<Vec<_>>())
+    let half: Vec<Vec<f64>> = covariance.iter().map(|row| steps(row, theta)).collect();
+    transpose(&transpose(&half).iter().map(|row| steps(row, theta)).collect::<Vec<_>>())
+}
+
+/// A row by (θ, β) as one by the coordinates: d ln(θₖ − θₖ₋₁) = (dθₖ − dθₖ₋₁) / (θₖ − θₖ₋₁).
+fn steps(row: &[f64], theta: &[f64]) -> Vec<f64> {
+    (0..row.len())
+        .map(|k| match k == 0 || k >= theta.len() {
+            true => row[k],
+            false => (row[k] - row[k - 1]) / (theta[k] - theta[k - 1]),
+        })
+        .collect()
 }
 
 fn transpose(a: &[Vec<f64>]) -> Vec<Vec<f64>> {
@@ -200,18 +208,20 @@ pub(super) fn climb(model: &Model, integral: Integral, start: &Start) -> Result<
         let point = Point::at(&coordinates, model.thresholds());
         let (value, gradient) = likelihood.at(&point);
         let slopes = gradient.by_coordinates(&coordinates);
-        let along = |j: usize| {
+        let mut downhill = Vec::with_capacity(free.len());
+        for j in 0..free.len() {
+            // Above its diagonal the triangle is 0.
             let rows = free.iter().enumerate().skip(j);
-            -rows.map(|(row, &i)| shape[(row, j)] * slopes[i]).sum::<f64>()
-        };
-        (-value, (0..free.len()).map(along).collect())
+            downhill.push(-rows.map(|(row, &i)| shape[(row, j)] * slopes[i]).sum::<f64>());
+        }
+        (-value, downhill)
     };
     let what = "thresholds, coefficients and SDs";
-    let found = minimise(cost, &vec![0.0; free.len()], FLAT)
+    let minimum = minimise(cost, &vec![0.0; free.len()], FLAT)
         .map_err(|_| Unestimable::NotConverged { what, slope: f64::INFINITY })?;
-    let slope = found.slope();
+    let slope = minimum.slope();
     if slope > NEARLY_FLAT {
         return Err(Unestimable::NotConverged { what, slope });
     }
-    Ok(Peak { coordinates: place(&found.point), log_likelihood: -found.value, slope })
+    Ok(Peak { coordinates: place(&minimum.point), log_likelihood: -minimum.value, slope })
 }

@@ -1,12 +1,12 @@
 //! Linear combinations of the coefficients, as both kinds of degrees of freedom use them.
 
 use super::design::Design;
-use crate::error::StatsError;
+use crate::error::{StatsError, all_finite, same_length};
 use crate::f_distribution::upper_p;
 use crate::interval::t_interval;
 use crate::student_t::two_sided_p;
 use crate::tested::{FTest, Tested, Unestimable};
-use zwidth_numerics::NumericsError;
+
 use zwidth_numerics::dense::{Matrix, dot};
 
 /// A variance below this share of its parts is rounding: the contrasts say one thing twice.
@@ -26,11 +26,8 @@ pub(super) fn contrasts(
 ) -> Result<Contrasts, StatsError> {
     let expected = coefficients.len();
     for row in weights {
-        if row.len() != expected {
-            let what = "a contrast";
-            return Err(NumericsError::LengthMismatch { what, expected, found: row.len() }.into());
-        }
-        crate::error::all_finite(row)?;
+        same_length("a contrast", expected, row.len())?;
+        all_finite(row)?;
     }
     let rows = Matrix::from_fn(weights.len(), expected, |i, j| weights[i][j]);
     Ok(Contrasts {
@@ -47,14 +44,14 @@ pub(super) fn sandwich(l: &Matrix, m: &Matrix) -> Matrix {
 /// Refuses contrasts of which one follows from the others.
 pub(super) fn check_independent(variances: &Matrix) -> Result<(), Unestimable> {
     let diagonal = variances.diagonal();
-    let what = || Unestimable::Confounded { what: "the contrasts".to_owned() };
+    let dependent = Unestimable::Confounded { what: "the contrasts".to_owned() };
     if diagonal.iter().any(|v| v.is_nan() || *v <= 0.0) {
-        return Err(what());
+        return Err(dependent);
     }
     let scaled = Matrix::from_fn(variances.rows, variances.rows, |i, j| {
         variances[(i, j)] / (diagonal[i] * diagonal[j]).sqrt()
     });
-    if scaled.eigen().0.iter().any(|v| *v < SAME_TWICE) { Err(what()) } else { Ok(()) }
+    if scaled.eigen().0.iter().any(|v| *v < SAME_TWICE) { Err(dependent) } else { Ok(()) }
 }
 
 /// The t test of an estimate.
@@ -64,13 +61,13 @@ pub(super) fn t_test(
     df: f64,
     level: f64,
 ) -> Result<Tested, Unestimable> {
-    let found = t_interval(estimate, variance.sqrt(), df, level)?;
-    let statistic = estimate / found.std_error;
+    let interval = t_interval(estimate, variance.sqrt(), df, level)?;
+    let statistic = estimate / interval.std_error;
     Ok(Tested {
         estimate,
-        std_error: found.std_error,
-        ci_low: found.ci_low,
-        ci_high: found.ci_high,
+        std_error: interval.std_error,
+        ci_low: interval.ci_low,
+        ci_high: interval.ci_high,
         statistic,
         df,
         p_value: two_sided_p(statistic, df)?,

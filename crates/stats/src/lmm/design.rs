@@ -37,7 +37,7 @@ pub(super) struct Block {
 /// The groups of one design, summed.
 #[derive(Debug, Clone)]
 pub(super) struct Pattern {
-    /// How many groups.
+    /// Number of groups.
     pub(super) groups: f64,
     /// Rows of each.
     pub(super) rows: f64,
@@ -55,7 +55,7 @@ pub(super) struct Pattern {
     pub(super) yty: f64,
 }
 
-/// All that is needed of a model and its data.
+/// A model and its data, reduced.
 #[derive(Debug, Clone)]
 pub(super) struct Design {
     pub(super) rows: usize,
@@ -97,7 +97,13 @@ pub(super) fn reduce(model: &Model) -> Result<Design, Unestimable> {
     if rss <= NO_RESIDUAL * dot(&model.response, &model.response) {
         return Err(Unestimable::Constant { units: "values of a condition" });
     }
-    let scales: Vec<Vec<f64>> = model.random.iter().map(root_mean_squares).collect();
+    let mut scales: Vec<Vec<f64>> = Vec::with_capacity(model.random.len());
+    for RandomTerm { columns, .. } in &model.random {
+        let squares = columns.iter().map(|column| dot(column, column) / column.len() as f64);
+        // A column of zeros is divided by 1: it is refused later, in words.
+        let scale = squares.map(f64::sqrt).map(|scale| if scale > 0.0 { scale } else { 1.0 });
+        scales.push(scale.collect());
+    }
     let patterns = patterns(model, &fixed, &scales);
     let entries = model.random.iter().enumerate().flat_map(|(term, random)| {
         let size = random.columns.len();
@@ -134,7 +140,7 @@ fn orthonormalise(model: &Model) -> Result<Orthonormal, Unestimable> {
             return Err(Unestimable::Confounded { what });
         }
         r[(j, j)] = length;
-        // adding 0 makes −0 and 0 the same bits: rows are compared by them
+        // Adding 0 makes −0 and 0 the same bits, by which rows are compared.
         rest.iter_mut().for_each(|x| *x = *x / length + 0.0);
         q.push(rest);
     }
@@ -163,12 +169,6 @@ fn project_out(q: &[Vec<f64>], v: &mut [f64]) -> Vec<f64> {
     parts
 }
 
-fn root_mean_squares(term: &RandomTerm) -> Vec<f64> {
-    let squares = term.columns.iter().map(|column| dot(column, column) / column.len() as f64);
-    // A column of zeros is divided by 1: it is refused later, in words.
-    squares.map(f64::sqrt).map(|scale| if scale > 0.0 { scale } else { 1.0 }).collect()
-}
-
 /// One row of a group: the level of each term, the columns of Z and X, and y.
 struct Row {
     level: Vec<usize>,
@@ -178,7 +178,7 @@ struct Row {
 }
 
 impl Row {
-    /// What makes rows of different groups the same row of one design.
+    /// The key by which rows of different groups are the same row of one design.
     fn key(&self) -> Vec<u64> {
         let levels = self.level.iter().map(|level| *level as u64);
         let numbers = self.z.iter().flatten().chain(&self.x).map(|x| x.to_bits());
@@ -186,16 +186,18 @@ impl Row {
     }
 }
 
+/// The groups of each design, summed.
 fn patterns(model: &Model, fixed: &Orthonormal, scales: &[Vec<f64>]) -> Vec<Pattern> {
     let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     model.group.iter().enumerate().for_each(|(row, g)| members.entry(*g).or_default().push(row));
     let mut patterns: Vec<Pattern> = Vec::new();
-    let mut known: BTreeMap<Vec<Vec<u64>>, usize> = BTreeMap::new();
+    let mut places: BTreeMap<Vec<Vec<u64>>, usize> = BTreeMap::new();
     for rows in members.values() {
         let mut rows = rows_of_group(model, fixed, scales, rows);
+        // Participants who did the same trials in another order share a design.
         rows.sort_by_cached_key(Row::key);
         let key = rows.iter().map(Row::key).collect();
-        let at = *known.entry(key).or_insert_with(|| {
+        let at = *places.entry(key).or_insert_with(|| {
             patterns.push(empty_pattern(model, &rows));
             patterns.len() - 1
         });
@@ -271,6 +273,7 @@ fn empty_pattern(model: &Model, rows: &[Row]) -> Pattern {
     pattern
 }
 
+/// Adds the response of a group with `rows` to its pattern.
 fn add_group(pattern: &mut Pattern, rows: &[Row]) {
     let size = pattern.zty.len();
     let mut zty = vec![0.0; size];

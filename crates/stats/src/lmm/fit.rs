@@ -12,7 +12,7 @@ use crate::error::StatsError;
 use crate::tested::{FTest, Tested, Unestimable};
 use zwidth_numerics::dense::{Matrix, dot};
 
-/// What is maximised.
+/// The criterion that is maximised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
     /// The restricted likelihood: variances are estimated as if the mean took no data.
@@ -34,7 +34,7 @@ pub struct TermCovariance {
 /// A fitted linear mixed model.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// What was maximised.
+    /// The criterion that was maximised.
     pub criterion: Criterion,
     /// Minus twice the maximised (restricted) log-likelihood, with all constants.
     pub deviance: f64,
@@ -81,9 +81,9 @@ pub struct Fit {
 pub fn fit(model: &Model, criterion: Criterion) -> Result<Fit, Unestimable> {
     let design = reduce(model)?;
     if design.groups < 2 {
-        let found = design.groups;
-        return Err(Unestimable::TooFew { units: "participants", found, needed: 2 });
+        return Err(Unestimable::TooFew { units: "participants", found: design.groups, needed: 2 });
     }
+    // With all variances 0, V is the identity, and the test does not depend on the response.
     let zero = vec![0.0; design.entries.len()];
     let at_zero = evaluate(&design, false, &zero)?;
     check_identified(&design, &at_zero)?;
@@ -125,8 +125,8 @@ fn fit_design(
 }
 
 fn evaluate(design: &Design, reml: bool, theta: &[f64]) -> Result<Profile, Unestimable> {
-    let found = profile(design, reml, theta);
-    found.ok_or(Unestimable::NotConverged { what: "the variances", slope: f64::INFINITY })
+    let failed = Unestimable::NotConverged { what: "the variances", slope: f64::INFINITY };
+    profile(design, reml, theta).ok_or(failed)
 }
 
 /// σ² T Tᵀ of each term, in units of its columns.

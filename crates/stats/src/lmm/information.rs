@@ -19,6 +19,8 @@ use zwidth_numerics::dense::{Matrix, dot};
 /// A variance parameter of which less than this share is left beside the others is not told apart
 /// from them.
 const ALIASED: f64 = 1e-9;
+/// Weights of a dependent combination below this are rounding.
+const TAKEN: f64 = 1e-3;
 
 /// The sums, one row and column per variance parameter, the residual's last.
 pub(super) struct Information {
@@ -61,13 +63,11 @@ pub(super) fn information(design: &Design, at: &Profile) -> Information {
     sums
 }
 
+/// Adds the sums over one pattern's groups.
 fn add_pattern(sums: &mut Information, design: &Design, pattern: &Pattern, spread: &Spread) {
     let residual = design.entries.len();
     let size = residual + 1;
     let groups = pattern.groups;
-    let per_entry = |m: &Matrix| -> Vec<Matrix> {
-        design.entries.iter().map(|e| times_d(*e, &pattern.blocks, m)).collect()
-    };
     // Zᵀ W⁻² Z and Zᵀ W⁻² X; Xᵀ Wᵏ X for k = −1, −2, −3 by W⁻¹ = I − Z N Zᵀ
     let zw2z = spread.f.times(&spread.zwz);
     let zw2x = spread.f.times(&spread.zwx);
@@ -78,8 +78,9 @@ fn add_pattern(sums: &mut Information, design: &Design, pattern: &Pattern, sprea
     xw2x.add(-1.0, &ntx.transposed_times(&spread.zwx));
     let mut xw3x = xw2x.clone();
     xw3x.add(-1.0, &ntx.transposed_times(&zw2x));
-    let d_zwz = per_entry(&spread.zwz);
-    let d_zwx = per_entry(&spread.zwx);
+    let [d_zwz, d_zwx] = [&spread.zwz, &spread.zwx].map(|m| -> Vec<Matrix> {
+        design.entries.iter().map(|e| times_d(*e, &pattern.blocks, m)).collect()
+    });
     for r in 0..residual {
         sums.p[r].add(-groups, &d_zwx[r].transposed_times(&spread.zwx));
         for s in 0..residual {
@@ -116,7 +117,12 @@ fn times_d(entry: Entry, blocks: &[Block], m: &Matrix) -> Matrix {
 }
 
 /// The sums with the response, in units of the residual variance.
-pub(super) fn observed(design: &Design, reml: bool, at: &Profile, known: &Information) -> Observed {
+pub(super) fn observed(
+    design: &Design,
+    reml: bool,
+    at: &Profile,
+    information: &Information,
+) -> Observed {
     let residual = design.entries.len();
     let size = residual + 1;
     let p = design.least_squares.len();
@@ -168,7 +174,7 @@ pub(super) fn observed(design: &Design, reml: bool, at: &Profile, known: &Inform
         (quadratic[(r, s)] - dot(&w[r], &lost[s])) / at.variance
     });
     let slopes = (0..size).map(|r| {
-        let restriction = if reml { at.a_inverse.dot(&known.p[r]) } else { 0.0 };
+        let restriction = if reml { at.a_inverse.dot(&information.p[r]) } else { 0.0 };
         trace[r] + restriction - form[r] / at.variance
     });
     Observed { slopes: slopes.collect(), quadratic }
@@ -177,30 +183,22 @@ pub(super) fn observed(design: &Design, reml: bool, at: &Profile, known: &Inform
 /// Refuses what the design cannot tell apart: at V = I, the information on the variances must have
 /// full rank.
 pub(super) fn check_identified(design: &Design, at_zero: &Profile) -> Result<(), Unestimable> {
-    let found = information(design, at_zero);
-    let size = found.full.rows;
-    let mut are_left = (0..size).map(|r| found.expected[(r, r)] > ALIASED * found.full[(r, r)]);
+    let Information { full, expected, .. } = information(design, at_zero);
+    let size = full.rows;
+    let mut are_left = (0..size).map(|r| expected[(r, r)] > ALIASED * full[(r, r)]);
     if let Some(gone) = are_left.position(|is_left| !is_left) {
         let what = format!("{} from the fixed effects", name(design, gone));
         return Err(Unestimable::Confounded { what });
     }
-    let root: Vec<f64> = found.expected.diagonal().iter().map(|d| d.sqrt()).collect();
-    let scaled = Matrix::from_fn(size, size, |r, s| found.expected[(r, s)] / (root[r] * root[s]));
+    let root: Vec<f64> = expected.diagonal().iter().map(|d| d.sqrt()).collect();
+    let scaled = Matrix::from_fn(size, size, |r, s| expected[(r, s)] / (root[r] * root[s]));
     let (values, vectors) = scaled.eigen();
-    match values.iter().position(|value| *value < ALIASED) {
-        None => Ok(()),
-        Some(at) => Err(Unestimable::Confounded { what: involved(design, vectors.row(at)) }),
-    }
-}
-
-/// The parameters that a dependent combination takes, in words.
-fn involved(design: &Design, combination: &[f64]) -> String {
-    /// Weights below this are rounding.
-    const TAKEN: f64 = 1e-3;
-    let taken = (0..combination.len()).filter(|r| combination[*r].abs() > TAKEN);
+    let Some(at) = values.iter().position(|value| *value < ALIASED) else { return Ok(()) };
+    // The parameters that this dependent combination takes.
+    let taken = (0..size).filter(|r| vectors[(at, *r)].abs() > TAKEN);
     let mut names: Vec<&str> = taken.map(|r| name(design, r)).collect();
     names.dedup();
-    names.join(" and ")
+    Err(Unestimable::Confounded { what: names.join(" and ") })
 }
 
 fn name(design: &Design, parameter: usize) -> &str {

@@ -43,6 +43,7 @@ pub(super) fn adjust(design: &Design, at: &Profile) -> Result<Adjusted, Unestima
     let phi = at.a_inverse.clone();
     let mut u = Matrix::zeros(phi.rows, phi.rows);
     for r in 0..size {
+        // wᵣₛ = wₛᵣ, and the part of (s, r) is the transpose of that of (r, s).
         for s in r..size {
             let mut part = q[r * size + s].clone();
             part.add(-1.0, &p[r].times(&phi.times(&p[s])));

@@ -1,12 +1,11 @@
-//! What a linear mixed model is made of.
+//! The parts of a linear mixed model.
 
-use crate::error::{StatsError, all_finite};
-use zwidth_numerics::NumericsError;
+use crate::error::{StatsError, all_finite, same_length};
 
 /// A column of a design with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// What it is called where it is spoken of.
+    /// Its name in messages.
     pub name: String,
     /// One value per row.
     pub values: Vec<f64>,
@@ -17,7 +16,7 @@ pub struct Column {
 /// level; participant × mode is the column 1 with the mode as level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RandomTerm {
-    /// What it is called where it is spoken of.
+    /// Its name in messages and tables.
     pub name: String,
     /// The columns that its effects multiply, one value per row each.
     pub columns: Vec<Vec<f64>>,
@@ -50,22 +49,16 @@ impl Model {
     /// Checks lengths and that all numbers are finite.
     pub(super) fn check(&self) -> Result<(), StatsError> {
         let rows = self.response.len();
-        let same = |what: &'static str, found: usize| {
-            if found == rows {
-                return Ok(());
-            }
-            Err(NumericsError::LengthMismatch { what, expected: rows, found })
-        };
         all_finite(&self.response)?;
-        same("the grouping", self.group.len())?;
+        same_length("the grouping", rows, self.group.len())?;
         for column in &self.fixed {
-            same("a fixed column", column.values.len())?;
+            same_length("a fixed column", rows, column.values.len())?;
             all_finite(&column.values)?;
         }
         for term in &self.random {
-            same("a random term's levels", term.level.len())?;
+            same_length("a random term's levels", rows, term.level.len())?;
             for column in &term.columns {
-                same("a random column", column.len())?;
+                same_length("a random column", rows, column.len())?;
                 all_finite(column)?;
             }
         }

@@ -16,7 +16,7 @@ use zwidth_numerics::dense::{Matrix, SINGULAR, add_scaled, dot};
 
 const TWO_PI: f64 = 2.0 * core::f64::consts::PI;
 
-/// What of a group's likelihood depends on θ and not on y.
+/// The part of a group's likelihood that depends on θ and not on y.
 pub(super) struct Spread {
     /// N = Λ (I + Λᵀ Zᵀ Z Λ)⁻¹ Λᵀ, so that W⁻¹ = I − Z N Zᵀ (Woodbury).
     pub(super) n: Matrix,
@@ -32,7 +32,7 @@ pub(super) struct Spread {
     log_det: f64,
 }
 
-/// The criterion and all that was found on the way.
+/// The criterion and its intermediate results.
 pub(super) struct Profile {
     /// Minus twice the log-likelihood, restricted or not.
     pub(super) deviance: f64,
@@ -73,7 +73,7 @@ pub(super) fn profile(design: &Design, reml: bool, theta: &[f64]) -> Option<Prof
     let mut spreads = Vec::with_capacity(design.patterns.len());
     for pattern in &design.patterns {
         let spread = spread(pattern, &factors)?;
-        // Xᵀ W⁻¹ X, Xᵀ W⁻¹ y and yᵀ W⁻¹ y, each with W⁻¹ = I − Z Bᵀ B Zᵀ
+        // Xᵀ W⁻¹ X, Xᵀ W⁻¹ y and yᵀ W⁻¹ y, each with W⁻¹ = I − Z Bᵀ B Zᵀ.
         let bx = spread.root.times(&pattern.ztx);
         a.add(pattern.groups, &pattern.xtx);
         a.add(-pattern.groups, &bx.transposed_times(&bx));
@@ -81,6 +81,7 @@ pub(super) fn profile(design: &Design, reml: bool, theta: &[f64]) -> Option<Prof
         let by = spread.root.times_vector(&pattern.zty);
         add_scaled(&mut xwy, -1.0, &bx.transposed_times_vector(&by));
         ywy += pattern.yty;
+        // Group by group, because a square does not add up over groups.
         for zty in &pattern.each {
             let by = spread.root.times_vector(zty);
             ywy -= dot(&by, &by);
@@ -107,8 +108,8 @@ fn spread(pattern: &Pattern, factors: &[Matrix]) -> Option<Spread> {
     let mut inner = times_lambda(&sl.transpose(), &pattern.blocks, factors);
     (0..size).for_each(|i| inner[(i, i)] += 1.0);
     let l = inner.cholesky(SINGULAR)?;
-    // B = L⁻¹ Λᵀ and B S; N itself grows with θ² where columns of Z depend on each other, these do
-    // not
+    // B = L⁻¹ Λᵀ and B S: N itself grows with θ² where columns of Z depend on each other, these do
+    // not.
     let root = times_lambda_transposed(&l.lower_inverse(), &pattern.blocks, factors);
     let bs = root.times(&pattern.ztz);
     let mut f = Matrix::identity(size);

@@ -20,7 +20,7 @@ const SAME_DF: f64 = 1e-8;
 /// Eigenvalues below this share of the largest are none, as in lmerTest (√ε).
 const NO_VARIANCE: f64 = 1.5e-8;
 
-/// What the degrees of freedom are made of.
+/// The parts of the degrees of freedom.
 #[derive(Debug, Clone)]
 pub(super) struct Approximated {
     /// Φ, in the square of the response's unit.
@@ -38,18 +38,18 @@ pub(super) fn approximate(
     theta: &[f64],
     at: &Profile,
 ) -> Approximated {
-    let known = information(design, at);
-    let seen = observed(design, reml, at, &known);
-    let size = known.p.len();
-    let traces = if reml { &known.expected } else { &known.full };
+    let information = information(design, at);
+    let observed = observed(design, reml, at, &information);
+    let size = information.p.len();
+    let traces = if reml { &information.expected } else { &information.full };
     let in_gamma =
-        Matrix::from_fn(size, size, |r, s| 2.0 * seen.quadratic[(r, s)] - traces[(r, s)]);
+        Matrix::from_fn(size, size, |r, s| 2.0 * observed.quadratic[(r, s)] - traces[(r, s)]);
     let jacobian = jacobian(design, theta);
     let mut hessian = jacobian.transposed_times(&in_gamma.times(&jacobian));
-    (0..size).for_each(|r| hessian.add(seen.slopes[r], &curvature(design, theta, r)));
+    (0..size).for_each(|r| hessian.add(observed.slopes[r], &curvature(design, theta, r)));
     // ∂ Φ / ∂ γᵣ = −Φ Pᵣ Φ
     let in_gamma: Vec<Matrix> =
-        known.p.iter().map(|p| at.a_inverse.times(&p.times(&at.a_inverse))).collect();
+        information.p.iter().map(|p| at.a_inverse.times(&p.times(&at.a_inverse))).collect();
     let slopes = (0..size).map(|k| {
         let mut slope = Matrix::zeros(at.a_inverse.rows, at.a_inverse.rows);
         let parts = in_gamma.iter().enumerate();
@@ -103,8 +103,9 @@ fn curvature(design: &Design, theta: &[f64], r: usize) -> Matrix {
                 2.0 * slope_of_product(*gamma, *eta, t)
             }
             (Some(x), Some(y)) if x.term == gamma.term && y.term == gamma.term && x.b == y.b => {
-                let both = |a: usize, b: usize| if (x.a, y.a) == (a, b) { 1.0 } else { 0.0 };
-                both(gamma.a, gamma.b) + both(gamma.b, gamma.a)
+                let [one, other] = [(gamma.a, gamma.b), (gamma.b, gamma.a)]
+                    .map(|pair| if (x.a, y.a) == pair { 1.0 } else { 0.0 });
+                one + other
             }
             _ => 0.0,
         }
@@ -168,6 +169,7 @@ fn pooled_df(df: &[f64]) -> f64 {
     if df.windows(2).all(|pair| (pair[1] - pair[0]).abs() < SAME_DF) {
         return df.iter().sum::<f64>() / q;
     }
+    // With 2 degrees of freedom or fewer F has no mean.
     if df.iter().any(|df| *df <= 2.0) {
         return 2.0;
     }

@@ -42,20 +42,20 @@ pub(super) fn search(design: &Design, reml: bool) -> Result<Optimum, Unestimable
         let diagonal = design.entries.iter().map(|e| if e.a == e.b { start } else { 0.0 });
         descend(design, reml, &diagonal.collect::<Vec<f64>>(), &all)
     });
+    // The criterion may have several minima: a search from large variances and one from small.
     let mut best = starts.into_iter().flatten().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
     // Each round holds one column more, so there are no more rounds than columns.
-    while let Some(found) = &best {
-        let Some(lower) = with_a_zero(design, reml, found) else { break };
-        let iterations = found.iterations + lower.iterations;
+    while let Some(descent) = &best {
+        let Some(lower) = with_a_zero(design, reml, descent) else { break };
+        let iterations = descent.iterations + lower.iterations;
         best = Some(Descent { iterations, ..lower });
     }
-    let found = best.map(|found| finish(design, reml, found));
-    match found {
-        Some(Found { spent: true, .. }) => Err(Unestimable::Constant { units: "repeats" }),
-        Some(Found { optimum, .. }) if is_optimal(design, &optimum) => Ok(optimum),
+    match best.map(|descent| finish(design, reml, descent)) {
+        Some(Finished { spent: true, .. }) => Err(Unestimable::Constant { units: "repeats" }),
+        Some(Finished { optimum, .. }) if is_optimal(design, &optimum) => Ok(optimum),
         other => Err(Unestimable::NotConverged {
             what: "the variances",
-            slope: other.map_or(f64::INFINITY, |found| found.optimum.slope),
+            slope: other.map_or(f64::INFINITY, |finished| finished.optimum.slope),
         }),
     }
 }
@@ -71,7 +71,7 @@ struct Descent {
 }
 
 /// An optimum, and whether it has spent all of the residual variance.
-struct Found {
+struct Finished {
     optimum: Optimum,
     spent: bool,
 }
@@ -88,7 +88,7 @@ fn descend(design: &Design, reml: bool, start: &[f64], free: &[bool]) -> Option<
             .collect()
     };
     let criterion = |few: &[f64]| match profile(design, reml, &spread_out(few)) {
-        Some(found) => (found.deviance, chosen(&found.gradient)),
+        Some(profile) => (profile.deviance, chosen(&profile.gradient)),
         None => (f64::NAN, vec![f64::NAN; few.len()]),
     };
     let minimum = minimise(criterion, &chosen(start), SLOPE * design.rows as f64).ok()?;
@@ -112,13 +112,16 @@ fn with_a_zero(design: &Design, reml: bool, from: &Descent) -> Option<Descent> {
         (free != from.free).then(|| descend(design, reml, &from.theta, &free)).flatten()
     });
     let lowest = held.min_by(|a, b| a.deviance.total_cmp(&b.deviance))?;
+    // A variance of zero is preferred to one that gains nothing but rounding.
     let same = SAME * (design.rows as f64 + from.deviance.abs());
     (lowest.deviance <= from.deviance + same).then_some(lowest)
 }
 
-/// Rectifies signs and looks at the slopes of what is zero.
-fn finish(design: &Design, reml: bool, found: Descent) -> Found {
-    let Descent { mut theta, free, deviance, slope, iterations } = found;
+/// Rectifies signs and computes the slopes in variances that are zero.
+fn finish(design: &Design, reml: bool, descent: Descent) -> Finished {
+    let Descent { mut theta, free, deviance, slope, iterations } = descent;
+    // A column of T and its negative make the same covariance: the one with a diagonal above 0
+    // stands.
     for (at, entry) in design.entries.iter().enumerate() {
         if entry.a == entry.b && theta[at] < 0.0 {
             let column = design.entries.iter().zip(&mut theta);
@@ -132,7 +135,7 @@ fn finish(design: &Design, reml: bool, found: Descent) -> Found {
     let bound_slope = last.as_ref().and_then(|last| {
         let zero = design.entries.iter().zip(&free).filter(|(e, free)| e.a == e.b && !**free);
         zero.map(|(e, _)| {
-            // a new column may hold anything from its diagonal down
+            // A new column may hold anything from its diagonal down.
             let slopes = &last.in_variances[e.term];
             let size = slopes.rows - e.b;
             let below = Matrix::from_fn(size, size, |i, j| slopes[(e.b + i, e.b + j)]);
@@ -146,10 +149,14 @@ fn finish(design: &Design, reml: bool, found: Descent) -> Found {
             dot(&column, &column) <= 0.0
         })
     });
-    Found { optimum: Optimum { theta, deviance, slope, bound_slope, iterations, singular }, spent }
+    Finished {
+        optimum: Optimum { theta, deviance, slope, bound_slope, iterations, singular },
+        spent,
+    }
 }
 
-fn is_optimal(design: &Design, found: &Optimum) -> bool {
+/// Whether the criterion is flat in what is free, and does not fall from what is zero.
+fn is_optimal(design: &Design, optimum: &Optimum) -> bool {
     let left = SLOPE_LEFT * design.rows as f64;
-    found.slope <= left && found.bound_slope.is_none_or(|slope| slope >= -left)
+    optimum.slope <= left && optimum.bound_slope.is_none_or(|slope| slope >= -left)
 }

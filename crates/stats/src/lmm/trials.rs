@@ -8,10 +8,9 @@
 
 use super::fit::{Criterion, Fit, fit};
 use super::model::{Column, Model, RandomTerm};
-use crate::error::StatsError;
+use crate::error::same_length;
 use crate::tested::Unestimable;
 use std::collections::{BTreeMap, BTreeSet};
-use zwidth_numerics::NumericsError;
 
 /// Trials as columns of a tidy table. Participants, sessions and modes are any numbers.
 #[derive(Debug, Clone, Copy)]
@@ -49,16 +48,6 @@ impl Term {
             Self::ParticipantSessionMode => "participant × session × mode",
         }
     }
-
-    /// Whether its levels differ by mode, by session.
-    fn varies(self) -> (bool, bool) {
-        match self {
-            Self::Participant => (false, false),
-            Self::ParticipantMode => (true, false),
-            Self::ParticipantSession => (false, true),
-            Self::ParticipantSessionMode => (true, true),
-        }
-    }
 }
 
 /// Structures from the largest on.
@@ -92,15 +81,19 @@ pub struct TrialFit {
 /// As [`fit()`]: columns of different lengths, fewer than two participants, a participant's effect
 /// that cannot be told from the residual (one trial each).
 pub fn fit_trials(trials: Trials<'_>) -> Result<TrialFit, Unestimable> {
-    check(trials)?;
+    let rows = trials.value.len();
+    same_length("the participants", rows, trials.participant.len())?;
+    same_length("the sessions", rows, trials.session.len())?;
+    same_length("the modes", rows, trials.mode.len())?;
     let people: BTreeSet<usize> = trials.participant.iter().copied().collect();
     if people.len() < 2 {
         return Err(Unestimable::TooFew { units: "participants", found: people.len(), needed: 2 });
     }
-    let cells: Vec<(usize, usize)> =
+    let cells: BTreeSet<(usize, usize)> =
         trials.session.iter().copied().zip(trials.mode.iter().copied()).collect();
-    let cells: Vec<(usize, usize)> =
-        cells.into_iter().collect::<BTreeSet<_>>().into_iter().collect();
+    let cells: Vec<(usize, usize)> = cells.into_iter().collect();
+    // A structure may pass the count of trials and fail at the information on its variances: then
+    // the next smaller one is tried, and the last refusal is the answer.
     let mut refused = None;
     for structure in STRUCTURES.into_iter().filter(|terms| may_support(trials, terms)) {
         match fit(&model(trials, &cells, structure), Criterion::Reml) {
@@ -115,22 +108,8 @@ pub fn fit_trials(trials: Trials<'_>) -> Result<TrialFit, Unestimable> {
     Err(refused.unwrap_or(Unestimable::Confounded { what }))
 }
 
-fn check(trials: Trials<'_>) -> Result<(), StatsError> {
-    let expected = trials.value.len();
-    for (what, found) in [
-        ("the participants", trials.participant.len()),
-        ("the sessions", trials.session.len()),
-        ("the modes", trials.mode.len()),
-    ] {
-        if found != expected {
-            return Err(NumericsError::LengthMismatch { what, expected, found }.into());
-        }
-    }
-    Ok(())
-}
-
 /// Whether some participant has two levels of each term that has levels, and some level two trials:
-/// without that the design cannot support it (the information on the variances is asked later).
+/// without that the design cannot support it (the information on the variances is tested later).
 fn may_support(trials: Trials<'_>, terms: &[Term]) -> bool {
     terms.iter().all(|term| {
         let mut trials_of: BTreeMap<(usize, usize), usize> = BTreeMap::new();
@@ -150,21 +129,21 @@ fn may_support(trials: Trials<'_>, terms: &[Term]) -> bool {
 
 /// The level of each trial within its participant.
 fn level(trials: Trials<'_>, term: Term) -> Vec<usize> {
-    let (by_mode, by_session) = term.varies();
-    let number = |values: &[usize], varies: bool| -> (Vec<usize>, usize) {
-        let sorted: Vec<usize> =
-            values.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
-        let places = values.iter().map(|value| match varies {
-            true => sorted.partition_point(|s| s < value),
-            false => 0,
-        });
-        (places.collect(), sorted.len())
-    };
-    let (modes, count) = number(trials.mode, by_mode);
-    let (sessions, _) = number(trials.session, by_session);
-    modes.iter().zip(&sessions).map(|(mode, session)| session * count + mode).collect()
+    let by_mode = matches!(term, Term::ParticipantMode | Term::ParticipantSessionMode);
+    let by_session = matches!(term, Term::ParticipantSession | Term::ParticipantSessionMode);
+    let [modes, sessions] = [trials.mode, trials.session].map(|values| {
+        values.iter().copied().collect::<BTreeSet<_>>().into_iter().collect::<Vec<usize>>()
+    });
+    let mut levels = Vec::with_capacity(trials.mode.len());
+    for (mode, session) in trials.mode.iter().zip(trials.session) {
+        let mode = if by_mode { modes.partition_point(|m| m < mode) } else { 0 };
+        let session = if by_session { sessions.partition_point(|s| s < session) } else { 0 };
+        levels.push(session * modes.len() + mode);
+    }
+    levels
 }
 
+/// The model of the trials with the means of `cells` and the random terms of `structure`.
 fn model(trials: Trials<'_>, cells: &[(usize, usize)], structure: &[Term]) -> Model {
     let fixed = cells.iter().map(|(session, mode)| {
         let of_trials = trials.session.iter().zip(trials.mode);
@@ -188,9 +167,10 @@ impl TrialFit {
     /// # Errors
     /// No session has both modes.
     pub fn difference(&self, a: usize, b: usize) -> Result<Vec<f64>, Unestimable> {
-        let has = |session: usize, mode: usize| self.cells.contains(&(session, mode));
-        let sessions: BTreeSet<usize> =
-            self.cells.iter().map(|(s, _)| *s).filter(|s| has(*s, a) && has(*s, b)).collect();
+        let sessions = self.cells.iter().map(|(session, _)| *session);
+        let sessions: BTreeSet<usize> = sessions
+            .filter(|session| [a, b].iter().all(|mode| self.cells.contains(&(*session, *mode))))
+            .collect();
         if sessions.is_empty() || a == b {
             let what = format!("mode {a} from mode {b} within a session");
             return Err(Unestimable::Confounded { what });

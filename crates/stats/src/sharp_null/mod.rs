@@ -11,15 +11,14 @@
 
 use crate::Unestimable;
 use crate::bootstrap::stream;
-use crate::error::{StatsError, all_finite};
+use crate::error::{StatsError, all_finite, same_length};
 use crate::null::{Null, SAME, Sampling};
 use crate::paired::difference;
 use rand_chacha::rand_core::Rng;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use zwidth_numerics::NumericsError;
 
-/// What is measured for an order: large if modes differ.
+/// A statistic of an order that is large if modes differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Statistic {
     /// Mean of the first mode − mean of the second, in the unit of the values: extreme to either side.
@@ -93,9 +92,11 @@ impl Trials {
             let (sum, count) = blocks.entry(*block).or_default();
             (*sum, *count) = (*sum + value, *count + 1.0);
         }
-        let mean = |block: &usize| blocks.get(block).map_or(0.0, |(sum, count)| sum / count);
-        let centred = values.iter().zip(block).map(|(v, block)| difference(*v, mean(block)));
-        let centred: Vec<f64> = centred.collect();
+        let mut centred = Vec::with_capacity(values.len());
+        for (value, block) in values.iter().zip(block) {
+            let mean = blocks.get(block).map_or(0.0, |(sum, count)| sum / count);
+            centred.push(difference(*value, mean));
+        }
         Ok(Trials {
             squares: centred.iter().map(|value| value * value).sum(),
             together: centred.into_iter().map(|sum| Together { sum, count: 1 }).collect(),
@@ -156,13 +157,15 @@ impl Trials {
         sampling: Sampling,
         redraw: impl Fn(u64) -> Vec<usize> + Sync,
     ) -> Vec<Result<Randomised, Unestimable>> {
-        let observed: Vec<_> = statistics.iter().map(|of| self.observed(*of)).collect();
+        let observed: Vec<_> =
+            statistics.iter().map(|statistic| self.observed(*statistic)).collect();
+        // Drawing takes long, and without an observed statistic it is for nothing.
         let draws = if observed.iter().any(Result::is_ok) { sampling.draws } else { 0 };
         let drawn = self.measure_drawn(statistics, Sampling { draws, ..sampling }, redraw);
         let tests = observed.into_iter().enumerate().map(|(place, observed)| {
             let observed = observed?;
             let drawn = drawn.as_ref().map_err(Clone::clone)?;
-            let drawn: Vec<f64> = drawn.iter().map(|found| found[place]).collect();
+            let drawn: Vec<f64> = drawn.iter().map(|values| values[place]).collect();
             Ok(self.sampled(statistics[place], observed, drawn))
         });
         tests.collect()
@@ -178,19 +181,22 @@ impl Trials {
         let measured = (0..sampling.draws as u64).into_par_iter().map(|number| {
             let order = redraw(stream(sampling.seed, number).next_u64());
             check_order(&order, self.together.len(), self.modes)?;
-            Ok(statistics.iter().map(|of| self.measure(*of, &order)).collect())
+            Ok(statistics.iter().map(|statistic| self.measure(*statistic, &order)).collect())
         });
         measured.collect()
     }
 
+    /// The test by the statistics of orders drawn. The actual order counts among them, so that p is
+    /// never 0.
     fn sampled(&self, statistic: Statistic, observed: f64, drawn: Vec<f64>) -> Randomised {
-        let p = |value| {
+        let most_extreme = largest(&drawn).max(observed.abs());
+        let [p_value, smallest_p] = [observed, most_extreme].map(|value| {
             (1 + self.as_extreme(statistic, &drawn, value)) as f64 / (1 + drawn.len()) as f64
-        };
+        });
         Randomised {
             statistic: observed,
-            p_value: p(observed),
-            smallest_p: p(largest(&drawn).max(observed.abs())),
+            p_value,
+            smallest_p,
             null: Null::Sampled { draws: drawn.len() },
             percentiles: percentiles(drawn),
         }
@@ -212,11 +218,12 @@ impl Trials {
             return Err(Unestimable::Refused(StatsError::OrderNotAmong { orders: orders.len() }));
         }
         let all: Vec<f64> = orders.par_iter().map(|order| self.measure(statistic, order)).collect();
-        let p = |value| self.as_extreme(statistic, &all, value) as f64 / all.len() as f64;
+        let [p_value, smallest_p] = [observed, largest(&all)]
+            .map(|value| self.as_extreme(statistic, &all, value) as f64 / all.len() as f64);
         Ok(Randomised {
             statistic: observed,
-            p_value: p(observed),
-            smallest_p: p(largest(&all)),
+            p_value,
+            smallest_p,
             null: Null::Exact,
             percentiles: percentiles(all),
         })
@@ -225,12 +232,14 @@ impl Trials {
     /// Those of `orders` in which every trial of a mode other than `a` and `b` has its actual mode:
     /// what a test of this one pair may shuffle when the other modes may differ from it.
     pub fn that_move_only(&self, a: usize, b: usize, orders: &[Vec<usize>]) -> Vec<Vec<usize>> {
-        let moved = |mode: &usize| *mode == a || *mode == b;
-        let that_hold = orders.iter().filter(|order| {
+        let of_pair = orders.iter().filter(|order| {
             order.len() == self.actual.len()
-                && order.iter().zip(&self.actual).all(|(x, y)| x == y || moved(x) && moved(y))
+                && order
+                    .iter()
+                    .zip(&self.actual)
+                    .all(|(x, y)| x == y || [a, b].contains(x) && [a, b].contains(y))
         });
-        that_hold.cloned().collect()
+        of_pair.cloned().collect()
     }
 
     /// The statistic of the actual order.
@@ -263,49 +272,44 @@ impl Trials {
         match statistic {
             Statistic::Difference(a, b) if counts[a] == 0 || counts[b] == 0 => f64::INFINITY,
             Statistic::Difference(a, b) => mean(a) - mean(b),
-            // the mean of all is zero
+            // The mean of all is zero. A mode without a trial has an infinite one, which 0 trials
+            // must not turn into NaN.
             Statistic::BetweenModes => {
                 (0..self.modes).map(|mode| counts[mode].max(1) as f64 * mean(mode).powi(2)).sum()
             }
         }
     }
 
-    /// How many of `found` are as far from zero as `value` or farther, to rounding.
-    fn as_extreme(&self, statistic: Statistic, found: &[f64], value: f64) -> usize {
+    /// How many of `statistics` are as far from zero as `value` or farther, to rounding.
+    fn as_extreme(&self, statistic: Statistic, statistics: &[f64], value: f64) -> usize {
         let possible = match statistic {
             Statistic::Difference(..) => self.squares.sqrt(),
             Statistic::BetweenModes => self.squares,
         };
         let threshold = value.abs() - SAME * possible;
-        found.iter().filter(|s| s.abs() >= threshold).count()
+        statistics.iter().filter(|s| s.abs() >= threshold).count()
     }
 }
 
-fn largest(found: &[f64]) -> f64 {
-    found.iter().fold(0.0, |most, s| most.max(s.abs()))
+fn largest(statistics: &[f64]) -> f64 {
+    statistics.iter().fold(0.0, |most, s| most.max(s.abs()))
 }
 
 /// Of the orders in which both modes have a value: the middle one of each hundredth of them, which
 /// is the statistic of an order and no mean of two.
-fn percentiles(mut found: Vec<f64>) -> Vec<f64> {
-    found.retain(|s| s.is_finite());
-    found.sort_by(f64::total_cmp);
-    let place = |percent: usize| (2 * percent + 1) * found.len() / 200;
-    (0..100).filter_map(|percent| found.get(place(percent)).copied()).collect()
+fn percentiles(mut statistics: Vec<f64>) -> Vec<f64> {
+    statistics.retain(|s| s.is_finite());
+    statistics.sort_by(f64::total_cmp);
+    let middles = (0..100).map(|percent| (2 * percent + 1) * statistics.len() / 200);
+    middles.filter_map(|place| statistics.get(place).copied()).collect()
 }
 
+/// Checks that an order has a known mode for each trial.
 fn check_order(order: &[usize], trials: usize, modes: usize) -> Result<(), StatsError> {
     same_length("an order of modes", trials, order.len())?;
     match order.iter().position(|mode| *mode >= modes) {
         None => Ok(()),
         Some(trial) => Err(StatsError::Mode { trial, mode: order[trial], modes }),
-    }
-}
-
-fn same_length(what: &'static str, expected: usize, found: usize) -> Result<(), StatsError> {
-    match expected == found {
-        true => Ok(()),
-        false => Err(NumericsError::LengthMismatch { what, expected, found }.into()),
     }
 }
 

@@ -49,6 +49,7 @@ impl Shape for Hinge {
 /// break at `highest` at most. In scaled units.
 pub(super) fn best(at: &[Point], scale: &Scale, highest: f64) -> Option<Fit> {
     let cuts = cuts(at, scale, highest);
+    // Each cut has all points, below or above it.
     let total = cuts.first()?.all();
     let neighbours = cuts.windows(2).filter_map(|pair| pair[0].break_between(pair[1].level));
     let mut best: Option<Fit> = None;
@@ -157,6 +158,7 @@ fn cuts(at: &[Point], scale: &Scale, highest: f64) -> Vec<Cut> {
             });
         }
     }
+    // Now `below` has all points.
     cuts.iter_mut().for_each(|cut| cut.above = below - cut.below);
     cuts
 }

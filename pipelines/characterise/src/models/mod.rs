@@ -30,7 +30,7 @@ pub fn all() -> impl Iterator<Item = Model> {
 /// voltage than it takes hold at.
 #[derive(Clone, Copy)]
 pub struct Model {
-    /// Which of the candidates it is.
+    /// Its name among the candidates.
     pub name: CurveModel,
     /// Its curve.
     pub shape: &'static dyn Shape,
@@ -69,11 +69,9 @@ impl Model {
 
     /// The parameters in the order of every list: branch, name, meaning.
     pub fn parameters(&self) -> Vec<(Option<Branch>, CurveSymbol, Quantity)> {
-        let of = |branch: &Option<Branch>| {
-            let branch = *branch;
-            self.shape.parameters().iter().map(move |(name, quantity)| (branch, *name, *quantity))
-        };
-        self.branches().iter().flat_map(of).collect()
+        let own = self.shape.parameters();
+        let branches = self.branches().iter();
+        branches.flat_map(|branch| own.iter().map(|(name, q)| (*branch, *name, *q))).collect()
     }
 
     /// The parameters with the smallest weighted sum of squares; `None` if the data cannot

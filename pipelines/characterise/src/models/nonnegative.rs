@@ -19,7 +19,10 @@ pub(super) fn nonnegative<const P: usize>(gram: &[[f64; P]; P], moment: &[f64; P
     let mut free = [false; P];
     let largest = moment.iter().fold(0.0_f64, |max, m| max.max(m.abs()));
     for _ in 0..ROUNDS * P {
-        let gradient = gradient(gram, moment, &x);
+        // m − G x.
+        let gradient: [f64; P] = core::array::from_fn(|j| {
+            moment[j] - gram[j].iter().zip(&x).map(|(g, x)| g * x).sum::<f64>()
+        });
         let held = (0..P).filter(|&j| !free[j]);
         let Some(next) = held.max_by(|&i, &j| gradient[i].total_cmp(&gradient[j])) else { break };
         if gradient[next] <= GRADIENT_TOLERANCE * largest {
@@ -29,11 +32,6 @@ pub(super) fn nonnegative<const P: usize>(gram: &[[f64; P]; P], moment: &[f64; P
         settle(gram, moment, &mut x, &mut free);
     }
     x
-}
-
-/// m − G x.
-fn gradient<const P: usize>(gram: &[[f64; P]; P], moment: &[f64; P], x: &[f64; P]) -> [f64; P] {
-    core::array::from_fn(|j| moment[j] - gram[j].iter().zip(x).map(|(g, x)| g * x).sum::<f64>())
 }
 
 /// Goes to the minimum over the free parameters; each that meets 0 on the way is held there.
@@ -56,6 +54,7 @@ fn settle<const P: usize>(
             *x = goal;
             return;
         };
+        // 0/0: the parameter is at 0 already.
         let share = if share.is_finite() { share } else { 0.0 };
         (0..P).filter(|&j| free[j]).for_each(|j| x[j] = (x[j] + share * (goal[j] - x[j])).max(0.0));
         (x[first], free[first]) = (0.0, false);

@@ -56,11 +56,11 @@ impl Shape for PowerLaw {
             Some(&[a, b, x0, p]) => [a, b * libm::pow(span, p), (x0 - lowest) / span, p],
             _ => best_start(&scaled, last_break)?,
         };
-        let found =
+        let fit =
             least_squares(scaled.len(), |i, theta| residual(scaled[i], theta), start, &bounds)
                 .ok()?;
-        let [a, b, x0, p] = found.parameters;
-        found.converged.then(|| vec![a, b / libm::pow(span, p), lowest + span * x0, p])
+        let [a, b, x0, p] = fit.parameters;
+        fit.converged.then(|| vec![a, b / libm::pow(span, p), lowest + span * x0, p])
     }
 
     fn predict(&self, parameters: &[f64], command: f64) -> f64 {
@@ -91,8 +91,8 @@ fn residual((x, y, root_w): Scaled, &[a, b, x0, p]: &[f64; 4]) -> (f64, [f64; 4]
     )
 }
 
-/// The point (a, b, x0, p) of the coarse grid with the smallest sum of squares on every so many-th
-/// point.
+/// The point (a, b, x0, p) of the coarse grid with the smallest sum of squares on a regular choice
+/// of the points.
 fn best_start(points: &[Scaled], last_break: f64) -> Option<[f64; 4]> {
     let every = points.len().div_ceil(START_POINTS);
     let few: Vec<Scaled> = points.iter().copied().step_by(every).collect();
@@ -100,27 +100,23 @@ fn best_start(points: &[Scaled], last_break: f64) -> Option<[f64; 4]> {
     for step in 0..START_BREAKS {
         let x0 = last_break * step as f64 / START_BREAKS as f64;
         for p in START_EXPONENTS {
-            let Some((rss, start)) = start_at(&few, x0, p) else {
-                continue;
-            };
+            let powers: Vec<Scaled> = few
+                .iter()
+                .map(|&(x, y, root_w)| {
+                    let power = if x > x0 { libm::pow(x - x0, p) } else { 0.0 };
+                    (power, y, root_w * root_w)
+                })
+                .collect();
+            // With break and exponent fixed, the curve is a line in the power.
+            let Some((a, b)) = weighted_line(powers.iter().copied()) else { continue };
+            let squares = powers.iter().map(|(u, y, w)| w * (a + b * u - y) * (a + b * u - y));
+            let rss: f64 = squares.sum();
             if best.is_none_or(|(smallest, _)| rss < smallest) {
-                best = Some((rss, start));
+                best = Some((rss, [a, b, x0, p]));
             }
         }
     }
     best.map(|(_, start)| start)
-}
-
-/// The best a and b for this break and exponent, with their sum of squares.
-fn start_at(points: &[Scaled], x0: f64, p: f64) -> Option<(f64, [f64; 4])> {
-    let shape = |&(x, y, root_w): &Scaled| {
-        let power = if x > x0 { libm::pow(x - x0, p) } else { 0.0 };
-        (power, y, root_w * root_w)
-    };
-    let shapes: Vec<Scaled> = points.iter().map(shape).collect();
-    let (a, b) = weighted_line(shapes.iter().copied())?;
-    let square = |&(power, y, w): &Scaled| w * (a + b * power - y) * (a + b * power - y);
-    Some((shapes.iter().map(square).sum(), [a, b, x0, p]))
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ impl Shape for Saturation {
         ]
     }
 
-    /// For a given plateau x1 the curve is a hinge in min(x, x1), whose best break is known in
+    /// For a fixed plateau x1 the curve is a hinge in min(x, x1), whose best break is known in
     /// closed form; what is left is a search along x1: the best of a coarse grid, then a golden
     /// section. Between break and plateau lie two commands at least. From `near` it is a few
     /// steps of Levenberg–Marquardt instead.
@@ -44,7 +44,19 @@ impl Shape for Saturation {
         let first = levels[2];
         let last = levels[n - 1];
         if let Some(&[a, b, x0, x1]) = near {
-            return refined(points, [a, b, x0, x1], [lowest, levels[n - 3], first, last]);
+            let bounds = Bounds {
+                lower: [f64::NEG_INFINITY, f64::NEG_INFINITY, lowest, first],
+                upper: [f64::INFINITY, f64::INFINITY, levels[n - 3], last],
+            };
+
+            let fit = least_squares(
+                points.at.len(),
+                |i, theta| residual(&points.at[i], theta),
+                [a, b, x0, x1],
+                &bounds,
+            )
+            .ok()?;
+            return fit.converged.then(|| fit.parameters.to_vec());
         }
         let scale = Scale::of(points);
         let rss = |x1: f64| hinge_below(points, &scale, x1).map_or(f64::INFINITY, |fit| fit.rss);
@@ -66,22 +78,6 @@ impl Shape for Saturation {
         let &[a, b, x0, x1] = parameters else { return f64::NAN };
         a + b * (command.max(x0).min(x1) - x0).max(0.0)
     }
-}
-
-/// The minimum nearest to `start`, with x0 and x1 within `ends`.
-fn refined(
-    points: &Points,
-    start: [f64; 4],
-    [x0_min, x0_max, x1_min, x1_max]: [f64; 4],
-) -> Option<Vec<f64>> {
-    let bounds = Bounds {
-        lower: [f64::NEG_INFINITY, f64::NEG_INFINITY, x0_min, x1_min],
-        upper: [f64::INFINITY, f64::INFINITY, x0_max, x1_max],
-    };
-    let found =
-        least_squares(points.at.len(), |i, theta| residual(&points.at[i], theta), start, &bounds)
-            .ok()?;
-    found.converged.then(|| found.parameters.to_vec())
 }
 
 /// √w (a + b (clamp(x) − x0) − y) and its gradient by (a, b, x0, x1).
@@ -124,6 +120,7 @@ fn golden_section(cost: impl Fn(f64) -> f64, left: f64, right: f64, width: f64) 
             costs = [costs[1], cost(inner[1])];
         }
     }
+    // The ends too, which the section approaches but never reaches.
     lowest_of([right, left, 0.5 * (low + high)].into_iter(), cost).unwrap_or(right)
 }
 

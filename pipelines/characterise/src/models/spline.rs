@@ -43,6 +43,7 @@ impl Shape for Spline {
             return None;
         }
         let sums = Sums::of(points.at, low, high);
+        // Slopes of one sign: negative ones are those of the mirror image.
         let rising = nonnegative(&sums.gram, &sums.moment);
         let falling = nonnegative(&sums.gram, &sums.moment.map(|m| -m)).map(|s| -s);
         let slopes =
@@ -116,8 +117,9 @@ impl Sums {
     /// By how much these slopes lessen the sum of squares.
     fn explains(&self, slopes: &[f64; KNOTS]) -> f64 {
         let pulled: f64 = slopes.iter().zip(&self.moment).map(|(s, m)| s * m).sum();
-        let row = |row: &[f64; KNOTS]| row.iter().zip(slopes).map(|(g, s)| g * s).sum::<f64>();
-        2.0 * pulled - slopes.iter().zip(&self.gram).map(|(s, g)| s * row(g)).sum::<f64>()
+        let rows = slopes.iter().zip(&self.gram);
+        let bent = rows.map(|(s, row)| s * row.iter().zip(slopes).map(|(g, s)| g * s).sum::<f64>());
+        2.0 * pulled - bent.sum::<f64>()
     }
 }
 

@@ -34,7 +34,7 @@ pub(super) struct Loop {
 }
 
 impl Loop {
-    /// That of a trial, at the ticks of its recording.
+    /// The loop of a trial, at the ticks of its recording.
     pub(super) fn of(
         study: &Study,
         rendering: &Rendering,
@@ -62,22 +62,21 @@ impl Loop {
             brake: Lag { on_s: plant.brake_on_s, off_s: plant.brake_off_s, now: 0.0 },
         })
     }
-
-    fn seen_rad(&self, theta_rad: f64) -> f64 {
-        if self.count_rad <= 0.0 {
-            return theta_rad;
-        }
-        let counts = ((theta_rad - self.first_rad) / self.count_rad).round();
-        self.first_rad + counts * self.count_rad
-    }
 }
 
 impl TickController for Loop {
-    /// What lags is held at its mean over the tick: the same impulse.
+    /// A force that lags is held at its mean over the tick, which has the same impulse.
     fn tick(&mut self, number: usize, theta_rad: f64) -> HeldForces {
         let t_s = self.t_s[number];
         let dt_s = self.t_s.get(number + 1).map_or(0.0, |next| next - t_s);
-        let seen_rad = self.seen_rad(theta_rad);
+        let seen_rad = match self.count_rad > 0.0 {
+            // Counted from the first sample, which is a whole count of the device's.
+            true => {
+                let counts = ((theta_rad - self.first_rad) / self.count_rad).round();
+                self.first_rad + counts * self.count_rad
+            }
+            false => theta_rad,
+        };
         let rate = self.velocity.step(t_s, seen_rad);
         let (voltages, _) = self.controller.step(seen_rad, rate, self.read_n[number]);
         let motor_n = self.calibration.motor.force_n(voltages.motor_v);
@@ -131,16 +130,16 @@ fn mean_about(t: &[f64], y: &[f64], width_s: f64) -> Vec<f64> {
         let value = interpolate(t, y, at).unwrap_or(y[k]);
         integral[k] + (at - t[k]) * 0.5 * (y[k] + value)
     };
-    let mean = |at: &f64| {
+    let mut means = Vec::with_capacity(t.len());
+    for at in t {
         // As far to one side as to the other, so that a slope stays what it is.
         let half_s = (0.5 * width_s).min(at - first).min(last - at);
-        if half_s > 0.0 {
-            (until(at + half_s) - until(at - half_s)) / (2.0 * half_s)
-        } else {
-            interpolate(t, y, *at).unwrap_or_default()
-        }
-    };
-    t.iter().map(mean).collect()
+        means.push(match half_s > 0.0 {
+            true => (until(at + half_s) - until(at - half_s)) / (2.0 * half_s),
+            false => interpolate(t, y, *at).unwrap_or_default(),
+        });
+    }
+    means
 }
 
 #[cfg(test)]

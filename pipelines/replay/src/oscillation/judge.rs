@@ -1,4 +1,4 @@
-//! The answer, and what it rests on.
+//! The answer, and its grounds.
 
 use super::course::{Loop, SwingCourse, scene, slow_part};
 use super::recorded::{RecordedSwings, bound_rad, swings};
@@ -22,7 +22,7 @@ const LASTS: usize = 2;
 const PHASE: f64 = 0.1;
 /// Shares of a tick that `moreau_jean` takes as steps: one, halved twice.
 const STEPS: [f64; 3] = [0.25, 0.125, 0.0625];
-/// Samples in a tick at which `exact` is looked at.
+/// Samples per tick of a run of `exact`.
 const SAMPLES: f64 = 4.0;
 
 /// Where an oscillation comes from, or why this is unknown.
@@ -62,7 +62,7 @@ pub enum SwingAnswer {
 }
 
 impl SwingAnswer {
-    /// Its words in tables.
+    /// The answer as tables word it.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Calm => "no oscillation",
@@ -108,23 +108,24 @@ impl Origin {
     }
 }
 
-/// What one trial's oscillation is.
+/// The oscillation of one trial, and its judgement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Oscillation {
-    /// Where it comes from.
+    /// Its origin.
     pub origin: Origin,
     /// Half the peak-to-peak angle from which on a swing exists, rad.
     pub bound_rad: f64,
-    /// The recorded one.
+    /// The recorded oscillation.
     pub recorded: Option<RecordedSwings>,
-    /// That of the model with the user's force, where and when it was recorded.
+    /// The oscillation of the model with the user's force, where and when it was recorded.
     pub with_force: Option<RecordedSwings>,
-    /// That of the model with the slow part of the user's force, from when the swings begin.
+    /// The oscillation of the model with the slow part of the user's force, from when the swings
+    /// begin.
     pub alone: Option<RecordedSwings>,
-    /// Sizes of the latter by `moreau_jean`, at a quarter of a tick, half and a quarter of that,
-    /// rad; 0 where it does not swing.
+    /// Sizes of the model's swings alone by `moreau_jean`, at a quarter of a tick, half and a
+    /// quarter of that, rad; 0 where it does not swing.
     pub stepped_rad: [f64; 3],
-    /// What the latter is, by its reference.
+    /// The nature of the model's motion alone, by its reference.
     pub nature: Option<RunVerdict>,
     /// cos φ: above 0 the fast part of the user's force feeds the swing.
     pub power_factor: Option<f64>,
@@ -168,39 +169,40 @@ pub fn oscillation(
     let course = drive.recorded();
     let bound_rad = bound_rad(course, &study.analysis);
     let all_s = [f64::NEG_INFINITY, f64::INFINITY];
-    let without = |origin, found| Ok(Oscillation::without_model(origin, bound_rad, found));
-    let Some(found) = swings(&course.t_s, &course.theta_rad, bound_rad, all_s) else {
+    let without = |origin, recorded| Ok(Oscillation::without_model(origin, bound_rad, recorded));
+    let Some(recorded) = swings(&course.t_s, &course.theta_rad, bound_rad, all_s) else {
         return without(Origin::None, None);
     };
     let ticks = (course.t_s.len() - 1) as f64;
-    let tick_s = course.t_s[course.t_s.len() - 1] / ticks;
-    if found.period_s() < TICKS_A_CYCLE * tick_s {
-        return without(Origin::TooFewTicks, Some(found));
+    let tick_s = course.t_s[course.t_s.len() - 1] / ticks; // recorded ticks are not quite even
+    if recorded.period_s() < TICKS_A_CYCLE * tick_s {
+        return without(Origin::TooFewTicks, Some(recorded));
     }
     let controller = match Loop::of(study, rendering, trial, &drive, plant) {
-        Err(why) => return without(Origin::NoModel(why), Some(found)),
+        Err(why) => return without(Origin::NoModel(why), Some(recorded)),
         Ok(controller) => controller,
     };
-    let slow_n = slow_part(&course.t_s, &course.force_ex_n, found.period_s());
+    let slow_n = slow_part(&course.t_s, &course.force_ex_n, recorded.period_s());
     // What begins a swing may be a quick push, and friction holds a lever that is pushed slowly.
     let forces = course.t_s.iter().zip(course.force_ex_n.iter().zip(&slow_n));
-    let kicked_n: Vec<f64> =
-        forces.map(|(t, (force, slow))| if *t < found.from_s { *force } else { *slow }).collect();
+    let kicked_n: Vec<f64> = forces
+        .map(|(t, (force, slow))| if *t < recorded.from_s { *force } else { *slow })
+        .collect();
     let scene = scene(&drive, plant);
-    let model = |force_n: &[f64]| {
-        let ticks = (course.t_s.clone(), force_n.to_vec());
+    let [with_force, alone] = [&course.force_ex_n, &kicked_n].map(|force_n| {
+        let ticks = (course.t_s.clone(), force_n.clone());
         TickedLoop::new(scene.clone(), ticks, controller.clone())
-    };
-    let with_force = model(&course.force_ex_n)?;
-    let alone = model(&kicked_n)?;
-    let exact = |model: &dyn Model| model.run(&Exact::default(), tick_s / SAMPLES).ok();
-    let runs = [exact(&with_force), exact(&alone)];
+    });
+    let with_force = with_force?;
+    let alone = alone?;
+    let runs =
+        [&with_force, &alone].map(|model| model.run(&Exact::default(), tick_s / SAMPLES).ok());
     let [Some(run_with), Some(run_alone)] = runs else {
-        return without(Origin::NotKnown, Some(found));
+        return without(Origin::NotKnown, Some(recorded));
     };
-    let seen_in = |run: &Trajectory| seen(run, &course.t_s, &found, bound_rad);
+    let seen_in = |run: &Trajectory| seen(run, &course.t_s, &recorded, bound_rad);
     let judged = Reference::of(&alone).judge(&MoreauJean::default(), STEPS[0] * tick_s);
-    let power_factor = power_factor(&drive, &slow_n, &found)?;
+    let power_factor = power_factor(&drive, &slow_n, &recorded)?;
     let mut all = Oscillation {
         with_force: seen_in(&run_with),
         alone: seen_in(&run_alone),
@@ -215,37 +217,39 @@ pub fn oscillation(
             course_of(&run_with),
             course_of(&run_alone),
         ],
-        ..Oscillation::without_model(Origin::NotKnown, bound_rad, Some(found))
+        ..Oscillation::without_model(Origin::NotKnown, bound_rad, Some(recorded))
     };
-    all.origin = origin(&all, &found);
+    all.origin = origin(&all, &recorded);
     Ok(all)
 }
 
-/// The order of judgement.
-pub(super) fn origin(all: &Oscillation, found: &RecordedSwings) -> Origin {
-    let shows = |swings: &Option<RecordedSwings>| swings.is_some_and(|s| resembles(&s, found));
+/// The origin of the recorded swings, from everything else that is known of them.
+pub(super) fn origin(all: &Oscillation, recorded: &RecordedSwings) -> Origin {
     let cos_phi = all.power_factor.unwrap_or(0.0);
-    if shows(&all.alone) {
+    if resembles(all.alone, recorded) {
         // A swing of the model's is one that another solver has too, at its finest step.
-        let persists = all.stepped_rad[2] >= SIZE * found.amplitude_rad;
+        let persists = all.stepped_rad[2] >= SIZE * recorded.amplitude_rad;
         return match (all.nature.is_some() && persists, cos_phi > PHASE) {
             (false, _) => Origin::NotKnown,
             (true, true) => Origin::BothCould,
             (true, false) => Origin::Loop,
         };
     }
-    match (shows(&all.with_force), cos_phi < -PHASE) {
+    match (resembles(all.with_force, recorded), cos_phi < -PHASE) {
         (true, false) => Origin::User,
         (true, true) => Origin::NeitherCould,
         (false, _) => Origin::NotReproduced,
     }
 }
 
-fn resembles(model: &RecordedSwings, recorded: &RecordedSwings) -> bool {
-    let faster = model.frequency_hz / recorded.frequency_hz;
-    model.amplitude_rad >= SIZE * recorded.amplitude_rad
-        && LASTS * model.swings >= recorded.swings
-        && (1.0 / SPEED..=SPEED).contains(&faster)
+/// Whether a model swings, and like the recording.
+fn resembles(model: Option<RecordedSwings>, recorded: &RecordedSwings) -> bool {
+    model.is_some_and(|model| {
+        let faster = model.frequency_hz / recorded.frequency_hz;
+        model.amplitude_rad >= SIZE * recorded.amplitude_rad
+            && LASTS * model.swings >= recorded.swings
+            && (1.0 / SPEED..=SPEED).contains(&faster)
+    })
 }
 
 /// The oscillation of a run about when it was recorded, a period either way; at the recording's
@@ -253,14 +257,15 @@ fn resembles(model: &RecordedSwings, recorded: &RecordedSwings) -> bool {
 fn seen(
     run: &Trajectory,
     t_s: &[f64],
-    found: &RecordedSwings,
+    recorded: &RecordedSwings,
     bound_rad: f64,
 ) -> Option<RecordedSwings> {
     let all_rad: Vec<f64> = run.theta_rad().collect();
     let last_rad = all_rad.last().copied().unwrap_or(0.0);
     let at = interpolate_all(&run.t_s, &all_rad, t_s).into_iter();
     let theta_rad: Vec<f64> = at.map(|theta| theta.unwrap_or(last_rad)).collect();
-    let within_s = [found.from_s - found.period_s(), found.to_s + found.period_s()];
+    let period_s = recorded.period_s();
+    let within_s = [recorded.from_s - period_s, recorded.to_s + period_s];
     swings(t_s, &theta_rad, bound_rad, within_s)
 }
 
@@ -273,16 +278,16 @@ fn course_of(run: &Trajectory) -> SwingCourse {
 fn power_factor(
     drive: &Drive,
     slow_n: &[f64],
-    found: &RecordedSwings,
+    recorded: &RecordedSwings,
 ) -> Result<Option<f64>, ReplayError> {
     let course = drive.recorded();
     let rate = central_differences(&course.t_s, &course.theta_rad)?;
-    let slow_rate = slow_part(&course.t_s, &rate, found.period_s());
+    let slow_rate = slow_part(&course.t_s, &rate, recorded.period_s());
     let mut fv = 0.0;
     let mut ff = 0.0;
     let mut vv = 0.0;
     for (i, t) in course.t_s.iter().enumerate() {
-        if (found.from_s..=found.to_s).contains(t) {
+        if (recorded.from_s..=recorded.to_s).contains(t) {
             let f = course.force_ex_n[i] - slow_n[i];
             let v = rate[i] - slow_rate[i];
             fv += f * v;

@@ -7,7 +7,7 @@ use zwidth_numerics::order::upper_median;
 use zwidth_numerics::zigzag::zigzag;
 use zwidth_study::Analysis;
 
-/// So many σ of the noise.
+/// A swing exists from this many σ of the noise on.
 const SIGMAS: f64 = 4.0;
 /// Neighbours in a row differ by at most this factor in duration: a push and the swings after it
 /// are two things.
@@ -18,11 +18,11 @@ const ROUNDING_RAD: f64 = 1e-12;
 /// The oscillation of a recording: its longest row of existing swings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordedSwings {
-    /// When it begins, s since the first sample.
+    /// Its beginning, s since the first sample.
     pub from_s: f64,
-    /// When it ends.
+    /// Its end, likewise.
     pub to_s: f64,
-    /// How many swings.
+    /// Number of swings.
     pub swings: usize,
     /// Median of half their peak-to-peak angle, rad.
     pub amplitude_rad: f64,
@@ -67,15 +67,16 @@ pub(crate) fn bound_rad(course: &Course, analysis: &Analysis) -> f64 {
     let active = activity(&course.theta_dot_rad_s, analysis.onset_rad_s, analysis.offset_rad_s);
     let onset = active.map_or(course.theta_rad.len(), |active| active.onset);
     let rest = &course.theta_rad[..onset];
-    let noise_rad = if rest.len() < FEWEST { 0.0 } else { deviation(rest) };
+    let noise_rad = match rest.len() < FEWEST {
+        true => 0.0,
+        false => {
+            // σ by second differences, root mean square over √6: a slow drift has none.
+            let bends = rest.windows(3).map(|y| y[0] - 2.0 * y[1] + y[2]);
+            let (sum, n) = bends.fold((0.0, 0.0), |(sum, n), bend| (sum + bend * bend, n + 1.0));
+            (sum / (6.0 * n)).sqrt()
+        }
+    };
     count_rad(&course.theta_rad).max(SIGMAS * noise_rad)
-}
-
-/// σ of the noise by second differences, root mean square over √6: a slow drift has none.
-fn deviation(y: &[f64]) -> f64 {
-    let bends = y.windows(3).map(|y| y[0] - 2.0 * y[1] + y[2]);
-    let (sum, n) = bends.fold((0.0, 0.0), |(sum, n), bend| (sum + bend * bend, n + 1.0));
-    (sum / (6.0 * n)).sqrt()
 }
 
 /// The oscillation of an angle against time; `None` for fewer than six existing swings in a row.
@@ -87,15 +88,17 @@ pub(crate) fn swings(
     within_s: [f64; 2],
 ) -> Option<RecordedSwings> {
     let legs = zigzag(theta_rad, 2.0 * bound_rad);
+    // The first and the last leg begin or end where the recording does, at no turn.
     let inner = legs.get(1..legs.len().saturating_sub(1)).unwrap_or_default();
-    let swing = |from: usize, to: usize| Swing {
-        from_s: t_s[from],
-        to_s: t_s[to],
-        amplitude_rad: 0.5 * (theta_rad[to] - theta_rad[from]).abs(),
-    };
-    let all: Vec<Swing> = inner.iter().map(|leg| swing(leg.from, leg.to)).collect();
-    let is_in = |swing: &&Swing| within_s[0] <= swing.from_s && swing.to_s <= within_s[1];
-    let all: Vec<Swing> = all.iter().filter(is_in).copied().collect();
+    let mut all = Vec::new();
+    for leg in inner {
+        let from_s = t_s[leg.from];
+        let to_s = t_s[leg.to];
+        if within_s[0] <= from_s && to_s <= within_s[1] {
+            let amplitude_rad = 0.5 * (theta_rad[leg.to] - theta_rad[leg.from]).abs();
+            all.push(Swing { from_s, to_s, amplitude_rad });
+        }
+    }
     // The first of equally long rows.
     let rows = all
         .chunk_by(|a, b| {
@@ -109,6 +112,7 @@ pub(crate) fn swings(
         from_s: row[0].from_s,
         to_s: row[row.len() - 1].to_s,
         swings: row.len(),
+        // The upper of two middle ones is the size of a swing that was there.
         amplitude_rad: upper_median(row.iter().map(|swing| swing.amplitude_rad))?,
         frequency_hz: 0.5 * row.len() as f64 / (row[row.len() - 1].to_s - row[0].from_s),
     })

@@ -1,15 +1,17 @@
 //! Oscillations as rows.
 
 use super::judge::Oscillation;
-use super::recorded::RecordedSwings;
 use zwidth_results::TrialOscillation;
 use zwidth_study::TrialMeta;
 
 /// The row of a trial.
-pub fn trial_oscillation(meta: &TrialMeta, of: &Oscillation) -> TrialOscillation {
-    let amplitude = |swings: &Option<RecordedSwings>| swings.map(|swings| swings.amplitude_rad);
-    let frequency = |swings: &Option<RecordedSwings>| swings.map(|swings| swings.frequency_hz);
-    let stepped_rad = of.nature.map(|_| of.stepped_rad);
+pub fn trial_oscillation(meta: &TrialMeta, oscillation: &Oscillation) -> TrialOscillation {
+    let Oscillation { origin, recorded, with_force, alone, nature, .. } = oscillation;
+    let [amplitude_rad, with_force_amplitude_rad, alone_amplitude_rad] =
+        [recorded, with_force, alone].map(|swings| swings.map(|swings| swings.amplitude_rad));
+    let [frequency_hz, with_force_frequency_hz, alone_frequency_hz] =
+        [recorded, with_force, alone].map(|swings| swings.map(|swings| swings.frequency_hz));
+    let stepped_rad = nature.map(|_| oscillation.stepped_rad);
     TrialOscillation {
         participant: meta.participant.clone(),
         session: meta.session.clone(),
@@ -17,22 +19,22 @@ pub fn trial_oscillation(meta: &TrialMeta, of: &Oscillation) -> TrialOscillation
         environment: meta.environment.clone(),
         mode: meta.mode.clone(),
         source: meta.source,
-        answer: of.origin.answer().as_str().to_owned(),
-        why: of.origin.why().into(),
-        bound_rad: of.bound_rad,
-        swings: of.recorded.map(|swings| swings.swings),
-        from_s: of.recorded.map(|swings| swings.from_s),
-        to_s: of.recorded.map(|swings| swings.to_s),
-        amplitude_rad: amplitude(&of.recorded),
-        frequency_hz: frequency(&of.recorded),
-        with_force_amplitude_rad: amplitude(&of.with_force),
-        with_force_frequency_hz: frequency(&of.with_force),
-        alone_amplitude_rad: amplitude(&of.alone),
-        alone_frequency_hz: frequency(&of.alone),
-        stepped_amplitude_rad: stepped_rad.map(|of| of[0]),
-        half_step_amplitude_rad: stepped_rad.map(|of| of[1]),
-        quarter_step_amplitude_rad: stepped_rad.map(|of| of[2]),
-        nature: of.nature.map(|nature| nature.as_str().to_owned()),
-        power_factor: of.power_factor,
+        answer: origin.answer().as_str().to_owned(),
+        why: origin.why().into(),
+        bound_rad: oscillation.bound_rad,
+        swings: recorded.map(|swings| swings.swings),
+        from_s: recorded.map(|swings| swings.from_s),
+        to_s: recorded.map(|swings| swings.to_s),
+        amplitude_rad,
+        frequency_hz,
+        with_force_amplitude_rad,
+        with_force_frequency_hz,
+        alone_amplitude_rad,
+        alone_frequency_hz,
+        stepped_amplitude_rad: stepped_rad.map(|[whole, _, _]| whole),
+        half_step_amplitude_rad: stepped_rad.map(|[_, half, _]| half),
+        quarter_step_amplitude_rad: stepped_rad.map(|[_, _, quarter]| quarter),
+        nature: nature.map(|nature| nature.as_str().to_owned()),
+        power_factor: oscillation.power_factor,
     }
 }
