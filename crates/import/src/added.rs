@@ -8,25 +8,25 @@ use super::identity::{FromZero, Identity};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zwidth_store::{SessionLog, StoreError, StudyData};
-use zwidth_study::{AnswerValue, Event, PlannedTrial, QuestionId};
+use zwidth_study::{AnswerValue, Event, QuestionId};
 
 /// The study as it is, and what its trials are answered with.
-pub(super) struct There {
+pub(super) struct ExistingAnswers {
     data: StudyData,
     from_zero: FromZero,
     /// Each answer so far, of the study and of this import: the log of its session, its trial, its
     /// question.
     answers: BTreeMap<(PathBuf, u32, QuestionId), AnswerValue>,
-    /// What the logs are to say.
+    /// New events for each log.
     pub(super) events: BTreeMap<PathBuf, Vec<Event>>,
 }
 
-impl There {
+impl ExistingAnswers {
     /// # Errors
-    /// What keeps the study from being read.
+    /// The study cannot be read.
     pub(super) fn load(context: &Context, identities: &[Identity]) -> Result<Self, Errors> {
         let data = StudyData::load_from(context.files, context.layout);
-        let data = data.map_err(|found| found.into_iter().collect::<Errors>())?;
+        let data = data.map_err(|errors| errors.into_iter().collect::<Errors>())?;
         let mut answers = BTreeMap::new();
         for log in &data.sessions {
             for event in &log.events {
@@ -37,9 +37,11 @@ impl There {
         }
         for entry in &data.trials {
             let meta = &entry.meta;
-            let asked = data.study.environment(&meta.environment).and_then(|e| e.question.as_ref());
-            if let (Some(question), Some(value)) = (asked, meta.likert) {
+            let environment = data.study.environment(&meta.environment);
+            let question = environment.and_then(|e| e.question.as_ref());
+            if let (Some(question), Some(value)) = (question, meta.likert) {
                 let log = context.layout.events(&meta.participant, &meta.session);
+                // Not over an answer in the log: one that was mended is there, and a trial's file never changes.
                 answers.entry((log, meta.trial, question.clone())).or_insert(value.into());
             }
         }
@@ -65,17 +67,23 @@ impl There {
                     format!("session {session} of {participant} is there, and cannot be read");
                 StoreError::new(file, what, "see `zwidth verify`")
             })?;
-        let trial = trial_of(log, &row.identity, self.from_zero)?;
+        let trial = trial_of(log, &row.identity, self.from_zero)
+            .map_err(|(what, remedy)| StoreError::new(file, what, remedy))?;
         let mut new = Vec::new();
-        for (question, given) in &row.answers {
-            let answer = (path.clone(), trial, question.clone());
-            match self.answers.get(&answer) {
-                Some(known) if *known == given.value => {}
-                Some(known) => return Err(differs(row, trial, question, [*known, given.value])),
+        for (question, answer) in &row.answers {
+            let (value, time_ms) = (answer.value, answer.time_ms);
+            let key = (path.clone(), trial, question.clone());
+            match self.answers.get(&key) {
+                Some(existing) if *existing == value => {}
+                Some(existing) => {
+                    let what = format!(
+                        "trial {trial} of {participant} {session} has the answer {existing} to '{question}' already, and here {value}"
+                    );
+                    let remedy = "leave the row out, or mend the answer with `zwidth answer`";
+                    return Err(StoreError::new(file, what, remedy));
+                }
                 None => {
-                    self.answers.insert(answer, given.value);
-                    let value = given.value;
-                    let time_ms = given.time_ms;
+                    self.answers.insert(key, value);
                     new.push(Event::Answer { trial, question: question.clone(), value, time_ms });
                 }
             }
@@ -88,67 +96,65 @@ impl There {
     }
 }
 
-/// The number of the trial that labels name, in a session that is there.
-fn trial_of(log: &SessionLog, i: &Identity, from_zero: FromZero) -> Result<u32, StoreError> {
-    let Identity { participant, session, environment, mode, file, .. } = i;
-    let error = |what: String, remedy: &str| Err(StoreError::new(file, what, remedy));
+/// The number of the trial that labels name, in an existing session.
+///
+/// # Errors
+/// What is wrong, and what to do about it.
+fn trial_of(
+    log: &SessionLog,
+    i: &Identity,
+    from_zero: FromZero,
+) -> Result<u32, (String, &'static str)> {
+    let Identity { participant, session, environment, mode, .. } = i;
     let session = format!("{participant} {session}");
     if log.is_sealed() {
+        // Whoever could name the trials by their modes would know which mode each trial had.
         let what = format!("the modes of {session} are sealed");
-        return error(
+        return Err((
             what,
             "give its answers by the numbers of its trials: `zwidth answer --from`",
-        );
+        ));
     }
     // Their numbers are what they were when the session was imported.
     let trial = from_zero.trial || log.record.counted_from_zero;
     let [number, repeat] = FromZero { trial, ..from_zero }.numbers(i);
-    let has = |is: &dyn Fn(&Event) -> bool| log.events.iter().any(is);
-    let is_meant = |t: &&PlannedTrial| {
+    let meant = log.trials.iter().filter(|t| {
         (&t.environment, &t.mode, t.kind) == (environment, mode, i.kind)
             && number.is_none_or(|number| number == t.trial)
             && repeat.is_none_or(|repeat| repeat == t.repeat)
-            && !has(&|e| matches!(e, Event::Superseded { trial, .. } if *trial == t.trial))
-    };
-    let meant: Vec<u32> = log.trials.iter().filter(is_meant).map(|t| t.trial).collect();
+            && !log
+                .events
+                .iter()
+                .any(|e| matches!(e, Event::Superseded { trial, .. } if *trial == t.trial))
+    });
+    let meant: Vec<u32> = meant.map(|t| t.trial).collect();
     let named = [("trial", number), ("repeat", repeat)];
     let named = named.map(|(what, number)| number.map(|n| format!(", {what} {n}")));
     let named: String = named.into_iter().flatten().collect();
     let [trial] = meant[..] else {
-        return match meant.len() {
-            0 => error(
+        return Err(match meant.len() {
+            0 => (
                 format!(
                     "{session} is there, and has no trial of {environment}, {mode}{named}: a session keeps the trials \
                      that it began with"
                 ),
                 "give all conditions of a row in one mapping, with [[condition]], or name another session",
             ),
-            n => error(
+            n => (
                 format!("{session} has {n} trials of {environment}, {mode}{named}"),
                 "name the trial or the repeat in [trial]",
             ),
-        };
+        });
     };
     // Sessions of other people's recordings have no order that was drawn, and all their trials.
     let is_done = log.record.order.is_none()
-        || has(&|e| matches!(e, Event::Recorded { trial: done, .. } if *done == trial));
-    match is_done {
-        true => Ok(trial),
-        false => {
-            error(format!("trial {trial} of {session} is still to be done"), "record it first")
-        }
+        || log
+            .events
+            .iter()
+            .any(|e| matches!(e, Event::Recorded { trial: done, .. } if *done == trial));
+    if !is_done {
+        let what = format!("trial {trial} of {session} is still to be done");
+        return Err((what, "record it first"));
     }
-}
-
-fn differs(
-    row: &Answered,
-    trial: u32,
-    question: &QuestionId,
-    [known, given]: [AnswerValue; 2],
-) -> StoreError {
-    let Identity { participant, session, file, .. } = &row.identity;
-    let what = format!(
-        "trial {trial} of {participant} {session} has the answer {known} to '{question}' already, and here {given}"
-    );
-    StoreError::new(file, what, "leave the row out, or mend the answer with `zwidth answer`")
+    Ok(trial)
 }

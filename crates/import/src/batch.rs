@@ -12,18 +12,18 @@ use zwidth_store::{
 };
 use zwidth_study::{ActuatorId, Event, PlannedTrial, SessionRecord};
 
-/// What an import is about to write.
+/// Everything that an import is about to write.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
     /// New files, whole.
     pub(super) outputs: Vec<(PathBuf, Output)>,
     /// New event logs.
     pub(super) logs: Vec<(PathBuf, Vec<Event>)>,
-    /// What logs that are there are to say besides.
+    /// New events for existing logs.
     pub(super) added: BTreeMap<PathBuf, Vec<Event>>,
     /// The columns (from 1) of a questionnaire whose answers new sessions have.
     pub(super) answer_columns: Vec<usize>,
-    /// What the log of the study's sweeps is to say of new ones.
+    /// The new sweeps, for the log of the study's sweeps.
     pub(super) sweeps: Vec<(ActuatorId, u32, String)>,
     /// The report on every file read.
     pub(super) files: Vec<FileReport>,
@@ -93,6 +93,7 @@ impl Batch {
                 .or_default()
                 .insert((*source).to_owned());
         }
+        // Answers that are imported later name trials by the table's numbers, which may begin at 0.
         let counted_from_zero = FromZero::of(identities).trial;
         for ((participant, session), mut trials) in sessions {
             trials.sort_by_key(|(t, _)| t.trial);
@@ -127,15 +128,15 @@ impl Batch {
 
     /// The report on the whole import.
     pub(super) fn report(self, layout: &Layout, against_plan: Vec<Unplanned>) -> Report {
-        let below = |folder: PathBuf| {
+        let [trials, sweeps] = [layout.trials(), layout.sweeps()].map(|folder| {
             self.outputs.iter().filter(|(path, _)| path.starts_with(&folder)).count()
-        };
+        });
         let new = self.logs.iter().map(|(_, events)| events);
         let events = new.chain(self.added.values()).flatten();
         Report {
             study: layout.study().clone(),
-            trials: below(layout.trials()),
-            sweeps: below(layout.sweeps()),
+            trials,
+            sweeps,
             sessions: self.logs.len(),
             answers: events.filter(|event| matches!(event, Event::Answer { .. })).count(),
             files: self.files,
@@ -182,7 +183,7 @@ impl Batch {
         let added = self.added.iter().map(|(log, events)| (log.as_path(), events.as_slice()));
         let appended: Vec<(&Path, &[Event])> =
             added.chain([(log.as_path(), sweeps.as_slice())]).collect();
-        let made = Change::of(disk, layout, utc.into(), &hashes, &appended)
+        let committed = Change::of(disk, layout, utc.into(), &hashes, &appended)
             .map_err(|error| vec![error])
             .and_then(|change| {
                 change.make("imported", || {
@@ -193,7 +194,7 @@ impl Batch {
                     Ok(())
                 })
             });
-        made.map_err(|errors| {
+        committed.map_err(|errors| {
             self.discard(disk);
             errors.into_iter().collect()
         })

@@ -26,6 +26,7 @@ pub(super) fn is_long(path: &Path, form: &FileForm) -> bool {
         && form.rows.is_none()
         && !form.whole
         && form.encoding != Encoding::Utf16;
+    // A file that cannot be opened counts as short: reading it whole reports the error.
     plain && opened(path, form).unwrap_or(false)
 }
 
@@ -51,7 +52,7 @@ pub(super) struct Blocks {
     hasher: blake3::Hasher,
     /// The header, with what stands before it but skipped lines.
     header: Vec<u8>,
-    /// What was read and not given yet; it begins with a record.
+    /// Bytes that were read and are in no block yet; they begin with a record.
     rest: Vec<u8>,
     /// Lines of the file before `rest`.
     lines: u64,
@@ -61,7 +62,7 @@ pub(super) struct Blocks {
 /// Whole records of a text, behind its header.
 pub(super) struct Block {
     pub(super) text: Vec<u8>,
-    /// How its lines are counted, too.
+    /// The dialect of the text, with the number of lines before it.
     pub(super) dialect: Dialect,
 }
 
@@ -69,11 +70,10 @@ impl Blocks {
     /// Opens a text and reads its header.
     ///
     /// # Errors
-    /// What `csv::read` says of a whole file that is none.
+    /// Those of `csv::read` for a file that cannot be read whole.
     pub(super) fn open(path: &Path, dialect: Dialect) -> Result<Self, StoreError> {
-        let failed = |e: io::Error| StoreError::io(path, "read", &e);
-        let file = open_named(path).map_err(failed)?;
-        let length = file.metadata().map_err(failed)?.len();
+        let opened = open_named(path).and_then(|file| Ok((file.metadata()?.len(), file)));
+        let (length, file) = opened.map_err(|e| StoreError::io(path, "read", &e))?;
         if length > LONGEST_FILE {
             let what = format!("it has {length} bytes, and at most {LONGEST_FILE} are read");
             return Err(StoreError::new(path, what, "split it"));
@@ -81,6 +81,7 @@ impl Blocks {
         let mut blocks = Self {
             path: path.to_owned(),
             file,
+            // Lines are skipped once, below, and not again in each block.
             dialect: Dialect { skip: 0, ..dialect },
             hasher: blake3::Hasher::new(),
             header: Vec::new(),
@@ -124,6 +125,7 @@ impl Blocks {
             if end > 0 || self.ended {
                 break end;
             }
+            // No record may be that long; a shorter one only lies across the end of a block.
             if self.rest.len() > BLOCK + MOST_LINE {
                 return Err(long_line(&self.path, 1 + self.lines));
             }
@@ -132,6 +134,7 @@ impl Blocks {
         if end == 0 {
             return Ok(None);
         }
+        // The header stands before the records of every block: its lines count once.
         let header_lines = count_lines(&self.header);
         let dialect = Dialect { before: self.lines - header_lines, ..self.dialect };
         let records = self.take(end);
@@ -153,6 +156,7 @@ impl Blocks {
         let read = (&mut self.file).take(missing as u64).read_to_end(&mut self.rest);
         let read = read.map_err(|e| StoreError::io(&self.path, "read", &e))?;
         self.hasher.update(&self.rest[from..]);
+        // A file gives fewer bytes than it is asked for only at its end.
         self.ended = read < missing;
         Ok(())
     }
@@ -170,7 +174,7 @@ fn count_lines(text: &[u8]) -> u64 {
     text.iter().filter(|b| **b == b'\n').count() as u64
 }
 
-/// Where the first record ends that is neither empty nor a comment, if it does.
+/// The end of the first record that is neither empty nor a comment.
 fn header_end(text: &[u8], dialect: Dialect) -> Option<usize> {
     let mut begins = 0;
     for ends in record_ends(text, dialect) {
@@ -189,14 +193,16 @@ fn header_end(text: &[u8], dialect: Dialect) -> Option<usize> {
 /// # Errors
 /// It cannot be read.
 pub(super) fn blake3_of(path: &Path) -> Result<String, StoreError> {
-    let failed = |e: io::Error| StoreError::io(path, "read", &e);
-    let mut file = open_named(path).map_err(failed)?;
     let mut hasher = blake3::Hasher::new();
     let mut bytes = vec![0; BLOCK];
-    loop {
-        match file.read(&mut bytes).map_err(failed)? {
-            0 => return Ok(hasher.finalize().to_hex().to_string()),
-            n => hasher.update(&bytes[..n]),
-        };
-    }
+    let read = open_named(path).and_then(|mut file| {
+        loop {
+            match file.read(&mut bytes)? {
+                0 => break Ok(()),
+                n => _ = hasher.update(&bytes[..n]),
+            }
+        }
+    });
+    read.map_err(|e| StoreError::io(path, "read", &e))?;
+    Ok(hasher.finalize().to_hex().to_string())
 }

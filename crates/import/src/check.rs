@@ -4,7 +4,9 @@
 use super::errors::Errors;
 use super::label::{Label, LabelShape};
 use super::limits::{LONG_FROM, MOST_ERRORS, MOST_MAPPING};
-use super::mapping::{CellForm, Content, Exclusions, FileForm, Labels, Mapping, Of, Origin, Who};
+use super::mapping::{
+    CellForm, Content, Exclusions, FileForm, Labels, Mapping, Origin, TrialFrom, Who,
+};
 use super::shape::{
     Backwards, ChannelShape, ColumnShape, ExcludeShape, FileShape, KindShape, Shape, SignalsIn,
     Split, TimeShape, TrialShape, ZeroShape,
@@ -44,17 +46,22 @@ impl Mapping {
 
 /// The mapping in `text`, or every problem found in it.
 fn check(text: &str, path: &Path) -> Result<Mapping, Errors> {
-    let error = |problem: &StudyError| {
-        let remedy = "mend the line; docs/import.md explains the keys";
-        StoreError::new(path, problem.to_string(), remedy)
-    };
-    let shape = toml::from_str::<Shape>(text).map_err(|e| error(&toml_error(text, &e)))?;
     let mut check = Check { text, errors: Vec::new(), more: 0 };
+    let mapping = match toml::from_str::<Shape>(text) {
+        Ok(shape) => check.mapping(shape, path),
+        Err(error) => {
+            check.errors.push(toml_error(text, &error));
+            None
+        }
+    };
     // A mapping may come out although something is wrong with it.
-    match check.mapping(shape, path) {
+    match mapping {
         Some(mapping) if check.errors.is_empty() => Ok(mapping),
         _ => {
-            let mut errors: Errors = check.errors.iter().map(error).collect();
+            let remedy = "mend the line; docs/import.md explains the keys";
+            let errors = check.errors.iter();
+            let mut errors: Errors =
+                errors.map(|problem| StoreError::new(path, problem.to_string(), remedy)).collect();
             errors.count(check.more);
             Err(errors)
         }
@@ -65,7 +72,7 @@ fn check(text: &str, path: &Path) -> Result<Mapping, Errors> {
 pub(super) struct Check<'a> {
     text: &'a str,
     pub(super) errors: Vec<StudyError>,
-    /// How many more problems there are.
+    /// The number of problems beyond those.
     more: usize,
 }
 
@@ -99,13 +106,16 @@ impl Check<'_> {
             file.splits_at_time |= time.backwards == Some(Backwards::Split);
             file.clock = time.clock.unwrap_or_default();
             file.dejitter = time.dejitter.unwrap_or(file.clock == XdfClock::Corrected);
+            // Nanoseconds since 1970 have more digits than a double holds: the file's first is subtracted
+            // before they become one.
             let is_exact = time.zero.is_some() && time.unit.as_deref() == Some("ns");
             file.whole =
                 is_exact || time.wrap.is_some() || time.equal.is_some() || time.counter.is_some();
         }
-        let looks_back = |zero: Option<ZeroShape>| matches!(zero, Some(ZeroShape::Rest(_)));
-        file.whole |= shape.column.iter().any(|c| looks_back(c.zero) || c.wrap.is_some())
-            || shape.channel.iter().any(|c| looks_back(c.zero));
+        file.whole |= shape.column.iter().any(|c| c.wrap.is_some());
+        let zeros = shape.column.iter().map(|c| c.zero).chain(shape.channel.iter().map(|c| c.zero));
+        // A zero from a stretch needs all rows of a trial, and an unwrapped angle those before it.
+        file.whole |= zeros.into_iter().any(|zero| matches!(zero, Some(ZeroShape::Rest(_))));
         let has_time =
             shape.time.as_ref().is_some_and(|time| time.from.is_some() || time.counter.is_some());
         if file.splits_at_time && (shape.kind != KindShape::Trials || !has_time) {
@@ -146,7 +156,7 @@ impl Check<'_> {
     fn refuse_unused(&mut self, shape: &Shape) {
         use KindShape::{Exclusions, Likert, Sweeps, Trials};
         let kind = shape.kind;
-        for (table, given, used) in [
+        for (table, is_present, is_used) in [
             ("trial", shape.trial.is_some(), matches!(kind, Trials | Likert)),
             ("time", shape.time.is_some(), matches!(kind, Trials | Sweeps)),
             ("column", !shape.column.is_empty(), kind == Trials),
@@ -159,7 +169,7 @@ impl Check<'_> {
             ("condition", !shape.condition.is_empty(), kind == Likert),
             ("exclude", shape.exclude.is_some(), kind == Exclusions),
         ] {
-            if given && !used {
+            if is_present && !is_used {
                 self.error(table, "is not used in a mapping of this kind; remove it");
             }
         }
@@ -263,9 +273,9 @@ impl Check<'_> {
         if shape.recording.is_none() && shape.folder.is_some() {
             self.error("exclude.folder", "is where the files of `recording` lie; remove it");
         }
-        let of = match shape.recording {
+        let trial = match shape.recording {
             Some(column) if !is_named => {
-                Of::Recording { column, folder: shape.folder.unwrap_or_default().into() }
+                TrialFrom::Recording { column, folder: shape.folder.unwrap_or_default().into() }
             }
             Some(_) => {
                 let what = "names the trial by its recording; participant, session and trial are not used beside it";
@@ -276,7 +286,7 @@ impl Check<'_> {
                 let participant = self.required("exclude.participant", shape.participant);
                 let session = self.required("exclude.session", shape.session);
                 let trial = self.required("exclude.trial", shape.trial);
-                Of::Trial(Box::new(Labels {
+                TrialFrom::Labels(Box::new(Labels {
                     participant: self.label("exclude.participant", participant?, groups)?,
                     session: self.label("exclude.session", session?, groups)?,
                     trial: self.label("exclude.trial", trial?, groups)?,
@@ -285,7 +295,7 @@ impl Check<'_> {
         };
         let reason = self.label("exclude.reason", shape.reason, groups)?;
         let when = shape.when.into_iter().map(|(column, words)| (ColumnRef::Name(column), words));
-        Some(Content::Exclusions(Exclusions { of, when: when.collect(), reason }))
+        Some(Content::Exclusions(Exclusions { trial, when: when.collect(), reason }))
     }
 
     fn trials(
@@ -304,13 +314,14 @@ impl Check<'_> {
                 "is missing; a trial needs at least one [[column]] besides its time",
             );
         }
-        let mut known = Vec::new();
+        let mut mapped = Vec::new();
         let mut above = Vec::new();
         for (i, shape) in columns.into_iter().enumerate() {
             let named = Signal::from_name(&shape.to);
-            if let Some(column) = self.column(&format!("column[{i}]"), shape, &known, &above) {
-                known.push(column);
+            if let Some(column) = self.column(&format!("column[{i}]"), shape, &mapped, &above) {
+                mapped.push(column);
             }
+            // A column with an error of its own still counts for `derive`: one mistake is one error.
             above.extend(named);
         }
         let mut channels = Vec::new();
@@ -319,7 +330,7 @@ impl Check<'_> {
                 channels.push(channel);
             }
         }
-        Some(Content::Trials { who: Box::new(who?), time: time?, columns: known, channels })
+        Some(Content::Trials { who: Box::new(who?), time: time?, columns: mapped, channels })
     }
 }
 

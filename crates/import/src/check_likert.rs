@@ -1,7 +1,7 @@
 //! Checks a mapping of a questionnaire: where its answers are.
 
 use super::check::Check;
-use super::mapping::{Asked, Content, LongForm, OfRow, Questionnaire};
+use super::mapping::{AnswerForm, Content, LongForm, Questionnaire, RowTrial};
 use super::shape::{ConditionShape, QuestionsShape, TrialShape};
 use super::unit::{self, Dimension, Unit};
 use std::collections::BTreeMap;
@@ -18,8 +18,8 @@ impl Check<'_> {
         if trial.as_ref().is_some_and(|trial| trial.likert.is_some()) {
             self.error("trial.likert", "is not used in a mapping of this kind; remove it");
         }
-        let timed = conditions.iter().any(|condition| !condition.times.is_empty());
-        let is_timed = timed || shape.time.is_some() || !shape.times.is_empty();
+        let has_times = conditions.iter().any(|condition| !condition.times.is_empty());
+        let is_timed = has_times || shape.time.is_some() || !shape.times.is_empty();
         let time_unit = self.time_unit(shape.time_unit.as_deref(), is_timed);
         let translate = shape.translate.clone();
         let lowest = shape.lowest;
@@ -43,7 +43,7 @@ impl Check<'_> {
         trial: Option<TrialShape>,
         shape: QuestionsShape,
         groups: &[&str],
-    ) -> Option<Asked> {
+    ) -> Option<AnswerForm> {
         if shape.time.is_some() {
             let what = "belongs to a table with one row per answer; list the columns of times by question in \
                         [questions.times]";
@@ -52,7 +52,7 @@ impl Check<'_> {
         let who = self.who(trial, groups);
         let columns = self.by_question("questions.columns", shape.columns);
         let times = self.by_question("questions.times", shape.times);
-        Some(Asked::Wide(vec![OfRow { who: who?, columns, times }]))
+        Some(AnswerForm::Wide(vec![RowTrial { who: who?, columns, times }]))
     }
 
     /// Several conditions in a row: each has columns of its own, and the labels of `[trial]` where it
@@ -63,23 +63,22 @@ impl Check<'_> {
         shape: &QuestionsShape,
         conditions: Vec<ConditionShape>,
         groups: &[&str],
-    ) -> Option<Asked> {
-        for (key, is_given) in [
+    ) -> Option<AnswerForm> {
+        for (key, is_present) in [
             ("columns", !shape.columns.is_empty()),
             ("times", !shape.times.is_empty()),
             ("time", shape.time.is_some()),
         ] {
-            if is_given {
+            if is_present {
                 let what =
                     "is not used beside [[condition]]; list the columns of each condition there";
                 self.error(&format!("questions.{key}"), what);
             }
         }
         let trial = self.required("trial", trial)?;
-        let mut of_rows = Vec::new();
+        let mut trials = Vec::new();
         for (i, condition) in conditions.into_iter().enumerate() {
             let key = format!("condition[{i}]");
-            let at = |name: &str| format!("{key}.{name}");
             let own = [
                 ("environment", &condition.environment),
                 ("mode", &condition.mode),
@@ -89,16 +88,17 @@ impl Check<'_> {
             // Told at its own key, and not as one of [trial].
             let wrong = self.errors.len();
             for (name, label) in own {
-                self.optional(&at(name), label.clone(), groups);
+                // Below, `who` checks the label again, but under the key of [trial].
+                self.optional(&format!("{key}.{name}"), label.clone(), groups);
             }
             if self.errors.len() > wrong {
                 return None;
             }
             if condition.columns.is_empty() {
-                self.error(&at("columns"), "lists no column");
+                self.error(&format!("{key}.columns"), "lists no column");
             }
-            let columns = self.by_question(&at("columns"), condition.columns);
-            let times = self.by_question(&at("times"), condition.times);
+            let columns = self.by_question(&format!("{key}.columns"), condition.columns);
+            let times = self.by_question(&format!("{key}.times"), condition.times);
             let labels = TrialShape {
                 environment: condition.environment.or_else(|| trial.environment.clone()),
                 mode: condition.mode.or_else(|| trial.mode.clone()),
@@ -107,9 +107,9 @@ impl Check<'_> {
                 ..trial.clone()
             };
             let who = self.who(Some(labels), groups)?;
-            of_rows.push(OfRow { who, columns, times });
+            trials.push(RowTrial { who, columns, times });
         }
-        Some(Asked::Wide(of_rows))
+        Some(AnswerForm::Wide(trials))
     }
 
     fn by_question<T>(
@@ -133,12 +133,12 @@ impl Check<'_> {
         trial: Option<TrialShape>,
         shape: QuestionsShape,
         groups: &[&str],
-    ) -> Option<Asked> {
+    ) -> Option<AnswerForm> {
         let who = self.who(trial, groups);
-        for (key, is_given) in
+        for (key, is_present) in
             [("columns", !shape.columns.is_empty()), ("times", !shape.times.is_empty())]
         {
-            if is_given {
+            if is_present {
                 let what = "is not used beside question and answer, which mean one row per answer; remove it";
                 self.error(&format!("questions.{key}"), what);
             }
@@ -147,7 +147,7 @@ impl Check<'_> {
         let question = question.and_then(|q| self.keep("questions.question", q.check(groups)));
         let answer = self.required("questions.answer", shape.answer);
         let form = LongForm { question: question?, answer: answer?, time: shape.time };
-        Some(Asked::Long(Box::new((who?, form))))
+        Some(AnswerForm::Long(Box::new((who?, form))))
     }
 
     /// The unit of the times that answers took; never guessed.
@@ -161,10 +161,10 @@ impl Check<'_> {
             _ => {}
         }
         let text = text?;
-        let found = unit::find(text).filter(|unit| unit.dimension == Dimension::Time);
+        let unit = unit::find(text).filter(|unit| unit.dimension == Dimension::Time);
         self.keep(
             key,
-            found.ok_or_else(|| format!("'{text}' is not a unit of time: s, ms, µs, ns or min")),
+            unit.ok_or_else(|| format!("'{text}' is not a unit of time: s, ms, µs, ns or min")),
         )
     }
 }

@@ -41,6 +41,7 @@ impl Check<'_> {
                     self.error("time", what);
                 }
                 let unit = unit::find("s")?;
+                // The line makes seconds of counts, whatever unit they have.
                 let line = Linear { scale: 1.0 / rate_hz, zero: Zero::First, ..Linear::IDENTITY };
                 let mend = Mend { counts_at_hz: Some(rate_hz), ..mend };
                 Some(Time::Column { from, unit, unit_text: "samples".to_owned(), line, mend })
@@ -76,25 +77,24 @@ impl Check<'_> {
         text: Option<&str>,
         to: Signal,
     ) -> Option<&'static Unit> {
-        let choices = || format!("use one of {}", unit::choices(to));
+        let choices = format!("use one of {}", unit::choices(to));
         let Some(text) = text else {
-            self.error(key, format!("is missing; {}", choices()));
+            self.error(key, format!("is missing; {choices}"));
             return None;
         };
-        let found =
-            unit::find(text).ok_or_else(|| format!("the unit '{text}' is unknown; {}", choices()));
-        let found = self.keep(key, found)?;
-        if !unit::may_become(found, to) {
+        let unit = unit::find(text);
+        let unit = unit.ok_or_else(|| format!("the unit '{text}' is unknown; {choices}"));
+        let unit = self.keep(key, unit)?;
+        if !unit::may_become(unit, to) {
             let problem = format!(
-                "the unit '{text}' does not fit {}, which is in {}; {}",
+                "the unit '{text}' does not fit {}, which is in {}; {choices}",
                 to.name(),
-                to.column().unit,
-                choices()
+                to.column().unit
             );
             self.error(key, problem);
             return None;
         }
-        Some(found)
+        Some(unit)
     }
 
     pub(super) fn line(
@@ -109,6 +109,7 @@ impl Check<'_> {
         let sign = sign.unwrap_or(same.sign);
         let scale = scale.unwrap_or(same.scale);
         let offset = offset.unwrap_or(same.offset);
+        // All three are checked, so that every problem is reported at once.
         let before = self.errors.len();
         #[allow(clippy::float_cmp)] // exactly one of the two
         if sign.abs() != 1.0 {
@@ -126,7 +127,7 @@ impl Check<'_> {
         (self.errors.len() == before).then_some(Linear { sign, scale, offset, zero })
     }
 
-    /// What is subtracted from a column of a trial.
+    /// Checks what is subtracted from a column of a trial.
     fn zero(&mut self, at: &str, zero: Option<ZeroShape>) -> Zero {
         match zero {
             None => Zero::None,
@@ -145,7 +146,7 @@ impl Check<'_> {
         &mut self,
         at: &str,
         c: ColumnShape,
-        known: &[SignalFrom],
+        mapped: &[SignalFrom],
         above: &[Signal],
     ) -> Option<SignalFrom> {
         let key = format!("{at}.to");
@@ -163,11 +164,12 @@ impl Check<'_> {
         if to == Signal::Time {
             self.error(&key, "the time is mapped in [time]");
         }
-        if known.iter().any(|k| k.to == to) {
+        if mapped.iter().any(|other| other.to == to) {
             self.error(&key, format!("'{}' is mapped twice", c.to));
         }
         let origin = match (c.from, c.derive) {
             (Some(from), None) => {
+                // All are checked before the first `?`, so that every problem is reported at once.
                 let unit = self.unit(&format!("{at}.unit"), c.unit.as_deref(), to);
                 let zero = self.zero(at, c.zero);
                 let line = self.line(at, c.sign, c.scale, c.offset, zero);
@@ -211,11 +213,11 @@ impl Check<'_> {
         &mut self,
         at: &str,
         c: ChannelShape,
-        known: &[ChannelFrom],
+        mapped: &[ChannelFrom],
     ) -> Option<ChannelFrom> {
         let key = format!("{at}.to");
         let to = self.keep(&key, ChannelId::new(c.to).map_err(|e| e.to_string()))?;
-        if known.iter().any(|k| k.to == to) {
+        if mapped.iter().any(|other| other.to == to) {
             self.error(&key, format!("'{}' is mapped twice", to.as_str()));
         }
         let zero = self.zero(at, c.zero);
@@ -233,25 +235,23 @@ fn derived(rule: &str, to: Signal, above: &[Signal]) -> Result<Rule, String> {
         Some(("integral", name)) => (false, name),
         _ => return Err(format!("'{rule}' is not understood; {form}")),
     };
-    let of = Signal::from_name(name)
+    let source = Signal::from_name(name)
         .ok_or_else(|| format!("'{name}' is not a column of a trial; {form}"))?;
-    if !above.contains(&of) {
+    if !above.contains(&source) {
         return Err(format!("'{name}' must be mapped by a [[column]] above this one"));
     }
-    let rises_to = |low: Signal, high: Signal| {
-        unit::dimension(low)
-            .and_then(unit::Dimension::derivative)
-            .is_some_and(|d| unit::dimension(high) == Some(d))
-    };
-    let fits = if is_derivative { rises_to(of, to) } else { rises_to(to, of) };
+    // Either way the one is the rate of the other.
+    let (low, high) = if is_derivative { (source, to) } else { (to, source) };
+    let rate = unit::dimension(low).and_then(unit::Dimension::derivative);
+    let fits = rate.is_some() && unit::dimension(high) == rate;
     match (fits, is_derivative) {
-        (true, true) => Ok(Rule::DerivativeOf(of)),
-        (true, false) => Ok(Rule::IntegralOf(of)),
+        (true, true) => Ok(Rule::DerivativeOf(source)),
+        (true, false) => Ok(Rule::IntegralOf(source)),
         (false, _) => {
             let to_unit = to.column().unit;
-            let of_unit = of.column().unit;
+            let source_unit = source.column().unit;
             Err(format!(
-                "'{rule}' is not in {to_unit}, the unit of {}: {name} is in {of_unit}",
+                "'{rule}' is not in {to_unit}, the unit of {}: {name} is in {source_unit}",
                 to.name()
             ))
         }

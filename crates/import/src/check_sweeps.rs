@@ -74,6 +74,7 @@ impl Check<'_> {
             Some(ZeroShape::Rest(_)) => {
                 let what = "is \"first\" or left out in a sweep, which need not have a time";
                 self.error(&format!("{at}.zero"), what);
+                // Any will do: with an error the mapping is refused.
                 Zero::None
             }
         };

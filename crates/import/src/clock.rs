@@ -8,7 +8,7 @@ use arrow::array::Float64Array;
 use jiff::civil::{DateTime, Time};
 use jiff::{Span, SpanRelativeTo, Timestamp};
 
-/// What a column of times is, besides numbers in a unit of the mapping's.
+/// A column of times that are not numbers in the mapping's unit.
 #[derive(Debug)]
 pub(super) enum Clock {
     /// Clock texts, as seconds: of the day, since 1970, or of a duration.
@@ -31,29 +31,28 @@ pub(super) fn clock(
     if !matches!(cells, Cells::Text(_)) {
         return Ok(None);
     }
-    let cell = |row| match cells.cell(row) {
-        Cell::Text(text) if number(text, form.decimal_comma) == Ok(None) => None,
-        cell if form.is_missing(&cell) => None,
-        Cell::Text(text) => Some(text),
-        Cell::Empty | Cell::Number(_) => None,
-    };
-    let Some(first) = (0..cells.len()).find_map(cell) else { return Ok(None) };
+    let mut texts = (0..cells.len()).filter_map(|row| clock_text(cells, form, row));
+    let Some(first) = texts.next() else { return Ok(None) };
     if number(first, form.decimal_comma).is_ok() {
-        let Some(origin) = first.parse::<i128>().ok().filter(|n| from_first && is_long(*n)) else {
-            return Ok(None);
-        };
-        let less = |row| match cell(row) {
-            None => Ok(None),
-            Some(text) => text.parse::<i128>().map(|n| Some((n - origin) as f64)).map_err(|_| row),
-        };
-        let values: Result<Vec<Option<f64>>, usize> = (0..cells.len()).map(less).collect();
+        // A number that a double holds is read as others are.
+        let origin = first
+            .parse::<i128>()
+            .ok()
+            .filter(|number| from_first && number.unsigned_abs() > 1 << f64::MANTISSA_DIGITS);
+        let Some(origin) = origin else { return Ok(None) };
+        let values: Option<Vec<Option<f64>>> = (0..cells.len())
+            .map(|row| match clock_text(cells, form, row) {
+                None => Some(None),
+                Some(text) => text.parse::<i128>().ok().map(|n| Some((n - origin) as f64)),
+            })
+            .collect();
         // Other cells than whole numbers are read, or refused, as they are elsewhere.
-        return Ok(values.ok().map(|values| Clock::LessTheFirst(values.into())));
+        return Ok(values.map(|values| Clock::LessTheFirst(values.into())));
     }
     let Some(origin) = nanoseconds(first) else { return Ok(None) };
     let origin = if from_first { origin } else { 0 };
     let values: Result<Vec<Option<f64>>, usize> = (0..cells.len())
-        .map(|row| match cell(row) {
+        .map(|row| match clock_text(cells, form, row) {
             None => Ok(None),
             Some(text) => nanoseconds(text).map(|ns| Some((ns - origin) as f64 / 1e9)).ok_or(row),
         })
@@ -61,9 +60,14 @@ pub(super) fn clock(
     values.map(|values| Some(Clock::Seconds(values.into())))
 }
 
-/// Whether a whole number has more digits than a double holds.
-fn is_long(number: i128) -> bool {
-    number.unsigned_abs() > 1 << f64::MANTISSA_DIGITS
+/// The text in a cell, unless it stands for a missing value.
+fn clock_text<'a>(cells: &'a Cells, form: &CellForm, row: usize) -> Option<&'a str> {
+    match cells.cell(row) {
+        Cell::Text(text) if number(text, form.decimal_comma) == Ok(None) => None,
+        cell if form.is_missing(&cell) => None,
+        Cell::Text(text) => Some(text),
+        Cell::Empty | Cell::Number(_) => None,
+    }
 }
 
 /// A clock text in ns: of the day, since 1970 (in UTC, where it does not say another zone), or of a
@@ -75,8 +79,8 @@ fn nanoseconds(text: &str) -> Option<i128> {
     if let Ok(local) = text.parse::<DateTime>() {
         return Some(jiff::tz::TimeZone::UTC.to_timestamp(local).ok()?.as_nanosecond());
     }
-    if let Ok(of_day) = text.parse::<Time>() {
-        return Some(of_day.duration_since(Time::midnight()).as_nanos());
+    if let Ok(time_of_day) = text.parse::<Time>() {
+        return Some(time_of_day.duration_since(Time::midnight()).as_nanos());
     }
     let span = text.parse::<Span>().ok()?;
     Some(span.to_duration(SpanRelativeTo::days_are_24_hours()).ok()?.as_nanos())

@@ -1,4 +1,4 @@
-//! What every file of an import is converted with, and how all are read and converted side by side.
+//! The context in which every file is converted; reads and converts files side by side.
 
 use super::errors::{Errors, all};
 use super::format::Format;
@@ -10,33 +10,33 @@ use super::spelling::shown;
 use super::table::ColumnRef;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zwidth_store::{Files, Layout, SOURCE, StoreError};
 use zwidth_study::{Study, printable};
 
 /// A piece of an import's work that is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// So many bytes of the recordings were read and converted.
+    /// This many bytes of the recordings were read and converted.
     Read(u64),
     /// One of so many files of the study was written. Nothing is read any more.
     Written {
-        /// How many there are.
+        /// The number of files.
         all: usize,
     },
 }
 
 /// The bytes of these files: all that [`Step::Read`] tells of.
 pub fn bytes_of(files: &[PathBuf]) -> u64 {
-    files.iter().filter_map(|path| std::fs::metadata(path).ok()).map(|found| found.len()).sum()
+    files.iter().filter_map(|path| std::fs::metadata(path).ok()).map(|file| file.len()).sum()
 }
 
 /// Why rows are left out where the mapping drops those without a value.
 pub(super) const MISSING: &str = "a mapped cell is empty or NaN (missing = \"drop\")";
 
-/// What is said of empty rows that are no samples.
+/// Why empty rows are left out that are no samples.
 pub(super) const EMPTY: &str = "empty";
-/// What is said of empty rows where samples come at a rate.
+/// Why empty rows are left out where samples come at a rate.
 pub(super) const EMPTY_AT_A_RATE: &str =
     "empty: within a trial no sample stands there, and later samples keep their time";
 
@@ -45,10 +45,10 @@ pub(super) struct Converted<T> {
     pub(super) path: PathBuf,
     /// BLAKE3 of the file, hexadecimal.
     pub(super) blake3: String,
-    pub(super) made: T,
+    pub(super) parsed: T,
 }
 
-/// What every file of an import is converted with.
+/// Everything that the conversion of a file needs besides the file.
 pub(super) struct Context<'a> {
     pub(super) layout: &'a Layout,
     pub(super) study: &'a Study,
@@ -57,7 +57,7 @@ pub(super) struct Context<'a> {
     /// The text of `study.toml`, of which each session keeps a copy.
     pub(super) study_toml: Vec<u8>,
     pub(super) study_blake3: String,
-    /// Where the study lies.
+    /// The disk that holds the study.
     pub(super) files: &'a dyn Files,
     /// Is told each step.
     pub(super) progress: &'a (dyn Fn(Step) + Sync),
@@ -79,20 +79,22 @@ impl Context<'_> {
         take: &Take,
         convert: impl Fn(&mut Recording) -> Result<T, Errors> + Sync,
     ) -> Result<Vec<Converted<T>>, Errors> {
-        let one = |path: &PathBuf| {
-            let mut recording =
-                Recording::read(path, &self.mapping.file, self.mapping.name.as_ref(), take)?;
-            let made = convert(&mut recording)?;
-            (self.progress)(Step::Read(bytes_of(std::slice::from_ref(path))));
-            Ok::<_, Errors>(Converted { path: recording.path, blake3: recording.blake3, made })
-        };
-        let mut found = Vec::new();
+        let mut converted = Vec::new();
         for group in self.groups(files) {
-            found.extend(group.par_iter().map(one).collect::<Vec<_>>());
+            let results = group.par_iter().map(|path| {
+                let mut recording =
+                    Recording::read(path, &self.mapping.file, self.mapping.name.as_ref(), take)?;
+                let parsed = convert(&mut recording)?;
+                (self.progress)(Step::Read(bytes_of(std::slice::from_ref(path))));
+                let Recording { path, blake3, .. } = recording;
+                Ok::<_, Errors>(Converted { path, blake3, parsed })
+            });
+            converted.extend(results.collect::<Vec<_>>());
             // Before more is read than can be kept.
             take.budget.held(files)?;
         }
-        let converted = all(found)?;
+        let converted = all(converted)?;
+        // By content: copies and links give one recording under several names.
         given_once(&converted)?;
         Ok(converted)
     }
@@ -100,17 +102,17 @@ impl Context<'_> {
     /// The files in groups whose contents have at most [`MOST_FILE`] bytes together. What a packed
     /// file unpacks to may be as much on its own.
     fn groups<'f>(&self, files: &'f [PathBuf]) -> Vec<&'f [PathBuf]> {
-        let is_packed =
-            |path: &Path| self.mapping.file.format_of(path).is_ok_and(Format::is_packed);
-        let bytes = |path: &PathBuf| match is_packed(path) {
-            true => MOST_FILE,
-            false => std::fs::metadata(path).map_or(0, |found| found.len()),
-        };
+        let form = &self.mapping.file;
         let mut groups = Vec::new();
         let mut from = 0;
         let mut together = 0;
         for (i, path) in files.iter().enumerate() {
-            let bytes = bytes(path).min(MOST_FILE);
+            let bytes = match form.format_of(path).is_ok_and(Format::is_packed) {
+                true => MOST_FILE,
+                false => std::fs::metadata(path).map_or(0, |file| file.len()),
+            };
+            // A larger file is refused when it is read: here it only has to fill its group.
+            let bytes = bytes.min(MOST_FILE);
             // A group has one file at least, however large that is.
             if i > from && together + bytes > MOST_FILE {
                 groups.push(&files[from..i]);
@@ -160,14 +162,11 @@ impl Context<'_> {
         let unused = names.iter().enumerate().filter(|(i, _)| !used.contains(i));
         let mut dropped_by_name = self.mapping.drop.keys();
         if let Some(name) =
-            dropped_by_name.find(|name| !unused.clone().any(|(_, of)| *of == name.as_str()))
+            dropped_by_name.find(|name| !unused.clone().any(|(_, other)| *other == name.as_str()))
         {
             let what = "the column is named in [drop], but it is missing or used";
             return Err(recording.error(what, "remove it from [drop]").column(name));
         }
-        let why = |name: &str| {
-            self.mapping.drop.get(name).cloned().unwrap_or_else(|| "not mapped".to_owned())
-        };
         let limit = self.mapping.file.rows.unwrap_or(rows.read);
         let dropped = [
             (rows.missing, MISSING.to_owned()),
@@ -177,6 +176,7 @@ impl Context<'_> {
                 "they have the time of a row before them (equal in [time])".to_owned(),
             ),
         ];
+        // Each bad row has a reason of its own.
         let bad = rows.bad.values().map(|why| (1, format!("{why} (bad_lines)")));
         Ok(FileReport {
             file: printable(&recording.path.to_string_lossy()).into_owned(),
@@ -191,7 +191,10 @@ impl Context<'_> {
             columns_dropped: unused
                 .map(|(_, name)| ColumnDropped {
                     column: printable(&shown(name)).into_owned(),
-                    why: why(name),
+                    why: match self.mapping.drop.get(name.as_ref()) {
+                        Some(why) => why.clone(),
+                        None => "not mapped".to_owned(),
+                    },
                 })
                 .collect(),
             converted: Vec::new(),
@@ -206,7 +209,7 @@ impl Context<'_> {
     }
 }
 
-/// Whether no recording is there twice, under whatever names.
+/// Checks that no recording is given twice, under whatever names.
 pub(super) fn given_once<T>(files: &[Converted<T>]) -> Result<(), Errors> {
     let mut seen = BTreeMap::new();
     let checked = files.iter().enumerate().map(|(place, file)| {

@@ -1,4 +1,4 @@
-//! From their numbers to ours: a line, a mean, a median.
+//! Conversion of recorded numbers to ours: a line, a mean, a median.
 
 use zwidth_numerics::order;
 pub(super) use zwidth_numerics::series::{central_slope as central, slope};
@@ -12,11 +12,11 @@ pub(super) struct Linear {
     pub(super) scale: f64,
     /// In the unit named.
     pub(super) offset: f64,
-    /// What is subtracted first of all.
+    /// Subtracted first of all.
     pub(super) zero: Zero,
 }
 
-/// What is subtracted from every value of a trial.
+/// The zero that is subtracted from every value of a trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Zero {
     None,
@@ -37,6 +37,7 @@ impl Linear {
     /// Converts values, less `zero` and times `factor` (that of the unit).
     pub(super) fn apply(&self, values: &mut [f64], factor: f64, zero: f64) {
         for x in values {
+            // In the order of `words`, which the files carry: another order would round differently.
             *x = self.sign * (self.scale * (*x - zero) + self.offset) * factor;
         }
     }

@@ -2,7 +2,7 @@
 
 use super::clock::{Clock, clock};
 use super::convert::median;
-use super::guess_words::said;
+use super::guess_words::parse_name;
 use super::plan::Plan;
 use super::recording::Recording;
 use super::table::ColumnRef;
@@ -45,15 +45,16 @@ pub(super) fn wrap_of(times: &[f64]) -> Option<f64> {
     if falls.is_empty() {
         return None;
     }
+    // Up to five usual steps: a few samples may be lost where the counter starts over.
     let near = 5.0 * median(times.windows(2).map(|t| (t[1] - t[0]).abs()).collect());
-    let fits = |[low, high]: &[f64; 2]| {
+    let wrap = COUNTERS.iter().find(|[low, high]| {
         falls.iter().all(|fall| {
             let before = high - fall[0];
             let after = fall[1] - low;
             before >= 0.0 && after >= 0.0 && before + after <= near
         })
-    };
-    COUNTERS.iter().find(|ends| fits(ends)).map(|[low, high]| high - low)
+    });
+    wrap.map(|[low, high]| high - low)
 }
 
 /// Samples that a counter passes over.
@@ -61,7 +62,7 @@ pub(super) fn wrap_of(times: &[f64]) -> Option<f64> {
 pub(super) struct Gaps {
     /// In how many places.
     pub(super) places: usize,
-    /// How many samples, if none of the gaps is longer than the counter counts.
+    /// The number of samples, if none of the gaps is longer than the counter counts.
     pub(super) samples: f64,
     longest: f64,
     all: f64,
@@ -80,7 +81,7 @@ impl Gaps {
         gaps
     }
 
-    /// Those of the rows after them too.
+    /// Adds the gaps of the rows that follow.
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             places: self.places + other.places,
@@ -90,7 +91,7 @@ impl Gaps {
         }
     }
 
-    /// Whether there are so many that a result may depend on it.
+    /// Whether so many samples are missing that a result may depend on it.
     pub(super) fn matter(self) -> bool {
         let is_long = self.longest >= LEAST_GAP && self.samples >= LEAST_GAP;
         is_long || self.samples >= LEAST_SHARE * (self.all + self.samples).max(1.0)
@@ -111,7 +112,7 @@ pub(super) fn looked_at() -> impl Iterator<Item = ColumnRef> {
     (1..=MOST_LOOKED_AT).map(ColumnRef::Position)
 }
 
-/// What the columns of a recording say that the mapping does not take the time from.
+/// Findings about columns from which the mapping does not take the time.
 #[derive(Debug, Default)]
 pub(super) struct Elsewhere {
     /// The samples that each passes over, by its place.
@@ -131,13 +132,13 @@ impl Elsewhere {
     }
 }
 
-/// What is said of samples that the counter which the time is from passes over.
+/// A doubt about the samples that the counter which the time is from passes over.
 pub(super) fn passed_over(t_s: &[f64], rate_hz: f64) -> Option<String> {
-    let found = gaps(t_s, 1.0 / rate_hz);
-    found.matter().then(|| {
+    let gaps = gaps(t_s, 1.0 / rate_hz);
+    gaps.matter().then(|| {
         format!(
             "t_s: its counter passes over {} samples in {} places, or over more if a gap is longer than it counts",
-            found.samples, found.places
+            gaps.samples, gaps.places
         )
     })
 }
@@ -153,18 +154,19 @@ pub(super) fn elsewhere(
     t_s: &[f64],
 ) -> Elsewhere {
     let signals = &numeric[..plan.taken.len()];
-    let mut found = Elsewhere::default();
+    let mut elsewhere = Elsewhere::default();
     for column in 0..recording.table.columns.len() {
+        // Signals are measured, and a label is the same in each row: neither counts.
         if signals.contains(&column) || labels.contains(&column) {
             continue;
         }
         let Some(values) = numbers(recording, column, rows) else { continue };
-        found.gaps.extend(hidden(&values, t_s).map(|gaps| (column, gaps)));
+        elsewhere.gaps.extend(hidden(&values, t_s).map(|gaps| (column, gaps)));
         let rate_hz = plan.rate_hz.zip(rate_hz(&recording.table.name(column), &values));
-        let other = rate_hz.filter(|(said, found)| (found / said - 1.0).abs() > OTHER_RATE);
-        found.rates.extend(other.map(|(_, rate_hz)| (column, rate_hz)));
+        let other = rate_hz.filter(|(ours, theirs)| (theirs / ours - 1.0).abs() > OTHER_RATE);
+        elsewhere.rates.extend(other.map(|(_, rate_hz)| (column, rate_hz)));
     }
-    found
+    elsewhere
 }
 
 /// A column's numbers, or its times where they are written as those of a clock.
@@ -179,16 +181,16 @@ fn numbers(recording: &Recording, column: usize, rows: &[usize]) -> Option<Vec<f
 
 /// The rate of a column that says by its name that it holds times, and in what unit.
 fn rate_hz(name: &str, values: &[f64]) -> Option<f64> {
-    let said = said(name);
-    let unit = said.unit.filter(|_| said.signal == Some(Signal::Time))?;
+    let parsed = parse_name(name);
+    let unit = parsed.unit.filter(|_| parsed.signal == Some(Signal::Time))?;
     let step = median(values.windows(2).map(|pair| pair[1] - pair[0]).collect());
     let step_s = step * unit::find(&unit)?.to_si;
     (values.len() >= LEAST && step_s > 0.0).then(|| 1.0 / step_s)
 }
 
-/// What is told of what other columns say, if it matters.
-pub(super) fn told(recording: &Recording, plan: &Plan, found: &Elsewhere) -> Option<String> {
-    if let Some((column, gaps)) = found.gaps.iter().find(|(_, gaps)| gaps.matter()) {
+/// A doubt about the time, if what other columns say matters.
+pub(super) fn doubt(recording: &Recording, plan: &Plan, elsewhere: &Elsewhere) -> Option<String> {
+    if let Some((column, gaps)) = elsewhere.gaps.iter().find(|(_, gaps)| gaps.matter()) {
         let name = recording.table.name(*column);
         let Gaps { places, samples, .. } = gaps;
         let taken = match plan.rate_hz {
@@ -200,7 +202,7 @@ pub(super) fn told(recording: &Recording, plan: &Plan, found: &Elsewhere) -> Opt
              (`from`), or the number of each sample (`counter`, with rate_hz and wrap)"
         ));
     }
-    let (column, rate_hz) = found.rates.iter().next()?;
+    let (column, rate_hz) = elsewhere.rates.iter().next()?;
     let name = recording.table.name(*column);
     Some(format!(
         "t_s: rate_hz is {}, and column {name} has {rate_hz:.1} samples a second: take the time from it (`from`), or \
@@ -217,22 +219,22 @@ pub(super) fn hidden(values: &[f64], t_s: &[f64]) -> Option<Gaps> {
     }
     let counts = unwrapped(values)?;
     // The first rows of its packets, which all have one number.
-    let begins = |row: &usize| *row == 0 || counts[*row] > counts[*row - 1];
-    let begins: Vec<usize> = (0..counts.len()).filter(begins).collect();
+    let begins = (0..counts.len()).filter(|row| *row == 0 || counts[*row] > counts[*row - 1]);
+    let begins: Vec<usize> = begins.collect();
     let lengths: Vec<f64> = begins.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
     // The first packet may have begun before.
     let length = usual(lengths.get(1..)?, 0.0)?;
     let steps: Vec<f64> = begins.windows(2).map(|pair| counts[pair[1]] - counts[pair[0]]).collect();
     let step = usual(&steps, JITTER)?;
     let step_s = median(t_s.windows(2).map(|pair| pair[1] - pair[0]).collect());
-    // The first packet may have begun before, and the last go on: only between others is told what a
+    // The first packet may have begun before, and the last go on: only those between others show what a
     // number stood for. A number that is held until the next one, as that of a camera's picture, stands for
     // as many rows.
     let passed_over = (1..steps.len()).filter_map(|i| {
         let missing = (steps[i] / step).round() * length - lengths[i];
         let row = begins[i + 1];
-        let told_s = t_s[row] - t_s[row - 1];
-        (told_s < (1.0 + missing / 2.0) * step_s || missing < 0.0).then_some(missing)
+        let between_s = t_s[row] - t_s[row - 1];
+        (between_s < (1.0 + missing / 2.0) * step_s || missing < 0.0).then_some(missing)
     });
     Some(Gaps::of(passed_over, values.len()))
 }
@@ -242,6 +244,7 @@ fn usual(steps: &[f64], share: f64) -> Option<f64> {
     let middle = median(steps.to_vec());
     let steady =
         steps.iter().filter(|step| (**step - middle).abs() <= share * middle).count() as f64;
+    // `LEAST` rows have one step fewer, and the first packet is left out.
     let is_steady = steps.len() + 2 >= LEAST && steady >= STEADY * steps.len() as f64;
     (middle > 0.0 && is_steady && steps.iter().all(|step| *step > 0.0)).then_some(middle)
 }
@@ -254,6 +257,7 @@ fn unwrapped(values: &[f64]) -> Option<Vec<f64>> {
     }
     let (low, high) = ends(values);
     let wrap = high + 1.0;
+    // A measured signal may fall to 0 too, but hardly so seldom and from one less than a power of two.
     let is_counter = low == 0.0
         && values.iter().all(|value| value.fract() == 0.0)
         && wrap.log2().fract() == 0.0

@@ -7,7 +7,7 @@ use super::limits::{
 use super::plain::{is_labchart, labchart, spaced};
 use super::spelling::shown;
 use super::table::{Cells, EmptyRows, Table};
-use super::text::{Encoding, decode_from, told_of_latin_1};
+use super::text::{Encoding, decode_from, latin_1_note};
 use arrow::array::LargeStringBuilder;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -25,7 +25,7 @@ pub(super) struct Dialect {
     pub(super) skip: usize,
     /// How its bytes spell characters.
     pub(super) encoding: Encoding,
-    /// How many lines of another number of cells are passed by.
+    /// The number of lines with another number of cells that may be left out.
     pub(super) bad_lines: usize,
     /// Lines of the file before the text, where that is a part of it.
     pub(super) before: u64,
@@ -43,12 +43,22 @@ pub(super) fn read(
     take: &Take,
 ) -> Result<Table, StoreError> {
     let decoded = decode_from(path, bytes, dialect.encoding, dialect.before)?;
-    let text = after_lines(path, &decoded, dialect.skip)?;
+    let mut text = decoded.as_ref();
+    for passed in 0..dialect.skip {
+        let Some((_, after)) = text.split_once('\n') else {
+            let skip = dialect.skip;
+            let what =
+                format!("skip = {skip} passes the whole file by: it has {} lines", passed + 1);
+            return Err(StoreError::new(path, what, "mend skip in [file]"));
+        };
+        text = after;
+    }
     // Its comments and heads are empty lines here, and its times say where samples are missing.
     let has_empty_rows = !is_labchart(text);
-    let (written, dialect, mut told) = as_delimited(text, dialect);
-    told.extend(told_of_latin_1(bytes, dialect.encoding));
-    let text = written.as_deref().unwrap_or(text);
+    let Delimited { rewritten, dialect, mut notes } = as_delimited(text, dialect);
+    notes.extend(latin_1_note(bytes, dialect.encoding));
+    let text = rewritten.as_deref().unwrap_or(text);
+    // Before the reader sees the text: it takes memory for a record of any length.
     check_records(path, text, dialect)?;
     let mut counter = Lines::new(text, dialect);
     let mut reader = ::csv::ReaderBuilder::new()
@@ -57,6 +67,7 @@ pub(super) fn read(
         .comment(dialect.comment)
         // Cells are trimmed where they are taken: the reader would copy each record for it.
         .trim(::csv::Trim::Headers)
+        // Records of another length are bad lines, which have a count and a place below.
         .flexible(true)
         .from_reader(text.as_bytes());
     let mut names: Option<Vec<String>> = match dialect.header {
@@ -71,7 +82,7 @@ pub(super) fn read(
     let mut more = next_record(&mut reader, &mut record, &mut counter)
         .map_err(|e| fault(path, &mut counter, &e))?;
     if let Some(names) = names.as_mut().filter(|_| more) {
-        told.extend(one_cell_short(names, &record));
+        notes.extend(one_cell_short(names, &record));
     }
     let has_comments = names.as_deref().is_some_and(has_comments);
     // Without a header the first record says how many columns there are.
@@ -89,6 +100,7 @@ pub(super) fn read(
     while more {
         let line = counter.line;
         empty.add(lines.len(), std::mem::take(&mut counter.empty));
+        // LabVIEW ends rows without a comment before that column.
         if has_comments && record.len() + 1 == width {
             record.push_field("");
         }
@@ -100,9 +112,16 @@ pub(super) fn read(
             let what =
                 format!("line {line} has {} cells where {width} belong{quotes}", record.len());
             if bad.len() == dialect.bad_lines {
-                return Err(unequal(path, what, dialect.bad_lines));
+                let more = match dialect.bad_lines {
+                    0 => String::new(),
+                    n => format!(", after {n} other bad lines"),
+                };
+                let remedy = "the file may be cut off or its delimiter another; mend the line, set delimiter in [file], or pass a few such \
+                              lines by with bad_lines";
+                return Err(StoreError::new(path, format!("{what}{more}"), remedy));
             }
             bad.push((lines.len(), what));
+            // An empty row in its place: the rows behind it keep their numbers.
             record = ::csv::StringRecord::from(vec![""; width]);
         }
         if lines.len() == MOST_WHOLE_ROWS {
@@ -126,7 +145,7 @@ pub(super) fn read(
         empty = EmptyRows::default();
     }
     let columns = columns.into_iter().map(Cells::of_text).collect();
-    Ok(Table { columns, names, lines, told, bad, empty, ..Table::default() })
+    Ok(Table { columns, names, lines, told: notes, bad, empty, ..Table::default() })
 }
 
 /// Reads the next record that has a value, if there is one; the empty ones before it are counted.
@@ -145,25 +164,37 @@ fn next_record(
     }
 }
 
-/// What a text that is a table in another way looks like with tabs, the dialect it then has, and
-/// what is to be told of it.
-fn as_delimited(text: &str, dialect: Dialect) -> (Option<String>, Dialect, Vec<String>) {
+/// A text as the reader takes it.
+struct Delimited {
+    /// The text with tabs, if it was a table in another way.
+    rewritten: Option<String>,
+    dialect: Dialect,
+    /// For the report.
+    notes: Vec<String>,
+}
+
+fn as_delimited(text: &str, dialect: Dialect) -> Delimited {
     let tabs = Dialect { delimiter: b'\t', ..dialect };
     if is_labchart(text) {
-        let told =
+        let note =
             "read as a LabChart export: the channels' titles are the header, `Time` before them"
                 .to_owned();
-        return (Some(labchart(text)), Dialect { header: true, ..tabs }, vec![told]);
+        let dialect = Dialect { header: true, ..tabs };
+        return Delimited { rewritten: Some(labchart(text)), dialect, notes: vec![note] };
     }
     if dialect.delimiter != WHITE_SPACE {
-        return (None, dialect, Vec::new());
+        return Delimited { rewritten: None, dialect, notes: Vec::new() };
     }
-    let is_data = |line: &&str| !line.trim().is_empty() && line.bytes().next() != dialect.comment;
-    if text.lines().find(is_data).is_some_and(|line| line.contains('\t')) {
-        return (None, tabs, vec!["cells are taken to stand between tabs".to_owned()]);
+    let mut lines = text.lines();
+    let first =
+        lines.find(|line| !line.trim().is_empty() && line.bytes().next() != dialect.comment);
+    if first.is_some_and(|line| line.contains('\t')) {
+        let note = "cells are taken to stand between tabs".to_owned();
+        return Delimited { rewritten: None, dialect: tabs, notes: vec![note] };
     }
-    let told = "cells are taken to stand between any blanks".to_owned();
-    (Some(spaced(text, dialect.comment)), tabs, vec![told])
+    let note = "cells are taken to stand between any blanks".to_owned();
+    let rewritten = Some(spaced(text, dialect.comment));
+    Delimited { rewritten, dialect: tabs, notes: vec![note] }
 }
 
 /// Mends a header that is one cell short of the first record: as R writes names of rows, or because
@@ -186,27 +217,6 @@ pub(super) fn opens_single_quote(cell: &str) -> bool {
     cell.starts_with('\'') && (cell.len() == 1 || !cell.ends_with('\''))
 }
 
-fn unequal(path: &Path, what: String, bad_lines: usize) -> StoreError {
-    let more =
-        if bad_lines > 0 { format!(", after {bad_lines} other bad lines") } else { String::new() };
-    let remedy = "the file may be cut off or its delimiter another; mend the line, set delimiter in [file], or pass a few such \
-                  lines by with bad_lines";
-    StoreError::new(path, format!("{what}{more}"), remedy)
-}
-
-fn after_lines<'a>(path: &Path, text: &'a str, skip: usize) -> Result<&'a str, StoreError> {
-    let mut rest = text;
-    for passed in 0..skip {
-        let Some((_, after)) = rest.split_once('\n') else {
-            let what =
-                format!("skip = {skip} passes the whole file by: it has {} lines", passed + 1);
-            return Err(StoreError::new(path, what, "mend skip in [file]"));
-        };
-        rest = after;
-    }
-    Ok(rest)
-}
-
 /// A column is named by its header, so that a header must be there once.
 fn check_names(path: &Path, names: &[String]) -> Result<(), StoreError> {
     names.iter().try_for_each(|name| check_name(path, name))?;
@@ -226,15 +236,16 @@ fn first_line(dialect: Dialect) -> u64 {
     dialect.before + dialect.skip as u64
 }
 
-/// How many bytes of a text that begins with a record are whole records.
+/// The number of bytes that whole records take in a text that begins with a record.
 pub(super) fn whole_records(text: &[u8], dialect: Dialect) -> usize {
+    // Without a quote every line is a record: no walk byte by byte is needed.
     if !text.contains(&b'"') {
         return text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     }
     record_ends(text, dialect).last().unwrap_or(0)
 }
 
-/// Where the lines end that end a record of a text that begins with one: after each.
+/// The end of each record of a text that begins with a record.
 pub(super) fn record_ends(text: &[u8], dialect: Dialect) -> impl Iterator<Item = usize> {
     let mut at = At::Record;
     text.iter().enumerate().filter_map(move |(i, byte)| {
@@ -245,7 +256,7 @@ pub(super) fn record_ends(text: &[u8], dialect: Dialect) -> impl Iterator<Item =
     })
 }
 
-/// Where the walk through a record stands.
+/// A position in the walk through a record.
 #[derive(Clone, Copy, PartialEq)]
 enum At {
     Record,
@@ -258,7 +269,7 @@ enum At {
 }
 
 impl At {
-    /// Where it stands behind this byte; in [`At::Cell`] where that begins another cell.
+    /// The position behind this byte: [`At::Cell`] if the byte begins another cell.
     fn after(self, byte: u8, dialect: Dialect) -> Self {
         let ends = byte == b'\n' || byte == b'\r';
         match self {

@@ -6,7 +6,7 @@ use super::unit::{Unit, declared};
 use zwidth_store::StoreError;
 
 impl Recording {
-    /// What is to be said of the unit that the file names of a column, where the mapping has another; a column
+    /// A note about the unit that the file names for a column, if the mapping has another one; a column
     /// that the mapping scales has the unit of the result there.
     ///
     /// # Errors
@@ -18,13 +18,14 @@ impl Recording {
         text: &str,
         line: &Linear,
     ) -> Result<Option<String>, StoreError> {
+        // A mapping that scales may well make another unit of the file's.
         let is_scaled = line.scale.to_bits() != 1_f64.to_bits();
         let Some(named) = self.table.units.get(&column).filter(|_| !is_scaled) else {
             return Ok(None);
         };
-        let Some(known) = declared(&named.unit) else { return Ok(None) };
+        let Some(theirs) = declared(&named.unit) else { return Ok(None) };
         #[allow(clippy::float_cmp)] // The constants of one table.
-        if known.dimension == unit.dimension && known.to_si == unit.to_si {
+        if theirs.dimension == unit.dimension && theirs.to_si == unit.to_si {
             return Ok(None);
         }
         let name = self.table.name(column);

@@ -14,15 +14,15 @@ pub(super) fn all<T, E: Into<Errors>>(
     for result in results {
         match result {
             Ok(value) => values.push(value),
-            Err(found) => append(&mut errors, found),
+            Err(error) => append(&mut errors, error),
         }
     }
     errors.none().map(|()| values)
 }
 
 /// Adds errors behind others.
-pub(super) fn append(errors: &mut Errors, found: impl Into<Errors>) {
-    let found = found.into();
-    errors.extend(found.iter().cloned());
-    errors.count(found.more());
+pub(super) fn append(errors: &mut Errors, others: impl Into<Errors>) {
+    let others = others.into();
+    errors.extend(others.iter().cloned());
+    errors.count(others.more());
 }

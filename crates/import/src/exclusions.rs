@@ -6,7 +6,7 @@ use super::context::Context;
 use super::errors::{Errors, all};
 use super::identity::{counted, id};
 use super::limits::Budget;
-use super::mapping::{Exclusions, Of};
+use super::mapping::{Exclusions, TrialFrom};
 use super::recording::Recording;
 use super::report::{FileReport, Report};
 use super::table::ColumnRef;
@@ -26,7 +26,7 @@ pub(super) fn import(
     utc: &str,
 ) -> Result<Report, Errors> {
     let data = StudyData::load_from(context.files, context.layout);
-    let data = data.map_err(|found| found.into_iter().collect::<Errors>())?;
+    let data = data.map_err(|errors| errors.into_iter().collect::<Errors>())?;
     let sources = trial_sources(context.files, context.layout)?;
     let budget = Budget::default();
     let take = context.take(form.columns().collect(), &budget);
@@ -34,18 +34,19 @@ pub(super) fn import(
         context.convert(files, &take, |recording| read(context, form, recording, &sources))?;
     let mut events = BTreeMap::<_, Vec<Event>>::new();
     let mut reports = Vec::new();
-    let mut told = BTreeSet::new();
+    let mut excluded = BTreeSet::new();
     for table in converted {
-        let (rows, mut report) = table.made;
+        let (rows, mut report) = table.parsed;
         let mut new = 0;
         let mut before = 0;
         let mut shifted = false;
-        for (row, (participant, session, number), reason) in rows {
+        for Excluded { row, trial: (participant, session, number), reason } in rows {
             let log = data.sessions.iter().find(|log| {
                 (&log.record.participant, &log.record.session) == (&participant, &session)
             });
-            // Those of recordings are the study's.
-            let is_theirs = matches!(form.of, Of::Trial(_));
+            // Numbers that a table names count as those of the recordings do; a trial that is found by its
+            // recording has the study's own number.
+            let is_theirs = matches!(form.trial, TrialFrom::Labels(_));
             let one_more = is_theirs && log.is_some_and(|log| log.record.counted_from_zero);
             let trial = number + u32::from(one_more);
             shifted |= one_more;
@@ -61,15 +62,15 @@ pub(super) fn import(
             };
             if entry.excluded.is_some() {
                 before += 1;
-            } else if told.insert((participant, session, trial)) {
+            } else if excluded.insert((participant, session, trial)) {
                 new += 1;
                 events.entry(&log.events_path).or_default().push(Event::Excluded { trial, reason });
             }
         }
         report.made.push(format!("{new} trials excluded"));
         if shifted {
-            let told = "trials are counted from 0 in the recordings, and so in this table: trial 0 is trial 1 here";
-            report.told.push(told.to_owned());
+            let note = "trials are counted from 0 in the recordings, and so in this table: trial 0 is trial 1 here";
+            report.told.push(note.to_owned());
         }
         if before > 0 {
             report.told.push(format!("{before} rows are about trials that are excluded already"));
@@ -78,6 +79,7 @@ pub(super) fn import(
     }
     let logs: Vec<(&Path, &[Event])> =
         events.iter().map(|(path, events)| (path.as_path(), events.as_slice())).collect();
+    // All of them in one step: a study with half of its exclusions would be another study.
     commit_events(context.files, context.layout, utc, &logs)?;
     Ok(Report {
         study: context.layout.study().clone(),
@@ -86,13 +88,17 @@ pub(super) fn import(
         sweeps: 0,
         sessions: 0,
         answers: 0,
-        exclusions: told.len(),
+        exclusions: excluded.len(),
         against_plan: Vec::new(),
     })
 }
 
-/// A row (from 0), the trial that it excludes, and why.
-type Excluded = (usize, TrialName, String);
+/// A trial that a row (from 0) excludes, and why.
+struct Excluded {
+    row: usize,
+    trial: TrialName,
+    reason: String,
+}
 
 fn read(
     context: &Context,
@@ -115,22 +121,22 @@ fn read(
     }
     let excluded = all(meant.iter().map(|row| {
         let reason = form.reason.value("reason", recording, *row, |text| Ok(text.to_owned()))?;
-        let trials = match &form.of {
-            Of::Recording { column, folder } => {
+        let trials = match &form.trial {
+            TrialFrom::Recording { column, folder } => {
                 from_recording(recording, *row, column, folder, sources)?
             }
-            Of::Trial(labels) => vec![(
+            TrialFrom::Labels(labels) => vec![(
                 labels.participant.value("participant", recording, *row, id)?,
                 labels.session.value("session", recording, *row, id)?,
                 labels.trial.value("trial", recording, *row, |text| counted("trial", text))?,
             )],
         };
-        Ok::<_, Errors>(
-            trials.into_iter().map(|trial| (*row, trial, reason.clone())).collect::<Vec<_>>(),
-        )
+        let excluded =
+            trials.into_iter().map(|trial| Excluded { row: *row, trial, reason: reason.clone() });
+        Ok::<_, Errors>(excluded.collect::<Vec<_>>())
     }))?;
     let report = context.file_report(recording, &rows, meant.len(), &used)?;
-    Ok((excluded.concat(), report))
+    Ok((excluded.into_iter().flatten().collect(), report))
 }
 
 /// The trials that were imported from the recording that a row names.
@@ -141,8 +147,8 @@ fn from_recording(
     folder: &Path,
     sources: &BTreeMap<String, BTreeSet<TrialName>>,
 ) -> Result<Vec<TrialName>, StoreError> {
-    let named = table.cell(column, row)?.to_string();
-    let path = table.path.parent().unwrap_or(Path::new("")).join(folder).join(&named);
+    let name = table.cell(column, row)?.to_string();
+    let path = table.path.parent().unwrap_or(Path::new("")).join(folder).join(&name);
     let blake3 = blake3_of(&path).map_err(|error| {
         let what = format!("{}: {}", path.display(), error.what);
         let remedy = "set folder in [exclude] to where the recordings lie, seen from the table";

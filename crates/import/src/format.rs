@@ -30,7 +30,7 @@ pub(super) enum Format {
     Ods,
 }
 
-/// What a format needs to know besides the bytes.
+/// Options that a format needs besides the bytes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FormatOptions<'a> {
     /// How delimited text is written.
@@ -44,7 +44,7 @@ pub(super) struct FormatOptions<'a> {
     pub(super) dejitter: bool,
 }
 
-/// What a MAT file of version 7.3 begins with.
+/// The first bytes of a MAT file of version 7.3.
 const MATLAB_7_3: &[u8] = b"MATLAB 7.3";
 
 impl Format {
@@ -89,7 +89,7 @@ impl Format {
         self.extensions()[0]
     }
 
-    /// What people call a file of it.
+    /// The common name of a file of this format.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Csv => "a CSV",
@@ -122,7 +122,7 @@ impl Format {
         )
     }
 
-    /// What the key is called that names a part of a file; `None` where a file has but one.
+    /// The key that names a part of a file; `None` if a file has only one part.
     fn part_key(self) -> Option<&'static str> {
         match self {
             Self::Mat | Self::Hdf5 | Self::Npz => Some("matrix"),
@@ -147,6 +147,7 @@ impl Format {
             let what = format!("'{}' is named, and {} has no parts", shown(part), self.name());
             return Err(StoreError::new(path, what, "remove matrix, sheet or stream from [file]"));
         }
+        // An array that has a file to itself needs no name.
         if take.turned && options.part.is_none() && self != Self::Npy {
             let what = "signals = \"rows\" is of a matrix, and none is named";
             let remedy = match self.part_key() {

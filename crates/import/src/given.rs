@@ -17,7 +17,7 @@ const LONGEST_S: f64 = 86_400.0;
 
 /// An answer as a table has it, and what it took, ms, where that was measured.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Given {
+pub(super) struct Answer {
     pub(super) value: AnswerValue,
     pub(super) time_ms: Option<u32>,
 }
@@ -25,7 +25,7 @@ pub(super) struct Given {
 /// A trial without samples, and what was answered.
 pub(super) struct Answered {
     pub(super) identity: Identity,
-    pub(super) answers: Vec<(QuestionId, Given)>,
+    pub(super) answers: Vec<(QuestionId, Answer)>,
 }
 
 /// Where an answer stands: its row, its column, the key of the object in that cell if it is JSON, and the
@@ -39,35 +39,35 @@ pub(super) struct Place<'a> {
 }
 
 /// The answer to a question; `None` where the cell is empty and the mapping leaves such cells out.
-pub(super) fn read_given(
+pub(super) fn read_answer(
     context: &Context,
-    asked: &Questionnaire,
+    questionnaire: &Questionnaire,
     recording: &Recording,
     question: &QuestionId,
     place: Place,
-) -> Result<Option<Given>, Errors> {
+) -> Result<Option<Answer>, Errors> {
     let Place { row, answer: column, key, time } = place;
     let remedy = "mend the cell; leave empty ones out with missing = \"drop\" in [file], and name words in \
                   [questions.translate]";
     let wrong = |what: String| recording.cell_error(column, row, &what, remedy);
-    let there = recording.table.columns[column].cell(row);
-    let cell = there.to_string();
-    let decimal_comma = recording.has_decimal_comma(&there);
+    let raw = recording.table.columns[column].cell(row);
+    let cell = raw.to_string();
+    let decimal_comma = recording.has_decimal_comma(&raw);
     let (cell, is_empty) = match key {
         Some(key) if !cell.trim().is_empty() => {
-            let found = value_of(&cell, key).map_err(wrong)?;
-            let is_empty = found.is_none();
-            (found.unwrap_or_default(), is_empty)
+            let text = value_of(&cell, key).map_err(wrong)?;
+            let is_empty = text.is_none();
+            (text.unwrap_or_default(), is_empty)
         }
         _ => (cell, recording.number(column, row) == Ok(None)),
     };
-    let word = find(&asked.translate, cell.trim());
+    let word = find(&questionnaire.translate, cell.trim());
     // A word of the scale comes first: "NA" may be an answer.
     if context.mapping.file.cells.missing == Missing::Drop && word.is_none() && is_empty {
         return Ok(None);
     }
     let scale = context.study.question(question).map(|q| q.scale.clone()).unwrap_or_default();
-    let value = match (word, asked.lowest) {
+    let value = match (word, questionnaire.lowest) {
         (Some(value), _) => answer(&value.to_string(), false, &scale),
         (None, Some(lowest)) => answer_from(lowest, &cell, &scale),
         // JSON writes a dot.
@@ -75,20 +75,20 @@ pub(super) fn read_given(
     };
     let value = value.map_err(wrong)?;
     let time_ms = match time {
-        Some(time) => read_time(asked, recording, time, row)?,
+        Some(time) => read_time(questionnaire, recording, time, row)?,
         None => None,
     };
-    Ok(Some(Given { value, time_ms }))
+    Ok(Some(Answer { value, time_ms }))
 }
 
-/// What stands under a key of the JSON object in a cell; `None` if nothing does.
+/// The value under a key of the JSON object in a cell; `None` if there is none.
 fn value_of(cell: &str, key: &str) -> Result<Option<String>, String> {
     let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(cell)
         .map_err(|why| format!("'{cell}' is not a JSON object: {why}"))?;
     match object.get(key) {
         None => {
-            let known: Vec<&str> = object.keys().map(String::as_str).collect();
-            Err(format!("the object has no key '{key}': it has {}", known.join(", ")))
+            let keys: Vec<&str> = object.keys().map(String::as_str).collect();
+            Err(format!("the object has no key '{key}': it has {}", keys.join(", ")))
         }
         Some(serde_json::Value::Null) => Ok(None),
         Some(serde_json::Value::String(text)) => Ok(Some(text.clone()).filter(|t| !t.is_empty())),
@@ -112,28 +112,30 @@ fn answer_from(lowest: i64, text: &str, scale: &AnswerScale) -> Result<AnswerVal
     })
 }
 
-/// What an answer took, ms; `None` where the cell is empty.
+/// The time that an answer took, ms; `None` if the cell is empty.
 fn read_time(
-    asked: &Questionnaire,
+    questionnaire: &Questionnaire,
     recording: &Recording,
     column: usize,
     row: usize,
 ) -> Result<Option<u32>, StoreError> {
-    let wrong = |what: String| {
+    let time_ms = recording.number(column, row).and_then(|time| {
+        let Some(time) = time else { return Ok(None) };
+        let time_s = time * questionnaire.time_unit.map_or(1.0, |unit| unit.to_si);
+        // A day of milliseconds is far from the highest number.
+        if (0.0..=LONGEST_S).contains(&time_s) {
+            return Ok(Some((time_s * 1e3).round() as u32));
+        }
+        Err(format!("an answer cannot take {time_s} s: from 0 to {LONGEST_S}"))
+    });
+    time_ms.map_err(|what| {
         recording.cell_error(column, row, &what, "mend the cell, or check time_unit")
-    };
-    let Some(theirs) = recording.number(column, row).map_err(wrong)? else { return Ok(None) };
-    let time_s = theirs * asked.time_unit.map_or(1.0, |unit| unit.to_si);
-    // A day of milliseconds is far from the highest number.
-    if (0.0..=LONGEST_S).contains(&time_s) {
-        return Ok(Some((time_s * 1e3).round() as u32));
-    }
-    Err(wrong(format!("an answer cannot take {time_s} s: from 0 to {LONGEST_S}")))
+    })
 }
 
-/// What was read of a table.
+/// The answers read from a table.
 pub(super) struct Read {
-    pub(super) found: Vec<Answered>,
+    pub(super) trials: Vec<Answered>,
     pub(super) report: FileReport,
     /// The columns of its answers, counted from 1.
     pub(super) columns: BTreeSet<usize>,

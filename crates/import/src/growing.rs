@@ -16,7 +16,7 @@ use zwidth_study::ChannelId;
 /// Rows that are written at a time. Tests have many parts in few rows.
 const PART: usize = if cfg!(test) { 700 } else { TrialWriter::AT_ONCE };
 
-/// Where a column of a trial goes.
+/// The signal or channel that a column becomes.
 #[derive(Debug, Clone, PartialEq)]
 enum To {
     Signal(Signal),
@@ -48,7 +48,7 @@ pub(super) struct Part<'a> {
     pub(super) is_whole: bool,
 }
 
-/// What is known of the zeros of a trial's sensors.
+/// Notes on the zeros of a trial's sensors.
 #[derive(Debug, Default)]
 pub(super) struct Zeros {
     pub(super) words: Vec<String>,
@@ -61,22 +61,22 @@ pub(super) struct Growing<'a> {
     path: PathBuf,
     /// Columns in the order of the plan, then the time from a rate, then those that are computed.
     columns: Vec<(To, Vec<f64>)>,
-    /// What is subtracted from each taken column, as recorded; none before the first rows.
+    /// The zero subtracted from each column, as recorded; empty before the first rows.
     zeros: Vec<f64>,
-    /// What is told of that.
-    pub(super) of_zeros: Zeros,
-    /// Where its first row and its last stand in the file.
+    /// Notes on the zeros, for the trial's file.
+    pub(super) zero_notes: Zeros,
+    /// The places of its first and its last row in the file.
     ends: Option<[Standing; 2]>,
-    /// The samples that other columns pass over, in the rows so far, and what is told of them.
+    /// The samples that other columns pass over, in the rows so far, and the doubt that this raises.
     hidden: (Elsewhere, Option<String>),
     /// Rows that were taken.
     pub(super) taken: usize,
     /// First and last time, s.
     times: Option<[f64; 2]>,
-    /// Rows that were given to the writer and are kept because the next row's derivative needs
-    /// them: the last one.
-    given: usize,
-    /// Rows given to the writer.
+    /// Rows that the writer has and that are kept because the next row's derivative needs them: the
+    /// last one.
+    written: usize,
+    /// Rows that the writer has.
     pub(super) rows: usize,
 }
 
@@ -92,12 +92,12 @@ impl<'a> Growing<'a> {
             path: path.to_owned(),
             columns: all.map(|to| (to, Vec::new())).collect(),
             zeros: Vec::new(),
-            of_zeros: Zeros::default(),
+            zero_notes: Zeros::default(),
             ends: None,
             hidden: Default::default(),
             taken: 0,
             times: None,
-            given: 0,
+            written: 0,
             rows: 0,
         }
     }
@@ -126,18 +126,20 @@ impl<'a> Growing<'a> {
             if let Some(wrap) = wrap {
                 unwrap_angle(&mut values, wrap);
             }
+            // At the trial's first rows; those that come later have the same zero.
             if i == self.zeros.len() {
                 let t_s = samples.get(Signal::Time).unwrap_or_default();
-                let found = zero::find(line.zero, t_s, &values).map_err(|what| {
+                let zero = zero::find(line.zero, t_s, &values).map_err(|what| {
                     let remedy = "name another stretch in zero, or leave the trial out";
                     part.recording.cell_error(part.numeric[i], part.rows[0], &what, remedy)
                 })?;
-                self.zeros.push(found.value);
+                self.zeros.push(zero.value);
                 let to = &self.columns[i].0;
                 if part.is_whole && *to != To::Signal(Signal::Time) {
-                    let told = |words: String| format!("{}: {words}", to.name());
-                    self.of_zeros.words.extend(found.words.map(told));
-                    self.of_zeros.doubts.extend(found.doubt.map(told));
+                    let name = to.name();
+                    let Zeros { words, doubts } = &mut self.zero_notes;
+                    words.extend(zero.words.map(|words| format!("{name}: {words}")));
+                    doubts.extend(zero.doubt.map(|doubt| format!("{name}: {doubt}")));
                 }
             }
             line.apply(&mut values, factor, self.zeros[i]);
@@ -148,17 +150,18 @@ impl<'a> Growing<'a> {
             Some(rate_hz) => counter::passed_over(t_s, rate_hz),
             None => {
                 let Part { recording, numeric, labels, rows, .. } = part;
-                let found = counter::elsewhere(recording, numeric, self.plan, labels, rows, t_s);
-                self.hidden.0.add(found);
-                counter::told(recording, self.plan, &self.hidden.0)
+                let next = counter::elsewhere(recording, numeric, self.plan, labels, rows, t_s);
+                self.hidden.0.add(next);
+                counter::doubt(recording, self.plan, &self.hidden.0)
             }
         };
+        // Before the rows are kept: errors name their place in this part.
         self.check(&samples).map_err(|e| self.in_their_words(e, part))?;
         let t = samples.get(Signal::Time).unwrap_or_default();
-        let ends = |t: &[f64]| Some([*t.first()?, *t.last()?]);
-        self.times = match (self.times, ends(t)) {
-            (Some([first, _]), Some([_, last])) => Some([first, last]),
-            (None, ends) => ends,
+        let t = t.first().copied().zip(t.last().copied());
+        self.times = match (self.times, t) {
+            (Some([first, _]), Some((_, last))) => Some([first, last]),
+            (None, Some((first, last))) => Some([first, last]),
             (times, None) => times,
         };
         for (to, values) in &mut self.columns {
@@ -171,13 +174,13 @@ impl<'a> Growing<'a> {
         Ok(())
     }
 
-    /// What it lacks between its first row and its last.
+    /// The gaps between its first and its last row.
     pub(super) fn gaps(&self) -> Gaps {
         self.ends
             .map_or_else(Gaps::default, |[first, last]| Gaps::between(first, last, self.taken, 0))
     }
 
-    /// What is said of samples that are missing without a gap in the rows.
+    /// A doubt about samples that are missing without a gap in the rows.
     pub(super) fn hidden(&self) -> Option<String> {
         self.hidden.1.clone()
     }
@@ -197,28 +200,28 @@ impl<'a> Growing<'a> {
         Ok(samples)
     }
 
-    /// Whether the next rows can be the trial's.
+    /// Checks that the next rows can follow in the trial.
     fn check(&self, part: &Samples) -> Result<(), StoreError> {
         part.check(&self.path)?;
         check_sizes(&self.path, part)?;
         let (Some([first, last]), Some(t)) = (self.times, part.get(Signal::Time)) else {
             return Ok(());
         };
-        let error = |what: String, remedy: &str, row: usize| {
-            Err(StoreError::new(&self.path, what, remedy).column(Signal::Time.name()).row0(row))
-        };
-        if t.first().is_some_and(|t| *t <= last) {
+        let (row, what, remedy) = if t.first().is_some_and(|t| *t <= last) {
             let what = format!("time runs backwards or stands still: {} s after {last} s", t[0]);
-            let remedy = "set equal = \"drop\", wrap or backwards = \"split\" in [time], or sort the recording";
-            return error(what, remedy, 0);
-        }
-        let with_first: Vec<f64> = std::iter::once(first).chain(t.iter().copied()).collect();
-        match check_time(&with_first) {
-            Ok(()) => Ok(()),
-            Err((row, what)) => {
-                error(what, "check the unit of the time, or leave the row out", row.max(1) - 1)
-            }
-        }
+            (
+                0,
+                what,
+                "set equal = \"drop\", wrap or backwards = \"split\" in [time], or sort the recording",
+            )
+        } else {
+            // With the trial's first time, from which its span is counted.
+            let with_first: Vec<f64> = std::iter::once(first).chain(t.iter().copied()).collect();
+            let Err((row, what)) = check_time(&with_first) else { return Ok(()) };
+            (row.max(1) - 1, what, "check the unit of the time, or leave the row out")
+        };
+        let error = StoreError::new(&self.path, what, remedy);
+        Err(error.column(Signal::Time.name()).row0(row))
     }
 
     /// An error about our column and a sample's number, as one about their column, row and line.
@@ -237,8 +240,8 @@ impl<'a> Growing<'a> {
     }
 
     fn column(&self, signal: Signal) -> &[f64] {
-        let found = self.columns.iter().find(|(to, _)| *to == To::Signal(signal));
-        found.map_or(&[], |(_, values)| values)
+        let column = self.columns.iter().find(|(to, _)| *to == To::Signal(signal));
+        column.map_or(&[], |(_, values)| values)
     }
 
     /// Computes what the rows at hand allow; at the end all.
@@ -265,7 +268,7 @@ impl<'a> Growing<'a> {
     pub(super) fn write(&mut self, writer: &mut TrialWriter, end: bool) -> Result<(), Errors> {
         self.derive(end)?;
         let ready = self.columns.iter().map(|(_, values)| values.len()).min().unwrap_or(0);
-        let mut from = self.given;
+        let mut from = self.written;
         while ready - from >= PART || (end && ready > from) {
             let to = ready.min(from + PART);
             let mut group = Samples::default();
@@ -277,11 +280,11 @@ impl<'a> Growing<'a> {
             self.rows += to - from;
             from = to;
         }
-        // The last row given stays: the next one's derivative looks back to it.
+        // The last row written stays: the next one's derivative looks back to it.
         let gone = from.saturating_sub(1);
-        if from > self.given {
+        if from > self.written {
             self.columns.iter_mut().for_each(|(_, values)| drop(values.drain(..gone)));
-            self.given = from - gone;
+            self.written = from - gone;
         }
         Ok(())
     }
@@ -289,15 +292,16 @@ impl<'a> Growing<'a> {
     /// The next values of a computed column: dx/dt by central differences, one-sided at the trial's ends
     /// ([`slope`], [`central`]), or ∫ x dt from its first sample by the trapezoidal rule.
     fn derived(&self, to: Signal, rule: Rule, end: bool) -> Vec<f64> {
-        let (Rule::DerivativeOf(of) | Rule::IntegralOf(of)) = rule;
+        let (Rule::DerivativeOf(source) | Rule::IntegralOf(source)) = rule;
         let t = self.column(Signal::Time);
-        let x = self.column(of);
+        let x = self.column(source);
         let have = self.column(to);
         let n = t.len().min(x.len());
         // Whether the first row at hand is the trial's first.
-        let from_start = self.rows == self.given;
+        let from_start = self.rows == self.written;
         match rule {
             Rule::DerivativeOf(_) => {
+                // The last row at hand waits: its slope needs the row behind it.
                 let until = if end { n } else { n.saturating_sub(1) };
                 (have.len()..until)
                     .map(|i| match i {
@@ -309,13 +313,13 @@ impl<'a> Growing<'a> {
             }
             Rule::IntegralOf(_) => {
                 let mut sum = have.last().copied().unwrap_or(0.0);
-                let mut next = |i: usize| {
+                let sums = (have.len()..n).map(|i| {
                     if i > 0 {
                         sum += 0.5 * (x[i] + x[i - 1]) * (t[i] - t[i - 1]);
                     }
                     sum
-                };
-                (have.len()..n).map(&mut next).collect()
+                });
+                sums.collect()
             }
         }
     }

@@ -10,7 +10,7 @@ use super::guess_answers::answers;
 use super::guess_apart::{Sorted, sort};
 use super::guess_names::{Names, names};
 use super::guess_read::{Looked, MOST_GUESSED, first_numbers, is_number, look, quoted};
-use super::guess_words::{ANSWERS, COMMANDED, CURRENTS, LABELS, Said, said, signal_of};
+use super::guess_words::{ANSWERS, COMMANDED, CURRENTS, ColumnName, LABELS, parse_name, signal_of};
 use super::mapping::CellForm;
 use super::recording::number;
 use super::spelling::shown;
@@ -24,7 +24,7 @@ use zwidth_numerics::series::ends;
 use zwidth_store::{Signal, StoreError};
 use zwidth_study::{CURRENT_BRAKE, CURRENT_MOTOR, REFERENCE};
 
-/// What a guess found.
+/// The result of a guess.
 #[derive(Debug)]
 pub struct Guess {
     /// The mapping's text, to be edited.
@@ -54,8 +54,8 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
         file_name(path)
     );
     for StoreError { path, what, remedy, .. } in apart {
-        let told = format!("{what}; {remedy}").replace(char::is_control, " ");
-        let _ = writeln!(text, "# Not for {}: {told}", file_name(path));
+        let reason = format!("{what}; {remedy}").replace(char::is_control, " ");
+        let _ = writeln!(text, "# Not for {}: {reason}", file_name(path));
     }
     let Looked { table, written, .. } = looked;
     let comma = written.is_some_and(|written| written.decimal_comma);
@@ -67,7 +67,7 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
     }
     text.push_str("kind = \"trials\"\n\n[file]\n");
     write_file(&mut text, looked);
-    let columns = described(looked, comma);
+    let columns = describe_columns(looked, comma);
     let time = columns.iter().find(|c| c.to == Some(Signal::Time));
     let is_clock = time.is_some_and(|time| !time.is_number);
     let times = time.map(|time| {
@@ -76,6 +76,7 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
     });
     let times: Vec<f64> = times.into_iter().flatten().flatten().collect();
     let wrap = wrap_of(&times);
+    // A counter that starts over begins no other trial.
     if wrap.is_none() && times.windows(2).any(|t| t[1] < t[0]) {
         text.push_str(
             "split = \"time\"          # the time starts over: several trials in one file\n",
@@ -87,9 +88,13 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
     write_labels(&mut text, names);
     match (time, looked.labview.as_ref().and_then(|heads| heads.step_s)) {
         (Some(column), _) => {
+            // If the unit is a day, steps between samples are 10 µs to 1 s long.
+            let mut steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
+            steps.sort_by(f64::total_cmp);
+            let median = steps.get(steps.len() / 2);
             let unit = if is_clock {
                 "\"s\"               # clock times and durations are read as seconds".to_owned()
-            } else if are_days(&times) {
+            } else if median.is_some_and(|step| (1e-10..1.2e-5).contains(step)) {
                 "\"d\"               # days, as workbooks count them? Or s, ms or µs?".to_owned()
             } else {
                 column.unit_line("s, ms or µs?")
@@ -120,8 +125,8 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
     for column in &columns {
         column.write(&mut text);
     }
-    let has = |signal| columns.iter().any(|column| column.to == Some(signal));
-    if has(Signal::Theta) && !has(Signal::ThetaDot) {
+    let signals: Vec<Option<Signal>> = columns.iter().map(|column| column.to).collect();
+    if signals.contains(&Some(Signal::Theta)) && !signals.contains(&Some(Signal::ThetaDot)) {
         let _ = writeln!(
             text,
             "\n# no velocity was found; without one there is no onset, and no average over time\n[[column]]\n\
@@ -136,25 +141,18 @@ fn mapping(path: &Path, apart: &[StoreError], looked: &Looked, names: &Names) ->
 /// A first time beyond this is counted from the start of a computer or from 1970, whatever its unit.
 const LONG_BEFORE: f64 = 1e8;
 
-/// Whether the steps between times are those of samples if the unit is a day (10 µs to 1 s).
-fn are_days(times: &[f64]) -> bool {
-    let mut steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).is_some_and(|step| (1e-10..1.2e-5).contains(step))
-}
-
 /// Says how many rows cannot be read, and whether some lack a value in a column that is taken: as the
 /// importer counts them.
 fn write_bad_rows(text: &mut String, table: &Table, taken: &[&Cells], comma: bool) {
     let mut bad: BTreeMap<usize, String> = table.bad.iter().cloned().collect();
     let mut missing = 0;
     for row in 0..taken.iter().map(|cells| cells.len()).min().unwrap_or(0) {
-        let read = |cells: &&Cells| match cells.cell(row) {
+        let numbers = taken.iter().map(|cells| match cells.cell(row) {
             Cell::Text(text) => number(text, comma),
             Cell::Number(value) => Ok(Some(value).filter(|value| !value.is_nan())),
             Cell::Empty => Ok(None),
-        };
-        let cells: Vec<Result<Option<f64>, String>> = taken.iter().map(read).collect();
+        });
+        let cells: Vec<Result<Option<f64>, String>> = numbers.collect();
         if let Some(why) = cells.iter().find_map(|cell| cell.as_ref().err()) {
             bad.entry(row).or_insert_with(|| why.clone());
         }
@@ -183,19 +181,18 @@ fn file_name(path: &Path) -> String {
 /// `[name]` and `[trial]`.
 fn write_labels(text: &mut String, names: &Names) {
     const WHO: &str = "\"TODO\"     # a code; or { column = \"…\" }, or { name = \"…\" } with a pattern in [name]";
-    let or = |told: &Option<String>, else_: &str| told.as_deref().unwrap_or(else_).to_owned();
     let _ = write!(
         text,
         "{}\n[trial]\nparticipant = {}\nsession = {}\nenvironment = \"TODO\"     # as in study.toml\n\
          mode = {}\n",
         names.block,
-        or(&names.participant, WHO),
-        or(&names.session, "\"S01\""),
-        or(&names.mode, "\"TODO\"            # as in study.toml"),
+        names.participant.as_deref().unwrap_or(WHO),
+        names.session.as_deref().unwrap_or("\"S01\""),
+        names.mode.as_deref().unwrap_or("\"TODO\"            # as in study.toml"),
     );
-    for (key, told) in [("repeat", &names.repeat), ("trial", &names.trial)] {
-        if let Some(told) = told {
-            let _ = writeln!(text, "{key} = {told}");
+    for (key, value) in [("repeat", &names.repeat), ("trial", &names.trial)] {
+        if let Some(value) = value {
+            let _ = writeln!(text, "{key} = {value}");
         }
     }
     text.push('\n');
@@ -233,8 +230,8 @@ fn write_file(text: &mut String, Looked { table, format, written, part, turned, 
     if *turned {
         text.push_str("signals = \"rows\"       # the matrix has more columns than rows\n");
     }
-    for told in &table.told {
-        let _ = writeln!(text, "# {told}");
+    for remark in &table.told {
+        let _ = writeln!(text, "# {remark}");
     }
 }
 
@@ -255,15 +252,15 @@ struct Guessed {
 }
 
 impl Guessed {
-    fn says(&self, known: &[&str]) -> bool {
-        self.words.iter().any(|word| known.contains(&word.as_str()))
+    fn has_word(&self, listed: &[&str]) -> bool {
+        self.words.iter().any(|word| listed.contains(&word.as_str()))
     }
 
     /// A name for it among the study's channels: that of a winding's current has a fixed meaning.
     fn channel(&self) -> String {
-        if self.says(&CURRENTS) {
-            let which = if self.says(&["brake", "bremse"]) { CURRENT_BRAKE } else { CURRENT_MOTOR };
-            return which.to_owned();
+        if self.has_word(&CURRENTS) {
+            let is_brake = self.has_word(&["brake", "bremse"]);
+            return if is_brake { CURRENT_BRAKE } else { CURRENT_MOTOR }.to_owned();
         }
         let words: Vec<String> =
             self.words.iter().filter(|word| !COMMANDED.contains(&word.as_str())).cloned().collect();
@@ -274,16 +271,12 @@ impl Guessed {
         if words.len() < self.words.len() && is_angle {
             return REFERENCE.to_owned();
         }
-        let is_plain = |letter: &char| letter.is_ascii_alphanumeric() || *letter == '_';
-        let words = self.words.iter().map(|word| word.chars().filter(is_plain).collect::<String>());
-        let name = Vec::from_iter(
-            words.chain(
-                self.unit
-                    .as_ref()
-                    .map(|unit| unit.chars().filter(is_plain).collect::<String>().to_lowercase()),
-            ),
-        )
-        .join("_");
+        // The id of a channel has small ASCII letters alone, and a unit may have capitals.
+        let parts = self.words.iter().chain(&self.unit).map(|part| {
+            let letters = part.chars().filter(|l| l.is_ascii_alphanumeric() || *l == '_');
+            letters.collect::<String>().to_lowercase()
+        });
+        let name = parts.collect::<Vec<_>>().join("_");
         if name.is_empty() { format!("column_{}", self.place + 1) } else { name }
     }
 
@@ -308,15 +301,13 @@ impl Guessed {
             None if let Some(why) = &self.why_not => {
                 writeln!(text, "\n# not read: {from}, {why}")
             }
-            None if LABELS.iter().any(|(_, known)| self.says(known)) => {
-                let (key, _) =
-                    LABELS.iter().find(|(_, known)| self.says(known)).unwrap_or(&LABELS[0]);
+            None if let Some((key, _)) = LABELS.iter().find(|(_, words)| self.has_word(words)) => {
                 writeln!(
                     text,
                     "\n# a label of the trial? Then under [trial]: {key} = {{ column = {from} }}"
                 )
             }
-            None if self.says(&ANSWERS) => {
+            None if self.has_word(&ANSWERS) => {
                 writeln!(text, "\n# an answer? Then under [trial]: likert = {{ column = {from} }}")
             }
             None if self.is_number && self.words.is_empty() => writeln!(
@@ -339,22 +330,36 @@ impl Guessed {
     }
 }
 
-/// Every column, each of ours at most once.
-fn described(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
+/// Describes every column; each of our signals is the target of one column at most.
+fn describe_columns(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
     let Looked { table, labview, labels, .. } = looked;
     let mut taken = Vec::new();
     let mut columns = Vec::new();
-    let usual = usual_length(table);
+    // The most common number of values among columns with more than one; the larger of two equally
+    // common. Vectors of one file may differ in length.
+    let mut lengths: BTreeMap<usize, usize> = BTreeMap::new();
+    for length in table.columns.iter().map(Cells::len).filter(|length| *length > 1) {
+        *lengths.entry(length).or_default() += 1;
+    }
+    let usual = lengths.into_iter().max_by_key(|(length, count)| (*count, *length));
+    let usual = usual.map_or(1, |(length, _)| length);
     let names = table.names.as_deref().unwrap_or_default();
     for (place, cells) in table.columns.iter().enumerate().take(MOST_GUESSED) {
         let name = names.get(place).filter(|name| !name.is_empty());
-        if name.is_some_and(|name| has_parts(name, names)) && cells.len() == 0 {
+        // A structure whose fields are columns too is no column itself.
+        if cells.len() == 0
+            && let Some(name) = name
+            && names
+                .iter()
+                .filter_map(|other| other.strip_prefix(name.as_str()))
+                .any(|rest| rest.starts_with(['.', '(', '/']))
+        {
             continue;
         }
         let label = name.or_else(|| labels.get(place).filter(|label| !label.is_empty()));
         let is_number = is_number(cells, decimal_comma);
-        let Said { words, mut signal, mut unit } =
-            label.map_or_else(Said::default, |label| said(label));
+        let ColumnName { words, mut signal, mut unit } =
+            label.map_or_else(ColumnName::default, |label| parse_name(label));
         let mut why_not = why_not(cells, usual);
         if let Some(heads) = labview {
             let is_x = place == 0 || (heads.has_many_times && place % 2 == 0);
@@ -364,9 +369,12 @@ fn described(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
                 }
                 true => {
                     (signal, unit) = (None, None);
-                    let numbers = |cells| first_numbers(cells, decimal_comma);
-                    let same = numbers(cells) == numbers(&table.columns[0]);
-                    why_not = why_not.or_else(|| of_next_channel(heads.has_many_times, same));
+                    if heads.has_many_times && why_not.is_none() {
+                        let first = first_numbers(&table.columns[0], decimal_comma);
+                        let is_same = first_numbers(cells, decimal_comma) == first;
+                        let reason = if is_same { SAME_TIMES } else { OTHER_TIMES };
+                        why_not = Some(reason.to_owned());
+                    }
                 }
                 false => {
                     let channel = if heads.has_many_times { place / 2 } else { place - 1 };
@@ -385,18 +393,27 @@ fn described(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
         }
         // The first column of a matrix that has no names is its time if it only grows.
         let is_matrix = names.is_empty() && table.lines.is_empty();
-        if is_matrix && place == 0 && only_grows(cells) {
-            signal = Some(Signal::Time);
+        if is_matrix && place == 0 {
+            let numbers = first_numbers(cells, false);
+            let mut pairs = numbers.windows(2);
+            let grows = pairs.all(|pair| pair[0].zip(pair[1]).is_some_and(|(a, b)| b > a));
+            if numbers.len() > 1 && grows {
+                signal = Some(Signal::Time);
+            }
         }
         // A time may be written as that of a clock.
         let is_clock = signal == Some(Signal::Time) && clock_times(cells, decimal_comma).is_some();
-        let is_free = |to: &Signal| why_not.is_none() && !taken.contains(to);
-        let to = signal.filter(|to| (is_number || is_clock) && is_free(to));
+        let to =
+            signal.filter(|to| (is_number || is_clock) && why_not.is_none() && !taken.contains(to));
         taken.extend(to);
         let from = name.map_or_else(|| (place + 1).to_string(), |name| quoted(name));
         let about = match (name, label) {
             (None, Some(label)) => format!("      # {}", label.replace(char::is_control, " ")),
-            (None, None) => from_where_to_where(cells, decimal_comma),
+            (None, None) => {
+                let numbers = first_numbers(cells, decimal_comma);
+                let (low, high) = ends(&numbers.into_iter().flatten().collect::<Vec<f64>>());
+                if low <= high { format!(" from {low} to {high}") } else { String::new() }
+            }
             _ => String::new(),
         };
         columns.push(Guessed { place, from, to, unit, is_number, words, about, why_not });
@@ -404,22 +421,10 @@ fn described(looked: &Looked, decimal_comma: bool) -> Vec<Guessed> {
     columns
 }
 
-/// Whether a name is that of a structure whose fields are columns too.
-fn has_parts(name: &str, names: &[String]) -> bool {
-    names
-        .iter()
-        .any(|other| other.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '(', '/'])))
-}
-
-/// How many values most columns have that have several; of equally many the most. Vectors of one file may
-/// differ in length.
-fn usual_length(table: &Table) -> usize {
-    let mut lengths: BTreeMap<usize, usize> = BTreeMap::new();
-    for length in table.columns.iter().map(Cells::len).filter(|length| *length > 1) {
-        *lengths.entry(length).or_default() += 1;
-    }
-    lengths.into_iter().max_by_key(|(length, count)| (*count, *length)).map_or(1, |most| most.0)
-}
+/// Why another channel's times in a file of LabVIEW's are no column.
+const SAME_TIMES: &str = "the times of column 1 once more";
+const OTHER_TIMES: &str =
+    "the times of the next channel, which are not those of column 1: import each channel by itself";
 
 /// Why a column is none of a recording whose columns have the usual length.
 fn why_not(cells: &Cells, usual: usize) -> Option<String> {
@@ -437,27 +442,6 @@ fn why_not(cells: &Cells, usual: usize) -> Option<String> {
     }
 }
 
-/// What the times of another channel than the first are, in a file of LabVIEW's.
-fn of_next_channel(has_many_times: bool, are_those_of_the_first: bool) -> Option<String> {
-    const OTHER: &str = "the times of the next channel, which are not those of column 1: import each channel by itself";
-    let same = if are_those_of_the_first { "the times of column 1 once more" } else { OTHER };
-    has_many_times.then(|| same.to_owned())
-}
-
-/// Whether a column of numbers grows from each row to the next.
-fn only_grows(cells: &Cells) -> bool {
-    let numbers = first_numbers(cells, false);
-    numbers.len() > 1
-        && numbers.windows(2).all(|pair| pair[0].zip(pair[1]).is_some_and(|(a, b)| b > a))
-}
-
-/// From where to where the numbers of a column go, in words.
-fn from_where_to_where(cells: &Cells, decimal_comma: bool) -> String {
-    let numbers = first_numbers(cells, decimal_comma);
-    let (low, high) = ends(&numbers.into_iter().flatten().collect::<Vec<f64>>());
-    if low <= high { format!(" from {low} to {high}") } else { String::new() }
-}
-
 /// The clock times, dates or durations of a column in s, if it holds such, as the importer reads them.
 fn clock_times(cells: &Cells, decimal_comma: bool) -> Option<Cells> {
     let form = CellForm { decimal_comma, ..CellForm::default() };
@@ -471,10 +455,10 @@ fn clock_times(cells: &Cells, decimal_comma: bool) -> Option<Cells> {
 fn unit_of(named: &str, signal: Option<Signal>) -> Option<String> {
     let singular = named.strip_suffix('s').unwrap_or(named);
     let spellings = [named, singular].into_iter();
-    let found = spellings.chain(word_of(singular)).find(|text| {
+    let unit = spellings.chain(word_of(singular)).find(|text| {
         find(text).is_some_and(|unit| signal.is_none_or(|signal| may_become(unit, signal)))
     });
-    found.map(str::to_owned)
+    unit.map(str::to_owned)
 }
 
 #[cfg(test)]

@@ -3,18 +3,18 @@
 
 use super::guess_names::Names;
 use super::guess_read::{LOOKED_AT, first_numbers, is_number, quoted};
-use super::guess_words::{ANSWERS, QUESTIONS, are_answers, label_of, said};
+use super::guess_words::{ANSWERS, ColumnName, QUESTIONS, are_answers, label_of, parse_name};
 use super::spelling::is_missing;
 use super::table::{Cell, Cells, Table};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use zwidth_store::Signal;
 
-/// How columns are called that PsychoPy writes beside those of a study.
+/// Columns that PsychoPy writes beside those of a study.
 const PSYCHOPY: [&str; 4] = ["psychopyVersion", "expName", "frameRate", "expStart"];
-/// How its columns end that count a loop's rows from 0.
+/// The ending of PsychoPy's columns that count the rows of a loop from 0.
 const LOOP: &str = ".thisN";
-/// How columns of answers end, and those of the times that they took.
+/// Endings of columns of answers, and of the times that they took.
 const ANSWERED: [&str; 2] = [".response", ".rating"];
 const TOOK: &str = ".rt";
 
@@ -36,7 +36,7 @@ const ABOUT: [&str; 12] = [
 /// Answers are from here to there: a visual analogue scale has numbers from 0 to 100.
 const SCALES: std::ops::RangeInclusive<f64> = -50.0..=100.0;
 
-/// What is where in a table of answers. Columns are named by their place.
+/// The columns of a table of answers, by their places.
 pub(super) struct Answers {
     /// Keys under `[trial]`, each with its column.
     labels: Vec<(&'static str, usize)>,
@@ -57,10 +57,9 @@ enum Form {
     Long { question: usize, answer: usize },
 }
 
-/// What is where, if a table is one of answers and no recording.
+/// Finds the columns of a table of answers; `None` if the table is a recording.
 pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
     let names = table.names.as_ref()?;
-    let is_numbers = |place: &usize| is_number(&table.columns[*place], decimal_comma);
     let is_psychopy =
         names.iter().any(|name| PSYCHOPY.contains(&name.as_str()) || name.ends_with(LOOP));
     let (mut labels, mut others): (Vec<(&'static str, usize)>, Vec<_>) = (Vec::new(), Vec::new());
@@ -78,62 +77,71 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
             key => key,
         };
         let Some(key) = key else { continue };
-        match labels.iter().any(|(known, _)| *known == key) {
+        match labels.iter().any(|(other, _)| *other == key) {
             true => others.push((key, place)),
             false => labels.push((key, place)),
         }
     }
-    let is_label = |place: &usize| {
-        loops.contains(place) || labels.iter().chain(&others).any(|(_, label)| label == place)
-    };
-    let free = || (0..names.len()).filter(|place| !is_label(place) && !names[*place].is_empty());
-    let says = |place: &usize, known: &[&str]| {
-        let words = said(&names[*place]).words;
-        words.iter().any(|word| known.contains(&word.as_str()))
-    };
-    let is_scale = |place: &usize| {
-        let numbers = first_numbers(&table.columns[*place], decimal_comma);
-        let on_scale = |number: &f64| number.fract() == 0.0 && SCALES.contains(number);
-        is_numbers(place) && numbers.iter().flatten().all(on_scale) && !says(place, &ABOUT)
-    };
-    let mut asked: Vec<usize> =
-        free().filter(|place| ANSWERED.iter().any(|end| names[*place].ends_with(end))).collect();
-    if asked.is_empty() {
-        let is_answer = |place: &usize| says(place, &ANSWERS) && !names[*place].ends_with(TOOK);
-        asked = free().filter(is_answer).filter(is_numbers).collect();
+    let mut free: Vec<usize> = (0..names.len()).collect();
+    free.retain(|place| {
+        let is_label = labels.iter().chain(&others).any(|(_, label)| label == place);
+        !is_label && !loops.contains(place) && !names[*place].is_empty()
+    });
+    let mut questions = free.clone();
+    // PsychoPy marks answers by the ending of the name; words are a guess for other tables.
+    questions.retain(|place| ANSWERED.iter().any(|end| names[*place].ends_with(end)));
+    if questions.is_empty() {
+        questions.clone_from(&free);
+        questions.retain(|place| {
+            has_word(&names[*place], &ANSWERS)
+                && !names[*place].ends_with(TOOK)
+                && is_number(&table.columns[*place], decimal_comma)
+        });
     }
-    let question = free().find(|place| says(place, &QUESTIONS) && !is_numbers(place));
-    let has_participant = labels.iter().any(|(key, _)| *key == "participant");
+    let question = free.iter().copied().find(|place| {
+        has_word(&names[*place], &QUESTIONS) && !is_number(&table.columns[*place], decimal_comma)
+    });
     if !is_psychopy {
-        let is_measured = |place: &usize| {
-            let said = said(&names[*place]);
-            let is_measured = said.signal.is_some_and(|signal| signal != Signal::Time);
-            is_measured && is_numbers(place) && (said.unit.is_some() || !is_scale(place))
-        };
-        let is_clock = |place: &usize| {
-            let numbers = first_numbers(&table.columns[*place], decimal_comma);
-            let times: Vec<f64> = numbers.into_iter().flatten().collect();
-            let rises = times.windows(2).filter(|t| t[1] > t[0]).count();
-            said(&names[*place]).signal == Some(Signal::Time) && 2 * rises > times.len().max(2)
-        };
-        let is_recording = free().any(|place| is_measured(&place) || is_clock(&place));
+        let is_recording = free.iter().any(|place| {
+            let cells = &table.columns[*place];
+            let ColumnName { signal, unit, .. } = parse_name(&names[*place]);
+            match signal {
+                None => false,
+                // Reaction times go up and down; a clock goes up from most rows to the next.
+                Some(Signal::Time) => {
+                    let times = first_numbers(cells, decimal_comma).into_iter().flatten();
+                    let times: Vec<f64> = times.collect();
+                    let rises = times.windows(2).filter(|t| t[1] > t[0]).count();
+                    2 * rises > times.len().max(2)
+                }
+                Some(_) => {
+                    is_number(cells, decimal_comma)
+                        && (unit.is_some() || !is_scale(&names[*place], cells, decimal_comma))
+                }
+            }
+        });
+        let has_participant = labels.iter().any(|(key, _)| *key == "participant");
         if is_recording || !(has_participant || are_answers(names)) {
             return None;
         }
     }
-    let objects = free().find_map(|place| objects(&table.columns[place], place));
-    let form = match (question, asked.as_slice(), objects) {
+    let objects = free.iter().find_map(|place| objects(&table.columns[*place], *place));
+    let form = match (question, questions.as_slice(), objects) {
+        // Columns of answers go before objects, which may hold anything else.
         (_, [], Some(objects)) => objects,
         (Some(question), [answer], _) => Form::Long { question, answer: *answer },
         _ => {
-            if asked.is_empty() {
-                asked = free().filter(is_scale).collect();
+            if questions.is_empty() {
+                questions = free;
+                questions.retain(|at| is_scale(&names[*at], &table.columns[*at], decimal_comma));
             }
-            let time = |place: usize| {
-                let (stem, _) = names[place].rsplit_once('.')?;
-                names.iter().position(|name| name.strip_suffix(TOOK) == Some(stem))
-            };
-            Form::Wide(asked.iter().map(|place| (*place, time(*place))).collect())
+            let columns = questions.iter().map(|place| {
+                let time = names[*place].rsplit_once('.').and_then(|(stem, _)| {
+                    names.iter().position(|name| name.strip_suffix(TOOK) == Some(stem))
+                });
+                (*place, time)
+            });
+            Form::Wide(columns.collect())
         }
     };
     if matches!(&form, Form::Wide(columns) if columns.is_empty()) {
@@ -141,7 +149,7 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
     }
     let mut no_loop = None;
     if !loops.is_empty() && labels.iter().all(|(key, _)| *key != "trial") {
-        match loop_of_all(table, &form, &labels, &loops) {
+        match loop_of_trials(table, &form, &labels, &loops) {
             Ok(place) => labels.push(("trial", place)),
             Err(why) => no_loop = Some(why),
         }
@@ -149,45 +157,58 @@ pub(super) fn answers(table: &Table, decimal_comma: bool) -> Option<Answers> {
     Some(Answers { labels, others, no_loop, form })
 }
 
+/// Whether a name has one of the words.
+fn has_word(name: &str, listed: &[&str]) -> bool {
+    parse_name(name).words.iter().any(|word| listed.contains(&word.as_str()))
+}
+
+/// Whether a column holds answers on a scale: whole numbers from a range, of which its name says
+/// nothing else.
+fn is_scale(name: &str, cells: &Cells, decimal_comma: bool) -> bool {
+    let numbers = first_numbers(cells, decimal_comma);
+    is_number(cells, decimal_comma)
+        && numbers.iter().flatten().all(|n| n.fract() == 0.0 && SCALES.contains(n))
+        && !has_word(name, &ABOUT)
+}
+
 /// The loop that numbers the trials: it counts every row with an answer, and none as another of its session.
 ///
 /// # Errors
-/// How many of them each loop counts, in words.
-fn loop_of_all(
+/// The number of rows that each loop counts, in words.
+fn loop_of_trials(
     table: &Table,
     form: &Form,
     labels: &[(&str, usize)],
     loops: &[usize],
 ) -> Result<usize, String> {
     let places = form.answers();
-    let is_answer = |cell: Cell| match cell {
-        Cell::Empty => false,
-        Cell::Text(text) => !is_missing(text),
-        Cell::Number(number) => !number.is_nan(),
-    };
     let rows = places.first().map_or(0, |place| table.columns[*place].len());
     let answered: Vec<usize> = (0..rows)
-        .filter(|row| places.iter().any(|place| is_answer(table.columns[*place].cell(*row))))
+        .filter(|row| {
+            places.iter().any(|place| match table.columns[*place].cell(*row) {
+                Cell::Empty => false,
+                Cell::Text(text) => !is_missing(text),
+                Cell::Number(number) => !number.is_nan(),
+            })
+        })
         .collect();
-    let session = |key: &str| ["participant", "session"].contains(&key);
-    let session = labels.iter().filter(|(key, _)| session(key)).map(|(_, place)| *place);
-    let session: Vec<usize> = session.collect();
-    let counted = |place: usize| {
-        let filled = answered.iter().filter(|row| table.columns[place].cell(**row) != Cell::Empty);
-        let cells = |row: &usize| {
-            let places = session.iter().chain([&place]);
+    let session = labels.iter().filter(|(key, _)| ["participant", "session"].contains(key));
+    let session: Vec<usize> = session.map(|(_, place)| *place).collect();
+    let mut counts = Vec::new();
+    for place in loops {
+        let filled = answered.iter().filter(|row| table.columns[*place].cell(**row) != Cell::Empty);
+        let keys = filled.map(|row| {
+            let places = session.iter().chain([place]);
             places.map(|place| table.columns[*place].cell(*row).to_string()).collect::<Vec<_>>()
-        };
-        filled.map(cells).collect::<BTreeSet<_>>().len()
-    };
-    let counts: Vec<(usize, usize)> = loops.iter().map(|place| (*place, counted(*place))).collect();
-    if let Some((place, _)) = counts.iter().find(|(_, count)| *count == answered.len()) {
-        return Ok(*place);
+        });
+        let count = keys.collect::<BTreeSet<_>>().len();
+        if count == answered.len() {
+            return Ok(*place);
+        }
+        counts.push(format!("{count} ({})", table.name(*place)));
     }
-    let told: Vec<String> =
-        counts.iter().map(|(place, count)| format!("{count} ({})", table.name(*place))).collect();
     let n = answered.len();
-    Err(format!("of {n} rows with an answer it tells apart {}", told.join(", ")))
+    Err(format!("of {n} rows with an answer it tells apart {}", counts.join(", ")))
 }
 
 impl Form {
@@ -209,6 +230,7 @@ fn objects(cells: &Cells, place: usize) -> Option<Form> {
         let Cell::Text(text) = cells.cell(row) else { continue };
         let Ok(object) = serde_json::from_str::<serde_json::Map<_, _>>(text) else { continue };
         for (key, value) in object {
+            // jsPsych numbers answers from 0, where a study's scale begins at 1.
             from_zero |= value == serde_json::json!(0);
             if !keys.contains(&key) {
                 keys.push(key);
@@ -221,10 +243,6 @@ fn objects(cells: &Cells, place: usize) -> Option<Form> {
 impl Answers {
     /// Writes the rest of `[file]`, and what follows it.
     pub(super) fn write(&self, text: &mut String, table: &Table, names: &Names) {
-        let column = |place: usize| {
-            let name = table.names.as_ref().and_then(|names| names.get(place));
-            name.map_or_else(|| (place + 1).to_string(), |name| quoted(name))
-        };
         if let Some((row, why)) = table.bad.first() {
             let count = table.bad.len();
             let _ =
@@ -233,23 +251,18 @@ impl Answers {
         if self.has_gaps(table) {
             text.push_str("missing = \"drop\"       # some rows lack a label or an answer\n");
         }
-        let label = |key: &str| {
-            let place = self.labels.iter().find(|(known, _)| *known == key)?.1;
-            Some(format!("{{ column = {} }}", column(place)))
-        };
-        let fixed = |key: &str, named: &Option<String>, otherwise: &str| {
-            label(key).or_else(|| named.clone()).unwrap_or_else(|| otherwise.to_owned())
-        };
         let _ = write!(
             text,
             "{}\n[trial]\nparticipant = {}\nsession = {}\nenvironment = \"TODO\"     # as in study.toml\nmode = {}\n",
             names.block,
-            fixed("participant", &names.participant, "\"TODO\"     # a code"),
-            fixed("session", &names.session, "\"S01\""),
-            fixed("mode", &names.mode, "\"TODO\"            # as in study.toml"),
+            self.label("participant", &names.participant, table)
+                .unwrap_or_else(|| "\"TODO\"     # a code".to_owned()),
+            self.label("session", &names.session, table).unwrap_or_else(|| "\"S01\"".to_owned()),
+            self.label("mode", &names.mode, table)
+                .unwrap_or_else(|| "\"TODO\"            # as in study.toml".to_owned()),
         );
         for (key, named) in [("repeat", &names.repeat), ("trial", &names.trial)] {
-            if let Some(label) = label(key).or_else(|| named.clone()) {
+            if let Some(label) = self.label(key, named, table) {
                 let _ = writeln!(text, "{key} = {label}");
             }
         }
@@ -257,7 +270,7 @@ impl Answers {
             let _ = writeln!(text, "# no trial, as no loop numbers all: {why}");
         }
         for (key, place) in &self.others {
-            let from = column(*place);
+            let from = column(table, *place);
             let _ = writeln!(
                 text,
                 "# another {key}: {from}. If a row holds several conditions, write a [[condition]] for each"
@@ -269,8 +282,8 @@ impl Answers {
                     text,
                     "\n[questions]\n# its words are ids of study.toml, or are translated to them: translate = {{ … }}\n\
                      question = {{ column = {} }}\nanswer = {}",
-                    column(*question),
-                    column(*answer)
+                    column(table, *question),
+                    column(table, *answer)
                 );
             }
             Form::Json { place, keys, from_zero } => {
@@ -279,7 +292,7 @@ impl Answers {
                 }
                 text.push_str(QUESTIONS_TO_DO);
                 for key in keys {
-                    let column = column(*place);
+                    let column = column(table, *place);
                     let named = quoted(key);
                     let _ =
                         writeln!(text, "{} = {{ column = {column}, key = {named} }}", id(key, 0));
@@ -295,7 +308,7 @@ impl Answers {
                         text,
                         "{} = {}",
                         id(&table.full_name(*place), *place),
-                        column(*place)
+                        column(table, *place)
                     );
                 }
                 let times: Vec<_> =
@@ -304,14 +317,21 @@ impl Answers {
                     text.push_str("\n[questions.times]\n");
                 }
                 for (place, time) in times {
-                    let _ =
-                        writeln!(text, "{} = {}", id(&table.full_name(place), place), column(time));
+                    let id = id(&table.full_name(place), place);
+                    let _ = writeln!(text, "{id} = {}", column(table, time));
                 }
             }
         }
     }
 
-    /// Whether a row lacks what it is asked for.
+    /// The value of a key under `[trial]`: a column, or else what the files' names say.
+    fn label(&self, key: &str, named: &Option<String>, table: &Table) -> Option<String> {
+        let label = self.labels.iter().find(|(other, _)| *other == key);
+        let from = label.map(|(_, place)| format!("{{ column = {} }}", column(table, *place)));
+        from.or_else(|| named.clone())
+    }
+
+    /// Whether a row lacks a label or an answer.
     fn has_gaps(&self, table: &Table) -> bool {
         let mut answers = self.form.answers();
         match &self.form {
@@ -320,29 +340,34 @@ impl Answers {
             Form::Json { .. } => return true,
             Form::Long { question, .. } => answers.push(*question),
         }
-        let lacks = |place: usize, is_answer: bool| {
+        let answers = answers.into_iter().map(|place| (place, true));
+        let labels = self.labels.iter().map(|(_, place)| (*place, false));
+        answers.chain(labels).any(|(place, is_answer)| {
             let cells = &table.columns[place];
             (0..cells.len()).any(|row| match cells.cell(row) {
                 Cell::Empty => true,
                 Cell::Text(text) => is_answer && is_missing(text),
                 Cell::Number(number) => number.is_nan(),
             })
-        };
-        answers.iter().any(|place| lacks(*place, true))
-            || self.labels.iter().any(|(_, place)| lacks(*place, false))
+        })
     }
 }
 
-/// What the questions' columns begin with.
+/// A column as a mapping names it: by its name, or by its position from 1.
+fn column(table: &Table, place: usize) -> String {
+    let name = table.names.as_ref().and_then(|names| names.get(place));
+    name.map_or_else(|| (place + 1).to_string(), |name| quoted(name))
+}
+
+/// The head of the questions' columns.
 const QUESTIONS_TO_DO: &str =
     "\n[questions.columns]\n# TODO: on the left, the ids of the questions in study.toml\n";
 
 /// An id for the question of a column: its name in small letters, as far as an id holds it.
 fn id(name: &str, place: usize) -> String {
     let name = name.to_lowercase();
-    let is_plain = |letter: char| letter.is_ascii_alphanumeric();
-    let words: Vec<&str> =
-        name.split(|l: char| !is_plain(l)).filter(|word| !word.is_empty()).collect();
+    let words = name.split(|l: char| !l.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    let words: Vec<&str> = words.collect();
     let id: String = words.join("_").chars().take(LONGEST_ID).collect();
     if id.is_empty() { format!("question_{}", place + 1) } else { id }
 }

@@ -11,10 +11,10 @@ use zwidth_store::StoreError;
 /// Columns that are named of a file that differs.
 const MOST_NAMED: usize = 8;
 
-/// Files in the order given.
+/// Files, each list in the order of the command.
 #[derive(Debug, Default)]
 pub(super) struct Sorted {
-    /// Those with the same columns as most others.
+    /// Files with the same columns as most others.
     pub(super) alike: Vec<PathBuf>,
     /// The others: what each is instead, and what to do with it.
     pub(super) apart: Vec<StoreError>,
@@ -29,14 +29,15 @@ pub(super) fn sort(files: &[PathBuf]) -> Sorted {
     let [_, _, ..] = files else {
         return Sorted { alike: files.to_vec(), apart: Vec::new() };
     };
-    let found: Vec<Result<Columns, StoreError>> =
+    let listed: Vec<Result<Columns, StoreError>> =
         files.par_iter().map(|file| columns(file)).collect();
-    let like = |columns: &Columns| found.iter().flatten().filter(|other| *other == columns).count();
-    let most = found.iter().flatten().map(like).max();
-    let usual = found.iter().flatten().find(|columns| Some(like(columns)) == most);
+    let like =
+        |columns: &Columns| listed.iter().flatten().filter(|other| *other == columns).count();
+    let most = listed.iter().flatten().map(like).max();
+    let usual = listed.iter().flatten().find(|columns| Some(like(columns)) == most);
     let mut sorted = Sorted::default();
-    for (file, found) in files.iter().zip(&found) {
-        match (found, usual) {
+    for (file, columns) in files.iter().zip(&listed) {
+        match (columns, usual) {
             (Ok(columns), Some(usual)) if columns == usual => sorted.alike.push(file.clone()),
             (Ok(columns), _) => sorted.apart.push(other_columns(file, columns, most.unwrap_or(0))),
             (Err(error), _) => sorted.apart.push(error.clone()),
@@ -48,6 +49,7 @@ pub(super) fn sort(files: &[PathBuf]) -> Sorted {
 fn columns(file: &Path) -> Result<Columns, StoreError> {
     let table = look_at_head(file)?.table;
     let names = table.names.map(|mut names| {
+        // A mapping finds columns by name, in whatever order they stand.
         names.sort();
         names
     });

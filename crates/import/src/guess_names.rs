@@ -1,4 +1,4 @@
-//! What the names of recordings say about their trials: a guessed pattern for `[name]`.
+//! Guesses a pattern for `[name]` from the names of recordings.
 //!
 //! A name is divided into runs of letters, of digits, and of other characters. Names of one shape
 //! give a pattern: runs that are the same in all names stay, runs that differ become groups.
@@ -20,7 +20,7 @@ const WORDS: [(Label, &[&str]); 4] = [
 /// Values of a mode that are listed.
 const MOST_LISTED: usize = 8;
 
-/// What a part of a name may be.
+/// A label that a part of a name may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Label {
     Participant,
@@ -62,7 +62,7 @@ fn runs(name: &str) -> Vec<(Kind, &str)> {
     runs
 }
 
-/// What the names say: the block `[name]`, and the values of `[trial]` by their keys.
+/// Labels guessed from names: the block `[name]`, and the values of `[trial]` by their keys.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Names {
     pub(super) block: String,
@@ -83,14 +83,15 @@ pub(super) fn names(files: &[PathBuf]) -> Names {
         return Names::default();
     };
     let parts: Vec<Vec<(Kind, &str)>> = stems.iter().map(|stem| runs(stem)).collect();
-    let shape = |parts: &[(Kind, &str)]| parts.iter().map(|(kind, _)| *kind).collect::<Vec<_>>();
-    let first = shape(&parts[0]);
-    if parts.iter().any(|parts| shape(parts) != first) {
+    let kinds = |parts: &Vec<(Kind, &str)>| parts.iter().map(|(kind, _)| *kind).collect();
+    let shapes: Vec<Vec<Kind>> = parts.iter().map(kinds).collect();
+    let first = &shapes[0];
+    if shapes.iter().any(|shape| shape != first) {
         return Names::default();
     }
     let columns: Vec<Vec<&str>> =
         (0..first.len()).map(|k| parts.iter().map(|parts| parts[k].1).collect()).collect();
-    of_columns(&first, &columns, &ending, files.len())
+    label_runs(first, &columns, &ending, files.len())
 }
 
 /// `.csv`, or nothing.
@@ -98,33 +99,33 @@ fn ending(file: &Path) -> String {
     file.extension().map(|e| format!(".{}", e.to_string_lossy())).unwrap_or_default()
 }
 
-fn of_columns(kinds: &[Kind], columns: &[Vec<&str>], ending: &str, files: usize) -> Names {
+/// Makes groups of the runs that differ and that may be labels; each column has one run of all names.
+fn label_runs(kinds: &[Kind], columns: &[Vec<&str>], ending: &str, files: usize) -> Names {
     let mut names = Names::default();
     let mut pattern = String::new();
     let mut taken = BTreeSet::new();
-    let mut fresh = |label: Label| taken.insert(label);
     let mut word = "";
     for (kind, values) in kinds.iter().zip(columns) {
         let distinct: BTreeSet<&str> = values.iter().copied().collect();
         let same = distinct.len() == 1;
         match kind {
             Kind::Digits => {
-                let known = labels_of(word).find(|label| fresh(*label));
-                // A number of its own that differs counts something.
-                let counts =
-                    || (word.is_empty() && !same && fresh(Label::Repeat)).then_some(Label::Repeat);
-                let known = known.or_else(counts);
-                pattern += &digits(&mut names, known, word, same.then_some(values[0]));
+                let label = labels_of(word).find(|label| taken.insert(*label)).or_else(|| {
+                    // A number of its own that differs counts something.
+                    let counts = word.is_empty() && !same && taken.insert(Label::Repeat);
+                    counts.then_some(Label::Repeat)
+                });
+                pattern += &digits(&mut names, label, word, same.then_some(values[0]));
             }
             Kind::Letters
                 if !same
                     && labels_of(word).any(|l| l == Label::Participant)
-                    && fresh(Label::Participant) =>
+                    && taken.insert(Label::Participant) =>
             {
                 pattern += "(?<who>\\pL+)";
                 names.participant = Some("{ name = \"who\" }".to_owned());
             }
-            Kind::Letters if !same && fresh(Label::Mode) => {
+            Kind::Letters if !same && taken.insert(Label::Mode) => {
                 let common = common_start(&distinct);
                 pattern += &regex::escape(common);
                 pattern += "(?<mode>\\pL+)";
@@ -135,6 +136,7 @@ fn of_columns(kinds: &[Kind], columns: &[Vec<&str>], ending: &str, files: usize)
             Kind::Letters | Kind::Other => pattern += &regex::escape(values[0]),
         }
         if *kind != Kind::Other {
+            // A word that differs from file to file does not say what the number behind it is.
             word = if same && *kind == Kind::Letters { values[0] } else { "" };
         }
     }
@@ -181,15 +183,16 @@ fn numbered(group: &str, prefix: char) -> String {
     format!("{{ name = \"{group}\", prefix = \"{prefix}\", digits = 2 }}")
 }
 
-/// What a number behind a word may be, the likeliest first.
+/// The labels that a number behind a word may be, the likeliest first.
 fn labels_of(word: &str) -> impl Iterator<Item = Label> {
     let word = word.to_lowercase();
-    let known = WORDS.iter().filter(move |(_, words)| words.contains(&word.as_str()));
-    known.map(|(label, _)| *label)
+    let listed = WORDS.iter().filter(move |(_, words)| words.contains(&word.as_str()));
+    listed.map(|(label, _)| *label)
 }
 
-/// Where all begin alike; not the whole of any of them.
+/// Where all begin alike, by whole letters; not the whole of any of them, as a group must match something.
 fn common_start<'a>(values: &BTreeSet<&'a str>) -> &'a str {
+    // Sorted: what the first and the last have in common, all have.
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return "" };
     let alike = first.char_indices().zip(last.chars()).take_while(|((_, a), b)| a == b);
     let end = alike.last().map_or(0, |((at, letter), _)| at + letter.len_utf8());
@@ -200,7 +203,7 @@ fn common_start<'a>(values: &BTreeSet<&'a str>) -> &'a str {
 /// The mode's line, with the words that there are.
 fn mode(values: &BTreeSet<&str>, from: usize) -> String {
     let words: Vec<&str> = values.iter().map(|value| &value[from..]).collect();
-    let told = words.iter().take(MOST_LISTED).copied().collect::<Vec<_>>().join(", ");
+    let listed = words.iter().take(MOST_LISTED).copied().collect::<Vec<_>>().join(", ");
     let more = if words.len() > MOST_LISTED { ", …" } else { "" };
     let table: Vec<String> = words
         .iter()
@@ -208,7 +211,7 @@ fn mode(values: &BTreeSet<&str>, from: usize) -> String {
         .map(|word| format!("\"{word}\" = \"{}\"", word.to_lowercase()))
         .collect();
     format!(
-        "{{ name = \"mode\", translate = {{ {} }} }}  # TODO: {told}{more}: to which mode of \
+        "{{ name = \"mode\", translate = {{ {} }} }}  # TODO: {listed}{more}: to which mode of \
          study.toml each belongs; or is it the environment?",
         table.join(", ")
     )

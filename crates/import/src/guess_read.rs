@@ -21,7 +21,7 @@ pub(super) const MOST_GUESSED: usize = 64;
 pub(super) const LOOKED_AT: usize = 200;
 /// Bytes of a text that tell its header (64 KiB).
 const HEAD: u64 = 1 << 16;
-/// What stands between cells, the likeliest first.
+/// Delimiters, the likeliest first.
 const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', WHITE_SPACE];
 
 /// How a text is written.
@@ -32,11 +32,11 @@ pub(super) struct Written {
     pub(super) decimal_comma: bool,
     pub(super) header: bool,
     pub(super) skip: usize,
-    /// What a line of remarks begins with.
+    /// The first byte of a line of remarks.
     pub(super) comment: Option<u8>,
 }
 
-/// What lines of remarks begin with.
+/// First bytes of lines of remarks.
 const REMARKS: [u8; 3] = [b'%', b'#', b'!'];
 
 /// A recording, its form guessed.
@@ -44,7 +44,7 @@ pub(super) struct Looked {
     pub(super) table: Table,
     /// The matrix or the table of fields that the columns are of, if it is all that the file has.
     pub(super) part: Option<String>,
-    /// What its columns are called where the line above them is no header that is read.
+    /// Labels of its columns where the line above them is no header that is read.
     pub(super) labels: Vec<String>,
     /// Its format, where its name does not tell.
     pub(super) format: Option<Format>,
@@ -52,7 +52,7 @@ pub(super) struct Looked {
     pub(super) written: Option<Written>,
     /// Whether the rows of its matrix are the signals.
     pub(super) turned: bool,
-    /// What the heads of LabVIEW's format say, if it is of that.
+    /// The heads of LabVIEW's format, if it has them.
     pub(super) labview: Option<LabView>,
 }
 
@@ -119,8 +119,14 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
         let text = decode(path, &bytes, encoding)?;
         labview = labview::heads(&text);
         form = written(&text, encoding);
-        if !form.header {
-            labels = labels_above(&text, form);
+        // Where the line above the first row is no header that is read, it still labels the columns: in
+        // LabVIEW's files some names come twice, and a list in single quotes is parted into several cells.
+        let above = form.skip.checked_sub(1).and_then(|line| text.lines().nth(line));
+        if let Some(above) = above.filter(|_| !form.header) {
+            labels = cells(above, form.delimiter);
+            let first = text.lines().nth(form.skip).map(|row| cells(row, form.delimiter));
+            let parted = first.and_then(|row| row.iter().position(|cell| opens_single_quote(cell)));
+            labels.truncate(parted.unwrap_or(labels.len()));
         }
     }
     let dialect = Dialect {
@@ -129,6 +135,7 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
         comment: form.comment,
         skip: form.skip,
         encoding,
+        // No line is refused: the guess counts the bad ones for `bad_lines`.
         bad_lines: usize::MAX,
         before: 0,
     };
@@ -142,7 +149,20 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
         let take = Take { turned, columns: take.columns.clone(), ..take };
         format.read(path, bytes, FormatOptions { part, ..options }, &take)
     };
-    let part = only_part(&table, &|name| again(Some(name), false).ok());
+    // Of a file without vectors: the one part that has columns of its own.
+    let part = {
+        let has_vectors = table.columns.iter().any(|cells| cells.len() > 1);
+        let names = table.names.iter().flatten().filter(|_| !has_vectors);
+        let others = names.zip(&table.columns);
+        let others = others.filter(|(_, cells)| matches!(cells, Cells::Other(_))).take(MOST_PARTS);
+        let mut parts = others.filter_map(|(name, _)| {
+            let part = again(Some(name), false).ok()?;
+            let columns = part.columns.iter().filter(|cells| cells.len() > 1).count();
+            (columns > 1).then(|| (name.clone(), part))
+        });
+        let first = parts.next();
+        first.filter(|_| parts.next().is_none())
+    };
     let part = part.map(|(name, columns)| {
         table = columns;
         name
@@ -158,36 +178,6 @@ fn looked(path: &Path, bytes: Vec<u8>) -> Result<Looked, StoreError> {
 
 /// Columns that are no vectors, and that are read as matrices or as tables of fields.
 const MOST_PARTS: usize = 8;
-
-/// The one column of a file without vectors that has columns of its own, with these.
-fn only_part(table: &Table, read: &dyn Fn(&str) -> Option<Table>) -> Option<(String, Table)> {
-    let names = table.names.as_ref()?;
-    if table.columns.iter().any(|cells| cells.len() > 1) {
-        return None;
-    }
-    let others = names.iter().zip(&table.columns);
-    let others = others.filter(|(_, cells)| matches!(cells, Cells::Other(_))).take(MOST_PARTS);
-    let mut parts = others.filter_map(|(name, _)| {
-        let part = read(name)?;
-        let columns = part.columns.iter().filter(|cells| cells.len() > 1).count();
-        (columns > 1).then(|| (name.clone(), part))
-    });
-    let first = parts.next();
-    first.filter(|_| parts.next().is_none())
-}
-
-/// The names in the line above the first row, where they are no header that is read: of LabVIEW some come twice,
-/// and behind a list in single quotes they stand above other cells.
-fn labels_above(text: &str, form: Written) -> Vec<String> {
-    let Some(line) = form.skip.checked_sub(1).and_then(|line| text.lines().nth(line)) else {
-        return Vec::new();
-    };
-    let mut names = cells(line, form.delimiter);
-    let first = text.lines().nth(form.skip).map(|row| cells(row, form.delimiter));
-    let parted = first.and_then(|row| row.iter().position(|cell| opens_single_quote(cell)));
-    names.truncate(parted.unwrap_or(names.len()));
-    names
-}
 
 /// UTF-8 where the bytes are, and else Windows-1252 where only that has letters for them, or Latin-1,
 /// in which any bytes are text.
@@ -215,16 +205,25 @@ fn written(text: &str, encoding: Encoding) -> Written {
         let names = if heads.has_many_times { rest.skip + 1 } else { rest.skip };
         return Written { header: !heads.has_many_times, skip: heads.lines + names, ..rest };
     }
-    if let Some((delimiter, rest)) = named_delimiter(text) {
-        let rest = form(rest, encoding, Some(delimiter));
+    // Excel reads and writes a first line that names the delimiter: `sep=;`.
+    if let Some((line, rest)) = text.split_once('\n')
+        && let line = line.trim_end_matches('\r').trim_matches('"')
+        && let Some([delimiter]) = line.strip_prefix("sep=").map(str::as_bytes)
+        && delimiter.is_ascii()
+    {
+        let rest = form(rest, encoding, Some(*delimiter));
         return Written { skip: 1 + rest.skip, ..rest };
     }
     let first = text.as_bytes().first();
-    let whole = || form(text, encoding, None);
-    let Some(mark) = REMARKS.into_iter().find(|mark| first == Some(mark)) else { return whole() };
-    let rest = text.lines().filter(|line| line.as_bytes().first() != Some(&mark));
-    let rest = form(&Vec::from_iter(rest).join("\n"), encoding, None);
-    if rest.header { Written { comment: Some(mark), ..rest } } else { whole() }
+    if let Some(mark) = REMARKS.into_iter().find(|mark| first == Some(mark)) {
+        let rest = text.lines().filter(|line| line.as_bytes().first() != Some(&mark));
+        let rest = form(&Vec::from_iter(rest).join("\n"), encoding, None);
+        // Where nothing behind the remarks is a header, the last remark may be it.
+        if rest.header {
+            return Written { comment: Some(mark), ..rest };
+        }
+    }
+    form(text, encoding, None)
 }
 
 /// A record of a text: its line, from 0, and its cells.
@@ -236,12 +235,6 @@ struct Record {
 impl Record {
     fn has_number(&self, decimal_comma: bool) -> bool {
         self.cells.iter().any(|cell| matches!(number(cell, decimal_comma), Ok(Some(_))))
-    }
-
-    /// Whether it may name columns: most of its cells are filled, and none is a number.
-    fn may_be_header(&self, decimal_comma: bool) -> bool {
-        let filled = self.cells.iter().filter(|cell| !cell.is_empty()).count();
-        2 * filled > self.cells.len() && !self.has_number(decimal_comma)
     }
 }
 
@@ -287,7 +280,7 @@ fn cells(record: &str, delimiter: u8) -> Vec<String> {
     first.iter().map(str::to_owned).collect()
 }
 
-/// How many cells most records have, of those with more than one; 1 where there are none.
+/// The usual number of cells among records with more than one cell; 1 if there are none.
 fn usual_width(records: &[Record]) -> usize {
     let mut widths: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
     for (place, record) in records.iter().enumerate().filter(|(_, record)| record.cells.len() > 1) {
@@ -298,56 +291,47 @@ fn usual_width(records: &[Record]) -> usize {
     widths.into_iter().max_by_key(|(_, standing)| *standing).map_or(1, |(width, _)| width)
 }
 
-/// The delimiter that a first line names, as Excel reads and writes it (`sep=;`), and what follows it.
-fn named_delimiter(text: &str) -> Option<(u8, &str)> {
-    let (line, rest) = text.split_once('\n')?;
-    let line = line.trim_end_matches('\r').trim_matches('"');
-    let [delimiter] = line.strip_prefix("sep=")?.as_bytes() else { return None };
-    delimiter.is_ascii().then_some((*delimiter, rest))
-}
-
-/// The delimiter that is named, or that parts most records into the same number of cells, and what
-/// follows from it.
+/// How a text is written whose delimiter is named, or is the one that parts most records into the same
+/// number of cells.
 fn form(text: &str, encoding: Encoding, named: Option<u8>) -> Written {
     let delimiter = named.unwrap_or_else(|| {
-        let counts = DELIMITERS.into_iter().map(|delimiter| {
+        let mut best = (0, b',');
+        for delimiter in DELIMITERS {
             let records = records(text, delimiter);
             let usual = usual_width(&records);
-            (records.iter().filter(|r| r.cells.len() == usual && usual > 1).count(), delimiter)
-        });
-        counts.fold((0, b','), |best, next| if next.0 > best.0 { next } else { best }).1
+            let count = records.iter().filter(|r| r.cells.len() == usual && usual > 1).count();
+            // Of equally good ones the first stays: they stand in the order of their likelihood.
+            if count > best.0 {
+                best = (count, delimiter);
+            }
+        }
+        best.1
     });
     let records = records(text, delimiter);
     let width = usual_width(&records);
-    let rows = || records.iter().filter(|record| record.cells.len() == width);
+    let rows: Vec<&Record> = records.iter().filter(|r| r.cells.len() == width).collect();
     // A comma that is no delimiter and stands between digits is one before decimals.
-    let is_comma = |cell: &&String| number(cell, false).is_err() && number(cell, true).is_ok();
-    let all_cells = || rows().flat_map(|record| &record.cells);
-    let decimal_comma = delimiter != b','
-        && all_cells().filter(is_comma).count()
-            > all_cells()
-                .filter(|cell| cell.contains('.') && matches!(number(cell, false), Ok(Some(_))))
-                .count();
+    let (mut commas, mut points) = (0, 0);
+    for cell in rows.iter().flat_map(|row| &row.cells) {
+        let plain = number(cell, false);
+        points += usize::from(cell.contains('.') && matches!(plain, Ok(Some(_))));
+        commas += usize::from(plain.is_err() && number(cell, true).is_ok());
+    }
+    let decimal_comma = delimiter != b',' && commas > points;
     // The names stand above the first row of numbers, with a row of units between them perhaps; a table
-    // without numbers begins with them.
-    let quotes = rows().any(|row| row.cells.iter().any(|cell| opens_single_quote(cell)));
-    let fits = |record: &Record| record.cells.len() + usize::from(!quotes) >= width;
-    let header_above = |data: usize| {
-        let is_other = |r: &Record| !(fits(r) && r.may_be_header(decimal_comma));
-        let top = records[..data].iter().rposition(is_other).map_or(0, |other| other + 1);
-        (top < data).then_some(top)
-    };
-    let numbers = |is_wide: &dyn Fn(usize) -> bool| {
-        records.iter().position(|r| is_wide(r.cells.len()) && r.has_number(decimal_comma))
-    };
-    let data = numbers(&|cells| cells == width);
+    // without numbers begins with them. A header may have a cell less than the rows.
+    let quotes = rows.iter().any(|row| row.cells.iter().any(|cell| opens_single_quote(cell)));
+    let least = width.saturating_sub(usize::from(!quotes));
+    let data = records.iter().position(|r| r.cells.len() == width && r.has_number(decimal_comma));
     let header = match data {
         // Rows may have a cell more than the header, all but the first of them perhaps.
-        Some(data) => header_above(data).or_else(|| {
-            let short = numbers(&|cells| cells > 2 && cells + 1 == width)?;
-            header_above(short).filter(|_| short < data)
+        Some(data) => header_above(&records[..data], least, decimal_comma).or_else(|| {
+            let short = records.iter().position(|r| {
+                r.cells.len() > 2 && r.cells.len() + 1 == width && r.has_number(decimal_comma)
+            })?;
+            header_above(&records[..short], least, decimal_comma).filter(|_| short < data)
         }),
-        None => records.iter().position(fits),
+        None => records.iter().position(|record| record.cells.len() >= least),
     };
     let first = header.or(data).and_then(|place| records.get(place));
     let skip = first.map_or(0, |record| record.line);
@@ -360,6 +344,18 @@ fn form(text: &str, encoding: Encoding, named: Option<u8>) -> Written {
         skip: if is_labchart { 0 } else { skip },
         comment: None,
     }
+}
+
+/// The first of the records that end those `above` and may name columns: with enough cells, most of
+/// them filled, and none a number.
+fn header_above(above: &[Record], least: usize, decimal_comma: bool) -> Option<usize> {
+    let other = above.iter().rposition(|record| {
+        let filled = record.cells.iter().filter(|cell| !cell.is_empty()).count();
+        let width = record.cells.len();
+        width < least || 2 * filled <= width || record.has_number(decimal_comma)
+    });
+    let top = other.map_or(0, |other| other + 1);
+    (top < above.len()).then_some(top)
 }
 
 /// A text as TOML writes it.

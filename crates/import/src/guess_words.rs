@@ -1,6 +1,6 @@
 //! Words of columns: the names of a recording's columns, and what they mean.
 
-use super::unit::{Unit, find, find_in_any_case, may_become};
+use super::unit::{find, find_in_any_case, may_become};
 use zwidth_store::Signal;
 
 /// What columns are called, and what they then are. The words stand in small letters, the first
@@ -50,12 +50,12 @@ pub(super) const COMMANDED: [&str; 11] = [
 /// Words of a column that names a question.
 pub(super) const QUESTIONS: [&str; 5] = ["question", "item", "frage", "tlx", "sus"];
 
-/// What a column's name says.
+/// A column's name, parsed.
 #[derive(Debug, Default)]
-pub(super) struct Said {
+pub(super) struct ColumnName {
     /// The words of the name in small letters, without its unit.
     pub(super) words: Vec<String>,
-    /// What a column of these words is.
+    /// The signal that the words mean.
     pub(super) signal: Option<Signal>,
     /// The unit, as a mapping spells it.
     pub(super) unit: Option<String>,
@@ -76,62 +76,57 @@ fn own_name(name: &str) -> &str {
     if is_path { own } else { name }
 }
 
-/// The words of a name, what they mean, and the unit among them: `Force (mN)` → `force`, `mN`;
+/// Parses a name: its words, what they mean, and the unit among them: `Force (mN)` → `force`, `mN`;
 /// `velocity_m_s` → `velocity`, `m/s`. Of several units the longest, and of these the last, that
 /// fits what the words mean; a unit in other letters (`force_mn`) is one only where it fits.
-pub(super) fn said(name: &str) -> Said {
+pub(super) fn parse_name(name: &str) -> ColumnName {
     let name = own_name(name);
     let parts = name.split([' ', '_', '(', ')', '[', ']', ',', ':']);
     let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
-    // The first part is the quantity.
+    // The first part is the quantity, and never a unit.
     let places = (1..=MOST_PARTS).rev().flat_map(|length| {
         (1..(parts.len() + 1).saturating_sub(length)).rev().map(move |begin| (begin, length))
     });
-    let told = places.flat_map(|(begin, length)| {
+    let parsed = places.flat_map(|(begin, length)| {
         let words = parts.iter().enumerate().filter(|(i, _)| !(begin..begin + length).contains(i));
         let words: Vec<String> = words.map(|(_, part)| part.to_lowercase()).collect();
         let signal = signal_of(&words);
-        let spelled = spellings(&parts[begin..begin + length]);
-        let fits = |unit: &Unit| signal.is_none_or(|signal| may_become(unit, signal));
-        let exact = spelled.iter().find(|text| find(text).is_some_and(fits)).cloned();
-        let unit = exact.or_else(|| {
+        let spelled: Vec<String> = match &parts[begin..begin + length] {
+            [one] => vec![(*one).to_owned()],
+            [first, second] => vec![format!("{first}/{second}"), format!("{first} {second}")],
+            [first, per, second] if per.eq_ignore_ascii_case("per") => {
+                vec![format!("{first}/{second}")]
+            }
+            _ => Vec::new(),
+        };
+        let exact = spelled.iter().find(|text| {
+            find(text).is_some_and(|unit| signal.is_none_or(|signal| may_become(unit, signal)))
+        });
+        let unit = exact.cloned().or_else(|| {
             let signal = signal?;
             spelled.iter().find_map(|text| find_in_any_case(text, signal)).map(str::to_owned)
         });
-        unit.map(|unit| Said { words, signal, unit: Some(unit) })
+        unit.map(|unit| ColumnName { words, signal, unit: Some(unit) })
     });
     // A unit of no known quantity may be a part of its name: only where nothing else fits.
-    let (known, unknown): (Vec<Said>, Vec<Said>) = told.partition(|said| said.signal.is_some());
-    known.into_iter().chain(unknown).next().unwrap_or_else(|| without_unit(&parts))
+    let (with_signal, without): (Vec<ColumnName>, Vec<ColumnName>) =
+        parsed.partition(|name| name.signal.is_some());
+    with_signal.into_iter().chain(without).next().unwrap_or_else(|| {
+        // A unit that does not fit is no word of the name either.
+        let unit = (1..parts.len()).rev().find(|i| find(parts[*i]).is_some());
+        let words = parts.iter().enumerate().filter(|(i, _)| Some(*i) != unit);
+        let words: Vec<String> = words.map(|(_, part)| part.to_lowercase()).collect();
+        ColumnName { signal: signal_of(&words), words, unit: None }
+    })
 }
 
 /// Parts of a name that a unit has at most: `m`, `per`, `s`.
 const MOST_PARTS: usize = 3;
 
-/// How these parts may spell a unit.
-fn spellings(parts: &[&str]) -> Vec<String> {
-    match parts {
-        [one] => vec![(*one).to_owned()],
-        [first, second] => vec![format!("{first}/{second}"), format!("{first} {second}")],
-        [first, per, second] if per.eq_ignore_ascii_case("per") => {
-            vec![format!("{first}/{second}")]
-        }
-        _ => Vec::new(),
-    }
-}
-
-/// A name without a unit, or with one that does not fit: that is no word of it either.
-fn without_unit(parts: &[&str]) -> Said {
-    let unit = (1..parts.len()).rev().find(|i| find(parts[*i]).is_some());
-    let words = parts.iter().enumerate().filter(|(i, _)| Some(*i) != unit);
-    let words: Vec<String> = words.map(|(_, part)| part.to_lowercase()).collect();
-    Said { signal: signal_of(&words), words, unit: None }
-}
-
-/// What a column of these words is.
+/// The signal that a column of these words holds.
 pub(super) fn signal_of(words: &[String]) -> Option<Signal> {
-    let is_called = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
-    let signal = NAMES.iter().find(|(_, known)| is_called(known))?.0;
+    let is_called = |listed: &[&str]| words.iter().any(|word| listed.contains(&word.as_str()));
+    let signal = NAMES.iter().find(|(_, listed)| is_called(listed))?.0;
     match (is_called(&COMMANDED), signal) {
         (false, signal) => Some(signal),
         (true, Signal::ForceEx) => Some(Signal::ForceCmd),
@@ -146,19 +141,19 @@ pub(super) fn label_of(name: &str) -> Option<&'static str> {
     let words = lower.split(|letter: char| !letter.is_alphabetic()).filter(|word| !word.is_empty());
     let words: Vec<&str> = words.collect();
     let (key, _) =
-        LABELS.iter().find(|(_, known)| words.iter().any(|word| known.contains(word)))?;
+        LABELS.iter().find(|(_, listed)| words.iter().any(|word| listed.contains(word)))?;
     Some(key)
 }
 
 /// Whether columns of these names look like answers: some column is one, and none is a time or
 /// what a device measures.
 pub(super) fn are_answers(names: &[String]) -> bool {
-    let said: Vec<Said> = names.iter().map(|name| said(name)).collect();
-    said.iter().any(|said| {
-        said.words
+    let names: Vec<ColumnName> = names.iter().map(|name| parse_name(name)).collect();
+    names.iter().any(|name| {
+        name.words
             .iter()
             .any(|word| ANSWERS.contains(&word.as_str()) || QUESTIONS.contains(&word.as_str()))
-    }) && said.iter().all(|said| matches!(said.signal, None | Some(Signal::Time)))
+    }) && names.iter().all(|name| matches!(name.signal, None | Some(Signal::Time)))
 }
 
 #[cfg(test)]
@@ -166,8 +161,8 @@ mod tests {
     use super::*;
 
     fn check(name: &str, signal: Option<Signal>, unit: Option<&str>) {
-        let said = said(name);
-        assert_eq!((said.signal, said.unit.as_deref()), (signal, unit), "{name}: {said:?}");
+        let parsed = parse_name(name);
+        assert_eq!((parsed.signal, parsed.unit.as_deref()), (signal, unit), "{name}: {parsed:?}");
     }
 
     #[test]
@@ -210,7 +205,7 @@ mod tests {
         ] {
             assert_eq!(own_name(name), own);
         }
-        assert_eq!(said("rig.t").signal, Some(Signal::Time));
+        assert_eq!(parse_name("rig.t").signal, Some(Signal::Time));
         assert!(are_answers(&names(&["Timestamp", "participant", "rating"])));
         assert!(!are_answers(&names(&["t_s", "theta_rad", "rating"])));
         assert!(!are_answers(&names(&["participant", "age"])));

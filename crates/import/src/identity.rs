@@ -2,7 +2,6 @@
 
 use super::context::Context;
 use super::errors::{Errors, append};
-use super::label::Label;
 use super::limits::MOST_NUMBER;
 use super::mapping::Who;
 use super::recording::{self, Recording};
@@ -13,8 +12,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zwidth_store::{StoreError, readable_records};
 use zwidth_study::{
-    AnswerScale, AnswerValue, Environment, EnvironmentId, IdError, Kind, Mode, ModeId,
-    ParticipantId, PlannedTrial, SessionId, Study,
+    AnswerScale, AnswerValue, EnvironmentId, IdError, Kind, ModeId, ParticipantId, PlannedTrial,
+    SessionId, Study,
 };
 
 /// The labels of one trial. Numbers are there where the mapping gives them.
@@ -28,13 +27,13 @@ pub(super) struct Identity {
     pub(super) repeat: Option<u32>,
     pub(super) trial: Option<u32>,
     pub(super) likert: Option<AnswerValue>,
-    /// What a person should know of how its labels were read.
+    /// Notes for people on how its labels were read.
     notes: Vec<Note>,
-    /// Where it was found, for errors.
+    /// The file, for errors.
     pub(super) file: PathBuf,
 }
 
-/// What a person should know of how a label was read.
+/// A note for people on how a label was read.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Note {
     /// It was a UUID, which is longer than an id.
@@ -53,15 +52,6 @@ pub(super) fn identity(
     row: usize,
     study: &Study,
 ) -> Result<Identity, StoreError> {
-    fn optional<T>(
-        label: Option<&Label>,
-        read: impl FnOnce(&Label) -> Result<T, StoreError>,
-    ) -> Result<Option<T>, StoreError> {
-        label.map(read).transpose()
-    }
-    let whole = |what: &'static str| {
-        move |label: &Label| label.value(what, recording, row, |t| counted(what, t))
-    };
     let mut notes = Vec::new();
     for (what, label) in [("participant", &who.participant), ("session", &who.session)] {
         let word = label.word(recording, row)?;
@@ -77,16 +67,26 @@ pub(super) fn identity(
     let session = who.session.value("session", recording, row, id)?;
     let environment =
         who.environment.value("environment", recording, row, |t| environment(study, t))?;
-    let scale = scale_after(study, &environment);
+    let question = study.environment(&environment).and_then(|e| e.question.as_ref());
+    let question = question.and_then(|id| study.question(id));
+    let scale = question.map(|question| question.scale.clone()).unwrap_or_default();
+    let [kind_label, repeat, trial] = [&who.kind, &who.repeat, &who.trial].map(Option::as_ref);
+    // Fields are evaluated in this order: of several labels that are wrong the first is reported.
     Ok(Identity {
         participant,
         session,
         environment,
         mode: who.mode.value("mode", recording, row, |t| mode(study, t))?,
-        kind: optional(who.kind.as_ref(), |l| l.value("kind", recording, row, kind))?
+        kind: kind_label
+            .map(|label| label.value("kind", recording, row, kind))
+            .transpose()?
             .unwrap_or(Kind::Trial),
-        repeat: optional(who.repeat.as_ref(), whole("repeat"))?,
-        trial: optional(who.trial.as_ref(), whole("trial"))?,
+        repeat: repeat
+            .map(|label| label.value("repeat", recording, row, |t| counted("repeat", t)))
+            .transpose()?,
+        trial: trial
+            .map(|label| label.value("trial", recording, row, |t| counted("trial", t)))
+            .transpose()?,
         likert: match &who.likert {
             Some(label) if recording.lacks_answer(label, row)? => None,
             Some(label) => {
@@ -101,15 +101,15 @@ pub(super) fn identity(
 }
 
 /// The id that a text spells. A UUID has more characters than an id, and as many as that without its
-/// hyphens.
+/// hyphens; a whole number loses the decimals that pandas gave it.
 pub(super) fn id<T: std::str::FromStr<Err = IdError>>(text: &str) -> Result<T, String> {
-    let text = uuid(text).map_or_else(|| plain_number(text), Cow::Owned);
+    let text = match uuid(text) {
+        Some(id) => Cow::Owned(id),
+        // A truth value keeps its spelling, which may be that of the study's id.
+        None if truth(text).is_some() => Cow::Borrowed(text),
+        None => plain(text),
+    };
     text.parse().map_err(|e: IdError| e.to_string())
-}
-
-/// A whole number without the decimals that pandas gave it; any other text as it is.
-fn plain_number(text: &str) -> Cow<'_, str> {
-    if truth(text).is_some() { Cow::Borrowed(text) } else { plain(text) }
 }
 
 fn environment(study: &Study, text: &str) -> Result<EnvironmentId, String> {
@@ -117,12 +117,12 @@ fn environment(study: &Study, text: &str) -> Result<EnvironmentId, String> {
     if study.environment(&id).is_some() {
         return Ok(id);
     }
-    let alike = |e: &&Environment| plain(e.id.as_str()) == plain(id.as_str());
-    if let Some(alike) = study.environments.iter().find(alike) {
+    let mut environments = study.environments.iter();
+    if let Some(alike) = environments.find(|e| plain(e.id.as_str()) == plain(id.as_str())) {
         return Ok(alike.id.clone());
     }
-    let known: Vec<&str> = study.environments.iter().map(|e| e.id.as_str()).collect();
-    Err(format!("environment '{id}' is not in study.toml, which has {}", known.join(", ")))
+    let ids: Vec<&str> = study.environments.iter().map(|e| e.id.as_str()).collect();
+    Err(format!("environment '{id}' is not in study.toml, which has {}", ids.join(", ")))
 }
 
 fn mode(study: &Study, text: &str) -> Result<ModeId, String> {
@@ -130,12 +130,12 @@ fn mode(study: &Study, text: &str) -> Result<ModeId, String> {
     if study.mode(&id).is_some() {
         return Ok(id);
     }
-    let alike = |mode: &&Mode| plain(mode.id.as_str()) == plain(id.as_str());
-    if let Some(alike) = study.modes.iter().find(alike) {
+    let mut modes = study.modes.iter();
+    if let Some(alike) = modes.find(|mode| plain(mode.id.as_str()) == plain(id.as_str())) {
         return Ok(alike.id.clone());
     }
-    let known: Vec<&str> = study.modes.iter().map(|m| m.id.as_str()).collect();
-    Err(format!("mode '{id}' is not in study.toml, which has {}", known.join(", ")))
+    let ids: Vec<&str> = study.modes.iter().map(|m| m.id.as_str()).collect();
+    Err(format!("mode '{id}' is not in study.toml, which has {}", ids.join(", ")))
 }
 
 fn kind(text: &str) -> Result<Kind, String> {
@@ -148,7 +148,7 @@ pub(super) fn number(what: &str, text: &str) -> Result<u32, String> {
     value.ok_or_else(|| format!("{what} '{text}' must be a whole number from 1 to {MOST_NUMBER}"))
 }
 
-/// The same where others may count from 0.
+/// Like [`number`], for programs that may count from 0.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub(super) fn counted(what: &str, text: &str) -> Result<u32, String> {
     let value: Option<f64> = plain(text).parse().ok();
@@ -158,20 +158,14 @@ pub(super) fn counted(what: &str, text: &str) -> Result<u32, String> {
         .ok_or_else(|| format!("{what} '{text}' must be a whole number from 0 to {MOST_NUMBER}"))
 }
 
-/// The scale of what is asked after an environment's trials.
-fn scale_after(study: &Study, environment: &EnvironmentId) -> AnswerScale {
-    let id = study.environment(environment).and_then(|e| e.question.as_ref());
-    id.and_then(|id| study.question(id)).map(|q| q.scale.clone()).unwrap_or_default()
-}
-
 /// An answer on a scale.
 pub(super) fn answer(
     text: &str,
     decimal_comma: bool,
     scale: &AnswerScale,
 ) -> Result<AnswerValue, String> {
-    let given = written(text, decimal_comma).filter(|given| scale.has(*given));
-    given.ok_or_else(|| format!("the answer '{text}' must be {}", scale.must_be()))
+    let answer = written(text, decimal_comma).filter(|answer| scale.has(*answer));
+    answer.ok_or_else(|| format!("the answer '{text}' must be {}", scale.must_be()))
 }
 
 /// The number that a text is; a whole one may be written `4,0` in any file.
@@ -180,7 +174,7 @@ pub(super) fn written(text: &str, decimal_comma: bool) -> Option<AnswerValue> {
     AnswerValue::new(number).ok()
 }
 
-/// What a table says of the trials that it names by number, so that no row says something else.
+/// The trials that a table names by number, so that no two rows contradict each other.
 #[derive(Default)]
 pub(super) struct Named(BTreeMap<(ParticipantId, SessionId, u32), (usize, Identity)>);
 
@@ -196,28 +190,30 @@ impl Named {
         identity: &Identity,
     ) -> Result<(), StoreError> {
         let Some(trial) = identity.trial else { return Ok(()) };
-        let named = (identity.participant.clone(), identity.session.clone(), trial);
-        let (first, known) = self.0.entry(named).or_insert_with(|| (row, identity.clone()));
-        let labels = |i: &Identity| (i.environment.clone(), i.mode.clone(), i.kind, i.repeat);
-        if labels(known) == labels(identity) {
+        let key = (identity.participant.clone(), identity.session.clone(), trial);
+        let (first, named) = self.0.entry(key).or_insert_with(|| (row, identity.clone()));
+        if (&named.environment, &named.mode, named.kind, named.repeat)
+            == (&identity.environment, &identity.mode, identity.kind, identity.repeat)
+        {
             return Ok(());
         }
-        let words = |i: &Identity| {
-            let repeat = i.repeat.map(|repeat| format!(", repeat {repeat}")).unwrap_or_default();
-            let kind = if i.kind == Kind::Trial { "" } else { ", familiarisation" };
-            format!("{}, {}{repeat}{kind}", i.environment, i.mode)
-        };
         let what = format!(
             "duplicate trial: trial {trial} of {} {} is {} in {}, and {} here",
             identity.participant,
             identity.session,
-            words(known),
+            condition_words(named),
             recording.row_name(*first),
-            words(identity)
+            condition_words(identity)
         );
         let remedy = "correct one of the rows, or give each trial a number of its own";
         Err(recording.row_error(row, &what, remedy))
     }
+}
+
+fn condition_words(i: &Identity) -> String {
+    let repeat = i.repeat.map(|repeat| format!(", repeat {repeat}")).unwrap_or_default();
+    let kind = if i.kind == Kind::Trial { "" } else { ", familiarisation" };
+    format!("{}, {}{repeat}{kind}", i.environment, i.mode)
 }
 
 /// Which numbers of an import are counted from 0: those of which one is 0. All of them become one
@@ -236,7 +232,7 @@ impl FromZero {
         }
     }
 
-    /// The number of the trial and that of the repeat, as far as they are given, from 1.
+    /// The number of the trial and that of the repeat, as far as labels name them, from 1.
     pub(super) fn numbers(self, i: &Identity) -> [Option<u32>; 2] {
         [(i.trial, self.trial), (i.repeat, self.repeat)]
             .map(|(number, is_from_zero)| number.map(|n| n + u32::from(is_from_zero)))
@@ -249,9 +245,9 @@ pub(super) fn tell_labels(report: &mut FileReport, own: &[&Identity], all: &[Ide
     let FromZero { trial, repeat } = FromZero::of(all);
     for (what, is_from_zero) in [("trial", trial), ("repeat", repeat)] {
         if is_from_zero {
-            let told =
+            let note =
                 format!("{what}s are counted from 0 there, and from 1 here: {what} 0 is {what} 1");
-            report.told.push(told);
+            report.told.push(note);
         }
     }
     let notes: BTreeSet<&Note> = own.iter().flat_map(|identity| &identity.notes).collect();
@@ -268,8 +264,8 @@ pub(super) fn tell_labels(report: &mut FileReport, own: &[&Identity], all: &[Ide
     }
 }
 
-/// The trials in the order given, each with its number in the session and its repeat of the
-/// condition: as given, or counted up from 1. Numbers counted from 0 become one more.
+/// The trials in the order of `identities`, each with its number in the session and its repeat of the
+/// condition: as labels name them, or counted up from 1. Numbers counted from 0 become one more.
 ///
 /// # Errors
 /// Two trials of one number, and a trial or session that lies on the disk already.
@@ -292,21 +288,22 @@ pub(super) fn number_trials(
         let mode = i.mode.clone();
         planned.push(PlannedTrial { trial, repeat, kind: i.kind, environment, mode, samples });
     }
+    // Both, so that every problem is reported at once.
     let mut errors = duplicates(context, identities, &planned);
     append(&mut errors, twins(context, identities)?);
     errors.none().map(|()| planned)
 }
 
-/// The number given, or the one after the highest so far.
-pub(super) fn next<K: Ord>(last: &mut BTreeMap<K, u32>, key: K, given: Option<u32>) -> u32 {
+/// The number that a label names, or the one after the highest so far.
+pub(super) fn next<K: Ord>(last: &mut BTreeMap<K, u32>, key: K, named: Option<u32>) -> u32 {
     let last = last.entry(key).or_insert(0);
-    let number = given.unwrap_or(*last + 1);
-    // Those given may come in any order.
+    let number = named.unwrap_or(*last + 1);
+    // Named numbers may come in any order.
     *last = number.max(*last);
     number
 }
 
-/// What to do about a session that is there already.
+/// What to do about an existing session.
 fn again(context: &Context, participant: &ParticipantId, session: &SessionId) -> String {
     let trial = context.layout.trial(participant, session, 1);
     let trials = trial.parent().unwrap_or(&trial);
@@ -357,10 +354,10 @@ fn duplicates(context: &Context, identities: &[Identity], planned: &[PlannedTria
 
 /// Ids that differ only by case from others: some disks, and some people, take them for the same.
 fn twins(context: &Context, identities: &[Identity]) -> Result<Errors, StoreError> {
-    let there = readable_records(context.files, context.layout)?;
+    let records = readable_records(context.files, context.layout)?;
     let mut people = Cases::default();
     let mut sessions = Cases::default();
-    for record in &there {
+    for record in &records {
         people.knows("", record.participant.as_str());
         sessions.knows(record.participant.as_str(), record.session.as_str());
     }
@@ -388,13 +385,14 @@ impl Cases {
         self.0.entry((within.to_owned(), id.to_ascii_lowercase())).or_insert_with(|| id.to_owned());
     }
 
-    /// Notes an id; the one there that differs only by case, if it does. Each such id is told once.
+    /// Notes an id; the other one that differs only by case, if there is one. Each such id is told once.
     pub(super) fn add(&mut self, within: &str, id: &str) -> Option<String> {
         self.knows(within, id);
-        let there = self.0.get(&(within.to_owned(), id.to_ascii_lowercase()))?;
-        let twin = (there != id).then(|| there.clone())?;
-        let told = (format!("{within} told"), id.to_owned());
-        self.0.insert(told, id.to_owned()).is_none().then_some(twin)
+        let other = self.0.get(&(within.to_owned(), id.to_ascii_lowercase()))?;
+        let twin = (other != id).then(|| other.clone())?;
+        // No id holds a blank, so that this key is never that of an id within another.
+        let key = (format!("{within} told"), id.to_owned());
+        self.0.insert(key, id.to_owned()).is_none().then_some(twin)
     }
 }
 

@@ -39,15 +39,15 @@ pub(super) fn read(
     for (row, (number, line)) in
         full_lines(text).filter(|(number, _)| lines.binary_search(number).is_ok()).enumerate()
     {
-        let mut cell = |key: String, raw: &RawValue| {
+        let walked = walk(line, &mut |key, raw| {
             // The names are sorted: they come out of a set.
             let column = names.binary_search(&key).ok().and_then(|place| columns[place].as_mut());
             let Some(column) = column else { return Ok(()) };
             let cell = text_of(raw.get())?;
             column.append_option(Some(cell).filter(|cell| !cell.is_empty()));
             Ok(())
-        };
-        walk(line, &mut cell).map_err(|e| no_object(path, number, &e))?;
+        });
+        walked.map_err(|e| no_object(path, number, &e))?;
         // A key that this object lacks.
         for column in columns.iter_mut().flatten().filter(|column| column.len() == row) {
             column.append_null();
@@ -103,7 +103,7 @@ fn no_object(path: &Path, line: u64, error: &serde_json::Error) -> StoreError {
     StoreError::new(path, what, "the file may be cut off; mend or remove the line")
 }
 
-/// What is done with a key and its value.
+/// Takes a key and its value.
 type Each<'a> = &'a mut dyn FnMut(String, &RawValue) -> Result<(), serde_json::Error>;
 
 /// Walks through the keys of one object. A key that comes twice is an error: nobody knows which

@@ -5,7 +5,7 @@ use super::table::ColumnRef;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// Where a label comes from, and how it becomes ours.
+/// The source of a label, and its translation.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Label {
     pub(super) from: From,
@@ -104,9 +104,9 @@ impl Label {
     pub(super) fn ours(&self, theirs: &str) -> Result<String, String> {
         if !self.translate.is_empty() {
             return find(&self.translate, theirs).cloned().ok_or_else(|| {
-                let known =
+                let words =
                     self.translate.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-                format!("'{theirs}' is not in the translation table, which has {known}")
+                format!("'{theirs}' is not in the translation table, which has {words}")
             });
         }
         // Of a truth value the study may have the very spelling: its ids are compared later.

@@ -3,7 +3,7 @@
 //!
 //! Source of the format: National Instruments, "Specification for the LabVIEW Measurement File (.lvm)".
 
-/// What each of the two heads ends with.
+/// The last line of each of the two heads.
 const END: &str = "***End_of_Header***";
 /// The first column and the last, which only some rows have.
 const FIRST: &str = "X_Value";
@@ -16,12 +16,12 @@ pub(super) fn has_comments(names: &[String]) -> bool {
         && names.last().is_some_and(|last| last == LAST)
 }
 
-/// What the heads say.
+/// The content of the heads.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct LabView {
     /// Lines before the names of the columns.
     pub(super) lines: usize,
-    /// What stands between cells.
+    /// The delimiter.
     pub(super) delimiter: u8,
     /// Whether each channel has a column of its own before it, so that names come twice.
     pub(super) has_many_times: bool,
@@ -33,37 +33,41 @@ pub(super) struct LabView {
     pub(super) units: Vec<String>,
 }
 
-/// What the heads of a text say, if it is such a file.
+/// Reads the heads of a text; `None` if it is no such file.
 pub(super) fn heads(text: &str) -> Option<LabView> {
     if !text.starts_with("LabVIEW Measurement") {
         return None;
     }
     let is_comma = text.lines().any(|line| line.starts_with("Separator,"));
     let delimiter = if is_comma { b',' } else { b'\t' };
-    let cells = |line: &str| -> Vec<String> {
-        line.split(char::from(delimiter)).map(|cell| cell.trim().to_owned()).collect()
-    };
     let ends = text.lines().enumerate().filter(|(_, line)| line.starts_with(END));
     let lines = ends.map(|(line, _)| line + 1).nth(1)?;
-    let value = |key: &str| {
-        let heads = text.lines().take(lines).map(cells);
-        heads.filter(|cells| cells[0] == key).map(|cells| cells[1..].to_vec()).last()
-    };
-    let first = |key: &str| value(key)?.into_iter().next().filter(|text| !text.is_empty());
-    let is =
-        |text: Option<String>, word: &str| text.is_some_and(|text| text.eq_ignore_ascii_case(word));
+    let [x_columns, dimension, step] = ["X_Columns", "X_Dimension", "Delta_X"].map(|key| {
+        let first = values(text, lines, delimiter, key).into_iter().next();
+        first.filter(|text| !text.is_empty())
+    });
+    let x_columns = x_columns.map(|word| word.to_ascii_lowercase());
     // Of files that do not say it, the first column is a time.
-    let is_time =
-        first("X_Dimension").is_none_or(|dimension| dimension.eq_ignore_ascii_case("time"));
-    let step = first("Delta_X").and_then(|step| step.replace(',', ".").parse().ok());
+    let is_time = dimension.is_none_or(|dimension| dimension.eq_ignore_ascii_case("time"));
+    let step = step.and_then(|step| step.replace(',', ".").parse().ok());
     Some(LabView {
         lines,
         delimiter,
-        has_many_times: is(first("X_Columns"), "multi"),
-        is_time: (!is(first("X_Columns"), "no")).then_some(is_time),
+        has_many_times: x_columns.as_deref() == Some("multi"),
+        is_time: (x_columns.as_deref() != Some("no")).then_some(is_time),
         step_s: step.filter(|step| is_time && *step > 0.0),
-        units: value("Y_Unit_Label").unwrap_or_default(),
+        units: values(text, lines, delimiter, "Y_Unit_Label"),
     })
+}
+
+/// The cells behind a key in the heads. The second head is about the channels: its key counts where
+/// both have it.
+fn values(text: &str, lines: usize, delimiter: u8, key: &str) -> Vec<String> {
+    let rows = text.lines().take(lines).filter_map(|line| {
+        let mut cells = line.split(char::from(delimiter)).map(str::trim);
+        (cells.next() == Some(key)).then_some(cells)
+    });
+    rows.last().map(|cells| cells.map(str::to_owned).collect()).unwrap_or_default()
 }
 
 #[cfg(test)]

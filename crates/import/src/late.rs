@@ -11,7 +11,7 @@ use std::path::Path;
 use zwidth_store::{FirstErrors, StoreError};
 use zwidth_study::{AnswerValue, EnvironmentId, ModeId, ParticipantId, QuestionId, SessionId};
 
-/// What to do about a row that is wrong.
+/// The remedy for a wrong row.
 const MEND: &str = "mend the row, or remove it; nothing was written";
 
 /// The trial of its session that a row means.
@@ -51,7 +51,7 @@ pub struct LateAnswer {
     pub session: Option<SessionId>,
     /// After which trial.
     pub trial: TrialMeant,
-    /// What the row says about the trial besides its number.
+    /// Claims of the row about the trial, besides its number.
     pub claims: Claims,
     /// To which question; `None` where the table has no such column.
     pub question: Option<QuestionId>,
@@ -82,6 +82,7 @@ impl LateAnswers {
     /// # Errors
     /// A file that cannot be read, a column that is missing, and each row in which a cell is wrong.
     pub fn read(path: &Path) -> Result<Self, FirstErrors> {
+        // There is no mapping: as for a guess, the text itself shows how it is written.
         let Looked { table, written, .. } = look(path)?;
         let decimal_comma = written.is_some_and(|written| written.decimal_comma);
         let cells = CellForm { decimal_comma, ..CellForm::default() };
@@ -113,14 +114,14 @@ impl LateAnswers {
         self.recording.cell_error(self.answer, row.row, what, MEND)
     }
 
-    /// Where a row is, for people.
+    /// The place of a row, for people.
     pub fn place(&self, row: &LateAnswer) -> String {
         let line = self.recording.table.lines.get(row.row);
         line.map_or_else(|| format!("row {}", row.row + 1), |line| format!("line {line}"))
     }
 }
 
-/// Where the columns are.
+/// The places of the columns.
 struct Columns {
     participant: usize,
     session: Option<usize>,
@@ -139,7 +140,7 @@ impl Columns {
     fn of(recording: &Recording) -> Result<Self, StoreError> {
         let names = recording.table.names.iter().flatten();
         let names: Vec<String> = names.map(|name| name.trim().to_lowercase()).collect();
-        let find = |name: &str| names.iter().position(|known| known == name);
+        let find = |name: &str| names.iter().position(|other| other == name);
         let needed = |name: &str| {
             find(name).ok_or_else(|| {
                 let what = format!(
@@ -174,69 +175,75 @@ impl Columns {
     }
 
     fn row(&self, recording: &Recording, row: usize) -> Result<LateAnswer, StoreError> {
-        let cell = |column: usize| {
-            let text = recording.table.columns[column].cell(row).to_string().trim().to_owned();
-            if text.is_empty() {
-                Err(at(recording, column, row, "the cell is empty"))
-            } else {
-                Ok(text)
-            }
-        };
-        let number_in = |what: &str, column: usize| {
-            number(what, &cell(column)?).map_err(|why| at(recording, column, row, &why))
-        };
-        // A cell that is empty claims nothing.
-        let claim = |column: Option<usize>| {
-            column.filter(|column| recording.table.columns[*column].cell(row) != Cell::Empty)
-        };
         let (trial, claims) = match self.trial {
             TrialColumns::Number { trial, environment, mode, repeat } => {
+                // A cell that is empty claims nothing.
+                let [environment, mode, repeat] = [environment, mode, repeat].map(|column| {
+                    column
+                        .filter(|column| recording.table.columns[*column].cell(row) != Cell::Empty)
+                });
                 let claims = Claims {
-                    environment: claim(environment).map(cell).transpose()?,
-                    mode: claim(mode).map(cell).transpose()?,
-                    repeat: claim(repeat).map(|column| number_in("repeat", column)).transpose()?,
+                    environment: environment.map(|at| text(recording, at, row)).transpose()?,
+                    mode: mode.map(|at| text(recording, at, row)).transpose()?,
+                    repeat: repeat
+                        .map(|at| parsed(recording, at, row, |text| number("repeat", text)))
+                        .transpose()?,
                 };
-                (TrialMeant::Number(number_in("trial", trial)?), claims)
+                let trial = parsed(recording, trial, row, |text| number("trial", text))?;
+                (TrialMeant::Number(trial), claims)
             }
             TrialColumns::Repeat { environment, mode, repeat } => {
-                let meant = TrialMeant::Repeat {
-                    environment: id(&cell(environment)?)
-                        .map_err(|why| at(recording, environment, row, &why))?,
-                    mode: id(&cell(mode)?).map_err(|why| at(recording, mode, row, &why))?,
-                    repeat: number_in("repeat", repeat)?,
+                let trial = TrialMeant::Repeat {
+                    environment: parsed(recording, environment, row, id)?,
+                    mode: parsed(recording, mode, row, id)?,
+                    repeat: parsed(recording, repeat, row, |text| number("repeat", text))?,
                 };
-                (meant, Claims::default())
+                (trial, Claims::default())
             }
         };
-        let code = cell(self.participant)?;
-        let session = self
-            .session
-            .map(|column| id(&cell(column)?).map_err(|why| at(recording, column, row, &why)));
-        let question = self
-            .question
-            .map(|column| id(&cell(column)?).map_err(|why| at(recording, column, row, &why)));
-        let given = recording.table.columns[self.answer].cell(row);
-        let value = value(&cell(self.answer)?, recording.has_decimal_comma(&given))
-            .map_err(|why| at(recording, self.answer, row, &why))?;
+        let code = text(recording, self.participant, row)?;
+        let session = self.session.map(|at| parsed(recording, at, row, id)).transpose();
+        let question = self.question.map(|at| parsed(recording, at, row, id)).transpose();
+        let decimal_comma =
+            recording.has_decimal_comma(&recording.table.columns[self.answer].cell(row));
+        let value = parsed(recording, self.answer, row, |text| {
+            // Which numbers its scale has is not known here.
+            written(text, decimal_comma)
+                .ok_or_else(|| format!("the answer '{text}' must be a number"))
+        })?;
         Ok(LateAnswer {
             participant: id(&code).map_err(|why| at(recording, self.participant, row, &why))?,
-            session: session.transpose()?,
+            session: session?,
             trial,
             claims,
-            question: question.transpose()?,
+            question: question?,
             value,
             row,
         })
     }
 }
 
-fn at(recording: &Recording, column: usize, row: usize, what: &str) -> StoreError {
-    recording.cell_error(column, row, what, MEND)
+/// The text of a cell, which must not be empty.
+fn text(recording: &Recording, column: usize, row: usize) -> Result<String, StoreError> {
+    let text = recording.table.columns[column].cell(row).to_string().trim().to_owned();
+    if text.is_empty() {
+        return Err(at(recording, column, row, "the cell is empty"));
+    }
+    Ok(text)
 }
 
-/// A number; which numbers its scale has is not known here.
-fn value(text: &str, decimal_comma: bool) -> Result<AnswerValue, String> {
-    written(text, decimal_comma).ok_or_else(|| format!("the answer '{text}' must be a number"))
+/// Parses the text of a cell.
+fn parsed<T>(
+    recording: &Recording,
+    column: usize,
+    row: usize,
+    parse: impl FnOnce(&str) -> Result<T, String>,
+) -> Result<T, StoreError> {
+    parse(&text(recording, column, row)?).map_err(|why| at(recording, column, row, &why))
+}
+
+fn at(recording: &Recording, column: usize, row: usize, what: &str) -> StoreError {
+    recording.cell_error(column, row, what, MEND)
 }
 
 #[cfg(test)]

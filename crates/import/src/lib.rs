@@ -87,7 +87,6 @@ pub use late::{Claims, LateAnswer, LateAnswers, TrialMeant};
 pub use mapping::Mapping;
 pub use report::{ColumnDropped, FileReport, Report, RowsDropped, Unplanned};
 
-use batch::Batch;
 use context::Context;
 use errors::all;
 use mapping::Content;
@@ -152,26 +151,20 @@ pub fn import(
             trials::trials(&context, who, time, columns, channels, files)?
         }
         Content::Sweeps(sweep) => sweeps::sweeps(&context, sweep, files)?,
-        Content::Likert(asked) => likert::likert(&context, asked, files)?,
-        // They add to logs that are there.
+        Content::Likert(questionnaire) => likert::likert(&context, questionnaire, files)?,
+        // They add to existing logs.
         Content::Exclusions(form) => return exclusions::import(&context, form, files, by.utc),
     };
     batch.write(disk, layout, by.utc, &|all| progress(Step::Written { all }))?;
-    let odd = against_plan_of(disk, layout, &batch);
-    Ok(batch.report(layout, odd))
-}
-
-/// What of these sessions is more, less or other than planned. What keeps the study from being read is told by
-/// whoever reads it next: this import is made.
-fn against_plan_of(disk: &dyn Files, layout: &Layout, batch: &Batch) -> Vec<Unplanned> {
-    let Ok(data) = StudyData::load_from(disk, layout) else { return Vec::new() };
+    // The import is done: if the study cannot be read now, its next reader reports why.
+    let data = StudyData::load_from(disk, layout);
+    let findings = data.map(|data| against_plan(&data)).unwrap_or_default();
     let new: BTreeSet<&Path> = batch.outputs.iter().map(|(path, _)| path.as_path()).collect();
-    let found =
-        against_plan(&data).into_iter().filter(|finding| new.contains(finding.path.as_path()));
-    found
-        .map(|finding| Unplanned {
-            file: layout.shown(&finding.path).display().to_string(),
-            what: format!("{}; {}", finding.what, finding.remedy),
-        })
-        .collect()
+    let findings = findings.into_iter().filter(|finding| new.contains(finding.path.as_path()));
+    let unplanned = findings.map(|finding| Unplanned {
+        file: layout.shown(&finding.path).display().to_string(),
+        what: format!("{}; {}", finding.what, finding.remedy),
+    });
+    let unplanned = unplanned.collect();
+    Ok(batch.report(layout, unplanned))
 }

@@ -1,14 +1,14 @@
 //! Questionnaire tables → trials without samples, and answers as events. This module reads wide
 //! tables, with one row per trial; `long` reads the others.
 
-use super::added::There;
+use super::added::ExistingAnswers;
 use super::batch::Batch;
 use super::context::{Context, Converted, EMPTY};
 use super::errors::{Errors, all, append};
-use super::given::{Answered, Given, Place, Read, read_given};
+use super::given::{Answered, Place, Read, read_answer};
 use super::identity::{Identity, Named, identity, number_trials, tell_labels};
 use super::limits::Budget;
-use super::mapping::{Asked, Missing, OfRow, Questionnaire, Who};
+use super::mapping::{AnswerForm, Missing, Questionnaire, RowTrial, Who};
 use super::recording::Recording;
 use super::report::{FileReport, RowsDropped};
 use super::shape::{AnswerFrom, JsonKey};
@@ -17,110 +17,129 @@ use super::{long, once};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use zwidth_store::StoreError;
-use zwidth_study::{Event, PlannedTrial, QuestionId, Study};
+use zwidth_study::{Event, PlannedTrial, QuestionId};
 
 /// What is one trial of each row: its labels, and of each question the column of its answers and that of
 /// the times that they took.
 struct Wide<'a> {
     who: &'a Who,
-    questions: Vec<(QuestionId, AnswerFrom, Option<ColumnRef>)>,
+    questions: Vec<WideQuestion>,
 }
 
-/// Reads every file, numbers the trials over all of them, and turns the answers into events. Of a
-/// session that is there its trials are answered.
+/// A question with the places of its answers, and of the times that they took.
+struct WideQuestion {
+    id: QuestionId,
+    from: AnswerFrom,
+    time: Option<ColumnRef>,
+}
+
+/// Reads every file, numbers the trials over all of them, and turns the answers into events. In an
+/// existing session its trials are answered.
 pub(super) fn likert(
     context: &Context,
-    asked: &Questionnaire,
+    questionnaire: &Questionnaire,
     files: &[PathBuf],
 ) -> Result<Batch, Errors> {
     let budget = Budget::default();
-    let wide = match &asked.form {
-        Asked::Wide(of_rows) => all(of_rows.iter().map(|of_row| wide(context, of_row)))?,
-        Asked::Long(..) => Vec::new(),
+    let wide = match &questionnaire.form {
+        AnswerForm::Wide(trials) => all(trials.iter().map(|trial| wide(context, trial)))?,
+        AnswerForm::Long(..) => Vec::new(),
     };
-    let of_wide = wide.iter().flat_map(|w| &w.questions).map(|(_, from, _)| from.column());
-    let columns = asked.columns().into_iter().chain(of_wide).collect();
+    let answer_columns = wide.iter().flat_map(|w| &w.questions).map(|q| q.from.column());
+    let columns = questionnaire.columns().into_iter().chain(answer_columns).collect();
     let take = context.take(columns, &budget);
-    let converted = context.convert(files, &take, |recording| match &asked.form {
-        Asked::Wide(_) => convert(context, asked, &wide, &budget, recording),
-        Asked::Long(long) => long::convert(context, asked, long, &budget, recording),
+    let converted = context.convert(files, &take, |recording| match &questionnaire.form {
+        AnswerForm::Wide(_) => convert(context, questionnaire, &wide, &budget, recording),
+        AnswerForm::Long(long) => long::convert(context, questionnaire, long, &budget, recording),
     })?;
-    if matches!(asked.form, Asked::Long(..)) {
-        let found: Vec<&[Answered]> = converted.iter().map(|c| c.made.found.as_slice()).collect();
-        long::apart(&found)?;
+    if matches!(questionnaire.form, AnswerForm::Long(..)) {
+        let trials: Vec<&[Answered]> =
+            converted.iter().map(|c| c.parsed.trials.as_slice()).collect();
+        long::apart(&trials)?;
     }
-    let rows =
-        || converted.iter().flat_map(|file| file.made.found.iter().map(move |row| (file, row)));
-    let identities: Vec<Identity> = rows().map(|(_, row)| row.identity.clone()).collect();
-    let is_there = |row: &Answered| {
-        let Identity { participant, session, .. } = &row.identity;
-        context.files.kind(&context.layout.session(participant, session)).is_some()
-    };
+    let rows: Vec<(&Converted<Read>, &Answered)> = converted
+        .iter()
+        .flat_map(|file| file.parsed.trials.iter().map(move |row| (file, row)))
+        .collect();
+    let identities: Vec<Identity> = rows.iter().map(|(_, row)| row.identity.clone()).collect();
     let mut batch = Batch::default();
-    let mut there = match rows().any(|(_, row)| is_there(row)) {
-        true => Some(There::load(context, &identities)?),
+    let mut existing = match rows.iter().any(|(_, row)| has_session(context, row)) {
+        true => Some(ExistingAnswers::load(context, &identities)?),
         false => None,
     };
     for file in &converted {
-        batch.files.push(made_of(context, file, &identities, there.as_mut())?);
+        batch.files.push(file_report(context, file, &identities, existing.as_mut())?);
     }
-    batch.added = there.map(|there| there.events).unwrap_or_default();
-    let new: Vec<(&Converted<Read>, &Answered)> =
-        rows().filter(|(_, row)| !is_there(row)).collect();
+    batch.added = existing.map(|existing| existing.events).unwrap_or_default();
+    let mut new = rows;
+    new.retain(|(_, row)| !has_session(context, row));
     let identities: Vec<Identity> = new.iter().map(|(_, row)| row.identity.clone()).collect();
     let planned = number_trials(context, &identities, false)?;
     once::answers(context, new.iter().map(|(file, _)| *file))?;
     let mut events: Vec<Vec<Event>> =
         new.iter().zip(&planned).map(|((_, row), number)| events(row, number)).collect();
-    note_losses(&new, &mut events);
+    // The first trial of a session in a table says in its log what of the table could not be read.
+    let mut noted = BTreeSet::new();
+    for ((file, Answered { identity, .. }), events) in new.iter().zip(&mut events) {
+        let is_first = noted.insert((&file.path, &identity.participant, &identity.session));
+        let lost = file.parsed.report.lost.as_deref().filter(|_| is_first);
+        events.extend(lost.map(loss));
+    }
     let sources: Vec<&str> = new.iter().map(|(file, _)| file.blake3.as_str()).collect();
     let columns: BTreeSet<usize> =
-        new.iter().flat_map(|(file, _)| &file.made.columns).copied().collect();
+        new.iter().flat_map(|(file, _)| &file.parsed.columns).copied().collect();
     batch.answer_columns = columns.into_iter().collect();
     batch.add_sessions(context, &identities, &planned, events, &sources)?;
     Ok(batch)
 }
 
-/// The report on a file: which trials its rows make, and which that are there they answer.
-fn made_of(
+/// Whether the study has the session of a row already.
+fn has_session(context: &Context, row: &Answered) -> bool {
+    let Identity { participant, session, .. } = &row.identity;
+    context.files.kind(&context.layout.session(participant, session)).is_some()
+}
+
+/// The report on a file: which trials its rows make, and which existing ones they answer.
+fn file_report(
     context: &Context,
     file: &Converted<Read>,
     all: &[Identity],
-    mut there: Option<&mut There>,
+    mut existing: Option<&mut ExistingAnswers>,
 ) -> Result<FileReport, Errors> {
-    let Read { found, report, empty, .. } = &file.made;
-    let (mut new, mut answered, mut answers, mut known) = (0, 0, 0, BTreeSet::new());
+    let Read { trials, report, empty, .. } = &file.parsed;
+    let (mut new, mut answered, mut answers) = (0, 0, 0);
+    let mut unchanged = BTreeSet::new();
     let mut errors = Errors::default();
     let mut logs = BTreeSet::new();
-    for row in found {
+    for row in trials {
         let Identity { participant, session, .. } = &row.identity;
-        let is_there = context.files.kind(&context.layout.session(participant, session)).is_some();
-        match there.as_mut().filter(|_| is_there).map(|there| there.answer(context, row)) {
+        let existing = existing.as_mut().filter(|_| has_session(context, row));
+        match existing.map(|existing| existing.answer(context, row)) {
             None => {
                 new += 1;
                 answers += row.answers.len();
             }
-            Some(Ok(0)) => _ = known.insert(format!("{participant} {session}")),
-            Some(Ok(given)) => {
+            Some(Ok(0)) => _ = unchanged.insert(format!("{participant} {session}")),
+            Some(Ok(added)) => {
                 answered += 1;
-                answers += given;
+                answers += added;
                 logs.insert(context.layout.events(participant, session));
             }
             Some(Err(error)) => errors.push(error),
         }
     }
     errors.none()?;
-    if let (Some(there), Some(lost)) = (there, &report.lost) {
+    if let (Some(existing), Some(lost)) = (existing, &report.lost) {
         for log in logs {
-            there.events.entry(log).or_default().push(loss(lost));
+            existing.events.entry(log).or_default().push(loss(lost));
         }
     }
-    let known: Vec<String> = known.into_iter().collect();
+    let unchanged: Vec<String> = unchanged.into_iter().collect();
     if new + answered == 0 {
-        return Ok(FileReport::there_already(&file.path, &known.join(", ")));
+        return Ok(FileReport::there_already(&file.path, &unchanged.join(", ")));
     }
     let mut report = report.clone();
-    let own: Vec<&Identity> = found.iter().map(|row| &row.identity).collect();
+    let own: Vec<&Identity> = trials.iter().map(|row| &row.identity).collect();
     tell_labels(&mut report, &own, all);
     let empty = match empty {
         0 => String::new(),
@@ -130,93 +149,84 @@ fn made_of(
         0 => format!("{new} trials without samples, {answers} answers{empty}"),
         n => format!("{new} trials without samples, {answers} answers, {n} trials that are there answered{empty}"),
     });
-    if !known.is_empty() {
-        report.told.push(format!("in the study already, and left out: {}", known.join(", ")));
+    if !unchanged.is_empty() {
+        let sessions = unchanged.join(", ");
+        report.told.push(format!("in the study already, and left out: {sessions}"));
     }
     Ok(report)
 }
 
-/// Has the log of each session say, with its first trial in the table, what of the table could not be
-/// read.
-fn note_losses(rows: &[(&Converted<Read>, &Answered)], events: &mut [Vec<Event>]) {
-    let mut told = BTreeSet::new();
-    for ((file, Answered { identity, .. }), events) in rows.iter().zip(events) {
-        let is_first = told.insert((&file.path, &identity.participant, &identity.session));
-        let lost = file.made.report.lost.as_deref().filter(|_| is_first);
-        events.extend(lost.map(loss));
-    }
-}
-
-/// What the log of a session says of a table of which something could not be read.
+/// The note in a session's log about a table that could not be read whole.
 fn loss(lost: &str) -> Event {
     Event::Note { trial: None, text: format!("of the table of answers, {lost}") }
 }
 
 /// The answers after a trial as events of it.
 fn events(row: &Answered, PlannedTrial { trial, .. }: &PlannedTrial) -> Vec<Event> {
-    let event = |(question, given): &(QuestionId, Given)| Event::Answer {
+    let events = row.answers.iter().map(|(question, answer)| Event::Answer {
         trial: *trial,
         question: question.clone(),
-        value: given.value,
-        time_ms: given.time_ms,
-    };
-    row.answers.iter().map(event).collect()
+        value: answer.value,
+        time_ms: answer.time_ms,
+    });
+    events.collect()
 }
 
 /// The columns of what is one trial of a row: as listed in the mapping, or those whose header is a
 /// question's text.
-fn wide<'a>(context: &Context, of_row: &'a OfRow) -> Result<Wide<'a>, StoreError> {
-    let OfRow { who, columns, times } = of_row;
+fn wide<'a>(context: &Context, trial: &'a RowTrial) -> Result<Wide<'a>, StoreError> {
+    let RowTrial { who, columns, times } = trial;
     let study = context.study;
-    let error = |what: String, remedy: &str| StoreError::new(&context.mapping.path, what, remedy);
-    let of_columns = columns.keys().map(|id| (id, "columns"));
-    for (id, table) in of_columns.chain(times.keys().map(|id| (id, "times"))) {
+    let mapping = &context.mapping.path;
+    let listed = columns.keys().map(|id| (id, "columns"));
+    for (id, table) in listed.chain(times.keys().map(|id| (id, "times"))) {
         if study.question(id).is_none() {
             let what =
                 format!("[questions.{table}] has '{id}', which is not a question of study.toml");
-            return Err(error(what, "add it to study.toml, or remove it from the mapping"));
+            let remedy = "add it to study.toml, or remove it from the mapping";
+            return Err(StoreError::new(mapping, what, remedy));
         }
     }
-    let with_time = |id: &QuestionId, from| (id.clone(), from, times.get(id).cloned());
     if !columns.is_empty() {
-        let questions = columns.iter().map(|(id, from)| with_time(id, from.clone())).collect();
-        return Ok(Wide { who, questions });
+        let questions = columns.iter().map(|(id, from)| WideQuestion {
+            id: id.clone(),
+            from: from.clone(),
+            time: times.get(id).cloned(),
+        });
+        return Ok(Wide { who, questions: questions.collect() });
     }
     if study.questions.is_empty() {
-        return Err(error(
-            "study.toml has no questions".to_owned(),
-            "add [[questions]] to study.toml",
-        ));
+        let what = "study.toml has no questions";
+        return Err(StoreError::new(mapping, what, "add [[questions]] to study.toml"));
     }
-    if let Some(id) = repeated_text(study) {
-        let what = format!("question '{id}' of study.toml has the text of another one");
-        return Err(error(what, "list the columns in [questions.columns]"));
-    }
-    let by_text = |text: &str| AnswerFrom::Cell(ColumnRef::Name(text.trim().to_owned()));
-    let questions = study.questions.iter().map(|q| with_time(&q.id, by_text(&q.text))).collect();
-    Ok(Wide { who, questions })
-}
-
-fn repeated_text(study: &Study) -> Option<&QuestionId> {
+    // A text that two questions share does not say whose column it heads.
     let mut questions = study.questions.iter().enumerate();
     let second = questions.find(|(i, q)| study.questions[..*i].iter().any(|p| p.text == q.text));
-    second.map(|(_, q)| &q.id)
+    if let Some((_, question)) = second {
+        let what = format!("question '{}' of study.toml has the text of another one", question.id);
+        return Err(StoreError::new(mapping, what, "list the columns in [questions.columns]"));
+    }
+    let questions = study.questions.iter().map(|q| {
+        let from = AnswerFrom::Cell(ColumnRef::Name(q.text.trim().to_owned()));
+        WideQuestion { id: q.id.clone(), from, time: times.get(&q.id).cloned() }
+    });
+    Ok(Wide { who, questions: questions.collect() })
 }
 
 fn convert(
     context: &Context,
-    asked: &Questionnaire,
+    questionnaire: &Questionnaire,
     wide: &[Wide],
     budget: &Budget,
     recording: &Recording,
 ) -> Result<Read, Errors> {
-    let find = |column: &ColumnRef| recording.find(column);
-    let labels = |of: &Wide| all(of.who.columns().into_iter().map(find));
-    let labels = all(wide.iter().map(labels))?;
-    let places = all(wide.iter().map(|of| {
-        all(of.questions.iter().map(|(_, from, time)| {
-            let time = time.as_ref().map(find).transpose()?;
-            Ok::<_, StoreError>((find(from.column())?, time))
+    let labels = all(wide
+        .iter()
+        .map(|trial| all(trial.who.columns().into_iter().map(|column| recording.find(column)))))?;
+    let places = all(wide.iter().map(|trial| {
+        all(trial.questions.iter().map(|question| {
+            let time = question.time.as_ref().map(|column| recording.find(column)).transpose()?;
+            Ok::<_, StoreError>((recording.find(question.from.column())?, time))
         }))
     }))?;
     let columns: BTreeSet<usize> = places.iter().flatten().map(|(answer, _)| *answer).collect();
@@ -225,7 +235,7 @@ fn convert(
     let used: BTreeSet<usize> = used.collect();
     let used: Vec<usize> = used.into_iter().collect();
     // Without what all conditions have in common nobody knows whose row it is.
-    let shared = labels[0].iter().filter(|at| labels.iter().all(|of| of.contains(at)));
+    let shared = labels[0].iter().filter(|at| labels.iter().all(|places| places.contains(at)));
     let shared: Vec<usize> = shared.copied().collect();
     let mut rows = recording.rows(&context.mapping.file, &[], &shared)?;
     let headers = recording.leave_out_headers(&mut rows, &used);
@@ -233,23 +243,28 @@ fn convert(
     let before = rows.kept.len();
     if drops {
         // A program that writes its answers so has rows for its other screens too.
-        let json =
-            wide.iter().zip(&places).flat_map(|(of, places)| of.questions.iter().zip(places));
-        let json = json.filter(|((_, from, _), _)| matches!(from, AnswerFrom::Json(_)));
+        let questions = wide.iter().zip(&places);
+        let questions = questions.flat_map(|(trial, places)| trial.questions.iter().zip(places));
+        let json = questions.filter(|(question, _)| matches!(question.from, AnswerFrom::Json(_)));
         let json: Vec<usize> = json.map(|(_, (answer, _))| *answer).collect();
         rows.kept.retain(|row| {
-            json.iter().all(|at| is_object(&recording.table.columns[*at].cell(*row)))
+            json.iter().all(|at| match recording.table.columns[*at].cell(*row) {
+                // The beginning is enough: an object that is damaged is an error further on.
+                Cell::Text(text) => text.trim_start().starts_with('{'),
+                Cell::Empty | Cell::Number(_) => false,
+            })
         });
     }
     let others = before - rows.kept.len();
+    // Counted before anything is made of them.
     budget.trials(&recording.path, rows.kept.len() * wide.len())?;
-    let mut found = Vec::new();
+    let mut trials = Vec::new();
     let mut errors = Errors::default();
     let mut named = Named::default();
     let mut empty = 0;
     let mut absent = 0;
     for row in &rows.kept {
-        for (of, (labels, places)) in wide.iter().zip(labels.iter().zip(&places)) {
+        for (trial, (labels, places)) in wide.iter().zip(labels.iter().zip(&places)) {
             // A person who did not do this condition.
             let is_absent =
                 drops && labels.iter().any(|label| recording.is_without_label(*label, *row));
@@ -257,10 +272,10 @@ fn convert(
                 absent += 1;
                 continue;
             }
-            match read_row(context, asked, of, places, recording, *row, &mut named) {
+            match read_row(context, questionnaire, trial, places, recording, *row, &mut named) {
                 Ok(read) => {
-                    empty += of.questions.len() - read.answers.len();
-                    found.push(read);
+                    empty += trial.questions.len() - read.answers.len();
+                    trials.push(read);
                 }
                 Err(wrong) => append(&mut errors, wrong),
             }
@@ -278,34 +293,29 @@ fn convert(
     if absent > 0 {
         report.told.push(format!("{absent} conditions of rows have no label, and are left out"));
     }
-    Ok(Read { found, report, columns: from_one(columns), empty })
-}
-
-/// Whether a cell holds a JSON object, or the beginning of one that is told.
-fn is_object(cell: &Cell) -> bool {
-    matches!(cell, Cell::Text(text) if text.trim_start().starts_with('{'))
+    Ok(Read { trials, report, columns: from_one(columns), empty })
 }
 
 /// The labels and the answers of one trial of a row.
 fn read_row(
     context: &Context,
-    asked: &Questionnaire,
-    of: &Wide,
+    questionnaire: &Questionnaire,
+    trial: &Wide,
     places: &[(usize, Option<usize>)],
     recording: &Recording,
     row: usize,
     named: &mut Named,
 ) -> Result<Answered, Errors> {
-    let identity = identity(of.who, recording, row, context.study)?;
+    let identity = identity(trial.who, recording, row, context.study)?;
     named.add(recording, row, &identity)?;
-    let answers = of.questions.iter().zip(places).map(|((id, from, _), (answer, time))| {
-        let key = match from {
+    let answers = trial.questions.iter().zip(places).map(|(question, (answer, time))| {
+        let key = match &question.from {
             AnswerFrom::Cell(_) => None,
             AnswerFrom::Json(JsonKey { key, .. }) => Some(key.as_str()),
         };
         let place = Place { row, answer: *answer, key, time: *time };
-        let given = read_given(context, asked, recording, id, place)?;
-        Ok::<_, Errors>(given.map(|given| (id.clone(), given)))
+        let answer = read_answer(context, questionnaire, recording, &question.id, place)?;
+        Ok::<_, Errors>(answer.map(|answer| (question.id.clone(), answer)))
     });
     Ok(Answered { identity, answers: all(answers)?.into_iter().flatten().collect() })
 }

@@ -48,7 +48,7 @@ const MOST_TIME_S: f64 = 1e11;
 /// The largest angle, rad: a thousand turns.
 const MOST_ANGLE_RAD: f64 = 1_000.0 * std::f64::consts::TAU;
 
-/// What an import may still take: counted over all its files, which are read side by side.
+/// The room that an import has left, over all its files, which are read side by side.
 #[derive(Debug, Default)]
 pub(super) struct Budget {
     cells: AtomicUsize,
@@ -80,14 +80,15 @@ impl Budget {
     /// order in which they were read, so that all of them are named together.
     ///
     /// # Errors
-    /// What there was too much of.
+    /// There was too much of something; the error names it.
     pub(super) fn held(&self, files: &[std::path::PathBuf]) -> Result<(), StoreError> {
-        let over = |spent: &AtomicUsize, most: usize| spent.load(Ordering::Relaxed) > most;
-        let what = if over(&self.cells, MOST_CELLS) {
+        let [cells, trials] =
+            [&self.cells, &self.trials].map(|spent| spent.load(Ordering::Relaxed));
+        let what = if cells > MOST_CELLS {
             format!(
                 "more than {MOST_CELLS} cells in mapped columns, and no more are read in one import"
             )
-        } else if over(&self.trials, MOST_TRIALS) {
+        } else if trials > MOST_TRIALS {
             format!(
                 "more than {MOST_TRIALS} trials, sweeps or answered rows, and no more are read in one import"
             )
@@ -146,10 +147,10 @@ pub(super) fn too_many_for_a_trial(path: &Path) -> StoreError {
     StoreError::new(path, what, "split it")
 }
 
-/// Whether so many columns are read.
+/// Checks that so many columns may be read.
 ///
 /// # Errors
-/// There are more.
+/// There are too many.
 pub(super) fn check_columns(path: &Path, columns: usize) -> Result<(), StoreError> {
     if columns <= MOST_COLUMNS {
         return Ok(());
@@ -162,10 +163,10 @@ pub(super) fn check_columns(path: &Path, columns: usize) -> Result<(), StoreErro
     ))
 }
 
-/// Whether the names are short enough to be names.
+/// Checks that a name is short enough.
 ///
 /// # Errors
-/// One that is not.
+/// It is longer.
 pub(super) fn check_name(path: &Path, name: &str) -> Result<(), StoreError> {
     if name.len() <= MOST_NAME {
         return Ok(());
@@ -175,7 +176,7 @@ pub(super) fn check_name(path: &Path, name: &str) -> Result<(), StoreError> {
     Err(StoreError::new(path, what, "shorten it").column(shown(name)))
 }
 
-/// Which columns of a recording are taken; no other is kept in memory.
+/// The columns of a recording that are taken; no other is kept in memory.
 pub(super) struct Take<'a> {
     pub(super) columns: Vec<&'a ColumnRef>,
     /// Columns whose names match are taken too.
@@ -218,7 +219,7 @@ pub(super) fn check_sizes(path: &Path, samples: &Samples) -> Result<(), StoreErr
     Err(error.column(Signal::Theta.name()).row0(row))
 }
 
-/// Whether times are of a sensible size; `Err` is the row (from 0) and what is wrong.
+/// Checks that times are of a sensible size; `Err` is the row (from 0) and what is wrong.
 pub(super) fn check_time(t_s: &[f64]) -> Result<(), (usize, String)> {
     let first = t_s.first().copied().unwrap_or_default();
     let late = t_s.iter().position(|t| t.abs() > MOST_TIME_S || t - first > MOST_SPAN_S);

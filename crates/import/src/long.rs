@@ -3,8 +3,7 @@
 
 use super::context::{Context, EMPTY};
 use super::errors::{Errors, all, append};
-use super::given::Read;
-use super::given::{Answered, Given, Place, read_given};
+use super::given::{Answer, Answered, Place, Read, read_answer};
 use super::identity::{Identity, Named, identity};
 use super::label::Label;
 use super::limits::Budget;
@@ -19,7 +18,7 @@ use zwidth_study::QuestionId;
 /// labels are one trial, wherever they stand.
 pub(super) fn convert(
     context: &Context,
-    asked: &Questionnaire,
+    questionnaire: &Questionnaire,
     (who, form): &(Who, LongForm),
     budget: &Budget,
     recording: &Recording,
@@ -31,28 +30,30 @@ pub(super) fn convert(
     let used = [labels.clone(), vec![answer], time.into_iter().collect()].concat();
     let mut rows = recording.rows(&context.mapping.file, &[], &labels)?;
     let headers = recording.leave_out_headers(&mut rows, &used);
-    let mut found: Vec<Answered> = Vec::new();
+    let mut trials: Vec<Answered> = Vec::new();
     let mut places: BTreeMap<String, usize> = BTreeMap::new();
     let mut errors = Errors::default();
     let mut named = Named::default();
     let mut answers = 0;
     for row in &rows.kept {
         let place = Place { row: *row, answer, key: None, time };
-        match read_row(context, who, asked, &form.question, recording, place) {
-            Ok((identity, Some((question, given)))) => {
+        match read_row(context, who, questionnaire, &form.question, recording, place) {
+            Ok((identity, Some((question, answer)))) => {
                 if let Err(other) = named.add(recording, *row, &identity) {
                     errors.push(other);
                     continue;
                 }
                 let at = *places.entry(key(&identity)).or_insert_with(|| {
-                    found.push(Answered { identity, answers: Vec::new() });
-                    found.len() - 1
+                    trials.push(Answered { identity, answers: Vec::new() });
+                    trials.len() - 1
                 });
-                if found[at].answers.iter().any(|(known, _)| *known == question) {
-                    errors.push(twice(recording, answer, *row, &question));
+                if trials[at].answers.iter().any(|(other, _)| *other == question) {
+                    let what = format!("question '{question}' is answered twice after one trial");
+                    let remedy = "tell the trials apart by a column: trial or repeat in [trial]; or leave a row out";
+                    errors.push(recording.cell_error(place.answer, *row, &what, remedy));
                     continue;
                 }
-                found[at].answers.push((question, given));
+                trials[at].answers.push((question, answer));
                 answers += 1;
             }
             Ok((_, None)) => {}
@@ -60,23 +61,24 @@ pub(super) fn convert(
         }
     }
     errors.none()?;
-    budget.trials(&recording.path, found.len())?;
+    // Known only now: rows with the same labels are one trial.
+    budget.trials(&recording.path, trials.len())?;
     let mut report = context.file_report(recording, &rows, rows.kept.len(), &used)?;
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
     report.add_headers(headers);
     let timed = if time.is_some() { ", with the time that each took" } else { "" };
     report.converted.push(format!("answers, as given, one row each{timed}"));
     let columns = BTreeSet::from([answer + 1]);
-    Ok(Read { found, report, columns, empty: rows.kept.len() - answers })
+    Ok(Read { trials, report, columns, empty: rows.kept.len() - answers })
 }
 
-type Row = (Identity, Option<(QuestionId, Given)>);
+type Row = (Identity, Option<(QuestionId, Answer)>);
 
 /// Whose answer a row is, to what, and what it is; no answer where the cell is empty.
 fn read_row(
     context: &Context,
     who: &Who,
-    asked: &Questionnaire,
+    questionnaire: &Questionnaire,
     question: &Label,
     recording: &Recording,
     place: Place,
@@ -87,31 +89,24 @@ fn read_row(
         if context.study.question(&id).is_some() {
             return Ok(id);
         }
-        let known: Vec<&str> = context.study.questions.iter().map(|q| q.id.as_str()).collect();
-        Err(format!("question '{id}' is not in study.toml, which has {}", known.join(", ")))
+        let questions: Vec<&str> = context.study.questions.iter().map(|q| q.id.as_str()).collect();
+        Err(format!("question '{id}' is not in study.toml, which has {}", questions.join(", ")))
     })?;
-    let given = read_given(context, asked, recording, &question, place)?;
-    Ok((identity, given.map(|given| (question, given))))
+    let answer = read_answer(context, questionnaire, recording, &question, place)?;
+    Ok((identity, answer.map(|answer| (question, answer))))
 }
 
-/// What makes rows one trial: every label.
+/// The key of a trial: rows with the same labels are one trial.
 fn key(identity: &Identity) -> String {
     let Identity { participant, session, environment, mode, kind, repeat, trial, .. } = identity;
     // No id holds a blank.
     format!("{participant} {session} {environment} {mode} {} {repeat:?} {trial:?}", kind.as_str())
 }
 
-fn twice(recording: &Recording, column: usize, row: usize, question: &QuestionId) -> StoreError {
-    let what = format!("question '{question}' is answered twice after one trial");
-    let remedy =
-        "tell the trials apart by a column: trial or repeat in [trial]; or leave a row out";
-    recording.cell_error(column, row, &what, remedy)
-}
-
-/// Whether no two files have answers to one trial: they would count as two repeats.
+/// Checks that no two files have answers to one trial: they would count as two repeats.
 pub(super) fn apart(files: &[&[Answered]]) -> Result<(), Errors> {
     let mut seen: BTreeMap<String, &Path> = BTreeMap::new();
-    let checked = files.iter().flat_map(|found| found.iter()).map(|answered| {
+    let checked = files.iter().flat_map(|trials| trials.iter()).map(|answered| {
         let identity = &answered.identity;
         let Some(first) = seen.insert(key(identity), &identity.file) else { return Ok(()) };
         let what = format!(

@@ -35,7 +35,7 @@ pub struct Mapping {
     pub(super) content: Content,
 }
 
-/// What the files hold.
+/// The content of the files.
 #[derive(Debug, Clone)]
 pub(super) enum Content {
     Trials { who: Box<Who>, time: Time, columns: Vec<SignalFrom>, channels: Vec<ChannelFrom> },
@@ -47,7 +47,7 @@ pub(super) enum Content {
 /// How a questionnaire lies in its files, and what its cells mean.
 #[derive(Debug, Clone)]
 pub(super) struct Questionnaire {
-    pub(super) form: Asked,
+    pub(super) form: AnswerForm,
     /// Their word → the number of the scale. What is no such word is a number.
     pub(super) translate: BTreeMap<String, i16>,
     /// Their number for the lowest answer, if they number the answers otherwise than the scale.
@@ -56,18 +56,18 @@ pub(super) struct Questionnaire {
     pub(super) time_unit: Option<&'static Unit>,
 }
 
-/// Where answers stand.
+/// The places of answers.
 #[derive(Debug, Clone)]
-pub(super) enum Asked {
+pub(super) enum AnswerForm {
     /// A column a question, and a row a trial, or a trial of each of several conditions.
-    Wide(Vec<OfRow>),
+    Wide(Vec<RowTrial>),
     /// A row an answer.
     Long(Box<(Who, LongForm)>),
 }
 
-/// What of a row is one trial.
+/// The trial of a row.
 #[derive(Debug, Clone)]
-pub(super) struct OfRow {
+pub(super) struct RowTrial {
     pub(super) who: Who,
     /// No column listed: those whose header is a question's text.
     pub(super) columns: BTreeMap<QuestionId, AnswerFrom>,
@@ -82,7 +82,7 @@ pub(super) struct LongForm {
     pub(super) time: Option<ColumnRef>,
 }
 
-impl OfRow {
+impl RowTrial {
     fn columns(&self) -> Vec<&ColumnRef> {
         let answers = self.columns.values().map(AnswerFrom::column);
         self.who.columns().into_iter().chain(answers).chain(self.times.values()).collect()
@@ -93,8 +93,8 @@ impl Questionnaire {
     /// The columns that the mapping names.
     pub(super) fn columns(&self) -> Vec<&ColumnRef> {
         match &self.form {
-            Asked::Wide(of_rows) => of_rows.iter().flat_map(OfRow::columns).collect(),
-            Asked::Long(long) => {
+            AnswerForm::Wide(trials) => trials.iter().flat_map(RowTrial::columns).collect(),
+            AnswerForm::Long(long) => {
                 let (who, LongForm { question, answer, time }) = &**long;
                 let labels = who.columns().into_iter().chain(question.column());
                 labels.chain([answer]).chain(time).collect()
@@ -117,7 +117,7 @@ pub(super) struct FileForm {
     /// Whether a matrix has its signals in its rows.
     pub(super) turned: bool,
     pub(super) encoding: Encoding,
-    /// How many rows that cannot be read are passed by.
+    /// The number of unreadable rows that may be left out.
     pub(super) bad_lines: usize,
     /// Whether a time that starts over begins another trial.
     pub(super) splits_at_time: bool,
@@ -135,9 +135,9 @@ pub(super) struct FileForm {
 #[derive(Debug, Clone, Default)]
 pub(super) struct CellForm {
     pub(super) decimal_comma: bool,
-    /// What becomes of rows without a value.
+    /// The treatment of rows without a value.
     pub(super) missing: Missing,
-    /// What stands for a missing value besides the words that are known for one.
+    /// Words for a missing value besides the common ones.
     pub(super) missing_words: Vec<String>,
     /// Columns in which `true` and `false` stand for 1 and 0.
     pub(super) truths: Vec<ColumnRef>,
@@ -159,8 +159,9 @@ impl CellForm {
 fn is_number(number: Option<f64>, word: &str) -> bool {
     let meant: Option<f64> = word.parse().ok();
     #[allow(clippy::cast_possible_truncation)] // That is the question.
-    let of_four_bytes = meant.map(|meant| f64::from(meant as f32));
-    number.is_some() && (number == meant || number == of_four_bytes)
+    // A program with floats of four bytes writes -99.9 as -99.9000015.
+    let single = meant.map(|meant| f64::from(meant as f32));
+    number.is_some() && (number == meant || number == single)
 }
 
 impl FileForm {
@@ -169,10 +170,10 @@ impl FileForm {
         let extension =
             path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         let mut all = Format::ALL.into_iter();
-        let known = self
+        let format = self
             .format
             .or_else(|| all.find(|format| format.extensions().contains(&extension.as_str())));
-        known.ok_or_else(|| {
+        format.ok_or_else(|| {
             let what = format!("the extension '{extension}' names no known format");
             let words = Format::ALL.map(Format::word).join(", ");
             StoreError::new(path, what, format!("set format in [file] to one of {words}"))
@@ -245,7 +246,7 @@ pub(super) enum Time {
     },
 }
 
-/// What is mended of a column of times before it is converted.
+/// Repairs of a column of times before it is converted.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Mend {
     /// Where it starts over, in their unit.
@@ -327,7 +328,7 @@ pub(super) struct QuantityFrom {
 }
 
 impl Mapping {
-    /// Where the numbers of what is imported come from.
+    /// The source of the imported numbers.
     pub(super) fn source(&self) -> Source {
         if self.simulated { Source::Simulated } else { Source::Imported }
     }
@@ -336,7 +337,7 @@ impl Mapping {
 /// Which rows of a table exclude a trial, which trial, and why.
 #[derive(Debug, Clone)]
 pub(super) struct Exclusions {
-    pub(super) of: Of,
+    pub(super) trial: TrialFrom,
     /// Rows with one of these words in each of the columns; all rows if there is none.
     pub(super) when: Vec<(ColumnRef, Vec<String>)>,
     pub(super) reason: Label,
@@ -344,13 +345,13 @@ pub(super) struct Exclusions {
 
 /// How a row names its trial.
 #[derive(Debug, Clone)]
-pub(super) enum Of {
+pub(super) enum TrialFrom {
     /// By the recording that it was imported from: a path from this folder, which lies beside the table.
     Recording {
         column: ColumnRef,
         folder: PathBuf,
     },
-    Trial(Box<Labels>),
+    Labels(Box<Labels>),
 }
 
 /// The labels of a trial.
@@ -363,9 +364,9 @@ pub(super) struct Labels {
 
 impl Exclusions {
     pub(super) fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
-        let named = match &self.of {
-            Of::Recording { column, .. } => vec![column],
-            Of::Trial(labels) => {
+        let named = match &self.trial {
+            TrialFrom::Recording { column, .. } => vec![column],
+            TrialFrom::Labels(labels) => {
                 let Labels { participant, session, trial } = &**labels;
                 [participant, session, trial].into_iter().filter_map(Label::column).collect()
             }

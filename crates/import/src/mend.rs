@@ -11,7 +11,7 @@ use arrow::array::Float64Array;
 use zwidth_store::StoreError;
 
 impl Mend {
-    /// What is mended, in words.
+    /// The repairs, in words.
     pub(super) fn words(self) -> Vec<String> {
         let counter = self.counts_at_hz.map(|rate_hz| {
             format!("t_s = the samples counted / {rate_hz} Hz, the first at 0: samples that the counter passes over are missing")
@@ -53,6 +53,7 @@ impl Recording {
                 self.table.columns[column] = Cells::Numbers(values)
             }
             #[allow(clippy::float_cmp)] // the factor of a second
+            // Clock texts become seconds, whatever the mapping says: another unit there is a mistake.
             Some(Clock::Seconds(_)) if time.unit.to_si != 1.0 => {
                 let what =
                     "its cells are clock times or durations, which say their unit themselves";
@@ -106,6 +107,7 @@ impl Recording {
         let column = self.find(time.from)?;
         let height = self.table.columns[column].len();
         let mut times = self.numbers(column, &rows.kept)?;
+        // Trial by trial: a time has nothing to do with that of the trial before.
         let ends = self.pieces(&rows.kept, labels).map(<[usize]>::len);
         let ends: Vec<usize> = ends
             .scan(0, |end, length| {
@@ -120,12 +122,7 @@ impl Recording {
             }
             begin = *end;
         }
-        let spread = |values: &[f64], kept: &[usize]| {
-            let mut cells = vec![None; height];
-            kept.iter().zip(values).for_each(|(row, value)| cells[*row] = Some(*value));
-            Cells::Numbers(Float64Array::from(cells))
-        };
-        self.table.columns[column] = spread(&times, &rows.kept);
+        self.table.columns[column] = spread(&times, &rows.kept, height);
         let Some(equal) = equal else { return Ok(()) };
         #[allow(clippy::float_cmp)] // one and the same time, as it was written
         let goes_on = |i: usize| i > 0 && times[i] == times[i - 1] && !ends.contains(&i);
@@ -139,7 +136,7 @@ impl Recording {
                         from = to;
                     }
                 }
-                self.table.columns[*other] = spread(&values, &rows.kept);
+                self.table.columns[*other] = spread(&values, &rows.kept, height);
             }
         }
         let mut kept = Vec::new();
@@ -150,6 +147,13 @@ impl Recording {
         (rows.kept, rows.joined) = (kept, joined);
         Ok(())
     }
+}
+
+/// A column of `height` cells with these values in the rows that are kept, and none elsewhere.
+fn spread(values: &[f64], kept: &[usize], height: usize) -> Cells {
+    let mut cells = vec![None; height];
+    kept.iter().zip(values).for_each(|(row, value)| cells[*row] = Some(*value));
+    Cells::Numbers(Float64Array::from(cells))
 }
 
 /// Adds `wrap` as often as the time started over. A time may also run backwards, or begin again with

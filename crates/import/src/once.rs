@@ -5,7 +5,7 @@ use super::errors::{Errors, all};
 use super::given::Read;
 use super::identity::{Cases, Identity};
 use super::report::FileReport;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 use zwidth_store::{StoreError, files_below, readable_records, sweep_sources, trial_sources};
 
@@ -19,45 +19,52 @@ pub(super) fn new_trials<T>(
     files: Vec<Converted<T>>,
     identities: impl Fn(&T) -> Vec<&Identity>,
 ) -> Result<(Vec<Converted<T>>, Vec<FileReport>), Errors> {
-    let known = trial_sources(context.files, context.layout)?;
-    let (mut new, mut there, mut errors) = (Vec::new(), Vec::new(), Errors::default());
+    let sources = trial_sources(context.files, context.layout)?;
+    let (mut new, mut existing, mut errors) = (Vec::new(), Vec::new(), Errors::default());
     for file in files {
-        let Some(trials) = known.get(&file.blake3) else {
+        let Some(trials) = sources.get(&file.blake3) else {
             new.push(file);
             continue;
         };
         let sessions: BTreeSet<_> = trials.iter().map(|(who, session, _)| (who, session)).collect();
         let here: BTreeSet<_> =
-            identities(&file.made).into_iter().map(|i| (&i.participant, &i.session)).collect();
+            identities(&file.parsed).into_iter().map(|i| (&i.participant, &i.session)).collect();
         let words =
             trials.iter().map(|(who, session, trial)| format!("{who} {session} trial {trial}"));
         let words = words.collect::<Vec<_>>().join(", ");
+        // The same sessions: the file was given again. Other ones: it would count twice.
         if here == sessions {
-            there.push(FileReport::there_already(&file.path, &words));
+            existing.push(FileReport::there_already(&file.path, &words));
         } else {
             errors.push(imported_before(&file.path, &words));
         }
     }
-    errors.none().map(|()| (new, there))
+    errors.none().map(|()| (new, existing))
 }
 
-/// Whether no sweep of the study was imported from one of these recordings.
+/// Checks that no sweep of the study was imported from one of these recordings.
 pub(super) fn sweeps<T>(context: &Context, files: &[Converted<T>]) -> Result<(), Errors> {
-    new_here(files, sweep_sources(context.files, context.layout)?)
+    let sources = sweep_sources(context.files, context.layout)?;
+    let checked = files.iter().map(|file| match sources.get(&file.blake3) {
+        None => Ok(()),
+        Some(first) => Err(imported_before(&file.path, first)),
+    });
+    all(checked).map(drop)
 }
 
-/// Whether no session of the study has answers from the same columns of one of these tables.
+/// Checks that no session of the study has answers from the same columns of one of these tables.
 pub(super) fn answers<'a>(
     context: &Context,
     tables: impl Iterator<Item = &'a Converted<Read>>,
 ) -> Result<(), Errors> {
     let records = readable_records(context.files, context.layout)?;
-    let mut told = BTreeSet::new();
-    let checked = tables.filter(|table| told.insert(&table.path)).map(|table| {
+    let mut seen = BTreeSet::new();
+    let checked = tables.filter(|table| seen.insert(&table.path)).map(|table| {
         match records.iter().find(|record| {
+            // A record that names no columns has all of them.
             let taken = &record.answer_columns;
             record.imported_from.contains(&table.blake3)
-                && (taken.is_empty() || taken.iter().any(|at| table.made.columns.contains(at)))
+                && (taken.is_empty() || taken.iter().any(|at| table.parsed.columns.contains(at)))
         }) {
             None => Ok(()),
             Some(record) => {
@@ -69,21 +76,13 @@ pub(super) fn answers<'a>(
     all(checked).map(drop)
 }
 
-fn new_here<T>(files: &[Converted<T>], known: BTreeMap<String, String>) -> Result<(), Errors> {
-    let checked = files.iter().map(|file| match known.get(&file.blake3) {
-        None => Ok(()),
-        Some(first) => Err(imported_before(&file.path, first)),
-    });
-    all(checked).map(drop)
-}
-
 fn imported_before(path: &Path, first: &str) -> StoreError {
     let what = format!("this recording was imported before, as {first}");
     StoreError::new(path, what, "leave the file out; a recording must not count twice")
 }
 
 /// The actuators that have sweeps.
-pub(super) fn actuators_there(context: &Context) -> Result<Cases, StoreError> {
+pub(super) fn existing_actuators(context: &Context) -> Result<Cases, StoreError> {
     let mut cases = Cases::default();
     for path in files_below(context.files, &context.layout.sweeps())? {
         let folder = path.parent().and_then(Path::file_name).and_then(|name| name.to_str());

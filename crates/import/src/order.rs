@@ -23,6 +23,7 @@ fn compare(a: &Path, b: &Path) -> Ordering {
         let order = if first.is_ascii_digit() && second.is_ascii_digit() {
             let m = digits(&mut x);
             let n = digits(&mut y);
+            // Without zeros before it the longer number is the larger one, however many digits it has.
             m.len().cmp(&n.len()).then_with(|| m.cmp(n))
         } else {
             (x, y) = (&x[first.len_utf8()..], &y[second.len_utf8()..]);

@@ -1,4 +1,4 @@
-//! What the trials of an import have in common, and which of them differ from the others.
+//! Compares the trials of an import, and finds those that differ from the others.
 
 use super::convert::median;
 use super::identity::Identity;
@@ -7,7 +7,7 @@ use zwidth_numerics::series::ends;
 use zwidth_store::{Plateau, Samples, Signal, plateau};
 use zwidth_study::{EnvironmentId, Kind};
 
-/// So many others tell what is usual.
+/// Fewest other trials that show what is usual.
 const LEAST_OTHERS: usize = 3;
 /// A trial that lasts less than this share of the others may be a stump of one.
 const STUMP: f64 = 0.2;
@@ -51,10 +51,6 @@ impl Outline {
             }),
         }
     }
-
-    fn is_like(&self, other: &Self) -> bool {
-        (&self.environment, self.kind) == (&other.environment, other.kind)
-    }
 }
 
 /// Why each of these trials may not be what it is taken for.
@@ -67,25 +63,29 @@ pub(super) fn doubts(trials: &[Outline]) -> Vec<Vec<String>> {
     doubts
 }
 
-/// What a trial is not, and the others of its kind are.
+/// Doubts about a trial that differs from the others of its kind.
 fn against_others(trial: &Outline, trials: &[Outline]) -> Vec<String> {
-    let others: Vec<&Outline> = trials.iter().filter(|other| trial.is_like(other)).collect();
+    let others: Vec<&Outline> = trials
+        .iter()
+        .filter(|other| (&trial.environment, trial.kind) == (&other.environment, other.kind))
+        .collect();
     let mut doubts = Vec::new();
     let moves = others.iter().any(|other| other.moves == Some(true));
     if trial.moves == Some(false) && moves {
         doubts.push("theta_rad: it is one value throughout, and changes in other trials; look at the sensor".to_owned());
     }
+    // The trial is one of them.
     if others.len() <= LEAST_OTHERS {
         return doubts;
     }
     // A single load that is held looks like a sensor at its end; several loads differ.
-    let stands = |other: &&&Outline| match (trial.largest, other.largest) {
+    let standing = others.iter().filter(|other| match (trial.largest, other.largest) {
         (Some((_, Some(own))), Some((_, Some(theirs)))) => {
             own.value.to_bits() == theirs.value.to_bits()
         }
         _ => false,
-    };
-    let at_an_end = others.iter().filter(stands).count() >= LEAST_OTHERS
+    });
+    let at_an_end = standing.count() >= LEAST_OTHERS
         && !others
             .iter()
             .any(|other| other.largest.zip(trial.largest).is_some_and(|(o, own)| o.0 > own.0));
@@ -97,8 +97,7 @@ fn against_others(trial: &Outline, trials: &[Outline]) -> Vec<String> {
              its converter, at the end of its range?"
         ));
     }
-    let usual = |of: fn(&Outline) -> f64| median(others.iter().map(|other| of(other)).collect());
-    let span_s = usual(|other| other.span_s);
+    let span_s = median(others.iter().map(|other| other.span_s).collect());
     if trial.span_s < STUMP * span_s {
         doubts.push(format!(
             "t_s: it lasts {:.2} s, and the trials of {} last {span_s:.2} s (their median): is it a stump, which a label that \
@@ -106,7 +105,7 @@ fn against_others(trial: &Outline, trials: &[Outline]) -> Vec<String> {
             trial.span_s, trial.environment
         ));
     }
-    let rate_hz = usual(|other| other.rate_hz);
+    let rate_hz = median(others.iter().map(|other| other.rate_hz).collect());
     if (trial.rate_hz / rate_hz - 1.0).abs() > OTHER_RATE {
         doubts.push(format!(
             "t_s: it has {:.1} samples a second, and the trials of {} have {rate_hz:.1}; look at the unit and the clock",
@@ -118,8 +117,8 @@ fn against_others(trial: &Outline, trials: &[Outline]) -> Vec<String> {
 
 /// The shortest trial of each file that has more trials than most files, or fewer, and why it may be none.
 fn odd_files(trials: &[Outline]) -> Vec<(usize, String)> {
-    let files = || trials.chunk_by(|a, b| a.file == b.file);
-    let counts: Vec<usize> = files().map(<[Outline]>::len).collect();
+    let files: Vec<&[Outline]> = trials.chunk_by(|a, b| a.file == b.file).collect();
+    let counts: Vec<usize> = files.iter().map(|file| file.len()).collect();
     let frequency = |n: usize| counts.iter().filter(|m| **m == n).count();
     // Of two that are as frequent the smaller: labels part trials more often than they join them.
     let usual = counts.iter().copied().max_by_key(|n| (frequency(*n), std::cmp::Reverse(*n)));
@@ -129,7 +128,7 @@ fn odd_files(trials: &[Outline]) -> Vec<(usize, String)> {
         return Vec::new();
     };
     let (mut odd, mut begin) = (Vec::new(), 0);
-    for file in files() {
+    for file in files {
         if file.len() != usual {
             let spans = file.iter().enumerate();
             let shortest =

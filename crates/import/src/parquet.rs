@@ -48,10 +48,10 @@ pub(super) fn read(path: &Path, bytes: Vec<u8>, take: &Take) -> Result<Table, St
     if !take.budget.cells(rows.saturating_mul(roots.len())) {
         return Err(too_much(path));
     }
-    let mut found = columns(path, &bytes, &metadata, &kinds, &roots)?;
+    let mut cells = columns(path, &bytes, &metadata, &kinds, &roots)?;
     // The roots rise, as they were counted up.
     let columns = fields.iter().enumerate().map(|(root, field)| match roots.binary_search(&root) {
-        Ok(place) => std::mem::replace(&mut found[place], Cells::Unread),
+        Ok(place) => std::mem::replace(&mut cells[place], Cells::Unread),
         Err(_) if kinds[root].is_some() => Cells::Unread,
         Err(_) => {
             let name = field.data_type().to_string();
@@ -111,8 +111,9 @@ fn columns(
     }
     guarded(path, REMEDY, || {
         // Text as a dictionary: a long word that every row repeats stays one word.
+        let word = DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8));
         let typed = metadata.schema().fields().iter().zip(kinds).map(|(field, kind)| match kind {
-            Some(Kind::Text) => field.as_ref().clone().with_data_type(word()).into(),
+            Some(Kind::Text) => field.as_ref().clone().with_data_type(word.clone()).into(),
             _ => field.clone(),
         });
         let fields: Fields = typed.collect();
@@ -129,10 +130,6 @@ fn columns(
         Ok(())
     })?;
     Ok(columns.into_iter().map(Growing::finish).collect())
-}
-
-fn word() -> DataType {
-    DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8))
 }
 
 /// A column that grows batch by batch.
@@ -217,7 +214,7 @@ fn unreadable(path: &Path, why: &str) -> StoreError {
     StoreError::new(path, format!("not a readable Parquet file: {why}"), REMEDY)
 }
 
-/// What a column is to us.
+/// The kind of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Number,
@@ -239,7 +236,7 @@ fn kind(metadata: &ArrowReaderMetadata, root: usize) -> Option<Kind> {
         Physical::FIXED_LEN_BYTE_ARRAY => (0..=LONGEST).contains(&leaf.type_length()),
         _ => false,
     };
-    match of_type(metadata.schema().field(root).data_type())? {
+    match kind_of(metadata.schema().field(root).data_type())? {
         Kind::Number => short.then_some(Kind::Number),
         // Old programs have times in twelve bytes.
         Kind::Whole => (short || leaf.physical_type() == Physical::INT96).then_some(Kind::Whole),
@@ -247,9 +244,9 @@ fn kind(metadata: &ArrowReaderMetadata, root: usize) -> Option<Kind> {
     }
 }
 
-fn of_type(data_type: &DataType) -> Option<Kind> {
+fn kind_of(data_type: &DataType) -> Option<Kind> {
     match data_type {
-        DataType::Dictionary(_, values) => of_type(values).map(|kind| match kind {
+        DataType::Dictionary(_, values) => kind_of(values).map(|kind| match kind {
             Kind::Text => Kind::Text,
             Kind::Number | Kind::Whole => Kind::Number,
         }),

@@ -6,7 +6,7 @@
 pub(super) const LABCHART: &str = "Interval=";
 /// The line of a block that names its channels.
 const TITLES: &str = "ChannelTitle=";
-/// What begins the comment at the end of a line.
+/// The beginning of a comment at the end of a line.
 const COMMENT: &str = "#*";
 
 /// Whether a text is LabChart's export.
@@ -22,24 +22,21 @@ pub(super) fn labchart(text: &str) -> String {
     let mut lines = String::with_capacity(text.len());
     for line in text.lines() {
         let line = line.split(COMMENT).next().unwrap_or_default().trim_end();
+        // `Range=`, `UnitName=`, …: a line of the block's head.
+        let word = line.split_once('=').map_or("", |(word, _)| word);
+        let is_head = !word.is_empty() && word.chars().all(|c| c.is_ascii_alphabetic());
         if let Some(titles) = line.strip_prefix(TITLES) {
             if !titled {
                 lines.push_str("Time\t");
                 lines.push_str(titles.trim());
                 titled = true;
             }
-        } else if !is_head(line) {
+        } else if !is_head {
             lines.push_str(line);
         }
         lines.push('\n');
     }
     lines
-}
-
-/// Whether a line belongs to a block's head: `Range=`, `UnitName=`, … `.
-fn is_head(line: &str) -> bool {
-    let word = line.split_once('=').map(|(word, _)| word);
-    word.is_some_and(|word| !word.is_empty() && word.chars().all(|c| c.is_ascii_alphabetic()))
 }
 
 /// The text with a tab for each run of blanks between cells, and without blanks at either end of a

@@ -1,4 +1,4 @@
-//! How every file becomes trials: the mapping joined with the study.
+//! The plan by which every file becomes trials: the mapping joined with the study.
 
 use super::context::Context;
 use super::convert::{Linear, Zero};
@@ -8,7 +8,6 @@ use super::table::ColumnRef;
 use super::unit;
 use super::unit::Unit;
 use zwidth_store::{Signal, StoreError};
-use zwidth_study::Study;
 
 /// A column of times, and what is done with it before it is converted.
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +19,7 @@ pub(super) struct TimeColumn<'a> {
     pub(super) mend: Mend,
 }
 
-/// What is taken from every file, and what is computed.
+/// The signals that are taken from every file, and those that are computed.
 #[derive(Default)]
 pub(super) struct Plan<'a> {
     /// Time first, where it has a column; then the mapped signals.
@@ -46,9 +45,9 @@ pub(super) struct Taken<'a> {
     pub(super) to: Signal,
     pub(super) from: &'a ColumnRef,
     pub(super) line: Linear,
-    /// From the unit named to SI.
+    /// The factor from the named unit to SI.
     pub(super) factor: f64,
-    /// Where it starts over, in the unit named.
+    /// The value at which it starts over, in the named unit.
     pub(super) wrap: Option<f64>,
     /// The unit named, and how the mapping spells it.
     pub(super) unit: (&'static unit::Unit, &'a str),
@@ -64,7 +63,26 @@ pub(super) fn plan<'a>(
     columns: &'a [SignalFrom],
     channels: &'a [ChannelFrom],
 ) -> Result<Plan<'a>, Errors> {
-    all(channels.iter().map(|channel| check_channel(context, channel)))?;
+    all(channels.iter().map(|channel| {
+        let id = channel.to.as_str();
+        let (what, remedy) = match context.study.channels.iter().find(|c| c.id == channel.to) {
+            None => (
+                format!("'{id}' is not a channel of study.toml"),
+                "add it to [[channels]] before the first trial, or remove it from the mapping",
+            ),
+            // What a unit of another's is, nobody knows: it must be the study's own word.
+            Some(own) if own.unit != channel.unit => (
+                format!(
+                    "'{id}' is in '{}' in study.toml, and in '{}' here",
+                    own.unit, channel.unit
+                ),
+                "write the study's unit, and convert the values to it with sign, scale and offset",
+            ),
+            Some(_) => return Ok(()),
+        };
+        let error = StoreError::new(&context.mapping.path, what, remedy);
+        Err(error.column(channel.from.to_string()))
+    }))?;
     let converted = channels.iter().map(|c| {
         let line = c.line.words().map(|w| format!(", {w}")).unwrap_or_default();
         format!("{} ← {} ({}){line}", c.to.as_str(), c.from, c.unit)
@@ -84,7 +102,14 @@ pub(super) fn plan<'a>(
     }
     let added = columns.iter().map(|SignalFrom { to, origin }| match origin {
         Origin::Column { from, unit, unit_text, line, wrap } => {
-            let to = target(*to, columns, context.study);
+            // The user's torque is kept as a force where the study has a lever length, F = τ / L.
+            let has_force = columns.iter().any(|c| c.to == Signal::ForceEx);
+            let to = match to {
+                Signal::TorqueEx if context.study.device.lever_m.is_some() && !has_force => {
+                    Signal::ForceEx
+                }
+                other => *other,
+            };
             plan.take(context, to, from, unit, unit_text, *line)?;
             if let (Some(wrap), Some(taken)) = (*wrap, plan.taken.last_mut()) {
                 taken.wrap = Some(wrap);
@@ -93,7 +118,16 @@ pub(super) fn plan<'a>(
             Ok::<_, StoreError>(())
         }
         Origin::Derived(rule) => {
-            plan.computed.push(rule_words(*to, *rule));
+            let words = match rule {
+                Rule::DerivativeOf(source) => {
+                    format!("derivative of {} (central differences)", source.name())
+                }
+                Rule::IntegralOf(source) => {
+                    format!("integral of {} (trapezoids, 0 at the first sample)", source.name())
+                }
+            };
+            plan.computed.push(format!("{} = {words}", to.name()));
+            // In the order of the mapping: a signal stands below the one that it is computed from.
             plan.derived.push((*to, *rule));
             Ok(())
         }
@@ -109,50 +143,9 @@ pub(super) fn rate_times(rate_hz: f64, numbers: impl IntoIterator<Item = usize>)
     numbers.into_iter().map(|number| number as f64 / rate_hz).collect()
 }
 
-/// What a file says of times that were made from a rate.
+/// The note about times that were made from a rate.
 pub(super) fn rate_words(rate_hz: f64) -> String {
     format!("t_s = row / {rate_hz} Hz, the first row at 0 (the recording has no time)")
-}
-
-/// The user's torque is kept as a force where the study has a lever length, F = τ / L.
-fn target(to: Signal, columns: &[SignalFrom], study: &Study) -> Signal {
-    let force_is_given = columns.iter().any(|c| c.to == Signal::ForceEx);
-    match to {
-        Signal::TorqueEx if study.device.lever_m.is_some() && !force_is_given => Signal::ForceEx,
-        other => other,
-    }
-}
-
-fn rule_words(to: Signal, rule: Rule) -> String {
-    let to = to.name();
-    match rule {
-        Rule::DerivativeOf(of) => {
-            format!("{to} = derivative of {} (central differences)", of.name())
-        }
-        Rule::IntegralOf(of) => {
-            format!("{to} = integral of {} (trapezoids, 0 at the first sample)", of.name())
-        }
-    }
-}
-
-/// Whether the study has such a channel, in this unit: what a unit of another's is, nobody knows.
-fn check_channel(context: &Context, channel: &ChannelFrom) -> Result<(), StoreError> {
-    let known = context.study.channels.iter().find(|known| known.id == channel.to);
-    let error = |what: String, remedy: &str| {
-        Err(StoreError::new(&context.mapping.path, what, remedy).column(channel.from.to_string()))
-    };
-    let id = channel.to.as_str();
-    match known {
-        None => error(
-            format!("'{id}' is not a channel of study.toml"),
-            "add it to [[channels]] before the first trial, or remove it from the mapping",
-        ),
-        Some(known) if known.unit != channel.unit => error(
-            format!("'{id}' is in '{}' in study.toml, and in '{}' here", known.unit, channel.unit),
-            "write the study's unit, and convert the values to it with sign, scale and offset",
-        ),
-        Some(_) => Ok(()),
-    }
 }
 
 impl<'a> Plan<'a> {

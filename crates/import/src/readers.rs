@@ -28,7 +28,7 @@ impl FormatReader {
         self.0.word()
     }
 
-    /// What people call a file of it.
+    /// The common name of a file of this format.
     pub fn name(self) -> &'static str {
         self.0.name()
     }

@@ -43,7 +43,7 @@ pub(super) struct Rows {
     pub(super) joined: Vec<usize>,
 }
 
-/// What a trial or sweep lacks between its first row and its last.
+/// The rows that a trial or sweep lacks between its first row and its last.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Gaps {
     /// Rows of the file that are empty.
@@ -52,7 +52,7 @@ pub(super) struct Gaps {
     pub(super) missing: usize,
 }
 
-/// Where a row stands in its file.
+/// The place of a row in its file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Standing {
     /// Its number among the rows that have values, from 0.
@@ -61,7 +61,7 @@ pub(super) struct Standing {
     pub(super) place: usize,
 }
 
-/// How many empty rows stand between two rows.
+/// The number of empty rows between two rows.
 pub(super) fn empty_between(first: Standing, last: Standing) -> usize {
     (last.place - first.place) - (last.row - first.row)
 }
@@ -108,6 +108,7 @@ impl Recording {
         take: &Take,
     ) -> Result<Self, StoreError> {
         let bytes = read_named(path, MOST_FILE).map_err(|e| StoreError::io(path, "read", &e))?;
+        // Before the format's own reader, whose error would not say how to convert the file.
         check_readable(path, &bytes)?;
         let blake3 = hex_blake3(&bytes);
         let groups = name.map_or_else(|| Ok(BTreeMap::new()), |pattern| groups(path, pattern))?;
@@ -134,6 +135,7 @@ impl Recording {
 
     /// An error about the file.
     pub(super) fn error(&self, what: impl Into<String>, remedy: impl Into<String>) -> StoreError {
+        // An error may repeat a text from the file, however long that is.
         StoreError::new(&self.path, shown(&what.into()), remedy)
     }
 
@@ -179,7 +181,7 @@ impl Recording {
         self.error(format!("{what}{}", line.unwrap_or_default()), remedy).row0(row)
     }
 
-    /// What a row is called: by its line, where the file has lines.
+    /// The name of a row: its line, if the file has lines.
     pub(super) fn row_name(&self, row: usize) -> String {
         let line = self.table.lines.get(row);
         line.map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
@@ -193,26 +195,28 @@ impl Recording {
         }
         match cell {
             Cell::Empty => Ok(None),
+            // Arrays have no other way to write a missing value.
             Cell::Number(value) if value.is_nan() => Ok(None),
             Cell::Number(value) if value.is_finite() => Ok(Some(value)),
             Cell::Number(value) => Err(format!("{value} is not a finite number")),
-            Cell::Text(text) => match truth(text).filter(|_| self.holds_truths(column)) {
-                Some(truth) => Ok(Some(f64::from(u8::from(truth)))),
-                None => number(text, self.cells.decimal_comma),
-            },
+            Cell::Text(text) => {
+                // `true` and `false` stand for 1 and 0 only where the mapping makes a state or a channel of them.
+                let truth = truth(text).filter(|_| {
+                    let name = self.table.names.as_ref().and_then(|names| names.get(column));
+                    let name = name.map(String::as_str);
+                    self.cells.truths.iter().any(|listed| listed.means(column, name))
+                });
+                match truth {
+                    Some(truth) => Ok(Some(f64::from(u8::from(truth)))),
+                    None => number(text, self.cells.decimal_comma),
+                }
+            }
         }
     }
 
     /// Whether the comma stands before decimals in a cell: a number of a workbook has neither sign.
     pub(super) fn has_decimal_comma(&self, cell: &Cell) -> bool {
         self.cells.decimal_comma && matches!(cell, Cell::Text(_))
-    }
-
-    /// Whether `true` and `false` may stand in a column for 1 and 0.
-    fn holds_truths(&self, column: usize) -> bool {
-        let name = self.table.names.as_ref().and_then(|names| names.get(column));
-        let name = name.map(String::as_str);
-        self.cells.truths.iter().any(|known| known.means(column, name))
     }
 
     /// Whether the answer that a label names is missing, in a recording whose missing values are left
@@ -301,7 +305,7 @@ impl Recording {
         Ok(rows)
     }
 
-    /// The same of a part of a recording, which may have none.
+    /// Like [`Recording::rows`], for a part of a recording, which may have no rows.
     ///
     /// # Errors
     /// Columns of different lengths, or a missing value where they are not dropped.
@@ -320,7 +324,13 @@ impl Recording {
         let readable = (0..limit).filter(|row| !bad.contains_key(row));
         let kept: Vec<usize> = match form.cells.missing {
             Missing::Error => readable.collect(),
-            Missing::Drop => readable.filter(|row| self.is_full(*row, numeric, text)).collect(),
+            Missing::Drop => readable
+                .filter(|row| {
+                    // Text that is no number counts as a value here: reading the column reports it.
+                    text.iter().all(|column| !self.is_without_label(*column, *row))
+                        && numeric.iter().all(|column| self.number(*column, *row) != Ok(None))
+                })
+                .collect(),
         };
         let missing = limit - kept.len() - bad.len();
         Ok(Rows { read, missing, past_limit: read - limit, kept, bad, joined: Vec::new() })
@@ -330,15 +340,14 @@ impl Recording {
     /// that add to a file; how many.
     pub(super) fn leave_out_headers(&self, rows: &mut Rows, columns: &[usize]) -> usize {
         let before = rows.kept.len();
-        let is_header = |row: usize| {
-            let is_name = |column: usize| {
-                let name = self.table.names.as_ref().and_then(|names| names.get(column));
-                let cell = self.table.columns[column].cell(row);
-                name.is_some_and(|name| cell == Cell::Text(name))
-            };
-            !columns.is_empty() && columns.iter().all(|column| is_name(*column))
-        };
-        rows.kept.retain(|row| !is_header(*row));
+        let names = self.table.names.as_deref().unwrap_or_default();
+        rows.kept.retain(|row| {
+            let is_header = columns.iter().all(|column| {
+                let cell = self.table.columns[*column].cell(*row);
+                names.get(*column).is_some_and(|name| cell == Cell::Text(name))
+            });
+            columns.is_empty() || !is_header
+        });
         before - rows.kept.len()
     }
 
@@ -369,18 +378,10 @@ impl Recording {
         rows: &'a [usize],
         column: usize,
     ) -> impl Iterator<Item = &'a [usize]> {
-        let falls = move |a: &usize, b: &usize| {
+        rows.chunk_by(move |a, b| {
             let [a, b] = [a, b].map(|row| self.number(column, *row).ok().flatten());
-            a.zip(b).is_some_and(|(a, b)| b < a)
-        };
-        rows.chunk_by(move |a, b| !falls(a, b))
-    }
-
-    /// Whether a row has a value in all of these columns. What is no number is one, and an error
-    /// of whoever reads it.
-    fn is_full(&self, row: usize, numeric: &[usize], text: &[usize]) -> bool {
-        text.iter().all(|column| !self.is_without_label(*column, row))
-            && numeric.iter().all(|column| self.number(*column, row) != Ok(None))
+            !a.zip(b).is_some_and(|(a, b)| b < a)
+        })
     }
 
     /// `rows` in stretches of labels that are alike: each is one trial or one sweep.
@@ -389,8 +390,12 @@ impl Recording {
         rows: &'a [usize],
         labels: &[usize],
     ) -> impl Iterator<Item = &'a [usize]> {
-        let cell = |column: &usize, row: &usize| self.table.columns[*column].cell(*row);
-        rows.chunk_by(move |a, b| labels.iter().all(|c| cell(c, a).is_like(&cell(c, b))))
+        rows.chunk_by(move |a, b| {
+            labels.iter().all(|column| {
+                let cells = &self.table.columns[*column];
+                cells.cell(*a).is_like(&cells.cell(*b))
+            })
+        })
     }
 
     /// What of the recording could not be read, in words: of the rows that were passed by, those among
@@ -410,7 +415,7 @@ impl Recording {
         (!lost.is_empty()).then(|| lost.join("; "))
     }
 
-    /// What the stretch `rows` of the rows taken lacks between its first and its last.
+    /// The gaps of a stretch of the rows taken, between its first row and its last.
     pub(super) fn gaps(&self, taken: &Rows, rows: &[usize]) -> Gaps {
         let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
             return Gaps::default();
@@ -428,7 +433,7 @@ impl Recording {
         rows.iter().map(|row| self.table.place(*row) - first).collect()
     }
 
-    /// How many rows the columns in use have.
+    /// The number of rows that the columns in use have.
     ///
     /// # Errors
     /// Columns of different lengths.

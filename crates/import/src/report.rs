@@ -1,4 +1,4 @@
-//! What an import did: for people (`Display`) and for machines (`Serialize`).
+//! The report on an import: for people (`Display`) and for machines (`Serialize`).
 
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -27,7 +27,7 @@ pub struct Report {
     pub answers: usize,
     /// Trials that were excluded.
     pub exclusions: usize,
-    /// What of the new sessions is more, less or other than study.toml plans.
+    /// Differences of the new sessions from the plan in study.toml.
     pub against_plan: Vec<Unplanned>,
 }
 
@@ -40,7 +40,7 @@ pub struct Unplanned {
     pub what: String,
 }
 
-/// What became of one file.
+/// The report on one file.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct FileReport {
     /// The file, as it was given.
@@ -59,7 +59,7 @@ pub struct FileReport {
     pub computed: Vec<String>,
     /// Columns of ours that the recording lacks: null, never invented.
     pub null: Vec<String>,
-    /// What the file became.
+    /// The trials, sweeps or answers that the file became.
     pub made: Vec<String>,
     /// Assumptions made in reading it.
     pub told: Vec<String>,
@@ -75,7 +75,7 @@ pub struct FileReport {
 /// Rows left out.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct RowsDropped {
-    /// How many.
+    /// Their number.
     pub rows: usize,
     /// Why.
     pub why: String,
@@ -90,9 +90,9 @@ pub struct ColumnDropped {
     pub why: String,
 }
 
-/// The signals that are not among `made`, by name.
-pub(super) fn null_columns(made: &[Signal]) -> Vec<String> {
-    Signal::all().filter(|s| !made.contains(s)).map(|s| s.name().to_owned()).collect()
+/// The signals that are not among these, by name.
+pub(super) fn null_columns(present: &[Signal]) -> Vec<String> {
+    Signal::all().filter(|s| !present.contains(s)).map(|s| s.name().to_owned()).collect()
 }
 
 impl Report {
@@ -118,7 +118,7 @@ impl fmt::Display for Report {
         }
         let mut alike: Vec<(&str, Vec<&str>)> = Vec::new();
         for Unplanned { file, what } in &self.against_plan {
-            match alike.iter_mut().find(|(known, _)| known == what) {
+            match alike.iter_mut().find(|(other, _)| other == what) {
                 Some((_, files)) => files.push(file),
                 None => alike.push((what, vec![file])),
             }
@@ -144,29 +144,30 @@ impl fmt::Display for Report {
             (self.answers, "answer"),
             (self.exclusions, "exclusion"),
         ];
-        let made = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count_of(*n, what));
-        let there = self.files.iter().filter(|file| file.there.is_some()).count();
-        let files = count_of(self.files.len() - there, "file");
-        match self.files.len() - there {
+        let results = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count_of(*n, what));
+        let left_out = self.files.iter().filter(|file| file.there.is_some()).count();
+        let new = self.files.len() - left_out;
+        let files = count_of(new, "file");
+        match new {
             0 => write!(f, "nothing new for study {}", self.study)?,
             _ => write!(
                 f,
                 "{files} imported into study {}: {}",
                 self.study,
-                made.collect::<Vec<_>>().join(", ")
+                results.collect::<Vec<_>>().join(", ")
             )?,
         }
-        if there > 0 {
+        if left_out > 0 {
             write!(
                 f,
                 "; {} there already",
-                if there == 1 { "1 was".to_owned() } else { format!("{there} were") }
+                if left_out == 1 { "1 was".to_owned() } else { format!("{left_out} were") }
             )?;
         }
         let doubtful = self.files.iter().filter(|file| file.is_doubtful()).count();
         match doubtful {
             0 => Ok(()),
-            n if n == self.files.len() - there => {
+            n if n == new => {
                 write!(f, "; all have warnings, listed above")
             }
             n => write!(f, "; {n} of {files} have warnings, listed above"),
@@ -179,7 +180,7 @@ fn count_of(n: usize, what: &str) -> String {
 }
 
 impl FileReport {
-    /// That of a file of which the study has the trials already.
+    /// The report on a file of which the study has the trials already.
     pub(super) fn there_already(path: &Path, trials: &str) -> Self {
         Self {
             file: printable(&path.to_string_lossy()).into_owned(),
@@ -209,13 +210,14 @@ impl FileReport {
         }
     }
 
-    /// What its report has in common with those of files of the same kind.
+    /// The lines that its report shares with those of files of the same kind.
     fn form(&self) -> Vec<String> {
         let rest = Self { made: Vec::new(), care: Vec::new(), ..self.clone() };
+        // The first line names the file.
         rest.lines().split_off(1)
     }
 
-    /// What its report has of its own.
+    /// The lines of its report that other files do not share.
     fn brief(&self) -> Vec<String> {
         let own = Self { file: self.file.clone(), rows_read: self.rows_read, ..Self::default() };
         let own = Self { rows_kept: self.rows_kept, made: self.made.clone(), ..own };
@@ -230,9 +232,11 @@ impl FileReport {
         }
         let read = count_of(self.rows_read, "row");
         let mut lines = vec![format!("{}: {read} read, {} kept", self.file, self.rows_kept)];
-        let dropped =
-            |d: &RowsDropped| format!("  dropped   {}: {}", count_of(d.rows, "row"), d.why);
-        lines.extend(self.rows_dropped.iter().map(dropped));
+        lines.extend(
+            self.rows_dropped
+                .iter()
+                .map(|d| format!("  dropped   {}: {}", count_of(d.rows, "row"), d.why)),
+        );
         lines.extend(self.told.iter().map(|line| format!("  noted     {line}")));
         // Forty questionnaire columns with one reason are one line.
         for why in self.columns_dropped.iter().map(|c| &c.why).collect::<BTreeSet<_>>() {

@@ -44,7 +44,7 @@ pub(super) struct Shape {
     pub(super) exclude: Option<ExcludeShape>,
 }
 
-/// What to do with rows in which a mapped cell is missing.
+/// The treatment of rows in which a mapped cell is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Missing {
@@ -130,14 +130,14 @@ pub(super) struct TrialShape {
     pub(super) likert: Option<LabelShape>,
 }
 
-/// What "zero" of a time may be.
+/// The values of `zero` for a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum ZeroWord {
     First,
 }
 
-/// What "zero" of another column may be.
+/// The values of `zero` for another column.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(
     untagged,
@@ -157,7 +157,7 @@ pub(super) struct RestShape {
     pub(super) to_s: f64,
 }
 
-/// What becomes of samples of one and the same time.
+/// The treatment of samples with the same time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Equal {
@@ -167,7 +167,7 @@ pub(super) enum Equal {
     Mean,
 }
 
-/// What a time that runs backwards means.
+/// The meaning of a time that runs backwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Backwards {
@@ -245,7 +245,7 @@ pub(super) enum Side {
     Response,
 }
 
-/// What becomes of the rows of a wide sweep.
+/// The reduction of the rows of a wide sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Reduce {

@@ -41,7 +41,7 @@ pub(super) fn is_missing(text: &str) -> bool {
     may_be && MISSING.contains(&text.to_ascii_lowercase().replace(',', ".").as_str())
 }
 
-/// What `TRUE`, `True` and `true` say, as R, Python and JSON write it.
+/// The truth value of a word: R, Python and JSON write `TRUE`, `True` and `true`.
 pub(super) fn truth(text: &str) -> Option<bool> {
     match text {
         text if text.eq_ignore_ascii_case("true") => Some(true),
@@ -56,33 +56,36 @@ pub(super) fn plain(text: &str) -> Cow<'_, str> {
     if let Some(truth) = truth(text) {
         return Cow::Owned(truth.to_string());
     }
-    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
-    match text.split_once(['.', ',']) {
-        Some((whole, zeros))
-            if digits(whole.strip_prefix('-').unwrap_or(whole))
-                && digits(zeros)
-                && zeros.bytes().all(|b| b == b'0') =>
-        {
-            Cow::Borrowed(whole)
-        }
-        _ => Cow::Borrowed(text),
-    }
+    let Some((whole, zeros)) = text.split_once(['.', ',']) else { return Cow::Borrowed(text) };
+    let digits = whole.strip_prefix('-').unwrap_or(whole);
+    let is_whole = !digits.is_empty()
+        && digits.bytes().all(|b| b.is_ascii_digit())
+        && !zeros.is_empty()
+        && zeros.bytes().all(|b| b == b'0');
+    Cow::Borrowed(if is_whole { whole } else { text })
 }
 
 /// What a table says of a word: as it is written there, or in another spelling. In a table of truth
 /// values alone, `1` and `0` are such too.
 pub(super) fn find<'a, T>(table: &'a BTreeMap<String, T>, word: &str) -> Option<&'a T> {
-    let bit = |word: &str| match plain(word).as_ref() {
+    if let Some(value) = table.get(word) {
+        return Some(value);
+    }
+    if let Some((_, value)) = table.iter().find(|(key, _)| plain(key) == plain(word)) {
+        return Some(value);
+    }
+    let bit = bit_of(word).filter(|_| table.keys().all(|key| bit_of(key).is_some()))?;
+    let (_, value) = table.iter().find(|(key, _)| bit_of(key) == Some(bit))?;
+    Some(value)
+}
+
+/// The truth value of a word in a table of truth values, where `1` and `0` are such too.
+fn bit_of(word: &str) -> Option<bool> {
+    match plain(word).as_ref() {
         "1" => Some(true),
         "0" => Some(false),
         word => truth(word),
-    };
-    let spelled = || table.iter().find(|(key, _)| plain(key) == plain(word));
-    let as_truth = || {
-        let value = bit(word).filter(|_| table.keys().all(|key| bit(key).is_some()))?;
-        table.iter().find(|(key, _)| bit(key) == Some(value))
-    };
-    table.get(word).or_else(|| spelled().or_else(as_truth).map(|(_, value)| value))
+    }
 }
 
 /// The lengths of the groups of a UUID, which hyphens part.

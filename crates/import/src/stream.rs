@@ -64,17 +64,17 @@ type Last = Option<(Vec<String>, Option<f64>)>;
 /// The names of a text's columns, and how many there are.
 type Shape = (Option<Vec<String>>, usize);
 
-/// What was read of a text.
+/// The state of the walk through a text.
 #[derive(Debug, Default)]
 pub(super) struct Walked {
     pub(super) rows: Rows,
-    /// How many were kept.
+    /// The number of rows kept.
     pub(super) kept: usize,
-    /// How many are empty, between the first that was kept and the last.
+    /// The number of empty rows between the first that was kept and the last.
     pub(super) empty: usize,
     /// Rows that were read, empty ones included.
     places: usize,
-    /// Where the first and the last stand that were kept.
+    /// The places of the first and of the last row that were kept.
     ends: Option<[Standing; 2]>,
     pub(super) blake3: String,
     /// The columns as the first block has them.
@@ -106,21 +106,21 @@ impl<'a> Source<'a> {
     /// part trials, it is one trial, and the first rows tell.
     ///
     /// # Errors
-    /// What is wrong with the file, as far as it was read.
+    /// Everything wrong with the file, as far as it was read.
     pub(super) fn identities(&self, budget: &Budget) -> Result<Vec<Identity>, Errors> {
         let one = self.who.columns().is_empty() && !self.form.splits_at_time;
-        let mut found: Vec<Identity> = Vec::new();
+        let mut identities: Vec<Identity> = Vec::new();
         let walked = self.walk(&|_| {}, &mut |stretch| {
             if stretch.begins {
                 budget.trials(self.path, 1)?;
-                found.push(stretch.identity.clone());
+                identities.push(stretch.identity.clone());
             }
             Ok(!one)
         })?;
-        if found.is_empty() {
+        if identities.is_empty() {
             return Err(self.empty(walked.rows.read).into());
         }
-        Ok(found)
+        Ok(identities)
     }
 
     fn empty(&self, read: usize) -> StoreError {
@@ -145,11 +145,19 @@ impl<'a> Source<'a> {
         let mut parsed = self.parse_some(&mut blocks);
         while !parsed.is_empty() {
             let mut go_on = true;
+            // The next blocks are parsed while these are written: memory holds both.
             let (next, done) = rayon::join(
                 || self.parse_some(&mut blocks),
                 || -> Result<(), Errors> {
                     for block in parsed {
-                        let block = block.map_err(|errors| later(errors, walked.rows.read))?;
+                        // A block counts its rows from its own beginning.
+                        let rows = walked.rows.read;
+                        let block = block.map_err(|errors| {
+                            errors.map(|error| StoreError {
+                                row: error.row.map(|row| row + rows),
+                                ..error
+                            })
+                        })?;
                         go_on =
                             go_on && self.pass(&block, &mut walked, &mut last, progress, each)?;
                     }
@@ -197,14 +205,12 @@ impl<'a> Source<'a> {
             return Err(too_many_for_a_trial(self.path).into());
         }
         progress(parsed.bytes);
-        let time = |row: Option<usize>| {
-            let times = parsed.values.first().filter(|_| self.form.splits_at_time)?;
-            times.get(row?).copied()
-        };
+        let times = parsed.values.first().filter(|_| self.form.splits_at_time);
         for (i, (range, identity)) in parsed.stretches.iter().enumerate() {
             let continues = i == 0
                 && last.as_ref().is_some_and(|(labels, last_time)| {
-                    let falls = time(Some(range.start)).zip(*last_time).is_some_and(|(b, a)| b < a);
+                    let time = times.and_then(|times| times.get(range.start));
+                    let falls = time.zip(*last_time).is_some_and(|(b, a)| *b < a);
                     *labels == parsed.ends[0] && !falls
                 });
             let range = range.clone();
@@ -215,7 +221,8 @@ impl<'a> Source<'a> {
         if let (Some(first), Some(end)) = (parsed.rows.kept.first(), parsed.rows.kept.last()) {
             let [first, end] = [*first, *end].map(|row| before.of(table, row));
             walked.ends = Some([walked.ends.map_or(first, |[first, _]| first), end]);
-            *last = Some((parsed.ends[1].clone(), time(parsed.rows.kept.len().checked_sub(1))));
+            let time = times.and_then(|times| times.last()).copied();
+            *last = Some((parsed.ends[1].clone(), time));
         }
         Ok(true)
     }
@@ -223,6 +230,7 @@ impl<'a> Source<'a> {
     /// The next blocks, as many as there are cores.
     fn parse_some(&self, blocks: &mut Blocks) -> Vec<Result<Parsed, Errors>> {
         let mut read = Vec::new();
+        // Parsed, a block takes some ten times its bytes: on many cores memory is the bound.
         for _ in 0..rayon::current_num_threads().clamp(1, 8) {
             match blocks.next() {
                 Ok(Some(block)) => read.push(Ok(block)),
@@ -270,22 +278,22 @@ impl<'a> Source<'a> {
                 at += part.len();
             }
         }
-        let cells = |row: Option<&usize>| -> Vec<String> {
-            let cell = |row: usize, column: &usize| recording.table.columns[*column].cell(row);
+        let ends = [rows.kept.first(), rows.kept.last()].map(|row| {
+            let Some(row) = row else { return Vec::new() };
+            let cells = labels.iter().map(|column| recording.table.columns[*column].cell(*row));
             // An empty cell and an empty text are not the same.
-            let text = |cell: Cell| {
+            let texts = cells.map(|cell| {
                 format!("{}{}", u8::from(cell != Cell::Empty), plain(&cell.to_string()))
-            };
-            row.map_or_else(Vec::new, |row| labels.iter().map(|c| text(cell(*row, c))).collect())
-        };
-        let ends = [cells(rows.kept.first()), cells(rows.kept.last())];
+            });
+            texts.collect()
+        });
         let bytes = block.text.len() as u64;
         Ok(Parsed { numeric, labels, values, stretches, ends, rows, recording, bytes })
     }
 }
 
 impl Stretch<'_> {
-    /// What the report on the file is made from.
+    /// The recording and its columns, from which the report on the file is made.
     pub(super) fn recording(&self) -> (&Recording, Vec<usize>) {
         (&self.parsed.recording, [&self.parsed.numeric[..], &self.parsed.labels].concat())
     }
@@ -302,11 +310,6 @@ impl Stretch<'_> {
             is_whole: false,
         }
     }
-}
-
-/// Errors whose rows are counted from the file's beginning.
-fn later(errors: Errors, rows: usize) -> Errors {
-    errors.map(|error| StoreError { row: error.row.map(|row| row + rows), ..error })
 }
 
 #[cfg(test)]

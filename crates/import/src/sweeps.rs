@@ -52,8 +52,8 @@ pub(super) fn sweeps(
     let mut last = BTreeMap::new();
     let mut taken = BTreeSet::new();
     let mut results = Vec::new();
-    let mut cases = once::actuators_there(context)?;
-    for Converted { path: file, blake3, made: (pieces, mut report) } in converted {
+    let mut cases = once::existing_actuators(context)?;
+    for Converted { path: file, blake3, parsed: (pieces, mut report) } in converted {
         let mut footer = context.footer(blake3, &report.computed);
         footer.extend(report.lost.clone().map(|lost| (LOST.to_owned(), lost)));
         let source = context.mapping.source();
@@ -66,11 +66,23 @@ pub(super) fn sweeps(
             ));
             let actuator = piece.actuator.clone();
             let path = context.layout.sweep(&actuator, number);
+            // Neither a file of this import nor one of the study may have the number.
             let free = taken.insert(path.clone()) && context.files.kind(&path).is_none();
             let bytes = match cases.add("", actuator.as_str()) {
-                Some(other) => Err(twin(&actuator, &other, &file)),
+                Some(other) => {
+                    let what = format!(
+                        "actuator '{actuator}' differs only by case from '{other}', which is there"
+                    );
+                    let remedy = "write it as it is written there, or choose another id";
+                    Err(StoreError::new(&file, what, remedy))
+                }
                 None if free => encode(form, piece, number, source, &footer, &file),
-                None => Err(duplicate(context, &path, &file)),
+                None => {
+                    let shown = context.layout.shown(&path).display().to_string();
+                    let what = format!("duplicate sweep: {shown} exists already");
+                    let remedy = "give the sweep another number in [sweep], or leave the file out";
+                    Err(StoreError::new(&file, what, remedy))
+                }
             };
             results.push(bytes.map(|bytes| {
                 batch.sweeps.push((actuator, number, hex_blake3(&bytes)));
@@ -79,18 +91,9 @@ pub(super) fn sweeps(
         }
         batch.files.push(report);
     }
+    // Only now, so that every problem of every file is reported at once.
     batch.outputs = all(results)?;
     Ok(batch)
-}
-
-fn duplicate(context: &Context, path: &Path, file: &Path) -> StoreError {
-    let what = format!("duplicate sweep: {} exists already", context.layout.shown(path).display());
-    StoreError::new(file, what, "give the sweep another number in [sweep], or leave the file out")
-}
-
-fn twin(actuator: &ActuatorId, other: &str, file: &Path) -> StoreError {
-    let what = format!("actuator '{actuator}' differs only by case from '{other}', which is there");
-    StoreError::new(file, what, "write it as it is written there, or choose another id")
 }
 
 /// One sweep's file; `from` names the recording in errors.
@@ -210,21 +213,17 @@ fn piece(
             check_time(&t).map_err(|(i, what)| {
                 recording.cell_error(numeric[2], rows[i], &what, "check the unit of the time")
             })?;
-            runs_forward(&t).map_err(|i| {
+            if let Some(i) = t.windows(2).position(|pair| pair[1] <= pair[0]) {
                 let what = "time runs backwards or stands still";
-                recording.cell_error(numeric[2], rows[i], what, "sort or mend the recording")
-            })?;
+                let remedy = "sort or mend the recording";
+                return Err(recording.cell_error(numeric[2], rows[i + 1], what, remedy));
+            }
             Some(t)
         }
     };
     let command = recording.converted(numeric[0], rows, &form.command.1.line, 1.0)?;
     let response = recording.converted(numeric[1], rows, &form.response.1.line, 1.0)?;
     Ok(Piece { actuator, number, t_s, command, response, gaps: None })
-}
-
-/// Whether every time is later than the one before; `Err` is the first that is not.
-fn runs_forward(t_s: &[f64]) -> Result<(), usize> {
-    t_s.windows(2).position(|w| w[1] <= w[0]).map_or(Ok(()), |i| Err(i + 1))
 }
 
 /// Says in the report where a quantity came from, and what was done to it.
@@ -250,9 +249,10 @@ impl SweepLabels {
         row: usize,
     ) -> Result<(ActuatorId, Option<u32>), StoreError> {
         let actuator = self.actuator.value("actuator", recording, row, identity::id)?;
-        let number =
-            |label: &Label| label.value("sweep", recording, row, |t| identity::number("sweep", t));
-        Ok((actuator, self.sweep.as_ref().map(number).transpose()?))
+        let number = self.sweep.as_ref().map(|label| {
+            label.value("sweep", recording, row, |text| identity::number("sweep", text))
+        });
+        Ok((actuator, number.transpose()?))
     }
 }
 
@@ -296,6 +296,7 @@ fn wide(
         let from = if side == cells_are { "the cells" } else { "the number in the header" };
         note(&mut report, side, &format!("{from} of the columns '{}'", form.pattern), q);
     }
+    // A wide file is one sweep: any row says whose.
     let (actuator, number) = labels.of(recording, rows.kept[0])?;
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, EMPTY);
     Ok((vec![Piece { actuator, number, t_s: None, command, response, gaps: None }], report))
@@ -318,12 +319,12 @@ fn header_values(pattern: &Regex, recording: &Recording) -> Result<Vec<(usize, f
             recording.error(what, "mend the pattern in [wide]").column(shown(name))
         }))
     });
-    let found = values.collect::<Result<Vec<_>, _>>()?;
-    if found.is_empty() {
+    let values = values.collect::<Result<Vec<_>, _>>()?;
+    if values.is_empty() {
         let what = format!("no header matches the pattern '{pattern}'");
         return Err(recording.error(what, "mend the pattern in [wide], or header in [file]"));
     }
-    Ok(found)
+    Ok(values)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What every format becomes: a table of text or number columns, not yet interpreted.
+//! The table that every format becomes: columns of text or numbers, not yet interpreted.
 
 use super::spelling::plain;
 use super::spelling::shown;
@@ -93,7 +93,7 @@ impl Cells {
         Self::Text(values.map(|value| value.map(|value| value.to_string())).collect())
     }
 
-    /// How many cells.
+    /// The number of cells.
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Text(cells) => cells.len(),
@@ -126,17 +126,17 @@ pub(super) struct Table {
     pub(super) columns: Vec<Cells>,
     /// For text files the line (from 1) of every row.
     pub(super) lines: Vec<u64>,
-    /// What was taken for granted in reading it.
+    /// Assumptions made in reading it.
     pub(super) told: Vec<String>,
     /// Rows (from 0) that could not be read, and why: their cells are empty.
     pub(super) bad: Vec<(usize, String)>,
     /// Rows of the file in which no cell has a value: they are no rows of the table.
     pub(super) empty: EmptyRows,
-    /// What of the recording could not be read, in words.
+    /// The parts of the recording that could not be read, in words.
     pub(super) lost: Option<String>,
     /// Why what is made of it is to be read with care.
     pub(super) doubts: Vec<String>,
-    /// What the file holds whose columns cannot be seen, and what to do about it.
+    /// Objects of the file whose columns cannot be seen, with what to do about them.
     pub(super) hidden: Vec<String>,
     /// The units that the file names, by the places of their columns.
     pub(super) units: BTreeMap<usize, Declared>,
@@ -161,7 +161,7 @@ pub(super) struct EmptyRows(Vec<EmptyStretch>);
 struct EmptyStretch {
     /// The row of the table (from 0) that they stand before; one past the last at the end.
     before: usize,
-    /// How many empty rows stand before that row, in the whole file.
+    /// The number of empty rows before that row, in the whole file.
     count: usize,
 }
 
@@ -185,14 +185,14 @@ impl EmptyRows {
         }
     }
 
-    /// How many empty rows stand before a row.
+    /// The number of empty rows before a row.
     pub(super) fn before(&self, row: usize) -> usize {
         let stretches = self.0.partition_point(|stretch| stretch.before <= row);
         stretches.checked_sub(1).map_or(0, |last| self.0[last].count)
     }
 }
 
-/// How many names an error lists before it stops.
+/// Most names that an error lists.
 const NAMES_SHOWN: usize = 20;
 
 impl Table {
@@ -213,7 +213,7 @@ impl Table {
 
     /// The place (from 0) of the column meant; `Err` says what there is instead.
     pub(super) fn find(&self, column: &ColumnRef) -> Result<usize, String> {
-        let found = match (column, &self.names) {
+        let place = match (column, &self.names) {
             (ColumnRef::Position(n), _) => (1..=self.columns.len()).contains(n).then(|| n - 1),
             (ColumnRef::Name(_), None) => {
                 let n = self.columns.len();
@@ -222,6 +222,7 @@ impl Table {
                 ));
             }
             (ColumnRef::Name(name), Some(names)) => {
+                // Formats other than text may have two columns of one name.
                 if names.iter().filter(|n| *n == name).count() > 1 {
                     return Err(
                         "two columns have this name; name the one meant by its position".to_owned()
@@ -230,10 +231,21 @@ impl Table {
                 names.iter().position(|n| n == name)
             }
         };
-        let index = found.ok_or_else(|| {
+        let index = place.ok_or_else(|| {
+            let n = self.columns.len();
+            let listing = match &self.names {
+                None => format!("{n} columns"),
+                Some(names) => {
+                    let first: Vec<_> =
+                        names.iter().take(NAMES_SHOWN).map(|name| shown(name)).collect();
+                    let more = n > NAMES_SHOWN;
+                    let rest = if more { format!(", … ({n} columns)") } else { String::new() };
+                    first.join(", ") + &rest
+                }
+            };
             let hidden = self.hidden.first().map(|hidden| format!("; {hidden}"));
             let hidden = hidden.unwrap_or_default();
-            format!("the column is missing; the file has {}{hidden}", self.listing())
+            format!("the column is missing; the file has {listing}{hidden}")
         })?;
         match &self.columns[index] {
             Cells::Unread => Err("the column was not read".to_owned()),
@@ -254,14 +266,6 @@ impl Table {
             || Cow::Owned((index + 1).to_string()),
             |name| Cow::Borrowed(name.as_str()),
         )
-    }
-
-    fn listing(&self) -> String {
-        let n = self.columns.len();
-        let Some(names) = &self.names else { return format!("{n} columns") };
-        let first: Vec<_> = names.iter().take(NAMES_SHOWN).map(|name| shown(name)).collect();
-        let rest = if n > NAMES_SHOWN { format!(", … ({n} columns)") } else { String::new() };
-        first.join(", ") + &rest
     }
 }
 

@@ -51,15 +51,15 @@ pub(super) fn is_windows_1252(bytes: &[u8]) -> bool {
         && bytes.iter().all(|byte| windows_1252(*byte) != char::REPLACEMENT_CHARACTER)
 }
 
-/// What is to be told of a text that the mapping calls Latin-1.
-pub(super) fn told_of_latin_1(bytes: &[u8], encoding: Encoding) -> Option<String> {
+/// A note for the report on a text that the mapping calls Latin-1.
+pub(super) fn latin_1_note(bytes: &[u8], encoding: Encoding) -> Option<String> {
     let is_odd = encoding == Encoding::Latin1 && is_windows_1252(bytes);
     is_odd.then(|| {
         "it is read as Windows-1252: as Latin-1 it has control characters where that has ’ “ ” – €".to_owned()
     })
 }
 
-/// What files begin with that nothing here reads, and what to do about one.
+/// First bytes of files that nothing here reads, their kind, and what to do about one.
 const UNREAD: [(&[u8], &str, &str); 13] = [
     (
         b"\xd0\xcf\x11\xe0",
@@ -106,7 +106,7 @@ const PICKLED: &str = "a Python pickle";
 /// A pickle may run any program when it is opened.
 const PICKLE: &str = "where it was made, write it as CSV: frame.to_csv(\"OUT.csv\", index=False)";
 
-/// What files begin with that other readers read, and how to ask for them.
+/// First bytes of files for other readers, their kind, and how to ask for that reader.
 const OTHER: [(&[u8], &str, &str); 8] = [
     (
         b"PK\x03\x04",
@@ -127,61 +127,52 @@ const OTHER: [(&[u8], &str, &str); 8] = [
 /// # Errors
 /// It is one that nothing here reads; the remedy says how to convert it.
 pub(super) fn check_readable(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
-    let named = |extension: &str| {
-        path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
-    };
-    let known = UNREAD.iter().find(|(begins, what, _)| {
-        // Columns of text may begin with 0 and blanks too.
-        bytes.starts_with(begins) && (*what != EDF || is_edf(bytes))
+    let extension = path.extension().unwrap_or_default();
+    let unread = UNREAD.iter().find(|(begins, what, _)| {
+        // Columns of text may begin with 0 and blanks too: the head of an EDF file has a date with dots.
+        let date = bytes.get(168..176);
+        let is_edf = matches!(date, Some([_, _, b'.', _, _, b'.', _, _]));
+        bytes.starts_with(begins) && (*what != EDF || is_edf)
     });
-    let (what, remedy) = match (known, bytes) {
+    let mut letters = bytes.iter().filter(|byte| !byte.is_ascii_whitespace());
+    let is_json_array = letters.next() == Some(&b'[') && letters.next() == Some(&b'{');
+    let (what, remedy) = match (unread, bytes) {
         (Some((_, what, remedy)), _) => (*what, *remedy),
         // The block in which parameters begin, and the key of the format.
         (None, [1..=8, 0x50, ..]) => (C3D, AS_CSV),
-        (None, [0, ..]) if named("acq") => (ACQKNOWLEDGE, AS_CSV),
-        (None, _) if named("mat") && is_mat_4(bytes) => (MAT_4, "save it again with -v7"),
-        (None, _) if is_json_array(bytes) => (JSON, AS_JSON_LINES),
+        (None, [0, ..]) if extension.eq_ignore_ascii_case("acq") => (ACQKNOWLEDGE, AS_CSV),
+        (None, _) if extension.eq_ignore_ascii_case("mat") && is_mat_4(bytes) => {
+            (MAT_4, "save it again with -v7")
+        }
+        (None, _) if is_json_array => (JSON, AS_JSON_LINES),
         (None, _) => return Ok(()),
     };
     Err(StoreError::new(path, format!("this is {what}"), remedy))
 }
 
-/// Whether a text begins as a JSON array of objects does.
-fn is_json_array(bytes: &[u8]) -> bool {
-    let mut begins = bytes.iter().filter(|byte| !byte.is_ascii_whitespace());
-    (begins.next(), begins.next()) == (Some(&b'['), Some(&b'{'))
-}
-
-/// Whether a text begins with the head of an EDF file: the date stands at its place, with dots.
-fn is_edf(bytes: &[u8]) -> bool {
-    matches!(bytes.get(168..176), Some([_, _, b'.', _, _, b'.', _, _]))
-}
-
 /// Whether this is a MAT file of version 4, which begins with its first variable: type, rows, columns,
 /// whether it is complex, and the length of its name (MathWorks, "MAT-File Format", "Level 4").
 fn is_mat_4(bytes: &[u8]) -> bool {
-    let words = |read: fn([u8; 4]) -> u32| -> Option<Vec<u32>> {
-        let head = bytes.get(..20)?;
-        Some(head.as_chunks::<4>().0.iter().map(|word| read(*word)).collect())
-    };
-    let is_head = |words: Vec<u32>, machine: u32| {
+    let Some((head, _)) = bytes.split_first_chunk::<20>() else { return false };
+    let chunks = head.as_chunks::<4>().0;
+    let little: Vec<u32> = chunks.iter().map(|word| u32::from_le_bytes(*word)).collect();
+    let big: Vec<u32> = chunks.iter().map(|word| u32::from_be_bytes(*word)).collect();
+    [(little, 0), (big, 1)].into_iter().any(|(words, machine)| {
         let [kind, _, _, complex, name] = words[..] else { return false };
         // The last two digits of the type are the precision and whether it is a text or sparse.
         kind / 1000 == machine && kind % 1000 <= 52 && complex <= 1 && (1..=64).contains(&name)
-    };
-    words(u32::from_le_bytes).is_some_and(|words| is_head(words, 0))
-        || words(u32::from_be_bytes).is_some_and(|words| is_head(words, 1))
+    })
 }
 
-/// What a file is told to be whose bytes are neither text nor a format that is known here.
+/// Checks that bytes whose format is not known are a text.
 pub(super) fn check_is_text(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     let begins = &bytes[..bytes.len().min(LOOKED_AT_BYTES)];
-    let odd = |byte: &u8| *byte < b'\t' || (0x0e..0x20).contains(byte);
     let utf_16 = begins.starts_with(b"\xff\xfe") || begins.starts_with(b"\xfe\xff");
     // In UTF-16 of plain letters every second byte is 0, and no other is.
     let zeros = [0, 1].map(|from| begins.iter().skip(from).step_by(2).filter(|b| **b == 0).count());
     let may_be_utf_16 = utf_16 || (zeros.contains(&0) && 4 * (zeros[0] + zeros[1]) > begins.len());
-    let is_odd = begins.iter().filter(|byte| odd(byte)).count() * MOST_ODD > begins.len();
+    let odd = begins.iter().filter(|byte| **byte < b'\t' || (0x0e..0x20).contains(*byte));
+    let is_odd = odd.count() * MOST_ODD > begins.len();
     if may_be_utf_16 || !is_odd {
         return Ok(());
     }
@@ -264,19 +255,21 @@ fn utf_8<'a>(path: &Path, bytes: &'a [u8], before: u64) -> Result<&'a str, Store
 }
 
 fn utf_16(path: &Path, bytes: &[u8], pair: fn([u8; 2]) -> u16) -> Result<String, StoreError> {
-    let refused = |line: usize, what: &str| {
-        let what = format!("line {line} is not UTF-16 text: {what}");
-        StoreError::new(path, what, "mend encoding in [file], or save the file as UTF-8")
-    };
     let (pairs, rest) = bytes.as_chunks::<2>();
     let mut text = String::with_capacity(pairs.len());
     let mut line = 1;
+    let mut problem = (!rest.is_empty()).then_some("the file ends in mid-character");
     for letter in char::decode_utf16(pairs.iter().map(|bytes| pair(*bytes))) {
-        let letter = letter.map_err(|_| refused(line, "half of a character stands alone"))?;
+        let Ok(letter) = letter else {
+            problem = Some("half of a character stands alone");
+            break;
+        };
         line += usize::from(letter == '\n');
         text.push(letter);
     }
-    if rest.is_empty() { Ok(text) } else { Err(refused(line, "the file ends in mid-character")) }
+    let Some(problem) = problem else { return Ok(text) };
+    let what = format!("line {line} is not UTF-16 text: {problem}");
+    Err(StoreError::new(path, what, "mend encoding in [file], or save the file as UTF-8"))
 }
 
 #[cfg(test)]

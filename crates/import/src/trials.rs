@@ -31,14 +31,14 @@ struct Piece {
     notes: Notes,
 }
 
-/// What a trial's file says of how it was made.
+/// Notes in a trial's file on how it was made.
 #[derive(Debug, Default)]
 struct Notes {
     /// Samples missing between its first and its last ([`GAPS`]).
     gaps: Option<String>,
-    /// What of the recording could not be read ([`LOST`]).
+    /// The parts of the recording that could not be read ([`LOST`]).
     lost: Option<String>,
-    /// What was taken for the zeros of its sensors ([`ZEROS`]).
+    /// The zeros of its sensors ([`ZEROS`]).
     zeros: Vec<String>,
     /// Why it is to be read with care although its samples do not show it ([`DOUBTS`]).
     doubts: Vec<String>,
@@ -51,7 +51,7 @@ struct Encoded {
     /// The trial in words, for the report.
     words: String,
     care: Vec<String>,
-    /// What of the recording could not be read.
+    /// The parts of the recording that could not be read.
     lost: Option<String>,
 }
 
@@ -68,14 +68,14 @@ pub(super) fn trials(
     check_form(context.files, context.layout, context.study)?;
     let plan = plan(context, time, columns, channels)?;
     let budget = Budget::default();
-    let converted = converted(context, who, &plan, &budget, files)?;
-    let (mut converted, there) = once::new_trials(context, converted, |(pieces, _)| {
-        pieces.iter().map(|piece| &piece.identity).collect()
+    let converted = convert_files(context, who, &plan, &budget, files)?;
+    let (mut converted, existing) = once::new_trials(context, converted, |file| {
+        file.pieces.iter().map(|piece| &piece.identity).collect()
     })?;
     // Samples of long texts are not there yet.
     let mut pieces: Vec<&mut Piece> = converted
         .iter_mut()
-        .flat_map(|file| file.made.0.iter_mut())
+        .flat_map(|file| file.parsed.pieces.iter_mut())
         .filter(|piece| !piece.samples.is_empty())
         .collect();
     let outlines: Vec<Outline> =
@@ -84,12 +84,12 @@ pub(super) fn trials(
         piece.notes.doubts.extend(doubts);
     }
     let identities: Vec<Identity> =
-        converted.iter().flat_map(|c| c.made.0.iter().map(|p| p.identity.clone())).collect();
+        converted.iter().flat_map(|c| c.parsed.pieces.iter().map(|p| p.identity.clone())).collect();
     let planned = number_trials(context, &identities, true)?;
-    let mut batch = Batch { files: there, ..Batch::default() };
+    let mut batch = Batch { files: existing, ..Batch::default() };
     let mut numbers = planned.iter();
     let mut done = Vec::new();
-    for Converted { path, blake3, made: (pieces, report) } in converted {
+    for Converted { path, blake3, parsed: FileTrials { pieces, report } } in converted {
         let own: Vec<Identity> = pieces.iter().map(|piece| piece.identity.clone()).collect();
         let own: Vec<&Identity> = own.iter().collect();
         let numbered: Vec<_> = pieces.into_iter().map(|piece| (piece, numbers.next())).collect();
@@ -101,13 +101,14 @@ pub(super) fn trials(
                 .map(|(piece, number)| encode(context, &plan, piece, number, &blake3))
                 .collect::<Vec<_>>())
             .map(|encoded| (encoded, report)),
-            None => streamed(context, who, &plan, &path, numbered, &blake3),
+            None => stream_trials(context, who, &plan, &path, numbered, &blake3),
         };
         let encoded = encoded.map(|(encoded, mut report)| {
             tell_labels(&mut report, &own, &identities);
             (encoded, report)
         });
         done.push(encoded);
+        // The trials after it are not written; those before it are taken away again below.
         if done.last().is_some_and(Result::is_err) {
             break;
         }
@@ -146,59 +147,66 @@ pub(super) fn trials(
     Ok(batch)
 }
 
-/// The trials of a file, and the report on it; of a long text whose its trials are, and no report
-/// yet.
-type FileTrials = (Vec<Piece>, Option<FileReport>);
+/// The trials of a file.
+struct FileTrials {
+    pieces: Vec<Piece>,
+    /// None yet of a long text, which was read for its labels alone.
+    report: Option<FileReport>,
+}
 
-/// What became of the files, in their order.
-fn converted(
+/// Converts the short files, and reads the labels of long texts; all in the order of `files`.
+fn convert_files(
     context: &Context,
     who: &Who,
     plan: &Plan,
     budget: &Budget,
     files: &[PathBuf],
 ) -> Result<Vec<Converted<FileTrials>>, Errors> {
-    let long = |path: &PathBuf| is_long(path, &context.mapping.file);
-    let (long, short): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(long);
+    let (long, short): (Vec<PathBuf>, Vec<PathBuf>) =
+        files.iter().cloned().partition(|path| is_long(path, &context.mapping.file));
+    // Columns that no mapping names may count the samples that the times pass over.
     let looked_at: Vec<ColumnRef> = counter::looked_at().collect();
     let taken = plan.columns().chain(who.columns()).chain(&looked_at).collect();
     let take = context.take(taken, budget);
-    let convert = |recording: &mut Recording| {
-        let (pieces, report) = convert(context, who, plan, budget, recording)?;
-        Ok((pieces, Some(report)))
-    };
     let mut short = match short.is_empty() {
         true => Vec::new(),
-        false => context.convert(&short, &take, convert)?,
+        false => context.convert(&short, &take, |recording| {
+            let (pieces, report) = convert(context, who, plan, budget, recording)?;
+            Ok(FileTrials { pieces, report: Some(report) })
+        })?,
     };
     if long.is_empty() {
         return Ok(short);
     }
-    let scanned = |path: &PathBuf| {
+    let mut long = all(long.iter().map(|path| {
         let blake3 = blake3_of(path)?;
         let Some(source) = LongText::of(context, who, plan, path)? else {
             let what = "it was long when the import began, and is not now";
             return Err(StoreError::new(path, what, "import it again").into());
         };
-        let piece =
-            |identity| Piece { identity, samples: Samples::default(), notes: Notes::default() };
-        let pieces = source.identities(budget)?.into_iter().map(piece).collect();
-        Ok::<_, Errors>(Converted { path: path.clone(), blake3, made: (pieces, None) })
-    };
-    let mut long = all(long.iter().map(scanned))?;
+        let pieces = source.identities(budget)?.into_iter().map(|identity| Piece {
+            identity,
+            samples: Samples::default(),
+            notes: Notes::default(),
+        });
+        let parsed = FileTrials { pieces: pieces.collect(), report: None };
+        Ok::<_, Errors>(Converted { path: path.clone(), blake3, parsed })
+    }))?;
     let mut in_order = Vec::new();
     for path in files {
-        let of = |list: &mut Vec<Converted<_>>| {
-            list.iter().position(|c| c.path == *path).map(|at| list.remove(at))
-        };
-        in_order.extend(of(&mut short).or_else(|| of(&mut long)));
+        for list in [&mut short, &mut long] {
+            if let Some(at) = list.iter().position(|c| c.path == *path) {
+                in_order.push(list.remove(at));
+                break;
+            }
+        }
     }
     given_once(&in_order)?;
     Ok(in_order)
 }
 
-/// The trials of a long text, written beside their places, and the report on it.
-fn streamed(
+/// Writes the trials of a long text beside their places, and makes the report on it.
+fn stream_trials(
     context: &Context,
     who: &Who,
     plan: &Plan,
@@ -206,20 +214,15 @@ fn streamed(
     pieces: Vec<(Piece, &PlannedTrial)>,
     blake3: &str,
 ) -> Result<(Vec<Encoded>, FileReport), Errors> {
-    let changed = || -> Errors {
-        let what = "the file changed while it was read";
-        StoreError::new(path, what, "import it again when nothing writes to it").into()
-    };
-    let source = LongText::of(context, who, plan, path)?.ok_or_else(changed)?;
+    let source = LongText::of(context, who, plan, path)?.ok_or_else(|| changed(path))?;
     let mut pieces = pieces.into_iter();
     let mut encoded: Vec<Encoded> = Vec::new();
     let mut open: Option<Open> = None;
     let mut report = None;
-    let read = |bytes| (context.progress)(Step::Read(bytes));
-    let walked = source.walk(&read, &mut |stretch| {
+    let walked = source.walk(&|bytes| (context.progress)(Step::Read(bytes)), &mut |stretch| {
         if stretch.begins {
             encoded.extend(open.take().map(|open| open.end(context)).transpose()?);
-            let (piece, number) = pieces.next().ok_or_else(changed)?;
+            let (piece, number) = pieces.next().ok_or_else(|| changed(path))?;
             open = Some(Open::begin(context, plan, path, piece, number, blake3)?);
         }
         if report.is_none() {
@@ -234,9 +237,10 @@ fn streamed(
     });
     let ended = walked.and_then(|walked| {
         encoded.extend(open.take().map(|open| open.end(context)).transpose()?);
-        let report = report.take().ok_or_else(changed)?;
+        let report = report.take().ok_or_else(|| changed(path))?;
+        // The labels were read in a first pass: they are those of the samples only if nothing changed.
         if walked.blake3 != blake3 || pieces.next().is_some() {
-            return Err(changed());
+            return Err(changed(path));
         }
         Ok((walked, report))
     });
@@ -245,7 +249,7 @@ fn streamed(
             let missing = (walked.rows.missing > 0)
                 .then(|| RowsDropped { rows: walked.rows.missing, why: MISSING.to_owned() });
             let signals = plan.taken.iter().map(|taken| taken.to);
-            let made: Vec<Signal> = signals
+            let signals: Vec<Signal> = signals
                 .chain(plan.derived.iter().map(|(to, _)| *to))
                 .chain([Signal::Time])
                 .collect();
@@ -255,7 +259,7 @@ fn streamed(
                 rows_dropped: missing.into_iter().collect(),
                 converted: plan.converted.clone(),
                 computed: plan.computed.clone(),
-                null: null_columns(&made),
+                null: null_columns(&signals),
                 ..report
             };
             report.add_empty(walked.empty, why_empty(plan));
@@ -273,6 +277,11 @@ fn streamed(
             Err(errors)
         }
     }
+}
+
+fn changed(path: &Path) -> Errors {
+    let what = "the file changed while it was read";
+    StoreError::new(path, what, "import it again when nothing writes to it").into()
 }
 
 /// A trial of a long text that is being written.
@@ -307,7 +316,7 @@ impl<'a> Open<'a> {
     }
 
     fn end(mut self, context: &Context) -> Result<Encoded, Errors> {
-        let gaps = told_gaps(self.growing.plan, self.growing.gaps(), self.growing.taken);
+        let gaps = gap_words(self.growing.plan, self.growing.gaps(), self.growing.taken);
         if let Some(gaps) = gaps {
             self.writer.note(GAPS, gaps);
         }
@@ -320,11 +329,11 @@ impl<'a> Open<'a> {
             return Err(errors);
         }
         let staged = self.writer.end()?;
-        let asked = Asked::of(context.study, &self.number.environment);
-        let found = staged.check(context.files, &asked);
-        let found = found.inspect_err(|_| staged.discard(context.files))?;
+        let requested = Asked::of(context.study, &self.number.environment);
+        let findings = staged.check(context.files, &requested);
+        let findings = findings.inspect_err(|_| staged.discard(context.files))?;
         let samples = self.growing.rows;
-        let mut care = care(&found, self.number, samples);
+        let mut care = care(&findings, self.number, samples);
         care.extend(hidden.map(|hidden| format!("trial {}, {hidden}", self.number.trial)));
         Ok(Encoded {
             words: words(&self.identity, self.number, samples),
@@ -351,18 +360,21 @@ fn words(i: &Identity, number: &PlannedTrial, samples: usize) -> String {
     )
 }
 
-/// What the samples of a trial say against it, in words, as `verify` and a run will say too.
-fn care(found: &[StoreError], number: &PlannedTrial, samples: usize) -> Vec<String> {
-    let place = |error: &StoreError| {
-        let row = error.row.map(|row| format!(", row {row}")).unwrap_or_default();
-        format!("{}{row}", error.column.as_deref().unwrap_or_default())
-    };
-    let line =
-        |e: &StoreError| format!("trial {}, {}: {}; {}", number.trial, place(e), e.what, e.remedy);
-    let alone = (samples == 1).then(|| {
-        format!("trial {}: it has one sample: nothing can be computed from it", number.trial)
-    });
-    found.iter().map(line).chain(alone).collect()
+/// Findings about the samples of a trial, in words, as `verify` and a run will report them too.
+fn care(findings: &[StoreError], number: &PlannedTrial, samples: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    for StoreError { column, row, what, remedy, .. } in findings {
+        let column = column.as_deref().unwrap_or_default();
+        let row = row.map(|row| format!(", row {row}")).unwrap_or_default();
+        lines.push(format!("trial {}, {column}{row}: {what}; {remedy}", number.trial));
+    }
+    if samples == 1 {
+        lines.push(format!(
+            "trial {}: it has one sample: nothing can be computed from it",
+            number.trial
+        ));
+    }
+    lines
 }
 
 /// A clock is too coarse if more than this share of the rows have the time of one before them.
@@ -416,12 +428,12 @@ fn convert(
         })
     };
     // A row that comes twice is one sample; other rows of one time are several.
-    let differs = |row: &&usize| {
+    let joined = rows.joined.iter().filter(|row| {
         numeric
             .iter()
             .any(|column| recording.number(*column, **row) != recording.number(*column, **row - 1))
-    };
-    let joined = rows.joined.iter().filter(differs).count();
+    });
+    let joined = joined.count();
     let coarse = (joined as f64 > COARSE * rows.read as f64).then(|| {
         format!(
             "t_s: {joined} of {} rows have the time of a row before them, and other values: its clock is too coarse for \
@@ -445,10 +457,10 @@ fn convert(
         };
         let mut growing = Growing::new(plan, &recording.path);
         growing.add(&part)?;
-        let zeros = std::mem::take(&mut growing.of_zeros);
+        let zeros = std::mem::take(&mut growing.zero_notes);
         let hidden = growing.hidden();
         let samples = growing.samples()?;
-        let gaps = told_gaps(plan, recording.gaps(&rows, stretch), stretch.len());
+        let gaps = gap_words(plan, recording.gaps(&rows, stretch), stretch.len());
         // Rows that could not be read are the trial's before them, or the first one's.
         let from = if i == 0 { 0 } else { stretch[0] };
         let lost = recording.lost(&rows, from..begins.get(i + 1).copied().unwrap_or(usize::MAX));
@@ -456,18 +468,17 @@ fn convert(
             1 => lost,
             n => format!("{lost} (the recording has {n} trials)"),
         });
-        let known = recording.table.doubts.iter().chain(&other_units).chain(&coarse).cloned();
-        let doubts = known.chain(zeros.doubts).chain(hidden);
-        let doubts = doubts.collect();
+        let doubts = recording.table.doubts.iter().chain(&other_units).chain(&coarse).cloned();
+        let doubts = doubts.chain(zeros.doubts).chain(hidden).collect();
         let notes = Notes { gaps, lost, zeros: zeros.words, doubts };
         Ok::<_, Errors>(Piece { identity, samples, notes })
     }))?;
-    let made: Vec<Signal> =
+    let signals: Vec<Signal> =
         Signal::all().filter(|s| pieces.iter().any(|p| p.samples.get(*s).is_some())).collect();
     let mut report = FileReport {
         converted: plan.converted.clone(),
         computed: plan.computed.clone(),
-        null: null_columns(&made),
+        null: null_columns(&signals),
         ..context.file_report(
             recording,
             &rows,
@@ -476,7 +487,7 @@ fn convert(
         )?
     };
     report.add_empty(recording.gaps(&rows, &rows.kept).empty, why_empty(plan));
-    // What was only looked at is not kept.
+    // What was only looked at is not kept: its room is free for the next file.
     let looked_at = recording.table.columns.iter().enumerate();
     let looked_at =
         looked_at.filter(|(place, _)| !numeric.contains(place) && !labels.contains(place));
@@ -514,14 +525,14 @@ fn check_turned(turned: bool, recording: &Recording) -> Result<(), StoreError> {
     Err(recording.error(what, remedy))
 }
 
-/// What empty rows of a file mean.
+/// Why empty rows of a file are left out.
 fn why_empty(plan: &Plan) -> &'static str {
     if plan.rate_hz.is_some() { EMPTY_AT_A_RATE } else { EMPTY }
 }
 
 /// What a trial's file says of its gaps. Where times were recorded, they say when there was a sample,
 /// and an empty row is none that is missing.
-fn told_gaps(plan: &Plan, gaps: Gaps, kept: usize) -> Option<String> {
+fn gap_words(plan: &Plan, gaps: Gaps, kept: usize) -> Option<String> {
     let empty = if plan.rate_hz.is_some() { gaps.empty } else { 0 };
     Gaps { empty, ..gaps }.in_words(kept)
 }
@@ -535,10 +546,10 @@ fn encode(
     blake3: &str,
 ) -> Result<Encoded, StoreError> {
     let path = context.layout.trial(&identity.participant, &identity.session, number.trial);
-    let asked = Asked::of(context.study, &number.environment);
-    let found = check_samples(&asked, Path::new(""), &samples);
+    let requested = Asked::of(context.study, &number.environment);
+    let findings = check_samples(&requested, Path::new(""), &samples);
     let words = words(&identity, number, samples.len());
-    let mut care = care(&found, number, samples.len());
+    let mut care = care(&findings, number, samples.len());
     let Notes { gaps, lost, zeros, doubts } = notes;
     care.extend(doubts.iter().map(|doubt| format!("trial {}, {doubt}", number.trial)));
     let meta = meta(&identity, number, context.mapping.source());
@@ -555,7 +566,7 @@ fn encode(
     Ok(Encoded { path, output: bytes.into(), words, care, lost })
 }
 
-/// What is known of an imported trial.
+/// The metadata of an imported trial.
 fn meta(identity: &Identity, number: &PlannedTrial, source: Source) -> TrialMeta {
     let i = identity.clone();
     TrialMeta {
@@ -573,7 +584,7 @@ fn meta(identity: &Identity, number: &PlannedTrial, source: Source) -> TrialMeta
     }
 }
 
-/// What an imported trial's file says of itself.
+/// The footer of an imported trial's file.
 fn file(context: &Context, plan: &Plan, blake3: &str) -> TrialFile {
     let mut file: TrialFile = context.footer(blake3.to_owned(), &plan.computed);
     file.extend(plan.lever_m.map(|l| ("lever_m".to_owned(), l.to_string())));

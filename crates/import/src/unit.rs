@@ -3,7 +3,7 @@
 use zwidth_store::Signal;
 use zwidth_study::{Coordinate, Study};
 
-/// What a unit measures.
+/// The quantity that a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dimension {
     Time,
@@ -182,6 +182,7 @@ pub(super) fn declared(text: &str) -> Option<&'static Unit> {
 pub(super) fn find_in_any_case(text: &str, signal: Signal) -> Option<&'static str> {
     let spelled = UNITS.iter().filter(|unit| may_become(unit, signal)).flat_map(|u| u.spellings);
     let mut same = spelled.filter(|spelling| spelling.to_lowercase() == text.to_lowercase());
+    // Of two that differ only by case nobody knows which is meant.
     same.next().copied().filter(|_| same.next().is_none())
 }
 
@@ -191,7 +192,7 @@ pub(super) fn choices(signal: Signal) -> String {
     fitting.map(|u| u.spellings[0]).collect::<Vec<_>>().join(", ")
 }
 
-/// What a signal of ours measures.
+/// The dimension of a signal of ours.
 pub(super) fn dimension(signal: Signal) -> Option<Dimension> {
     find(signal.column().unit).map(|u| u.dimension)
 }

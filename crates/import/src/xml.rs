@@ -6,12 +6,12 @@
 
 use super::spelling::shown;
 use quick_xml::escape::resolve_predefined_entity;
+use quick_xml::events::Event as Read;
 use quick_xml::events::attributes::Attributes as Written;
-use quick_xml::events::{BytesRef, Event as Read};
 use quick_xml::{Reader, XmlVersion};
 use std::borrow::Cow;
 
-/// What comes next.
+/// An element's beginning or end, or a text.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Event<'a> {
     Begin {
@@ -47,7 +47,7 @@ impl<'a> Xml<'a> {
         Self { text, reader, open: Vec::new(), behind: None }
     }
 
-    /// What comes next, `None` at the end.
+    /// The next event; `None` at the end.
     ///
     /// # Errors
     /// A text that is cut off, or whose elements end in another order.
@@ -65,7 +65,14 @@ impl<'a> Xml<'a> {
             let part = match read {
                 Read::Text(part) => part.into_inner(),
                 Read::CData(part) => part.into_inner(),
-                Read::GeneralRef(name) => meaning(&name),
+                // A reference that XML does not know stands as it is written.
+                Read::GeneralRef(name) => {
+                    match (name.resolve_char_ref(), resolve_predefined_entity(&name)) {
+                        (Ok(Some(letter)), _) => Cow::Owned(letter.to_string()),
+                        (_, Some(letter)) => Cow::Borrowed(letter),
+                        _ => Cow::Owned(format!("&{};", &*name)),
+                    }
+                }
                 Read::Comment(_) | Read::Decl(_) | Read::PI(_) | Read::DocType(_) => continue,
                 tag if text.is_some() => {
                     self.behind = Some(tag);
@@ -100,15 +107,6 @@ impl<'a> Xml<'a> {
         let name = name.rsplit_once(':').map_or(name, |(_, local)| local);
         self.open.push(name);
         Ok(Event::Begin { name, attributes: Attributes(attributes) })
-    }
-}
-
-/// What a reference means; one that XML does not know stands as it is written.
-fn meaning(name: &BytesRef) -> Cow<'static, str> {
-    match (name.resolve_char_ref(), resolve_predefined_entity(name)) {
-        (Ok(Some(letter)), _) => Cow::Owned(letter.to_string()),
-        (_, Some(letter)) => Cow::Borrowed(letter),
-        _ => Cow::Owned(format!("&{};", &**name)),
     }
 }
 

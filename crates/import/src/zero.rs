@@ -20,12 +20,12 @@ const SHARE: f64 = 0.05;
 /// The standard deviation of a normal distribution in median absolute deviations.
 const DEVIATIONS: f64 = 1.482_602_218_505_602;
 
-/// What is subtracted from a signal of a trial.
+/// The zero of a sensor in a trial.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Found {
+pub(super) struct SensorZero {
     /// In their unit, as recorded.
     pub(super) value: f64,
-    /// What was taken, for the trial's file.
+    /// The source of the zero in words, for the trial's file.
     pub(super) words: Option<String>,
     /// Why it may not be the zero of the sensor.
     pub(super) doubt: Option<String>,
@@ -35,13 +35,14 @@ pub(super) struct Found {
 ///
 /// # Errors
 /// There is no sample in the stretch that is to be taken.
-pub(super) fn find(zero: Zero, t_s: &[f64], x: &[f64]) -> Result<Found, String> {
+pub(super) fn find(zero: Zero, t_s: &[f64], x: &[f64]) -> Result<SensorZero, String> {
     match zero {
-        Zero::None => Ok(Found::default()),
-        Zero::First => Ok(Found {
+        Zero::None => Ok(SensorZero::default()),
+        Zero::First => Ok(SensorZero {
             value: x.first().copied().unwrap_or(0.0),
             words: None,
-            doubt: odd_first(t_s, x),
+            // A filter begins with a value of its own, and settles on that of the samples at rest.
+            doubt: settles(t_s, x).or_else(|| steps_off(t_s, x)),
         }),
         Zero::Rest { from_s, to_s } => {
             let stretch = within(t_s, x, from_s, to_s);
@@ -62,14 +63,9 @@ pub(super) fn find(zero: Zero, t_s: &[f64], x: &[f64]) -> Result<Found, String> 
                 )),
                 false => unrest(t_s, stretch, x, from_s, to_s),
             };
-            Ok(Found { value, words: Some(words), doubt })
+            Ok(SensorZero { value, words: Some(words), doubt })
         }
     }
-}
-
-/// A first value that is not that of the samples after it, which rest: filters begin so.
-fn odd_first(t_s: &[f64], x: &[f64]) -> Option<String> {
-    settles(t_s, x).or_else(|| steps_off(t_s, x))
 }
 
 /// A signal that moves fastest at its very beginning, and ever more slowly from there on, always one way: a
@@ -77,12 +73,12 @@ fn odd_first(t_s: &[f64], x: &[f64]) -> Option<String> {
 fn settles(t_s: &[f64], x: &[f64]) -> Option<String> {
     let interval_s = (t_s.last()? - t_s.first()?) / t_s.len() as f64;
     let window_s = SETTLING_S.max(LEAST as f64 * interval_s);
-    let middle = |i: u32| {
+    let middles = (0..SETTLING).map_while(|i| {
         let from_s = f64::from(i) * window_s;
         let window = within(t_s, x, from_s, from_s + window_s);
         (window.len() >= LEAST).then(|| median(window.to_vec()))
-    };
-    let middles: Vec<f64> = (0..SETTLING).map_while(middle).collect();
+    });
+    let middles: Vec<f64> = middles.collect();
     let steps: Vec<f64> = middles.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let is_slowing =
         steps.windows(2).all(|pair| pair[0] * pair[1] > 0.0 && pair[1].abs() < pair[0].abs());
@@ -103,6 +99,7 @@ fn settles(t_s: &[f64], x: &[f64]) -> Option<String> {
 /// A first value off all that follows.
 fn steps_off(t_s: &[f64], x: &[f64]) -> Option<String> {
     let beginning = within(t_s, x, 0.0, BEGINNING_S);
+    // Its second half: a filter has come to rest by then.
     let settled = &beginning[beginning.len() / 2..];
     if settled.len() < LEAST {
         return None;
@@ -145,8 +142,7 @@ fn unrest(t_s: &[f64], stretch: &[f64], x: &[f64], from_s: f64, to_s: f64) -> Op
 /// The values from one time to another after the first.
 fn within<'a>(t_s: &[f64], x: &'a [f64], from_s: f64, to_s: f64) -> &'a [f64] {
     let Some(start) = t_s.first() else { return &[] };
-    let before = |limit_s: f64| t_s.partition_point(|t| t - start < limit_s);
-    let from = before(from_s);
+    let from = t_s.partition_point(|t| t - start < from_s);
     let to = t_s.partition_point(|t| t - start <= to_s);
     &x[from..to.max(from)]
 }

@@ -20,7 +20,7 @@ const LOCAL_LENGTH: usize = 30;
 const MOST_REMARK: usize = 1 << 16;
 /// The flag of an entry that a password locks.
 const LOCKED: u16 = 1;
-/// How an entry is packed.
+/// How an entry is packed: as it is, or deflated.
 const STORED: u16 = 0;
 const DEFLATED: u16 = 8;
 
@@ -45,22 +45,24 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
     usize::try_from(u32::from_le_bytes(four)).ok()
 }
 
+const CUT: &str = "its directory is cut off or damaged";
+
 /// The entries of an archive, in the order of its directory.
 pub(super) fn entries(bytes: &[u8]) -> Result<Vec<Entry>, String> {
-    let cut = || "its directory is cut off or damaged".to_owned();
     let from = bytes.len().saturating_sub(END_LENGTH + MOST_REMARK);
     let tail = &bytes[from..];
+    // The last one counts: packed content may have the same bytes by chance.
     let end = (0..=tail.len().saturating_sub(END_LENGTH)).rev();
     let end = end.into_iter().find(|at| tail[*at..].starts_with(END));
     let end = from + end.ok_or("it is not an archive, or was cut off: it has no directory")?;
-    let count = usize::from(u16_at(bytes, end + 10).ok_or_else(cut)?);
-    let mut at = u32_at(bytes, end + 16).ok_or_else(cut)?;
+    let count = usize::from(u16_at(bytes, end + 10).ok_or(CUT)?);
+    let mut at = u32_at(bytes, end + 16).ok_or(CUT)?;
     if count > MOST_COLUMNS {
         return Err(format!("it has {count} parts, and at most {MOST_COLUMNS} are read"));
     }
     let mut entries = Vec::new();
     for _ in 0..count {
-        let (entry, next) = entry(bytes, at).ok_or_else(cut)??;
+        let (entry, next) = entry(bytes, at).ok_or(CUT)??;
         entries.push(entry);
         at = next;
     }

@@ -55,7 +55,7 @@ impl Tally {
         let (count, score) = match guess.answer.map(AnswerValue::whole) {
             None => return,
             Some(Some(0)) => (&mut self.unknown, 0.0),
-            Some(said) if said == Some(guess.number.into()) => (&mut self.right, 1.0),
+            Some(number) if number == Some(guess.number.into()) => (&mut self.right, 1.0),
             Some(_) => (&mut self.wrong, all_wrong(guess.choices)),
         };
         *count += 1;
@@ -107,20 +107,36 @@ fn all_wrong(choices: u8) -> f64 {
 ///
 /// # Errors
 /// An answer that was not offered; a level outside (0, 1).
-pub fn blinding(of: &Blinding) -> Result<Vec<BlindingIndex>, LikertError> {
-    of.guesses.iter().try_for_each(check)?;
+pub fn blinding(input: &Blinding) -> Result<Vec<BlindingIndex>, LikertError> {
     let mut tallies: BTreeMap<&ParticipantId, BTreeMap<&ModeId, Tally>> = BTreeMap::new();
-    for guess in &of.guesses {
+    for guess in &input.guesses {
+        let offered = 0..=i16::from(guess.choices);
+        if let Some(value) = guess.answer
+            && !value.whole().is_some_and(|number| offered.contains(&number))
+        {
+            return Err(LikertError::NoMode {
+                participant: guess.participant.clone(),
+                value,
+                choices: guess.choices,
+            });
+        }
         let own = tallies.entry(&guess.participant).or_default();
         own.entry(&guess.mode).or_default().add(guess);
     }
     let mut rows: Vec<BlindingIndex> = Vec::new();
-    for (who, own) in &tallies {
-        rows.extend(of.modes.iter().filter_map(|mode| of_participant(who, mode, own)));
+    for (participant, own) in &tallies {
+        // No row for a mode of which nobody asked this participant.
+        let own = input.modes.iter().filter_map(|mode| Some((mode, own.get(mode)?)));
+        rows.extend(own.map(|(mode, tally)| BlindingIndex {
+            participant: Some((*participant).clone()),
+            participants: usize::from(tally.answered() > 0),
+            index: tally.index(),
+            ..tally.row(mode)
+        }));
     }
     if tallies.len() > 1 {
         let over =
-            of.modes.iter().filter_map(|mode| over_participants(of, mode, &rows).transpose());
+            input.modes.iter().filter_map(|mode| over_participants(input, mode, &rows).transpose());
         let over = over.collect::<Result<Vec<BlindingIndex>, LikertError>>()?;
         rows.extend(over);
     }
@@ -131,72 +147,45 @@ pub fn blinding(of: &Blinding) -> Result<Vec<BlindingIndex>, LikertError> {
 ///
 /// # Errors
 /// A number that is not finite.
-pub fn blinding_table(rows: &[BlindingIndex], of: &Blinding) -> Result<Table, TableError> {
-    let people: BTreeSet<&ParticipantId> = of.guesses.iter().map(|g| &g.participant).collect();
-    let notes = notes(of, people.len()).into_iter();
+pub fn blinding_table(rows: &[BlindingIndex], input: &Blinding) -> Result<Table, TableError> {
+    let people: BTreeSet<&ParticipantId> = input.guesses.iter().map(|g| &g.participant).collect();
+    let notes = notes(input, people.len()).into_iter();
     let table = Table::of_rows(rows)?;
     Ok(notes.fold(table, |table, (kind, note)| table.with_note_of(kind, note)))
 }
 
-/// Whether an answer is one of those that were offered.
-fn check(guess: &Guess) -> Result<(), LikertError> {
-    let is_offered = |value: AnswerValue| {
-        value.whole().is_some_and(|number| (0..=i16::from(guess.choices)).contains(&number))
-    };
-    match guess.answer {
-        Some(value) if !is_offered(value) => Err(LikertError::NoMode {
-            participant: guess.participant.clone(),
-            value,
-            choices: guess.choices,
-        }),
-        _ => Ok(()),
-    }
-}
-
-/// A participant's row of a mode; `None` if it was not asked for after a trial of that mode.
-fn of_participant(
-    participant: &ParticipantId,
-    mode: &ModeId,
-    own: &BTreeMap<&ModeId, Tally>,
-) -> Option<BlindingIndex> {
-    let tally = *own.get(mode)?;
-    Some(BlindingIndex {
-        participant: Some(participant.clone()),
-        participants: usize::from(tally.answered() > 0),
-        index: tally.index(),
-        ..tally.row(mode)
-    })
-}
-
 /// The row of a mode over participants, from their own rows; `None` without one.
 fn over_participants(
-    of: &Blinding,
+    input: &Blinding,
     mode: &ModeId,
     own: &[BlindingIndex],
 ) -> Result<Option<BlindingIndex>, LikertError> {
     let own = own.iter().filter(|row| row.participant.is_some() && row.mode == *mode);
     let indices: Vec<f64> = own.filter_map(|row| row.index).collect();
-    let mean = interval::mean(&indices, of.level)?;
+    let mean = interval::mean(&indices, input.level)?;
     let mut tally = Tally::default();
-    let asked = || of.guesses.iter().filter(|g| g.mode == *mode);
-    asked().for_each(|guess| tally.add(guess));
-    let fewest = asked().map(|g| g.choices).min();
-    let held = |end: f64| end.clamp(fewest.map_or(-1.0, all_wrong), 1.0);
+    let guesses: Vec<&Guess> = input.guesses.iter().filter(|g| g.mode == *mode).collect();
+    guesses.iter().for_each(|guess| tally.add(guess));
+    // With the fewest modes to choose from a wrong answer counts most: no index lies below that.
+    let fewest = guesses.iter().map(|g| g.choices).min();
+    let lowest = fewest.map_or(-1.0, all_wrong);
+    // People who all have one index tell nothing of how people differ.
     let spread = mean.interval.filter(|interval| interval.std_error > 0.0);
     let row = BlindingIndex {
         participants: mean.n,
         index: mean.estimate,
-        index_ci_low: spread.map(|interval| held(interval.ci_low)),
-        index_ci_high: spread.map(|interval| held(interval.ci_high)),
+        index_ci_low: spread.map(|interval| interval.ci_low.clamp(lowest, 1.0)),
+        index_ci_high: spread.map(|interval| interval.ci_high.clamp(lowest, 1.0)),
         ..tally.row(mode)
     };
     Ok((tally.trials > 0).then_some(row))
 }
 
-fn notes(of: &Blinding, participants: usize) -> Vec<(NoteKind, String)> {
-    let choices = || of.guesses.iter().map(|guess| guess.choices);
-    let few = choices().min().unwrap_or_default();
-    let many = choices().max().unwrap_or_default();
+fn notes(input: &Blinding, participants: usize) -> Vec<(NoteKind, String)> {
+    // Sessions may differ in how many modes there were to choose from.
+    let choices = input.guesses.iter().map(|guess| guess.choices);
+    let few = choices.clone().min().unwrap_or_default();
+    let many = choices.max().unwrap_or_default();
     let k = if few == many { few.to_string() } else { format!("{few} to {many}") };
     let form = match many {
         2 => "It is the index of Bang, Ni & Davis 2004",
@@ -215,18 +204,18 @@ fn notes(of: &Blinding, participants: usize) -> Vec<(NoteKind, String)> {
         let text = format!(
             "Rows without a participant: the mean of the participants' indices, with its {} % interval \
              (Student's t over participants), held to what an index can be.",
-            100.0 * of.level
+            100.0 * input.level
         );
         notes.push((NoteKind::General, text));
     }
-    let open = of.guesses.iter().filter(|guess| guess.answer.is_none()).count();
+    let open = input.guesses.iter().filter(|guess| guess.answer.is_none()).count();
     if open > 0 {
         let text = format!("After {} it was left open: in no index.", counted(open));
         notes.push((NoteKind::General, text));
     }
-    if of.sealed > 0 {
-        let text =
-            format!("Without {} of sealed sessions, until they are unsealed.", counted(of.sealed));
+    if input.sealed > 0 {
+        let sealed = counted(input.sealed);
+        let text = format!("Without {sealed} of sealed sessions, until they are unsealed.");
         notes.push((NoteKind::LeftOut, text));
     }
     notes

@@ -10,7 +10,7 @@ use zwidth_study::{AnswerScale, AnswerValue, ParticipantId};
 pub(crate) struct Counts {
     scale: AnswerScale,
     /// Of each answer that was given, as scored: on a line it may lie between two points.
-    of: BTreeMap<AnswerValue, usize>,
+    answers: BTreeMap<AnswerValue, usize>,
     /// Who gave them, with the sum and the number of theirs.
     pub(crate) participants: BTreeMap<ParticipantId, (f64, usize)>,
 }
@@ -18,7 +18,7 @@ pub(crate) struct Counts {
 impl Counts {
     /// No answer yet, on a scale.
     pub(crate) fn on(scale: &AnswerScale) -> Self {
-        Self { scale: scale.clone(), of: BTreeMap::new(), participants: BTreeMap::new() }
+        Self { scale: scale.clone(), answers: BTreeMap::new(), participants: BTreeMap::new() }
     }
 
     /// The scale of the answers.
@@ -30,20 +30,20 @@ impl Counts {
     /// `None` off the scale.
     pub(crate) fn of_point(&self, place: u8) -> Option<usize> {
         let answer = self.scale.answer_at(place).into();
-        self.scale.has(answer).then(|| self.of.get(&answer).copied().unwrap_or(0))
+        self.scale.has(answer).then(|| self.answers.get(&answer).copied().unwrap_or(0))
     }
 
     /// Counts one answer as scored, which is on the scale.
     pub(crate) fn add(&mut self, scored: AnswerValue, participant: &ParticipantId) {
-        *self.of.entry(scored).or_default() += 1;
+        *self.answers.entry(scored).or_default() += 1;
         let (sum, n) = self.participants.entry(participant.clone()).or_default();
         (*sum, *n) = (*sum + scored.get(), *n + 1);
     }
 
     /// Counts all that `other`, of the same scale, counts.
     pub(crate) fn merge(&mut self, other: &Self) {
-        for (answer, more) in &other.of {
-            *self.of.entry(*answer).or_default() += more;
+        for (answer, more) in &other.answers {
+            *self.answers.entry(*answer).or_default() += more;
         }
         for (participant, (more, others)) in &other.participants {
             let (sum, n) = self.participants.entry(participant.clone()).or_default();
@@ -52,7 +52,7 @@ impl Counts {
     }
 
     pub(crate) fn n(&self) -> usize {
-        self.of.values().sum()
+        self.answers.values().sum()
     }
 
     /// The lower and the upper median: the two middle answers, the same one for odd n. `None`
@@ -65,7 +65,7 @@ impl Counts {
     /// The answer at `rank` (from 0) of all answers in rising order.
     fn ranked(&self, rank: usize) -> Option<AnswerValue> {
         let mut below = 0;
-        self.of.iter().find_map(|(answer, count)| {
+        self.answers.iter().find_map(|(answer, count)| {
             below += count;
             (rank < below).then_some(*answer)
         })
@@ -76,20 +76,11 @@ impl Counts {
         quantile_by(self.n(), share, |rank| self.ranked(rank).map(AnswerValue::get))
     }
 
-    /// What is one number each, with how often it is there: of several people their means, of one
-    /// person the answers.
-    fn units(&self) -> Vec<(f64, f64)> {
-        match self.participants.len() {
-            0 | 1 => self.of.iter().map(|(answer, n)| (answer.get(), *n as f64)).collect(),
-            _ => self.participants.values().map(|(sum, n)| (sum / *n as f64, 1.0)).collect(),
-        }
-    }
-
     /// The mean of people's means; of one person's answers where there is one. `None` without
     /// answers.
     pub(crate) fn mean(&self) -> Option<f64> {
-        let found = self.moments();
-        (found.n > 0.0).then_some(found.mean)
+        let moments = self.moments();
+        (moments.n > 0.0).then_some(moments.mean)
     }
 
     /// The standard deviation between people's means, or of one person's answers (divisor n − 1);
@@ -98,8 +89,15 @@ impl Counts {
         self.moments().sd()
     }
 
+    /// The moments of people's means; of one person's answers where there is one.
     fn moments(&self) -> Moments {
-        Moments::of_weighted(self.units().into_iter())
+        // Each number with its weight. Repeats are not people: somebody who answered more often does
+        // not count for more.
+        let weighted: Vec<(f64, f64)> = match self.participants.len() {
+            0 | 1 => self.answers.iter().map(|(answer, n)| (answer.get(), *n as f64)).collect(),
+            _ => self.participants.values().map(|(sum, n)| (sum / *n as f64, 1.0)).collect(),
+        };
+        Moments::of_weighted(weighted.into_iter())
     }
 }
 

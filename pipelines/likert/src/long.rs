@@ -9,7 +9,9 @@ use zwidth_tables::{Table, TableError};
 /// The answers as they were given (reversed questions too), one row each, by participant, session,
 /// trial and question: those that count, and the others with the reason.
 pub fn long(counting: &[Answer], left_out: &[LeftOutAnswer]) -> Vec<GivenAnswer> {
-    let row = |answer: &Answer, why_not: Option<&String>| GivenAnswer {
+    let others = left_out.iter().map(|other| (&other.answer, Some(&other.why_not)));
+    let all = others.chain(counting.iter().map(|answer| (answer, None)));
+    let rows = all.map(|(answer, why_not)| GivenAnswer {
         participant: answer.participant.clone(),
         session: answer.session.clone(),
         trial: answer.trial,
@@ -20,10 +22,8 @@ pub fn long(counting: &[Answer], left_out: &[LeftOutAnswer]) -> Vec<GivenAnswer>
         answer_time_s: answer.time_ms.map(|ms| f64::from(ms) / 1e3),
         counts: why_not.is_none(),
         why_not: why_not.cloned(),
-    };
-    let others = left_out.iter().map(|other| row(&other.answer, Some(&other.why_not)));
-    let mut rows: Vec<GivenAnswer> =
-        others.chain(counting.iter().map(|answer| row(answer, None))).collect();
+    });
+    let mut rows: Vec<GivenAnswer> = rows.collect();
     // Of one question the answers stay in the order in which they were given: the last may count.
     rows.sort_by(|a, b| {
         (&a.participant, &a.session, a.trial, &a.question).cmp(&(
@@ -46,7 +46,12 @@ pub fn long_table(rows: &[GivenAnswer], scheme: &Scheme) -> Result<Table, TableE
     let lowest = scales.iter().map(AnswerScale::lowest).min().unwrap_or_default();
     let highest = scales.iter().map(AnswerScale::highest).max().unwrap_or_default();
     let rated = (!scales.is_empty()).then(|| format!("{lowest}…{highest}"));
-    let ranges: Vec<String> = rated.into_iter().chain(scheme.guess().map(guessed)).collect();
+    // The answers to the question which mode it was are names: `to guess 0 (do not know), 1 (Active), …`.
+    let guessed = scheme.guess().map(|Question { id, scale, .. }| {
+        let answers: Vec<String> = scale.answers().into_iter().map(|a| scale.worded(a)).collect();
+        format!("to {id} {}", answers.join(", "))
+    });
+    let ranges: Vec<String> = rated.into_iter().chain(guessed).collect();
     let is_timed = rows.iter().any(|row| row.answer_time_s.is_some());
     let mut columns = GivenAnswer::columns(rows);
     columns.retain(|column| is_timed || column.field.name != GivenAnswer::TIME);
@@ -58,13 +63,6 @@ pub fn long_table(rows: &[GivenAnswer], scheme: &Scheme) -> Result<Table, TableE
     let table = Table::new(GivenAnswer::NAME, GivenAnswer::TITLE, columns)?;
     Ok(table
         .with_note("Every answer that was given. One that does not count is in no other table."))
-}
-
-/// The answers to the question which mode it was: `to guess 0 (do not know), 1 (Active), …`.
-fn guessed(question: &Question) -> String {
-    let Question { id, scale, .. } = question;
-    let answers: Vec<String> = scale.answers().into_iter().map(|a| scale.worded(a)).collect();
-    format!("to {id} {}", answers.join(", "))
 }
 
 #[cfg(test)]

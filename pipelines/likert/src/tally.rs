@@ -79,7 +79,7 @@ pub struct Scheme {
 }
 
 impl Scheme {
-    /// That of a study.
+    /// The scheme of a study.
     pub fn of(study: &Study) -> Self {
         Self {
             environments: study.environments.iter().map(|e| e.id.clone()).collect(),
@@ -91,20 +91,15 @@ impl Scheme {
     /// The scales of ratings in use, each once.
     pub(crate) fn scales(&self) -> Vec<AnswerScale> {
         let ratings = self.questions.iter().filter(|q| q.is_rating());
-        let of_questions: BTreeSet<AnswerScale> = ratings.map(|q| q.scale.clone()).collect();
-        of_questions.into_iter().collect()
+        let scales: BTreeSet<AnswerScale> = ratings.map(|q| q.scale.clone()).collect();
+        scales.into_iter().collect()
     }
 
-    /// Whether answers may have decimals: then the columns that hold answers are floats, for all
-    /// questions.
-    fn has_line(&self) -> bool {
-        self.questions.iter().any(|question| question.scale.is_line())
-    }
-
-    /// A column of answers, whole numbers unless the study has a line.
+    /// A column of answers: whole numbers, or for all questions floats if one is a line, whose answers
+    /// may have decimals.
     pub(crate) fn answer_column(&self, column: Column) -> Column {
         let Column { mut field, mut values } = column;
-        if !self.has_line() {
+        if !self.questions.iter().any(|question| question.scale.is_line()) {
             values = values.in_whole_numbers();
         }
         field.kind = values.kind();
@@ -160,6 +155,7 @@ pub fn tally(answers: &[Answer], scheme: &Scheme) -> Result<Vec<AnswerTally>, Li
 fn row(condition: &Condition, counts: &Counts) -> AnswerTally {
     let is_ordinal = counts.scale().is_ordinal();
     let medians = counts.medians();
+    // A scale has either counts or quartiles and a mean: a mean of ranks would mean nothing.
     let point = |point: u8| counts.of_point(point).filter(|_| is_ordinal);
     let sum = |value: Option<f64>| value.filter(|_| !is_ordinal);
     AnswerTally {
@@ -211,6 +207,7 @@ pub fn tally_table(rows: &[AnswerTally], scheme: &Scheme) -> Result<Table, Table
         let name = column.field.name.clone();
         let point = (1..).zip(AnswerTally::COUNTS).find(|(_, own)| *own == name);
         match point {
+            // No scale of the study is so long: a column of nulls alone would only take room.
             Some((point, _)) if point > points => continue,
             Some((point, _)) => column.field.description = about_point(&ordinal, point).into(),
             None if AnswerTally::MEDIANS.contains(&&*name) => column = scheme.answer_column(column),
@@ -251,6 +248,7 @@ fn count(answers: &[Answer], scheme: &Scheme) -> Result<ByQuestion, LikertError>
     let mut counts = ByQuestion::new();
     for answer in answers {
         let question = check(answer, scheme)?;
+        // Which mode somebody guessed is a name: `blinding` counts those.
         if !question.is_rating() {
             continue;
         }

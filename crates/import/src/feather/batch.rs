@@ -20,7 +20,7 @@ pub(super) struct Batch<'a> {
     pub(super) room: &'a Room,
 }
 
-/// What may still be taken of a file: over all its batches, for one may be packed to a few bytes.
+/// The room that is left for a file, over all its batches: a batch may be packed to a few bytes.
 #[derive(Debug)]
 pub(super) struct Room {
     /// Bytes to unpack.
@@ -77,16 +77,24 @@ pub(super) fn batch_of<'a>(
     batch_in(&batch, body, room)
 }
 
-/// A batch of words: the dictionary's number, and whether they come behind those before.
+/// A batch of words.
+pub(super) struct Dictionary<'a> {
+    pub(super) id: i64,
+    /// Whether its words come behind those before, and not in their place.
+    pub(super) is_delta: bool,
+    pub(super) batch: Batch<'a>,
+}
+
 pub(super) fn dictionary_of<'a>(
     bytes: &'a [u8],
     block: &Block,
     room: &'a Room,
-) -> Result<(i64, bool, Batch<'a>), String> {
+) -> Result<Dictionary<'a>, String> {
     let (message, body) = message(bytes, block)?;
     let words = message.header_as_dictionary_batch().ok_or_else(other)?;
     let batch = words.data().ok_or_else(other)?;
-    Ok((words.id(), words.isDelta(), batch_in(&batch, body, room)?))
+    let batch = batch_in(&batch, body, room)?;
+    Ok(Dictionary { id: words.id(), is_delta: words.isDelta(), batch })
 }
 
 fn other() -> String {
@@ -94,17 +102,16 @@ fn other() -> String {
 }
 
 fn message<'a>(bytes: &'a [u8], block: &Block) -> Result<(Message<'a>, &'a [u8]), String> {
-    let cut = || "a batch is cut off".to_owned();
-    let place = |n: i64| usize::try_from(n).map_err(|_| cut());
-    let from = place(block.offset())?;
-    let head = place(block.metaDataLength().into())?;
-    let body = place(block.bodyLength())?;
-    let rest = bytes.get(from..).ok_or_else(cut)?;
-    let (head, rest) = rest.split_at_checked(head).ok_or_else(cut)?;
-    let body = rest.get(..body).ok_or_else(cut)?;
+    const CUT: &str = "a batch is cut off";
+    let from = usize::try_from(block.offset()).map_err(|_| CUT)?;
+    let head = usize::try_from(block.metaDataLength()).map_err(|_| CUT)?;
+    let body = usize::try_from(block.bodyLength()).map_err(|_| CUT)?;
+    let rest = bytes.get(from..).ok_or(CUT)?;
+    let (head, rest) = rest.split_at_checked(head).ok_or(CUT)?;
+    let body = rest.get(..body).ok_or(CUT)?;
     // Before the message stands its length, and since 2019 a mark before that.
     let head = head.strip_prefix(&[0xff; 4]).unwrap_or(head);
-    let message = head.get(4..).ok_or_else(cut)?;
+    let message = head.get(4..).ok_or(CUT)?;
     let message = root_as_message(message).map_err(|e| format!("a batch is damaged ({e})"))?;
     Ok((message, body))
 }
@@ -122,6 +129,8 @@ fn batch_in<'a>(batch: &RecordBatch, body: &'a [u8], room: &'a Room) -> Result<B
     })
 }
 
+const COLUMN_CUT: &str = "a column is cut off";
+
 impl<'a> Batch<'a> {
     /// A batch of one run, for tests of how it is packed.
     #[cfg(test)]
@@ -137,20 +146,21 @@ impl<'a> Batch<'a> {
 
     /// The bytes of a run, unpacked; at most `most` of them are needed.
     pub(super) fn buffer(&self, number: usize, most: usize) -> Result<Cow<'a, [u8]>, String> {
-        let cut = || "a column is cut off".to_owned();
-        let (from, length) = *self.buffers.get(number).ok_or_else(cut)?;
-        let (from, length) =
-            usize::try_from(from).ok().zip(usize::try_from(length).ok()).ok_or_else(cut)?;
-        let bytes = self.body.get(from..).and_then(|rest| rest.get(..length)).ok_or_else(cut)?;
+        let (from, length) = *self.buffers.get(number).ok_or(COLUMN_CUT)?;
+        let from = usize::try_from(from).map_err(|_| COLUMN_CUT)?;
+        let length = usize::try_from(length).map_err(|_| COLUMN_CUT)?;
+        let bytes = self.body.get(from..).and_then(|rest| rest.get(..length));
+        let bytes = bytes.ok_or(COLUMN_CUT)?;
         let Some(codec) = self.packed.filter(|_| !bytes.is_empty()) else {
             return Ok(Cow::Borrowed(bytes));
         };
-        let (claimed, packed) = bytes.split_first_chunk::<8>().ok_or_else(cut)?;
+        let (claimed, packed) = bytes.split_first_chunk::<8>().ok_or(COLUMN_CUT)?;
         // What would not have become smaller stands as it is.
         let claimed = match i64::from_le_bytes(*claimed) {
             -1 => return Ok(Cow::Borrowed(packed)),
-            claimed => u64::try_from(claimed).map_err(|_| cut())?,
+            claimed => u64::try_from(claimed).map_err(|_| COLUMN_CUT)?,
         };
+        // A packed column may unpack to anything: the claim is taken from the room before memory is taken.
         let wanted = claimed.min(most as u64);
         self.room.unpack(wanted)?;
         let mut unpacked = Vec::new();
@@ -163,15 +173,14 @@ impl<'a> Batch<'a> {
             _ => return Err("its columns are packed in a way that is not known".to_owned()),
         };
         let read = read.map_err(|e| format!("a column cannot be unpacked ({e})"))?;
-        if read as u64 == wanted { Ok(Cow::Owned(unpacked)) } else { Err(cut()) }
+        if read as u64 == wanted { Ok(Cow::Owned(unpacked)) } else { Err(COLUMN_CUT.to_owned()) }
     }
 
-    /// How many runs of text the column of views has that is the `number`th.
+    /// The number of runs of text that the `number`th column of views has.
     pub(super) fn views(&self, number: usize) -> Result<usize, String> {
         let count = self.views.get(number).and_then(|count| usize::try_from(*count).ok());
-        count
-            .filter(|count| *count <= self.buffers.len())
-            .ok_or_else(|| "a column is cut off".to_owned())
+        let count = count.filter(|count| *count <= self.buffers.len());
+        count.ok_or_else(|| COLUMN_CUT.to_owned())
     }
 }
 
@@ -183,7 +192,7 @@ pub(super) struct Place {
     pub(super) views: usize,
 }
 
-/// What a column takes in each batch.
+/// The runs that a column takes in each batch.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Layout {
     buffers: usize,
@@ -202,8 +211,9 @@ impl Place {
     }
 }
 
-/// What a column takes: its own runs, and those of what it is made of.
+/// The layout of a column: its own runs, and those of its children.
 pub(super) fn layout(field: &Field) -> Layout {
+    // Such a column holds the numbers of words: two runs, whatever the words are.
     if field.dictionary().is_some() {
         return Layout { buffers: 2, views: 0 };
     }

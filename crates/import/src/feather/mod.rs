@@ -16,7 +16,7 @@ use super::limits::{
 use super::spelling::shown;
 use super::table::{Cells, Declared, Table};
 use arrow_ipc::{Block, Endianness, Field, Footer, root_as_footer};
-use batch::{Batch, Layout, Room, batch_of, dictionary_of};
+use batch::{Batch, Dictionary, Layout, Room, batch_of, dictionary_of};
 use std::collections::BTreeMap;
 use std::path::Path;
 use values::{Growing, Kind, Words};
@@ -30,12 +30,10 @@ const MOST_BATCHES: usize = 1 << 14;
 /// Reads the columns that are taken.
 pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, StoreError> {
     check_magic(path, bytes)?;
-    let unreadable = |why: String| unreadable(path, &why);
-    let footer = footer(bytes).map_err(unreadable)?;
-    let schema = footer.schema().ok_or_else(|| unreadable("it names no columns".to_owned()))?;
+    let footer = footer(bytes).map_err(|why| unreadable(path, &why))?;
+    let schema = footer.schema().ok_or_else(|| unreadable(path, "it names no columns"))?;
     if schema.endianness() != Endianness::Little {
-        let what = "its numbers are big-endian".to_owned();
-        return Err(unreadable(what));
+        return Err(unreadable(path, "its numbers are big-endian"));
     }
     let fields: Vec<Field> = schema.fields().into_iter().flatten().collect();
     check_columns(path, fields.len())?;
@@ -47,7 +45,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
         .filter(|place| kinds[*place].is_ok() && take.wants(*place, Some(&names[*place])))
         .collect();
     let room = Room::new();
-    let words = words(bytes, &footer, &room, &taken, &fields, &kinds).map_err(unreadable)?;
+    let words = words(bytes, &footer, &room, &taken, &fields, &kinds)
+        .map_err(|why| unreadable(path, &why))?;
     let mut columns: Vec<Growing> = taken
         .iter()
         .filter_map(|place| kinds[*place].as_ref().ok())
@@ -55,8 +54,9 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
         .collect();
     let layouts: Vec<Layout> = fields.iter().map(batch::layout).collect();
     let mut rows = 0_usize;
-    for block in blocks(footer.recordBatches()).map_err(unreadable)? {
-        let batch = batch_of(bytes, block, &room).map_err(unreadable)?;
+    let blocks = blocks(footer.recordBatches()).map_err(|why| unreadable(path, &why))?;
+    for block in blocks {
+        let batch = batch_of(bytes, block, &room).map_err(|why| unreadable(path, &why))?;
         rows = rows.saturating_add(batch.rows);
         if rows > MOST_WHOLE_ROWS {
             return Err(too_many_rows(path, &format!("more than {MOST_WHOLE_ROWS}")));
@@ -64,12 +64,14 @@ pub(super) fn read(path: &Path, bytes: &[u8], take: &Take) -> Result<Table, Stor
         if !take.budget.cells(batch.rows.saturating_mul(taken.len())) {
             return Err(too_much(path));
         }
-        add(&batch, &layouts, &taken, &mut columns, &words).map_err(unreadable)?;
+        add(&batch, &layouts, &taken, &mut columns, &words)
+            .map_err(|why| unreadable(path, &why))?;
     }
-    let mut found = columns.into_iter().map(Growing::finish);
+    let mut cells = columns.into_iter().map(Growing::finish);
     let columns = kinds.into_iter().enumerate().map(|(place, kind)| match kind {
         Err(why) => Cells::Other(why),
-        Ok(_) if taken.binary_search(&place).is_ok() => found.next().unwrap_or(Cells::Unread),
+        // The places rise, as they were counted up.
+        Ok(_) if taken.binary_search(&place).is_ok() => cells.next().unwrap_or(Cells::Unread),
         Ok(_) => Cells::Unread,
     });
     let columns = columns.collect();
@@ -120,18 +122,19 @@ fn unreadable(path: &Path, why: &str) -> StoreError {
     StoreError::new(path, format!("not a readable Arrow file: {}", shown(why)), REMEDY)
 }
 
-/// What stands at the end of a file: its columns, and where its batches lie.
+/// Reads the end of a file: its columns, and the places of its batches.
 fn footer(bytes: &[u8]) -> Result<Footer<'_>, String> {
-    let cut = || "its footer is cut off".to_owned();
-    let rest = bytes.strip_suffix(MAGIC).ok_or_else(cut)?;
-    let (rest, length) = rest.split_last_chunk::<4>().ok_or_else(cut)?;
-    let length = usize::try_from(i32::from_le_bytes(*length)).map_err(|_| cut())?;
-    let from = rest.len().checked_sub(length).ok_or_else(cut)?;
+    const CUT: &str = "its footer is cut off";
+    let rest = bytes.strip_suffix(MAGIC).ok_or(CUT)?;
+    let (rest, length) = rest.split_last_chunk::<4>().ok_or(CUT)?;
+    let length = usize::try_from(i32::from_le_bytes(*length)).map_err(|_| CUT)?;
+    let from = rest.len().checked_sub(length).ok_or(CUT)?;
     root_as_footer(&rest[from..]).map_err(|e| format!("its footer is damaged ({e})"))
 }
 
-/// Where batches lie: one behind the other, so that none is read twice.
+/// The places of batches. Each lies behind the one before, so that none is read twice.
 fn blocks<'a>(list: Option<impl IntoIterator<Item = &'a Block>>) -> Result<Vec<&'a Block>, String> {
+    // One more than is read: it shows that there are more.
     let blocks: Vec<&Block> = list.into_iter().flatten().take(MOST_BATCHES + 1).collect();
     if blocks.len() > MOST_BATCHES {
         return Err(format!("it has more than {MOST_BATCHES} batches; write it with fewer"));
@@ -168,14 +171,14 @@ fn words(
         .collect();
     let mut all: BTreeMap<i64, Words> = BTreeMap::new();
     for block in blocks(footer.dictionaries())? {
-        let (id, is_delta, batch) = dictionary_of(bytes, block, room)?;
+        let Dictionary { id, is_delta, batch } = dictionary_of(bytes, block, room)?;
         let Some(Kind::Text(form)) = wanted.get(&id) else { continue };
         let words = values::words(&batch, *form)?;
-        let known = all.entry(id).or_default();
+        let dictionary = all.entry(id).or_default();
         if !is_delta {
-            *known = Words::default();
+            *dictionary = Words::default();
         }
-        known.add(words);
+        dictionary.add(words);
     }
     Ok(all)
 }

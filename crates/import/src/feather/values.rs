@@ -8,7 +8,7 @@ use arrow_ipc::{DateUnit, Field, Precision, TimeUnit, Type};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// What a column is to us.
+/// The kind of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Number(Number),
@@ -76,7 +76,7 @@ impl Number {
     }
 }
 
-/// What a column is; `Err` says why it is nothing that is read.
+/// The kind of a column; `Err` says why it cannot be read.
 pub(super) fn kind(field: &Field) -> Result<Kind, String> {
     let text = match field.type_type() {
         Type::Utf8 => Some(Text::Offsets(4)),
@@ -84,7 +84,7 @@ pub(super) fn kind(field: &Field) -> Result<Kind, String> {
         Type::Utf8View => Some(Text::Views),
         _ => None,
     };
-    let known = match (field.dictionary(), text) {
+    let kind = match (field.dictionary(), text) {
         (Some(dictionary), Some(of)) => {
             let index = dictionary.indexType();
             let number = match index {
@@ -97,7 +97,7 @@ pub(super) fn kind(field: &Field) -> Result<Kind, String> {
         (None, Some(text)) => Some(Kind::Text(text)),
         (None, None) => number(field).map(Kind::Number),
     };
-    known.ok_or_else(|| {
+    kind.ok_or_else(|| {
         let name = field.type_type().variant_name().unwrap_or("unknown").trim_end_matches('_');
         format!("its type {name} is neither number nor text")
     })
@@ -105,7 +105,9 @@ pub(super) fn kind(field: &Field) -> Result<Kind, String> {
 
 fn number(field: &Field) -> Option<Number> {
     match field.type_type() {
-        Type::Int => field.type_as_int().and_then(|of| int(of.bitWidth(), of.is_signed())),
+        Type::Int => {
+            field.type_as_int().and_then(|int_type| int(int_type.bitWidth(), int_type.is_signed()))
+        }
         Type::FloatingPoint => match field.type_as_floating_point()?.precision() {
             Precision::SINGLE => Some(Number::Float(4)),
             Precision::DOUBLE => Some(Number::Float(8)),
@@ -139,7 +141,7 @@ pub(super) fn unit(field: &Field) -> Option<&'static str> {
         (TimeUnit::NANOSECOND, "ns"),
     ]
     .into_iter()
-    .find_map(|(known, word)| (known == unit).then_some(word))
+    .find_map(|(other, word)| (other == unit).then_some(word))
 }
 
 fn int(bits: i32, is_signed: bool) -> Option<Number> {
@@ -222,16 +224,17 @@ fn texts(batch: &Batch, at: Place, form: Text, add: Add<str>) -> Result<(), Stri
 
 /// The text of a view: within it, or in one of the runs.
 fn viewed<'v>(view: &'v [u8], runs: &'v [Cow<[u8]>]) -> Option<&'v [u8]> {
-    let number = |at: usize| {
+    let [length, run, from] = [0, 8, 12].map(|at| {
         let four = view.get(at..at + 4)?.try_into().ok()?;
         usize::try_from(i32::from_le_bytes(four)).ok()
-    };
-    let length = number(0)?;
+    });
+    let length = length?;
+    // So short a text stands in the view itself, in place of its run and its offset there.
     if length <= 12 {
         return view.get(4..4 + length);
     }
-    let from = number(12)?;
-    runs.get(number(8)?)?.get(from..from.checked_add(length)?)
+    let from = from?;
+    runs.get(run?)?.get(from..from.checked_add(length)?)
 }
 
 /// The words of a dictionary.
@@ -271,6 +274,7 @@ enum Built {
 impl Growing {
     pub(super) fn new(kind: Kind) -> Self {
         let built = match kind {
+            // Only numbers of eight bytes may have more digits than a double holds.
             Kind::Number(Number::Signed(8) | Number::Unsigned(8)) => Built::Whole(Vec::new()),
             Kind::Number(_) => Built::Numbers(Float64Builder::new()),
             _ => Built::Texts(LargeStringBuilder::new()),
@@ -328,6 +332,7 @@ impl Growing {
 }
 
 fn append(built: &mut LargeStringBuilder, room: &Room, text: Option<&str>) -> Result<(), String> {
+    // Room first: a dictionary has a word once, and a column has it in every row.
     room.text(text)?;
     built.append_option(text);
     Ok(())

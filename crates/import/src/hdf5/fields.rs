@@ -70,7 +70,14 @@ impl Fields {
         }
         let cells = bytes.chunks_exact(self.row).map(|row| &row[field.from..end]);
         if number.kind == Kind::Float {
-            return Some(Cells::Numbers(cells.map(|cell| Some(number.float(cell))).collect()));
+            let floats = cells.map(|cell| {
+                let bits = number.bits(cell);
+                match u32::try_from(bits) {
+                    Ok(bits) if cell.len() == 4 => Some(f64::from(f32::from_bits(bits))),
+                    _ => Some(f64::from_bits(bits)),
+                }
+            });
+            return Some(Cells::Numbers(floats.collect()));
         }
         Some(Cells::whole(cells.map(|cell| Some(number.whole(cell)))))
     }
@@ -93,6 +100,7 @@ fn add_fields(
                 add_fields(members, &format!("{name}/"), from, all)?;
             }
             kind => {
+                // A type may hold types: a few bytes describe very many fields.
                 (all.len() < MOST_COLUMNS).then_some(())?;
                 let size = usize::try_from(kind.type_size()).ok()?;
                 all.push(Field { name, from, size, number: number(kind) });
@@ -142,15 +150,12 @@ fn number(kind: &Datatype) -> Option<Number> {
 impl Number {
     /// The bits of a cell of at most eight bytes.
     fn bits(self, cell: &[u8]) -> u64 {
-        let add = |bits: u64, byte: &u8| bits << 8 | u64::from(*byte);
-        if self.big { cell.iter().fold(0, add) } else { cell.iter().rev().fold(0, add) }
-    }
-
-    fn float(self, cell: &[u8]) -> f64 {
-        match u32::try_from(self.bits(cell)) {
-            Ok(bits) if cell.len() == 4 => f64::from(f32::from_bits(bits)),
-            _ => f64::from_bits(self.bits(cell)),
+        let mut bytes = cell.iter();
+        let mut bits = 0;
+        while let Some(byte) = if self.big { bytes.next() } else { bytes.next_back() } {
+            bits = bits << 8 | u64::from(*byte);
         }
+        bits
     }
 
     #[allow(clippy::cast_possible_wrap)] // The sign is in the highest bit.
@@ -176,25 +181,25 @@ pub(super) fn octave_range(data: &Dataset) -> Option<Result<Vec<f64>, String>> {
         return None;
     }
     let Ok(bytes) = data.read_raw() else { return Some(Err("a range cannot be read".to_owned())) };
-    let part = |name| match fields.values(name, &bytes, 1)? {
-        Cells::Numbers(values) => values.iter().next().flatten(),
+    let parts = ["base", "limit", "increment"].map(|name| match fields.values(name, &bytes, 1) {
+        Some(Cells::Numbers(values)) => values.iter().next().flatten(),
         _ => None,
-    };
-    let (Some(base), Some(limit), Some(step)) = (part("base"), part("limit"), part("increment"))
-    else {
+    });
+    let [Some(base), Some(limit), Some(step)] = parts else {
         return Some(Err("a range has no numbers".to_owned()));
     };
     let named = data.attrs().ok().and_then(|all| all.get(COUNT).and_then(AttrValue::as_u64));
+    // Where the attribute is missing; the quotient may lie a hair below a whole number.
     let counted = ((limit - base) / step * (1.0 + f64::EPSILON)).floor() + 1.0;
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // What is no number is 0.
     let count = named.unwrap_or(counted as u64).min(u64::from(u32::MAX));
     if count > super::super::limits::MOST_WHOLE_ROWS as u64 {
         return Some(Err(format!("a range has {count} values, and fewer are read")));
     }
-    let value = |i: u64| {
+    let values = (0..count).map(|i| {
         #[allow(clippy::cast_precision_loss)] // Checked.
         let value = base + i as f64 * step;
         if step > 0.0 { value.min(limit) } else { value.max(limit) }
-    };
-    Some(Ok((0..count).map(value).collect()))
+    });
+    Some(Ok(values.collect()))
 }

@@ -52,19 +52,20 @@ pub(super) fn put_beginning(bytes: &mut [u8]) {
     let version = bytes[base + 8];
     let addresses = base + if version < 2 { 24 + 4 * usize::from(version) } else { 12 };
     // Behind the address of the file's beginning and another one: that of its end.
-    let read = |at: usize| raw.number(at, size);
-    let (Some(named), Some(end)) = (read(addresses), read(addresses + 2 * size)) else { return };
+    let start = raw.number(addresses, size);
+    let end = raw.number(addresses + 2 * size, size);
+    let (Some(named), Some(end)) = (start, end) else { return };
     if named == base as u64 {
         return;
     }
     // Behind four addresses; what has another checksum is damaged.
     let summed = addresses + 4 * size;
-    let is_whole = || {
+    if version >= 2 {
         let sum = bytes.get(base..summed).map(|block| checksum(block).to_le_bytes());
-        sum.is_some() && bytes.get(summed..summed + 4) == sum.as_ref().map(|sum| &sum[..])
-    };
-    if version >= 2 && !is_whole() {
-        return;
+        let stored = bytes.get(summed..summed + 4);
+        if sum.is_none() || stored != sum.as_ref().map(|sum| &sum[..]) {
+            return;
+        }
     }
     let end = end.wrapping_sub(named).wrapping_add(base as u64);
     bytes[addresses..addresses + size].copy_from_slice(&(base as u64).to_le_bytes()[..size]);
@@ -80,19 +81,19 @@ pub(super) fn put_beginning(bytes: &mut [u8]) {
 fn checksum(bytes: &[u8]) -> u32 {
     let length = u32::try_from(bytes.len()).unwrap_or(u32::MAX);
     let [mut a, mut b, mut c] = [0xdead_beef_u32.wrapping_add(length); 3];
-    let word = |block: &[u8], at: usize| {
-        let bytes = block.iter().skip(at).take(4).rev();
-        bytes.fold(0_u32, |word, byte| word << 8 | u32::from(*byte))
-    };
     let mut rest = bytes;
     loop {
         let (block, behind) = rest.split_at(rest.len().min(12));
         if block.is_empty() {
             return c;
         }
-        a = a.wrapping_add(word(block, 0));
-        b = b.wrapping_add(word(block, 4));
-        c = c.wrapping_add(word(block, 8));
+        let [x, y, z] = [0, 4, 8].map(|at| {
+            let bytes = block.iter().skip(at).take(4).rev();
+            bytes.fold(0_u32, |word, byte| word << 8 | u32::from(*byte))
+        });
+        a = a.wrapping_add(x);
+        b = b.wrapping_add(y);
+        c = c.wrapping_add(z);
         if behind.is_empty() {
             break;
         }

@@ -19,7 +19,7 @@ const MOST_HOPS: usize = 16;
 /// Types of messages of an object's header.
 const LINK: u16 = 0x06;
 const SYMBOL_TABLE: u16 = 0x11;
-/// What an entry of a symbol table says that it is where it is a soft link.
+/// The kind of an entry of a symbol table that is a soft link.
 const IS_SOFT: u64 = 2;
 
 /// Where a link leads.
@@ -43,8 +43,14 @@ impl Links {
         if let Some((raw, root)) = Raw::open(bytes) {
             walk.groups(&raw, root);
         }
-        for table in &walk.tables {
-            table.without_soft_links(bytes);
+        for SymbolTable { entries, size, stay } in &walk.tables {
+            for (to, from) in stay.iter().enumerate() {
+                let from = entries + from * size;
+                bytes.copy_within(from..from + size, entries + to * size);
+            }
+            // No more than there were, which two bytes held.
+            let count = u16::try_from(stay.len()).unwrap_or(u16::MAX).to_le_bytes();
+            bytes[entries - 2..*entries].copy_from_slice(&count);
         }
         Self(walk.links)
     }
@@ -100,18 +106,6 @@ struct SymbolTable {
     stay: Vec<usize>,
 }
 
-impl SymbolTable {
-    fn without_soft_links(&self, bytes: &mut [u8]) {
-        for (to, from) in self.stay.iter().enumerate() {
-            let from = self.entries + from * self.size;
-            bytes.copy_within(from..from + self.size, self.entries + to * self.size);
-        }
-        // No more than there were, which two bytes held.
-        let count = u16::try_from(self.stay.len()).unwrap_or(u16::MAX).to_le_bytes();
-        bytes[self.entries - 2..self.entries].copy_from_slice(&count);
-    }
-}
-
 /// A group on the way through a file.
 struct Group {
     header: usize,
@@ -119,7 +113,7 @@ struct Group {
     depth: usize,
 }
 
-/// What is found on the way through a file: each byte is looked at once, whatever leads to it.
+/// A walk through a file, which looks at each byte once, whatever leads to it.
 #[derive(Default)]
 struct Walk {
     links: BTreeMap<String, Target>,
@@ -159,6 +153,7 @@ impl Walk {
             kind = raw.number(next, 1)?;
             next += 1;
         }
+        // The order of its creation, and the character set of its name.
         next += if flags & 0x04 != 0 { 8 } else { 0 };
         next += usize::from(flags & 0x10 != 0);
         let size = 1 << (flags & 3);
@@ -197,6 +192,7 @@ impl Walk {
                 self.entries(raw, group, names, node)?;
             } else if raw.has(node, b"TREE") {
                 let children = usize::try_from(raw.number(node + 6, 2)?).ok()?;
+                // Behind the head and both neighbours keys and children take turns, a key first.
                 let first = node + 8 + 2 * raw.address_size + raw.length_size;
                 let step = raw.address_size + raw.length_size;
                 for child in 0..children {

@@ -26,6 +26,7 @@ use hdf5_pure::{AttrValue, DType, Dataset, Datatype, DatatypeByteOrder, File, Gr
 use links::{Links, MOST_DEPTH};
 use packing::{CHANNEL_FACTORS, Packing};
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use zwidth_store::StoreError;
@@ -33,10 +34,10 @@ use zwidth_store::StoreError;
 /// Names that an error lists.
 const MOST_LISTED: usize = 20;
 
-/// What MATLAB keeps beside the variables.
+/// Groups that MATLAB keeps beside the variables.
 const OF_MATLAB: [&str; 2] = ["#refs#", "#subsystem#"];
 
-/// Which dimension of a matrix counts its rows.
+/// The dimension of a matrix that counts its rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
     /// The first: HDF5's own, as h5py writes it.
@@ -69,12 +70,9 @@ pub(super) fn is_hdf5(bytes: &[u8]) -> bool {
     raw::Raw::open(bytes).is_some()
 }
 
-fn unreadable(path: &Path, why: &str) -> StoreError {
-    StoreError::new(path, format!("not an HDF5 file that is read here: {}", shown(why)), HDF5)
-}
-
-fn open(path: &Path, bytes: Vec<u8>) -> Result<File, StoreError> {
-    File::from_bytes(bytes).map_err(|e| unreadable(path, &e.to_string()))
+fn unreadable(path: &Path, why: impl Display) -> StoreError {
+    let why = why.to_string();
+    StoreError::new(path, format!("not an HDF5 file that is read here: {}", shown(&why)), HDF5)
 }
 
 /// Reads the vectors of a file, those of one group alone if `within` names it.
@@ -85,8 +83,18 @@ fn vectors(file: &Opened, within: Option<&str>, take: &Take) -> Result<Table, St
         let Some(before) = beginning(&group.before, within) else { continue };
         let first = table.columns.len();
         check_columns(path, first + group.names.len())?;
-        let names: Vec<String> =
-            group.names.iter().map(|name| spelled(format!("{before}{name}"), take)).collect();
+        // As the mapping spells it: MATLAB has points where HDF5 has strokes.
+        let names = group.names.iter().map(|name| {
+            let full = format!("{before}{name}");
+            let dotted = take.columns.iter().find_map(|column| match column {
+                ColumnRef::Name(name) if name.contains('.') && name.replace('.', "/") == full => {
+                    Some(name.clone())
+                }
+                _ => None,
+            });
+            dotted.unwrap_or(full)
+        });
+        let names: Vec<String> = names.collect();
         names.iter().try_for_each(|name| check_name(path, name))?;
         let wants: Vec<bool> = (first..).zip(&names).map(|(i, n)| take.wants(i, Some(n))).collect();
         let opened = group.open(path, &wants)?;
@@ -101,16 +109,16 @@ fn vectors(file: &Opened, within: Option<&str>, take: &Take) -> Result<Table, St
     // Links, columns of matrices and fields of tables are columns where they are asked for by name.
     for column in &take.columns {
         let ColumnRef::Name(name) = column else { continue };
-        if table.names.iter().flatten().any(|known| known == name) {
+        if table.names.iter().flatten().any(|other| other == name) {
             continue;
         }
-        if let Some(column) = file.asked_for(within, name, take)? {
+        if let Some(column) = file.named_column(within, name, take)? {
             column.add_to(&mut table, name.clone());
         }
     }
     let names = table.names.iter().flatten();
     if take.columns.iter().any(|column| match column {
-        ColumnRef::Name(name) => !names.clone().any(|known| known == name),
+        ColumnRef::Name(name) => !names.clone().any(|other| other == name),
         ColumnRef::Position(_) => false,
     }) {
         table.hidden = file.hidden()?;
@@ -127,27 +135,16 @@ fn beginning<'a>(before: &'a str, within: Option<&str>) -> Option<&'a str> {
     }
 }
 
-/// A path as the mapping spells it: MATLAB has points where HDF5 has strokes.
-fn spelled(full: String, take: &Take) -> String {
-    let dotted = take.columns.iter().find_map(|column| match column {
-        ColumnRef::Name(name) if name.contains('.') && name.replace('.', "/") == full => {
-            Some(name.clone())
-        }
-        _ => None,
-    });
-    dotted.unwrap_or(full)
-}
-
-/// A data set as a column, and what is said of it.
+/// A data set as a column, and a note on how it was read.
 struct Column {
     cells: Cells,
-    told: Option<String>,
+    note: Option<String>,
     unit: Option<String>,
 }
 
 impl From<Cells> for Column {
     fn from(cells: Cells) -> Self {
-        Self { cells, told: None, unit: None }
+        Self { cells, note: None, unit: None }
     }
 }
 
@@ -157,7 +154,7 @@ impl Column {
             let place = table.columns.len();
             table.units.insert(place, Declared { unit, is_type: false });
         }
-        table.told.extend(self.told.map(|told| format!("column {}: {told}", shown(&name))));
+        table.told.extend(self.note.map(|note| format!("column {}: {note}", shown(&name))));
         table.names.get_or_insert_default().push(name);
         table.columns.push(self.cells);
     }
@@ -173,26 +170,27 @@ fn linked(
     links: &Links,
     name: &str,
 ) -> Result<Option<Dataset>, StoreError> {
-    let refused = |what: String| {
+    let data = links.follow(name).and_then(|target| {
+        let Some(target) = target else { return Ok(None) };
+        file.dataset(&target).map(Some).map_err(|e| {
+            format!("it is a link to '{target}', which is no data set of the file: {e}")
+        })
+    });
+    data.map_err(|what| {
         let remedy = "name the data set itself, or copy it into this file where the link is";
         StoreError::new(path, shown(&what), remedy).column(shown(name))
-    };
-    let Some(target) = links.follow(name).map_err(refused)? else { return Ok(None) };
-    let found = file.dataset(&target);
-    found.map(Some).map_err(|e| {
-        refused(format!("it is a link to '{target}', which is no data set of the file: {e}"))
     })
 }
 
 /// A group, with the names of its data sets.
-struct Found {
+struct DataGroup {
     group: Group,
     /// The path of the group, ending in a stroke, or nothing for the root.
     before: String,
     names: Vec<String>,
     /// Whether Octave wrote it: a variable, of which `value` has the dimensions as MATLAB has them.
     is_octave: bool,
-    /// What its data sets are where they are no numbers of their own.
+    /// The class of its data sets if they hold no numbers of their own.
     class: Option<String>,
 }
 
@@ -200,38 +198,37 @@ struct Found {
 /// open them all at once keeps the header of each in memory.
 const MOST_BY_NAME: usize = 32;
 
-impl Found {
+impl DataGroup {
     /// The path of a data set.
     fn full(&self, name: &str) -> String {
         format!("{}{name}", self.before)
     }
 
-    /// Those of its data sets that are wanted, in the order of their names.
+    /// Opens the data sets that are wanted, in the order of their names.
     fn open(&self, path: &Path, wants: &[bool]) -> Result<Vec<Option<Dataset>>, StoreError> {
-        let failed = |e: hdf5_pure::Error| unreadable(path, &e.to_string());
-        if wants.iter().filter(|wants| **wants).count() > MOST_BY_NAME {
-            let all = self.group.iter_datasets().map_err(failed)?;
-            let mut all: BTreeMap<String, Dataset> = all.collect();
-            let open = |(name, wants): (&String, &bool)| wants.then(|| all.remove(name)).flatten();
-            return Ok(self.names.iter().zip(wants).map(open).collect());
+        let opens_all = wants.iter().filter(|wants| **wants).count() > MOST_BY_NAME;
+        let mut all = BTreeMap::new();
+        if opens_all {
+            all.extend(self.group.iter_datasets().map_err(|e| unreadable(path, e))?);
         }
-        let open = |(name, wants): (&String, &bool)| {
-            wants.then(|| self.group.dataset(name).map_err(failed)).transpose()
-        };
-        self.names.iter().zip(wants).map(open).collect()
+        let opened = self.names.iter().zip(wants).map(|(name, wants)| match wants {
+            false => Ok(None),
+            true if opens_all => Ok(all.remove(name)),
+            true => self.group.dataset(name).map(Some).map_err(|e| unreadable(path, e)),
+        });
+        opened.collect()
     }
 }
 
 /// The groups of a file, each with the names of its data sets. The links of a group are gone through
 /// a fixed number of times, however many they are.
-fn groups(path: &Path, file: &File) -> Result<Vec<Found>, StoreError> {
-    let failed = |e: hdf5_pure::Error| unreadable(path, &e.to_string());
+fn groups(path: &Path, file: &File) -> Result<Vec<DataGroup>, StoreError> {
     let mut left = vec![(String::new(), file.root(), 0)];
     let mut all = Vec::new();
     let mut visited = 0;
     while let Some((before, group, depth)) = left.pop() {
-        let names = group.datasets().map_err(failed)?;
-        let within = group.iter_groups().map_err(failed)?;
+        let names = group.datasets().map_err(|e| unreadable(path, e))?;
+        let within = group.iter_groups().map_err(|e| unreadable(path, e))?;
         for (name, group) in within.filter(|(name, _)| !OF_MATLAB.contains(&name.as_str())) {
             visited += 1;
             if depth == MOST_DEPTH || visited > MOST_COLUMNS {
@@ -240,7 +237,7 @@ fn groups(path: &Path, file: &File) -> Result<Vec<Found>, StoreError> {
             }
             left.push((format!("{before}{name}/"), group, depth + 1));
         }
-        let attributes = group.attrs().map_err(failed)?;
+        let attributes = group.attrs().map_err(|e| unreadable(path, e))?;
         let is_octave = attributes.contains_key("OCTAVE_NEW_FORMAT");
         let class = if attributes.contains_key("MATLAB_sparse")
             || ["ridx", "cidx"].iter().all(|part| names.iter().any(|name| name == part))
@@ -255,7 +252,7 @@ fn groups(path: &Path, file: &File) -> Result<Vec<Found>, StoreError> {
         } else {
             None
         };
-        all.push(Found { group, before, names, is_octave, class });
+        all.push(DataGroup { group, before, names, is_octave, class });
     }
     Ok(all)
 }
@@ -268,16 +265,17 @@ struct Opened<'a> {
     order: Order,
     file: File,
     links: Links,
-    groups: Vec<Found>,
+    groups: Vec<DataGroup>,
 }
 
 impl<'a> Opened<'a> {
     fn new(path: &'a Path, mut bytes: Vec<u8>, order: Order) -> Result<Self, StoreError> {
         let length = bytes.len() as u64;
+        // What the library cannot read is changed before it sees the bytes.
         let links = Links::take_out(&mut bytes);
         layout::put_beginning(&mut bytes);
         layout::make_older(&mut bytes);
-        let file = open(path, bytes)?;
+        let file = File::from_bytes(bytes).map_err(|e| unreadable(path, e))?;
         let groups = groups(path, &file)?;
         Ok(Self { path, length, order, file, links, groups })
     }
@@ -288,7 +286,7 @@ impl<'a> Opened<'a> {
         for group in self.groups.iter().filter(|group| group.before.is_empty()) {
             for name in group.names.iter().take(MOST_LISTED) {
                 let data = group.group.dataset(name);
-                let data = data.map_err(|e| unreadable(self.path, &e.to_string()))?;
+                let data = data.map_err(|e| unreadable(self.path, e))?;
                 let class = class(group, name, &data).filter(|class| is_object(class));
                 hidden.extend(class.map(|class| format!("'{}' is {class}", shown(name))));
             }
@@ -297,12 +295,12 @@ impl<'a> Opened<'a> {
     }
 
     /// The data set at a path, with its group and its own name.
-    fn find(&self, full: &str) -> Result<Option<(&Found, &str, Dataset)>, StoreError> {
+    fn find(&self, full: &str) -> Result<Option<(&DataGroup, &str, Dataset)>, StoreError> {
         for group in &self.groups {
             let Some(name) = full.strip_prefix(&group.before) else { continue };
-            if let Some(name) = group.names.iter().find(|known| *known == name) {
+            if let Some(name) = group.names.iter().find(|own| *own == name) {
                 let data = group.group.dataset(name);
-                let data = data.map_err(|e| unreadable(self.path, &e.to_string()))?;
+                let data = data.map_err(|e| unreadable(self.path, e))?;
                 return Ok(Some((group, name, data)));
             }
         }
@@ -311,7 +309,7 @@ impl<'a> Opened<'a> {
 
     /// A column that no vector of the file is: what a link leads to, a column of a matrix, `rig/data(2)`, or
     /// the field of a table, `rig/data/force`.
-    fn asked_for(
+    fn named_column(
         &self,
         within: Option<&str>,
         name: &str,
@@ -319,26 +317,26 @@ impl<'a> Opened<'a> {
     ) -> Result<Option<Column>, StoreError> {
         let full = within.map_or_else(|| name.to_owned(), |within| format!("{within}/{name}"));
         if let Some(data) = linked(self.path, &self.file, &self.links, &full)? {
-            // What a group says of its data sets is said of those that lie in it.
+            // What a group says of its data sets is meant for those that lie in it, not for this one.
             let Some(group) = self.groups.first() else { return Ok(None) };
             return self.vector(group, "", &data, take).map(Some);
         }
+        // As written first: the name of a data set may itself have a point.
         for full in [full.clone(), full.replace('.', "/")] {
-            if let Some((matrix, place)) = place_in_matrix(&full)
+            if let Some((matrix, place)) = full.strip_suffix(')').and_then(|s| s.rsplit_once('('))
+                && let Some(place) = place.parse::<usize>().ok().and_then(|n| n.checked_sub(1))
                 && let Some((group, own_name, data)) = self.find(matrix)?
             {
                 let mut all =
                     self.matrix(group, own_name, matrix, &data, &|at| at == place, take)?;
-                let wrong = || {
-                    let what = format!("it has {} columns", all.columns.len());
-                    StoreError::new(self.path, what, "name one of them, from 1").column(name)
-                };
                 if place >= all.columns.len() {
-                    return Err(wrong());
+                    let what = format!("it has {} columns", all.columns.len());
+                    let error = StoreError::new(self.path, what, "name one of them, from 1");
+                    return Err(error.column(name));
                 }
                 let unit = all.units.remove(&place).map(|declared| declared.unit);
                 let cells = all.columns.swap_remove(place);
-                return Ok(Some(Column { cells, told: all.told.pop(), unit }));
+                return Ok(Some(Column { cells, note: all.told.pop(), unit }));
             }
             for (at, _) in full.match_indices('/') {
                 if let Some((_, _, data)) = self.find(&full[..at])?
@@ -369,21 +367,21 @@ impl<'a> Opened<'a> {
         if !take.budget.cells(rows) {
             return Err(too_much(path));
         }
-        let bytes = data.read_raw().map_err(|e| unreadable(path, &e.to_string()))?;
+        let bytes = data.read_raw().map_err(|e| unreadable(path, e))?;
         Ok(fields.values(name, &bytes, rows))
     }
 
     /// A data set as a column: its values if it is a vector of numbers, else why not.
     fn vector(
         &self,
-        group: &Found,
+        group: &DataGroup,
         own_name: &str,
         data: &Dataset,
         take: &Take,
     ) -> Result<Column, StoreError> {
         let path = self.path;
         if let Some(range) = octave_range(data) {
-            let range = range.map_err(|what| unreadable(path, &what))?;
+            let range = range.map_err(|what| unreadable(path, what))?;
             if range.len() > MOST_WHOLE_ROWS || !take.budget.cells(range.len()) {
                 return Err(too_much(path));
             }
@@ -426,16 +424,17 @@ impl<'a> Opened<'a> {
         if !take.budget.cells(rows) {
             return Err(too_much(path));
         }
-        let told = packing.words(None);
+        let note = packing.words(None);
         let cells = match data.dtype() {
+            // Whole numbers keep every digit, unless attributes make others of them.
             Ok(DType::I64) if packing.is_plain() => {
                 check_size(path, data, rows, self.length)?;
-                let values = data.read_i64().map_err(|e| unreadable(path, &e.to_string()))?;
+                let values = data.read_i64().map_err(|e| unreadable(path, e))?;
                 Cells::whole(values.iter().map(|value| Some(i128::from(*value))))
             }
             Ok(DType::U64) if packing.is_plain() => {
                 check_size(path, data, rows, self.length)?;
-                let values = data.read_u64().map_err(|e| unreadable(path, &e.to_string()))?;
+                let values = data.read_u64().map_err(|e| unreadable(path, e))?;
                 Cells::whole(values.iter().map(|value| Some(i128::from(*value))))
             }
             _ => {
@@ -446,15 +445,15 @@ impl<'a> Opened<'a> {
         if cells.len() != rows {
             let what =
                 format!("a data set says that it has {rows} values, and has {}", cells.len());
-            return Err(unreadable(path, &what));
+            return Err(unreadable(path, what));
         }
-        Ok(Column { cells, told, unit: packing.unit })
+        Ok(Column { cells, note, unit: packing.unit })
     }
 
     /// A matrix' columns by position, those that are wanted; a table's fields by name.
     fn matrix(
         &self,
-        group: &Found,
+        group: &DataGroup,
         own_name: &str,
         full: &str,
         data: &Dataset,
@@ -466,8 +465,9 @@ impl<'a> Opened<'a> {
         if let Some(class) = class(group, own_name, data) {
             return Err(StoreError::new(path, format!("it is {class}"), HDF5).column(full));
         }
-        let of_matlab = data.attrs().is_ok_and(|all| all.contains_key("MATLAB_class"));
-        let by_columns = group.is_octave || of_matlab || self.order == Order::Columns;
+        let is_matlab = data.attrs().is_ok_and(|all| all.contains_key("MATLAB_class"));
+        let by_columns = group.is_octave || is_matlab || self.order == Order::Columns;
+        // Turned, a matrix of either kind lies as one of the other kind.
         let order = if by_columns == take.turned { Order::Rows } else { Order::Columns };
         let (rows, columns) = match (size.as_slice(), order) {
             (&[rows], _) => (rows, 1),
@@ -516,16 +516,10 @@ impl<'a> Opened<'a> {
     }
 }
 
-/// The matrix and the place (from 0) that a name such as `rig/data(2)` means.
-fn place_in_matrix(name: &str) -> Option<(&str, usize)> {
-    let (matrix, place) = name.strip_suffix(')')?.rsplit_once('(')?;
-    Some((matrix, place.parse::<usize>().ok()?.checked_sub(1)?))
-}
-
 /// What the attributes of a data set say of its numbers, and the factor of each of its channels where NWB has
 /// them in a data set beside it.
 fn packing(
-    group: &Found,
+    group: &DataGroup,
     own_name: &str,
     data: &Dataset,
 ) -> Result<(Packing, Option<Vec<f64>>), String> {
@@ -551,11 +545,11 @@ fn no_matrix(path: &Path, matrix: &str, what: String) -> StoreError {
 fn columns(file: &Opened, matrix: &str, take: &Take) -> Result<Table, StoreError> {
     let path = file.path;
     let slashed = matrix.replace('.', "/");
-    let found = match file.find(matrix)? {
+    let data_set = match file.find(matrix)? {
         None => file.find(&slashed)?,
-        found => found,
+        data_set => data_set,
     };
-    if let Some((group, own_name, data)) = found {
+    if let Some((group, own_name, data)) = data_set {
         if let Some(fields) = Fields::new(&data) {
             let mut table = Table::default();
             for (place, name) in fields.names().enumerate() {
@@ -563,8 +557,10 @@ fn columns(file: &Opened, matrix: &str, take: &Take) -> Result<Table, StoreError
                     true => file.field(&data, &fields, name, take)?,
                     false => Some(Cells::Unread),
                 };
-                let other = || Cells::Other("it is a field without numbers of its own".to_owned());
-                Column::from(cells.unwrap_or_else(other)).add_to(&mut table, name.to_owned());
+                let cells = cells.unwrap_or_else(|| {
+                    Cells::Other("it is a field without numbers of its own".to_owned())
+                });
+                Column::from(cells).add_to(&mut table, name.to_owned());
             }
             return Ok(table);
         }
@@ -590,19 +586,20 @@ fn columns(file: &Opened, matrix: &str, take: &Take) -> Result<Table, StoreError
 
 /// The dimensions of a data set; none of a single value.
 fn size(path: &Path, data: &Dataset) -> Result<Vec<usize>, StoreError> {
-    let size = data.shape().map_err(|e| unreadable(path, &e.to_string()))?;
+    let size = data.shape().map_err(|e| unreadable(path, e))?;
     Ok(size.into_iter().map(|n| usize::try_from(n).unwrap_or(usize::MAX)).collect())
 }
 
-/// What a data set is where it is not one of real numbers.
-fn class(group: &Found, own_name: &str, data: &Dataset) -> Option<String> {
+/// The class of a data set that holds no real numbers.
+fn class(group: &DataGroup, own_name: &str, data: &Dataset) -> Option<String> {
     use DType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
     let attributes = data.attrs().unwrap_or_default();
+    // Before the type: the values of an empty array are its dimensions.
     if attributes.contains_key("MATLAB_empty") {
         return Some("empty".to_owned());
     }
-    let of_matlab = attributes.get("MATLAB_class").and_then(AttrValue::as_str);
-    let other = of_matlab.and_then(|class| other_class(class, own_name));
+    let matlab_class = attributes.get("MATLAB_class").and_then(AttrValue::as_str);
+    let other = matlab_class.and_then(|class| other_class(class, own_name));
     if let Some(class) = other.or_else(|| group.class.clone()) {
         return Some(class);
     }
@@ -618,11 +615,11 @@ fn class(group: &Found, own_name: &str, data: &Dataset) -> Option<String> {
 
 /// Checks what a data set of `n` values claims against what is read, in a file of so many bytes.
 fn check_size(path: &Path, data: &Dataset, n: usize, length: u64) -> Result<(), StoreError> {
-    let failed = |e: hdf5_pure::Error| unreadable(path, &e.to_string());
     // A chunk that is not there is made of its fill value: the size claimed counts, of a chunk too.
-    let chunk = data.chunk_shape().map_err(failed)?.unwrap_or_default();
-    let chunk = chunk.iter().fold(1_u64, |n, of| n.saturating_mul(*of));
-    let item = data.element_size().map_err(failed)?.max(8);
+    let chunk = data.chunk_shape().map_err(|e| unreadable(path, e))?.unwrap_or_default();
+    let chunk = chunk.iter().fold(1_u64, |n, size| n.saturating_mul(*size));
+    // A value takes eight bytes when it is read, however few it has in the file.
+    let item = data.element_size().map_err(|e| unreadable(path, e))?.max(8);
     let claimed = chunk.max(n as u64).saturating_mul(item);
     if claimed > MOST_UNPACKED {
         let what =
@@ -630,7 +627,10 @@ fn check_size(path: &Path, data: &Dataset, n: usize, length: u64) -> Result<(), 
         return Err(StoreError::new(path, what, "split it, or save it in chunks of fewer values"));
     }
     // Memory is taken for a chunk before it is read.
-    let chunks = if data.is_chunked() { data.chunks().map_err(failed)? } else { Vec::new() };
+    let chunks = match data.is_chunked() {
+        true => data.chunks().map_err(|e| unreadable(path, e))?,
+        false => Vec::new(),
+    };
     if chunks.iter().any(|chunk| chunk.storage_size > length) {
         return Err(unreadable(path, "it is cut off or damaged: a chunk is longer than the file"));
     }
@@ -640,23 +640,22 @@ fn check_size(path: &Path, data: &Dataset, n: usize, length: u64) -> Result<(), 
 /// The values of a data set, `n` of them, as they lie in a file of so many bytes.
 fn values(path: &Path, length: u64, data: &Dataset, n: usize) -> Result<Vec<f64>, StoreError> {
     check_size(path, data, n, length)?;
-    let failed = |e: hdf5_pure::Error| unreadable(path, &e.to_string());
     let values = match half(data) {
         Some(order) => {
-            let bytes = data.read_raw().map_err(failed)?;
+            let bytes = data.read_raw().map_err(|e| unreadable(path, e))?;
             let halves = bytes.chunks_exact(2).map(|half| match order {
                 DatatypeByteOrder::BigEndian => u16::from_be_bytes([half[0], half[1]]),
                 _ => u16::from_le_bytes([half[0], half[1]]),
             });
-            halves.map(of_half).collect()
+            halves.map(number_of_half).collect()
         }
-        None => data.read_f64().map_err(failed)?,
+        None => data.read_f64().map_err(|e| unreadable(path, e))?,
     };
     if values.len() == n {
         return Ok(values);
     }
     let what = format!("a data set says that it has {n} values, and has {}", values.len());
-    Err(unreadable(path, &what))
+    Err(unreadable(path, what))
 }
 
 /// The order of the bytes of numbers of two bytes (IEEE 754 binary16), which the library does not read;
@@ -674,7 +673,7 @@ fn half(data: &Dataset) -> Option<DatatypeByteOrder> {
 }
 
 /// The number of these bits of binary16.
-fn of_half(bits: u16) -> f64 {
+fn number_of_half(bits: u16) -> f64 {
     let fraction = f64::from(bits & 0x3ff) / 1024.0;
     let value = match i32::from(bits >> 10 & 0x1f) {
         0 => fraction * 2_f64.powi(-14),

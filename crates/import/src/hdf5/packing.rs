@@ -18,7 +18,7 @@ pub(super) const CHANNEL_FACTORS: &str = "channel_conversion";
 const MOST_NAMED: usize = 8;
 const MISSING: [&str; 2] = ["_FillValue", "missing_value"];
 
-/// How the numbers of a data set become those that are meant.
+/// The conversion of stored numbers to those that are meant.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Packing {
     factor: f64,
@@ -34,22 +34,14 @@ pub(super) struct Packing {
 }
 
 impl Packing {
-    /// What the attributes of a data set say.
+    /// Reads the attributes of a data set.
     ///
     /// # Errors
     /// Why they cannot be applied, in words.
     pub(super) fn new(data: &Dataset) -> Result<Self, String> {
-        let failed = |e: hdf5_pure::Error| format!("its attributes cannot be read: {e}");
         // The library passes by values that it cannot decode; their names stand here all the same.
         let kinds = data.attr_datatypes().map_err(failed)?;
         let values = data.attrs().map_err(failed)?;
-        let number = |name: &'static str| match (kinds.contains_key(name), values.get(name)) {
-            (false, _) => Ok(None),
-            (true, value) => match value.and_then(numbers).as_deref() {
-                Some([number]) if number.is_finite() => Ok(Some(*number)),
-                _ => Err(format!("its attribute '{name}' is not one finite number; {REMEDY}")),
-            },
-        };
         let mut packing = Self {
             factor: 1.0,
             offset: 0.0,
@@ -62,7 +54,16 @@ impl Packing {
             [(FACTORS, &mut packing.factor, 1.0), (OFFSETS, &mut packing.offset, 0.0)]
         {
             for name in names {
-                let Some(number) = number(name)? else { continue };
+                if !kinds.contains_key(name) {
+                    continue;
+                }
+                let number = match values.get(name).and_then(numbers).as_deref() {
+                    Some([number]) if number.is_finite() => *number,
+                    _ => {
+                        let what = format!("its attribute '{name}' is not one finite number");
+                        return Err(format!("{what}; {REMEDY}"));
+                    }
+                };
                 #[allow(clippy::float_cmp)] // What changes no number.
                 if number == neutral {
                     continue;
@@ -74,19 +75,21 @@ impl Packing {
                 packing.names.push(name);
             }
         }
-        let of_nwb = |name: &&str| [FACTORS[1], OFFSETS[1]].contains(name);
-        if packing.names.iter().any(of_nwb) && !packing.names.iter().all(of_nwb) {
+        let nwb = packing.names.iter().filter(|name| [FACTORS[1], OFFSETS[1]].contains(name));
+        let nwb = nwb.count();
+        if nwb > 0 && nwb < packing.names.len() {
             let names = packing.names.join("' and '");
             return Err(format!(
                 "it has the attributes '{names}' beside each other, and which is meant nobody knows; {REMEDY}"
             ));
         }
         for name in MISSING.into_iter().filter(|name| kinds.contains_key(*name)) {
-            let found = values.get(name).and_then(numbers);
-            let found =
-                found.ok_or_else(|| format!("its attribute '{name}' is not a number; {REMEDY}"))?;
-            packing.missing.extend(found);
+            let missing = values.get(name).and_then(numbers);
+            let missing = missing
+                .ok_or_else(|| format!("its attribute '{name}' is not a number; {REMEDY}"))?;
+            packing.missing.extend(missing);
         }
+        // NetCDF 3 has no unsigned numbers: the attribute says that one below 0 is past the highest.
         let is_unsigned = values.get("_Unsigned").and_then(AttrValue::as_str);
         if is_unsigned.is_some_and(|word| word.eq_ignore_ascii_case("true")) {
             let bits = data.element_size().map_err(failed)?.saturating_mul(8);
@@ -96,7 +99,7 @@ impl Packing {
         Ok(packing)
     }
 
-    /// Whether every number is meant as it stands.
+    /// Whether every number is meant as it is stored.
     pub(super) fn is_plain(&self) -> bool {
         self.names.is_empty() && self.missing.is_empty()
     }
@@ -107,7 +110,11 @@ impl Packing {
         stored: impl Iterator<Item = f64>,
         own_factor: f64,
     ) -> Float64Array {
-        let meant = |stored: f64| {
+        if self.is_plain() && own_factor.to_bits() == 1_f64.to_bits() {
+            return stored.map(Some).collect();
+        }
+        let numbers = stored.map(|stored| {
+            // Missing values are named as they are stored, before the conversion.
             if self.missing.contains(&stored) {
                 return None;
             }
@@ -116,14 +123,11 @@ impl Packing {
                 _ => stored,
             };
             Some(whole * (self.factor * own_factor) + self.offset)
-        };
-        if self.is_plain() && own_factor.to_bits() == 1_f64.to_bits() {
-            return stored.map(Some).collect();
-        }
-        stored.map(meant).collect()
+        });
+        numbers.collect()
     }
 
-    /// What was applied, in words, with the factors of channels if there are any; nothing if nothing was.
+    /// The conversion in words, with the factors of channels if there are any; `None` if it changes nothing.
     pub(super) fn words(&self, channels: Option<&[f64]>) -> Option<String> {
         let Self { factor, offset, .. } = self;
         let names = self.names.iter().copied().chain(channels.map(|_| CHANNEL_FACTORS));
@@ -138,6 +142,10 @@ impl Packing {
             format!("its numbers are those stored × {factor}{each} + {offset}, as its attributes say ({names})")
         })
     }
+}
+
+fn failed(error: hdf5_pure::Error) -> String {
+    format!("its attributes cannot be read: {error}")
 }
 
 /// What to do about attributes that cannot be applied. `tests/interop/foreign.py` tries the line.

@@ -113,6 +113,7 @@ impl<'a> Raw<'a> {
             let size = usize::try_from(self.number(size_at, size_size)?).ok()?;
             blocks.push((at, from..from.checked_add(size)?));
         } else if self.number(at, 1)? == 1 {
+            // Twelve bytes of head, padded to a multiple of eight.
             let size = usize::try_from(self.number(at + 8, 4)?).ok()?;
             blocks.push((at, at + 16..(at + 16).checked_add(size)?));
         }

@@ -36,7 +36,7 @@ mod mi {
     pub(super) const COMPRESSED: u32 = 15;
 }
 
-/// Where the header has the place of what belongs to objects.
+/// The offset in the header of the subsystem's place, which belongs to objects.
 const SUBSYSTEM: usize = 116;
 /// The array type of a structure, and that of an object of a class (a table, a datetime).
 const STRUCT: u32 = 2;
@@ -62,15 +62,15 @@ pub(super) fn read(
         "the file may be cut off or damaged; save it again with -v7, without what is not needed";
     let mut table = Table { names: Some(Vec::new()), ..Table::default() };
     let mut names = Vec::new();
-    let mut found = None;
+    let mut matrix_columns = None;
     variables(bytes, &mut |head, data| {
         let within = match matrix {
             None => Some(head.name.as_str()),
             Some(matrix) => head.name.strip_prefix(matrix).and_then(|rest| rest.strip_prefix('.')),
         };
         // The first of the name: nothing keeps a file from having two.
-        if matrix == Some(head.name.as_str()) && !head.is_struct && found.is_none() {
-            found = Some(columns(head, data, take)?);
+        if matrix == Some(head.name.as_str()) && !head.is_struct && matrix_columns.is_none() {
+            matrix_columns = Some(columns(head, data, take)?);
         }
         if let Some(class) = head.class.as_ref().filter(|class| is_object(class)) {
             table.hidden.push(format!("'{}' is {class}", shown(&head.name)));
@@ -84,10 +84,12 @@ pub(super) fn read(
         };
         table.columns.push(cells);
         table.names.get_or_insert_default().push(name.to_owned());
-        // Columns of a matrix are columns where they are asked for by name.
+        // Columns of a matrix are columns where they are asked for by name: `x(2)`, from 1.
         for column in &take.columns {
             if let ColumnRef::Name(column) = column
-                && let Some(place) = place_in(column, name)
+                && let Some(rest) = column.strip_prefix(name)
+                && let Some(place) = rest.strip_prefix('(').and_then(|s| s.strip_suffix(')'))
+                && let Some(place) = place.parse::<usize>().ok().and_then(|n| n.checked_sub(1))
             {
                 table.columns.push(column_of(head, data, place, take)?);
                 table.names.get_or_insert_default().push(column.clone());
@@ -97,26 +99,21 @@ pub(super) fn read(
     })
     .map_err(|what| StoreError::new(path, format!("not a readable MAT file: {what}"), remedy))?;
     let Some(matrix) = matrix else { return Ok(table) };
-    let missing = || format!("the variable is missing; the file has {}", names.join(", "));
     let fields = (!table.columns.is_empty()).then_some(Ok(table));
-    let table = found.or(fields).unwrap_or_else(|| Err(missing()));
+    let table = matrix_columns.or(fields).unwrap_or_else(|| {
+        Err(format!("the variable is missing; the file has {}", names.join(", ")))
+    });
     table.map_err(|what| {
         let remedy = "set matrix in [file] to a numeric matrix of the file, or to a structure";
         StoreError::new(path, what, remedy).column(matrix)
     })
 }
 
-/// The place (from 0) of the column that a name such as `x(2)` means of the matrix `x`.
-fn place_in(column: &str, matrix: &str) -> Option<usize> {
-    let place = column.strip_prefix(matrix)?.strip_prefix('(')?.strip_suffix(')')?;
-    place.parse::<usize>().ok()?.checked_sub(1)
-}
-
-/// What a variable says of itself before its values.
+/// The description of a variable, before its values.
 struct Head {
     name: String,
     size: Vec<usize>,
-    /// What it is where it is not a real numeric array.
+    /// Its class if it is not a real numeric array.
     class: Option<String>,
     is_struct: bool,
 }
@@ -319,7 +316,7 @@ fn too_large(name: &str, size: u64) -> String {
     format!("variable '{name}' unpacks to {size} bytes, and at most {MOST_UNPACKED} are read")
 }
 
-/// How many fields of structures were gone through.
+/// The number of fields of structures visited so far.
 struct Visited(usize);
 
 impl Visited {
@@ -433,25 +430,22 @@ fn word(bytes: [u8; 4], big: bool) -> u32 {
 
 /// The size that the tag of a matrix gives, bytes, and what follows the tag.
 fn matrix_tag(bytes: &[u8], big: bool) -> Option<(u64, &[u8])> {
-    let (tag, data) = bytes.split_at_checked(ALIGN)?;
-    let word = |at: usize| Some(word(tag.get(at..at + 4)?.try_into().ok()?, big));
-    (word(0)? == mi::MATRIX).then_some((u64::from(word(4)?), data))
+    let (kind, rest) = bytes.split_first_chunk::<4>()?;
+    let (size, data) = rest.split_first_chunk::<4>()?;
+    (word(*kind, big) == mi::MATRIX).then_some((u64::from(word(*size, big)), data))
 }
 
-/// What a matrix says of itself, and the elements behind.
-/// A field of a structure has no name of its own: it is `known`.
-fn head<'a>(data: &'a [u8], big: bool, known: Option<&str>) -> Option<(Head, Elements<'a>)> {
-    let text = |bytes: &[u8]| {
-        String::from_utf8_lossy(bytes.get(..MOST_NAME).unwrap_or(bytes)).into_owned()
-    };
-    let name = |own: &[u8]| known.map_or_else(|| text(own), str::to_owned);
+/// The description of a matrix, and the elements behind it.
+/// A field of a structure has no name of its own: it is called `field`.
+fn head<'a>(data: &'a [u8], big: bool, field: Option<&str>) -> Option<(Head, Elements<'a>)> {
     let mut parts = Elements { bytes: data, big };
     let (_, flags) = parts.next()?;
     let flags = word(flags.get(..4)?.try_into().ok()?, big);
     let kind = flags & 0xff;
     if kind == OPAQUE {
         // It has no size; behind its name stand the system of its type and its class.
-        let name = name(parts.next()?.1);
+        let own = parts.next()?.1;
+        let name = field.map_or_else(|| text(own), str::to_owned);
         let _system = parts.next()?;
         let class = text(parts.next()?.1);
         let class = other_class(&class, &name).unwrap_or_else(|| "an object".to_owned());
@@ -462,7 +456,8 @@ fn head<'a>(data: &'a [u8], big: bool, known: Option<&str>) -> Option<(Head, Ele
     let size = Numbers { kind: size_kind, data: size, big };
     let dimensions = size.count().filter(|n| *n <= MOST_DIMENSIONS)?;
     let size = size.values(0, dimensions)?.into_iter().map(whole).collect::<Option<Vec<_>>>()?;
-    let name = name(parts.next()?.1);
+    let own = parts.next()?.1;
+    let name = field.map_or_else(|| text(own), str::to_owned);
     let class = match kind {
         // The class of an object of the old kind stands behind its name.
         3 => other_class(&text(parts.next()?.1), &name).or(Some("an object".to_owned())),
@@ -470,9 +465,19 @@ fn head<'a>(data: &'a [u8], big: bool, known: Option<&str>) -> Option<(Head, Ele
             "complex; save its real and its imaginary part as variables of their own".to_owned(),
         ),
         6..=15 => None,
-        kind => not_numeric(kind).and_then(|class| other_class(class, &name)),
+        // Table "MATLAB Array Types".
+        1 => other_class("cell", &name),
+        STRUCT => other_class("struct", &name),
+        4 => other_class("char", &name),
+        5 => other_class("sparse", &name),
+        16 => other_class("function_handle", &name),
+        _ => other_class("unknown", &name),
     };
     Some((Head { name, size, class, is_struct: kind == STRUCT }, parts))
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes.get(..MOST_NAME).unwrap_or(bytes)).into_owned()
 }
 
 /// The values of a matrix, as they lie in the file.
@@ -482,22 +487,10 @@ fn real_part(data: &[u8], big: bool) -> Option<Numbers<'_>> {
 }
 
 impl Head {
-    /// How many values the variable has, by its size.
+    /// The number of values that the size gives.
     fn count(&self) -> Option<usize> {
         self.size.iter().try_fold(1_usize, |n, d| n.checked_mul(*d))
     }
-}
-
-/// The class of an array that is not a numeric one (table "MATLAB Array Types").
-fn not_numeric(kind: u32) -> Option<&'static str> {
-    Some(match kind {
-        1 => "cell",
-        STRUCT => "struct",
-        4 => "char",
-        5 => "sparse",
-        16 => "function_handle",
-        _ => "unknown",
-    })
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -518,7 +511,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// How many values there are.
+    /// The number of values.
     fn count(&self) -> Option<usize> {
         Some(self.data.len() / self.width()?)
     }

@@ -11,7 +11,7 @@ const MOST_DIMENSIONS: usize = 64;
 /// Values within values of a header.
 const DEEPEST: usize = 8;
 
-/// What an array says of itself.
+/// The description of an array.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
     pub(super) shape: Vec<usize>,
@@ -55,7 +55,7 @@ pub(super) enum Kind {
 }
 
 impl Header {
-    /// How many items; none where it is more than can be counted.
+    /// The number of items; `None` if it cannot be counted.
     pub(super) fn values(&self) -> Option<usize> {
         self.shape.iter().try_fold(1_usize, |n, size| n.checked_mul(*size))
     }
@@ -94,22 +94,29 @@ fn header(text: &str) -> Result<Header, String> {
     let Some(Literal::Dict(entries)) = value else {
         return Err("its header does not list type, order and shape".to_owned());
     };
-    let of = |key: &str| entries.iter().find(|(k, _)| k == key).map(|(_, value)| value);
-    let by_columns = matches!(of("fortran_order"), Some(Literal::Bool(true)));
-    let Some(Literal::List(sizes)) = of("shape") else {
+    let by_columns = matches!(entry(&entries, "fortran_order"), Some(Literal::Bool(true)));
+    let Some(Literal::List(lengths)) = entry(&entries, "shape") else {
         return Err("it gives no shape".to_owned());
     };
-    if sizes.len() > MOST_DIMENSIONS {
+    if lengths.len() > MOST_DIMENSIONS {
         return Err(format!("it has more than {MOST_DIMENSIONS} dimensions"));
     }
-    let size = |size: &Literal| match size {
+    let shape = sizes(lengths).ok_or("its shape cannot be read")?;
+    let (item, members) = members(entry(&entries, "descr").ok_or("it gives no type")?)?;
+    Ok(Header { shape, by_columns, item, members })
+}
+
+fn entry<'e>(entries: &'e [(String, Literal)], key: &str) -> Option<&'e Literal> {
+    entries.iter().find(|(own, _)| own == key).map(|(_, value)| value)
+}
+
+/// The numbers in a list; nothing if something else is among them.
+fn sizes(list: &[Literal]) -> Option<Vec<usize>> {
+    let sizes = list.iter().map(|size| match size {
         Literal::Int(n) => usize::try_from(*n).ok(),
         _ => None,
-    };
-    let shape = sizes.iter().map(size).collect::<Option<Vec<_>>>();
-    let shape = shape.ok_or("its shape cannot be read")?;
-    let (item, members) = members(of("descr").ok_or("it gives no type")?)?;
-    Ok(Header { shape, by_columns, item, members })
+    });
+    sizes.collect()
 }
 
 /// The bytes of an item, and its values.
@@ -128,13 +135,13 @@ fn members(descr: &Literal) -> Result<(usize, Vec<Member>), String> {
     let mut offset = 0_usize;
     let mut members = Vec::new();
     for field in fields {
-        let (name, code, repeats) = field_of(field).ok_or_else(no_type)?;
+        let Field { name, code, repeats } = field_of(field).ok_or_else(no_type)?;
         if name.len() > MOST_NAME {
             return Err(format!("a field's name has more than {MOST_NAME} bytes"));
         }
-        let (of_one, size) = kind(code)?;
-        let (of_all, size) = match repeats {
-            None => (of_one, Some(size)),
+        let (kind, size) = kind(code)?;
+        let (kind, size) = match repeats {
+            None => (kind, Some(size)),
             Some(n) => {
                 (Kind::Other("it holds an array in each row".to_owned()), size.checked_mul(n))
             }
@@ -142,15 +149,23 @@ fn members(descr: &Literal) -> Result<(usize, Vec<Member>), String> {
         let size = size.ok_or_else(no_type)?;
         // A gap between fields has no name.
         if !name.is_empty() {
-            members.push(Member { name: Some(name.to_owned()), offset, size, kind: of_all });
+            members.push(Member { name: Some(name.to_owned()), offset, size, kind });
         }
         offset = offset.checked_add(size).ok_or_else(no_type)?;
     }
     Ok((offset, members))
 }
 
-/// Name, type and number of repeats of a field.
-fn field_of(field: &Literal) -> Option<(&str, &str, Option<usize>)> {
+/// A field of a structured array.
+struct Field<'a> {
+    name: &'a str,
+    /// Its type.
+    code: &'a str,
+    /// The number of values in each row, if it holds arrays.
+    repeats: Option<usize>,
+}
+
+fn field_of(field: &Literal) -> Option<Field<'_>> {
     let Literal::List(parts) = field else { return None };
     let name = match parts.first()? {
         Literal::Text(name) => name,
@@ -164,22 +179,22 @@ fn field_of(field: &Literal) -> Option<(&str, &str, Option<usize>)> {
     let Literal::Text(code) = parts.get(1)? else { return None };
     let repeats = match parts.get(2) {
         None => None,
-        Some(Literal::List(sizes)) => {
-            let size = |size: &Literal| match size {
-                Literal::Int(n) => usize::try_from(*n).ok(),
-                _ => None,
-            };
-            let sizes = sizes.iter().map(size).collect::<Option<Vec<_>>>()?;
-            Some(sizes.into_iter().try_fold(1_usize, usize::checked_mul)?)
+        Some(Literal::List(lengths)) => {
+            Some(sizes(lengths)?.into_iter().try_fold(1_usize, usize::checked_mul)?)
         }
         Some(_) => return None,
     };
-    Some((name, code, repeats))
+    Some(Field { name, code, repeats })
 }
 
-/// What a type code says, and how many bytes it takes: `<f8`, `|S7`, `<U3`.
+/// The kind that a type code means, and its size in bytes: `<f8`, `|S7`, `<U3`.
 fn kind(code: &str) -> Result<(Kind, usize), String> {
-    let (big, letter, size) = parts(code).ok_or_else(no_type)?;
+    let (order, rest) = code.split_at_checked(1).ok_or_else(no_type)?;
+    let (letter, size) = rest.split_at_checked(1).ok_or_else(no_type)?;
+    let big = order == ">";
+    // A date has its unit behind it.
+    let digits = size.split('[').next().unwrap_or_default();
+    let size: usize = if digits.is_empty() { 0 } else { digits.parse().map_err(|_| no_type())? };
     let kind = match (letter, size) {
         ("f", 4 | 8) => Kind::Float { big },
         ("i", 1 | 2 | 4 | 8) => Kind::Signed { big },
@@ -202,17 +217,7 @@ fn no_type() -> String {
     "its type is not one that NumPy writes".to_owned()
 }
 
-/// Whether the first byte is the highest, the letter of the type, and its size.
-fn parts(code: &str) -> Option<(bool, &str, usize)> {
-    let (order, rest) = code.split_at_checked(1)?;
-    let (letter, size) = rest.split_at_checked(1)?;
-    // A date has its unit behind it.
-    let digits = size.split('[').next().unwrap_or_default();
-    let size = if digits.is_empty() { 0 } else { digits.parse().ok()? };
-    Some((order == ">", letter, size))
-}
-
-/// What a type that is not read is, and what to save instead.
+/// Describes a type that is not read, with what to save instead.
 fn other(letter: &str) -> Option<&'static str> {
     match letter {
         "b" => Some("it holds yes or no; save it as numbers"),
@@ -236,13 +241,14 @@ impl Kind {
             Self::Float { big } | Self::Signed { big } | Self::Unsigned { big } => *big,
             _ => return None,
         };
-        let mut held = [0_u8; 8];
+        let mut eight = [0_u8; 8];
         let size = bytes.len();
-        held.get_mut(..size)?.copy_from_slice(bytes);
+        eight.get_mut(..size)?.copy_from_slice(bytes);
         if big {
-            held.get_mut(..size)?.reverse();
+            eight.get_mut(..size)?.reverse();
         }
-        let bits = u64::from_le_bytes(held);
+        let bits = u64::from_le_bytes(eight);
+        // Shifted up and down again, a number of fewer bytes keeps its sign.
         let unused = 64 - 8 * u32::try_from(size).ok().filter(|size| (1..=8).contains(size))?;
         match self {
             Self::Float { .. } if size == 4 => Some(f32::from_bits(bits as u32).into()),
@@ -254,17 +260,17 @@ impl Kind {
 
     /// A value as text, without the zeros behind it.
     pub(super) fn text(&self, bytes: &[u8]) -> Result<String, String> {
-        let no_text = || "a text in it cannot be read".to_owned();
+        const NO_TEXT: &str = "a text in it cannot be read";
         let Self::Unicode { big } = self else {
             let end = bytes.iter().rposition(|b| *b != 0).map_or(0, |last| last + 1);
-            return String::from_utf8(bytes[..end].to_vec()).map_err(|_| no_text());
+            return String::from_utf8(bytes[..end].to_vec()).map_err(|_| NO_TEXT.to_owned());
         };
-        let letter = |four: &[u8]| {
+        let letters = bytes.chunks(4).map(|four| {
             let four: [u8; 4] = four.try_into().ok()?;
             char::from_u32(if *big { u32::from_be_bytes(four) } else { u32::from_le_bytes(four) })
-        };
-        let text: Option<String> = bytes.chunks(4).map(letter).collect();
-        Ok(text.ok_or_else(no_text)?.trim_end_matches('\0').to_owned())
+        });
+        let text: Option<String> = letters.collect();
+        Ok(text.ok_or(NO_TEXT)?.trim_end_matches('\0').to_owned())
     }
 }
 
@@ -285,7 +291,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Whether this comes next; it is passed by.
+    /// Passes `what` by if it comes next, and says whether it did.
     fn passes(&mut self, what: &str) -> bool {
         self.rest = self.rest.trim_start();
         match self.rest.strip_prefix(what) {
@@ -317,7 +323,13 @@ impl Reader<'_> {
         }
         match self.rest.chars().next()? {
             quote @ ('\'' | '"') => self.text(quote).map(Literal::Text),
-            _ => self.int(),
+            _ => {
+                let end = self.rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(self.rest.len());
+                let (digits, rest) = self.rest.split_at(end);
+                // Python 2 wrote long ones with an L.
+                self.rest = rest.strip_prefix('L').unwrap_or(rest).trim_start();
+                digits.parse().ok().map(Literal::Int)
+            }
         }
     }
 
@@ -354,13 +366,5 @@ impl Reader<'_> {
         let (text, rest) = inside.split_once(quote)?;
         self.rest = rest.trim_start();
         (!text.contains('\\')).then(|| text.to_owned())
-    }
-
-    fn int(&mut self) -> Option<Literal> {
-        let end = self.rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(self.rest.len());
-        let (digits, rest) = self.rest.split_at(end);
-        // Python 2 wrote long ones with an L.
-        self.rest = rest.strip_prefix('L').unwrap_or(rest).trim_start();
-        digits.parse().ok().map(Literal::Int)
     }
 }

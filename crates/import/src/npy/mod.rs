@@ -31,15 +31,13 @@ pub(super) fn read_archive(
     matrix: Option<&str>,
     take: &Take,
 ) -> Result<Table, StoreError> {
-    let unreadable = |why: String| unreadable(path, &why);
-    let entries = zip::entries(bytes).map_err(unreadable)?;
+    let entries = zip::entries(bytes).map_err(|why| unreadable(path, &why))?;
     check_columns(path, entries.len())?;
     let names: Vec<String> = entries
         .iter()
         .map(|entry| entry.name.strip_suffix(".npy").unwrap_or(&entry.name).to_owned())
         .collect();
     let mut unpacked = 0;
-    let mut unpack = |entry: &zip::Entry| zip::unpack(bytes, entry, &mut unpacked);
     if let Some(matrix) = matrix {
         let Some(place) = names.iter().position(|name| name == matrix) else {
             let list: Vec<_> = names.iter().map(|name| shown(name)).collect();
@@ -47,8 +45,9 @@ pub(super) fn read_archive(
             let remedy = "set matrix in [file] to an array of the file";
             return Err(StoreError::new(path, what, remedy).column(matrix));
         };
-        let data = unpack(&entries[place]).map_err(unreadable)?;
-        let array = Array::of(&data).map_err(unreadable)?;
+        let data = zip::unpack(bytes, &entries[place], &mut unpacked)
+            .map_err(|why| unreadable(path, &why))?;
+        let array = Array::of(&data).map_err(|why| unreadable(path, &why))?;
         return array.columns(path, take);
     }
     let mut columns = Vec::new();
@@ -57,9 +56,10 @@ pub(super) fn read_archive(
             columns.push(Cells::Unread);
             continue;
         }
-        let data = unpack(entry).map_err(unreadable)?;
+        let data =
+            zip::unpack(bytes, entry, &mut unpacked).map_err(|why| unreadable(path, &why))?;
         let array = Array::of(&data)
-            .map_err(|why| unreadable(format!("in the array '{}': {why}", shown(name))))?;
+            .map_err(|why| unreadable(path, &format!("in the array '{}': {why}", shown(name))))?;
         columns.push(array.vector(path, take)?);
     }
     Ok(Table { names: Some(names), columns, ..Table::default() })
@@ -113,7 +113,8 @@ impl<'a> Array<'a> {
                 cells.push(Cells::Unread);
                 continue;
             }
-            let at = |row: usize| match (is_matrix, self.header.by_columns != take.turned) {
+            let by_columns = self.header.by_columns != take.turned;
+            let at = |row: usize| match (is_matrix, by_columns) {
                 (false, _) => row,
                 (true, false) => row * columns + place,
                 (true, true) => place * rows + row,

@@ -81,17 +81,18 @@ fn choose(
             )
         });
     }
-    let mut found = Vec::new();
+    let mut filled = Vec::new();
     for place in 0..names.len() {
+        // The only sheet is meant even if it is empty: the error then says that.
         if names.len() == 1 || has_values(place).map_err(|why| unreadable(path, &why))? {
-            found.push(place);
+            filled.push(place);
         }
     }
-    match found[..] {
+    match filled[..] {
         [place] => Ok(place),
         [] => Err(StoreError::new(path, "no sheet has values", "leave the file out of the import")),
         _ => {
-            let what = format!("{} sheets have values; the file has {list}", found.len());
+            let what = format!("{} sheets have values; the file has {list}", filled.len());
             Err(StoreError::new(path, what, remedy))
         }
     }

@@ -22,7 +22,10 @@ pub(super) fn sheets(xml: &str) -> Result<Vec<Named>, String> {
                 let name = attributes.get("name").unwrap_or_default().into_owned();
                 sheets.push(Named { name, has_values: false });
             }
-            Event::Begin { name: "table-cell", attributes } if is_filled(attributes) => {
+            // A cell without a type is blank, however it is formatted.
+            Event::Begin { name: "table-cell", attributes }
+                if attributes.get("value-type").is_some() =>
+            {
                 sheets.iter_mut().next_back().into_iter().for_each(|sheet| sheet.has_values = true);
             }
             _ => {}
@@ -32,10 +35,6 @@ pub(super) fn sheets(xml: &str) -> Result<Vec<Named>, String> {
         }
     }
     Ok(sheets)
-}
-
-fn is_filled(attributes: Attributes) -> bool {
-    attributes.get("value-type").is_some()
 }
 
 /// Gives the rows of the sheet at a place.
@@ -103,12 +102,13 @@ fn texts<'a>(reader: &mut Xml<'a>, cell: &str) -> Result<Option<Cow<'a, str>>, S
     }
 }
 
-/// What stands in a cell: numbers and dates in its attributes, texts in its paragraphs.
+/// The value of a cell: numbers and dates stand in its attributes, texts in its paragraphs.
 fn value<'a>(attributes: Attributes<'a>, text: Option<Cow<'a, str>>) -> Option<Value<'a>> {
-    let number = || attributes.get("value")?.trim().parse::<f64>().ok().filter(|n| n.is_finite());
     match attributes.get("value-type")?.as_ref() {
         "float" | "percentage" | "currency" => {
-            number().map(Value::Number).or_else(|| text.map(Value::Text))
+            let number = attributes.get("value").and_then(|value| value.trim().parse().ok());
+            let number = number.filter(|number: &f64| number.is_finite());
+            number.map(Value::Number).or_else(|| text.map(Value::Text))
         }
         "date" => attributes.get("date-value").or(text).map(Value::Text),
         "time" => attributes.get("time-value").or(text).map(Value::Text),

@@ -46,7 +46,7 @@ pub(super) struct Parts<'a> {
     /// Bytes of all that was unpacked, each part once.
     unpacked: u64,
     /// Of each part: which sheet has values is found out before that one is read.
-    of_parts: BTreeMap<String, u64>,
+    sizes: BTreeMap<String, u64>,
 }
 
 impl<'a> Parts<'a> {
@@ -66,7 +66,7 @@ impl<'a> Parts<'a> {
             return Err(StoreError::new(path, what, remedy));
         }
         let entries = zip::entries(bytes).map_err(|why| unreadable(path, &why))?;
-        Ok(Self { bytes, entries, unpacked: 0, of_parts: BTreeMap::new() })
+        Ok(Self { bytes, entries, unpacked: 0, sizes: BTreeMap::new() })
     }
 
     pub(super) fn has(&self, name: &str) -> bool {
@@ -77,9 +77,10 @@ impl<'a> Parts<'a> {
     pub(super) fn text(&mut self, name: &str) -> Result<String, String> {
         let entry = self.entries.iter().find(|entry| entry.name == name);
         let entry = entry.ok_or_else(|| format!("it has no '{}'", shown(name)))?;
-        self.unpacked -= self.of_parts.remove(name).unwrap_or(0);
+        // A part that is read again counts once.
+        self.unpacked -= self.sizes.remove(name).unwrap_or(0);
         let bytes = zip::unpack(self.bytes, entry, &mut self.unpacked)?;
-        self.of_parts.insert(name.to_owned(), bytes.len() as u64);
+        self.sizes.insert(name.to_owned(), bytes.len() as u64);
         String::from_utf8(bytes).map_err(|_| format!("'{}' is not UTF-8 text", shown(name)))
     }
 }

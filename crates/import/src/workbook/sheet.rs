@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::path::Path;
 use zwidth_store::StoreError;
 
-/// What stands in a cell.
+/// The value of a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Value<'a> {
     Number(f64),
@@ -100,8 +100,10 @@ impl<'a> Sheet<'a> {
         repeated: usize,
         cells: &[(usize, Value)],
     ) -> Result<(), StoreError> {
-        let is_blank = |value: &Value| matches!(value, Value::Text(text) if text.trim().is_empty());
-        let cells: Vec<&(usize, Value)> = cells.iter().filter(|(_, v)| !is_blank(v)).collect();
+        let cells: Vec<&(usize, Value)> = cells
+            .iter()
+            .filter(|(_, v)| !matches!(v, Value::Text(text) if text.trim().is_empty()))
+            .collect();
         let Some((last, _)) = cells.last() else { return Ok(()) };
         if line <= self.dialect.skip as u64 {
             return Ok(());
@@ -111,6 +113,7 @@ impl<'a> Sheet<'a> {
             return self.header(last + 1, &cells);
         }
         self.widen(last + 1);
+        // Before memory is taken: a row may be repeated a million times in a few bytes of the file.
         self.check(repeated, &cells)?;
         for place in &self.read {
             let here = cells.binary_search_by_key(place, |(at, _)| *at).ok().map(|i| &cells[i].1);
@@ -135,6 +138,7 @@ impl<'a> Sheet<'a> {
     /// Adds columns up to `width`, as if they had been there, without names.
     fn widen(&mut self, width: usize) {
         for place in self.columns.len()..width {
+            // A row may be wider than the header.
             if let Some(names) = self.names.as_mut().filter(|names| names.len() == place) {
                 names.push(String::new());
             }
@@ -153,15 +157,13 @@ impl<'a> Sheet<'a> {
         if self.lines.len().saturating_add(repeated) > MOST_WHOLE_ROWS {
             return Err(too_many_rows(self.path, &format!("more than {MOST_WHOLE_ROWS}")));
         }
-        let is_read = |place: usize| !matches!(self.columns[place], Column::Unread);
         if !self.take.budget.cells(self.read.len().saturating_mul(repeated)) {
             return Err(too_much(self.path));
         }
-        let texts =
-            cells.iter().filter(|(place, _)| is_read(*place)).map(|(_, value)| match value {
-                Value::Number(_) => 0,
-                Value::Text(text) => text.len(),
-            });
+        let texts = cells.iter().map(|(place, value)| match (&self.columns[*place], value) {
+            (Column::Unread, _) | (_, Value::Number(_)) => 0,
+            (_, Value::Text(text)) => text.len(),
+        });
         self.text = self.text.saturating_add(texts.sum::<usize>().saturating_mul(repeated));
         if self.text > MOST_TEXT {
             let what = format!("the texts in mapped columns have more than {MOST_TEXT} bytes");

@@ -13,7 +13,7 @@ const LINKS: &str = "xl/_rels/workbook.xml.rels";
 const TEXTS: &str = "xl/sharedStrings.xml";
 const STYLES: &str = "xl/styles.xml";
 
-/// What the cells of every sheet refer to.
+/// The sheets, and the tables that their cells refer to.
 pub(super) struct Book {
     pub(super) sheets: Vec<Named>,
     texts: Texts,
@@ -61,8 +61,9 @@ impl Book {
         while let Some(event) = reader.next()? {
             match event {
                 Event::Begin { name: "row", attributes } => {
-                    let said = attributes.number("r").map(|row| row as u64);
-                    line = said.unwrap_or(line.saturating_add(1));
+                    let number = attributes.number("r").map(|row| row as u64);
+                    // A row without a number follows the one before.
+                    line = number.unwrap_or(line.saturating_add(1));
                 }
                 Event::Begin { name: "c", attributes } => {
                     let next = cells.last().map_or(0, |(place, _)| place + 1);
@@ -83,7 +84,7 @@ impl Book {
         Ok(())
     }
 
-    /// What stands in the cell that began.
+    /// The value of the cell that began.
     fn value<'a>(
         &'a self,
         attributes: Attributes,
@@ -118,7 +119,7 @@ impl Book {
     }
 }
 
-/// What is written in a cell: its value, a text of its own, its formula.
+/// The parts of a cell: its value, a text of its own, its formula.
 #[derive(Default)]
 struct Written<'a> {
     value: Option<Cow<'a, str>>,
@@ -190,8 +191,8 @@ fn sheets(book: &str, links: &str) -> Result<(Vec<Named>, bool), String> {
     while let Some(event) = reader.next()? {
         match event {
             Event::Begin { name: "workbookPr", attributes } => {
-                let said = attributes.get("date1904");
-                since_1904 = said.is_some_and(|said| ["1", "true"].contains(&said.as_ref()));
+                let word = attributes.get("date1904");
+                since_1904 = word.is_some_and(|word| ["1", "true"].contains(&word.as_ref()));
             }
             Event::Begin { name: "sheet", attributes } => {
                 let part = attributes.get("id").and_then(|id| parts.get(id.as_ref()));
@@ -208,18 +209,18 @@ fn sheets(book: &str, links: &str) -> Result<(Vec<Named>, bool), String> {
     Ok((sheets, since_1904))
 }
 
-/// The texts that cells refer to by number. How they are said (`rPh`) is passed by.
+/// The texts that cells refer to by number. How they are pronounced (`rPh`) is passed by.
 fn texts(xml: &str) -> Result<Texts, String> {
     let mut texts = Texts::default();
     let mut is_text = false;
-    let mut is_said = false;
+    let mut is_phonetic = false;
     let mut reader = Xml::new(xml);
     while let Some(event) = reader.next()? {
         match event {
-            Event::Begin { name: "t", .. } => is_text = !is_said,
+            Event::Begin { name: "t", .. } => is_text = !is_phonetic,
             Event::End("t") => is_text = false,
-            Event::Begin { name: "rPh", .. } => is_said = true,
-            Event::End("rPh") => is_said = false,
+            Event::Begin { name: "rPh", .. } => is_phonetic = true,
+            Event::End("rPh") => is_phonetic = false,
             Event::Text(text) if is_text => texts.all.push_str(&text),
             Event::End("si") => texts.ends.push(texts.all.len()),
             _ => {}
@@ -244,6 +245,7 @@ fn dates(xml: &str) -> Result<Vec<bool>, String> {
             Event::End("cellXfs") => is_cells = false,
             Event::Begin { name: "xf", attributes } if is_cells => {
                 let number = attributes.number("numFmtId").unwrap_or(0);
+                // A format of the workbook's own stands before the one that every workbook knows by that number.
                 let is_date = own.get(&number).copied().unwrap_or(is_date_number(number));
                 dates.push(is_date);
             }

@@ -7,7 +7,7 @@ pub(super) const BOUNDARY: [u8; 16] = [
     0x43, 0xa5, 0x46, 0xdc, 0xcb, 0xf5, 0x41, 0x0f, 0xb3, 0x0e, 0xd5, 0x46, 0x73, 0x83, 0xcb, 0xe4,
 ];
 
-/// What a chunk holds.
+/// The kind of a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Tag {
     FileHeader,
@@ -23,11 +23,6 @@ impl Tag {
         use Tag::{Boundary, ClockOffset, FileHeader, Samples, StreamFooter, StreamHeader};
         let all = [FileHeader, StreamHeader, Samples, ClockOffset, Boundary, StreamFooter];
         all.get(usize::from(number).checked_sub(1)?).copied()
-    }
-
-    /// Whether the chunk begins with the number of its stream.
-    fn is_of_stream(self) -> bool {
-        !matches!(self, Self::FileHeader | Self::Boundary)
     }
 }
 
@@ -75,21 +70,10 @@ pub(super) struct Lost {
     /// Stretches of them, and bytes in all.
     pub(super) stretches: usize,
     pub(super) bytes: usize,
-    /// Where the first stretch begins, from 0.
+    /// The place of the first stretch, from 0.
     pub(super) first: usize,
     /// Whether the last one reaches the end of the file.
     pub(super) at_end: bool,
-}
-
-impl Lost {
-    fn add(&mut self, from: usize, to: usize, length: usize) {
-        if self.stretches == 0 {
-            self.first = from;
-        }
-        self.stretches += 1;
-        self.bytes += to - from;
-        self.at_end = to == length;
-    }
 }
 
 /// Gives every chunk to `visit`, which says whether its content is sound; what cannot be read.
@@ -100,12 +84,14 @@ pub(super) fn walk<'a>(bytes: &'a [u8], visit: &mut dyn FnMut(Chunk<'a>) -> bool
     let mut lost = Lost::default();
     let mut boundary = next_boundary(bytes, at);
     while at < bytes.len() {
+        // Searched once per boundary, not per chunk: a file without any is gone through once.
         if boundary < at {
             boundary = next_boundary(bytes, at);
         }
         let head = head(bytes, at);
         let end = head.map_or(at, |head| head.end);
         let is_boundary = head.is_some_and(|head| head.tag == Tag::Boundary);
+        // A boundary's own chunk ends behind its content.
         let limit = if is_boundary { bytes.len() } else { boundary.min(bytes.len()) };
         let is_sound = head.is_some_and(|Head { tag, stream, from, end }| {
             let content = bytes.get(from.min(limit)..end.min(limit)).unwrap_or_default();
@@ -118,18 +104,23 @@ pub(super) fn walk<'a>(bytes: &'a [u8], visit: &mut dyn FnMut(Chunk<'a>) -> bool
         }
         let from = at;
         at = boundary.saturating_add(BOUNDARY.len()).min(bytes.len());
-        lost.add(from, at, bytes.len());
+        if lost.stretches == 0 {
+            lost.first = from;
+        }
+        lost.stretches += 1;
+        lost.bytes += at - from;
+        lost.at_end = at == bytes.len();
     }
     lost
 }
 
-/// Where the next boundary's content stands; past the end where there is none.
+/// The place of the next boundary's content; past the end if there is none.
 fn next_boundary(bytes: &[u8], from: usize) -> usize {
-    let found = bytes[from..].windows(BOUNDARY.len()).position(|window| window == BOUNDARY);
-    found.map_or(usize::MAX, |found| from + found)
+    let place = bytes[from..].windows(BOUNDARY.len()).position(|window| window == BOUNDARY);
+    place.map_or(usize::MAX, |place| from + place)
 }
 
-/// What stands before a chunk's content.
+/// The head of a chunk, before its content.
 #[derive(Debug, Clone, Copy)]
 struct Head {
     tag: Tag,
@@ -144,9 +135,12 @@ fn head(bytes: &[u8], at: usize) -> Option<Head> {
     let length = usize::try_from(rest.length()?).ok()?;
     let end = (bytes.len() - rest.0.len()).checked_add(length)?;
     let tag = Tag::of(u16::from_le_bytes(rest.array()?))?;
-    let stream = match tag.is_of_stream() {
-        true => u32::from_le_bytes(rest.array()?),
-        false => 0,
+    let stream = match tag {
+        Tag::FileHeader | Tag::Boundary => 0,
+        // The others begin with the number of their stream.
+        Tag::StreamHeader | Tag::Samples | Tag::ClockOffset | Tag::StreamFooter => {
+            u32::from_le_bytes(rest.array()?)
+        }
     };
     Some(Head { tag, stream, from: bytes.len() - rest.0.len(), end })
 }

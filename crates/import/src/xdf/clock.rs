@@ -37,7 +37,7 @@ const STEADY: f64 = 0.5;
 /// Jumps that are looked for in the samples' times; each costs a walk through them.
 const MOST_JUMPS: usize = 100;
 
-/// What came of putting times on the recorder's clock.
+/// The result of putting times on the recorder's clock.
 pub(super) struct Synchronised {
     /// Whether each stretch of offsets had a line; otherwise its times stay as they are.
     pub(super) all_used: bool,
@@ -51,16 +51,15 @@ pub(super) struct Synchronised {
 /// out; pyxdf lets the line run through both, which bends the times. `interval_s` is that of the
 /// samples, or 0.
 pub(super) fn synchronise(times: &mut [f64], offsets: &[Offset], interval_s: f64) -> Synchronised {
-    let is_number = |(t, offset): Offset| t.is_finite() && offset.is_finite();
     // With their numbers in the file, by which they are told.
     let (numbers, sound): (Vec<usize>, Vec<Offset>) = offsets
         .iter()
         .enumerate()
-        .filter(|(_, o)| is_number(**o))
+        .filter(|(_, offset)| is_finite(offset))
         .map(|(i, o)| (i + 1, *o))
         .unzip();
     let mut doubts = Vec::new();
-    if let Some(bad) = offsets.iter().position(|offset| !is_number(*offset)) {
+    if let Some(bad) = offsets.iter().position(|offset| !is_finite(offset)) {
         doubts.push(format!(
             "clock offset {} of {} is not a number, and is left out{}",
             bad + 1,
@@ -84,14 +83,14 @@ pub(super) fn synchronise(times: &mut [f64], offsets: &[Offset], interval_s: f64
         from = end;
     }
     if let [(first, by_s), others @ ..] = &left_out[..] {
-        let of = offsets.len();
+        let all = offsets.len();
         let which = match first.len() {
             1 => format!(
-                "clock offset {} of {of} lies {by_s:.3} s off those beside it, and is",
+                "clock offset {} of {all} lies {by_s:.3} s off those beside it, and is",
                 numbers[first.start]
             ),
             _ => format!(
-                "clock offsets {} to {} of {of} lie {by_s:.3} s off those beside them, and are",
+                "clock offsets {} to {} of {all} lie {by_s:.3} s off those beside them, and are",
                 numbers[first.start],
                 numbers[first.end - 1]
             ),
@@ -110,6 +109,10 @@ pub(super) fn synchronise(times: &mut [f64], offsets: &[Offset], interval_s: f64
         )
     }));
     Synchronised { all_used, doubts }
+}
+
+fn is_finite((t, offset): &Offset) -> bool {
+    t.is_finite() && offset.is_finite()
 }
 
 /// The end of a sentence that says the same of `more` others.
@@ -132,14 +135,13 @@ struct Jumps {
 
 impl Jumps {
     fn between(offsets: &[Offset]) -> Self {
-        let pairs =
-            || offsets.windows(2).map(|pair| (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1));
-        let drifts: Vec<f64> = pairs()
-            .filter(|(s, _)| *s > 0.0)
-            .map(|(s, by)| (by / s).clamp(-MOST_DRIFT, MOST_DRIFT))
-            .collect();
-        let drift = median(drifts);
-        let by_s: Vec<f64> = pairs().map(|(s, by)| by - drift * s).collect();
+        let pairs = offsets.windows(2);
+        let steps: Vec<Offset> =
+            pairs.map(|pair| (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1)).collect();
+        // Two comparisons at one time say nothing of a drift; a wrong offset looks like a huge one.
+        let drifts = steps.iter().filter(|(s, _)| *s > 0.0);
+        let drift = median(drifts.map(|(s, by)| (by / s).clamp(-MOST_DRIFT, MOST_DRIFT)).collect());
+        let by_s: Vec<f64> = steps.iter().map(|(s, by)| by - drift * s).collect();
         let mut sizes: Vec<f64> = by_s.iter().map(|by| by.abs()).collect();
         sizes.sort_by(f64::total_cmp);
         // A single wrong offset makes two jumps, which say nothing of how the others scatter.
@@ -163,20 +165,19 @@ impl Jumps {
     ) -> Vec<Offset> {
         let Range { start, end } = stretch;
         let jumps = (start..end.saturating_sub(1)).filter(|i| self.is_jump(*i));
-        let runs: Vec<Range<usize>> = parts(end - start, jumps.map(|i| i - start))
-            .into_iter()
-            .map(|run| run.start + start..run.end + start)
-            .collect();
-        let level = |run: &Range<usize>| {
+        let runs = parts(end - start, jumps.map(|i| i - start)).into_iter().map(|run| {
+            let run = run.start + start..run.end + start;
             let first = offsets[start].0;
-            median(offsets[run.clone()].iter().map(|(t, o)| o - self.drift * (t - first)).collect())
-        };
+            let levels = offsets[run.clone()].iter().map(|(t, o)| o - self.drift * (t - first));
+            (run, median(levels.collect()))
+        });
+        let runs: Vec<(Range<usize>, f64)> = runs.collect();
         // The first of the longest ones.
-        let longest = runs.iter().rev().max_by_key(|run| run.len());
-        let usual = longest.map_or(0.0, level);
+        let longest = runs.iter().rev().max_by_key(|(run, _)| run.len());
+        let usual = longest.map_or(0.0, |(_, level)| *level);
         let mut kept = Vec::new();
-        for run in runs {
-            let off_s = level(&run) - usual;
+        for (run, level) in runs {
+            let off_s = level - usual;
             match off_s.abs() > self.limit_s {
                 true => left_out.push((run, off_s)),
                 false => kept.extend_from_slice(&offsets[run]),
@@ -194,12 +195,11 @@ struct Reset {
 
 /// Where a clock was set anew while this was recorded.
 fn resets(times: &[f64], offsets: &[Offset], jumps: &Jumps, interval_s: f64) -> Vec<Reset> {
-    let difference = |of: fn(&Offset) -> f64| -> Vec<f64> {
-        offsets.windows(2).map(|pair| of(&pair[1]) - of(&pair[0])).collect()
-    };
-    let between_s = difference(|offset| offset.0);
+    let pairs = offsets.windows(2);
+    let (between_s, steps_s): (Vec<f64>, Vec<f64>) =
+        pairs.map(|pair| (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1)).unzip();
     let late = glitches(&between_s, TIME_RESET);
-    let off = glitches(&difference(|offset| offset.1), OFFSET_RESET);
+    let off = glitches(&steps_s, OFFSET_RESET);
     let mut resets = Vec::new();
     let mut from = 0;
     let mut searched = 0;
@@ -228,8 +228,9 @@ fn resets(times: &[f64], offsets: &[Offset], jumps: &Jumps, interval_s: f64) -> 
             continue;
         }
         // Else up to the first time that is nearer to the next comparison than to the last one.
-        let nearer = || times[from..].iter().position(|t| (t - last.0).abs() >= (t - next.0).abs());
-        let here = at_step.map(|before| before + 1).or_else(nearer);
+        let here = at_step.map(|before| before + 1).or_else(|| {
+            times[from..].iter().position(|t| (t - last.0).abs() >= (t - next.0).abs())
+        });
         from = here.map_or(times.len(), |here| from + here);
         resets.push(Reset { behind, sample: from });
     }
@@ -273,6 +274,7 @@ fn line(offsets: &[Offset]) -> Option<Offset> {
 fn robust_line(offsets: &[Offset]) -> Option<Offset> {
     let scaled: Vec<Offset> =
         offsets.iter().map(|(t, offset)| (t / WINSOR_S, offset / WINSOR_S)).collect();
+    // Times may count from the start of a computer: squares of such would lose the digits that matter.
     let first = scaled.iter().map(|(t, _)| *t).fold(f64::INFINITY, f64::min);
     let rows: Vec<Offset> = scaled.iter().map(|(t, y)| (t - first, *y)).collect();
     #[allow(clippy::cast_precision_loss)] // At most 2¹⁶ of them.
@@ -284,7 +286,8 @@ fn robust_line(offsets: &[Offset]) -> Option<Offset> {
     }
     // z − u of each row, in which alone the rows remember the last step.
     let mut held = vec![(0.0, 0.0); rows.len()];
-    let mut found = (0.0, 0.0);
+    let mut intercept = 0.0;
+    let mut slope = 0.0;
     for _ in 0..STEPS {
         let mut b0 = 0.0;
         let mut b1 = 0.0;
@@ -293,21 +296,17 @@ fn robust_line(offsets: &[Offset]) -> Option<Offset> {
             b0 += right;
             b1 += t * right;
         }
-        let slope = (b1 - sum_t * b0 / n) / pivot;
-        found = ((b0 - slope * sum_t) / n, slope);
+        slope = (b1 - sum_t * b0 / n) / pivot;
+        intercept = (b0 - slope * sum_t) / n;
         for ((t, y), held) in rows.iter().zip(&mut held) {
-            let d = found.0 + found.1 * t - y + held.1;
-            let z = 0.5 * d + 0.5 * shrunk(d);
+            let d = intercept + slope * t - y + held.1;
+            // d · max(0, 1 − 2 / |d|), the proximal step of |d| twice.
+            let shrunk = if d.abs() > 2.0 { d * (1.0 - 2.0 / d.abs()) } else { 0.0 };
+            let z = 0.5 * d + 0.5 * shrunk;
             *held = (z, d - z);
         }
     }
-    let (start, slope) = found;
-    Some(((start - slope * first) * WINSOR_S, slope))
-}
-
-/// d · max(0, 1 − 2 / |d|), the proximal step of |d| twice.
-fn shrunk(d: f64) -> f64 {
-    if d.abs() > 2.0 { d * (1.0 - 2.0 / d.abs()) } else { 0.0 }
+    Some(((intercept - slope * first) * WINSOR_S, slope))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::super::limits::MOST_COLUMNS;
 use super::super::xml::{Event, Xml};
 use std::borrow::Cow;
 
-/// How the values of a stream are written.
+/// The format of a stream's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Written {
     Float32,
@@ -106,6 +106,7 @@ pub(super) fn header(xml: &str) -> Result<Header, String> {
         _ => {}
     })?;
     let channels = count.filter(|count| (1..=MOST_COLUMNS).contains(count));
+    // A header may describe more channels than it counts, or fewer.
     labels.resize(channels.unwrap_or(0), String::new());
     units.resize(channels.unwrap_or(0), String::new());
     Ok(Header {
@@ -147,18 +148,14 @@ fn elements<'a>(xml: &'a str, visit: Visit<'_, 'a>) -> Result<(), String> {
                 visit(&path, None);
             }
             Event::Text(text) if text.trim().is_empty() => {}
-            Event::Text(text) => visit(&path, Some(trimmed(text))),
+            Event::Text(Cow::Borrowed(text)) => visit(&path, Some(Cow::Borrowed(text.trim()))),
+            Event::Text(Cow::Owned(text)) => {
+                visit(&path, Some(Cow::Owned(text.trim().to_owned())));
+            }
             Event::End(_) => {
                 path.pop();
             }
         }
     }
     Ok(())
-}
-
-fn trimmed(text: Cow<'_, str>) -> Cow<'_, str> {
-    match text {
-        Cow::Borrowed(text) => Cow::Borrowed(text.trim()),
-        Cow::Owned(text) => Cow::Owned(text.trim().to_owned()),
-    }
 }

@@ -70,12 +70,12 @@ pub(super) fn remove_jitter(times: &mut [f64], rate_hz: f64) -> Vec<String> {
         let interval_s = interval_s(&times[part.clone()], rate_hz, lasts);
         let mut late = Late::new(&times[part.clone()], interval_s, lasts);
         late.end_stalls();
-        let (found, jitter_s) = late.gaps();
+        let (own_gaps, jitter_s) = late.gaps();
         let from = part.start;
         let times = &mut times[part];
         let stamps = late.times();
-        let lines = straight_lines(times, &stamps, found.iter().map(|gap| gap.behind).collect());
-        gaps.extend(found.into_iter().map(|gap| Gap { behind: from + gap.behind, ..gap }));
+        let lines = straight_lines(times, &stamps, own_gaps.iter().map(|gap| gap.behind).collect());
+        gaps.extend(own_gaps.into_iter().map(|gap| Gap { behind: from + gap.behind, ..gap }));
         let residuals: Vec<f64> = times.iter().zip(&stamps).map(|(on, at)| at - on).collect();
         by_rate += (times[times.len() - 1] - times[0]) * rate_hz + 1.0;
         hides_gaps |= jitter_s > LEAST_LOST * interval_s;
@@ -114,10 +114,10 @@ pub(super) fn remove_jitter(times: &mut [f64], rate_hz: f64) -> Vec<String> {
              changed, and times may be wrong; dejitter = false in [time] keeps the recorded ones"
         ));
     }
-    let found_hz = intervals as f64 / spanned_s;
-    if (found_hz / rate_hz - 1.0).abs() > RATE_OFF {
+    let recorded_hz = intervals as f64 / spanned_s;
+    if (recorded_hz / rate_hz - 1.0).abs() > RATE_OFF {
         doubts.push(format!(
-            "the stream says {rate_hz} Hz, and {found_hz:.1} samples per second were recorded"
+            "the stream says {rate_hz} Hz, and {recorded_hz:.1} samples per second were recorded"
         ));
     }
     doubts
@@ -146,18 +146,17 @@ fn straight_lines(times: &mut [f64], stamps: &[f64], mut breaks: Vec<usize>) -> 
 /// Behind which samples the clock ran backwards: all are earlier, by the rate, than all up to it, by more
 /// than either differ among themselves.
 fn set_back(times: &[f64], interval_s: f64, lasts: usize) -> Vec<usize> {
-    let ends_of = |samples: Range<usize>| {
-        samples
-            .map(|i| times[i] - i as f64 * interval_s)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), late| {
-                (late.min(least), late.max(most))
-            })
-    };
     (0..times.len().saturating_sub(1))
         .filter(|i| times[i + 1] < times[*i] - BACKWARDS * interval_s)
         .filter(|i| {
-            let before = ends_of((i + 1).saturating_sub(lasts)..i + 1);
-            let behind = ends_of(i + 1..(i + 1 + lasts).min(times.len()));
+            let behind = (i + 1 + lasts).min(times.len());
+            let [before, behind] =
+                [(i + 1).saturating_sub(lasts)..i + 1, i + 1..behind].map(|samples| {
+                    let late = samples.map(|i| times[i] - i as f64 * interval_s);
+                    late.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), late| {
+                        (late.min(least), late.max(most))
+                    })
+                });
             before.0 - behind.1 > FALLS * (before.1 - before.0).max(behind.1 - behind.0)
         })
         .collect()
@@ -262,24 +261,25 @@ impl Late {
     fn gaps(&self) -> (Vec<Gap>, f64) {
         let late = &self.by_s;
         let lows = self.lows();
-        let rise = |from: usize, to: usize| late[lows[to]] - late[lows[from]];
+        let levels: Vec<f64> = lows.iter().map(|low| late[*low]).collect();
         let mut delays = self.delays_s();
         delays.sort_by(f64::total_cmp);
         let most = (MOST * delays.len().saturating_sub(1) as f64) as usize;
         let jitter_s = delays.get(most).copied().unwrap_or(0.0);
-        let falls = (self.lasts..late.len()).map(|i| -rise(i - self.lasts, i));
+        let falls = (self.lasts..late.len()).map(|i| -(levels[i] - levels[i - self.lasts]));
         let limit_s = (LEAST_LOST * self.interval_s).max(FALLS * falls.fold(0.0, f64::max));
         let is_short = late.len() < FEW * self.lasts;
         let mut gaps: Vec<Gap> = Vec::new();
         for (i, low) in lows.iter().enumerate().skip(1) {
-            let lasts_s = rise(i - 1, i);
+            let lasts_s = levels[i] - levels[i - 1];
             let few_tell = is_short || i + self.lasts > late.len();
             if lasts_s <= if few_tell { limit_s.max(LATES * jitter_s) } else { limit_s } {
                 continue;
             }
             // The largest step, the first of equal ones, up to the sample that is in time again.
-            let step = |at: &usize| late[*at] - late[*at - 1];
-            let largest = (i..=*low).rev().max_by(|a, b| step(a).total_cmp(&step(b)));
+            let largest = (i..=*low)
+                .rev()
+                .max_by(|a, b| (late[*a] - late[*a - 1]).total_cmp(&(late[*b] - late[*b - 1])));
             gaps.push(Gap { behind: largest.unwrap_or(i) - 1, lasts_s });
         }
         (gaps, jitter_s)
@@ -293,11 +293,15 @@ fn straighten(values: &mut [f64]) {
     let Some(first) = values.first().copied().filter(|_| values.len() > 1) else { return };
     let middle = (n - 1.0) / 2.0;
     let mean = values.iter().map(|v| v - first).sum::<f64>() / n;
-    let around = |i: usize| i as f64 - middle;
-    let slope = values.iter().enumerate().map(|(i, v)| around(i) * (v - first - mean)).sum::<f64>()
+    // Σ (i − middle)² = n (n² − 1) / 12.
+    let slope = values
+        .iter()
+        .enumerate()
+        .map(|(i, v)| (i as f64 - middle) * (v - first - mean))
+        .sum::<f64>()
         / (n * (n * n - 1.0) / 12.0);
     for (i, value) in values.iter_mut().enumerate() {
-        *value = first + (mean + slope * around(i));
+        *value = first + (mean + slope * (i as f64 - middle));
     }
 }
 

@@ -26,15 +26,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use zwidth_store::StoreError;
 
-/// Which times of an XDF stream are taken.
+/// The times of an XDF stream that are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum XdfClock {
-    /// Those of its samples as they stand in the file, on the stream's own clock.
+    /// The times of its samples as recorded, on the stream's own clock.
     Recorded,
     /// The first of them, and from there on by the rate that the stream names.
     Nominal,
-    /// Those on the recorder's clock.
+    /// The times on the recorder's clock.
     #[default]
     Corrected,
 }
@@ -49,13 +49,20 @@ const MOST_OFFSETS: usize = 1 << 16;
 const MOST_OFF: f64 = 0.01;
 const MOST_OFF_S: f64 = 0.1;
 
-/// What is read of a stream before its samples.
+/// The parts of a stream that are read before its samples.
 struct Stream {
     header: Result<Header, String>,
     offsets: Vec<Offset>,
     /// The samples that its footer counts.
     counted: Option<u64>,
     has_samples: bool,
+}
+
+impl Stream {
+    /// Its name; none where its header cannot be read.
+    fn name(&self) -> &str {
+        self.header.as_ref().map_or("", |header| &header.name)
+    }
 }
 
 /// Reads a stream: its times, then its channels. `wanted` names it, by its name or its number.
@@ -83,20 +90,21 @@ pub(super) fn read(
     })?;
     let mut samples = Samples::new(header, take);
     let lost = walk(bytes, &mut |chunk| {
+        // Chunks of other streams are sound without being read.
         chunk.tag != Tag::Samples || chunk.stream != number || samples.add(header, chunk.content)
     });
     let damaged = damage(&lost);
     samples.check(path)?;
     let lost = samples.lost(stream.counted, damaged.is_some());
     let mut table = Table { told: damaged.into_iter().collect(), lost, ..Table::default() };
-    table.told.extend(samples.told(stream.counted));
+    table.told.extend(samples.notes(stream.counted));
     let mut times = std::mem::take(&mut samples.times);
     match clock {
         XdfClock::Recorded => {
             table.told.push("times are on the stream's own clock, as recorded".to_owned());
         }
         XdfClock::Nominal => {
-            let doubt = at_the_nominal_rate(&mut times, header.rate_hz);
+            let doubt = nominal_times(&mut times, header.rate_hz);
             table.doubts.extend(
                 doubt.map_err(|what| {
                     StoreError::new(path, what, "choose another clock in [time]")
@@ -104,8 +112,8 @@ pub(super) fn read(
             );
         }
         XdfClock::Corrected => {
-            let (told, doubts) = on_our_clock(&mut times, stream, header.rate_hz);
-            table.told.extend(told);
+            let (notes, doubts) = correct_times(&mut times, stream, header.rate_hz);
+            table.told.extend(notes);
             table.doubts.extend(doubts);
         }
     }
@@ -119,6 +127,7 @@ pub(super) fn read(
     let units = header.units.iter().enumerate().filter(|(_, unit)| !unit.is_empty());
     let units = units.map(|(i, unit)| (i + 1, Declared { unit: unit.clone(), is_type: false }));
     table.units = units.collect();
+    // The format has times in s.
     table.units.insert(0, Declared { unit: "s".to_owned(), is_type: true });
     table.names = Some(std::iter::once(TIME.to_owned()).chain(named).collect());
     let time = if take.wants(0, Some(TIME)) {
@@ -130,7 +139,7 @@ pub(super) fn read(
     Ok(table)
 }
 
-/// What is said of bytes that hold no whole chunk.
+/// A note on bytes that hold no whole chunk.
 fn damage(lost: &Lost) -> Option<String> {
     let Lost { stretches, bytes, first, at_end } = *lost;
     let from = first + 1;
@@ -157,6 +166,7 @@ fn streams(bytes: &[u8]) -> Result<BTreeMap<u32, Stream>, String> {
                 too_many = Some(format!("the file has more than {MOST_COLUMNS} streams"));
             } else {
                 let new = Stream { header, offsets: Vec::new(), counted: None, has_samples: false };
+                // The first header of a number counts.
                 streams.entry(chunk.stream).or_insert(new);
             }
             return true;
@@ -189,23 +199,18 @@ fn choose(
     streams: &BTreeMap<u32, Stream>,
     wanted: Option<&str>,
 ) -> Result<u32, StoreError> {
-    let name = |stream: &Stream| match &stream.header {
-        Ok(header) => header.name.clone(),
-        Err(_) => String::new(),
-    };
-    let is_meant = |number: u32, stream: &Stream| match wanted {
-        Some(wanted) => name(stream) == wanted || number.to_string() == wanted,
+    let meant = streams.iter().filter(|(number, stream)| match wanted {
+        Some(wanted) => stream.name() == wanted || number.to_string() == wanted,
         None => stream.has_samples,
-    };
-    let meant: Vec<u32> =
-        streams.iter().filter(|(n, s)| is_meant(**n, s)).map(|(number, _)| *number).collect();
+    });
+    let meant: Vec<u32> = meant.map(|(number, _)| *number).collect();
     if let [number] = meant[..] {
         return Ok(number);
     }
     let list: Vec<String> = streams
         .iter()
         .take(MOST_LISTED)
-        .map(|(number, stream)| format!("{number} '{}'", shown(&name(stream))))
+        .map(|(number, stream)| format!("{number} '{}'", shown(stream.name())))
         .collect();
     let more = if streams.len() > MOST_LISTED { ", …" } else { "" };
     let list = list.join(", ") + more;
@@ -228,28 +233,30 @@ fn choose(
 /// Streams that an error lists.
 const MOST_LISTED: usize = 20;
 
-/// Puts times on the recorder's clock; what there is to be told, and why they may be wrong.
-fn on_our_clock(times: &mut [f64], stream: &Stream, rate_hz: f64) -> (Vec<String>, Vec<String>) {
-    let mut told = Vec::new();
+/// Puts times on the recorder's clock; notes for the report, and why they may be wrong.
+fn correct_times(times: &mut [f64], stream: &Stream, rate_hz: f64) -> (Vec<String>, Vec<String>) {
+    let mut notes = Vec::new();
     if stream.offsets.is_empty() {
-        told.push("no clock offsets were recorded: times are on the stream's own clock".to_owned());
+        notes
+            .push("no clock offsets were recorded: times are on the stream's own clock".to_owned());
     }
     let interval_s = if rate_hz > 0.0 { 1.0 / rate_hz } else { 0.0 };
     let Synchronised { all_used, doubts } = synchronise(times, &stream.offsets, interval_s);
     if !all_used {
-        told.push(
+        notes.push(
             "clock offsets of one and the same time are of no use: times are on the stream's own clock"
                 .to_owned(),
         );
     }
-    (told, doubts)
+    (notes, doubts)
 }
 
 /// Puts the samples at the rate that the stream names, from the first on; what that hides.
-fn at_the_nominal_rate(times: &mut [f64], rate_hz: f64) -> Result<Option<String>, String> {
+fn nominal_times(times: &mut [f64], rate_hz: f64) -> Result<Option<String>, String> {
     if rate_hz <= 0.0 {
         return Err("the stream names no rate, which clock = \"nominal\" asks for".to_owned());
     }
+    // A single sample has no length to compare.
     let [first, .., last] = *times else { return Ok(None) };
     for (i, time) in times.iter_mut().enumerate() {
         *time = first + i as f64 / rate_hz;

@@ -17,7 +17,7 @@ pub(super) struct Samples<'a> {
     lost: u64,
     /// Of all texts.
     text: usize,
-    /// What there is too much of.
+    /// Rows, cells or texts of which there are too many.
     over: Option<Over>,
     take: &'a Take<'a>,
 }
@@ -38,17 +38,17 @@ enum Over {
 
 impl<'a> Samples<'a> {
     pub(super) fn new(header: &Header, take: &'a Take<'a>) -> Self {
-        let channel = |place: usize| {
-            // Before them stands the time.
+        let channels = (0..header.channels).map(|place| {
             let name = Some(header.labels[place].as_str()).filter(|name| !name.is_empty());
             let other = format!("channel_{}", place + 1);
+            // Before them stands the time.
             match (take.wants(place + 1, name.or(Some(&other))), header.written) {
                 (false, _) => Channel::Unread,
                 (true, Written::Text) => Channel::Text(LargeStringBuilder::new()),
                 (true, _) => Channel::Numbers(Vec::new()),
             }
-        };
-        let channels = (0..header.channels).map(channel).collect();
+        });
+        let channels = channels.collect();
         Self { times: Vec::new(), channels, lost: 0, text: 0, over: None, take }
     }
 
@@ -72,6 +72,7 @@ impl<'a> Samples<'a> {
     fn sample(&mut self, header: &Header, content: &mut Bytes) -> Option<()> {
         let interval_s = if header.rate_hz > 0.0 { 1.0 / header.rate_hz } else { 0.0 };
         let time = match content.take(1)? {
+            // It has no time of its own.
             [0] => self.times.last().copied().unwrap_or(0.0) + interval_s,
             [8] => content.f64()?,
             _ => return None,
@@ -119,7 +120,7 @@ impl<'a> Samples<'a> {
     /// Whether there is no more than is read.
     ///
     /// # Errors
-    /// What there is too much of.
+    /// Rows, cells or texts of which there are too many.
     pub(super) fn check(&self, path: &Path) -> Result<(), StoreError> {
         match self.over {
             None => Ok(()),
@@ -132,18 +133,19 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// What is lost, and what the stream's footer counts besides what is there.
-    pub(super) fn told(&self, counted: Option<u64>) -> Vec<String> {
+    /// Notes on what is lost, and on what the stream's footer counts besides what is there.
+    pub(super) fn notes(&self, counted: Option<u64>) -> Vec<String> {
         let read = self.times.len() as u64;
-        let mut told = Vec::new();
+        let mut notes = Vec::new();
         if self.lost > 0 {
             let lost = self.lost;
-            told.push(format!("{lost} samples of damaged chunks are lost, {read} are read"));
+            notes.push(format!("{lost} samples of damaged chunks are lost, {read} are read"));
         }
         if let Some(counted) = counted.filter(|counted| *counted != read) {
-            told.push(format!("the stream's footer counts {counted} samples, and {read} are read"));
+            notes
+                .push(format!("the stream's footer counts {counted} samples, and {read} are read"));
         }
-        told
+        notes
     }
 
     /// What of the stream could not be read, in words; `is_damaged` says whether the file has bytes that
